@@ -19,16 +19,15 @@ if TYPE_CHECKING:
     from stickslip.control.optimum import Optimum as Optimum
     from stickslip.control.predict import predict as predict
     from stickslip.control.prediction import Prediction as Prediction
-    from stickslip.diagnosis.api import diagnose as diagnose
-    from stickslip.diagnosis.api import diagnose_model as diagnose_model
-    from stickslip.diagnosis.model import instruments as instruments
-    from stickslip.diagnosis.model.free_terms import FreeTerm as FreeTerm
-    from stickslip.diagnosis.model.problem import Cause as Cause
-    from stickslip.diagnosis.model.problem import CauseParameter as CauseParameter
-    from stickslip.diagnosis.model.problem import Uncertain as Uncertain
-    from stickslip.diagnosis.options import Options as Options
-    from stickslip.diagnosis.results import Diagnosis as Diagnosis
+    from stickslip.diagnosis.data.table import Table as Table
+    from stickslip.diagnosis.entry import diagnose as diagnose
+    from stickslip.diagnosis.entry import diagnose_model as diagnose_model
+    from stickslip.diagnosis.result import Diagnosis as Diagnosis
     from stickslip.diagnosis.rounds import diagnose_in_rounds as diagnose_in_rounds
+    from stickslip.diagnosis.terms import instruments as instruments
+    from stickslip.diagnosis.terms.cause import Cause as Cause
+    from stickslip.diagnosis.terms.laws import free_law as free_law
+    from stickslip.diagnosis.terms.parameter import Parameter as Parameter
     from stickslip.errors import ScenarioError as ScenarioError
     from stickslip.errors import SimulationError as SimulationError
     from stickslip.measurement.reading import Measurement as Measurement
@@ -81,12 +80,13 @@ _HOME = {
         "control.optimum": ("Optimum",),
         "control.predict": ("predict",),
         "control.prediction": ("Prediction",),
-        "diagnosis.api": ("diagnose", "diagnose_model"),
-        "diagnosis.model.free_terms": ("FreeTerm",),
-        "diagnosis.model.problem": ("Cause", "CauseParameter", "Uncertain"),
-        "diagnosis.options": ("Options",),
-        "diagnosis.results": ("Diagnosis",),
+        "diagnosis.data.table": ("Table",),
+        "diagnosis.entry": ("diagnose", "diagnose_model"),
+        "diagnosis.result": ("Diagnosis",),
         "diagnosis.rounds": ("diagnose_in_rounds",),
+        "diagnosis.terms.cause": ("Cause",),
+        "diagnosis.terms.laws": ("free_law",),
+        "diagnosis.terms.parameter": ("Parameter",),
         "errors": ("ScenarioError", "SimulationError"),
         "scenario.priors": ("Prior",),
         "measurement.reading": ("Measurement", "read_measurement"),
@@ -118,7 +118,7 @@ _HOME = {
     for name in names
 }
 # Modules that are public names themselves.
-_MODULES = {"instruments": "diagnosis.model.instruments", "plot": "plot"}
+_MODULES = {"instruments": "diagnosis.terms.instruments", "plot": "plot"}
 
 # Hidden from type checkers, which take the names from above: they read no computed list, and would
 # take any name for an attribute.

@@ -15,7 +15,7 @@ from stickslip.cli.targets import check_folder_target
 
 if TYPE_CHECKING:
     from stickslip.cli.next_table import Rounds
-    from stickslip.diagnosis.results import Diagnosis
+    from stickslip.diagnosis.result import Diagnosis
     from stickslip.measurement.reading import Measurement
 
 # Lines about what was left out that are said before the work; the report has all.
@@ -50,28 +50,22 @@ _SAID_FIRST = 3
 )
 @JSON
 @click.option("--seed", type=WholeNumber(0), default=0, show_default=True, help="Of all draws.")
-@click.option(
-    "--free-shapes",
-    is_flag=True,
-    help="Fit curves of a free shape at the laws of the model too, also where a cause is found.",
-)
 @THREADS
 def command(
     measurement: Path,
     out: Path | None,
     as_json: bool,
     seed: int,
-    free_shapes: bool,
     threads: int | None,
     most: int | None = None,
     budget: int | None = None,
 ) -> None:
     """Find what in a MEASUREMENT (a TOML file) the model does not explain.
 
-    Recalibrates what is uncertain, tests whether anything is left, and says one of: none, named,
-    ambiguous, pair, unexplained, data-problem.
+    Recalibrates what is uncertain, tests whether anything is left, and says one of: named,
+    dominant, pair, ambiguous, unexplained, none, data-problem.
     """
-    from stickslip.diagnosis.report.html import report_files
+    from stickslip.diagnosis.report.files import report_files
     from stickslip.measurement import read_measurement
 
     if budget is not None and most is None:
@@ -89,7 +83,7 @@ def command(
     if out is not None:
         check_folder_target(out, files)
         data, rounds = _with_next(data, out, most, budget)
-    how = {"seed": seed, "threads": threads, "free_shapes": free_shapes}
+    how = {"seed": seed, "threads": threads}
     result = _diagnosed(data, out, how, as_json, rounds)
     _tell(result, as_json, rounds)
     if out is not None and not as_json:
@@ -119,7 +113,7 @@ def _diagnosed(
     rounds: Rounds | None,
 ) -> Diagnosis:
     """The diagnosis with its experiments, and its report where one is wanted, while a bar shows."""
-    from stickslip.diagnosis.api import diagnose
+    from stickslip.diagnosis.entry import diagnose
 
     bar = ProgressBar(
         "recalibrating", kept=lambda stage: "" if stage == "report" else "nothing written"
@@ -147,18 +141,9 @@ def _diagnosed(
 
 
 def _tell(result: Diagnosis, as_json: bool, rounds: Rounds | None) -> None:
-    from stickslip.diagnosis.report.messages import experiment_lines, parameter_lines
-
     if as_json:
         said = result.as_dict()
         click.echo(json_text(said if rounds is None else {**said, "next": rounds.as_dict(result)}))
         return
-    first, *others = result.verdict_lines()
-    lines = [first, *parameter_lines(result.findings), *others]
-    if rounds is None:
-        experiments = result.propose_experiments()
-        lines += experiment_lines(result.findings, experiments, result.posed.conditions)
-    else:
-        lines += rounds.lines(result)
-    for line in lines:
+    for line in [*result.summary().splitlines(), *(rounds.lines(result) if rounds else [])]:
         say(line)

@@ -13,8 +13,8 @@ from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import shown
 
 if TYPE_CHECKING:
-    from stickslip.diagnosis.inference.experiment_design import Experiment
-    from stickslip.diagnosis.results import Diagnosis
+    from stickslip.diagnosis.decision.experiments import Experiment
+    from stickslip.diagnosis.result import Diagnosis
     from stickslip.measurement.reading import Measurement
 
 TABLE, PREDICTIONS = "next.csv", "next-predictions.csv"
@@ -46,20 +46,18 @@ class Rounds:
 
     def proposed(self, result: Diagnosis) -> list[Experiment]:
         """What is to be measured next, within the budget."""
-        from stickslip.diagnosis.inference.next_step import worth_measuring
-
-        count = max(min(self.most, self.budget - self.measured), 0)
-        return worth_measuring(result.next_step, result.propose_experiments(count))
+        return result.worth_measuring(max(min(self.most, self.budget - self.measured), 0))
 
     def write(self, result: Diagnosis) -> None:
         """Write both tables, if something is proposed; what was filled in stays as it is."""
-        from stickslip.diagnosis.next_trials import prediction_table, setting_columns, trial_table
+        from stickslip.diagnosis.decision.experiments import prediction_table
+        from stickslip.diagnosis.result import setting_columns
 
         experiments = self.proposed(result)
         if not experiments or result.measurement is None:
             return
         path = self.folder / TABLE
-        trials = trial_table(experiments, result.measurement)
+        trials = result.trial_table(experiments)
         predictions = prediction_table(experiments, setting_columns(result.measurement))
         texts = {
             path: _below_what_was_measured(path, trials),
@@ -69,9 +67,8 @@ class Rounds:
 
     def lines(self, result: Diagnosis) -> list[str]:
         """What was read, whether the name is safe, and else what to measure and why."""
-        from stickslip.diagnosis.data.conditions import changes
-        from stickslip.diagnosis.inference.experiment_design import advice
-        from stickslip.facts import Code
+        from stickslip.diagnosis.decision.experiments import advice
+        from stickslip.diagnosis.report.amounts import title
 
         path = self.folder / TABLE
         lines = [f"  read from {path}: {self.trials} trials of {_count(self.measured)}"]
@@ -83,20 +80,20 @@ class Rounds:
                 f"  to measure: {_count(len(experiments))}, in {path}; {far}",
                 "    Fill in its column velocity (m/s), and run this command again.",
             ]
-        elif result.next_step.code in (Code.NEAR_RIVAL, Code.NO_SAFE_NAME):
+        elif result.next_step.code == "no-safe-name":
             lines.append(f"  nothing is proposed: {self._why_none()}")
         for number, each in enumerate(experiments, start=1):
-            lines.append(f"  {number}. {changes(each.drive, result.posed.conditions)}. {each.why}")
+            lines.append(f"  {number}. {each}")
             lines.append(f"     expected: {_expected(each)}")
-        return lines + [f"  beside the drive: {fact}" for fact in advice(result.findings)]
+        causes = result.verdict.causes if result.verdict.kind == "ambiguous" else ()
+        said = advice({name: title(name) for name in causes}, experiments)
+        return lines + [f"  beside the drive: {note}" for note in said]
 
     def as_dict(self, result: Diagnosis) -> dict[str, Any]:
         """The key `next` of ``--json``."""
-        from stickslip.facts import Code
-
         experiments = self.proposed(result)
         return {
-            "safe": result.next_step.code is Code.NAME_SAFE,
+            "safe": result.next_step.code == "name-safe",
             "why": str(result.next_step),
             "proposed": len(experiments),
             "measured": self.measured,
@@ -115,7 +112,7 @@ def with_measured(
     data: Measurement, folder: Path, most: int, budget: int
 ) -> tuple[Measurement, Rounds]:
     """The measurement with what was filled in since the last round, and how far this has come."""
-    from stickslip.diagnosis.next_trials import setting_columns
+    from stickslip.diagnosis.result import setting_columns
     from stickslip.measurement.new_trials import unmeasured
     from stickslip.measurement.tables import check_columns, read_rows
     from stickslip.measurement.velocity import velocity_units
@@ -135,7 +132,7 @@ def with_measured(
 
 def _check_owner(data: Measurement, folder: Path) -> None:
     """Refuse what was proposed for another measurement, as far as the report beside it tells."""
-    from stickslip.diagnosis.report.html import JSON
+    from stickslip.diagnosis.report.files import JSON
 
     path = folder / JSON
     try:
@@ -176,10 +173,10 @@ def _below_what_was_measured(path: Path, trials: Any) -> str:
 
 def _expected(experiment: Experiment) -> str:
     """What each candidate predicts, with the error of its fit."""
-    from stickslip.diagnosis.report.cause_words import rounded
+    from stickslip.diagnosis.report.amounts import amount, title
 
     return "; ".join(
-        f"{rounded(1e3 * each['velocity'], 1e3 * each['sd'])} mm/s with {name}"
+        f"{amount(each['velocity'], each['sd'], 'm/s')} with {title(name)}"
         for name, each in experiment.predictions.items()
     )
 

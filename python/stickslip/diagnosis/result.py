@@ -295,24 +295,32 @@ class Diagnosis(ShownBySummary):
         probability = 0.0 if fit is None else self.chance.models[fit.name]
         return design.next_step(self.verdict.kind, names, probability)
 
+    def worth_measuring(self, count: int = design.PROPOSED) -> list[design.Experiment]:
+        """Of the proposed experiments those that `next_step` needs."""
+        return design.worth_measuring(self.next_step, self.propose_experiments(count))
+
     def next_trials(self, count: int = design.PROPOSED) -> DataFrame:
         """The drives to measure next, a row for each trial, with an empty column `velocity`.
 
         When that is filled in, `Measurement.with_velocities` takes the table. None where
         `next_step` needs none.
         """
-        worth = design.worth_measuring(self.next_step, self.propose_experiments(count))
+        return self.trial_table(self.worth_measuring(count))
+
+    def trial_table(
+        self, experiments: Sequence[design.Experiment], trials: int = design.TRIALS
+    ) -> DataFrame:
+        """A row for each trial of some experiments, with an empty column `velocity`."""
         assert self.measurement is not None  # for a model of one's own none are proposed
         tables = self.measurement.velocity
-        conditions = [drive for each in tables for drive in each.conditions]
-        columns = design.setting_columns(conditions, self.measurement.scenario)
         beside: dict[str, Any] = {}
         if any(np.any(each.block >= 0) for each in tables):
             # All rounds may stand in one table; the number of conditions grows with each.
-            beside["block"] = f"after-{len(conditions)}"
+            beside["block"] = f"after-{sum(len(each.conditions) for each in tables)}"
         if any(np.any(np.isfinite(each.order)) for each in tables):
             beside["order"] = math.nan
-        return design.trial_table(worth, columns, **beside)
+        columns = setting_columns(self.measurement)
+        return design.trial_table(experiments, columns, trials, **beside)
 
     @property
     def extended(self) -> Scenario | dict[str, float]:
@@ -480,6 +488,12 @@ class Diagnosis(ShownBySummary):
         level, covariance, noise = self._apart(candidates, drives, design.TRIALS)
         names = [each.name for each in candidates]
         return design.choose(drives, names, level, covariance, noise, count=count, pairs=pairs)
+
+
+def setting_columns(measurement: Measurement) -> list[str]:
+    """Bare names of the settings of a table of drives to measure next."""
+    conditions = [drive for each in measurement.velocity for drive in each.conditions]
+    return design.setting_columns(conditions, measurement.scenario)
 
 
 def _table(columns: Mapping[str, Sequence[Any]]) -> DataFrame:

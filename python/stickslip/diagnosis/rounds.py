@@ -11,12 +11,10 @@ from numpy.typing import ArrayLike
 
 from stickslip._util.arrays import Array
 from stickslip._util.one_line import OneLine
-from stickslip.diagnosis.api import diagnose
-from stickslip.diagnosis.inference.experiment_design import PROPOSED
-from stickslip.diagnosis.inference.model_comparison import Progress
-from stickslip.diagnosis.inference.next_step import worth_measuring
-from stickslip.diagnosis.next_trials import trial_table
-from stickslip.diagnosis.results import Diagnosis
+from stickslip.diagnosis.decision.experiments import PROPOSED
+from stickslip.diagnosis.entry import diagnose
+from stickslip.diagnosis.fitting.search import Progress
+from stickslip.diagnosis.result import Diagnosis
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import Value, check_whole, refuse, shown
@@ -114,12 +112,11 @@ def diagnose_in_rounds(
 
 def _measured(result: Diagnosis, measure: _Measure, count: int) -> list[DataFrame]:
     """A table of trials for each of the drives to measure next that could be measured."""
-    assert result.measurement is not None
     tables = []
-    for each in worth_measuring(result.next_step, result.propose_experiments(count)):
+    for each in result.worth_measuring(count):
         velocities = _velocities(measure, dict(each.drive))
         if len(velocities):
-            trials = trial_table([each], result.measurement, len(velocities))
+            trials = result.trial_table([each], len(velocities))
             tables.append(trials.assign(velocity=velocities))
     return tables
 

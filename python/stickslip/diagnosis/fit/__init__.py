@@ -1,1 +1,0 @@
-"""Fits: of the model without a cause, of single causes, of pairs, and along one parameter."""

@@ -1,1 +1,0 @@
-"""Films of one run: frames folded on the drive's phase, and their motion over a pulse."""
