@@ -303,7 +303,7 @@ def reduce(
         inverse * both
     )
     # What the draws leave of the size, and that of s itself.
-    return matrix, mean, 1.0 / (1.0 / satterthwaite(scale, weight) + 1.0 / max(dof, 1e-9))
+    return matrix, mean, 1.0 / (1.0 / satterthwaite(scale, weight)[1] + 1.0 / max(dof, 1e-9))
 
 
 def _whitening(place: Indices, phi: float) -> Array:
