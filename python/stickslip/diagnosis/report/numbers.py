@@ -431,7 +431,8 @@ def _conditions(result: Diagnosis) -> list[dict[str, Any]]:
             unit = unit_of(table, i)
             rows.append({
                 "table": table_name(problem, k), "number": i + 1, "row": row,
-                "where": in_words(settings, i), "settings": {name: settings[name][0][i] for name in settings},
+                "where": in_words(settings, i),
+                "settings": {name: values[i] for name, (values, _) in settings.items()},
                 "unit": unit, "reading": float(problem.y[row]), "sd": float(problem.sd[row]),
                 "readings": int(counts[i]),
                 **{name: float(of[row]) for name, of in models.items()},

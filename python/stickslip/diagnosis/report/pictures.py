@@ -104,10 +104,12 @@ class Plots:
         axes = figure.subplots()
         fit = self._result.verdict.fit
         claimed = None if fit is None else fit.name
-        for name, value in reversed(shown):
-            said = shortened(amounts.title(name), 48)
-            axes.barh(said, max(value, 1e-6), color=VERMILION if name == claimed else DARK_GREY)
-            axes.text(max(value, 1e-6) * 1.15, said, amounts.percent(value, True), va="center")
+        for place, (name, value) in enumerate(shown):
+            size = max(value, 1e-6)
+            axes.barh(place, size, color=VERMILION if name == claimed else DARK_GREY)
+            axes.text(size * 1.15, place, amounts.percent(value, True), va="center")
+        axes.set_yticks(range(len(shown)), [shortened(amounts.title(n), 48) for n, _ in shown])
+        axes.invert_yaxis()
         ticks = range(-6, 1)
         axes.set(xscale="log", xlim=(1e-6, 30.0), xlabel="probability")
         axes.set_xticks([10.0**k for k in ticks], [amounts.power(k) if k else "1" for k in ticks])
@@ -117,7 +119,8 @@ class Plots:
 
     def cosines(self) -> Figure | None:
         """How alike the effects of the leading causes are on these data; None of fewer than two."""
-        result, effects = self._result, {}
+        result = self._result
+        effects: dict[str, Array] = {}
         if not result.fitted:
             return None
         for each in result.findings.responses:
@@ -141,7 +144,7 @@ class Plots:
             range(len(names)),
             [f"{shortened(amounts.title(name), 44)}  {k}" for k, name in enumerate(names, start=1)],
         )
-        axes.set_xticks(range(len(names)), range(1, len(names) + 1))
+        axes.set_xticks(range(len(names)), [str(k + 1) for k in range(len(names))])
         return figure
 
     def film(self, table: int) -> Figure | None:
@@ -298,7 +301,7 @@ class Plots:
         fit = self._result.verdict.fit
         if name == "recalibrated" or fit is None:
             return "recalibrated model"
-        return shortened(f"with {amounts.title(fit.name)}", 50)
+        return f"with {amounts.title(fit.name)}"
 
     def _check(self, table: int) -> None:
         if not 0 <= table < len(self._tables):
@@ -404,7 +407,7 @@ def _figure(panels: Sequence[Panel], draw: Any, alone: bool = False) -> Figure:
         handles, labels = axes.get_legend_handles_labels()
         shown |= {label: handle for handle, label in zip(handles, labels, strict=True)}
     longest = max(map(len, shown), default=1)
-    figure.legend(list(shown.values()), list(shown), loc="outside lower center",
+    figure.legend(list(shown.values()), [shortened(each, 50) for each in shown], loc="outside lower center",
                   ncols=max(1, min(4, int(9.0 * size[0] / (longest + 7)))), frameon=False,
                   fontsize=9)  # fmt: skip
     return figure
