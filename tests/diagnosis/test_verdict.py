@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from toys import BEND, STEP, TWIN, WAVE, data, problem, shapes
 
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.posterior import posterior
 from stickslip.diagnosis.steps import run
+from toys import BEND, STEP, TWIN, WAVE, data, problem, shapes
 
 X = np.linspace(1.0, 3.0, 30)
 ALONE = (WAVE, STEP, BEND)

@@ -83,9 +83,9 @@ def run(
 
 
 def _explained(models: Models) -> bool:
-    """Whether the likeliest model is one that leaves no more than the errors as they are stated."""
-    first = models.leaders(1)[0]
-    return first.form == "none" and adequacy(models.problem, first) >= ADEQUATE
+    """Whether the likeliest causes leave no more than the errors as they are stated."""
+    plain = models.get(models.leaders(1)[0].names)
+    return plain is not None and adequacy(models.problem, plain) >= ADEQUATE
 
 
 def _with_own_errors(problem: Problem, null: Fit, seed: int) -> tuple[Problem, Fit]:
