@@ -63,7 +63,9 @@ class Models:
         self.problem, self.offered = problem, tuple(offered)
         self.forms: dict[str, Form] = forms(problem)
         self.best: dict[tuple[frozenset[str], str], Fit] = {}
+        # Draws of the leading sets of causes, and what Laplace's rule misses of their evidence.
         self.draws: dict[frozenset[str], Draws] = {}
+        self.corrections: dict[frozenset[str], float] = {}
 
     def add(self, new: Fit) -> Fit:
         """Keep a fit if it is the best of its model."""
@@ -79,6 +81,7 @@ class Models:
         for key, each in self.best.items():
             x = np.concatenate([each.x, np.zeros(problem.size - len(each.x))])
             wider.best[key] = replace(each, x=x)
+        wider.corrections = dict(self.corrections)
         return wider
 
     def get(self, causes: Iterable[str] = (), form: str = "none") -> Fit | None:
@@ -92,7 +95,8 @@ class Models:
 
     def log_posterior(self, one: Fit) -> float:
         """Log-evidence and log prior probability of a model, up to what all have."""
-        return one.log_evidence + log_prior(one.causes, one.form, len(self.offered))
+        prior = log_prior(one.causes, one.form, len(self.offered))
+        return one.log_evidence + self.corrections.get(one.names, 0.0) + prior
 
     def leaders(self, count: int | None = None, form: str | None = None) -> list[Fit]:
         """Models by their posterior, the best first."""
@@ -200,7 +204,7 @@ def _draw(models: Models, seed: int) -> None:
     sets: dict[frozenset[str], Fit] = {}
     for each in _near(models):
         sets.setdefault(each.names, each)
-    for names, each in list(sets.items())[:_DRAWN]:
+    for names, each in [pair for pair in sets.items() if pair[0] not in models.draws][:_DRAWN]:
         form = models.forms[each.form]
         found = drawn(problem, form, each, seed)
         if found is None:
@@ -213,10 +217,7 @@ def _draw(models: Models, seed: int) -> None:
             found = drawn(problem, form, each, seed) or found
         models.draws[names] = found
         if found.effective > FEWEST:
-            for key, one in models.best.items():
-                if key[0] == names:
-                    higher = one.log_evidence + found.correction
-                    models.best[key] = replace(one, log_evidence=higher)
+            models.corrections[names] = found.correction
 
 
 def screened(models: Models, found: Sequence[Response]) -> None:

@@ -94,6 +94,7 @@ def page(result: Diagnosis, numbers: dict[str, Any]) -> str:
         a=amounts,
         drawing=lambda name, way: Markup(drawing(name, way)),
         changes=[(text, svg(each)) for text, each in plots.changes(main)] if drawable else [],
+        key=plots.key(main) if drawable else [],
         fits=fits,
         films=[each for each in films if each[1]],
         law=svg(plots.law()),

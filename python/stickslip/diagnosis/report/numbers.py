@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import statistics
 from collections.abc import Mapping
 from html import unescape
 from typing import TYPE_CHECKING, Any
@@ -63,6 +64,7 @@ def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
         "conditions": _conditions(result),
         "channels": _channels(result),
         "claimed": [],
+        "moved": None,
         "leader": None,
         "runner_up": None,
         "common": [amounts.title(each) for each in verdict.common],
@@ -127,6 +129,7 @@ def _of_models(result: Diagnosis) -> dict[str, Any]:
         "leader": None if told is None else _leader(result, best),
         "runner_up": None if verdict.kind == "unexplained" else _runner_up(result, told),
         "recalibrated": _recalibrated(result),
+        "moved": _moved(result),
         "deciding_readings": [] if told is None else _deciding(result, told),
         "alike": [] if told is None else _alike(result, told),
         "bounds": _bounds(result) if verdict.kind == "none" else {},
@@ -163,11 +166,6 @@ def _told(result: Diagnosis, candidate: Candidate) -> dict[str, Any]:
         if each.curve is not None:
             said |= {"title": f"another law of {each.curve.name}", "curve": each.curve.name,
                      "finding": f"The law of {each.curve.name} has another shape."}  # fmt: skip
-        said["reading"] = each.read is not None or not set(sizes[each.name]) & set(known_keys())
-        said["intervals"] = [
-            amounts.between(key, each["low"], each["high"], each["unit"])
-            for key, each in sizes[each.name].items()
-        ]
         causes.append(said)
     chance = result.chance.models[candidate.name]
     return {"candidate": candidate.name, "title": amounts.title(candidate.name),
@@ -238,6 +236,12 @@ def _recalibrated(result: Diagnosis) -> dict[str, Any]:
     return found
 
 
+def _moved(result: Diagnosis) -> dict[str, Any] | None:
+    """The constant that the recalibrated model has moved farthest."""
+    pulls = abs(result.recalibrated.params["pull"])
+    return {"name": pulls.idxmax(), "pull": float(pulls.max())} if len(pulls) else None
+
+
 def _deciding(result: Diagnosis, told: Fit) -> list[dict[str, Any]]:
     """The readings that tell a model from its runner-up, by the difference of log-likelihood."""
     models, problem = result.findings.models, result.problem
@@ -299,7 +303,7 @@ def _gain(result: Diagnosis) -> dict[str, Any] | None:
         return None
     found, best = gain.as_dict(), -math.inf
     for k, (table, part) in enumerate(zip(result.problem.tables, result.problem.rows, strict=True)):
-        name = table_name(result.problem, k)
+        name = table.name or f"table {k + 1}"
         before, after = gain.mae_before[name], gain.mae_after[name]
         change = abs(before - after) / float(np.median(result.problem.sd[part]))
         if change > best and not isinstance(table, FilmTable):
@@ -325,9 +329,15 @@ def _experiments(result: Diagnosis) -> list[dict[str, Any]]:
 
 # ------------------------------------------------------------------------------ readings
 def title_of(table: Table, k: int) -> str:
-    """What a table is called."""
-    if isinstance(table, VelocityTable):
-        return "velocities"
+    """What readings of a table are called."""
+    for kind, words in (
+        (VelocityTable, "velocities"),
+        (AngleTable, "angles"),
+        (FieldTable, "fields"),
+    ):
+        if isinstance(table, kind):
+            number = str(getattr(table, "title", "")).rpartition(" ")[2]
+            return f"{words} {number}" if number.isdigit() else words
     return str(getattr(table, "title", "") or table.name or f"table {k + 1}")
 
 
@@ -353,6 +363,7 @@ def settings_of(table: Table) -> dict[str, tuple[list[Any], str]]:
         names = ["setting"] if count == 1 else [f"setting {k + 1}" for k in range(count)]
         columns = dict(zip(names, array.T, strict=True))
     known = known_keys() if isinstance(table, VelocityTable) else {}
+    columns = {key: columns[key] for key in known if key in columns} or columns
     own = _UNITS if isinstance(table, AngleTable | FieldTable) else {}
     return {
         name.removeprefix("drive."): (
@@ -369,12 +380,32 @@ def varied(settings: Mapping[str, tuple[list[Any], str]]) -> list[str]:
     return [name for name, (values, _) in settings.items() if len(set(values)) > 1]
 
 
-def setting_text(value: Any, unit: str) -> str:
-    """A setting as in ``3 mT``; words as they are."""
-    if isinstance(value, str | bool):
-        return str(value)
+def setting_text(name: str, value: Any, unit: str) -> str:
+    """A setting as in ``peak 3 mT``; words as they are."""
+    if isinstance(value, str):
+        return value
     factor, shown = handy(unit)
-    return f"{float(value) * factor:.5g} {shown}".rstrip()
+    return f"{name} {float(value) * factor:.5g} {shown}".rstrip()
+
+
+def usual_of(settings: Mapping[str, tuple[list[Any], str]]) -> dict[str, Any]:
+    """Of the numbers that vary the value that most conditions have, by name."""
+    names = [n for n in varied(settings) if not isinstance(settings[n][0][0], str)]
+    return {name: statistics.mode(settings[name][0]) for name in names}
+
+
+def in_words(settings: Mapping[str, tuple[list[Any], str]], i: int) -> str:
+    """A condition by its words, the number that varies most, and those that are unusual."""
+    usual = usual_of(settings)
+    most = max(usual, key=lambda name: len(set(settings[name][0])), default="")
+    words = [each for each in varied(settings) if each not in usual]
+    said = [" ".join(str(settings[name][0][i]) for name in words)] if words else []
+    said += [
+        setting_text(name, settings[name][0][i], settings[name][1])
+        for name, value in usual.items()
+        if name == most or settings[name][0][i] != value
+    ]
+    return ", ".join(said)
 
 
 def predictions(result: Diagnosis) -> dict[str, Array]:
@@ -395,16 +426,13 @@ def _conditions(result: Diagnosis) -> list[dict[str, Any]]:
     problem, models, rows = result.problem, predictions(result), []
     for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
         settings = settings_of(table)
-        named = varied(settings) or list(settings)
         counts = np.bincount(table.condition)
         for i, row in enumerate(range(part.start, part.stop)):
             unit = unit_of(table, i)
-            where = ", ".join(
-                f"{name} {setting_text(settings[name][0][i], settings[name][1])}" for name in named
-            )
             rows.append({
-                "table": table_name(problem, k), "number": i + 1, "row": row, "where": where,
-                "settings": {name: settings[name][0][i] for name in settings},
+                "table": table_name(problem, k), "number": i + 1, "row": row,
+                "where": in_words(settings, i),
+                "settings": {name: values[i] for name, (values, _) in settings.items()},
                 "unit": unit, "reading": float(problem.y[row]), "sd": float(problem.sd[row]),
                 "readings": int(counts[i]),
                 **{name: float(of[row]) for name, of in models.items()},

@@ -33,6 +33,7 @@ from stickslip.diagnosis.report.numbers import (
     settings_of,
     title_of,
     unit_of,
+    usual_of,
     varied,
 )
 from stickslip.errors import ScenarioError
@@ -43,7 +44,7 @@ if TYPE_CHECKING:
     from stickslip.diagnosis.result import Diagnosis
 
 _COLOURS = {"recalibrated": BLUE, "extended": VERMILION}
-_MARKERS = "osD^v<>Ph*"
+_MARKERS, _SIGNS = "osD^v<>Ph*", "●■◆▲▼◀▶✚⬢★"
 _ROW = "row"
 _MOST_PANELS, _MOST_RANKED, _MOST_COSINES = 8, 12, 12
 _FEW = 3  # places of a setting below which nothing is seen over it
@@ -61,12 +62,15 @@ class Panel:
         Name of the setting.
     groups : dict of ndarray
         Rows of the problem, in the order of the setting, by the other settings in words.
+    markers : dict of str
+        Of the groups.
     """
 
     title: str
     table: int
     over: str
     groups: dict[str, Indices]
+    markers: dict[str, str]
 
 
 class Plots:
@@ -100,17 +104,23 @@ class Plots:
         axes = figure.subplots()
         fit = self._result.verdict.fit
         claimed = None if fit is None else fit.name
-        for name, value in reversed(shown):
-            said = shortened(amounts.title(name), 48)
-            axes.barh(said, max(value, 1e-6), color=VERMILION if name == claimed else DARK_GREY)
-            axes.text(max(value, 1e-6) * 1.15, said, amounts.percent(value), va="center")
+        for place, (name, value) in enumerate(shown):
+            size = max(value, 1e-6)
+            axes.barh(place, size, color=VERMILION if name == claimed else DARK_GREY)
+            axes.text(size * 1.15, place, amounts.percent(value, True), va="center")
+        axes.set_yticks(range(len(shown)), [shortened(amounts.title(n), 48) for n, _ in shown])
+        axes.invert_yaxis()
+        ticks = range(-6, 1)
         axes.set(xscale="log", xlim=(1e-6, 30.0), xlabel="probability")
+        axes.set_xticks([10.0**k for k in ticks], [amounts.power(k) if k else "1" for k in ticks])
+        axes.minorticks_off()
         axes.spines[["top", "right"]].set_visible(False)
         return figure
 
     def cosines(self) -> Figure | None:
         """How alike the effects of the leading causes are on these data; None of fewer than two."""
-        result, effects = self._result, {}
+        result = self._result
+        effects: dict[str, Array] = {}
         if not result.fitted:
             return None
         for each in result.findings.responses:
@@ -130,8 +140,11 @@ class Plots:
             dark = table[i, j] > 0.7
             axes.text(j, i, f"{table[i, j]:.2f}", ha="center", va="center", fontsize=8,
                       color="#fffffe" if dark else "#000001")  # fmt: skip
-        axes.set_yticks(range(len(names)), [shortened(amounts.title(n), 44) for n in names])
-        axes.set_xticks(range(len(names)), range(1, len(names) + 1))
+        axes.set_yticks(
+            range(len(names)),
+            [f"{shortened(amounts.title(name), 44)}  {k}" for k, name in enumerate(names, start=1)],
+        )
+        axes.set_xticks(range(len(names)), [str(k + 1) for k in range(len(names))])
         return figure
 
     def film(self, table: int) -> Figure | None:
@@ -196,29 +209,39 @@ class Plots:
 
     # ---------------------------------------------------------------- panels of a table
     def panels(self, k: int, over: str) -> list[Panel]:
-        """Rows of a table by words and components in panels, and by other settings in groups."""
+        """Rows of a table by words in panels, and by other settings in groups.
+
+        A group is told by the settings in which it differs from most rows, and has the same marker
+        in all panels.
+        """
         table, first = self._tables[k], self._result.problem.rows[k].start
         settings = settings_of(table)
         others = [name for name in varied(settings) if name != over]
         words = [name for name in others if isinstance(settings[name][0][0], str)]
-        numbers = [name for name in others if name not in words]
-        at = _along(table, over)[0]
+        usual = {n: value for n, value in usual_of(settings).items() if n != over}
         found: dict[str, dict[str, list[int]]] = {}
-        for row in np.argsort(at, kind="stable").tolist():
-            panel = ", ".join(str(settings[name][0][row]) for name in words)
+        for row in np.argsort(_along(table, over)[0], kind="stable").tolist():
+            panel = " ".join(settings[name][0][row] for name in words)
             group = ", ".join(
-                f"{name} {setting_text(settings[name][0][row], settings[name][1])}"
-                for name in numbers
+                setting_text(name, settings[name][0][row], settings[name][1])
+                for name, value in usual.items()
+                if settings[name][0][row] != value
             )
             found.setdefault(panel, {}).setdefault(group, []).append(first + row)
+        names = sorted({group for groups in found.values() for group in groups})
+        if len(names) > len(_MARKERS):
+            # Too many to tell apart: all rows alike.
+            found = {
+                panel: {"": sorted(row for rows in groups.values() for row in rows)}
+                for panel, groups in found.items()
+            }
+            names = [""]
+        markers = dict(zip(names, _MARKERS, strict=False))
         panels = []
-        for title in sorted(found):
-            groups = found[title]
-            if len(groups) > len(_MARKERS):
-                # Too many to tell apart: all rows alike.
-                groups = {"": [row for rows in groups.values() for row in rows]}
-            panels.append(Panel(title, k, over, {g: np.array(rows) for g, rows in groups.items()}))
-        return panels[:_MOST_PANELS]
+        for title in sorted(found)[:_MOST_PANELS]:
+            groups = {n: np.array(found[title][n]) for n in names if n in found[title]}
+            panels.append(Panel(title, k, over, groups, markers))
+        return panels
 
     def changes(self, k: int) -> list[tuple[str, Figure]]:
         """A picture for each panel of `residuals`, with its alternative text."""
@@ -234,6 +257,18 @@ class Plots:
             )
             figure = _figure([each], lambda axes, panel: self._draw_change(axes, panel), alone=True)
             found.append((text, figure))
+        return found
+
+    def key(self, k: int) -> list[tuple[str, str, str]]:
+        """What the signs of `changes` stand for: a sign, its colour, and words."""
+        signs = dict(zip(_MARKERS, _SIGNS, strict=True))
+        markers = {
+            m for each in self.panels(k, self._best_setting(k)) for m in each.markers.items()
+        }
+        found = [(signs[m], "ink", group or "measured") for group, m in sorted(markers)]
+        found.append(("\N{EM DASH}", BLUE, self._label("recalibrated")))
+        if "extended" in self._models:
+            found.append(("\N{EM DASH}", VERMILION, self._label("extended")))
         return found
 
     def main_table(self) -> int:
@@ -262,6 +297,12 @@ class Plots:
     def _tables(self) -> Sequence[Table]:
         return self._result.problem.tables
 
+    def _label(self, name: str) -> str:
+        fit = self._result.verdict.fit
+        if name == "recalibrated" or fit is None:
+            return "recalibrated model"
+        return f"with {amounts.title(fit.name)}"
+
     def _check(self, table: int) -> None:
         if not 0 <= table < len(self._tables):
             count = len(self._tables)
@@ -280,11 +321,13 @@ class Plots:
             return _most_varied(table)
         ratios: dict[str, float] = {}
         settings = settings_of(table)
+        most = max((len(set(settings[name][0])) for name in _numeric(table)), default=0)
         for name in _numeric(table):
             parts = self.panels(k, name)
             rows = [rows - part.start for each in parts for rows in each.groups.values()]
             steps = [np.diff(change[each]) for each in rows if len(each) >= _FEW]
-            if steps and len(set(settings[name][0])) >= _FEW:
+            # Over a setting with few values nothing is seen.
+            if steps and len(set(settings[name][0])) >= max(_FEW, most / 2):
                 ratios[name] = float(np.mean(np.concatenate(steps) ** 2) / np.var(change))
         return min(ratios, key=lambda name: ratios[name]) if ratios else _most_varied(table)
 
@@ -306,18 +349,19 @@ class Plots:
         factor, label = in_handy_units(what if base is None else f"difference of {what}",
                                        unit_of(table, int(first) - part.start))  # fmt: skip
         below = np.zeros(len(result.problem.y)) if base is None else base
-        for (group, rows), marker in zip(panel.groups.items(), _MARKERS, strict=False):
-            x, first_group = at[rows - part.start], marker == _MARKERS[0]
+        for group, rows in panel.groups.items():
+            x, marker = at[rows - part.start], panel.markers[group]
             y = (result.problem.y - below)[rows] * factor
             axes.errorbar(x, y, 2.0 * result.problem.sd[rows] * factor, fmt=marker, color=BLACK,
                           ms=4.5, lw=1.1, label=group or "measured", zorder=3)  # fmt: skip
             for name, of in self._predicted.items():
-                if name == "stated" or (name == "recalibrated" and base is not None):
-                    continue
-                axes.plot(x, (of - below)[rows] * factor, "-", color=_COLOURS[name], lw=1.6,
-                          marker=marker, ms=2.5, label=name if first_group else None)  # fmt: skip
+                if name != "stated" and (name != "recalibrated" or base is None):
+                    line = "-" if np.all(np.diff(x) > 0.0) else ""  # else no curve
+                    axes.plot(x, (of - below)[rows] * factor, line, color=_COLOURS[name], lw=1.6,
+                              marker="_", ms=8, mew=1.6, label=self._label(name))  # fmt: skip
         if base is not None:
-            axes.axhline(0.0, color=_COLOURS["recalibrated"], lw=1.6, label="recalibrated")
+            axes.axhline(0.0, color=_COLOURS["recalibrated"], lw=1.6,
+                         label=self._label("recalibrated"))  # fmt: skip
         axes.set_xlabel(in_handy_units(panel.over, unit)[1])
         axes.set_ylabel(label)
         axes.set_title(panel.title, fontsize=11, fontweight="bold")
@@ -346,22 +390,26 @@ def drawing(name: str, way: str = "") -> str:
 
 
 def _figure(panels: Sequence[Panel], draw: Any, alone: bool = False) -> Figure:
-    """A figure with all panels side by side, two in a row, and one legend."""
+    """A figure with all panels, two in a row, and one legend where there are several."""
     columns = min(len(panels), 2)
     rows = math.ceil(len(panels) / columns)
-    size = (5.4, 3.4) if alone else (5.0 * columns, 0.5 + 3.1 * rows)
+    size = (4.9, 3.0) if alone else (4.9 * columns, 0.5 + 3.0 * rows)
     figure = Picture(figsize=size, layout="constrained")
     frames = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes, each in zip(frames, panels, strict=False):
         draw(axes, each)
     for axes in frames[len(panels) :]:
         axes.remove()
+    if alone:
+        return figure
     shown: dict[str, Any] = {}
     for axes in frames[: len(panels)]:
         handles, labels = axes.get_legend_handles_labels()
         shown |= {label: handle for handle, label in zip(handles, labels, strict=True)}
-    figure.legend(list(shown.values()), list(shown), loc="outside lower center", ncols=3,
-                  frameon=False, fontsize=9)  # fmt: skip
+    longest = max(map(len, shown), default=1)
+    figure.legend(list(shown.values()), [shortened(each, 50) for each in shown], loc="outside lower center",
+                  ncols=max(1, min(4, int(9.0 * size[0] / (longest + 7)))), frameon=False,
+                  fontsize=9)  # fmt: skip
     return figure
 
 
