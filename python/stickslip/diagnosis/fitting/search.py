@@ -192,6 +192,7 @@ def search(
             done[leader.names] = leader.log_evidence
             _look_beside(models, leader)
         _fit_other_forms(models)
+        _fit_stated_again(models)
     for each in _near(models):
         models.best[each.names, each.form] = sharpened(problem, models.forms[each.form], each)
     _draw(models, seed)
@@ -335,15 +336,36 @@ def _fit_other_forms(models: Models) -> None:
         if name == "none":
             continue
         hopes = []
-        for old in models.leaders(form="none"):
-            known = models.get(old.names, name)
-            try:
-                hope = linear(models.problem, form, old.causes, old.end) if known is None else known
-            except np.linalg.LinAlgError:
-                continue
-            hopes.append((models.log_posterior(hope), old, hope))
+        for place, old in enumerate(models.leaders(form="none")):
+            known = hope = models.get(old.names, name)
+            # A fit beside a large discrepancy may have stayed where the cause does nothing.
+            stuck = known is not None and known.chi2 > old.chi2 + _HOPELESS and place < _OTHER_FORMS
+            if known is None or stuck:
+                try:
+                    hope = linear(models.problem, form, old.causes, old.end)
+                except np.linalg.LinAlgError:
+                    continue
+            assert hope is not None
+            better = known is None or hope.log_evidence > known.log_evidence + _BETTER
+            hopes.append((models.log_posterior(hope), old, hope, better))
         hopes.sort(key=lambda each: -each[0])
-        for place, (_, old, hope) in enumerate(hopes):
-            wanted = place < _OTHER_FORMS or not old.causes
-            if wanted and models.get(old.names, name) is None:
+        for place, (_, old, hope, better) in enumerate(hopes):
+            if better and (place < _OTHER_FORMS or not old.causes):
                 models.fit(name, old.causes, old.x, old.slopes, hope.h)
+
+
+def _fit_stated_again(models: Models) -> None:
+    """Fit models with the errors as stated from where another form has fitted them better.
+
+    Where predictions jump, a descent may stop before a jump that wider errors let it pass.
+    """
+    stated = models.forms["none"]
+    for old in models.leaders(form="none"):
+        for form in models.forms:
+            other = models.get(old.names, form)
+            if other is None or other is old:
+                continue
+            cost = stated.cost(other.residual[None, :], np.zeros(0))[0]
+            own = other.x[other.free]
+            if float(cost + own @ old.precision @ own) < old.cost - _BETTER:
+                models.fit("none", old.causes, other.x, other.slopes)
