@@ -385,7 +385,7 @@ def setting_text(name: str, value: Any, unit: str) -> str:
     if isinstance(value, str):
         return value
     factor, shown = handy(unit)
-    return f"{name} {float(value) * factor:.5g} {shown}".rstrip()
+    return f"{name} {float(value) * factor:.4g} {shown}".rstrip()
 
 
 def usual_of(settings: Mapping[str, tuple[list[Any], str]]) -> dict[str, Any]:
@@ -453,7 +453,9 @@ def _channels(result: Diagnosis) -> dict[str, Any]:
             for name, fit in fits.items()
         }  # fmt: skip
         found[table_name(problem, k)] = {
-            "title": title_of(table, k), "unit": table.unit, "readings": len(table.y),
+            "title": title_of(table, k), "readings": len(table.y),
+            # The columns of a film have units of their own.
+            "unit": None if isinstance(table, FilmTable) else table.unit,
             "conditions": len(table.mean), "errors": dict(errors.told), "dof": errors.dof,
             "median_sd": float(np.median(problem.sd[part])), "chi2_per_condition": chi2,
             "notes": [str(each) for each in table.notes],

@@ -37,6 +37,7 @@ from stickslip.diagnosis.report.numbers import (
     varied,
 )
 from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import known_keys
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -152,10 +153,13 @@ class Plots:
         film = self._tables[table]
         if not isinstance(film, FilmTable) or not self._result.fitted:
             return None
-        names = self._result.problem.names
+        own = {each.name for each in film.nuisance}
+        own |= {each.name for cause in film.suspects for each in cause.parameters}
+        names, known = self._result.problem.names, known_keys()
+        at = [k for k, name in enumerate(names) if name in known or name in own]
         traces = {}
         for name, of in self._models.items():
-            seen = film.over_phase(names, of.values()[0])
+            seen = film.over_phase([names[k] for k in at], of.values()[0, at])
             if seen is None:
                 return None
             traces[name] = seen
@@ -260,15 +264,15 @@ class Plots:
         return found
 
     def key(self, k: int) -> list[tuple[str, str, str]]:
-        """What the signs of `changes` stand for: a sign, its colour, and words."""
+        """What the signs of `changes` stand for: a sign, its colour in the style, and words."""
         signs = dict(zip(_MARKERS, _SIGNS, strict=True))
         markers = {
             m for each in self.panels(k, self._best_setting(k)) for m in each.markers.items()
         }
         found = [(signs[m], "ink", group or "measured") for group, m in sorted(markers)]
-        found.append(("\N{EM DASH}", BLUE, self._label("recalibrated")))
+        found.append(("\N{EM DASH}", "accent", self._label("recalibrated")))
         if "extended" in self._models:
-            found.append(("\N{EM DASH}", VERMILION, self._label("extended")))
+            found.append(("\N{EM DASH}", "cause", self._label("extended")))
         return found
 
     def main_table(self) -> int:
@@ -406,10 +410,10 @@ def _figure(panels: Sequence[Panel], draw: Any, alone: bool = False) -> Figure:
     for axes in frames[: len(panels)]:
         handles, labels = axes.get_legend_handles_labels()
         shown |= {label: handle for handle, label in zip(handles, labels, strict=True)}
-    longest = max(map(len, shown), default=1)
-    figure.legend(list(shown.values()), [shortened(each, 50) for each in shown], loc="outside lower center",
-                  ncols=max(1, min(4, int(9.0 * size[0] / (longest + 7)))), frameon=False,
-                  fontsize=9)  # fmt: skip
+    words = [shortened(each, 50) for each in shown]
+    columns = int(9.0 * size[0] / (max(map(len, words), default=1) + 7))
+    figure.legend(list(shown.values()), words, loc="outside lower center",
+                  ncols=min(max(columns, 1), 4), frameon=False, fontsize=9)  # fmt: skip
     return figure
 
 
