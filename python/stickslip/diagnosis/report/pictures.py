@@ -136,7 +136,9 @@ class Plots:
             table[i, j] = table[j, i] = abs(cosine(result.problem, null, one, other))
         figure = Picture(figsize=(7.0, 0.9 + 0.34 * len(names)), layout="constrained")
         axes = figure.subplots()
-        axes.imshow(table, cmap="Oranges", vmin=0.0, vmax=1.0, aspect="auto")
+        edges = np.arange(len(names) + 1) - 0.5
+        axes.pcolormesh(edges, edges, table, cmap="Oranges", vmin=0.0, vmax=1.0)
+        axes.invert_yaxis()
         for i, j in itertools.product(range(len(names)), repeat=2):
             dark = table[i, j] > 0.7
             axes.text(j, i, f"{table[i, j]:.2f}", ha="center", va="center", fontsize=8,
