@@ -26,8 +26,9 @@ from stickslip._util.palette import BLUE, VERMILION
 from stickslip._util.strict_json import json_text
 from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.report import amounts
-from stickslip.diagnosis.report.numbers import numbers_of, title_of
+from stickslip.diagnosis.report.numbers import numbers_of
 from stickslip.diagnosis.report.pictures import Plots, drawing
+from stickslip.diagnosis.report.readings import title_of
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import known_keys

@@ -27,8 +27,11 @@ from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.posterior import cosine
 from stickslip.diagnosis.report import amounts
-from stickslip.diagnosis.report.numbers import (
-    predictions,
+from stickslip.diagnosis.report.numbers import predictions
+from stickslip.diagnosis.report.readings import (
+    along,
+    most_varied,
+    numeric,
     setting_text,
     settings_of,
     title_of,
@@ -46,7 +49,6 @@ if TYPE_CHECKING:
 
 _COLOURS = {"recalibrated": BLUE, "extended": VERMILION}
 _MARKERS, _SIGNS = "osD^v<>Ph*", "●■◆▲▼◀▶✚⬢★"
-_ROW = "row"
 _MOST_PANELS, _MOST_RANKED, _MOST_COSINES = 8, 12, 12
 _FEW = 3  # places of a setting below which nothing is seen over it
 _SAMPLES = 200  # points of a film's picture
@@ -88,14 +90,14 @@ class Plots:
     def fit(self, table: int = 0) -> Figure:
         """Readings and models of a table over the setting that varies most."""
         self._check(table)
-        panels = self.panels(table, _most_varied(self._tables[table]))
-        return _figure(panels, lambda axes, each: self._draw_fit(axes, each))
+        panels = self.panels(table, most_varied(self._tables[table]))
+        return _figure(panels, self._draw)
 
     def residuals(self, table: int = 0) -> Figure:
         """What both models leave of a table, over the setting that shows the cause best."""
         self._check(table)
         panels = self.panels(table, self._best_setting(table))
-        return _figure(panels, lambda axes, each: self._draw_change(axes, each))
+        return _figure(panels, self._draw_change)
 
     def ranking(self) -> Figure:
         """Probabilities of the models."""
@@ -158,10 +160,10 @@ class Plots:
         own = {each.name for each in film.nuisance}
         own |= {each.name for cause in film.suspects for each in cause.parameters}
         names, known = self._result.problem.names, known_keys()
-        at = [k for k, name in enumerate(names) if name in known or name in own]
+        used = [k for k, name in enumerate(names) if name in known or name in own]
         traces = {}
         for name, of in self._models.items():
-            seen = film.over_phase([names[k] for k in at], of.values()[0, at])
+            seen = film.over_phase([names[k] for k in used], of.values()[0, used])
             if seen is None:
                 return None
             traces[name] = seen
@@ -195,9 +197,8 @@ class Plots:
         assert curve is not None
         at = np.linspace(curve.low, curve.high, 121)
         values, names = best.values(), self._result.problem.names
-        drawn = (
-            values[:, [names.index(each.name) for each in cause.parameters]] @ curve.design(at).T
-        )
+        knots = [names.index(each.name) for each in cause.parameters]
+        drawn = values[:, knots] @ curve.design(at).T
         if curve.relative:
             base = values[:, names.index(curve.constant)] if curve.constant else curve.stated
             drawn = np.reshape(base, (-1, 1)) * (1.0 + drawn)
@@ -226,7 +227,7 @@ class Plots:
         words = [name for name in others if isinstance(settings[name][0][0], str)]
         usual = {n: value for n, value in usual_of(settings).items() if n != over}
         found: dict[str, dict[str, list[int]]] = {}
-        for row in np.argsort(_along(table, over)[0], kind="stable").tolist():
+        for row in np.argsort(along(table, over)[0], kind="stable").tolist():
             panel = " ".join(settings[name][0][row] for name in words)
             group = ", ".join(
                 setting_text(name, settings[name][0][row], settings[name][1])
@@ -261,7 +262,7 @@ class Plots:
                 f"Measured {title_of(table, k)}{where} minus the recalibrated model over "
                 f"{each.over}, with error bars of two standard deviations; model: {models}."
             )
-            figure = _figure([each], lambda axes, panel: self._draw_change(axes, panel), alone=True)
+            figure = _figure([each], self._draw_change, alone=True)
             found.append((text, figure))
         return found
 
@@ -324,34 +325,29 @@ class Plots:
         if "extended" in found:
             change = (found["extended"] - found["recalibrated"])[part]
         if not len(change) or not np.var(change) > 0.0:
-            return _most_varied(table)
+            return most_varied(table)
         ratios: dict[str, float] = {}
         settings = settings_of(table)
-        most = max((len(set(settings[name][0])) for name in _numeric(table)), default=0)
-        for name in _numeric(table):
+        most = max((len(set(settings[name][0])) for name in numeric(table)), default=0)
+        for name in numeric(table):
             parts = self.panels(k, name)
             rows = [rows - part.start for each in parts for rows in each.groups.values()]
             steps = [np.diff(change[each]) for each in rows if len(each) >= _FEW]
             # Over a setting with few values nothing is seen.
             if steps and len(set(settings[name][0])) >= max(_FEW, most / 2):
                 ratios[name] = float(np.mean(np.concatenate(steps) ** 2) / np.var(change))
-        return min(ratios, key=lambda name: ratios[name]) if ratios else _most_varied(table)
-
-    def _draw_fit(self, axes: Any, panel: Panel) -> None:
-        self._draw(axes, panel, base=None)
+        return min(ratios, key=lambda name: ratios[name]) if ratios else most_varied(table)
 
     def _draw_change(self, axes: Any, panel: Panel) -> None:
-        self._draw(axes, panel, base=self._predicted.get("recalibrated"))
+        self._draw(axes, panel, self._predicted.get("recalibrated"))
 
-    def _draw(self, axes: Any, panel: Panel, base: Array | None) -> None:
+    def _draw(self, axes: Any, panel: Panel, base: Array | None = None) -> None:
         """Readings and models, or what they are beyond `base`."""
         result, table = self._result, self._tables[panel.table]
-        part, (at, unit) = result.problem.rows[panel.table], _along(table, panel.over)
+        part, (at, unit) = result.problem.rows[panel.table], along(table, panel.over)
         at = at * handy(unit)[0]
         first = next(iter(panel.groups.values()))[0]
-        what = {"velocity": "velocity", "angle": "angle", "field": "field"}.get(
-            table.name, "reading"
-        )
+        what = table.name if table.name in ("velocity", "angle", "field") else "reading"
         factor, label = in_handy_units(what if base is None else f"difference of {what}",
                                        unit_of(table, int(first) - part.start))  # fmt: skip
         below = np.zeros(len(result.problem.y)) if base is None else base
@@ -417,24 +413,3 @@ def _figure(panels: Sequence[Panel], draw: Any, alone: bool = False) -> Figure:
     figure.legend(list(shown.values()), words, loc="outside lower center",
                   ncols=min(max(columns, 1), 4), frameon=False, fontsize=9)  # fmt: skip
     return figure
-
-
-def _numeric(table: Table) -> list[str]:
-    """Settings that are numbers: those that vary, or all."""
-    settings = settings_of(table)
-    numbers = [n for n in settings if not isinstance(settings[n][0][0], str | bool)]
-    return [n for n in varied(settings) if n in numbers] or numbers
-
-
-def _most_varied(table: Table) -> str:
-    """The number among the settings that has most values; the number of the row without any."""
-    settings = settings_of(table)
-    return max(_numeric(table), key=lambda name: len(set(settings[name][0])), default=_ROW)
-
-
-def _along(table: Table, over: str) -> tuple[Array, str]:
-    """Places of the conditions along a setting, shape (m,), and its SI unit."""
-    if over == _ROW:
-        return np.arange(1.0, len(table.mean) + 1.0), "-"
-    values, unit = settings_of(table)[over]
-    return np.asarray(values, dtype=float), unit
