@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import statistics
 from collections.abc import Mapping
 from html import unescape
 from typing import TYPE_CHECKING, Any
@@ -15,23 +14,18 @@ from stickslip._util.arrays import Array
 from stickslip._util.html_page import page_text
 from stickslip._util.units import handy
 from stickslip.diagnosis.candidate import Candidate, table_name
-from stickslip.diagnosis.data.angle import AngleTable
-from stickslip.diagnosis.data.field import FieldTable
 from stickslip.diagnosis.data.film import FilmTable
-from stickslip.diagnosis.data.table import Table
-from stickslip.diagnosis.data.velocity import VelocityTable
 from stickslip.diagnosis.decision.limits import upper_limits
 from stickslip.diagnosis.decision.posterior import ALIKE, cosine
 from stickslip.diagnosis.fitting.models import Fit
+from stickslip.diagnosis.fitting.problem import LOST
 from stickslip.diagnosis.report import amounts
-from stickslip.scenario.keys import known_keys
+from stickslip.diagnosis.report.readings import in_words, settings_of, title_of, unit_of
 
 if TYPE_CHECKING:
     from stickslip.diagnosis.result import Diagnosis
 
 _DECIDING = 3  # readings that are named
-_LIKELY = 1e-3  # probability below which a model is in report.json alone
-_UNITS = {"Bx": "T", "Bz": "T", "x": "m", "y": "m", "z": "m"}  # of settings that are no keys
 
 
 def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
@@ -327,94 +321,13 @@ def _experiments(result: Diagnosis) -> list[dict[str, Any]]:
     ]  # fmt: skip
 
 
-# ------------------------------------------------------------------------------ readings
-def title_of(table: Table, k: int) -> str:
-    """What readings of a table are called."""
-    for kind, words in (
-        (VelocityTable, "velocities"),
-        (AngleTable, "angles"),
-        (FieldTable, "fields"),
-    ):
-        if isinstance(table, kind):
-            number = str(getattr(table, "title", "")).rpartition(" ")[2]
-            return f"{words} {number}" if number.isdigit() else words
-    return str(getattr(table, "title", "") or table.name or f"table {k + 1}")
-
-
-def unit_of(table: Table, row: int) -> str:
-    """The SI unit of a reading: a film has several."""
-    if isinstance(table, FilmTable):
-        column = str(np.asarray(table.settings["column"])[table.first[row]])
-        return {"theta": "rad", "x": "m", "z": "m"}.get(column, "A")
-    return table.unit
-
-
-def settings_of(table: Table) -> dict[str, tuple[list[Any], str]]:
-    """Settings of the conditions of a table: values and their SI unit, by bare name."""
-    given = table.settings
-    if hasattr(given, "keys"):
-        columns = {str(key): np.asarray(given[key]) for key in given}
-    elif isinstance(given, list | tuple) and given and isinstance(given[0], Mapping):
-        columns = {str(key): np.asarray([each[key] for each in given]) for key in given[0]}
-    else:
-        array = np.asarray(given)
-        array = array[:, None] if array.ndim == 1 else array
-        count = array.shape[1]
-        names = ["setting"] if count == 1 else [f"setting {k + 1}" for k in range(count)]
-        columns = dict(zip(names, array.T, strict=True))
-    known = known_keys() if isinstance(table, VelocityTable) else {}
-    columns = {key: columns[key] for key in known if key in columns} or columns
-    own = _UNITS if isinstance(table, AngleTable | FieldTable) else {}
-    return {
-        name.removeprefix("drive."): (
-            column[table.first].tolist(),
-            known[name].unit if name in known else own.get(name, "A" if own else "-"),
-        )
-        for name, column in columns.items()
-        if name != "solver.rtol"
-    }
-
-
-def varied(settings: Mapping[str, tuple[list[Any], str]]) -> list[str]:
-    """Names of the settings that are not the same in all conditions."""
-    return [name for name, (values, _) in settings.items() if len(set(values)) > 1]
-
-
-def setting_text(name: str, value: Any, unit: str) -> str:
-    """A setting as in ``peak 3 mT``; words as they are."""
-    if isinstance(value, str):
-        return value
-    factor, shown = handy(unit)
-    return f"{name} {float(value) * factor:.5g} {shown}".rstrip()
-
-
-def usual_of(settings: Mapping[str, tuple[list[Any], str]]) -> dict[str, Any]:
-    """Of the numbers that vary the value that most conditions have, by name."""
-    names = [n for n in varied(settings) if not isinstance(settings[n][0][0], str)]
-    return {name: statistics.mode(settings[name][0]) for name in names}
-
-
-def in_words(settings: Mapping[str, tuple[list[Any], str]], i: int) -> str:
-    """A condition by its words, the number that varies most, and those that are unusual."""
-    usual = usual_of(settings)
-    most = max(usual, key=lambda name: len(set(settings[name][0])), default="")
-    words = [each for each in varied(settings) if each not in usual]
-    said = [" ".join(str(settings[name][0][i]) for name in words)] if words else []
-    said += [
-        setting_text(name, settings[name][0][i], settings[name][1])
-        for name, value in usual.items()
-        if name == most or settings[name][0][i] != value
-    ]
-    return ", ".join(said)
-
-
 def predictions(result: Diagnosis) -> dict[str, Array]:
     """All readings as the stated, the recalibrated and the extended model have them, (n,)."""
     found: dict[str, Array] = {}
     if result.fitted:
         problem = result.problem
         stated = problem.residuals(np.zeros((1, problem.size)))[0]
-        found["stated"] = np.where(stated < 1e2 * problem.sd, problem.y - stated, np.nan)
+        found["stated"] = np.where(stated == LOST * problem.sd, np.nan, problem.y - stated)
         found["recalibrated"] = problem.y - result.recalibrated.fit.residual
         if result.verdict.fit is not None:
             found["extended"] = problem.y - result.verdict.fit.residual
@@ -425,13 +338,13 @@ def _conditions(result: Diagnosis) -> list[dict[str, Any]]:
     """Each reading with its settings and the predictions of the models, numbered in its table."""
     problem, models, rows = result.problem, predictions(result), []
     for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
-        settings = settings_of(table)
-        counts = np.bincount(table.condition)
+        settings, counts = settings_of(table), np.bincount(table.condition)
+        where = in_words(settings)
         for i, row in enumerate(range(part.start, part.stop)):
             unit = unit_of(table, i)
             rows.append({
                 "table": table_name(problem, k), "number": i + 1, "row": row,
-                "where": in_words(settings, i),
+                "where": where[i],
                 "settings": {name: values[i] for name, (values, _) in settings.items()},
                 "unit": unit, "reading": float(problem.y[row]), "sd": float(problem.sd[row]),
                 "readings": int(counts[i]),
@@ -453,7 +366,9 @@ def _channels(result: Diagnosis) -> dict[str, Any]:
             for name, fit in fits.items()
         }  # fmt: skip
         found[table_name(problem, k)] = {
-            "title": title_of(table, k), "unit": table.unit, "readings": len(table.y),
+            "title": title_of(table, k), "readings": len(table.y),
+            # The columns of a film have units of their own.
+            "unit": None if isinstance(table, FilmTable) else table.unit,
             "conditions": len(table.mean), "errors": dict(errors.told), "dof": errors.dof,
             "median_sd": float(np.median(problem.sd[part])), "chi2_per_condition": chi2,
             "notes": [str(each) for each in table.notes],

@@ -27,8 +27,11 @@ from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.posterior import cosine
 from stickslip.diagnosis.report import amounts
-from stickslip.diagnosis.report.numbers import (
-    predictions,
+from stickslip.diagnosis.report.numbers import predictions
+from stickslip.diagnosis.report.readings import (
+    along,
+    most_varied,
+    numeric,
     setting_text,
     settings_of,
     title_of,
@@ -37,6 +40,7 @@ from stickslip.diagnosis.report.numbers import (
     varied,
 )
 from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import known_keys
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -45,7 +49,6 @@ if TYPE_CHECKING:
 
 _COLOURS = {"recalibrated": BLUE, "extended": VERMILION}
 _MARKERS, _SIGNS = "osD^v<>Ph*", "●■◆▲▼◀▶✚⬢★"
-_ROW = "row"
 _MOST_PANELS, _MOST_RANKED, _MOST_COSINES = 8, 12, 12
 _FEW = 3  # places of a setting below which nothing is seen over it
 _SAMPLES = 200  # points of a film's picture
@@ -87,14 +90,14 @@ class Plots:
     def fit(self, table: int = 0) -> Figure:
         """Readings and models of a table over the setting that varies most."""
         self._check(table)
-        panels = self.panels(table, _most_varied(self._tables[table]))
-        return _figure(panels, lambda axes, each: self._draw_fit(axes, each))
+        panels = self.panels(table, most_varied(self._tables[table]))
+        return _figure(panels, self._draw)
 
     def residuals(self, table: int = 0) -> Figure:
         """What both models leave of a table, over the setting that shows the cause best."""
         self._check(table)
         panels = self.panels(table, self._best_setting(table))
-        return _figure(panels, lambda axes, each: self._draw_change(axes, each))
+        return _figure(panels, self._draw_change)
 
     def ranking(self) -> Figure:
         """Probabilities of the models."""
@@ -135,7 +138,9 @@ class Plots:
             table[i, j] = table[j, i] = abs(cosine(result.problem, null, one, other))
         figure = Picture(figsize=(7.0, 0.9 + 0.34 * len(names)), layout="constrained")
         axes = figure.subplots()
-        axes.imshow(table, cmap="Oranges", vmin=0.0, vmax=1.0, aspect="auto")
+        edges = np.arange(len(names) + 1) - 0.5
+        axes.pcolormesh(edges, edges, table, cmap="Oranges", vmin=0.0, vmax=1.0)
+        axes.invert_yaxis()
         for i, j in itertools.product(range(len(names)), repeat=2):
             dark = table[i, j] > 0.7
             axes.text(j, i, f"{table[i, j]:.2f}", ha="center", va="center", fontsize=8,
@@ -152,10 +157,13 @@ class Plots:
         film = self._tables[table]
         if not isinstance(film, FilmTable) or not self._result.fitted:
             return None
-        names = self._result.problem.names
+        own = {each.name for each in film.nuisance}
+        own |= {each.name for cause in film.suspects for each in cause.parameters}
+        names, known = self._result.problem.names, known_keys()
+        used = [k for k, name in enumerate(names) if name in known or name in own]
         traces = {}
         for name, of in self._models.items():
-            seen = film.over_phase(names, of.values()[0])
+            seen = film.over_phase([names[k] for k in used], of.values()[0, used])
             if seen is None:
                 return None
             traces[name] = seen
@@ -189,9 +197,8 @@ class Plots:
         assert curve is not None
         at = np.linspace(curve.low, curve.high, 121)
         values, names = best.values(), self._result.problem.names
-        drawn = (
-            values[:, [names.index(each.name) for each in cause.parameters]] @ curve.design(at).T
-        )
+        knots = [names.index(each.name) for each in cause.parameters]
+        drawn = values[:, knots] @ curve.design(at).T
         if curve.relative:
             base = values[:, names.index(curve.constant)] if curve.constant else curve.stated
             drawn = np.reshape(base, (-1, 1)) * (1.0 + drawn)
@@ -220,7 +227,7 @@ class Plots:
         words = [name for name in others if isinstance(settings[name][0][0], str)]
         usual = {n: value for n, value in usual_of(settings).items() if n != over}
         found: dict[str, dict[str, list[int]]] = {}
-        for row in np.argsort(_along(table, over)[0], kind="stable").tolist():
+        for row in np.argsort(along(table, over)[0], kind="stable").tolist():
             panel = " ".join(settings[name][0][row] for name in words)
             group = ", ".join(
                 setting_text(name, settings[name][0][row], settings[name][1])
@@ -255,20 +262,20 @@ class Plots:
                 f"Measured {title_of(table, k)}{where} minus the recalibrated model over "
                 f"{each.over}, with error bars of two standard deviations; model: {models}."
             )
-            figure = _figure([each], lambda axes, panel: self._draw_change(axes, panel), alone=True)
+            figure = _figure([each], self._draw_change, alone=True)
             found.append((text, figure))
         return found
 
     def key(self, k: int) -> list[tuple[str, str, str]]:
-        """What the signs of `changes` stand for: a sign, its colour, and words."""
+        """What the signs of `changes` stand for: a sign, its colour in the style, and words."""
         signs = dict(zip(_MARKERS, _SIGNS, strict=True))
         markers = {
             m for each in self.panels(k, self._best_setting(k)) for m in each.markers.items()
         }
         found = [(signs[m], "ink", group or "measured") for group, m in sorted(markers)]
-        found.append(("\N{EM DASH}", BLUE, self._label("recalibrated")))
+        found.append(("\N{EM DASH}", "accent", self._label("recalibrated")))
         if "extended" in self._models:
-            found.append(("\N{EM DASH}", VERMILION, self._label("extended")))
+            found.append(("\N{EM DASH}", "cause", self._label("extended")))
         return found
 
     def main_table(self) -> int:
@@ -318,34 +325,29 @@ class Plots:
         if "extended" in found:
             change = (found["extended"] - found["recalibrated"])[part]
         if not len(change) or not np.var(change) > 0.0:
-            return _most_varied(table)
+            return most_varied(table)
         ratios: dict[str, float] = {}
         settings = settings_of(table)
-        most = max((len(set(settings[name][0])) for name in _numeric(table)), default=0)
-        for name in _numeric(table):
+        most = max((len(set(settings[name][0])) for name in numeric(table)), default=0)
+        for name in numeric(table):
             parts = self.panels(k, name)
             rows = [rows - part.start for each in parts for rows in each.groups.values()]
             steps = [np.diff(change[each]) for each in rows if len(each) >= _FEW]
             # Over a setting with few values nothing is seen.
             if steps and len(set(settings[name][0])) >= max(_FEW, most / 2):
                 ratios[name] = float(np.mean(np.concatenate(steps) ** 2) / np.var(change))
-        return min(ratios, key=lambda name: ratios[name]) if ratios else _most_varied(table)
-
-    def _draw_fit(self, axes: Any, panel: Panel) -> None:
-        self._draw(axes, panel, base=None)
+        return min(ratios, key=lambda name: ratios[name]) if ratios else most_varied(table)
 
     def _draw_change(self, axes: Any, panel: Panel) -> None:
-        self._draw(axes, panel, base=self._predicted.get("recalibrated"))
+        self._draw(axes, panel, self._predicted.get("recalibrated"))
 
-    def _draw(self, axes: Any, panel: Panel, base: Array | None) -> None:
+    def _draw(self, axes: Any, panel: Panel, base: Array | None = None) -> None:
         """Readings and models, or what they are beyond `base`."""
         result, table = self._result, self._tables[panel.table]
-        part, (at, unit) = result.problem.rows[panel.table], _along(table, panel.over)
+        part, (at, unit) = result.problem.rows[panel.table], along(table, panel.over)
         at = at * handy(unit)[0]
         first = next(iter(panel.groups.values()))[0]
-        what = {"velocity": "velocity", "angle": "angle", "field": "field"}.get(
-            table.name, "reading"
-        )
+        what = table.name if table.name in ("velocity", "angle", "field") else "reading"
         factor, label = in_handy_units(what if base is None else f"difference of {what}",
                                        unit_of(table, int(first) - part.start))  # fmt: skip
         below = np.zeros(len(result.problem.y)) if base is None else base
@@ -406,29 +408,8 @@ def _figure(panels: Sequence[Panel], draw: Any, alone: bool = False) -> Figure:
     for axes in frames[: len(panels)]:
         handles, labels = axes.get_legend_handles_labels()
         shown |= {label: handle for handle, label in zip(handles, labels, strict=True)}
-    longest = max(map(len, shown), default=1)
-    figure.legend(list(shown.values()), [shortened(each, 50) for each in shown], loc="outside lower center",
-                  ncols=max(1, min(4, int(9.0 * size[0] / (longest + 7)))), frameon=False,
-                  fontsize=9)  # fmt: skip
+    words = [shortened(each, 50) for each in shown]
+    columns = int(9.0 * size[0] / (max(map(len, words), default=1) + 7))
+    figure.legend(list(shown.values()), words, loc="outside lower center",
+                  ncols=min(max(columns, 1), 4), frameon=False, fontsize=9)  # fmt: skip
     return figure
-
-
-def _numeric(table: Table) -> list[str]:
-    """Settings that are numbers: those that vary, or all."""
-    settings = settings_of(table)
-    numbers = [n for n in settings if not isinstance(settings[n][0][0], str | bool)]
-    return [n for n in varied(settings) if n in numbers] or numbers
-
-
-def _most_varied(table: Table) -> str:
-    """The number among the settings that has most values; the number of the row without any."""
-    settings = settings_of(table)
-    return max(_numeric(table), key=lambda name: len(set(settings[name][0])), default=_ROW)
-
-
-def _along(table: Table, over: str) -> tuple[Array, str]:
-    """Places of the conditions along a setting, shape (m,), and its SI unit."""
-    if over == _ROW:
-        return np.arange(1.0, len(table.mean) + 1.0), "-"
-    values, unit = settings_of(table)[over]
-    return np.asarray(values, dtype=float), unit
