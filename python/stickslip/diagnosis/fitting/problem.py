@@ -11,6 +11,8 @@ from functools import cached_property
 
 import numpy as np
 from scipy.linalg import solve_triangular
+from scipy.stats import chi2 as chi2_law
+from scipy.stats import f as f_law
 
 from stickslip._util.arrays import Array, Indices
 from stickslip._util.one_line import OneLine
@@ -225,6 +227,19 @@ def _with_block(whole: Array, part: slice, block: Array) -> Array:
     result = whole.copy()
     result[part, part] = block
     return result
+
+
+def lack_of_fit(problem: Problem, chi2: float, free: int) -> float:
+    """Probability of a larger chi-square of `free` degrees of freedom by the errors alone."""
+    if free <= 0:
+        return 1.0
+    # Of several tables, the degrees of freedom with the variance of their sum.
+    counts = np.array([part.stop - part.start for part in problem.rows], dtype=float)
+    finite = np.isfinite(problem.dof)
+    spread = float(np.sum(counts[finite] ** 2 / problem.dof[finite]))
+    if spread == 0.0:
+        return float(chi2_law.sf(chi2, free))
+    return float(f_law.sf(chi2 / free, free, np.sum(counts) ** 2 / spread))
 
 
 class Cached:
