@@ -17,7 +17,7 @@ else:
     import tomli as tomllib
 
 _WORDS: Mapping[str, Mapping[str, Any]] = tomllib.loads(
-    resources.files("stickslip").joinpath("facts/causes.toml").read_text("utf-8")
+    resources.files("stickslip").joinpath("diagnosis/report/causes.toml").read_text("utf-8")
 )
 _CAUSES: Mapping[str, Mapping[str, Any]] = {**_WORDS["effects"], **_WORDS["readings"]}
 
