@@ -2,24 +2,24 @@
 
 import numpy as np
 
-from stickslip import FreeTerm, Prior, Uncertain, diagnose_model
+from stickslip import Parameter, Prior, Table, diagnose_model, free_law
 
 # Speed (m/s), load (N) and temperature (K) of 40 conditions; the three do not go together.
 _RANDOM = np.random.default_rng(7)
 SPEED = np.linspace(0.02, 2.0, 40)
 LOAD = _RANDOM.permutation(np.linspace(1.0, 6.0, 40))
 WARMTH = _RANDOM.permutation(np.linspace(280.0, 330.0, 40))
-CONDITIONS = (SPEED, LOAD, WARMTH)
+SETTINGS = {"speed": SPEED, "load": LOAD, "temperature": WARMTH}
 SD = 0.02  # N
 
 UNCERTAIN = (
-    Uncertain("friction", Prior("normal", 0.3, 0.02), suspect=False),
-    Uncertain("drag", Prior("normal", 0.2, 0.03), "N s/m", suspect=False),
+    Parameter("friction", Prior("normal", 0.3, 0.02), suspect=False),
+    Parameter("drag", Prior("normal", 0.2, 0.03), "N s/m", suspect=False),
 )
-OVER_SPEED = FreeTerm("friction", "speed", "m/s", 0.0, 2.0, factor_of="friction")
-OVER_LOAD = FreeTerm("friction", "load", "N", 1.0, 6.0, factor_of="friction")
-OVER_WARMTH = FreeTerm("friction", "temperature", "K", 280.0, 330.0, factor_of="friction")
-TERMS = (OVER_SPEED, OVER_LOAD, OVER_WARMTH)
+OVER_SPEED = free_law("friction", "speed", "m/s", 0.0, 2.0, factor_of="friction")
+OVER_LOAD = free_law("friction", "load", "N", 1.0, 6.0, factor_of="friction")
+OVER_WARMTH = free_law("friction", "temperature", "K", 280.0, 330.0, factor_of="friction")
+LAWS = (OVER_SPEED, OVER_LOAD, OVER_WARMTH)
 FRICTION, DRAG = 0.31, 0.21
 # The law over each argument, and its values at the conditions. All bend more slowly than knots lie.
 HIDDEN = {
@@ -29,11 +29,10 @@ HIDDEN = {
 }
 
 
-def push(conditions, parameters, curves):
-    """Force that keeps the block at its speed, N, shape (vectors, conditions)."""
-    friction, drag = parameters.T[:2, :, None]
-    factor = 1.0 + sum(curves[term.name](u) for term, u in zip(TERMS, conditions, strict=True))
-    return friction * factor * conditions[1] + drag * conditions[0]
+def push(table, p, curves):
+    """Force that keeps the block at its speed, N, shape (vectors, rows)."""
+    factor = 1.0 + sum(curves[law.name](table[law.curve.argument]) for law in LAWS)
+    return p["friction"] * factor * table["load"] + p["drag"] * table["speed"]
 
 
 def measured(seed, factor=1.0, extra=0.0):
@@ -42,8 +41,6 @@ def measured(seed, factor=1.0, extra=0.0):
     return FRICTION * factor * LOAD + DRAG * SPEED + extra + noise
 
 
-def result(observed, terms=TERMS, predict=push, causes=(), **options):
-    return diagnose_model(
-        predict, CONDITIONS, observed, UNCERTAIN, causes, free_terms=terms,
-        sd=np.full(len(SPEED), SD), **options,
-    )  # fmt: skip
+def result(observed, laws=LAWS, predict=push, causes=(), **options):
+    table = Table(SETTINGS, observed, sd=SD, unit="N")
+    return diagnose_model(predict, table, UNCERTAIN, (*causes, *laws), **options)

@@ -9,8 +9,17 @@ import pytest
 
 from command_line import check, stickslip
 from measured_maps import COUNT, HALF, dataset, formula_fields, grid, with_map, write_csv
-from stickslip import Coils, FieldMap, Scenario, ScenarioError, load, open_run, simulate, sweep
-from stickslip.diagnosis import api
+from stickslip import (
+    Coils,
+    FieldMap,
+    Scenario,
+    ScenarioError,
+    diagnose,
+    load,
+    open_run,
+    simulate,
+    sweep,
+)
 from stickslip.measurement import read_measurement
 
 HEAD = "stickslip = 1\n\n[drive]\nbase = 0.5e-3\npulses = 8\n"
@@ -312,18 +321,18 @@ def test_a_diagnosis_has_the_map_as_its_model(folder):
     field = np.einsum("nk,nki->ni", currents * gain, formula_fields(places))
     field += 5e-6 * random.standard_normal(field.shape)
     rows = np.hstack([currents, places, field])
-    found = api.diagnose(measured(folder, rows), seed=0)
+    found = diagnose(measured(folder, rows), seed=0)
     assert found.verdict.kind == "named"
     assert found.verdict.causes == ("field_gain",)
     assert found.extended.coil.map == load(folder / "s.toml").coil.map
 
     rows[3, 5] = 0.02
     with pytest.raises(ScenarioError, match=r"1 of 40 probes lie outside of coil\.map, the first"):
-        api.diagnose(measured(folder, rows), seed=0)
+        diagnose(measured(folder, rows), seed=0)
     rows[3, 5] = 0.0
     uncertain = '"coil.distance" = { mean = 0.1, sd = 0.01 }\n'
     with pytest.raises(ScenarioError, match=r"coil\.distance.* beside coil\.map"):
-        api.diagnose(measured(folder, rows, uncertain), seed=0)
+        diagnose(measured(folder, rows, uncertain), seed=0)
 
 
 def test_the_grid_of_the_tests_is_that_of_their_files(fields):

@@ -7,9 +7,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from line_model import SD, SLOPE, WAVE, X
 from stickslip import (
     COIL_NAMES,
+    Cause,
     Drive,
     Record,
     Scenario,
@@ -23,6 +23,7 @@ from stickslip import (
 )
 from stickslip._util.html_table import html_table
 from stickslip.simulation.columns import COLUMNS, PLANE_COLUMNS
+from toys import SLOPE, WAVE, data
 
 BAD = "<script>alert('1')</script>&\x1b[31m"
 TEXT = re.compile(r"<(script|img|iframe|object|embed|link)\b|\son\w+=|javascript:", re.IGNORECASE)
@@ -90,14 +91,14 @@ def test_a_run_that_failed_or_has_no_record_says_so():
 
 
 def test_a_diagnosis_shows_its_summary_escaped():
-    named = type(WAVE)(f"wave {BAD}", WAVE.parameters)
+    named = Cause(f"wave {BAD}", WAVE.parameters)
 
-    def predict(x, p):
-        return p[:, :1] * x + p[:, 1:2] * np.sin(4 * x)
+    def predict(table, p):
+        return p["slope"] * table["x"] + p["wave.height"] * np.sin(5.0 * table["x"])
 
-    random = np.random.default_rng(3)
-    observed = X + 0.5 * np.sin(4 * X) + SD * random.standard_normal(len(X))
-    result = diagnose_model(predict, X, observed, [SLOPE], [named], sd=SD)
+    wave = 0.8 * np.sin(5.0 * np.linspace(1.0, 3.0, 30))
+    result = diagnose_model(predict, data(wave), [SLOPE], [named])
+    assert result.verdict.causes == (named.name,)
     shown = result._repr_html_()
     assert "wave" in shown
     assert not TEXT.search(shown)

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal, multivariate_t
-from toys import BEND, LEVEL, SLOPE, STEP, WAVE, data, problem, shapes
 
 from stickslip.diagnosis.data.errors import Errors
 from stickslip.diagnosis.data.table import Table
@@ -16,6 +15,7 @@ from stickslip.diagnosis.fitting.draws import drawn
 from stickslip.diagnosis.fitting.forms import forms
 from stickslip.diagnosis.fitting.models import fit, laplace
 from stickslip.diagnosis.fitting.problem import LOST, Cached, Problem
+from toys import BEND, LEVEL, SLOPE, STEP, WAVE, data, problem, shapes
 
 
 def integral(posed, causes, form, h, width=7.0, points=49):

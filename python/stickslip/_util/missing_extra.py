@@ -14,7 +14,7 @@ from collections.abc import Iterator
 EXTRAS = {
     "netcdf": ("h5netcdf", "h5py", "xarray", "pandas"),
     "plot": ("matplotlib",),
-    "diagnosis": ("scipy", "pandas", "matplotlib", "jinja2", "emcee"),
+    "diagnosis": ("scipy", "pandas", "matplotlib", "jinja2"),
     "optimise": ("cma", "matplotlib", "jinja2"),
     "gym": ("gymnasium",),
     "dask": ("distributed",),
@@ -22,8 +22,8 @@ EXTRAS = {
 """The modules of each extra of pyproject.toml."""
 
 _DIAGNOSIS = (
-    *("Cause", "CauseParameter", "Diagnosis", "FreeTerm", "Measurement", "Options", "Uncertain"),
-    *("diagnose", "diagnose_in_rounds", "diagnose_model", "instruments", "read_measurement"),
+    *("Cause", "Diagnosis", "Measurement", "Parameter", "Table", "diagnose", "diagnose_in_rounds"),
+    *("diagnose_model", "free_law", "instruments", "read_measurement"),
 )
 _NEEDED: dict[str, tuple[str, ...]] = {
     "optimise": ("optimise",),
