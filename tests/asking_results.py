@@ -1,18 +1,26 @@
-"""Results of a diagnosis that ask for experiments, as far as rounds look at one."""
+"""Results of a diagnosis that ask for experiments, with models that nobody fitted."""
 
 from types import SimpleNamespace
 
 import pandas as pd
 
 from stickslip import Measurement, Scenario
-from stickslip.diagnosis import Experiment
-from stickslip.diagnosis.inference.verdict import MARGIN
-from stickslip.facts import Code, Fact
+from stickslip.diagnosis.decision.experiments import Experiment, next_step
+from stickslip.diagnosis.decision.verdict import Verdict
+from stickslip.diagnosis.result import Diagnosis
 
 NOMINAL = Scenario().replace({"drive.mode": "OPP", "drive.base": 0.5e-3, "drive.pulses": 5})
 OLD = pd.DataFrame({"frequency": [20.0, 20.0, 40.0, 40.0], "velocity": [1e-3, 1.1e-3, 2e-3, 2e-3]})
-UNSAFE = Fact(Code.NO_SAFE_NAME, {"causes": ["a", "b"]})
-SAFE = Fact(Code.NAME_SAFE, {"name": "a", "margin": MARGIN})
+UNSAFE = next_step("ambiguous", ["a", "b"], 0.0)
+SAFE = next_step("named", ["a"], 0.0)
+_VERDICTS = {UNSAFE.code: ("ambiguous", ("a", "b")), SAFE.code: ("named", ("a",))}
+
+
+class Asking(Diagnosis):
+    """A diagnosis whose verdict and proposals are given; the rest is as of any other."""
+
+    def propose_experiments(self, count=3):
+        return self.findings.proposed[:count]
 
 
 def measurement(table=OLD):
@@ -30,14 +38,7 @@ def experiments(count, separation=9.0):
     ]
 
 
-def asking(data, said=UNSAFE, count=3):
-    """A result that proposes, as far as rounds look at one."""
-    proposed = [] if said.code is Code.NOTHING_TO_SEPARATE else experiments(count)
-    verdict = SimpleNamespace(kind="named", causes=("a",))
-    return SimpleNamespace(
-        measurement=data,
-        next_step=said,
-        propose_experiments=lambda most: proposed[:most],
-        posed=SimpleNamespace(conditions=[*data.velocity[0].conditions]),
-        findings=SimpleNamespace(verdict=verdict),
-    )
+def asking(data, said=UNSAFE, count=3, separation=9.0):
+    """A diagnosis of a measurement that says what to do next."""
+    verdict = Verdict(*_VERDICTS.get(said.code, ("none", ())))
+    return Asking(SimpleNamespace(verdict=verdict, proposed=experiments(count, separation)), data)

@@ -15,7 +15,6 @@ from asking_results import measurement
 from command_line import check, stickslip
 from stickslip import FieldMap, Measurement, Scenario, ScenarioError, Waveform
 from stickslip._util.units import per_si, to_si
-from stickslip.facts import Code
 from stickslip.measurement.tables import read_numbers, read_rows
 from stickslip.measurement.velocity import read_velocity, velocity_units
 from stickslip.reproduction.curves import read_measured
@@ -35,9 +34,7 @@ def voltages(path):
 
 
 def velocities(path):
-    data, left_out = read_velocity(
-        path, read_rows(path, velocity_units()), Scenario(), float("nan")
-    )
+    data, left_out = read_velocity(read_rows(path, velocity_units()), Scenario(), float("nan"))
     return (data.conditions, data.velocity.tolist()), left_out
 
 
@@ -125,8 +122,8 @@ def test_comments_and_the_mark_change_nothing(tmp_path, kind, form):
     found, left_out = read(write(tmp_path / "a.csv", commented(lines[:-1]), *form))
     assert found == plain
     assert list(nothing) == []
-    assert [(fact.code, fact.fields["count"]) for fact in left_out] == (
-        [(Code.COMMENTS, 1)] if kind in MEASURED else []
+    assert [(each.code, each.value) for each in left_out] == (
+        [("comments", 1)] if kind in MEASURED else []
     )
 
 
@@ -142,7 +139,8 @@ def test_a_wrong_row_is_named_by_its_line_in_the_file(tmp_path, kind, form):
         (named,) = re.findall(r"(?:row|line) (\d+)", str(error))
         assert int(named) == wrong
     else:
-        assert [fact.fields["lines"] for fact in left_out if "lines" in fact.fields] == [[wrong]]
+        assert len([each for each in left_out if f"a.csv line {wrong}: " in each.text]) == 1
+        assert not any("a.csv lines" in each.text for each in left_out)
 
 
 @pytest.mark.parametrize("kind", FILES)
@@ -194,8 +192,8 @@ def test_what_programs_write_is_read(tmp_path, kind, dialect):
     found, left_out = read(write(tmp_path / "a.csv", DIALECTS[dialect](lines[:-1])))
     assert found == plain
     empty = {"commas at the end": 2, "commas after the rows": 1}.get(dialect)
-    assert [(fact.code, fact.fields["count"]) for fact in left_out] == (
-        [(Code.EMPTY_COLUMNS, empty)] if empty and kind in MEASURED else []
+    assert [(each.code, each.value) for each in left_out] == (
+        [("empty-columns", empty)] if empty and kind in MEASURED else []
     )
 
 
@@ -220,7 +218,7 @@ def test_a_row_that_begins_with_a_hash_is_not_lost(tmp_path, kind, header, cell)
     path = write(tmp_path / "a.csv", [head, bad, first, *others])
     if kind in MEASURED:
         _, left_out = read(path)
-        assert [2] in [fact.fields.get("lines") for fact in left_out]
+        assert any("a.csv line 2: " in each.text for each in left_out)
         return
     with pytest.raises(ScenarioError, match=r"(?:row|line) 2\b"):
         read(path)
@@ -229,9 +227,9 @@ def test_a_row_that_begins_with_a_hash_is_not_lost(tmp_path, kind, header, cell)
 def test_a_label_may_begin_with_a_hash(tmp_path):
     lines = ["block,frequency,velocity", "#1,20,1e-3", "# a remark", "#2,20,2e-3"]
     path = write(tmp_path / "a.csv", lines)
-    data, left_out = read_velocity(path, read_rows(path, velocity_units()), Scenario(), 0.01)
+    data, left_out = read_velocity(read_rows(path, velocity_units()), Scenario(), 0.01)
     assert data.block.tolist() == [0, 1]
-    assert [fact.code for fact in left_out] == [Code.COMMENTS]
+    assert [each.code for each in left_out] == ["comments"]
 
 
 # Of each kind a column, one that is n times larger in another unit, and one of another quantity.
@@ -294,10 +292,9 @@ def test_information_is_named(tmp_path, kind):
     wide = [f"{a},{b}" for a, b in zip(lines[:-1], beside, strict=True)]
     found, left_out = read(write(tmp_path / "a.csv", wide))
     assert found == plain
-    (fact,) = left_out
-    assert (fact.code, fact.fields["columns"]) == (
-        Code.COLUMNS_NOT_USED, ["date", "temperature (C)"],
-    )  # fmt: skip
+    assert [str(each) for each in left_out] == [
+        "a.csv: columns that are information only: date and temperature (C)."
+    ]
 
 
 @pytest.mark.parametrize(
@@ -318,7 +315,7 @@ def test_a_column_like_a_known_one_is_refused(tmp_path, kind, header, meant):
 def test_information_of_the_sound_trials_is_kept(tmp_path):
     lines = ["frequency,velocity,operator,", "20,1e-3,Ada,", "20,lost,Ben,", "30,2e-3,Cleo,late"]
     path = write(tmp_path / "a.csv", lines)
-    data, _ = read_velocity(path, read_rows(path, velocity_units()), Scenario(), 0.01)
+    data, _ = read_velocity(read_rows(path, velocity_units()), Scenario(), 0.01)
     assert data.extra == {"operator": ("Ada", "Cleo"), "column 4": ("", "late")}
 
 
@@ -337,7 +334,7 @@ def test_a_table_in_memory_has_units_and_information_too():
     assert [each["drive.frequency"] for each in data.conditions] == [20.0, 30.0]
     assert data.order.tolist() == [0.0, 60.0]
     assert data.extra == {"day": ("2024-05-01 00:00:00", "")}
-    assert [fact.code for fact in found.left_out] == [Code.COLUMNS_NOT_USED]
+    assert [each.code for each in found.left_out] == ["columns-not-used"]
 
 
 REFUSED = {

@@ -10,8 +10,8 @@ from command_line import stickslip
 from made_measurement import write
 from stickslip import read_measurement
 from stickslip.cli.next_table import PREDICTIONS, TABLE, with_measured
+from stickslip.diagnosis.decision.experiments import LEAST_WORTH, next_step
 from stickslip.errors import ScenarioError
-from stickslip.facts import Code, Fact
 from stickslip.measurement.tables import read_rows
 from stickslip.measurement.velocity import velocity_units
 
@@ -102,8 +102,19 @@ def test_what_to_measure_is_said_with_what_each_candidate_predicts(folder):
     _, begun = with_measured(data, folder, 1, 3)
     text = "\n".join(begun.lines(asking(data)))
     assert f"1 experiment, in {folder / TABLE}; 0 of at most 3 measured" in text
-    assert "1. frequency 50 Hz" in text
-    assert "1.000 +- 0.010 mm/s with a; 1.000 +- 0.010 mm/s with b" in text
+    assert "1. mode OPP, direction +x, frequency 50 Hz" in text
+    assert "expected: 1.000 ± 0.010 mm/s with a; 1.000 ± 0.010 mm/s with b" in text
+
+
+def test_where_no_drive_would_decide_none_is_written_and_this_is_said(folder):
+    folder, data = folder
+    _, begun = with_measured(data, folder, 2, 3)
+    little = asking(data, separation=0.9 * LEAST_WORTH)
+    begun.write(little)
+    assert not (folder / TABLE).exists()
+    text = "\n".join(begun.lines(little))
+    assert f"no drive is in {folder / TABLE}: none that was tried would decide" in text
+    assert begun.as_dict(little)["proposed"] == 0
 
 
 def test_a_table_of_another_measurement_is_refused(folder):
@@ -153,7 +164,7 @@ def test_without_a_finding_nothing_is_proposed(tmp_path):
     said = json.loads(done.stdout)
     assert said["verdict"] == "none"
     assert said["next"] == {
-        "safe": False, "why": str(Fact(Code.NOTHING_TO_SEPARATE, {"verdict": "none"})),
+        "safe": False, "why": str(next_step("none", [], 0.0)),
         "proposed": 0, "measured": 0, "budget": 3, "table": None,
     }  # fmt: skip
     assert not (found / TABLE).exists()

@@ -6,9 +6,8 @@ import pytest
 
 from stickslip import Measurement, Scenario, ScenarioError, sweep
 from stickslip._util.equal_numbers import representatives
-from stickslip.diagnosis.data.trials import pooled_velocities
-from stickslip.diagnosis.inference.experiment_design import _proposals
-from stickslip.facts import Code
+from stickslip.diagnosis.data.velocity import _pooled
+from stickslip.diagnosis.decision.experiments import proposals
 from stickslip.measurement import read_measurement
 from stickslip.sweeping.points import grid
 
@@ -65,9 +64,8 @@ def test_trials_whose_settings_differ_in_the_last_bit_are_repeats():
     np.testing.assert_array_equal(data.condition, clean.condition)
     np.testing.assert_array_equal(data.sweep, clean.sweep)
     (said,) = found.left_out  # once, not a line for each
-    assert said.code is Code.EQUAL_SETTINGS
-    named = {"table": "DataFrame", "column": "frequency", "count": 6, "relative": 1e-6}
-    assert said.fields == named
+    assert (said.code, said.value) == ("equal-settings", 6)
+    assert said.text.startswith("DataFrame: frequency has 6 values within 1e-06 of another one")
 
 
 def test_labels_numbers_of_trials_and_velocities_are_never_made_one():
@@ -90,11 +88,12 @@ def test_conditions_of_several_tables_and_of_the_scenario_are_the_same(tmp_path)
     )
     added = Measurement.from_dataframe(_table(False), NOMINAL).with_velocities(second)
     for found in (read_measurement(tmp_path / "m.toml"), added):
-        conditions, trials = pooled_velocities(found.velocity)
+        conditions, trials = _pooled(found.velocity)
         assert len(conditions) == 6
-        assert np.bincount(trials.condition).tolist() == [6] * 6
+        assert np.unique(trials[:, 0], return_counts=True)[1].tolist() == [6] * 6
         assert {each["drive.peak"] for each in conditions} == {NOMINAL.drive.peak}
-        assert [each.fields["column"] for each in found.left_out] == ["frequency", "peak"]
+        said = [each.text.split(": ")[1].split(" has ")[0] for each in found.left_out]
+        assert said == ["frequency", "peak"]
 
 
 def test_the_same_trials_again_are_refused_whatever_their_last_bits():
@@ -121,7 +120,7 @@ def test_a_measured_drive_is_not_proposed_whatever_its_last_bits():
             "drive.peak": peak, "drive.hold": 1e-3, "drive.frequency": frequency,
         }  # fmt: skip
 
-    exact = _proposals([condition(25.0, 0.0, 2.5e-3), condition(12.5, 0.0, 2.5e-3)])
+    exact = proposals([condition(25.0, 0.0, 2.5e-3), condition(12.5, 0.0, 2.5e-3)])
     near = [condition(25.000000000000004, 3e-17, 2.5e-3), condition(12.5, 0.0, 0.1 / 40 + 1e-18)]
-    settings = [{k: v for k, v in each.items() if k != "drive.base"} for each in _proposals(near)]
+    settings = [{k: v for k, v in each.items() if k != "drive.base"} for each in proposals(near)]
     assert settings == [{k: v for k, v in each.items() if k != "drive.base"} for each in exact]

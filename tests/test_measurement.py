@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from stickslip.errors import ScenarioError
-from stickslip.facts import Code, Fact
 from stickslip.measurement import Prior, read_measurement
 from stickslip.measurement.tables import read_rows
 from stickslip.measurement.velocity import read_velocity, velocity_units
@@ -61,31 +60,28 @@ def test_invalid_rows_are_left_out_and_reported(tmp_path):
     lines.append("0.001,3,IPP,fast,day3,41")
     lines.append("0.001,3,IPP")
     found = read_measurement(_write(tmp_path, "\n".join(lines)))
-    table = {"table": "velocity.csv"}
-    outlier = found.left_out[-1]
-    assert found.left_out[:-1] == (
-        Fact(Code.ROWS_LEFT_OUT, {**table, "count": 4, "rows": 16}),
-        _fact(Code.NOT_A_NUMBER, 3, column="velocity", cell="nan"),
-        _fact(Code.REPEATED_ROW, 5),
-        _fact(Code.NOT_A_NUMBER, 16, column="frequency", cell="fast"),
-        _fact(Code.CELL_COUNT, 17, cells=3, columns=6),
-    )
-    assert (outlier.code, outlier.fields["velocity"]) == (Code.OUTLIER, 0.5)
-    assert outlier.fields["unit_factor"] is None
+    said = [
+        (each.code, each.text.removeprefix("velocity.csv"), each.value) for each in found.left_out
+    ]
+    assert said == [
+        ("rows-left-out", ": 4 of 16 rows were left out.", 4),
+        ("not-a-number", ' line 3: velocity "nan" is not a number.', 1),
+        ("repeated-row", " line 5: the row repeats an earlier one.", 1),
+        ("not-a-number", ' line 16: frequency "fast" is not a number.', 1),
+        ("cell-count", " line 17: a row of 3 cells is not used, as the header names 6 columns.", 1),
+        # The two trials at 30 Hz that are left beside it are of 0.594 and 0.606 mm/s.
+        ("outlier", ": a trial of 0.5 m/s is far from the others of its condition, which are near "
+         "0.000606 m/s.", 0.5),
+    ]  # fmt: skip
     assert len(found.velocity[0].velocity) == 11
-
-
-def _fact(code, *lines, **fields):
-    return Fact(
-        code, {"table": "velocity.csv", "lines": list(lines), "count": len(lines), **fields}
-    )
 
 
 def test_a_single_wrong_unit_is_named_as_such(tmp_path):
     rows = ROWS + "0.6,3,IPP,30,day3,40\n"
     found = read_measurement(_write(tmp_path, rows))
-    assert found.left_out[0].code is Code.OUTLIER
-    assert found.left_out[0].fields["unit_factor"] == 1000.0
+    (note,) = found.left_out
+    assert (note.code, note.value) == ("outlier", 0.6)
+    assert note.text.endswith("; the factor of 1000 is that of a wrong unit.")
 
 
 def test_slow_conditions_scatter_by_more_than_their_share(tmp_path):
@@ -135,8 +131,9 @@ def test_frames_are_sorted_and_each_time_counts_once(tmp_path):
     assert np.array_equal(run.columns["theta"], run.columns["t"])
     assert run.frame_rate == pytest.approx(1000.0)
     assert [each.code for each in found.left_out] == [
-        Code.BAD_CELLS, Code.FRAMES_SORTED, Code.REPEATED_TIMES, Code.FRAMES_AFTER_DRIVE
+        "bad-cells", "frames-sorted", "repeated-times", "frames-after-drive"
     ]  # fmt: skip
+    assert [each.value for each in found.left_out] == [1, None, 1, 1]
 
 
 @pytest.mark.parametrize(
@@ -220,26 +217,31 @@ def test_lines_are_numbered_as_in_the_file_and_reasons_are_grouped(tmp_path):
         "# our robot\nmode,frequency,velocity\n\nIPP,30,1e-3\noop,30,1e-3\noop,40,1e-3\n"
         "# again\nIPP,50,lost\n"
     )
-    data, left_out = read_velocity(
-        path, read_rows(path, velocity_units()), Scenario(), float("nan")
-    )
+    data, left_out = read_velocity(read_rows(path, velocity_units()), Scenario(), float("nan"))
     assert len(data.velocity) == 1
-    many, refused, lost, comments = left_out
-    assert many == Fact(Code.ROWS_LEFT_OUT, {"table": "velocity.csv", "count": 3, "rows": 4})
-    assert (refused.code, refused.fields["lines"]) == (Code.SETTING_REFUSED, [5, 6])
-    assert lost == _fact(Code.NOT_A_NUMBER, 8, column="velocity", cell="lost")
-    assert comments == Fact(Code.COMMENTS, {"table": "velocity.csv", "count": 1})
+    many, refused, lost, comments = map(str, left_out)
+    assert many == "velocity.csv: 3 of 4 rows were left out."
+    assert refused.startswith('velocity.csv lines 5, 6: drive.mode = "oop": allowed is ')
+    assert lost == 'velocity.csv line 8: velocity "lost" is not a number.'
+    assert comments == "velocity.csv: 1 line below the header skipped as a comment."
+
+
+def test_of_many_lines_the_first_are_named(tmp_path):
+    path = tmp_path / "velocity.csv"
+    path.write_text("frequency,velocity\n30,1e-3\n" + "40,\n" * 6)
+    _, left_out = read_velocity(read_rows(path, velocity_units()), Scenario(), float("nan"))
+    assert left_out[-1].value == 6
+    assert str(left_out[-1]) == "velocity.csv lines 3, 4, 5, 6, 7, ...: velocity is empty."
 
 
 def test_one_field_in_another_unit_is_left_out(tmp_path):
     path = tmp_path / "velocity.csv"
     path.write_text("frequency,hold,velocity\n30,6e-4,1e-3\n40,6e-4,1e-3\n50,0.6,1e-3\n")
-    data, left_out = read_velocity(
-        path, read_rows(path, velocity_units()), Scenario(), float("nan")
-    )
+    data, left_out = read_velocity(read_rows(path, velocity_units()), Scenario(), float("nan"))
     assert len(data.velocity) == 2
-    limit = {"unit": "T", "limit": 0.1, "other": "mT"}
-    assert _fact(Code.SETTING_TOO_LARGE, 4, key="hold", value=0.6, **limit) in left_out
+    assert [str(each) for each in left_out if each.code == "setting-unit"] == [
+        "velocity.csv line 4: hold of 0.6 T is above 0.1 T; if it is in mT, divide it by 1e3."
+    ]
 
 
 def test_a_prior_is_shown_in_a_few_characters():

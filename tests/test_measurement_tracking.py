@@ -8,10 +8,9 @@ import pytest
 from command_line import stickslip
 from films import NOISE, TRUE, film, write_table
 from stickslip import load, simulate
-from stickslip.diagnosis.observables.tracking.camera import Camera
-from stickslip.diagnosis.observables.tracking.film import FilmObservable
+from stickslip.diagnosis.data.camera import Camera
+from stickslip.diagnosis.data.film import FilmTable
 from stickslip.errors import ScenarioError
-from stickslip.facts import Code
 from stickslip.measurement import read_measurement
 
 TOML = """stickslip_measurement = 1
@@ -78,17 +77,16 @@ def test_of_a_film_with_invalid_frames_the_valid_ones_are_used(tmp_path, frames)
     (run,) = found.tracking
     assert len(run.columns["t"]) == len(kept) - 1
     assert np.all(np.diff(run.columns["t"]) > 0.0)
-    assert [(each.code, each.fields.get("column")) for each in found.left_out] == [
-        (Code.BAD_CELLS, None),
-        (Code.GAPS, "z"),
-        (Code.GAPS, "current_x"),
-        (Code.FRAMES_SORTED, None),
-        (Code.REPEATED_TIMES, None),
-    ]
-    observable = FilmObservable(found.tracking[0])
-    unused = observable.left_out[-1]
-    assert (unused.code, unused.fields["column"]) == (Code.COLUMN_TOO_SHORT, "current_x")
-    assert np.all(np.isfinite(observable.predict(list(TRUE), np.array([[*TRUE.values()]]))))
+    codes = ["bad-cells", "gaps", "gaps", "frames-sorted", "repeated-times"]
+    assert [each.code for each in found.left_out] == codes
+    for said, column in zip(found.left_out[1:3], ("z", "current_x"), strict=True):
+        assert f"column {column} has {said.value} cells without a number" in said.text
+    assert found.left_out[2].value == len(kept)
+    table = FilmTable(run)
+    unused = table.left_out[-1]
+    assert (unused.code, unused.value) == ("column-too-short", 0)
+    assert "column current_x is not used" in unused.text
+    assert np.all(np.isfinite(table.predict(list(TRUE), np.array([[*TRUE.values()]]))))
 
 
 def test_a_film_with_too_few_frames_is_left_out_and_others_are_used(tmp_path, frames):
@@ -98,28 +96,33 @@ def test_a_film_with_too_few_frames_is_left_out_and_others_are_used(tmp_path, fr
     lost = {key: np.full(30, np.nan) for key in frames}
     found = read_measurement(write(tmp_path, TOML + tables, a=frames, b=few, c=degrees, d=lost))
     assert [run.file for run in found.tracking] == ["a.csv"]
+    said = {each.code: each for each in found.left_out}
     short, degrees, none = (
-        each
-        for each in found.left_out
-        if each.code in (Code.RUN_TOO_SHORT, Code.RUN_ANGLE_UNIT, Code.NO_SOUND_ROW)
+        said[code] for code in ("run-too-short", "run-angle-unit", "no-sound-row")
     )
-    assert (short.fields["table"], short.fields["count"]) == ("b.csv", 10)
-    assert (degrees.fields["table"], degrees.code) == ("c.csv", Code.RUN_ANGLE_UNIT)
-    assert none.fields["table"].endswith("d.csv")
+    assert short.value == 10
+    assert short.text.startswith("b.csv: the run is left out, as it has 10 sound frames from")
+    assert degrees.text.startswith("c.csv: the run is left out, as theta is near")
+    assert "d.csv: no row is sound. d.csv lines 2, 3, " in none.text
 
 
 @pytest.mark.parametrize(
-    ("stated", "times", "meant", "factor"),
+    ("stated", "times", "meant", "mend"),
     [
-        (1000.0, "ms", "ms or numbers of frames", 1000.0),  # one ms a frame
-        (1000.0, "us", "us", 1e6),
-        (500.0, "frames", "numbers of frames", 500.0),
-        (None, "ms", "ms or numbers of frames", None),
-        (None, "us", "us", 1e6),
+        (1000.0, "ms", "ms or numbers of frames", "divide them by 1000"),  # one ms a frame
+        (1000.0, "us", "us", "divide them by 1000000"),
+        (500.0, "frames", "numbers of frames", "divide them by 500"),
+        (
+            None,
+            "ms",
+            "ms or numbers of frames",
+            "divide ms by 1000, numbers of frames by the frame rate",
+        ),
+        (None, "us", "us", "divide them by 1000000"),
     ],
 )
 def test_a_film_whose_times_are_not_in_s_is_left_out_with_their_unit(
-    tmp_path, frames, stated, times, meant, factor
+    tmp_path, frames, stated, times, meant, mend
 ):
     of_unit = {"ms": 1e3, "us": 1e6, "frames": 1e3}[times]
     toml = TOML.replace("1000.0", repr(stated)) if stated else TOML.replace("frame_rate", "# ")
@@ -130,9 +133,9 @@ def test_a_film_whose_times_are_not_in_s_is_left_out_with_their_unit(
     both = toml + toml.split("\n\n")[1].replace("a.csv", "b.csv").replace(repr(stated), "1000.0")
     found = read_measurement(write(tmp_path, both, a=film_in_it, b=frames))
     assert [run.file for run in found.tracking] == ["b.csv"]
-    (fact,) = (each for each in found.left_out if each.fields["table"] == "a.csv")
-    assert fact.code is Code.RUN_TIME_UNIT
-    assert (fact.fields["meant"], fact.fields["factor"]) == (meant, factor)
+    (note,) = (each for each in found.left_out if each.text.startswith("a.csv:"))
+    assert note.code == "run-time-unit"
+    assert note.text.endswith(f", are {meant}; s are wanted, so {mend}.")
 
 
 @pytest.mark.parametrize("stated", [1000.0, None])
@@ -146,7 +149,7 @@ def test_a_film_that_goes_on_long_after_the_drive_is_in_s(tmp_path, frames, stat
     toml = TOML if stated else TOML.replace("frame_rate", "# ")
     found = read_measurement(write(tmp_path, toml, a=long))
     assert [run.file for run in found.tracking] == ["a.csv"]
-    assert Code.RUN_TIME_UNIT not in [each.code for each in found.left_out]
+    assert "run-time-unit" not in [each.code for each in found.left_out]
 
 
 @pytest.mark.parametrize(("factor", "meant"), [(1e3, "mm"), (1e6, "um")])
@@ -156,8 +159,9 @@ def test_a_film_whose_places_are_not_in_m_is_left_out_with_their_unit(
     tables = TOML + TOML.split("\n\n")[1].replace("a.csv", "b.csv")
     in_unit = {**frames, "x": factor * frames["x"]}
     found = read_measurement(write(tmp_path, tables, a=in_unit, b=frames))
-    fact = next(each for each in found.left_out if each.fields["table"] == "a.csv")
-    assert (fact.code, fact.fields["meant"]) == (Code.RUN_LENGTH_UNIT, meant)
+    note = next(each for each in found.left_out if each.text.startswith("a.csv:"))
+    assert note.code == "run-length-unit"
+    assert note.text.endswith(f"m are wanted, and these may be {meant}.")
 
 
 ALL = ("x", "theta", "z", "current_x", "current_clamp")
@@ -170,27 +174,22 @@ def full_frames():
 
 def used(folder, frames, toml=TOML):
     """Columns of the one film that the diagnosis uses, and what it leaves out."""
-    observable = FilmObservable(read_measurement(write(folder, toml, a=frames)).tracking[0])
-    return {each.name for each in observable.quantities}, observable.left_out
+    table = FilmTable(read_measurement(write(folder, toml, a=frames)).tracking[0])
+    return set(table.columns), table.left_out
 
 
 @pytest.mark.parametrize("factor", [1e3, 1e-3])
 @pytest.mark.parametrize(
-    ("column", "what", "unit"),
-    [
-        ("z", "spread", "m"),
-        ("current_x", "size", "A"),
-        ("current_clamp", "size", "A"),
-    ],
+    ("column", "unit"), [("z", "m"), ("current_x", "A"), ("current_clamp", "A")]
 )
-def test_a_column_in_a_wrong_unit_is_reported(tmp_path, full_frames, factor, column, what, unit):
+def test_a_column_in_a_wrong_unit_is_reported(tmp_path, full_frames, factor, column, unit):
     columns, said = used(tmp_path, {**full_frames, column: factor * full_frames[column]})
     assert columns == set(ALL) - {column}
-    (fact,) = said
-    of_column = {"table": "a.csv", "column": column, "what": what, "unit": unit}
-    expected = {**of_column, "unit_factor": pytest.approx(factor)}
-    assert fact.code is Code.COLUMN_SIZE
-    assert expected.items() <= fact.fields.items()
+    (note,) = said
+    assert note.code == "column-size"
+    assert f"column {column} is not used" in note.text
+    assert f" {unit}; allowed is 0.02 to 50 times)" in note.text
+    assert "in a unit that is wrong by 1000" in note.text
 
 
 @pytest.mark.parametrize(
@@ -211,7 +210,7 @@ def test_columns_in_the_right_unit_pass_whatever_the_drive(tmp_path, drive):
     frames["current_clamp"] += 0.02 * np.random.default_rng(3).standard_normal(len(frames["t"]))
     entries = ", ".join(f"{key} = {json.dumps(v)}" for key, v in drive.items())
     toml = TOML.replace("{ frequency = 30.0 }", f"{{ {entries} }}")
-    assert used(tmp_path, frames, toml) == (set(ALL), ())
+    assert used(tmp_path, frames, toml) == (set(ALL), [])
 
 
 def test_lost_frames_are_not_taken_for_a_wrong_unit(tmp_path, full_frames):
@@ -222,8 +221,9 @@ def test_lost_frames_are_not_taken_for_a_wrong_unit(tmp_path, full_frames):
     frames["current_x"][170] = -9999.0
     columns, said = used(tmp_path, frames)
     assert columns == set(ALL)
-    wild = [(each.code, each.fields["column"]) for each in said]
-    assert wild == [(Code.WILD_FRAMES, "z"), (Code.WILD_FRAMES, "current_x")]
+    assert [each.code for each in said] == ["wild-frames", "wild-frames"]
+    for note, column in zip(said, ("z", "current_x"), strict=True):
+        assert f"of their phase in {column}" in note.text
 
 
 def test_a_film_at_the_weakest_currents_of_its_drive_is_used(tmp_path, full_frames):
@@ -249,7 +249,7 @@ def test_an_absurdly_large_number_is_not_a_reading(tmp_path, frames):
     found = read_measurement(write(tmp_path, a=columns))
     (run,) = found.tracking
     assert len(run.columns["t"]) == len(columns["t"]) - 1
-    assert Code.BAD_CELLS in [each.code for each in found.left_out]
+    assert "bad-cells" in [each.code for each in found.left_out]
 
 
 def test_the_csv_file_of_a_run_is_a_film(tmp_path):
@@ -262,5 +262,6 @@ def test_the_csv_file_of_a_run_is_a_film(tmp_path):
     assert count > 300
     for name, column in read.columns.items():
         assert column.tolist() == getattr(run, name)[:count].tolist()
-    (fact,) = [each for each in found.left_out if each.code is Code.COLUMNS_NOT_USED]
-    assert {"vx (m/s)", "current xp (A)", "contact"} <= set(fact.fields["columns"])
+    (note,) = [each for each in found.left_out if each.code == "columns-not-used"]
+    assert note.text.startswith("a.csv: columns that are information only: ")
+    assert "vx (m/s)" in note.text

@@ -10,37 +10,35 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.stats import norm
 
 import stickslip
 from blind.frozen import checksum, generator_files
 from blind.readings import velocities
 from blind.truth import Truth
 from blind.writing import KEYS, write_case, write_more
-from stickslip import Drive, Scenario, Solver, simulate_batch
-from stickslip.diagnosis.api import diagnose
-from stickslip.diagnosis.model.effect_causes import library
-from stickslip.diagnosis.model.free_shapes import HOOKS
-from stickslip.diagnosis.report.certainty import gain_of
-from stickslip.diagnosis.results import Diagnosis
+from stickslip import Cause, Diagnosis, Drive, Scenario, Solver, diagnose, simulate_batch
+from stickslip.diagnosis.candidate import spread_of
+from stickslip.diagnosis.data.velocity import VelocityTable
+from stickslip.diagnosis.decision.formulas import formula
+from stickslip.diagnosis.result import CLAIMS
+from stickslip.diagnosis.terms.library import library
 from stickslip.measurement import read_measurement
+from stickslip.scenario.keys import known_keys
 
 _HERE = Path(__file__).resolve().parent
 _VOLTS = 30.0  # near what the drives ask for, so that a limit of the voltage acts
 # Rooms of the package that decide about a verdict; the report and all else do not.
 _ENGINE = ("diagnosis", "measurement", "scenario")
-# Files that decide only about the law that is said in the place of a cause.
-LAWS_ONLY = (
-    "between_knots", "form_curves", "form_starts", "formula_search", "formulas", "free_shapes",
-    "free_term_search", "law_posterior", "law_prior", "open_set", "simultaneous_band",
-)  # fmt: skip
+_KNOT = 0.3  # usual size of a law of a free shape
+_POINTS = 13  # of a law's curve
 
 
 def state() -> dict[str, str]:
     """Which engine and which generator made a row: version, commit, sums of what decides.
 
     Of the engine these are the files of its rooms without the report, and velocities that the core
-    computes: two builds of one source differ in their bytes. Those that decide only about laws have
-    a sum of their own.
+    computes: two builds of one source differ in their bytes.
     """
     package = Path(stickslip.__file__).resolve().parent
     deciding = [
@@ -49,40 +47,26 @@ def state() -> dict[str, str]:
         for path in (package / room).rglob("*.py")
         if "report" not in path.parts
     ]
-    laws = [path for path in deciding if path.stem in LAWS_ONLY and "diagnosis" in path.parts]
-    engine = [path for path in deciding if path not in laws]
     asked = ("git", "-C", str(_HERE), "rev-parse", "--short", "HEAD")
     commit = subprocess.run(asked, capture_output=True, text=True, check=False).stdout.strip()
     return {
         "version": stickslip.__version__,
         "commit": commit,
-        "engine": checksum(engine, _velocities(_named_sizes())),
-        "laws": checksum(laws, _velocities(_law_sizes())),
+        "engine": checksum(deciding, _velocities()),
         "data": checksum(generator_files()),
     }
 
 
 def same_state(row: dict[str, Any], now: dict[str, str]) -> bool:
     """Whether the present files would say the same; another commit may have the same ones."""
-    said = [row["said"], *([row["followed"]] if row.get("followed") else [])]
-    for_laws = any(each.get("open_set") is not None for each in said)
-    there = row.get("state", {})
-    return all(there.get(key) == now[key] for key in ["engine", "data", *["laws"] * for_laws])
+    return all(row.get("state", {}).get(key) == now[key] for key in ("engine", "data"))
 
 
-def _named_sizes() -> dict[str, float]:
-    """A usual size of each parameter of each effect that a diagnosis tries."""
+def _velocities() -> bytes:
+    """Mean velocities of runs with each parameter that a diagnosis tries by itself, as bytes."""
     causes = library(Scenario(), {}, _VOLTS)
-    return {p.name: float(p.value(np.ones(1))[0]) for cause in causes for p in cause.parameters}
-
-
-def _law_sizes() -> dict[str, float]:
-    """The same of the knots of each law."""
-    return {p.name: p.scale for hook in HOOKS for p in hook.cause.parameters}
-
-
-def _velocities(sizes: dict[str, float]) -> bytes:
-    """Mean velocities of runs with each of these parameters by itself, as bytes."""
+    sizes = {p.name: float(p.value(np.ones(1))[0]) for cause in causes for p in cause.parameters}
+    sizes |= {key: _KNOT for key in known_keys() if ".free_" in key and ".knot_" in key}
     base = Scenario(drive=Drive(base=0.5e-3, pulses=5), solver=Solver(rtol=1e-5))
     runs = [
         base.replace({"drive.frequency": 20.0 + 7.0 * k, name: size})
@@ -138,20 +122,59 @@ def _diagnosed(folder: Path, answer: dict[str, Any], page: Path | None = None) -
     seconds, gain = time.process_time() - start, result.gain
     if page is not None:
         result.save_report(page)
+    causes = [each for each in result.problem.causes if each.curve is not None]
+    laws = {each.name: _effect(each) for each in causes if each.name in result.verdict.causes}
+    # By the normal law the error that is left has a mean of 0.80 errors.
+    middle, sd = np.sqrt(2.0 / np.pi), np.sqrt((1.0 - 2.0 / np.pi) / len(result.problem.y))
     return {
-        "said": result.as_dict(),
-        "reasons": [each.code.name for each in result.verdict.reasons],
-        "gain": None if gain is None else {"p_value": gain.p_value, "choice": gain.choice},
+        "said": {**result.as_dict(), "laws": laws, "open_set": _law(result)},
+        "reasons": [each.code for each in result.verdict.reasons],
+        "gain": None if gain is None else {"p_value": norm.sf((gain.after - middle) / sd)},
         "truth_error": _truth_error(result, answer) if answer["hook"] else None,
         "cpu_seconds": seconds,
     }
 
 
+def _effect(law: Cause) -> str:
+    """The effect of the simulator that a law of a free shape is."""
+    assert law.curve is not None
+    (span,) = law.curve.fixed
+    return span.split(".")[1]
+
+
+def _law(result: Diagnosis) -> dict[str, Any] | None:
+    """The claimed law of a free shape: its curve with the ends of 95 %, and its formula."""
+    causes = result.best.fit.causes if result.verdict.kind in CLAIMS else ()
+    for cause in causes:
+        curve = cause.curve
+        if curve is None:
+            continue
+        values, names = result.best.values(), result.problem.names
+        at = np.linspace(curve.low, curve.high, _POINTS)
+        columns = [names.index(each.name) for each in cause.parameters]
+        f = values[:, columns] @ curve.design(at).T
+        base, constant = curve.stated, None
+        if curve.constant is not None:
+            k = names.index(curve.constant)
+            base, constant = values[:, [k]], result.problem.parameters[k]
+            f = np.hstack([f, base])
+        found = formula(at, f[0], spread_of(f), curve, constant)
+        law = base * (1.0 + f[:, :_POINTS]) if curve.relative else f
+        half = norm.ppf(0.975) * np.sqrt(np.diag(spread_of(law)))
+        return {
+            "accepted": True, "effect": _effect(cause), "gain": result.as_dict()["gain"],
+            "curve": {"argument": at.tolist(), "low": (law[0] - half).tolist(),
+                      "high": (law[0] + half).tolist()},
+            "formula": None if found is None else found.text,
+            "others": [] if found is None else list(found.others),
+        }  # fmt: skip
+    return None
+
+
 def _truth_error(result: Diagnosis, answer: dict[str, Any]) -> float | None:
-    """Mean absolute error of the truth on the held-out conditions, m/s: what noise leaves."""
-    gain, problem = gain_of(result.findings), result.findings.problem
-    if gain is None:
+    """Mean absolute error of the truth on all conditions, m/s: what noise leaves."""
+    table = result.problem.tables[0]
+    if result.gain is None or not isinstance(table, VelocityTable):
         return None
-    drives = [{key: problem.conditions[k][f"drive.{key}"] for key in KEYS} for k in gain.held_out]
-    error = problem.observed[gain.held_out] - velocities(Truth.of(answer), drives)
-    return float(np.mean(np.abs(error)))
+    drives = [{key: each[f"drive.{key}"] for key in KEYS} for each in table.conditions]
+    return float(np.mean(np.abs(table.mean - velocities(Truth.of(answer), drives))))

@@ -121,7 +121,10 @@ def freeze(minutes: float, kinds: list[str]) -> None:
 
 
 def _joined(parts: dict[Path, Path]) -> None:
-    """Move the whole lines of each part into its file, the last one of each name."""
+    """Move the whole lines of each part into its file, the last one of each name, by the names.
+
+    The order in which they were made would say of which kind each is.
+    """
     for path, part in parts.items():
         if not part.exists():
             continue
@@ -130,7 +133,7 @@ def _joined(parts: dict[Path, Path]) -> None:
         kept = {each["name"]: each for each in (*(sets(path) if path.exists() else ()), *fresh)}
         whole = path.with_suffix(".new")
         with lzma.open(whole, "wt", preset=9) as file:
-            file.writelines(json.dumps(each) + "\n" for each in kept.values())
+            file.writelines(json.dumps(kept[name]) + "\n" for name in sorted(kept))
         whole.replace(path)
         part.unlink()
 

@@ -16,8 +16,9 @@ Row = dict[str, Any]
 # cause cannot be as strong as the kind asks for.
 _REACHED = 0.9
 _FEW = 6  # members of a set that are still an answer
-# Codes of a verdict's reasons that say that a cause was named and something is left over.
-_LEFT_OVER = ("SMOOTH_REST", "PAIR_LEADS_TOO_LITTLE")
+# Codes of a verdict's reasons that say that a cause was named and something is left over; in
+# capitals those of the engine before this one, whose rows the record may have.
+_LEFT_OVER = ("SMOOTH_REST", "PAIR_LEADS_TOO_LITTLE", "second-cause-predicts-nothing")
 # Parameters whose library form is the generator's too, so that their values can be compared.
 _SAME_FORM = {
     f"{name}.{key}"
@@ -195,20 +196,32 @@ def comparable_beside(row: Row) -> bool:
 
 def gained(row: Row) -> bool:
     gain = row["said"]["gain"]
-    return gain is not None and bool(gain["heldout_chi2_after"] < gain["heldout_chi2_before"])
+    if gain is None:
+        return False
+    if "before" in gain:
+        return bool(gain["after"] < gain["before"])
+    return bool(gain["heldout_chi2_after"] < gain["heldout_chi2_before"])
+
+
+def _mae(row: Row, when: str) -> float | None:
+    """Mean absolute error of held-out velocities, m/s, before or after; None without a gain."""
+    shape = accepted_shape(row)
+    gain = row["said"]["gain"] if shape is None else shape["gain"]
+    if gain is None:
+        return None
+    error = gain[f"mae_{when}"]
+    return float(error["velocity"] if isinstance(error, dict) else error)
 
 
 def halved(row: Row) -> bool:
-    shape = accepted_shape(row)
-    gain = row["said"]["gain"] if shape is None else shape["gain"]
-    return gain is not None and bool(gain["mae_after"] <= 0.5 * gain["mae_before"])
+    before, after = _mae(row, "before"), _mae(row, "after")
+    return before is not None and after is not None and after <= 0.5 * before
 
 
 def halved_by_truth(row: Row) -> bool:
     """Whether the noise lets the truth itself halve the error."""
-    shape, error = accepted_shape(row), row.get("truth_error")
-    gain = row["said"]["gain"] if shape is None else shape["gain"]
-    return error is not None and bool(error <= 0.5 * gain["mae_before"])
+    before, error = _mae(row, "before"), row.get("truth_error")
+    return before is not None and error is not None and bool(error <= 0.5 * before)
 
 
 def consistent(row: Row) -> bool:
@@ -225,24 +238,29 @@ def followed_right(row: Row) -> bool:
 
 def second_said(row: Row) -> bool:
     """The hidden second cause is said, or that something is left beside the first."""
-    if row["answer"]["answer"][1] in causes_said(row):
+    if row["answer"]["answer"][1] in causes_said(row) or right_when_dominant(row):
         return True
     return named(row) and any(code in _LEFT_OVER for code in row.get("reasons", ()))
 
 
+def _laws_said(row: Row) -> dict[str, str]:
+    """Effects of what is said that are laws of a free shape, by name."""
+    return dict(row["said"].get("laws", {}))
+
+
 def accepted_shape(row: Row) -> dict[str, Any] | None:
-    """The law of another shape that is said in place of a cause."""
+    """The law of another shape that is said, and no other cause beside it."""
     shape = row["said"].get("open_set")
-    return shape if shape is not None and shape["accepted"] and not causes_said(row) else None
+    alone = causes_said(row) <= set(_laws_said(row))
+    return shape if shape is not None and shape["accepted"] and alone else None
 
 
 def hook_right(row: Row) -> bool:
-    """All that is said acts where the truth acts.
-
-    Where no cause is claimed, what is said is the law of another shape that was accepted.
-    """
-    shape = accepted_shape(row)
-    said = causes_said(row) if shape is None else {shape["effect"]}
+    """All that is said acts where the truth acts."""
+    shape, laws = accepted_shape(row), _laws_said(row)
+    said = {laws.get(name, name) for name in causes_said(row)}
+    # The engine before this one said a law where it claimed no cause.
+    said = said or (set() if shape is None else {shape["effect"]})
     return {HOOK_OF.get(name) for name in said} == {row["answer"]["hook"]}
 
 

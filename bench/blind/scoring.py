@@ -206,20 +206,13 @@ def slim(row: Row) -> Row:
 
 
 def _slim(said: dict[str, Any]) -> dict[str, Any]:
-    keys = ("verdict", "cause", "p_value", "parameters", "gain")
-    shape = said.get("open_set")
-    if shape is not None:
-        curve = {name: shape["curve"][name][::5] for name in ("argument", "low", "high")}
-        formula = shape["formula"]
-        shape = {
-            "accepted": shape["accepted"], "gain": shape["gain"], "curve": curve,
-            "effect": shape["hooks"][0]["effect"],
-            "formula": None if formula is None else formula["text"],
-            "others": [] if formula is None else formula["others"],
-        }  # fmt: skip
     likely = sorted(said["probabilities"].items(), key=lambda item: -item[1])[:5]
-    kept = {key: said[key] for key in keys}
-    return {**kept, "probabilities": dict(likely), "open_set": shape}
+    parameters = {
+        name: {key: each[key] for key in ("value", "sd", "unit")}
+        for name, each in said["parameters"].items()
+    }
+    kept = {key: said[key] for key in ("verdict", "cause", "p_value", "gain", "laws", "open_set")}
+    return {**kept, "parameters": parameters, "probabilities": dict(likely)}
 
 
 def counted(rows: Sequence[Row]) -> list[Row]:
@@ -269,13 +262,15 @@ def calibration(rows: Sequence[Row]) -> list[dict[str, Any]]:
     thought = []
     for row in rows:
         family = KINDS[row["answer"]["kind"]].family
-        truth = "unknown" if family == "unknown" else None
+        chance, truth = row["said"]["probabilities"], None
+        if family == "unknown":
+            # The engine before this one had a name for what no cause explains.
+            truth = "unknown" if "unknown" in chance else "none"
         if family.startswith("none"):
             truth = "none"
         if family in _ONE_ANSWER:
             (truth,) = row["answer"]["answer"]
         if truth is not None:
-            chance = row["said"]["probabilities"]
             best = max(chance, key=lambda name: chance[name])
             thought.append((chance[best], best == truth))
     result = []

@@ -1,31 +1,29 @@
 """First impacts of the drops as data for `stickslip.diagnose_model`, with models of one's own.
 
-Two tables of the same impacts: how high the marker is at contact, and its velocity and the spin
-after it. What the camera and the body may hide from them is among the suspects.
+Two kinds of data of the same impacts: how high the marker is at contact, and its velocity and the
+spin after it. What the camera and the body may hide from them is among the suspects.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import norm, qmc
 
-from stickslip import (
-    Cause,
-    CauseParameter,
-    Diagnosis,
-    Prior,
-    Uncertain,
-    diagnose_model,
-    instruments,
-)
+from stickslip import Cause, Diagnosis, Parameter, Prior, Table, diagnose_model, instruments
 from stickslip.diagnosis import Problem
+from stickslip.diagnosis.own_model import pose_own
 
 from .contacts import ABOUT, SIDE, Impacts, reach, single_impacts
 from .flights import Drops, find_flights, fit_flights
+
+Posed = tuple[Callable[..., np.ndarray], list[Table], list[Parameter], list[Cause]]
+"""What `stickslip.diagnose_model` takes: the model, a table of each kind of observable, constants
+and causes."""
+Values = dict[str, np.ndarray]
 
 GYRATION = SIDE / np.sqrt(6.0)
 """Radius of gyration of a uniform square, m."""
@@ -33,7 +31,6 @@ GYRATION = SIDE / np.sqrt(6.0)
 _LEAST_TILT = 0.15
 """rad. Chosen: a square that is nearer to lying flat touches with two corners within a frame."""
 _QUARTER = np.pi / 2
-
 
 _FARTHEST = 5.0
 """Errors, beyond which an impact is left out. Chosen: two impacts within a frame, which the flights
@@ -51,38 +48,19 @@ _RANGE, _STEP = 6.0, 1e-3
 deviations of a prior, and a step that is nothing beside one."""
 
 
-@dataclass(frozen=True)
-class Table:
-    """What `stickslip.diagnose_model` needs of a table of impacts.
-
-    Attributes
-    ----------
-    predict : callable
-    observed : numpy.ndarray, shape (kinds * impacts,)
-        One kind of observable after another.
-    uncertain : tuple of Uncertain
-    causes : tuple of Cause
-    kinds : int
-    """
-
-    predict: Callable[[Impacts, np.ndarray], np.ndarray]
-    observed: np.ndarray
-    uncertain: tuple[Uncertain, ...]
-    causes: tuple[Cause, ...]
-    kinds: int
-
-
 def _cause(name: str, meaning: str, *parameters: tuple[str, str, float, float, float]) -> Cause:
-    """A cause; each parameter is its word, unit, lowest and highest value and scale."""
-    return Cause(
-        name, tuple(CauseParameter(f"{name}.{word}", *rest) for word, *rest in parameters), meaning
-    )
+    """A cause; each parameter is its word, unit, lowest and highest value and usual size."""
+    made = [
+        Parameter(f"{name}.{word}", unit=unit, low=low, high=high, size=size)
+        for word, unit, low, high, size in parameters
+    ]
+    return Cause(name, tuple(made), meaning)
 
 
 _ANGLE = _cause(
     "angle_offset", "angles are read from a wrong zero", ("angle", "rad", -0.3, 0.3, 0.03)
 )
-"""An instrument, but the angles are conditions here, so that the models have it themselves."""
+"""An instrument, but the angles are settings here, so that the models have it themselves."""
 _ROUNDING = _cause("rounding", "the corners are rounded", ("radius", "m", 0.0, 0.015, 2e-3))
 _SLOPE = _cause("plate_slope", "the plate rises along x", ("slope", "-", -0.1, 0.1, 5e-3))
 
@@ -102,69 +80,62 @@ def first_impacts(drops: Drops) -> Impacts:
     return Impacts(found.drop[first], found.before[first], found.after[first])
 
 
-def predicted_heights(impacts: Impacts, parameters: np.ndarray) -> np.ndarray:
-    """Height of the square's middle at contact, m.
+def predicted_heights(table: Table, p: Values) -> np.ndarray:
+    """Height of the square's middle at contact, m."""
+    rounding = p["rounding.radius"]
+    down = reach(table["theta"] - p["angle_offset.angle"], 0.5 * SIDE - rounding) + rounding
+    return p["plate"] + p["plate_slope.slope"] * (table["x"] - ABOUT) + down
 
-    Columns: height of the plate (m), offset of the angle (rad), radius of the corners (m), slope.
+
+def heights(impacts: Impacts, sd: np.ndarray) -> Posed:
+    """Heights at contact: which suspect makes them differ from those of a square on a plate?
+
+    `sd` has the error of a height, m, shape (1,).
     """
-    plate, offset, rounding, slope = (column[:, None] for column in parameters.T)
-    x, _, theta = impacts.before[:, :3].T
-    down = reach(theta - offset, 0.5 * SIDE - rounding) + rounding
-    return plate + slope * (x - ABOUT) + down
-
-
-def height_table(impacts: Impacts) -> Table:
-    """Heights at contact: which suspect makes them differ from those of a square on a plate?"""
-    theta = impacts.before[:, 2]
+    x, z, theta = impacts.before[:, :3].T
     meters = (
         instruments.marker_place(None, slice(None), 1e-3, angle=theta, largest=0.02),
         instruments.scale(0.01, name="length_scale"),
     )
-    return Table(
-        instruments.with_instruments(predicted_heights, meters),
-        impacts.before[:, 1],
-        (Uncertain("plate", Prior("normal", 0.0, 5e-3), "m", suspect=False),),
-        (_ANGLE, _ROUNDING, _SLOPE, *meters),
-        1,
-    )
+    plate = Parameter("plate", Prior("normal", 0.0, 5e-3), "m", suspect=False)
+    table = Table({"x": x, "theta": theta}, z, sd=float(sd[0]), name="height", unit="m")
+    return predicted_heights, [table], [plate], [_ANGLE, _ROUNDING, _SLOPE, *meters]
 
 
-def predicted_impacts(impacts: Impacts, parameters: np.ndarray) -> np.ndarray:
-    """Velocity (m/s) of the marker after an impact, then spin times `GYRATION` (m/s).
+def predicted_impacts(table: Table, p: Values) -> np.ndarray:
+    """Velocity of the marker after an impact, or the spin times `GYRATION`, m/s, by the table.
 
     An impact of a rigid body at one corner: what friction can stop is stopped or, by the tangential
-    restitution, turned back; else the corner slips. Columns: restitution, friction, radius of
-    gyration (m), then the parameters of `IMPACT_CAUSES`.
+    restitution, turned back; else the corner slips.
     """
-    columns = (column[:, None] for column in parameters.T)
-    restitution, friction, gyration, *rest = columns
-    offset, rounding, slope, turned_back, softer, faster, shift, *places = rest
-    mass_along, mass_across, marker_along, marker_across = places
-    velocity = impacts.before[:, 3:]
-    theta = impacts.before[:, 2] - offset
-    ahead, down = _corner(theta, rounding)
+    gyration, slope = p["gyration"], p["plate_slope.slope"]
+    theta = table["theta"] - p["angle_offset.angle"]
+    ahead, down = _corner(theta, p["rounding.radius"])
     cos, sin = np.cos(theta), np.sin(theta)
-    ahead = ahead + mass_along * cos + mass_across * sin + shift
+    mass_along, mass_across = p["mass_place.along"], p["mass_place.across"]
+    marker_along, marker_across = p["marker_place.along"], p["marker_place.across"]
+    ahead = ahead + mass_along * cos + mass_across * sin + p["contact_place.shift"]
     down = down + mass_along * sin - mass_across * cos
     beside = marker_along * cos + marker_across * sin
     above = marker_across * cos - marker_along * sin
-    spin = velocity[:, 2] + 0.0 * theta
+    spin = table["spin"] + 0.0 * theta
     # The marker moves with v + spin * (above, -beside); the axes are then turned along the plate.
-    centre = velocity[:, 0] - spin * above, velocity[:, 1] + spin * beside
+    centre = table["vx"] - spin * above, table["vz"] + spin * beside
     vx, vz = centre[0] + slope * centre[1], centre[1] - slope * centre[0]
     ahead, down = ahead - slope * down, down + slope * ahead
     approach = spin * ahead - vz
     push_x, push_z = _impulse(
         (vx - spin * down, -approach),
         (ahead, down, gyration),
-        restitution * np.exp(-softer * (approach - 1.0)),
-        friction * np.exp(-faster * (approach - 1.0)),
-        turned_back,
+        p["restitution"] * np.exp(-p["softer_when_fast.rate"] * (approach - 1.0)),
+        p["friction"] * np.exp(-p["slippery_when_fast.rate"] * (approach - 1.0)),
+        p["tangential_restitution.fraction"],
     )
     after = spin - (down * push_x + ahead * push_z) / gyration**2
     vx, vz = vx + push_x, vz + push_z
     vx, vz = vx - slope * vz, vz + slope * vx
-    return np.concatenate([vx + after * above, vz - after * beside, GYRATION * after], axis=1)
+    read = {"vx": vx + after * above, "vz": vz - after * beside, "spin": GYRATION * after}
+    return read[table.name]
 
 
 IMPACT_CAUSES = (
@@ -222,70 +193,67 @@ def _impulse(
     return push_x, np.where(stops, stopped_z, slipped_z)
 
 
-def velocity_table(impacts: Impacts) -> Table:
-    """Velocities after impact: which suspect makes them differ from those of a rigid square?"""
-    uncertain = (
-        Uncertain("restitution", Prior("normal", 0.5, 0.2)),
-        Uncertain("friction", Prior("log-uniform", 0.02, 0.6)),
-        Uncertain("gyration", Prior("normal", GYRATION, 2e-4), "m"),
-    )
+def velocities(impacts: Impacts, sd: np.ndarray) -> Posed:
+    """Velocities after impact: which suspect makes them differ from those of a rigid square?
+
+    `sd` has the errors of vx, vz and the spin times `GYRATION`, m/s, shape (3,).
+    """
+    uncertain = [
+        Parameter("restitution", Prior("normal", 0.5, 0.2)),
+        Parameter("friction", Prior("log-uniform", 0.02, 0.6)),
+        Parameter("gyration", Prior("normal", GYRATION, 2e-4), "m"),
+    ]
+    theta, vx, vz, spin = impacts.before[:, 2:].T
+    before = {"theta": theta, "vx": vx, "vz": vz, "spin": spin}
     after = impacts.after[:, 3:] * [1.0, 1.0, GYRATION]
-    return Table(predicted_impacts, after.T.ravel(), uncertain, IMPACT_CAUSES, 3)
+    tables = [
+        Table(before, column, sd=float(error), name=name, unit="m/s")
+        for name, column, error in zip(("vx", "vz", "spin"), after.T, sd, strict=True)
+    ]
+    return predicted_impacts, tables, uncertain, list(IMPACT_CAUSES)
 
 
-def diagnose_table(pose: Callable[[Impacts], Table], impacts: Impacts) -> Diagnosis:
+def diagnose_impacts(pose: Callable[[Impacts, np.ndarray], Posed], impacts: Impacts) -> Diagnosis:
     """The diagnosis, with errors that the fit of all suspects at once leaves.
 
     No impact was repeated. What no suspect explains serves as the error of each kind of observable,
     by the normal law, after impacts that lie far beyond it by a robust fit were left out.
     """
-    table = pose(impacts)
-    x, rest = robust_fit(table, impacts)
+    x, rest = robust_fit(pose, impacts)
     inside = np.all(rest < _FARTHEST, axis=0)
     kept = Impacts(impacts.drop[inside], impacts.before[inside], impacts.after[inside])
-    table = pose(kept)
-    problem = _problem(table, kept)
-    _, scale, _, _ = _search(problem, x, table.kinds, _NORMAL)
+    problem = _problem(pose, kept)
+    _, scale, _, _ = _search(problem, x, _NORMAL)
     # Larger by what the fit of so many suspects takes.
-    taken = len(table.observed) / (len(table.observed) - problem.size)
-    sd = np.repeat(np.sqrt(taken) * scale, len(kept.drop))
-    return diagnose_model(
-        table.predict,
-        kept,
-        table.observed,
-        table.uncertain,
-        table.causes,
-        sd=sd,
-        group=np.tile(np.arange(len(kept.drop)), table.kinds),
-    )
+    taken = len(problem.y) / (len(problem.y) - problem.size)
+    return diagnose_model(*pose(kept, np.sqrt(taken) * scale))
 
 
-def robust_fit(table: Table, impacts: Impacts, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
+def robust_fit(
+    pose: Callable[[Impacts, np.ndarray], Posed], impacts: Impacts, seed: int = 0
+) -> tuple[np.ndarray, np.ndarray]:
     """Coordinates of all suspects at once, and what they leave in errors, shape (kinds, impacts).
 
     By Student's law, whose tails bear odd impacts where these are few, with the likeliest error of
     each kind of observable. The fit has several minima, and rounding decides where a search from
     one start ends. So searches begin at the likeliest of many points of the priors.
     """
-    problem = _problem(table, impacts)
+    problem = _problem(pose, impacts)
     points = norm.ppf(qmc.Sobol(problem.size, seed=seed).random(_SCANNED))
-    value, _, _ = _likelihood(problem, points, table.kinds, _ROBUST)
+    value, _, _ = _likelihood(problem, points, _ROBUST)
     likeliest = points[np.argsort(value)[:_STARTS]]
-    found = [_search(problem, each, table.kinds, _ROBUST) for each in likeliest]
+    found = [_search(problem, each, _ROBUST) for each in likeliest]
     _, scale, rest, x = min(found, key=lambda each: each[0])
     return x, np.abs(rest) / scale[:, None]
 
 
-def _problem(table: Table, impacts: Impacts) -> Problem:
-    one = np.eye(len(table.observed))
-    return Problem(
-        table.predict, impacts, table.observed, one, np.inf, table.uncertain, table.causes
-    )
+def _problem(pose: Callable[[Impacts, np.ndarray], Posed], impacts: Impacts) -> Problem:
+    """Of residuals in their own unit, and of no law of the errors."""
+    return pose_own(*pose(impacts, np.ones(3)))
 
 
-def _limits(problem: Problem) -> tuple[np.ndarray, np.ndarray]:
-    low, high = (np.clip(end, -_RANGE, _RANGE) for end in problem.limits())
-    return low, high
+def _limits(problem: Problem) -> np.ndarray:
+    return np.clip(problem.limits, -_RANGE, _RANGE)
 
 
 def _loss(squares: np.ndarray, dof: float) -> np.ndarray:
@@ -295,14 +263,15 @@ def _loss(squares: np.ndarray, dof: float) -> np.ndarray:
 
 
 def _likelihood(
-    problem: Problem, x: np.ndarray, kinds: int, dof: float
+    problem: Problem, x: np.ndarray, dof: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Negative log-likelihood with the priors', likeliest scales and residuals at coordinates x.
 
     Shapes (points,), (points, kinds) and (points, kinds, impacts). The priors are of Student's law
     too, so that the search below, which has one loss for all, lowers the same.
     """
-    rest = problem.residuals(np.clip(x, *_limits(problem))).reshape(len(x), kinds, -1)
+    residuals = problem.residuals(np.clip(x, *_limits(problem)))
+    rest = residuals.reshape(len(x), len(problem.tables), -1)
     scale = np.median(np.abs(rest), axis=2, keepdims=True)
     for _ in range(_ROUNDS):
         weight = _loss((rest / scale) ** 2, dof)[1]
@@ -313,7 +282,7 @@ def _likelihood(
 
 
 def _search(
-    problem: Problem, x: np.ndarray, kinds: int, dof: float
+    problem: Problem, x: np.ndarray, dof: float
 ) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
     """The same of the minimum that a search from some coordinates ends in, and where it is."""
 
@@ -322,11 +291,11 @@ def _search(
 
     low, high = _limits(problem)
     x = np.clip(x, low + _STEP, high - _STEP)
-    (value,), (scale,), (rest,) = _likelihood(problem, x[None, :], kinds, dof)
+    (value,), (scale,), (rest,) = _likelihood(problem, x[None, :], dof)
     for _ in range(_ROUNDS):
         error, before = np.repeat(scale, rest.shape[1]), value
         x = least_squares(misfit, x, bounds=(low, high), loss=lambda z: _loss(z, dof)).x
-        (value,), (scale,), (rest,) = _likelihood(problem, x[None, :], kinds, dof)
+        (value,), (scale,), (rest,) = _likelihood(problem, x[None, :], dof)
         if before - value < _SETTLED:
             break
     return value, scale, rest, x

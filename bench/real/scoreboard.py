@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
 import time
 from collections.abc import Callable
@@ -17,11 +18,10 @@ import numpy as np
 from measure import machine
 
 import stickslip
-from stickslip.diagnosis import Fit
-from stickslip.diagnosis.inference.ranking import set_members
+from stickslip.diagnosis.result import CLAIMS
 
 from .flights import read_drops
-from .impacts import diagnose_table, first_impacts, height_table, velocity_table
+from .impacts import diagnose_impacts, first_impacts, heights, velocities
 from .rollers import diagnose_rollers
 from .tumbler import diagnose_tumbler
 
@@ -112,7 +112,7 @@ def judged(result: stickslip.Diagnosis, truth: Truth) -> str:
     lies far from what is known.
     """
     kind, causes = result.verdict.kind, set(result.verdict.causes)
-    if kind in ("named", "pair"):
+    if kind in CLAIMS:
         strange = causes - {*truth.present, *truth.possible}
         off = _far_off(result, truth)
         right = causes & set(truth.present) and not strange and not off
@@ -122,8 +122,8 @@ def judged(result: stickslip.Diagnosis, truth: Truth) -> str:
     inside = [name for name in truth.present if name in causes]
     if kind == "ambiguous":
         return "open, the truth in the set" if inside else "open, the truth not in the set"
-    nearest = _nearest(result)
-    there = nearest is not None and set(truth.present) & set(nearest.name.split(" + "))
+    leader = result.verdict.leader
+    there = leader is not None and leader.names & set(truth.present)
     return "open, the truth nearest" if there else "open"
 
 
@@ -138,19 +138,11 @@ def _far_off(result: stickslip.Diagnosis, truth: Truth) -> list[str]:
     return found
 
 
-def _nearest(result: stickslip.Diagnosis) -> Fit | None:
-    """The candidate that leads, by evidence after the price of a second cause."""
-    ranking = result.findings.ranking
-    fits = [*ranking.singles, *ranking.pairs]
-    return max(fits, key=lambda fit: fit.priced_evidence, default=None)
-
-
 def _found(result: stickslip.Diagnosis, truth: Truth) -> str:
     """What is claimed, or comes nearest, and the estimates of what is known."""
-    causes = result.verdict.causes
+    causes, leader = result.verdict.causes, result.verdict.leader
     if not causes:
-        nearest = _nearest(result)
-        return "-" if nearest is None else f"nearest: {nearest.name}"
+        return "-" if leader is None else f"nearest: {leader.name}"
     joined = (" + " if result.verdict.kind == "pair" else ", ").join(causes[:_MOST_SHOWN])
     joined += f" and {len(causes) - _MOST_SHOWN} more" if len(causes) > _MOST_SHOWN else ""
     for name in truth.values:
@@ -161,18 +153,30 @@ def _found(result: stickslip.Diagnosis, truth: Truth) -> str:
 
 
 def _lead(result: stickslip.Diagnosis) -> str:
-    """Log-evidence of the best candidate above the best one that is not claimed, and its name."""
-    ranking = result.findings.ranking
-    claimed = {fit.name for fit in set_members(result.findings)}
-    nearest = _nearest(result)
-    if nearest is None:
+    """Logarithm of the probability of the first model over that of the best other one.
+
+    Of a set the other one is no member of it.
+    """
+    models, (first, *others) = result.chance.models, result.chance.fits
+    members = result.verdict.members if result.verdict.kind == "ambiguous" else (first,)
+    inside = {each.name for each in members}
+    second = next((each for each in others if each.name not in inside), None)
+    if second is None:
         return "-"
-    claimed.add(nearest.name)
-    others = [ranking.null, *ranking.singles, *ranking.pairs]
-    second = max(
-        (fit for fit in others if fit.name not in claimed), key=lambda fit: fit.priced_evidence
+    odds = math.log(models[first.name] / max(models[second.name], 1e-300))
+    return f"{odds:.1f}: {first.name} over {second.name}"
+
+
+def _held_out(result: stickslip.Diagnosis, unit: tuple[float, str]) -> str:
+    """Errors of the recalibrated and the extended model, or of the leader, of each table."""
+    gain, (factor, word) = result.gain, unit
+    if gain is None:
+        return "-"
+    before, after = (
+        ", ".join(f"{factor * each:.3g}" for each in part.values())
+        for part in (gain.mae_before, gain.mae_after)
     )
-    return f"{nearest.priced_evidence - second.priced_evidence:.1f} over {second.name}"
+    return f"{before} -> {after} {word}"
 
 
 def score(
@@ -182,17 +186,13 @@ def score(
     begin = time.process_time()
     result = diagnosed()
     used = time.process_time() - begin
-    gain, (factor, word) = result.gain, unit
-    held_out = "-"
-    if gain is not None:
-        held_out = f"{factor * gain.mae_before:.3g} -> {factor * gain.mae_after:.3g} {word}"
     return Score(
         name,
-        len(result.findings.problem.observed),
+        len(result.problem.y),
         result.verdict.kind,
         _found(result, truth),
         _lead(result),
-        held_out,
+        _held_out(result, unit),
         truth.text,
         judged(result, truth),
         round(used, 1),
@@ -214,13 +214,13 @@ def scores(drops: Path = DROPS) -> list[Score]:
             "drops, heights at contact",
             (1e3, "mm"),
             HEIGHTS,
-            lambda: diagnose_table(height_table, impacts),
+            lambda: diagnose_impacts(heights, impacts),
         ),
         score(
             "drops, velocities after",
             (1e3, "mm/s"),
             VELOCITIES,
-            lambda: diagnose_table(velocity_table, impacts),
+            lambda: diagnose_impacts(velocities, impacts),
         ),
     ]
 

@@ -164,6 +164,47 @@ def sawtooth() -> list[Sheet]:
     return panels
 
 
+_WAY = (
+    "1  read the cells",
+    "2  mean and error of a condition",
+    "3  constants, causes, model",
+    "4  checks of the data",
+    "5  recalibrate",
+    "6  response of each cause",
+    "7  test: is anything left?",
+    "8  search for models",
+    "9  probability of each model",
+    "10  gain on held-out readings",
+    "11  verdict",
+)
+_SIMULATED = (4, 5, 7)  # steps that ask for predictions, from 0
+
+
+def diagnosis() -> list[Sheet]:
+    """The way of a velocity from its cell to the verdict; develop.md names the functions."""
+    pitch, height, left, right = 38.0, 26.0, 8.0, 222.0
+    sheet = Sheet(340, pitch * len(_WAY) + 6, origin=(0, 0))
+    tops = [sheet.height - 6 - pitch * k for k in range(len(_WAY))]
+    for words, top in zip(_WAY, tops, strict=True):
+        box = [(left, top), (right, top), (right, top - height), (left, top - height)]
+        sheet.polygon(box, "blue body")
+        sheet.text((left, top - height / 2), words, "start", shift=(8, 0))
+    for top in tops[:-1]:
+        middle = (left + right) / 2
+        sheet.arrow((middle, top - height), (middle, top - pitch))
+    near, far = 252.0, 332.0
+    high, low = tops[_SIMULATED[0]], tops[_SIMULATED[-1]] - height
+    sheet.polygon([(near, high), (far, high), (far, low), (near, low)], "orange")
+    centre = ((near + far) / 2, (high + low) / 2)
+    sheet.text(centre, "12", shift=(0, 24), style="orange")
+    sheet.text(centre, "simulated", shift=(0, 6), style="orange")
+    sheet.text(centre, "velocities", shift=(0, -12), style="orange")
+    for k in _SIMULATED:
+        at = tops[k] - height / 2
+        sheet.arrow((right, at), (near, at), style="orange", both=True)
+    return [sheet]
+
+
 DRAWINGS: dict[str, Callable[[], list[Sheet]]] = {
     "coil-set": coil_set,
     "robot": robot,
@@ -171,4 +212,5 @@ DRAWINGS: dict[str, Callable[[], list[Sheet]]] = {
     "drives": drives,
     "sawtooth": sawtooth,
     "contact-modes": contact_modes,
+    "diagnosis": diagnosis,
 }

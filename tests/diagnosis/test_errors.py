@@ -61,7 +61,8 @@ def test_the_likelihood_is_that_of_the_whole_covariance(stated):
         size = np.exp(p["s0"]) * np.ones(24)
         if not stated:
             size = np.hypot(size, np.exp(p["rho"]) * mean[condition] / 1e-3)
-        size = size * (2e-5 if sd is None else sd)
+        # Where errors are stated, only their ratios count.
+        size = size * (2e-5 if sd is None else 2e-5 * sd / np.sqrt(np.mean(sd**2)))
         inner = ndtr(p["phi"]) ** lag + np.exp(2.0 * p["shift"]) * shares @ shares.T
         inner += np.exp(2.0 * p["gain"]) * gains @ gains.T
         covariance = (size[:, None] * inner * size)[np.ix_(known, known)]

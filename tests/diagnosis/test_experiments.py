@@ -165,7 +165,7 @@ def test_what_was_measured_is_not_proposed_again():
 def test_a_safe_name_asks_for_nothing(kind):
     step = next_step(kind, ["warm coils"], 0.9812)
     assert step.code == "name-safe"
-    assert "warm coils is safe, with a probability of 0.981" in step.text
+    assert "safe: warm coils, with a probability of 0.981" in step.text
     level, covariance = np.array([[0.0], [5.0]]), np.zeros((2, 1, 1))
     found = choose(drives((30.0, "+x")), ["a", "b"], level, covariance, np.ones(1))
     assert worth_measuring(step, found) == []

@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+from toys import BEND, LEVEL, STEP, TWIN, WAVE, data, problem, shapes
 
+from stickslip import Prior
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.posterior import posterior
 from stickslip.diagnosis.steps import run
-from toys import BEND, STEP, TWIN, WAVE, data, problem, shapes
+from stickslip.diagnosis.terms.parameter import Parameter
 
 X = np.linspace(1.0, 3.0, 30)
 ALONE = (WAVE, STEP, BEND)
@@ -86,3 +88,14 @@ def test_shuffled_readings_have_no_name():
     order = np.random.default_rng(3).permutation(30)
     mixed = Table({"x": X}, table.y[order], sd=0.1)
     assert found(mixed).verdict.kind not in ("named", "pair")
+
+
+@pytest.mark.parametrize("stated", [0.75, 0.5])
+def test_a_constant_that_is_stated_far_off_leads(stated):
+    # 30 and 55 standard deviations off.
+    slope = Parameter("slope", Prior("normal", stated, 0.01))
+    result = run(problem(data(), ALONE, (slope, LEVEL)), 0)
+    assert result.verdict.leader.name == "slope"
+    assert "slope" in result.verdict.causes
+    value = stated + 0.01 * float(result.verdict.leader.x[0])
+    assert value == pytest.approx(1.05, abs=0.1)

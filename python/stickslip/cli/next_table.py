@@ -81,7 +81,7 @@ class Rounds:
                 "    Fill in its column velocity (m/s), and run this command again.",
             ]
         elif result.next_step.code == "no-safe-name":
-            lines.append(f"  nothing is proposed: {self._why_none()}")
+            lines.append(f"  no drive is in {path}: {self._why_none()}")
         for number, each in enumerate(experiments, start=1):
             lines.append(f"  {number}. {each}")
             lines.append(f"     expected: {_expected(each)}")
@@ -105,7 +105,7 @@ class Rounds:
         if self.measured >= self.budget:
             more = self.measured + self.most
             return f"the budget of {_count(self.budget)} is used up; --budget {more} allows more."
-        return "no drive that was tried would decide anything."
+        return "none that was tried would decide anything."
 
 
 def with_measured(
@@ -159,7 +159,7 @@ def _below_what_was_measured(path: Path, trials: Any) -> str:
         return str(trials.to_csv(index=False))
     table = read_rows(path, velocity_units())
     empty = set(unmeasured(table))
-    cells = {table.line: table.header, **dict(table.rows)}
+    cells = {table.header_line: table.header, **dict(table.rows)}
     kept = []
     for number, line in enumerate(text_lines(path.read_bytes()), start=1):
         if number in cells and number not in empty:

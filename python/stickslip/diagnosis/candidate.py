@@ -192,8 +192,10 @@ class Candidate(OneLine):
 
 
 def table_name(problem: Problem, k: int) -> str:
-    """The name of a table, or its number from 1."""
-    return problem.tables[k].name or f"table {k + 1}"
+    """The name of a table, with its number where others are called the same."""
+    name = problem.tables[k].name
+    alike = [each.name for each in problem.tables].count(name) > 1
+    return f"{name or 'table'} {k + 1}" if alike or not name else name
 
 
 def spread_of(predicted: Array) -> Array:

@@ -69,10 +69,10 @@ def diagnose(
     check_whole("seed", seed)
     problem = pose(measurement, worker_count(threads, "threads"), seed)
     first, suspect = problem.tables[0], None
-    notes = [note for table in problem.tables for note in table.notes]
+    notes: list[Note] = []
     if isinstance(first, VelocityTable):
         suspect = find_velocity_problem(first, alone=len(problem.tables) == 1)
-        notes = [*velocity_notes(first), *notes, *_notes_of_runs(measurement, first)]
+        notes = [*velocity_notes(first), *_notes_of_runs(measurement, first)]
     findings = run(problem, int(seed), progress or _silent, suspect)
     return Diagnosis(findings, measurement, tuple(notes))
 
@@ -131,8 +131,7 @@ def diagnose_model(
     """
     check_whole("seed", seed)
     problem = pose_own(predict, data, uncertain, causes)
-    notes = [note for table in problem.tables for note in table.notes]
-    notes += overflows(problem)
+    notes = overflows(problem)
     alone = len(problem.tables) == 1
     suspect = next(filter(None, (find_problem(each, alone=alone) for each in problem.tables)), None)
     findings = run(problem, int(seed), progress or _silent, suspect)

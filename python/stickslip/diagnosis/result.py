@@ -45,7 +45,8 @@ Forward = Callable[[Any, Array], Array]
 CLAIMS = ("named", "dominant", "pair")
 """Verdicts that claim a cause."""
 
-_COMPARED = 3  # models to tell apart
+# Models to tell apart, and the odds below which one is no rival beside the first. Chosen.
+_COMPARED, _RIVAL = 3, 1e-3
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -338,7 +339,7 @@ class Diagnosis(ShownBySummary):
         """
         values: dict[str, float] = {}
         if self.fitted:
-            values = dict(self.best.params["value"])
+            values = self.best.params["value"].to_dict()
             for each in self.best.fit.causes:
                 values |= {} if each.curve is None else each.curve.fixed
         if self.measurement is None:
@@ -452,7 +453,10 @@ class Diagnosis(ShownBySummary):
             fits = [claim, *(each for each in fits if not each.names >= claim.names)]
         elif self.verdict.kind == "ambiguous":
             fits = list(self.verdict.members)
-        found = [Candidate(each, self.findings.models) for each in fits[:_COMPARED]]
+        # The first rival is told apart however small its probability is, others only beside it.
+        least = self.chance.models[fits[min(1, len(fits) - 1)].name] * _RIVAL
+        fits = [each for each in fits[:_COMPARED] if self.chance.models[each.name] >= least]
+        found = [Candidate(each, self.findings.models) for each in fits]
         pairs = itertools.combinations(range(len(found)), 2)
         return found, [each for each in pairs if claim is None or each[0] == 0]
 

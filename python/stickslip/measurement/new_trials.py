@@ -3,39 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 from stickslip.errors import ScenarioError
-from stickslip.facts import Code, Fact
 from stickslip.measurement.tables import Line, NothingSound, Rows, check_columns
 from stickslip.measurement.velocity import VelocityData, read_velocity
 from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.note import Note
 
 _OF_THE_WHOLE = (
-    Code.ROWS_LEFT_OUT,
-    Code.EQUAL_SETTINGS,
-    Code.OUTLIER,
-    Code.COMMENTS,
-    Code.EMPTY_COLUMNS,
-    Code.COLUMNS_NOT_USED,
+    "rows-left-out",
+    "equal-settings",
+    "outlier",
+    "comments",
+    "empty-columns",
+    "columns-not-used",
 )
-"""Facts that blame no cell: how many rows are wrong, settings that count as one, a trial that
-others contradict, what is beside the rows."""
+"""Codes of notes that blame no cell: how many rows are wrong, settings that count as one, a trial
+that others contradict, what is beside the rows."""
 
 
 def read_new_trials(
-    path: Path,
-    table: Rows,
-    scenario: Scenario,
-    relative_sd: float,
-    earlier: Sequence[VelocityData],
-    word: str = "line",
-) -> tuple[VelocityData, list[Fact]]:
+    table: Rows, scenario: Scenario, relative_sd: float, earlier: Sequence[VelocityData]
+) -> tuple[VelocityData, list[Note]]:
     """The trials of a table of proposed drives, and which of them are left out as outliers.
 
     Rows without a velocity were not measured. All others have to be sound, as whoever has just
     filled them in can correct them: where a long table of old data is used as far as it goes, this
-    one is refused. The arguments are those of `read_velocity`, and the tables that are there.
+    one is refused. The arguments are those of `read_velocity`.
 
     Raises
     ------
@@ -43,19 +37,21 @@ def read_new_trials(
         With the first row that is not sound, if none has a velocity, or if all trials are among the
         `earlier` ones.
     """
+    path = table.path
     check_columns(path, table.header, ["velocity"])
     empty = set(unmeasured(table))
     filled = [(line, row) for line, row in table.rows if line not in empty]
     if not filled:
         raise ScenarioError(f"{path}: no row has a velocity; allowed is one or more")
+    # Whoever filled it in has to find it, so notes name its whole path.
+    whole = table._replace(rows=filled, name=str(path))
     try:
-        table = table._replace(rows=filled)
-        data, left_out = read_velocity(path, table, scenario, relative_sd, word, earlier)
+        data, left_out = read_velocity(whole, scenario, relative_sd, earlier)
     except NothingSound as error:
-        raise _refused(path, error.fact.fields["why"]) from None
-    for fact in left_out:
-        if fact.code not in _OF_THE_WHOLE:
-            raise _refused(path, fact)
+        raise _refused(error.why) from None
+    for note in left_out:
+        if note.code not in _OF_THE_WHOLE:
+            raise _refused(note)
     known = {trial for each in earlier for trial in _trials(each)}
     if known.issuperset(_trials(data)):
         twice = "all its trials are in the measurement already"
@@ -69,11 +65,9 @@ def unmeasured(table: Rows) -> list[Line]:
     return [line for line, row in table.rows if at < len(row) and not row[at]]
 
 
-def _refused(path: Path, fact: Fact) -> ScenarioError:
-    text = str(Fact(fact.code, {**fact.fields, "table": str(path)}))
-    if fact.code is Code.NOT_A_NUMBER and fact.fields["column"] == "velocity":
-        text += " Allowed is a number in m/s, or nothing where the trial was not measured."
-    return ScenarioError(text)
+def _refused(note: Note) -> ScenarioError:
+    hint = " Allowed are numbers; a velocity that was not measured stays empty."
+    return ScenarioError(f"{note}{hint if note.code == 'not-a-number' else ''}")
 
 
 def _trials(data: VelocityData) -> list[tuple[object, ...]]:

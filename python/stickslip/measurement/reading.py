@@ -15,7 +15,6 @@ from stickslip._util.atomic_files import check_name
 from stickslip._util.one_line import OneLine
 from stickslip._util.plain_text import printable
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.facts import Fact
 from stickslip.measurement.new_trials import read_new_trials
 from stickslip.measurement.tables import (
     NothingSound,
@@ -37,6 +36,7 @@ from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
 from stickslip.scenario.toml_file import read_document
 from stickslip.scenario.uncertain import COVARIANCE, parse_priors
+from stickslip.simulation.note import Note
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -81,7 +81,7 @@ class Measurement(OneLine):
     tracking : tuple of TrackingRun
     angle, field : tuple of dict
         Columns by name, sound rows only, SI units and radians.
-    left_out : tuple of Fact
+    left_out : tuple of Note
         What was not used and why; each is a sentence as a `str`.
     path : Path
         Of the file; of a table in memory ``DataFrame``.
@@ -94,7 +94,7 @@ class Measurement(OneLine):
     tracking: tuple[TrackingRun, ...]
     angle: tuple[Table, ...]
     field: tuple[Table, ...]
-    left_out: tuple[Fact, ...]
+    left_out: tuple[Note, ...]
     path: Path
 
     def __repr__(self) -> str:
@@ -154,12 +154,11 @@ class Measurement(OneLine):
         """
         if not isinstance(scenario, Scenario):
             refuse("scenario", scenario, "a Scenario")
-        path = Path("DataFrame")
         rows = rows_of_frame(with_index_columns(table), velocity_units())
-        data, left_out = read_velocity(path, rows, scenario, _relative_sd(velocity_sd), "row")
+        data, left_out = read_velocity(rows, scenario, _relative_sd(velocity_sd))
         priors = _uncertain(uncertain, scenario)
         scenario = scenario.with_uncertain(None)
-        return Measurement(name, scenario, priors, (data,), (), (), (), tuple(left_out), path)
+        return Measurement(name, scenario, priors, (data,), (), (), (), tuple(left_out), rows.path)
 
     def with_velocities(self, table: DataFrame | str | PathLike[str]) -> Measurement:
         """The same with one more table of velocities, such as that of `Diagnosis.next_trials`.
@@ -179,13 +178,11 @@ class Measurement(OneLine):
         """
         units = velocity_units()
         if isinstance(table, str | PathLike):
-            path, word = Path(table), "line"
-            rows = read_rows(path, units)
+            rows = read_rows(Path(table), units)
         else:
-            path, word = Path("DataFrame"), "row"
             rows = rows_of_frame(with_index_columns(table), units)
         no_sd = _relative_sd(None)  # what the other tables state counts for all
-        data, lost = read_new_trials(path, rows, self.scenario, no_sd, self.velocity, word)
+        data, lost = read_new_trials(rows, self.scenario, no_sd, self.velocity)
         return replace(self, velocity=(*self.velocity, data), left_out=(*self.left_out, *lost))
 
 
@@ -244,10 +241,10 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
 
 def _tables(
     document: dict[str, Any], path: Path, scenario: Scenario
-) -> tuple[dict[str, list[Any]], list[Fact]]:
+) -> tuple[dict[str, list[Any]], list[Note]]:
     """What can be used of the tables of each observable, and what was left out of them."""
     tables: dict[str, list[Any]] = {observable: [] for observable in _ENTRIES}
-    left_out: list[Fact] = []
+    left_out: list[Note] = []
     for observable in _ENTRIES:
         files: set[str] = set()
         for entry in _entries(document, observable):
@@ -257,11 +254,11 @@ def _tables(
                 raise ScenarioError(f"{twice}: allowed is once, or its rows would count twice")
             files.add(os.path.realpath(file))
             try:
-                found, facts = _table(observable, file, entry, scenario, tables["velocity"])
+                found, lost = _table(observable, file, entry, scenario, tables["velocity"])
             except NothingSound as error:
-                found, facts = None, [error.fact]
+                found, lost = None, [error.note]
             tables[observable] += [] if found is None else [found]
-            left_out += facts
+            left_out += lost
     return tables, left_out
 
 
@@ -271,10 +268,10 @@ def _table(
     entry: Mapping[str, Any],
     scenario: Scenario,
     earlier: Sequence[VelocityData],
-) -> tuple[Any, list[Fact]]:
+) -> tuple[Any, list[Note]]:
     if observable == "velocity":
         rows, sd = read_rows(file, velocity_units()), _relative_sd(entry.get("velocity_sd"))
-        return read_velocity(file, rows, scenario, sd, earlier=earlier)
+        return read_velocity(rows, scenario, sd, earlier)
     if observable == "tracking":
         return read_tracking(file, entry, scenario)
     return read_numbers(file, _COLUMNS[observable])

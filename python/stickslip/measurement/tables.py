@@ -17,10 +17,9 @@ from stickslip._util.csv_rows import DECIMAL_COMMAS, CsvTable
 from stickslip._util.number_text import is_number, number
 from stickslip._util.units import split_unit, to_si
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.facts import Code, Fact
-from stickslip.facts.sentences import LINES
 from stickslip.scenario.csv_cells import Units, without_units
 from stickslip.scenario.keys import misspelt, nearest, refuse, shown
+from stickslip.simulation.note import Note
 
 if TYPE_CHECKING:
     from pandas import DataFrame, Series
@@ -29,44 +28,63 @@ Line = int | str
 """Number of a line in a file, or the index label of a row in memory."""
 
 
-class Rows(NamedTuple):
-    """Header of a table, its rows of text cells, each with its line, and what was left out of it.
-
-    `line` is that of the header, 0 of a table in memory.
-    """
-
-    header: list[str]
-    rows: Sequence[tuple[Line, list[str]]]
-    left_out: tuple[Fact, ...] = ()
-    line: int = 0
-
-
 LARGEST = 1e60
 """Beyond every quantity of a laboratory, in any unit; its fourth power is still a number."""
 
 _MOST_ROWS, _MOST_COLUMNS, _MOST_BYTES = 2_000_000, 1000, 1 << 26
 """Limits of a table. Chosen: far beyond what a laboratory has, and small enough for memory."""
 
+_NAMED = 5
+"""Rows that a note names; of more only the number is given. Chosen: one line."""
+
+
+class Rows(NamedTuple):
+    """A table of text cells.
+
+    `rows` has each row with its line. Notes call the table `name`, and a line `word`; `header_line`
+    is 0 of a table in memory.
+    """
+
+    path: Path
+    name: str
+    header: list[str]
+    rows: Sequence[tuple[Line, list[str]]]
+    left_out: tuple[Note, ...] = ()
+    header_line: int = 0
+    word: str = "line"
+
+    def at(self, lines: Sequence[Line]) -> str:
+        """``velocity.csv line 3``, or the first of several lines."""
+        word = self.word if len(lines) == 1 else f"{self.word}s"
+        more = ", ..." if len(lines) > _NAMED else ""
+        return f"{self.name} {word} {', '.join(map(str, lines[:_NAMED]))}{more}"
+
 
 class NothingSound(ScenarioError):
     """A table without a sound row; `why` is what is wrong with the first rows."""
 
-    def __init__(self, path: Path, why: Fact) -> None:
-        self.fact = Fact(Code.NO_SOUND_ROW, {"table": str(path), "why": why})
-        super().__init__(self.fact)
+    def __init__(self, path: Path, why: Note) -> None:
+        self.why = why
+        self.note = Note("no-sound-row", f"{path}: no row is sound. {why}")
+        super().__init__(self.note)
+
+
+def counted(count: int, thing: str) -> str:
+    """``1 frame`` or ``3 frames``."""
+    return f"{count} {thing}{'' if count == 1 else 's'}"
 
 
 def read_rows(path: Path, units: Units) -> Rows:
-    """Header, and rows of text cells with the number of their line in the file.
+    """The rows of a file.
 
     Numbers of columns in `units` are in SI units. A ScenarioError says that the file cannot be read
     or is empty, or that a column is there twice or in a unit that is not known.
     """
     with prefixed(path):
-        return _rows(path.name, CsvTable(read_bytes(path, _MOST_BYTES, "table"), units), units)
+        return _rows(path, CsvTable(read_bytes(path, _MOST_BYTES, "table"), units), units)
 
 
-def _rows(name: str, table: CsvTable, units: Units) -> Rows:
+def _rows(path: Path, table: CsvTable, units: Units) -> Rows:
     rows = list(itertools.islice(table.rows(), _MOST_ROWS + 1))
     width = len(table.header)
     if len(rows) > _MOST_ROWS:
@@ -90,10 +108,18 @@ def _rows(name: str, table: CsvTable, units: Units) -> Rows:
         keep = [k for k in range(width) if k not in empty]
         header = [header[k] for k in keep]
         rows = [(n, [row[k] for k in keep] if len(row) == width else row) for n, row in rows]
+    left_out = []
+    if table.comments:
+        lines = counted(table.comments, "line")
+        text = f"{path.name}: {lines} below the header skipped as a comment."
+        left_out.append(Note("comments", text, table.comments))
+    lost = len(empty) + table.beyond
+    if lost:
+        text = f"{path.name}: {counted(lost, 'empty column')} without a name left out."
+        left_out.append(Note("empty-columns", text, lost))
     point = table.with_point if table.separator != "," else None
-    counts = ((Code.COMMENTS, table.comments), (Code.EMPTY_COLUMNS, len(empty) + table.beyond))
-    left_out = tuple(Fact(code, {"table": name, "count": n}) for code, n in counts if n)
-    return Rows(_in_si(header, rows, units, point), rows, left_out, table.line)
+    header = _in_si(header, rows, units, point)
+    return Rows(path, path.name, header, rows, tuple(left_out), table.line)
 
 
 def _in_si(
@@ -121,7 +147,7 @@ def _in_si(
 
 
 def rows_of_frame(table: DataFrame, units: Units) -> Rows:
-    """Header, and rows of text cells with their index label; as `read_rows` has them of a file.
+    """The rows of a table in memory, which have their index labels; else as of `read_rows`.
 
     Numbers are written so that reading them again gives the same ones; a cell without a value is
     empty. Dates and durations of columns in `units` are in s, dates from their first one.
@@ -130,18 +156,19 @@ def rows_of_frame(table: DataFrame, units: Units) -> Rows:
 
     if not isinstance(table, pd.DataFrame):
         refuse("table", table, "a DataFrame")
-    with prefixed("DataFrame"):
+    name = "DataFrame"
+    with prefixed(name):
         if table.empty:
             raise ScenarioError("has no row of data")
-        names = [str(name) for name in table.columns]
-        cells = [table.iloc[:, k] for k in range(len(names))]
+        header = [str(each) for each in table.columns]
+        cells = [table.iloc[:, k] for k in range(len(header))]
         columns = [
-            [_cell(value) for value in (_in_seconds(column) if name in units else column)]
-            for name, column in zip(names, cells, strict=True)
+            [_cell(value) for value in (_in_seconds(column) if heading in units else column)]
+            for heading, column in zip(header, cells, strict=True)
         ]
         pairs = zip(index_labels(table), zip(*columns, strict=True), strict=True)
         rows = [(label, list(row)) for label, row in pairs]
-        return Rows(_in_si(names, rows, units), rows)
+        return Rows(Path(name), name, _in_si(header, rows, units), rows, word="row")
 
 
 def index_labels(table: DataFrame) -> list[Line]:
@@ -160,17 +187,6 @@ def _cell(value: Any) -> str:
     if isinstance(value, float | np.floating):
         return "" if math.isnan(value) else repr(float(value))
     return "" if value is None or str(value) in ("<NA>", "NaT") else str(value).strip()
-
-
-def in_lines(
-    code: Code, table: str, lines: Sequence[Line], *, word: str = "line", **fields: Any
-) -> Fact:
-    """A fact about some lines of a table, which names the first of them.
-
-    `word` is the word for a line in the sentence; it is a field only if it is another than "line".
-    """
-    where = {"table": table, "lines": list(lines[:LINES]), "count": len(lines)}
-    return Fact(code, {**where, **fields, **({} if word == "line" else {"word": word})})
 
 
 def check_columns(
@@ -203,10 +219,15 @@ def check_columns(
     return others
 
 
-def not_used(path: Path, columns: Sequence[str]) -> list[Fact]:
-    """A fact about columns that are information only, if there are any."""
-    names = {"table": path.name, "columns": list(columns)}
-    return [Fact(Code.COLUMNS_NOT_USED, names)] if columns else []
+def not_used(name: str, columns: Sequence[str]) -> list[Note]:
+    """A note about the columns of a table that are information only, if there are any."""
+    if not columns:
+        return []
+    first, more = list(columns[:_NAMED]), len(columns) - _NAMED
+    first += [f"{more} more"] if more > 0 else []
+    said = " and ".join([", ".join(first[:-1]), first[-1]] if len(first) > 1 else first)
+    text = f"{name}: columns that are information only: {said}."
+    return [Note("columns-not-used", text, len(columns))]
 
 
 def stated_number(key: str, value: object, highest: float = math.inf) -> float:
@@ -222,7 +243,7 @@ def read_numbers(
     required: Mapping[str, str],
     optional: Mapping[str, str] | None = None,
     information: Collection[str] = (),
-) -> tuple[dict[str, Array], list[Fact]]:
+) -> tuple[dict[str, Array], list[Note]]:
     """Columns of numbers by name, shape (n,), of the sound rows, and what was left out.
 
     The columns are given with their SI units. A row is sound if all its required cells are numbers;
@@ -231,28 +252,33 @@ def read_numbers(
     """
     optional = optional or {}
     units = {**required, **optional}
-    header, rows, facts, _ = read_rows(path, units)
+    table = read_rows(path, units)
+    header, rows = table.header, table.rows
     others = check_columns(path, header, required, list(units), information)
     columns = {name: header.index(name) for name in header if name in units}
-    table = np.array(
+    none = [math.nan] * len(columns)
+    numbers = np.array(
         [
-            [
-                number(row[k], LARGEST) if len(row) == len(header) else math.nan
-                for k in columns.values()
-            ]
+            [number(row[k], LARGEST) for k in columns.values()] if len(row) == len(header) else none
             for _, row in rows
         ]
     )
-    found = dict(zip(columns, table.T, strict=True))
+    found = dict(zip(columns, numbers.T, strict=True))
     sound = np.all([np.isfinite(found[name]) for name in required], axis=0)
-    left_out = [*facts, *not_used(path, others)]
+    left_out = [*table.left_out, *not_used(path.name, others)]
     if not sound.all():
         lines = [rows[k][0] for k in np.flatnonzero(~sound).tolist()]
-        left_out.append(in_lines(Code.BAD_CELLS, path.name, lines, rows=len(table)))
+        text = (
+            f"{table.at(lines)}: {len(lines)} of {len(rows)} rows have a cell that is no number, "
+            "too few cells or too many."
+        )
+        left_out.append(Note("bad-cells", text, len(lines)))
     if not sound.any():
         raise NothingSound(path, left_out[-1])
     for name in optional:
         gaps = int(np.sum(~np.isfinite(found[name][sound]))) if name in found else 0
         if gaps:
-            left_out.append(Fact(Code.GAPS, {"table": path.name, "count": gaps, "column": name}))
+            cells = counted(gaps, "cell")
+            text = f"{path.name}: the column {name} has {cells} without a number."
+            left_out.append(Note("gaps", text, gaps))
     return {name: column[sound] for name, column in found.items()}, left_out

@@ -17,13 +17,13 @@ from stickslip._util.one_line import OneLine
 from stickslip._util.unit_factor import unit_meant
 from stickslip._util.units import split_unit
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.facts import Code, Fact
-from stickslip.measurement.tables import read_numbers, stated_number
+from stickslip.measurement.tables import counted, read_numbers, stated_number
 from stickslip.scenario.keys import refuse, shown
 from stickslip.scenario.path_keys import FILE
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.columns import COLUMNS
 from stickslip.simulation.csv_export import headings
+from stickslip.simulation.note import Note
 
 _REQUIRED = {"t": "s", "x": "m", "theta": "rad"}
 _OPTIONAL = {"z": "m", "current_x": "A", "current_clamp": "A"}
@@ -45,13 +45,15 @@ _PART = 30.0
 """Ratio of the last time to 1000 times the drive's end within which times are in ms. Chosen: a film
 may show a thirtieth of the drive."""
 
-_MS_OR_NUMBERS = "ms or numbers of frames"
-
 _OTHER_RATE = 0.02
 """Relative difference of the stated rate from that of the times. Chosen: rounding causes less."""
 
 _LIMIT = 20_000
 """Frames that are used. Chosen: each is a column of a matrix of a few hundred rows, in memory."""
+
+
+_Why = tuple[str, str, float]
+"""Code, text and value of the note that a run is left out; the text goes on after ``as``."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -85,7 +87,7 @@ class TrackingRun(OneLine):
 
 def read_tracking(
     path: Path, entry: Mapping[str, Any], scenario: Scenario
-) -> tuple[TrackingRun | None, list[Fact]]:
+) -> tuple[TrackingRun | None, list[Note]]:
     """Read one ``[[tracking]]`` entry, whose drive changes the measurement's scenario.
 
     Returns the run, or None where too little is sound, and what was left out; of a run that is
@@ -103,22 +105,22 @@ def read_tracking(
         rate = stated_number("frame_rate", entry["frame_rate"]) if stated else math.nan
         exposure = _exposure(entry.get("exposure", 0.0), rate)
     columns, left_out = read_numbers(path, _REQUIRED, _OPTIONAL, _OF_A_RUN)
-    unit = _unit_of_times(columns["t"], rate, own.window[1])
-    if unit is not None:
-        return None, [*left_out, unit.of(table=path.name)]
-    columns, facts = _usable_frames(path.name, columns, own.window[1])
-    left_out += facts
-    why = _too_little(columns, own)
+    why = _unit_of_times(columns["t"], rate, own.window[1])
+    if why is None:
+        columns = _usable_frames(path.name, columns, own.window[1], left_out)
+        why = _too_little(columns, own)
     if why is not None:
-        return None, [*left_out, why.of(table=path.name)]
+        code, text, value = why
+        text = f"{path.name}: the run is left out, as {text}."
+        return None, [*left_out, Note(code, text, value)]
     spacing = float(np.median(np.diff(columns["t"])))
-    if not math.isfinite(rate):
+    if not stated:
         rate = 1.0 / spacing
         with prefixed(where):
             _exposure(exposure, rate * (1 - 1e-6))
     elif abs(rate * spacing - 1.0) > _OTHER_RATE:
-        rates = {"table": path.name, "stated": rate, "spacing": spacing}
-        left_out.append(Fact(Code.FRAME_RATE_NOT_USED, rates))
+        text = f"{path.name}: frame_rate = {rate:g} Hz is not used, as most frames are "
+        left_out.append(Note("frame-rate-not-used", f"{text}{spacing:g} s apart.", rate))
     return TrackingRun(path.name, columns, own, rate, exposure, noise), left_out
 
 
@@ -144,8 +146,8 @@ def _exposure(value: object, rate: float) -> float:
     return float(value)
 
 
-def _unit_of_times(times: Array, rate: float, end: float) -> Fact | None:
-    """A fact if times can only be in ms or numbers of frames, as hardly one is before the `end`.
+def _unit_of_times(times: Array, rate: float, end: float) -> _Why | None:
+    """Whether times can only be in ms or numbers of frames, as hardly one is before the `end`.
 
     `rate` is the stated one, Hz, or NaN.
     """
@@ -153,59 +155,77 @@ def _unit_of_times(times: Array, rate: float, end: float) -> Fact | None:
     if len(different) < 2 or different[-1] <= end:
         return None
     spacing = float(np.median(np.diff(different)))
-    counted = are_equal(spacing, 1.0)
-    found: tuple[str, float | None] | None = None
+    counts = are_equal(spacing, 1.0)
+    meant: tuple[str, float] | None = None
     if math.isfinite(rate):
-        found = unit_meant("s", spacing * rate, 1.0 + _OTHER_RATE)
-        if counted and rate > 1.0 + _OTHER_RATE:
-            found = ("numbers of frames" if found is None else _MS_OR_NUMBERS), rate
+        meant = unit_meant("s", spacing * rate, 1.0 + _OTHER_RATE)
+        if counts and rate > 1.0 + _OTHER_RATE:
+            meant = ("numbers of frames" if meant is None else "ms or numbers of frames"), rate
+        mend = "" if meant is None else f"divide them by {meant[1]:.7g}"
     elif np.sum(different < end) < FEWEST:
-        found = unit_meant("s", float(different[-1]) / end, _PART)
-        found = (_MS_OR_NUMBERS, None) if counted and found is not None else found
-    if found is None:
+        meant = unit_meant("s", float(different[-1]) / end, _PART)
+        mend = "" if meant is None else f"divide them by {meant[1]:.7g}"
+        if counts and meant is not None:
+            meant = "ms or numbers of frames", 1e3
+            mend = "divide ms by 1000, numbers of frames by the frame rate"
+    if meant is None:
         return None
-    meant, factor = found
-    of_times = {"spacing": spacing, "last": float(different[-1]), "meant": meant}
-    return Fact(Code.RUN_TIME_UNIT, {**of_times, "factor": factor})
+    last = float(different[-1])
+    text = f"its times, {spacing:.6g} apart and up to {last:.6g}, are {meant[0]}; s are wanted, so "
+    return "run-time-unit", text + mend, last
 
 
 def _usable_frames(
-    name: str, table: Mapping[str, Array], end: float
-) -> tuple[dict[str, Array], list[Fact]]:
+    name: str, table: Mapping[str, Array], end: float, left_out: list[Note]
+) -> dict[str, Array]:
     """Frames in the order of time, each time once, before the end of the last pulse, s.
 
-    What the coils do after that is not known. The facts say what was left out.
+    What the coils do after that is not known.
     """
     order = np.argsort(table["t"], kind="stable")
     times, first = np.unique(table["t"][order], return_index=True)
     inside = times < end
     sound, late = int(inside.sum()), int((~inside).sum())
     again = len(order) - len(times)
-    met: tuple[tuple[object, Code, dict[str, Any]], ...] = (
-        (np.any(np.diff(order) < 0), Code.FRAMES_SORTED, {}),
-        (again, Code.REPEATED_TIMES, {"count": again}),
-        (late, Code.FRAMES_AFTER_DRIVE, {"count": late, "end": end}),
-        (sound > _LIMIT, Code.FRAMES_NOT_NEEDED, {"count": sound, "used": _LIMIT}),
-    )
-    facts = [Fact(code, {"table": name, **fields}) for holds, code, fields in met if holds]
+    if np.any(np.diff(order) < 0):
+        text = f"{name}: the rows were not in the order of time; they were sorted."
+        left_out.append(Note("frames-sorted", text))
+    if again:
+        text = f"{name}: of frames with the same time only the first is used; {again} left out."
+        left_out.append(Note("repeated-times", text, again))
+    if late:
+        text = f"{name}: the last pulse ends at {end:g} s, and later frames are not used; "
+        left_out.append(Note("frames-after-drive", f"{text}{late} left out.", late))
+    if sound > _LIMIT:
+        text = f"{name}: the first {_LIMIT} of {sound} frames are enough."
+        left_out.append(Note("frames-not-needed", text, sound))
     used = order[first][inside][:_LIMIT]
-    return {key: column[used] for key, column in table.items()}, facts
+    return {key: column[used] for key, column in table.items()}
 
 
-def _too_little(table: Mapping[str, Array], scenario: Scenario) -> Fact | None:
+def _too_little(table: Mapping[str, Array], scenario: Scenario) -> _Why | None:
     """Why a run is not used, if it is not."""
     start, end = scenario.window
     count = int(np.sum(table["t"] > start - 1e-9))
     if count < FEWEST:
-        span = {"count": count, "start": start, "end": end, "needed": FEWEST}
-        return Fact(Code.RUN_TOO_SHORT, span)
+        return "run-too-short", (
+            f"it has {counted(count, 'sound frame')} from {start:g} s to {end:g} s, where the "
+            f"robot walks steadily; {FEWEST} are needed (times are in s, from the start of the "
+            "drive)"
+        ), count  # fmt: skip
     turn = float(np.median(np.abs(table["theta"])))
     if turn > _TURNS:
-        return Fact(Code.RUN_ANGLE_UNIT, {"theta": turn, "limit": _TURNS})
+        return "run-angle-unit", (
+            f"theta is near {turn:.3g}, and allowed is up to {_TURNS:.3g}; rad are wanted, so "
+            "convert them from degrees"
+        ), turn  # fmt: skip
     way = float(np.ptp(table["x"]))
     if way > _LONGEST:
         meant, _ = unit_meant("m", way / _PATH, math.inf, 1e3) or ("mm or um", None)
-        return Fact(Code.RUN_LENGTH_UNIT, {"span": way, "limit": _LONGEST, "meant": meant})
+        return "run-length-unit", (
+            f"x spans {way:.3g}, and allowed is up to {_LONGEST:g}; m are wanted, and these may "
+            f"be {meant}"
+        ), way  # fmt: skip
     if way == 0.0 and float(np.ptp(table["theta"])) == 0.0:
-        return Fact(Code.RUN_STANDS_STILL, {})
+        return "run-stands-still", "neither x nor theta ever changes", 0.0
     return None

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from stickslip._util.arrays import Array, Indices, Mask
 from stickslip._util.equal_numbers import RELATIVE, representatives
-from stickslip._util.number_text import number
+from stickslip._util.number_text import comma_hint, number
 from stickslip._util.one_line import OneLine
-from stickslip._util.unit_factor import unit_factor, unit_meant
+from stickslip._util.unit_factor import factor_text, unit_factor, unit_meant
 from stickslip.errors import ScenarioError
-from stickslip.facts import Code, Fact
 from stickslip.measurement.outliers import far_from_their_group
 from stickslip.measurement.tables import (
     LARGEST,
@@ -25,12 +23,13 @@ from stickslip.measurement.tables import (
     NothingSound,
     Rows,
     check_columns,
-    in_lines,
+    counted,
     not_used,
 )
 from stickslip.scenario.csv_cells import Units
-from stickslip.scenario.keys import Value, in_allowed_case, known_keys
+from stickslip.scenario.keys import Value, in_allowed_case, known_keys, shown
 from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.note import Note
 
 FASTEST = 1.0
 """Mean velocity, m/s; a robot of this size is slower, and beyond it a unit is wrong. Chosen: the
@@ -93,10 +92,7 @@ class VelocityData(OneLine):
 
 
 class _Unsound(Exception):
-    """A row that is not used; `why` is its code and fields."""
-
-    def __init__(self, code: Code, **fields: Any) -> None:
-        self.why = code, tuple(fields.items())
+    """A row that is not used; its arguments are the code and the text of a note."""
 
 
 class _Trial(NamedTuple):
@@ -134,45 +130,43 @@ def with_index_columns(table: Any) -> Any:
 
 
 def read_velocity(
-    path: Path,
     table: Rows,
     scenario: Scenario,
     relative_sd: float,
-    word: str = "line",
     earlier: Sequence[VelocityData] = (),
-) -> tuple[VelocityData, list[Fact]]:
+) -> tuple[VelocityData, list[Note]]:
     """The sound rows of a table of velocities, and what was left out of it.
 
     The scenario gives the drive settings that have no column; `relative_sd` is the relative error
-    of one trial, NaN if not known. Messages name the path, and call a row `word`. Settings that are
-    equal to one of the scenario or of the `earlier` tables become that one.
+    of one trial, NaN if not known. Settings that are equal to one of the scenario or of the
+    `earlier` tables become that one.
     """
-    others = check_columns(path, table.header, ["velocity"], list(velocity_units()))
-    trials, left_out = _sound_rows(path, table, scenario, word, others)
+    others = check_columns(table.path, table.header, ["velocity"], list(velocity_units()))
+    trials, left_out = _sound_rows(table, scenario, others)
+    left_out += [*table.left_out, *not_used(table.name, others)]
     known = [each for data in earlier for each in data.conditions]
-    trials, merged = _with_equal_settings(path.name, trials, scenario, known)
-    left_out += [*table.left_out, *not_used(path, others), *merged]
+    trials = _with_equal_settings(table.name, trials, scenario, known, left_out)
     velocity = np.array([each.velocity for each in trials])
-    condition = _numbered([each.setting for each in trials])
     size = float(np.median(np.abs(velocity)))
     if size > FASTEST:
-        raise ScenarioError(
-            f"{path}: velocities of {size:.3g} m/s; allowed is at most {FASTEST} m/s"
-            + _unit_hint(size)
-        )
-    sound = _without_outliers(path.name, velocity, condition, left_out)
+        meant = unit_meant("m/s", size / _USUAL, math.inf)
+        hint = f"; if they are in {meant[0]}, divide them by {meant[1]:.7g}" if meant else ""
+        said = f"velocities of {size:.3g} m/s; allowed is at most {FASTEST} m/s{hint}"
+        raise ScenarioError(f"{table.path}: {said}")
+    condition = _numbered([each.setting for each in trials])
+    sound = _without_outliers(table.name, velocity, condition, left_out)
     fast = sound & (np.abs(velocity) > FASTEST)
     if fast.any():
-        lines = [trials[k].line for k in np.flatnonzero(fast)]
-        left_out.append(in_lines(Code.TOO_FAST, path.name, lines, word=word, limit=FASTEST))
+        at = table.at([trials[k].line for k in np.flatnonzero(fast)])
+        text = f"{at}: the velocity is above {FASTEST:g} m/s; divide velocities in mm/s or um/s by "
+        left_out.append(Note("too-fast", f"{text}1e3 or 1e6.", int(fast.sum())))
         sound &= ~fast
-    block = _numbered([each.block for each in trials])
     kept = [trials[k] for k in np.flatnonzero(sound)]
     data = VelocityData(
         tuple(dict(each) for each in dict.fromkeys(each.setting for each in kept)),
         velocity[sound],
         _numbered([each.setting for each in kept]),
-        block[sound],
+        _numbered([each.block for each in trials])[sound],
         np.array([each.order for each in kept]),
         _sweeps(trials)[sound],
         relative_sd,
@@ -181,38 +175,32 @@ def read_velocity(
     return data, left_out
 
 
-def _unit_hint(size: float) -> str:
-    """What to do about velocities of a size that no robot has, m/s."""
-    meant = unit_meant("m/s", size / _USUAL, math.inf)
-    return "" if meant is None else f"; if they are in {meant[0]}, divide them by {meant[1]:.7g}"
-
-
 def _with_equal_settings(
-    table: str, trials: Sequence[_Trial], scenario: Scenario, known: Sequence[Mapping[str, Value]]
-) -> tuple[list[_Trial], list[Fact]]:
-    """The trials with one number for all that are the same setting, and where that changed any."""
-    said: list[Fact] = []
-    taken: list[Mapping[Any, Any]] = []
-    for column in zip(*(each.setting for each in trials), strict=True):
-        key, first = column[0]
-        one: dict[Any, Any] = {}
-        if isinstance(first, float):
-            given = {value for _, value in column}
-            kept = {float(each[key]) for each in known} | {float(scenario.get(key))}
-            one = representatives(given, kept)
-            count = sum(one[value] != value for value in given)
-            name = {"table": table, "column": key.partition(".")[2], "count": count}
-            if count:
-                said.append(Fact(Code.EQUAL_SETTINGS, {**name, "relative": RELATIVE}))
-        taken.append(one)
-    if not said:
-        return list(trials), said
-    merged = []
-    for each in trials:
-        pairs = zip(each.setting, taken, strict=True)
-        setting = tuple((key, one.get(value, value)) for (key, value), one in pairs)
-        merged.append(each._replace(setting=setting))
-    return merged, said
+    name: str,
+    trials: Sequence[_Trial],
+    scenario: Scenario,
+    known: Sequence[Mapping[str, Value]],
+    left_out: list[Note],
+) -> list[_Trial]:
+    """The trials with one number for all that are the same setting."""
+    given: dict[str, set[float]] = defaultdict(set)
+    for key, value in {pair for each in trials for pair in each.setting}:
+        if isinstance(value, float):
+            given[key].add(value)
+    same: dict[tuple[str, Any], tuple[str, Any]] = {}
+    for key, values in sorted(given.items()):
+        kept = {float(each[key]) for each in known} | {float(scenario.get(key))}
+        one = representatives(values, kept)
+        other = {(key, value): (key, one[value]) for value in values if one[value] != value}
+        same |= other
+        if other:
+            text = f"{name}: {key.partition('.')[2]} has {counted(len(other), 'value')} within "
+            text += f"{RELATIVE:g} of another one; they count as the same setting."
+            left_out.append(Note("equal-settings", text, len(other)))
+    return [
+        each._replace(setting=tuple(same.get(pair, pair) for pair in each.setting))
+        for each in trials
+    ]
 
 
 def _numbered(values: Sequence[Any]) -> Indices:
@@ -236,127 +224,103 @@ def _sweeps(trials: Sequence[_Trial]) -> Indices:
 
 
 def _sound_rows(
-    path: Path, table: Rows, scenario: Scenario, word: str, others: Sequence[str]
-) -> tuple[list[_Trial], list[Fact]]:
+    table: Rows, scenario: Scenario, others: Sequence[str]
+) -> tuple[list[_Trial], list[Note]]:
     """Rows that can be used, at least one, and why the others cannot."""
-    header, rows = table.header, table.rows
-    drive = [key.split(".", 1)[1] for key in known_keys() if key.startswith("drive.")]
-    counted = "trial" in header or "order" in header
-    # Lines by what is wrong with them, in the order of the file.
-    wrong: dict[tuple[Code, tuple[tuple[str, Any], ...]], list[Line]] = {}
+    header, count = table.header, len(table.rows)
+    counts_once = "trial" in header or "order" in header
+    wrong: dict[tuple[str, str], list[Line]] = {}  # in the order of the file
     kept: list[_Trial] = []
     seen: set[tuple[str, ...]] = set()
-    for line, row in rows:
+    for line, row in table.rows:
         try:
             if len(row) != len(header):
-                raise _Unsound(Code.CELL_COUNT, cells=len(row), columns=len(header))
-            if counted and tuple(row) in seen:
-                raise _Unsound(Code.REPEATED_ROW)
+                text = f"a row of {len(row)} cells is not used, as the header names {len(header)}"
+                raise _Unsound("cell-count", f"{text} columns.")
+            if counts_once and tuple(row) in seen:
+                raise _Unsound("repeated-row", "the row repeats an earlier one.")
             cells = dict(zip(header, row, strict=True))
-            extra = tuple(cells[name] for name in others)
-            kept.append(_trial(line, cells, extra, drive, scenario))
-        except _Unsound as error:
-            wrong.setdefault(error.why, []).append(line)
-        else:
+            kept.append(_trial(line, cells, others, scenario))
             seen.add(tuple(row))
+        except _Unsound as error:
+            wrong.setdefault(error.args, []).append(line)
+    in_other_unit = [(each[1], lines) for each, lines in wrong.items() if each[0] == "setting-unit"]
+    lost = sum(len(lines) for _, lines in in_other_unit)
+    if lost > _MOST * count:
+        text, lines = in_other_unit[0]
+        where = table._replace(name=str(table.path)).at(lines)
+        raise ScenarioError(f"{where}: {text} {lost} rows are like this")
     left_out = [
-        in_lines(code, path.name, lines, word=word, **dict(fields))
-        for (code, fields), lines in wrong.items()
+        Note(code, f"{table.at(lines)}: {text}", len(lines))
+        for (code, text), lines in wrong.items()
     ]
-    _refuse_other_unit(path, left_out, len(rows))
     if not kept:
-        raise NothingSound(path, left_out[0])
-    lost = len(rows) - len(kept)
-    if lost > _MANY_LOST * len(rows):
-        part = {"table": path.name, "count": lost, "rows": len(rows)}
-        left_out.insert(0, Fact(Code.ROWS_LEFT_OUT, part))
+        raise NothingSound(table.path, left_out[0])
+    lost = count - len(kept)
+    if lost > _MANY_LOST * count:
+        text = f"{table.name}: {lost} of {count} rows were left out."
+        left_out.insert(0, Note("rows-left-out", text, lost))
     return kept, left_out
 
 
-def _refuse_other_unit(path: Path, left_out: list[Fact], rows: int) -> None:
-    """Refuse a table most of whose rows have a setting in another unit."""
-    units = (Code.SETTING_TOO_LARGE, Code.SETTING_TOO_SMALL)
-    wrong = [each for each in left_out if each.code in units]
-    count = sum(each.fields["count"] for each in wrong)
-    if count > _MOST * rows:
-        first = Fact(wrong[0].code, {**wrong[0].fields, "table": str(path)})
-        raise ScenarioError(f"{first} {count} rows are like this")
-
-
 def _trial(
-    line: Line,
-    cells: Mapping[str, str],
-    extra: tuple[str, ...],
-    drive: list[str],
-    scenario: Scenario,
+    line: Line, cells: Mapping[str, str], others: Sequence[str], scenario: Scenario
 ) -> _Trial:
     """A row of the table, if it is sound."""
     velocity = _number("velocity", cells["velocity"])
-    setting = _setting(cells, drive, scenario)
-    _check_units(dict(setting))
+    setting = _setting(cells, scenario)
     order = _number("order", cells["order"]) if cells.get("order") else math.nan
     words = (cells.get("block", ""), cells.get("trial", ""))
-    return _Trial(velocity, setting, *words, order, line, extra)
+    return _Trial(velocity, setting, *words, order, line, tuple(cells[name] for name in others))
 
 
 def _number(column: str, cell: str) -> float:
     value = number(cell, LARGEST)
     if math.isnan(value):
-        raise _Unsound(Code.NOT_A_NUMBER, column=column, cell=cell)
+        text = f"{column} {shown(cell)} is not a number{comma_hint(cell)}." if cell else ""
+        raise _Unsound("not-a-number", text or f"{column} is empty.")
     return value
 
 
-def _setting(
-    cells: Mapping[str, str], drive: list[str], scenario: Scenario
-) -> tuple[tuple[str, Any], ...]:
+def _setting(cells: Mapping[str, str], scenario: Scenario) -> tuple[tuple[str, Any], ...]:
     """The drive settings of a row, in the order of the keys; checked as a scenario."""
-    keys = known_keys()
+    drive = {name: key for name, key in known_keys().items() if name.startswith("drive.")}
     changes: dict[str, Value] = {}
-    for name in drive:
-        if name not in cells:
+    for name, key in drive.items():
+        column = name.removeprefix("drive.")
+        if column not in cells:
             continue
-        key = keys[f"drive.{name}"]
-        value: Value
         if key.kind == "word":
-            value = in_allowed_case(key, cells[name])
+            changes[name] = in_allowed_case(key, cells[column])
         else:
-            value = _number(name, cells[name])
-            if key.kind == "whole" and value == int(value):
-                value = int(value)
-        changes[key.name] = value
+            value = _number(column, cells[column])
+            changes[name] = int(value) if key.kind == "whole" and value == int(value) else value
     if changes.get("drive.mode") == "program":
-        refusal = 'mode "program" has no place in a table of velocities'
-        raise _Unsound(Code.SETTING_REFUSED, refusal=refusal)
+        raise _Unsound("setting", 'mode "program" has no place in a table of velocities.')
     try:
         full = scenario.replace(changes)
     except ScenarioError as error:
-        raise _Unsound(Code.SETTING_REFUSED, refusal=str(error)) from None
-    return tuple((f"drive.{name}", full.get(f"drive.{name}")) for name in drive)
-
-
-def _check_units(setting: Mapping[str, Value]) -> None:
-    """Leave out a setting that can only be in mT or kHz."""
+        raise _Unsound("setting", f"{error}.") from None
     for name in ("peak", "base", "hold"):
-        field = float(setting[f"drive.{name}"])
+        field = float(full.get(f"drive.{name}"))
         if field > _STRONGEST:
-            limit = {"unit": "T", "limit": _STRONGEST, "other": "mT"}
-            raise _Unsound(Code.SETTING_TOO_LARGE, key=name, value=field, **limit)
-    frequency = float(setting["drive.frequency"])
+            text = f"{name} of {field:.3g} T is above {_STRONGEST:g} T; if it is in mT, divide it"
+            raise _Unsound("setting-unit", f"{text} by 1e3.")
+    frequency = full.drive.frequency
     if frequency < _SLOWEST:
-        limit = {"unit": "Hz", "limit": _SLOWEST, "other": "kHz"}
-        raise _Unsound(Code.SETTING_TOO_SMALL, key="frequency", value=frequency, **limit)
+        text = f"frequency of {frequency:.3g} Hz is below {_SLOWEST:g} Hz; if it is in kHz, "
+        raise _Unsound("setting-unit", f"{text}multiply it by 1e3.")
+    return tuple((name, full.get(name)) for name in drive)
 
 
-def _without_outliers(name: str, velocity: Array, condition: Indices, left_out: list[Fact]) -> Mask:
+def _without_outliers(name: str, velocity: Array, condition: Indices, left_out: list[Note]) -> Mask:
     """Leave out trials that are outliers among the others of their condition."""
     far, level = far_from_their_group(velocity, condition)
-    for index in np.flatnonzero(far):
-        ratio = abs(velocity[index] / level[index]) if level[index] else math.inf
-        trial = {
-            "table": name,
-            "velocity": float(velocity[index]),
-            "others": float(level[index]),
-            "unit_factor": unit_factor(ratio, _ALIKE),
-        }
-        left_out.append(Fact(Code.OUTLIER, trial))
+    for k in np.flatnonzero(far):
+        factor = unit_factor(abs(velocity[k] / level[k]), _ALIKE) if level[k] else None
+        text = f"{name}: a trial of {velocity[k]:.4g} m/s is far from the others of its condition, "
+        text += f"which are near {level[k]:.4g} m/s"
+        if factor is not None:
+            text += f"; the factor of {factor_text(factor)} is that of a wrong unit"
+        left_out.append(Note("outlier", f"{text}.", float(velocity[k])))
     return np.asarray(~far)

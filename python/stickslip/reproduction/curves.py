@@ -188,7 +188,8 @@ class MeasuredPoint(NamedTuple):
 def read_measured(path: str | PathLike[str]) -> list[MeasuredPoint]:
     """Read a CSV file with the columns figure, mode, x and y, in any order."""
     path = Path(path)
-    header, rows, _, _ = read_rows(path, MEASURED_COLUMNS)
+    table = read_rows(path, MEASURED_COLUMNS)
+    header, rows = table.header, table.rows
     check_columns(path, header, MEASURED_COLUMNS)
     points = []
     for line, cells in rows:

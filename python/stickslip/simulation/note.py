@@ -7,6 +7,8 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from stickslip._util.plain_text import printable
+
 MOST_SHOWN = 4
 """Notes that are printed at once; all are in `Run.notes` and in the JSON output."""
 
@@ -27,7 +29,7 @@ CODES = (
     # What a reader should know, without a fault.
     "map",
 )  # fmt: skip
-"""Codes of all notes, the most serious first."""
+"""Codes of the notes of runs, the most serious first."""
 
 
 @dataclass(frozen=True)
@@ -37,9 +39,10 @@ class Note:
     Attributes
     ----------
     code : str
-        One of `CODES`; it stays the same where the words change.
+        Of a run one of `CODES`; it stays the same where the words change.
     text : str
-        One line: what stands out, and what to do about it.
+        One line: what stands out, and what to do about it. Characters of a file that a terminal
+        would obey are escaped in it.
     value : float or None
         The number that it is about, SI units; None where there is none.
     """
@@ -47,6 +50,9 @@ class Note:
     code: str
     text: str
     value: float | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "text", printable(self.text))
 
     def __str__(self) -> str:
         return self.text

@@ -42,6 +42,10 @@ _KNOTS, _MOST_KNOTS = 4.0, 400
 """Knots of what repeats with the drive, in a period of the fastest rocking. Chosen: a cubic spline
 errs by a tenth of its amplitude there, and by a hundredth at half of that frequency."""
 
+_MOST_PERIODS = 40
+"""Periods that tell the errors. Chosen: they tell what periods share to 11 %, and more would only
+cost time."""
+
 _UNLIKELY = 1e-3
 """p-value below which a stated noise is not believed. Chosen: of ten films that state it rightly
 one in 100 is rejected by chance."""
@@ -160,7 +164,8 @@ def frame_errors(
     seen : float
         Standard deviation of a frame that the frames show.
     """
-    steady = folded.steady
+    steady = folded.steady & (folded.cycle < _MOST_PERIODS)
+    folded = Fold(folded.bin, steady, folded.phase, np.where(steady, folded.cycle, 0))
     count, size = int(np.sum(steady)), float(np.max(np.abs(residual[steady]), initial=0.0))
     if count < FEWEST or size == 0.0:
         return None

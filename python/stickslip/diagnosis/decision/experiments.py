@@ -267,8 +267,9 @@ def _why(first: str, second: str, chi2: float, is_later: bool) -> Note:
 def next_step(kind: str, names: Sequence[str], probability: float) -> Note:
     """Whether another experiment is needed after a verdict, with its causes as they are said."""
     if kind in ("named", "dominant", "pair"):
-        said = f"The name {' and '.join(names)} is safe, with a probability of {probability:.3g}"
-        return Note("name-safe", f"{said}: nothing more has to be measured.", probability)
+        said = f"{' and '.join(names)}, with a probability of {probability:.3g}"
+        return Note("name-safe", f"The name is safe: {said}. Nothing more has to be measured.",
+                    probability)  # fmt: skip
     if kind == "ambiguous":
         return Note("no-safe-name", "No name is safe, as the verdict is ambiguous.")
     text = f"Nothing is proposed: with the verdict {kind} there are no candidates to tell apart."

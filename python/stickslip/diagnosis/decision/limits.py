@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -10,12 +11,13 @@ from stickslip._util.arrays import Array
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.responses import Response
+from stickslip.diagnosis.terms.parameter import Parameter
 
 BOUND, _SDS = 0.95, 1.96
 """Confidence of an upper limit, and standard deviations on both sides that hold so much."""
 
-# A response is trusted up to this multiple of its amplitude, and down to its inverse; one whose
-# signal is below so many errors says nothing. Chosen.
+# A response is trusted up to this multiple of its size and down to its inverse; one with a smaller
+# signal than the other, in errors, says nothing. Chosen.
 _TRUSTED, _UNSEEN = 3.0, 1e-3
 
 
@@ -23,9 +25,9 @@ def upper_limits(problem: Problem, null: Fit, found: Sequence[Response]) -> dict
     """95 % upper limit of the magnitude of every amplitude, in its own unit, by name.
 
     That of one that acts as it falls, such as a limit of an amplifier, is the lowest value that it
-    could have. Each response is taken as if it grew with the amplitude, up to three times and down
-    to a third of its own. Whatever the shape and the sign, so that the limit is that of those that
-    are seen least. An amplitude that these data cannot see is bounded by its range.
+    could have. Of the responses of a sign and a shape the one counts whose size is nearest to its
+    limit, as if it grew with the amplitude; of signs and shapes the one that is seen least. An
+    amplitude that these data cannot see is bounded by its range.
 
     Parameters
     ----------
@@ -40,8 +42,8 @@ def upper_limits(problem: Problem, null: Fit, found: Sequence[Response]) -> dict
     residual = np.concatenate([
         problem.whitened(null.residual[:, None])[:, 0], -lower.T @ null.x[null.free]
     ])  # fmt: skip
-    # By amplitude and sign, the least of each shape.
-    reaches: dict[tuple[int, float], dict[tuple[float, ...], float]] = {}
+    # By amplitude, sign and shape: how far the limit is from the response's size, and the limit.
+    nearest: dict[tuple[int, float, tuple[float, ...]], tuple[float, float]] = {}
     for each in found:
         if each.cause.curve is not None:
             continue
@@ -50,39 +52,38 @@ def upper_limits(problem: Problem, null: Fit, found: Sequence[Response]) -> dict
         amplitudes = [k for k in columns if problem.parameters[k].is_amplitude]
         shape = tuple(each.x[[k for k in columns if k not in amplitudes]].tolist())
         for k, gap in zip(amplitudes, each.gaps, strict=True):
-            slope = each.slopes[:, free.index(k)]
-            # A response was taken at the amplitude that makes its gap of its slope.
-            amplitude = float(gap @ gap) / float(gap @ slope) if np.any(gap) else 0.0
-            for sign, far in zip((-1.0, 1.0), np.abs(problem.limits[:, k]).tolist(), strict=True):
-                if amplitude * sign < 0.0 or far == 0.0:
-                    continue
-                own = reaches.setdefault((k, sign), {})
-                row = np.concatenate([problem.whitened(gap[:, None])[:, 0], np.zeros(len(lower))])
-                reach = _reach(row - basis @ (basis.T @ row), residual, abs(amplitude), far)
-                own[shape] = min(own.get(shape, far), reach)
-    return _in_units(problem, reaches)
+            slope = float(gap @ each.slopes[:, free.index(k)])
+            # The amplitude at which a response was taken makes its gap of its slope.
+            u = float(gap @ gap) / slope if slope else 0.0
+            row = np.concatenate([problem.whitened(gap[:, None])[:, 0], np.zeros(len(lower))])
+            row -= basis @ (basis.T @ row)
+            multiple = _multiple(row, residual)
+            key = k, math.copysign(1.0, u), shape
+            reach = math.inf
+            if multiple < _TRUSTED:
+                size = _distance(problem.parameters[k], u)
+                reach = size * max(multiple, 1.0 / _TRUSTED)
+            old = nearest.get(key, (math.inf, math.inf))
+            nearest[key] = min(old, (abs(math.log(multiple)), reach))
+    limits: dict[str, float] = {}
+    for (k, sign, _), (_, reach) in nearest.items():
+        parameter = problem.parameters[k]
+        reach = min(reach, _distance(parameter, problem.limits[int(sign > 0.0), k]))
+        limits[parameter.name] = max(limits.get(parameter.name, 0.0), reach)
+    falling = {each.name: each.high for each in problem.parameters if each.falls}
+    return {name: falling[name] - reach if name in falling else reach
+            for name, reach in limits.items()}  # fmt: skip
 
 
-def _reach(projected: Array, residual: Array, amplitude: float, far: float) -> float:
-    """Largest amplitude that the residual allows by one response, `far` where it cannot tell."""
+def _distance(parameter: Parameter, u: float) -> float:
+    """Distance of an amplitude at a coordinate from where it does nothing, in its unit."""
+    start = parameter.high if parameter.falls else parameter.absent
+    return abs(float(parameter.smooth_value(np.array([u]))[0]) - start)
+
+
+def _multiple(projected: Array, residual: Array) -> float:
+    """How often a response may be in the residual at most; infinity where it is not seen."""
     size = float(np.linalg.norm(projected))
     if size < _UNSEEN:
-        return far
-    limit = max(float(projected @ residual) / size**2, 0.0) + _SDS / size
-    return far if limit >= _TRUSTED else min(amplitude * max(limit, 1.0 / _TRUSTED), far)
-
-
-def _in_units(
-    problem: Problem, reaches: dict[tuple[int, float], dict[tuple[float, ...], float]]
-) -> dict[str, float]:
-    found: dict[str, float] = {}
-    for k in sorted({k for k, _ in reaches}):
-        parameter = problem.parameters[k]
-        ends: Iterable[float] = (sign * max(reaches.get((k, sign), {0: 0.0}).values())
-                                 for sign in (-1.0, 1.0))  # fmt: skip
-        values = parameter.smooth_value(np.array(list(ends)))
-        found[parameter.name] = (
-            float(np.min(values)) if parameter.falls
-            else float(np.max(np.abs(values - parameter.absent)))
-        )  # fmt: skip
-    return found
+        return math.inf
+    return max(float(projected @ residual) / size**2, 0.0) + _SDS / size

@@ -21,7 +21,7 @@ from stickslip.diagnosis.fitting.descent import SETTLED, STAGES, End, derivative
 from stickslip.diagnosis.fitting.draws import FEWEST, Draws, drawn
 from stickslip.diagnosis.fitting.forms import Form, Softened, forms
 from stickslip.diagnosis.fitting.models import Fit, fit, linear, log_prior, sharpened
-from stickslip.diagnosis.fitting.problem import Problem
+from stickslip.diagnosis.fitting.problem import Problem, lack_of_fit
 from stickslip.diagnosis.fitting.responses import AMPLITUDES, Response, responses
 from stickslip.diagnosis.terms.cause import Cause
 
@@ -36,8 +36,12 @@ twin is missed."""
 NEAR, MOST_CAUSES = 6.0, 2
 """Log posterior odds within which models are refined, and most causes of a model. Chosen."""
 
-# Points of a scan of the constants; most descents of each of `STAGES` and of the stated errors.
-_SCAN, _DESCENTS = 128, (6, 4, 3, 2)
+# Points of a scan of the constants; most descents of each of `STAGES` and of the stated errors;
+# strata of constants that are known in range only. Chosen.
+_SCAN, _DESCENTS, _STRATA = 128, (12, 5, 4, 2), 12
+# p-value of the lack of fit below which more starts follow: a right model has a smaller one in one
+# case of five, and then pays for a second scan. Chosen.
+_DOUBTFUL = 0.2
 # Distance, in coordinates, of starts that lead elsewhere, and below which ends are one.
 _APART, _SAME = 0.7, 0.05
 # Steps of a first look at a model, and how far behind the best cost one may be to go on.
@@ -63,13 +67,15 @@ class Models:
         self.problem, self.offered = problem, tuple(offered)
         self.forms: dict[str, Form] = forms(problem)
         self.best: dict[tuple[frozenset[str], str], Fit] = {}
+        # Draws of the leading sets of causes, and what Laplace's rule misses of their evidence.
         self.draws: dict[frozenset[str], Draws] = {}
+        self.corrections: dict[frozenset[str], float] = {}
 
     def add(self, new: Fit) -> Fit:
         """Keep a fit if it is the best of its model."""
         key = new.names, new.form
         old = self.best.get(key)
-        if old is None or new.log_evidence > old.log_evidence:
+        if old is None or _is_better(new, old):
             self.best[key] = new
         return self.best[key]
 
@@ -79,6 +85,7 @@ class Models:
         for key, each in self.best.items():
             x = np.concatenate([each.x, np.zeros(problem.size - len(each.x))])
             wider.best[key] = replace(each, x=x)
+        wider.corrections = dict(self.corrections)
         return wider
 
     def get(self, causes: Iterable[str] = (), form: str = "none") -> Fit | None:
@@ -92,7 +99,8 @@ class Models:
 
     def log_posterior(self, one: Fit) -> float:
         """Log-evidence and log prior probability of a model, up to what all have."""
-        return one.log_evidence + log_prior(one.causes, one.form, len(self.offered))
+        prior = log_prior(one.causes, one.form, len(self.offered))
+        return one.log_evidence + self.corrections.get(one.names, 0.0) + prior
 
     def leaders(self, count: int | None = None, form: str | None = None) -> list[Fit]:
         """Models by their posterior, the best first."""
@@ -121,33 +129,65 @@ class Models:
         self.add(own)
 
 
+def _is_better(new: Fit, old: Fit) -> bool:
+    """Whether a fit of one model is to be kept; costs compare only in one inner product."""
+    if new.form == "none":
+        return new.cost < old.cost
+    return new.log_evidence > old.log_evidence
+
+
 def recalibrated(problem: Problem, seed: int) -> tuple[Fit, list[End]]:
-    """The model without a cause from starts all over the priors, and the ends at larger errors."""
-    constants = range(len(problem.constants))
-    softest = Softened(problem, *STAGES[0])
-    h, stated = np.zeros(0), forms(problem, ["none"])["none"]
-    count = _SCAN if len(constants) > 1 else _SCAN // 4
-    starts = _scan(problem, softest, count, seed)
-    ends: list[End] = []
+    """The model without a cause from starts all over the priors, and the ends at larger errors.
+
+    Where the first starts end with a misfit, others from a second scan follow, of all strata of the
+    constants that are known in range only: a wrong minimum would be taken for a hidden cause.
+    """
+    stated = forms(problem, ["none"])["none"]
+    count = _SCAN if len(problem.constants) > 1 else _SCAN // 4
+    starts = list(_separated(_scan(problem, count, seed), lambda each: each, _APART))
+    best, ends = _descended(problem, stated, starts)
+    if problem.constants and lack_of_fit(problem, best.chi2, len(problem.y)) < _DOUBTFUL:
+        again, more = _descended(problem, stated, _strata(problem, _scan(problem, _SCAN, seed + 1)))
+        best = min((best, again), key=lambda each: each.cost)
+        ends = sorted([*ends, *more], key=lambda each: each.cost)
+    return best, ends
+
+
+def _descended(problem: Problem, stated: Form, starts: Sequence[Array]) -> tuple[Fit, list[End]]:
+    """The best fit from some starts by all stages, and the ends of the softest."""
+    softest: list[End] = []
     for stage, most in zip(STAGES, _DESCENTS, strict=False):
         soft = Softened(problem, *stage)
-        found = [descend(problem, soft, h, (), x) for x in starts[:most]]
+        found = [descend(problem, soft, np.zeros(0), (), x) for x in starts[:most]]
         found.sort(key=lambda each: each.cost)
         distinct = list(_separated(found, lambda each: each.x, _SAME))
+        softest = softest or distinct
         starts = [each.x for each in distinct]
-        ends += distinct
     fits = [fit(problem, stated, (), x) for x in starts[: _DESCENTS[-1]]]
-    return max(fits, key=lambda each: each.log_evidence), ends
+    return min(fits, key=lambda each: each.cost), softest
 
 
-def _scan(problem: Problem, form: Form, count: int, seed: int) -> list[Array]:
-    """Points drawn from the priors of the constants, the best first, apart from each other."""
+def _scan(problem: Problem, count: int, seed: int) -> Array:
+    """Points drawn from the priors of the constants, shape (count, size), the best first."""
     p, x = len(problem.constants), np.zeros((count, problem.size))
     if p:
         sobol = qmc.Sobol(p, scramble=True, seed=seed).random(count)
         x[1:, :p] = ndtri(np.clip(sobol, 1e-3, 1.0 - 1e-3))[1:]
-    cost = form.cost(problem.residuals(x, True), np.zeros(0)) + np.sum(x[:, :p] ** 2, axis=1)
-    return list(_separated(x[np.argsort(cost, kind="stable")], lambda each: each, _APART))
+    soft = Softened(problem, *STAGES[0])
+    cost = soft.cost(problem.residuals(x, True), np.zeros(0)) + np.sum(x[:, :p] ** 2, axis=1)
+    return np.asarray(x[np.argsort(cost, kind="stable")])
+
+
+def _strata(problem: Problem, points: Array) -> list[Array]:
+    """The best point of each stratum of the constants that are known in range only."""
+    priors = [each.prior for each in problem.constants]
+    wide = [k for k, prior in enumerate(priors) if prior is not None and not prior.has_middle]
+    chosen = list(_separated(points, lambda each: each, _APART))[: _STRATA // 2]
+    for k in wide:
+        edges = np.quantile(points[:, k], np.linspace(0.0, 1.0, max(_STRATA // len(wide), 3) + 1))
+        place = np.searchsorted(edges[1:-1], points[:, k])
+        chosen += [points[np.flatnonzero(place == each)[0]] for each in np.unique(place)]
+    return chosen
 
 
 def _separated(
@@ -188,6 +228,7 @@ def search(
             done[leader.names] = leader.log_evidence
             _look_beside(models, leader)
         _fit_other_forms(models)
+        _fit_stated_again(models)
     for each in _near(models):
         models.best[each.names, each.form] = sharpened(problem, models.forms[each.form], each)
     _draw(models, seed)
@@ -199,7 +240,7 @@ def _draw(models: Models, seed: int) -> None:
     sets: dict[frozenset[str], Fit] = {}
     for each in _near(models):
         sets.setdefault(each.names, each)
-    for names, each in list(sets.items())[:_DRAWN]:
+    for names, each in [pair for pair in sets.items() if pair[0] not in models.draws][:_DRAWN]:
         form = models.forms[each.form]
         found = drawn(problem, form, each, seed)
         if found is None:
@@ -212,10 +253,7 @@ def _draw(models: Models, seed: int) -> None:
             found = drawn(problem, form, each, seed) or found
         models.draws[names] = found
         if found.effective > FEWEST:
-            for key, one in models.best.items():
-                if key[0] == names:
-                    higher = one.log_evidence + found.correction
-                    models.best[key] = replace(one, log_evidence=higher)
+            models.corrections[names] = found.correction
 
 
 def screened(models: Models, found: Sequence[Response]) -> None:
@@ -334,15 +372,36 @@ def _fit_other_forms(models: Models) -> None:
         if name == "none":
             continue
         hopes = []
-        for old in models.leaders(form="none"):
-            known = models.get(old.names, name)
-            try:
-                hope = linear(models.problem, form, old.causes, old.end) if known is None else known
-            except np.linalg.LinAlgError:
-                continue
-            hopes.append((models.log_posterior(hope), old, hope))
+        for place, old in enumerate(models.leaders(form="none")):
+            known = hope = models.get(old.names, name)
+            # A fit beside a large discrepancy may have stayed where the cause does nothing.
+            stuck = known is not None and known.chi2 > old.chi2 + _HOPELESS and place < _OTHER_FORMS
+            if known is None or stuck:
+                try:
+                    hope = linear(models.problem, form, old.causes, old.end)
+                except np.linalg.LinAlgError:
+                    continue
+            assert hope is not None
+            better = known is None or hope.log_evidence > known.log_evidence + _BETTER
+            hopes.append((models.log_posterior(hope), old, hope, better))
         hopes.sort(key=lambda each: -each[0])
-        for place, (_, old, hope) in enumerate(hopes):
-            wanted = place < _OTHER_FORMS or not old.causes
-            if wanted and models.get(old.names, name) is None:
+        for place, (_, old, hope, better) in enumerate(hopes):
+            if better and (place < _OTHER_FORMS or not old.causes):
                 models.fit(name, old.causes, old.x, old.slopes, hope.h)
+
+
+def _fit_stated_again(models: Models) -> None:
+    """Fit models with the errors as stated from where another form has fitted them better.
+
+    Where predictions jump, a descent may stop before a jump that wider errors let it pass.
+    """
+    stated = models.forms["none"]
+    for old in models.leaders(form="none"):
+        for form in models.forms:
+            other = models.get(old.names, form)
+            if other is None or other is old:
+                continue
+            cost = stated.cost(other.residual[None, :], np.zeros(0))[0]
+            own = other.x[other.free]
+            if float(cost + own @ old.precision @ own) < old.cost - _BETTER:
+                models.fit("none", old.causes, other.x, other.slopes)

@@ -17,13 +17,14 @@ else:
     import tomli as tomllib
 
 _WORDS: Mapping[str, Mapping[str, Any]] = tomllib.loads(
-    resources.files("stickslip").joinpath("facts/causes.toml").read_text("utf-8")
+    resources.files("stickslip").joinpath("diagnosis/report/causes.toml").read_text("utf-8")
 )
 _CAUSES: Mapping[str, Mapping[str, Any]] = {**_WORDS["effects"], **_WORDS["readings"]}
 
 ROUTINE = ("no-block-column", "errors-independent", "runs-unknown")
 """Codes of notes that nearly every measurement has: the page has them, and not the first lines."""
 
+_NEW_WORDS = 3  # of a meaning that says more than the title
 _PLAIN = 1e-3, 1e5  # sizes between which a number needs no power of ten
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -63,16 +64,19 @@ def shown_in(name: str, unit: str) -> tuple[float, str]:
 
 
 def told(name: str, meaning: str, sizes: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
-    """A cause in words: `name`, `title`, `meaning`, `finding`, `remedy`, `drawing` and `way`.
+    """A cause in words: `title`, `meaning`, `finding`, `interval`, `remedy`, `drawing`, `way`.
 
     `sizes` are its parameters, or the constant that it frees, by full name, with `value`, `sd`,
-    `unit` and, of a constant, what was `stated`. `way` is the word for the sign of the largest.
+    `low`, `high`, `unit` and, of a constant, what was `stated`. `way` is the word for the sign of
+    the largest; `meaning` is empty where the title says as much.
     """
     known = _CAUSES.get(name)
-    said = {"name": name, "title": title(name), "meaning": meaning, "remedy": "", "way": ""}
+    said = {"name": name, "title": title(name), "remedy": "", "way": ""}
+    new = set(re.findall(r"\w+", meaning)) - set(re.findall(r"\w+", said["title"]))
+    said["meaning"] = meaning if len(new) >= _NEW_WORDS else ""
     said["drawing"] = known["drawing"] if known else ""
     amounts: dict[str, str] = {}
-    largest = -math.inf
+    largest, intervals = -math.inf, []
     for full, each in sizes.items():
         factor, unit = shown_in(full, each["unit"])
         value, sd = each["value"] * factor, each["sd"] * factor
@@ -81,8 +85,13 @@ def told(name: str, meaning: str, sizes: Mapping[str, Mapping[str, Any]]) -> dic
         way = words.get("up" if value >= 0.0 else "down", "")
         amounts[short] = amount(abs(value) if way else value, sd, unit)
         amounts[f"{short}_way"] = way
+        ends = each["low"], each["high"]
+        if way and min(ends) * max(ends) > 0.0:
+            ends = abs(ends[0]), abs(ends[1])
+        intervals.append(between(full, *ends, each["unit"]))
         if abs(value) > largest:
             largest, said["way"] = abs(value), way
+    said["interval"] = " and ".join(intervals)
     if known is not None:
         said |= {"finding": known["finding"].format(**amounts), "remedy": known["remedy"]}
         return said
@@ -173,12 +182,12 @@ def power(ten: int) -> str:
     return f"10{str(ten).translate(_SUPERSCRIPT)}"
 
 
-def percent(share: float) -> str:
+def percent(share: float, short: bool = False) -> str:
     """A probability or a share: ``86 %``, ``more than 99.9 %``, ``less than 0.1 %``."""
     if share > 0.999:
-        return "more than 99.9 %"
+        return "> 99.9 %" if short else "more than 99.9 %"
     if share < 0.001:
-        return "less than 0.1 %"
+        return "< 0.1 %" if short else "less than 0.1 %"
     value = 100.0 * share
     return f"{value:.1f} %" if value < 1.0 or value > 99.0 else f"{value:.0f} %"
 

@@ -22,11 +22,13 @@ from stickslip import _core
 from stickslip._util.atomic_files import check_folder, text_writer, write_together
 from stickslip._util.checksum import sha256_of
 from stickslip._util.html_page import page_text, svg
+from stickslip._util.palette import BLUE, VERMILION
 from stickslip._util.strict_json import json_text
 from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.report import amounts
-from stickslip.diagnosis.report.numbers import numbers_of, title_of
+from stickslip.diagnosis.report.numbers import numbers_of
 from stickslip.diagnosis.report.pictures import Plots, drawing
+from stickslip.diagnosis.report.readings import title_of
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import known_keys
@@ -39,6 +41,8 @@ from stickslip.scenario.toml_file import (
 )
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from stickslip.diagnosis.result import Diagnosis
 
 PAGE, JSON, EXTENDED = "report.html", "report.json", "extended.toml"
@@ -77,12 +81,12 @@ def page(result: Diagnosis, numbers: dict[str, Any]) -> str:
     plots = Plots(result)
     tables, main = result.problem.tables, plots.main_table()
     films = [
-        (f"The film {title_of(each, k)} over the phase of its drive", svg(plots.film(k)))
+        (f"The film {title_of(each, k)} over the phase of its drive", _svg(plots.film(k)))
         for k, each in enumerate(tables)
         if isinstance(each, FilmTable)
     ]
     fits = [
-        (f"Readings and models: {title_of(each, k)}", svg(plots.fit(k)))
+        (f"Readings and models: {title_of(each, k)}", _svg(plots.fit(k)))
         for k, each in enumerate(tables)
         if not isinstance(each, FilmTable)
     ]
@@ -93,13 +97,22 @@ def page(result: Diagnosis, numbers: dict[str, Any]) -> str:
         report=numbers,
         a=amounts,
         drawing=lambda name, way: Markup(drawing(name, way)),
-        changes=[(text, svg(each)) for text, each in plots.changes(main)] if drawable else [],
+        changes=[(text, _svg(each)) for text, each in plots.changes(main)] if drawable else [],
+        key=plots.key(main) if drawable else [],
         fits=fits,
         films=[each for each in films if each[1]],
-        law=svg(plots.law()),
-        ranking=svg(plots.ranking()) if judged else "",
-        cosines=svg(plots.cosines()),
+        law=_svg(plots.law()),
+        ranking=_svg(plots.ranking()) if judged else "",
+        cosines=_svg(plots.cosines()),
     )
+
+
+def _svg(figure: Figure | None) -> Markup:
+    """A figure in the colours of the page, which may be dark."""
+    text = svg(figure)
+    for colour, name in ((BLUE, "var(--accent)"), (VERMILION, "var(--cause)")):
+        text = text.replace(colour.lower(), name)
+    return text
 
 
 def _comments(result: Diagnosis, measurement: Measurement, extended: Scenario) -> list[str]:

@@ -14,23 +14,18 @@ from stickslip._util.arrays import Array
 from stickslip._util.html_page import page_text
 from stickslip._util.units import handy
 from stickslip.diagnosis.candidate import Candidate, table_name
-from stickslip.diagnosis.data.angle import AngleTable
-from stickslip.diagnosis.data.field import FieldTable
 from stickslip.diagnosis.data.film import FilmTable
-from stickslip.diagnosis.data.table import Table
-from stickslip.diagnosis.data.velocity import VelocityTable
 from stickslip.diagnosis.decision.limits import upper_limits
 from stickslip.diagnosis.decision.posterior import ALIKE, cosine
 from stickslip.diagnosis.fitting.models import Fit
+from stickslip.diagnosis.fitting.problem import LOST
 from stickslip.diagnosis.report import amounts
-from stickslip.scenario.keys import known_keys
+from stickslip.diagnosis.report.readings import in_words, settings_of, title_of, unit_of
 
 if TYPE_CHECKING:
     from stickslip.diagnosis.result import Diagnosis
 
 _DECIDING = 3  # readings that are named
-_LIKELY = 1e-3  # probability below which a model is in report.json alone
-_UNITS = {"Bx": "T", "Bz": "T", "x": "m", "y": "m", "z": "m"}  # of settings that are no keys
 
 
 def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
@@ -63,6 +58,7 @@ def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
         "conditions": _conditions(result),
         "channels": _channels(result),
         "claimed": [],
+        "moved": None,
         "leader": None,
         "runner_up": None,
         "common": [amounts.title(each) for each in verdict.common],
@@ -127,6 +123,7 @@ def _of_models(result: Diagnosis) -> dict[str, Any]:
         "leader": None if told is None else _leader(result, best),
         "runner_up": None if verdict.kind == "unexplained" else _runner_up(result, told),
         "recalibrated": _recalibrated(result),
+        "moved": _moved(result),
         "deciding_readings": [] if told is None else _deciding(result, told),
         "alike": [] if told is None else _alike(result, told),
         "bounds": _bounds(result) if verdict.kind == "none" else {},
@@ -163,11 +160,6 @@ def _told(result: Diagnosis, candidate: Candidate) -> dict[str, Any]:
         if each.curve is not None:
             said |= {"title": f"another law of {each.curve.name}", "curve": each.curve.name,
                      "finding": f"The law of {each.curve.name} has another shape."}  # fmt: skip
-        said["reading"] = each.read is not None or not set(sizes[each.name]) & set(known_keys())
-        said["intervals"] = [
-            amounts.between(key, each["low"], each["high"], each["unit"])
-            for key, each in sizes[each.name].items()
-        ]
         causes.append(said)
     chance = result.chance.models[candidate.name]
     return {"candidate": candidate.name, "title": amounts.title(candidate.name),
@@ -238,6 +230,12 @@ def _recalibrated(result: Diagnosis) -> dict[str, Any]:
     return found
 
 
+def _moved(result: Diagnosis) -> dict[str, Any] | None:
+    """The constant that the recalibrated model has moved farthest."""
+    pulls = abs(result.recalibrated.params["pull"])
+    return {"name": pulls.idxmax(), "pull": float(pulls.max())} if len(pulls) else None
+
+
 def _deciding(result: Diagnosis, told: Fit) -> list[dict[str, Any]]:
     """The readings that tell a model from its runner-up, by the difference of log-likelihood."""
     models, problem = result.findings.models, result.problem
@@ -299,7 +297,7 @@ def _gain(result: Diagnosis) -> dict[str, Any] | None:
         return None
     found, best = gain.as_dict(), -math.inf
     for k, (table, part) in enumerate(zip(result.problem.tables, result.problem.rows, strict=True)):
-        name = table_name(result.problem, k)
+        name = table.name or f"table {k + 1}"
         before, after = gain.mae_before[name], gain.mae_after[name]
         change = abs(before - after) / float(np.median(result.problem.sd[part]))
         if change > best and not isinstance(table, FilmTable):
@@ -323,67 +321,13 @@ def _experiments(result: Diagnosis) -> list[dict[str, Any]]:
     ]  # fmt: skip
 
 
-# ------------------------------------------------------------------------------ readings
-def title_of(table: Table, k: int) -> str:
-    """What a table is called."""
-    if isinstance(table, VelocityTable):
-        return "velocities"
-    return str(getattr(table, "title", "") or table.name or f"table {k + 1}")
-
-
-def unit_of(table: Table, row: int) -> str:
-    """The SI unit of a reading: a film has several."""
-    if isinstance(table, FilmTable):
-        column = str(np.asarray(table.settings["column"])[table.first[row]])
-        return {"theta": "rad", "x": "m", "z": "m"}.get(column, "A")
-    return table.unit
-
-
-def settings_of(table: Table) -> dict[str, tuple[list[Any], str]]:
-    """Settings of the conditions of a table: values and their SI unit, by bare name."""
-    given = table.settings
-    if hasattr(given, "keys"):
-        columns = {str(key): np.asarray(given[key]) for key in given}
-    elif isinstance(given, list | tuple) and given and isinstance(given[0], Mapping):
-        columns = {str(key): np.asarray([each[key] for each in given]) for key in given[0]}
-    else:
-        array = np.asarray(given)
-        array = array[:, None] if array.ndim == 1 else array
-        count = array.shape[1]
-        names = ["setting"] if count == 1 else [f"setting {k + 1}" for k in range(count)]
-        columns = dict(zip(names, array.T, strict=True))
-    known = known_keys() if isinstance(table, VelocityTable) else {}
-    own = _UNITS if isinstance(table, AngleTable | FieldTable) else {}
-    return {
-        name.removeprefix("drive."): (
-            column[table.first].tolist(),
-            known[name].unit if name in known else own.get(name, "A" if own else "-"),
-        )
-        for name, column in columns.items()
-        if name != "solver.rtol"
-    }
-
-
-def varied(settings: Mapping[str, tuple[list[Any], str]]) -> list[str]:
-    """Names of the settings that are not the same in all conditions."""
-    return [name for name, (values, _) in settings.items() if len(set(values)) > 1]
-
-
-def setting_text(value: Any, unit: str) -> str:
-    """A setting as in ``3 mT``; words as they are."""
-    if isinstance(value, str | bool):
-        return str(value)
-    factor, shown = handy(unit)
-    return f"{float(value) * factor:.5g} {shown}".rstrip()
-
-
 def predictions(result: Diagnosis) -> dict[str, Array]:
     """All readings as the stated, the recalibrated and the extended model have them, (n,)."""
     found: dict[str, Array] = {}
     if result.fitted:
         problem = result.problem
         stated = problem.residuals(np.zeros((1, problem.size)))[0]
-        found["stated"] = np.where(stated < 1e2 * problem.sd, problem.y - stated, np.nan)
+        found["stated"] = np.where(stated == LOST * problem.sd, np.nan, problem.y - stated)
         found["recalibrated"] = problem.y - result.recalibrated.fit.residual
         if result.verdict.fit is not None:
             found["extended"] = problem.y - result.verdict.fit.residual
@@ -394,17 +338,14 @@ def _conditions(result: Diagnosis) -> list[dict[str, Any]]:
     """Each reading with its settings and the predictions of the models, numbered in its table."""
     problem, models, rows = result.problem, predictions(result), []
     for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
-        settings = settings_of(table)
-        named = varied(settings) or list(settings)
-        counts = np.bincount(table.condition)
+        settings, counts = settings_of(table), np.bincount(table.condition)
+        where = in_words(settings)
         for i, row in enumerate(range(part.start, part.stop)):
             unit = unit_of(table, i)
-            where = ", ".join(
-                f"{name} {setting_text(settings[name][0][i], settings[name][1])}" for name in named
-            )
             rows.append({
-                "table": table_name(problem, k), "number": i + 1, "row": row, "where": where,
-                "settings": {name: settings[name][0][i] for name in settings},
+                "table": table_name(problem, k), "number": i + 1, "row": row,
+                "where": where[i],
+                "settings": {name: values[i] for name, (values, _) in settings.items()},
                 "unit": unit, "reading": float(problem.y[row]), "sd": float(problem.sd[row]),
                 "readings": int(counts[i]),
                 **{name: float(of[row]) for name, of in models.items()},
@@ -425,7 +366,9 @@ def _channels(result: Diagnosis) -> dict[str, Any]:
             for name, fit in fits.items()
         }  # fmt: skip
         found[table_name(problem, k)] = {
-            "title": title_of(table, k), "unit": table.unit, "readings": len(table.y),
+            "title": title_of(table, k), "readings": len(table.y),
+            # The columns of a film have units of their own.
+            "unit": None if isinstance(table, FilmTable) else table.unit,
             "conditions": len(table.mean), "errors": dict(errors.told), "dof": errors.dof,
             "median_sd": float(np.median(problem.sd[part])), "chi2_per_condition": chi2,
             "notes": [str(each) for each in table.notes],

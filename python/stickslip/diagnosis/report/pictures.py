@@ -27,15 +27,20 @@ from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.posterior import cosine
 from stickslip.diagnosis.report import amounts
-from stickslip.diagnosis.report.numbers import (
-    predictions,
+from stickslip.diagnosis.report.numbers import predictions
+from stickslip.diagnosis.report.readings import (
+    along,
+    most_varied,
+    numeric,
     setting_text,
     settings_of,
     title_of,
     unit_of,
+    usual_of,
     varied,
 )
 from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import known_keys
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -43,8 +48,7 @@ if TYPE_CHECKING:
     from stickslip.diagnosis.result import Diagnosis
 
 _COLOURS = {"recalibrated": BLUE, "extended": VERMILION}
-_MARKERS = "osD^v<>Ph*"
-_ROW = "row"
+_MARKERS, _SIGNS = "osD^v<>Ph*", "●■◆▲▼◀▶✚⬢★"
 _MOST_PANELS, _MOST_RANKED, _MOST_COSINES = 8, 12, 12
 _FEW = 3  # places of a setting below which nothing is seen over it
 _SAMPLES = 200  # points of a film's picture
@@ -61,12 +65,15 @@ class Panel:
         Name of the setting.
     groups : dict of ndarray
         Rows of the problem, in the order of the setting, by the other settings in words.
+    markers : dict of str
+        Of the groups.
     """
 
     title: str
     table: int
     over: str
     groups: dict[str, Indices]
+    markers: dict[str, str]
 
 
 class Plots:
@@ -83,14 +90,14 @@ class Plots:
     def fit(self, table: int = 0) -> Figure:
         """Readings and models of a table over the setting that varies most."""
         self._check(table)
-        panels = self.panels(table, _most_varied(self._tables[table]))
-        return _figure(panels, lambda axes, each: self._draw_fit(axes, each))
+        panels = self.panels(table, most_varied(self._tables[table]))
+        return _figure(panels, self._draw)
 
     def residuals(self, table: int = 0) -> Figure:
         """What both models leave of a table, over the setting that shows the cause best."""
         self._check(table)
         panels = self.panels(table, self._best_setting(table))
-        return _figure(panels, lambda axes, each: self._draw_change(axes, each))
+        return _figure(panels, self._draw_change)
 
     def ranking(self) -> Figure:
         """Probabilities of the models."""
@@ -100,17 +107,23 @@ class Plots:
         axes = figure.subplots()
         fit = self._result.verdict.fit
         claimed = None if fit is None else fit.name
-        for name, value in reversed(shown):
-            said = shortened(amounts.title(name), 48)
-            axes.barh(said, max(value, 1e-6), color=VERMILION if name == claimed else DARK_GREY)
-            axes.text(max(value, 1e-6) * 1.15, said, amounts.percent(value), va="center")
+        for place, (name, value) in enumerate(shown):
+            size = max(value, 1e-6)
+            axes.barh(place, size, color=VERMILION if name == claimed else DARK_GREY)
+            axes.text(size * 1.15, place, amounts.percent(value, True), va="center")
+        axes.set_yticks(range(len(shown)), [shortened(amounts.title(n), 48) for n, _ in shown])
+        axes.invert_yaxis()
+        ticks = range(-6, 1)
         axes.set(xscale="log", xlim=(1e-6, 30.0), xlabel="probability")
+        axes.set_xticks([10.0**k for k in ticks], [amounts.power(k) if k else "1" for k in ticks])
+        axes.minorticks_off()
         axes.spines[["top", "right"]].set_visible(False)
         return figure
 
     def cosines(self) -> Figure | None:
         """How alike the effects of the leading causes are on these data; None of fewer than two."""
-        result, effects = self._result, {}
+        result = self._result
+        effects: dict[str, Array] = {}
         if not result.fitted:
             return None
         for each in result.findings.responses:
@@ -125,13 +138,18 @@ class Plots:
             table[i, j] = table[j, i] = abs(cosine(result.problem, null, one, other))
         figure = Picture(figsize=(7.0, 0.9 + 0.34 * len(names)), layout="constrained")
         axes = figure.subplots()
-        axes.imshow(table, cmap="Oranges", vmin=0.0, vmax=1.0, aspect="auto")
+        edges = np.arange(len(names) + 1) - 0.5
+        axes.pcolormesh(edges, edges, table, cmap="Oranges", vmin=0.0, vmax=1.0)
+        axes.invert_yaxis()
         for i, j in itertools.product(range(len(names)), repeat=2):
             dark = table[i, j] > 0.7
             axes.text(j, i, f"{table[i, j]:.2f}", ha="center", va="center", fontsize=8,
                       color="#fffffe" if dark else "#000001")  # fmt: skip
-        axes.set_yticks(range(len(names)), [shortened(amounts.title(n), 44) for n in names])
-        axes.set_xticks(range(len(names)), range(1, len(names) + 1))
+        axes.set_yticks(
+            range(len(names)),
+            [f"{shortened(amounts.title(name), 44)}  {k}" for k, name in enumerate(names, start=1)],
+        )
+        axes.set_xticks(range(len(names)), [str(k + 1) for k in range(len(names))])
         return figure
 
     def film(self, table: int) -> Figure | None:
@@ -139,10 +157,13 @@ class Plots:
         film = self._tables[table]
         if not isinstance(film, FilmTable) or not self._result.fitted:
             return None
-        names = self._result.problem.names
+        own = {each.name for each in film.nuisance}
+        own |= {each.name for cause in film.suspects for each in cause.parameters}
+        names, known = self._result.problem.names, known_keys()
+        used = [k for k, name in enumerate(names) if name in known or name in own]
         traces = {}
         for name, of in self._models.items():
-            seen = film.over_phase(names, of.values()[0])
+            seen = film.over_phase([names[k] for k in used], of.values()[0, used])
             if seen is None:
                 return None
             traces[name] = seen
@@ -176,9 +197,8 @@ class Plots:
         assert curve is not None
         at = np.linspace(curve.low, curve.high, 121)
         values, names = best.values(), self._result.problem.names
-        drawn = (
-            values[:, [names.index(each.name) for each in cause.parameters]] @ curve.design(at).T
-        )
+        knots = [names.index(each.name) for each in cause.parameters]
+        drawn = values[:, knots] @ curve.design(at).T
         if curve.relative:
             base = values[:, names.index(curve.constant)] if curve.constant else curve.stated
             drawn = np.reshape(base, (-1, 1)) * (1.0 + drawn)
@@ -196,29 +216,39 @@ class Plots:
 
     # ---------------------------------------------------------------- panels of a table
     def panels(self, k: int, over: str) -> list[Panel]:
-        """Rows of a table by words and components in panels, and by other settings in groups."""
+        """Rows of a table by words in panels, and by other settings in groups.
+
+        A group is told by the settings in which it differs from most rows, and has the same marker
+        in all panels.
+        """
         table, first = self._tables[k], self._result.problem.rows[k].start
         settings = settings_of(table)
         others = [name for name in varied(settings) if name != over]
         words = [name for name in others if isinstance(settings[name][0][0], str)]
-        numbers = [name for name in others if name not in words]
-        at = _along(table, over)[0]
+        usual = {n: value for n, value in usual_of(settings).items() if n != over}
         found: dict[str, dict[str, list[int]]] = {}
-        for row in np.argsort(at, kind="stable").tolist():
-            panel = ", ".join(str(settings[name][0][row]) for name in words)
+        for row in np.argsort(along(table, over)[0], kind="stable").tolist():
+            panel = " ".join(settings[name][0][row] for name in words)
             group = ", ".join(
-                f"{name} {setting_text(settings[name][0][row], settings[name][1])}"
-                for name in numbers
+                setting_text(name, settings[name][0][row], settings[name][1])
+                for name, value in usual.items()
+                if settings[name][0][row] != value
             )
             found.setdefault(panel, {}).setdefault(group, []).append(first + row)
+        names = sorted({group for groups in found.values() for group in groups})
+        if len(names) > len(_MARKERS):
+            # Too many to tell apart: all rows alike.
+            found = {
+                panel: {"": sorted(row for rows in groups.values() for row in rows)}
+                for panel, groups in found.items()
+            }
+            names = [""]
+        markers = dict(zip(names, _MARKERS, strict=False))
         panels = []
-        for title in sorted(found):
-            groups = found[title]
-            if len(groups) > len(_MARKERS):
-                # Too many to tell apart: all rows alike.
-                groups = {"": [row for rows in groups.values() for row in rows]}
-            panels.append(Panel(title, k, over, {g: np.array(rows) for g, rows in groups.items()}))
-        return panels[:_MOST_PANELS]
+        for title in sorted(found)[:_MOST_PANELS]:
+            groups = {n: np.array(found[title][n]) for n in names if n in found[title]}
+            panels.append(Panel(title, k, over, groups, markers))
+        return panels
 
     def changes(self, k: int) -> list[tuple[str, Figure]]:
         """A picture for each panel of `residuals`, with its alternative text."""
@@ -232,8 +262,20 @@ class Plots:
                 f"Measured {title_of(table, k)}{where} minus the recalibrated model over "
                 f"{each.over}, with error bars of two standard deviations; model: {models}."
             )
-            figure = _figure([each], lambda axes, panel: self._draw_change(axes, panel), alone=True)
+            figure = _figure([each], self._draw_change, alone=True)
             found.append((text, figure))
+        return found
+
+    def key(self, k: int) -> list[tuple[str, str, str]]:
+        """What the signs of `changes` stand for: a sign, its colour in the style, and words."""
+        signs = dict(zip(_MARKERS, _SIGNS, strict=True))
+        markers = {
+            m for each in self.panels(k, self._best_setting(k)) for m in each.markers.items()
+        }
+        found = [(signs[m], "ink", group or "measured") for group, m in sorted(markers)]
+        found.append(("\N{EM DASH}", "accent", self._label("recalibrated")))
+        if "extended" in self._models:
+            found.append(("\N{EM DASH}", "cause", self._label("extended")))
         return found
 
     def main_table(self) -> int:
@@ -262,6 +304,12 @@ class Plots:
     def _tables(self) -> Sequence[Table]:
         return self._result.problem.tables
 
+    def _label(self, name: str) -> str:
+        fit = self._result.verdict.fit
+        if name == "recalibrated" or fit is None:
+            return "recalibrated model"
+        return f"with {amounts.title(fit.name)}"
+
     def _check(self, table: int) -> None:
         if not 0 <= table < len(self._tables):
             count = len(self._tables)
@@ -277,47 +325,45 @@ class Plots:
         if "extended" in found:
             change = (found["extended"] - found["recalibrated"])[part]
         if not len(change) or not np.var(change) > 0.0:
-            return _most_varied(table)
+            return most_varied(table)
         ratios: dict[str, float] = {}
         settings = settings_of(table)
-        for name in _numeric(table):
+        most = max((len(set(settings[name][0])) for name in numeric(table)), default=0)
+        for name in numeric(table):
             parts = self.panels(k, name)
             rows = [rows - part.start for each in parts for rows in each.groups.values()]
             steps = [np.diff(change[each]) for each in rows if len(each) >= _FEW]
-            if steps and len(set(settings[name][0])) >= _FEW:
+            # Over a setting with few values nothing is seen.
+            if steps and len(set(settings[name][0])) >= max(_FEW, most / 2):
                 ratios[name] = float(np.mean(np.concatenate(steps) ** 2) / np.var(change))
-        return min(ratios, key=lambda name: ratios[name]) if ratios else _most_varied(table)
-
-    def _draw_fit(self, axes: Any, panel: Panel) -> None:
-        self._draw(axes, panel, base=None)
+        return min(ratios, key=lambda name: ratios[name]) if ratios else most_varied(table)
 
     def _draw_change(self, axes: Any, panel: Panel) -> None:
-        self._draw(axes, panel, base=self._predicted.get("recalibrated"))
+        self._draw(axes, panel, self._predicted.get("recalibrated"))
 
-    def _draw(self, axes: Any, panel: Panel, base: Array | None) -> None:
+    def _draw(self, axes: Any, panel: Panel, base: Array | None = None) -> None:
         """Readings and models, or what they are beyond `base`."""
         result, table = self._result, self._tables[panel.table]
-        part, (at, unit) = result.problem.rows[panel.table], _along(table, panel.over)
+        part, (at, unit) = result.problem.rows[panel.table], along(table, panel.over)
         at = at * handy(unit)[0]
         first = next(iter(panel.groups.values()))[0]
-        what = {"velocity": "velocity", "angle": "angle", "field": "field"}.get(
-            table.name, "reading"
-        )
+        what = table.name if table.name in ("velocity", "angle", "field") else "reading"
         factor, label = in_handy_units(what if base is None else f"difference of {what}",
                                        unit_of(table, int(first) - part.start))  # fmt: skip
         below = np.zeros(len(result.problem.y)) if base is None else base
-        for (group, rows), marker in zip(panel.groups.items(), _MARKERS, strict=False):
-            x, first_group = at[rows - part.start], marker == _MARKERS[0]
+        for group, rows in panel.groups.items():
+            x, marker = at[rows - part.start], panel.markers[group]
             y = (result.problem.y - below)[rows] * factor
             axes.errorbar(x, y, 2.0 * result.problem.sd[rows] * factor, fmt=marker, color=BLACK,
                           ms=4.5, lw=1.1, label=group or "measured", zorder=3)  # fmt: skip
             for name, of in self._predicted.items():
-                if name == "stated" or (name == "recalibrated" and base is not None):
-                    continue
-                axes.plot(x, (of - below)[rows] * factor, "-", color=_COLOURS[name], lw=1.6,
-                          marker=marker, ms=2.5, label=name if first_group else None)  # fmt: skip
+                if name != "stated" and (name != "recalibrated" or base is None):
+                    line = "-" if np.all(np.diff(x) > 0.0) else ""  # else no curve
+                    axes.plot(x, (of - below)[rows] * factor, line, color=_COLOURS[name], lw=1.6,
+                              marker="_", ms=8, mew=1.6, label=self._label(name))  # fmt: skip
         if base is not None:
-            axes.axhline(0.0, color=_COLOURS["recalibrated"], lw=1.6, label="recalibrated")
+            axes.axhline(0.0, color=_COLOURS["recalibrated"], lw=1.6,
+                         label=self._label("recalibrated"))  # fmt: skip
         axes.set_xlabel(in_handy_units(panel.over, unit)[1])
         axes.set_ylabel(label)
         axes.set_title(panel.title, fontsize=11, fontweight="bold")
@@ -346,41 +392,24 @@ def drawing(name: str, way: str = "") -> str:
 
 
 def _figure(panels: Sequence[Panel], draw: Any, alone: bool = False) -> Figure:
-    """A figure with all panels side by side, two in a row, and one legend."""
+    """A figure with all panels, two in a row, and one legend where there are several."""
     columns = min(len(panels), 2)
     rows = math.ceil(len(panels) / columns)
-    size = (5.4, 3.4) if alone else (5.0 * columns, 0.5 + 3.1 * rows)
+    size = (4.9, 3.0) if alone else (4.9 * columns, 0.5 + 3.0 * rows)
     figure = Picture(figsize=size, layout="constrained")
     frames = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes, each in zip(frames, panels, strict=False):
         draw(axes, each)
     for axes in frames[len(panels) :]:
         axes.remove()
+    if alone:
+        return figure
     shown: dict[str, Any] = {}
     for axes in frames[: len(panels)]:
         handles, labels = axes.get_legend_handles_labels()
         shown |= {label: handle for handle, label in zip(handles, labels, strict=True)}
-    figure.legend(list(shown.values()), list(shown), loc="outside lower center", ncols=3,
-                  frameon=False, fontsize=9)  # fmt: skip
+    words = [shortened(each, 50) for each in shown]
+    columns = int(9.0 * size[0] / (max(map(len, words), default=1) + 7))
+    figure.legend(list(shown.values()), words, loc="outside lower center",
+                  ncols=min(max(columns, 1), 4), frameon=False, fontsize=9)  # fmt: skip
     return figure
-
-
-def _numeric(table: Table) -> list[str]:
-    """Settings that are numbers: those that vary, or all."""
-    settings = settings_of(table)
-    numbers = [n for n in settings if not isinstance(settings[n][0][0], str | bool)]
-    return [n for n in varied(settings) if n in numbers] or numbers
-
-
-def _most_varied(table: Table) -> str:
-    """The number among the settings that has most values; the number of the row without any."""
-    settings = settings_of(table)
-    return max(_numeric(table), key=lambda name: len(set(settings[name][0])), default=_ROW)
-
-
-def _along(table: Table, over: str) -> tuple[Array, str]:
-    """Places of the conditions along a setting, shape (m,), and its SI unit."""
-    if over == _ROW:
-        return np.arange(1.0, len(table.mean) + 1.0), "-"
-    values, unit = settings_of(table)[over]
-    return np.asarray(values, dtype=float), unit

@@ -1,0 +1,128 @@
+"""Readings of a table as a report tells them: their title, units and settings in words."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from stickslip._util.arrays import Array
+from stickslip._util.units import handy
+from stickslip.diagnosis.data.angle import AngleTable
+from stickslip.diagnosis.data.field import FieldTable
+from stickslip.diagnosis.data.film import FilmTable
+from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.data.velocity import VelocityTable
+from stickslip.scenario.keys import known_keys
+
+Settings = dict[str, tuple[list[Any], str]]
+"""Values of the conditions of a table, and their SI unit, by bare name."""
+
+ROW = "row"
+"""What stands for a setting where none is a number."""
+
+_KINDS = (VelocityTable, "velocities"), (AngleTable, "angles"), (FieldTable, "fields")
+_UNITS = {"Bx": "T", "Bz": "T", "x": "m", "y": "m", "z": "m"}  # of settings that are no keys
+
+
+def title_of(table: Table, k: int) -> str:
+    """What readings of a table are called."""
+    for kind, words in _KINDS:
+        if isinstance(table, kind):
+            number = str(getattr(table, "title", "")).rpartition(" ")[2]
+            return f"{words} {number}" if number.isdigit() else words
+    return str(getattr(table, "title", "") or table.name or f"table {k + 1}")
+
+
+def unit_of(table: Table, row: int) -> str:
+    """The SI unit of a reading: a film has several."""
+    if isinstance(table, FilmTable):
+        column = str(np.asarray(table.settings["column"])[table.first[row]])
+        return {"theta": "rad", "x": "m", "z": "m"}.get(column, "A")
+    return table.unit
+
+
+def settings_of(table: Table) -> Settings:
+    """The settings of a table; what only the simulator needs is left out."""
+    given = table.settings
+    if hasattr(given, "keys"):
+        columns = {str(key): np.asarray(given[key]) for key in given}
+    elif isinstance(given, list | tuple) and given and isinstance(given[0], Mapping):
+        columns = {str(key): np.asarray([each[key] for each in given]) for key in given[0]}
+    else:
+        array = np.asarray(given)
+        array = array[:, None] if array.ndim == 1 else array
+        count = array.shape[1]
+        names = ["setting"] if count == 1 else [f"setting {k + 1}" for k in range(count)]
+        columns = dict(zip(names, array.T, strict=True))
+    known = known_keys() if isinstance(table, VelocityTable) else {}
+    columns = {key: columns[key] for key in known if key in columns} or columns
+    own = _UNITS if isinstance(table, AngleTable | FieldTable) else {}
+    return {
+        name.removeprefix("drive."): (
+            column[table.first].tolist(),
+            known[name].unit if name in known else own.get(name, "A" if own else "-"),
+        )
+        for name, column in columns.items()
+        if name != "solver.rtol"
+    }
+
+
+def varied(settings: Settings) -> list[str]:
+    """Names of the settings that are not the same in all conditions."""
+    return [name for name, (values, _) in settings.items() if len(set(values)) > 1]
+
+
+def setting_text(name: str, value: Any, unit: str) -> str:
+    """A setting as in ``peak 3 mT``; words as they are."""
+    if isinstance(value, str):
+        return value
+    factor, shown = handy(unit)
+    return f"{name} {float(value) * factor:.4g} {shown}".rstrip()
+
+
+def usual_of(settings: Settings) -> dict[str, Any]:
+    """Of the numbers that vary the value that most conditions have, by name."""
+    names = [n for n in varied(settings) if not isinstance(settings[n][0][0], str)]
+    return {name: statistics.mode(settings[name][0]) for name in names}
+
+
+def in_words(settings: Settings) -> list[str]:
+    """Each condition by its words, the number that varies most, and those that are unusual."""
+    usual = usual_of(settings)
+    most = max(usual, key=lambda name: len(set(settings[name][0])), default="")
+    words = [each for each in varied(settings) if each not in usual]
+    count = len(next(iter(settings.values()))[0]) if settings else 0
+    found = []
+    for i in range(count):
+        said = [" ".join(str(settings[name][0][i]) for name in words)] if words else []
+        said += [
+            setting_text(name, settings[name][0][i], settings[name][1])
+            for name, value in usual.items()
+            if name == most or settings[name][0][i] != value
+        ]
+        found.append(", ".join(said))
+    return found
+
+
+def numeric(table: Table) -> list[str]:
+    """Settings that are numbers: those that vary, or all."""
+    settings = settings_of(table)
+    numbers = [n for n in settings if not isinstance(settings[n][0][0], str | bool)]
+    return [n for n in varied(settings) if n in numbers] or numbers
+
+
+def most_varied(table: Table) -> str:
+    """The number among the settings that has most values; the number of the row without any."""
+    settings = settings_of(table)
+    return max(numeric(table), key=lambda name: len(set(settings[name][0])), default=ROW)
+
+
+def along(table: Table, over: str) -> tuple[Array, str]:
+    """Places of the conditions along a setting, shape (m,), and its SI unit."""
+    if over == ROW:
+        return np.arange(1.0, len(table.mean) + 1.0), "-"
+    values, unit = settings_of(table)[over]
+    return np.asarray(values, dtype=float), unit

@@ -1,0 +1,205 @@
+"""The report of a diagnosis: its dictionary of numbers, its page, and its files."""
+
+import json
+import re
+from html.parser import HTMLParser
+
+import pytest
+
+import made_findings as made
+import made_velocities
+from stickslip._util.strict_json import json_text
+from stickslip.diagnosis.measured import pose
+from stickslip.diagnosis.report import amounts
+from stickslip.diagnosis.report.files import page
+from stickslip.diagnosis.report.numbers import numbers_of
+from stickslip.diagnosis.report.pictures import drawing
+from stickslip.diagnosis.result import Diagnosis
+from stickslip.diagnosis.steps import run
+from stickslip.errors import ScenarioError
+from stickslip.scenario.toml_file import load
+
+TRUTH = (1.1, 1.9, made.BUMP, 0.0, 0.0)
+KEYS = {
+    "verdict", "cause", "parameters", "probabilities", "p_value", "bounds", "gain", "next",
+    "next_experiments", "left_out", "seed", "version", "headline", "notes", "recalibrated",
+    "ranking", "conditions", "channels", "share", "discrepancy", "deciding_readings",
+}  # fmt: skip
+VOID = {"meta", "br", "link", "img", "path", "line", "rect", "circle", "ellipse", "use", "stop"}
+
+
+class Page(HTMLParser):
+    """What is on a page, and whether its elements are closed."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.ids, self.targets, self.labels, self.words = [], [], [], [], []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        given = dict(attrs)
+        if tag not in VOID:
+            self.open.append(tag)
+        if "id" in given:
+            self.ids.append(given["id"])
+        target = given.get("href") or given.get("src")
+        if target:
+            self.targets.append(target)
+        if given.get("role") == "img":
+            self.labels.append(given.get("aria-label", ""))
+
+    def handle_endtag(self, tag):
+        if tag not in VOID:
+            assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if not {"style", "script"} & set(self.open):
+            self.words.append(data)
+
+
+@pytest.fixture(scope="module")
+def dominant():
+    """A cause beside an error along the curves: every number of a report is there."""
+    return made.toy(TRUTH, error=0.12)
+
+
+@pytest.fixture(scope="module")
+def none():
+    return made.toy((1.1, 1.9, 0.0, 0.0, 0.0))
+
+
+def verdicts(dominant, none):
+    """The same diagnosis told as each kind of verdict."""
+    chance = dominant.chance.fits
+    pair = next(each for each in chance if len(each.causes) == 2)
+    plain = dominant.findings.models.get(["bump"])
+    return {
+        "named": made.said(dominant, "named", fit=plain),
+        "dominant": dominant,
+        "pair": made.said(dominant, "pair", fit=pair, causes=tuple(sorted(pair.names))),
+        "ambiguous": made.said(
+            dominant, "ambiguous", members=chance[:3], causes=("bump", "kink"), common=("bump",)
+        ),
+        "unexplained": made.said(dominant, "unexplained", fit=None, causes=()),
+        "none": none,
+        "data-problem": made.refused(dominant),
+    }
+
+
+@pytest.mark.parametrize(
+    "kind", ["named", "dominant", "pair", "ambiguous", "unexplained", "none", "data-problem"]
+)
+def test_each_verdict_has_a_sound_page(dominant, none, kind):
+    result = verdicts(dominant, none)[kind]
+    numbers = numbers_of(result)
+    assert numbers["verdict"] == kind
+    numbers["origin"] = []
+    seen = Page(page(result, numbers))
+    assert not seen.open
+    assert len(set(seen.ids)) == len(seen.ids)
+    assert [each for each in seen.targets if not each.startswith("#")] == []
+    assert {each[1:] for each in seen.targets} <= set(seen.ids)
+    assert all(seen.labels)
+    text = " ".join(" ".join(seen.words).split())
+    assert numbers["headline"].split(". ")[0] in text
+    assert not re.search(r"\b(None|nan|inf|Undefined|Namespace|Decimal)\b|[{}]", text)
+    for card in ("what", "size", "sure", "better", "do"):
+        assert card in seen.ids
+    assert numbers["headline"] == result.summary().split("\n")[0]
+
+
+def test_the_page_has_no_number_that_the_dictionary_lacks(dominant, none):
+    """A page of report.json as it is read again, and one in which a number was changed."""
+    for result in (dominant, none):
+        numbers = {**numbers_of(result), "origin": []}
+        again = json.loads(json_text(numbers))
+        assert page(result, again) == page(result, numbers)
+    numbers = {**numbers_of(dominant), "origin": []}
+    numbers["parameters"]["bump.height"]["value"] = 0.7654321
+    assert "0.765" in page(dominant, numbers)
+
+
+def test_the_dictionary_has_the_keys_of_the_reference(dominant, none):
+    for result in (dominant, none, made.refused(dominant)):
+        numbers = result.as_dict()
+        assert set(numbers) >= KEYS
+        json_text(numbers)
+    numbers = dominant.as_dict()
+    assert numbers["cause"] == "bump"
+    assert numbers["parameters"]["bump.height"]["value"] == dominant.params["value"]["bump.height"]
+    assert numbers["share"] == dominant.candidate("bump").share
+    assert none.as_dict()["bounds"].keys() == {"bump.height", "wave.size", "kink.slope"}
+
+
+def test_the_readings_that_decide_are_at_the_bump(dominant):
+    """The bump is at 0.5 of a range in 20 places."""
+    numbers = dominant.as_dict()
+    rows = numbers["deciding_readings"]
+    assert len(rows) == 3
+    places = [numbers["conditions"][each["number"] - 1]["settings"]["x"] for each in rows]
+    assert all(abs(place - 0.5) < 0.15 for place in places)
+    assert 0.0 < sum(each["share"] for each in rows) < 1.0
+
+
+def test_user_text_is_escaped(dominant, tmp_path):
+    made.refused(dominant).save_report(tmp_path, title="<b>volts</b>")
+    text = (tmp_path / "report.html").read_text()
+    assert "<alike>" not in text
+    assert "<b>volts" not in text
+    assert "&lt;alike&gt;" in text
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["report.html", "report.json"]
+
+
+def test_nothing_is_written_where_one_file_cannot_be(none, tmp_path):
+    (tmp_path / "report.json").mkdir()
+    with pytest.raises(OSError, match=r"report\.json") as raised:
+        none.save_report(tmp_path)
+    assert "\n" not in str(raised.value)
+    assert [each.name for each in tmp_path.iterdir()] == ["report.json"]
+    with pytest.raises(ScenarioError, match="folder"):
+        none.save_report(5)
+
+
+def test_a_measurement_has_an_extended_scenario(tmp_path):
+    measured = made_velocities.measurement(made_velocities.trials())
+    result = Diagnosis(run(pose(measured), 0), measured)
+    result.save_report(tmp_path)
+    extended = load(tmp_path / "extended.toml")
+    key = "contact.kinetic_friction"
+    assert extended.get(key) == pytest.approx(result.params.loc[key, "value"])
+    assert extended.uncertain.matrix[0][0] == pytest.approx(result.params.loc[key, "sd"] ** 2)
+    assert not Page((tmp_path / "report.html").read_text()).open
+    table = result.predict([{"frequency": 25.0, "direction": "+x", "base": 0.5e-3}])
+    row = next(
+        k for k, each in enumerate(result.problem.tables[0].conditions)
+        if (each["drive.frequency"], each["drive.direction"]) == (25.0, "+x")
+    )  # fmt: skip
+    predicted = result.best.prediction["predicted"].iloc[row]
+    assert table["recalibrated"].iloc[0] == pytest.approx(predicted, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("value", "sd", "said"),
+    [
+        (14.947, 0.7512, "14.95 ± 0.75"),
+        (1.2231, 0.0943, "1.223 ± 0.094"),
+        (1.2231, 0.0993, "1.22 ± 0.10"),
+        (1512.0, 97.3, "1510 ± 100"),
+        (2.2e-7, 3e-8, "(2.20 ± 0.30)·10⁻⁷"),
+        (0.0, 0.02, "0.000 ± 0.020"),
+        (3.0, float("nan"), "3"),
+    ],
+)
+def test_an_amount_ends_at_the_second_digit_of_its_error(value, sd, said):
+    assert amounts.amount(value, sd) == said
+
+
+def test_each_cause_of_the_library_has_its_drawing():
+    for name, each in {**amounts._WORDS["effects"], **amounts._WORDS["readings"]}.items():
+        assert drawing(each["drawing"]), name
+        for words in each["sizes"].values():
+            for way in {"up", "down"} & words.keys():
+                assert Page(drawing(each["drawing"], words[way])).open == []
+    assert drawing("tilt", "downhill to -x") != drawing("tilt")
+    assert drawing("no such thing") == ""

@@ -1,0 +1,63 @@
+"""Diagnoses of a toy model whose truth is known."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.decision.verdict import Verdict
+from stickslip.diagnosis.fitting.problem import Cached, Problem
+from stickslip.diagnosis.measured import freed
+from stickslip.diagnosis.result import Diagnosis
+from stickslip.diagnosis.steps import run
+from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.parameter import Parameter
+from stickslip.scenario.priors import Prior
+from stickslip.simulation.note import Note
+
+SD, BUMP = 0.05, 0.9
+CONSTANTS = (
+    Parameter("level", Prior("normal", 1.0, 0.3), "V"),
+    Parameter("slope", Prior("normal", 2.0, 0.3), "V"),
+)
+CAUSES = (
+    Cause("bump", Parameter("bump.height", None, "V", -9.0, 9.0, 0.5), "a bump in the middle"),
+    Cause("wave", Parameter("wave.size", None, "V", 0.0, 5.0, 0.5), "a wave"),
+    Cause("kink", Parameter("kink.slope", None, "V", -9.0, 9.0, 0.5), "a kink at the end"),
+)
+
+
+def predict(x, values):
+    """Of each vector (level, slope, bump, wave, kink), shape (vectors, len(x))."""
+    shapes = [np.ones_like(x), x, np.exp(-(((x - 0.5) / 0.12) ** 2)), np.sin(25.0 * x),
+              np.maximum(x - 0.7, 0.0)]  # fmt: skip
+    return values[:, :5] @ np.stack(shapes)
+
+
+def toy(truth, error=0.0, seed=3):
+    """The diagnosis of two curves of readings with noise, and perhaps with an error along them."""
+    random = np.random.default_rng(seed)
+    x = np.tile(np.linspace(0.0, 1.0, 20), 2)
+    side = np.repeat(["left", "right"], 20)
+    y = predict(x, np.array([truth]))[0] + SD * random.standard_normal(len(x))
+    y += error * np.cos(9.0 * x + np.repeat([0.0, 1.0], 20))
+    table = Table({"side": side, "x": x}, y, sd=SD, name="volts", unit="V")
+    causes = (*CAUSES, *freed(CONSTANTS))
+    problem = Problem((table,), Cached(lambda v: predict(x, v)), CONSTANTS, causes)
+    forward = lambda at, values: predict(np.asarray(at, dtype=float), values)  # noqa: E731
+    return Diagnosis(run(problem, 0), forward=forward)
+
+
+def said(result, kind, **changes):
+    """The same with another kind of verdict, to see how it is told."""
+    verdict = replace(result.verdict, kind=kind, **changes)
+    return replace(result, findings=replace(result.findings, verdict=verdict))
+
+
+def refused(result):
+    """A diagnosis of the same data that were refused, without any fit."""
+    findings = result.findings
+    models = type(findings.models)(findings.problem, findings.problem.causes)
+    reason = Note("conditions-alike", "All conditions read <alike>.", 1.0)
+    verdict = Verdict("data-problem", reasons=(reason,))
+    return replace(result, findings=replace(findings, models=models, verdict=verdict))
