@@ -106,10 +106,15 @@ def test_a_number_is_refused_in_one_line(refused):
     refused(lambda: Table({"x": []}, []), "y = .* one row")
     refused(lambda: Table({"x": row}, np.ones(4)), "settings: allowed are 4 rows")
     refused(lambda: Table({"x": [1.0, math.inf, 2.0]}, row), "settings: allowed are finite")
-    refused(lambda: Table({"x": row}, row, sd=0.0), "sd: allowed are numbers above 0")
-    refused(lambda: Table({"x": row}, row, sd=[0.1, math.nan, 0.1]), "sd: allowed are numbers")
-    refused(lambda: Table({"x": row}, row, sd=[0.1, 0.1]), "sd: allowed")
-    refused(lambda: Table({"x": row}, row, sd="small"), "sd: allowed")
+    refused(
+        lambda: Table({"x": row}, row, sd=0.0), "sd = 0.0: allowed is a number above 0, or 3 of"
+    )
+    refused(
+        lambda: Table({"x": row}, row, sd=[0.1, math.nan, 0.1]),
+        "sd = .*: allowed is a number above 0",
+    )
+    refused(lambda: Table({"x": row}, row, sd=[0.1, 0.1]), "sd = .*: allowed is a number above 0")
+    refused(lambda: Table({"x": row}, row, sd="small"), "sd = .*: allowed is a number above 0")
     refused(lambda: Table({"x": row}, row, block=[1, 2]), "block: allowed is one for each of 3")
     refused(lambda: Table({"x": row}, row, run=[[1], [2], [3]]), "run: allowed is one for each")
 
@@ -149,7 +154,10 @@ LAW = free_law("pull", "gap", "m", 0.0, 1.0)
         ({"predict": lambda t, p: p["slope"]}, r"shape \(1, 1\)"),
         ({"predict": lambda t, p: "fast"}, r"shape \(\)"),
         ({"predict": lambda t, p: flat(t, p) * math.nan}, "it computes no reading"),
-        ({"predict": lambda t, p: p["slop"]}, "p: there is no parameter slop; did you mean slope"),
+        (
+            {"predict": lambda t, p: p["slop"]},
+            'p: there is no parameter slop; did you mean "slope"',
+        ),
         ({"data": X}, "data = .*: allowed is a Table, or a list of them"),
         ({"data": []}, r"data = \[\]: allowed is a Table"),
         ({"uncertain": SLOPE}, "uncertain = .*: allowed is a list of Parameter"),
@@ -161,10 +169,10 @@ LAW = free_law("pull", "gap", "m", 0.0, 1.0)
         ({"causes": [WAVE, WAVE]}, "wave comes twice"),
         ({"causes": [WAVE, Cause("b", WAVE.parameters)]}, "parameters: wave.height comes twice"),
         ({"causes": [Cause("slope", HEIGHT)]}, "causes and uncertain: slope comes twice"),
-        ({"causes": [Cause("a", frees="slop")]}, "cause a: frees = slop: .*did you mean slope"),
+        ({"causes": [Cause("a", frees="slop")]}, 'cause a: frees = slop: .*did you mean "slope"'),
         (
             {"causes": [instruments.scale(table="lines")]},
-            "cause scale: there is no table lines; did you mean line",
+            'cause scale: there is no table lines; did you mean "line"',
         ),
         ({"seed": -1}, "seed = -1: allowed is a whole number from 0"),
         ({"seed": 1.5}, "seed = 1.5: allowed is a whole number from 0"),
@@ -205,7 +213,7 @@ def test_terms_that_make_no_sense_are_refused(make, said, refused):
 
 
 def test_a_parameter_that_is_not_there_has_a_hint(refused):
-    refused(lambda: Values({"slope": np.ones((1, 1))})["sloop"], "sloop; did you mean slope")
+    refused(lambda: Values({"slope": np.ones((1, 1))})["sloop"], 'sloop; did you mean "slope"')
 
 
 # ---------------------------------------------------------------------------------- several tables
@@ -288,7 +296,9 @@ def test_candidates_are_there_by_name(named, refused):
     assert named.candidate("none").gain is None
     for each in named.compare().index:
         assert named.candidate(each).name == each
-    refused(lambda: named.candidate("wav"), "no such model was fitted; compare.*did you mean wave")
+    refused(
+        lambda: named.candidate("wav"), 'no such model was fitted; compare.*did you mean "wave"'
+    )
     refused(lambda: named.candidate(""" a "\n" """), "no such model was fitted")
 
 

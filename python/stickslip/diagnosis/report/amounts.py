@@ -10,6 +10,7 @@ from importlib import resources
 from typing import Any
 
 from stickslip._util.units import handy
+from stickslip.diagnosis.terms.parameter import Parameter
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -122,6 +123,16 @@ def limit(name: str, value: float, unit: str, digits: int = 2) -> str:
     """A value in the unit of its parameter: ``2.1 degrees``."""
     factor, shown = shown_in(name, unit)
     return f"{number(value * factor, digits)} {shown}".rstrip()
+
+
+def before(parameter: Parameter) -> str:
+    """What was known of a parameter before the data, in the unit in which it is told."""
+    if parameter.size is None:
+        return f"{parameter.prior_in_words} {parameter.unit}".removesuffix(" -")
+    said = limit(parameter.name, parameter.size, parameter.unit)
+    if parameter.falls:
+        return f"{said} below {limit(parameter.name, parameter.high, parameter.unit)}"
+    return f"{said} would not surprise"
 
 
 def size(name: str, value: float, sd: float, unit: str) -> str:

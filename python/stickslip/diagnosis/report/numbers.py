@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from html import unescape
 from typing import TYPE_CHECKING, Any
 
@@ -72,7 +72,7 @@ def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
         "of_measurement": source is not None,
     }
     if result.fitted:
-        numbers |= _of_models(result)
+        numbers |= _of_models(result, numbers["conditions"])
     if source is not None and verdict.kind == "ambiguous":
         numbers["next_experiments"] = _experiments(result)
     numbers["headline"] = summary_text(numbers).split("\n", 1)[0]
@@ -97,8 +97,8 @@ def _cause(result: Diagnosis) -> str | list[str] | None:
     return list(verdict.causes) if verdict.causes else None
 
 
-def _of_models(result: Diagnosis) -> dict[str, Any]:
-    """What there is where models were fitted."""
+def _of_models(result: Diagnosis, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """What there is where models were fitted; `rows` are the conditions."""
     verdict, models = result.verdict, result.findings.models
     table, fits = result.compare(), result.chance.fits
     ranking = [
@@ -113,8 +113,9 @@ def _of_models(result: Diagnosis) -> dict[str, Any]:
     candidates = [Candidate(each, models) for each in members]
     parameters: dict[str, Any] = {}
     for each in candidates:
-        sizes = {k: v for name in _sizes(result, each).values() for k, v in name.items()}
-        parameters = {**{k.removeprefix("effects."): v for k, v in sizes.items()}, **parameters}
+        for sizes in _sizes(result, each).values():
+            for name, size in sizes.items():
+                parameters.setdefault(name.removeprefix("effects."), size)
     return {
         "parameters": parameters,
         "discrepancy": best.left,
@@ -124,7 +125,7 @@ def _of_models(result: Diagnosis) -> dict[str, Any]:
         "runner_up": None if verdict.kind == "unexplained" else _runner_up(result, told),
         "recalibrated": _recalibrated(result),
         "moved": _moved(result),
-        "deciding_readings": [] if told is None else _deciding(result, told),
+        "deciding_readings": [] if told is None else _deciding(result, told, rows),
         "alike": [] if told is None else _alike(result, told),
         "bounds": _bounds(result) if verdict.kind == "none" else {},
     }
@@ -141,12 +142,15 @@ def _sizes(result: Diagnosis, candidate: Candidate) -> dict[str, dict[str, dict[
     """Parameters of each cause of a candidate with their errors, by full name."""
     rows, ends = candidate.params.to_dict("index"), candidate.interval(0.95).to_dict("index")
     constants = {each.name: each for each in result.problem.constants}
+    known = {each.name: each for each in result.problem.parameters}
     found: dict[str, dict[str, dict[str, Any]]] = {}
     for cause in candidate.fit.causes:
         names = [each.name for each in cause.parameters]
         if not names and cause.frees is not None:
             names = [cause.frees]
-        found[cause.name] = {k: {**rows[k], **ends[k]} for k in names}
+        found[cause.name] = {
+            k: {**rows[k], **ends[k], "before": amounts.before(known[k])} for k in names
+        }
         for each in constants.keys() & set(names):
             found[cause.name][each]["stated"] = float(constants[each].value(np.zeros(1))[0])
     return found
@@ -236,19 +240,22 @@ def _moved(result: Diagnosis) -> dict[str, Any] | None:
     return {"name": pulls.idxmax(), "pull": float(pulls.max())} if len(pulls) else None
 
 
-def _deciding(result: Diagnosis, told: Fit) -> list[dict[str, Any]]:
+def _deciding(
+    result: Diagnosis, told: Fit, rows: Sequence[Mapping[str, Any]]
+) -> list[dict[str, Any]]:
     """The readings that tell a model from its runner-up, by the difference of log-likelihood."""
     models, problem = result.findings.models, result.problem
     pair = [models.get(each.names) or each for each in (told, _other(result, told))]
     square = problem.whitened(np.stack([each.residual for each in pair], axis=1)) ** 2
     gain = 0.5 * (square[:, 1] - square[:, 0])
     whole = float(np.sum(gain[gain > 0.0]))
-    rows = [each for each in np.argsort(-gain).tolist()[:_DECIDING] if gain[each] > 0.0]
-    named = {row["row"]: row for row in _conditions(result)}
     return [
-        {"table": named[k]["table"], "number": named[k]["number"], "where": named[k]["where"],
-         "difference": float(gain[k]), "share": float(gain[k]) / whole}
-        for k in rows
+        {
+            **{key: rows[k][key] for key in ("table", "number", "where")},
+            "difference": float(gain[k]), "share": float(gain[k]) / whole,
+        }
+        for k in np.argsort(-gain).tolist()[:_DECIDING]
+        if gain[k] > 0.0
     ]  # fmt: skip
 
 
@@ -343,7 +350,7 @@ def _conditions(result: Diagnosis) -> list[dict[str, Any]]:
         for i, row in enumerate(range(part.start, part.stop)):
             unit = unit_of(table, i)
             rows.append({
-                "table": table_name(problem, k), "number": i + 1, "row": row,
+                "table": table_name(problem, k), "number": i + 1,
                 "where": where[i],
                 "settings": {name: values[i] for name, (values, _) in settings.items()},
                 "unit": unit, "reading": float(problem.y[row]), "sd": float(problem.sd[row]),

@@ -395,7 +395,7 @@ def _figure(panels: Sequence[Panel], draw: Any, alone: bool = False) -> Figure:
     """A figure with all panels, two in a row, and one legend where there are several."""
     columns = min(len(panels), 2)
     rows = math.ceil(len(panels) / columns)
-    size = (4.9, 3.0) if alone else (4.9 * columns, 0.5 + 3.0 * rows)
+    size = (4.9, 3.0) if alone else (max(6.4, 4.9 * columns), 0.8 + 3.0 * rows)
     figure = Picture(figsize=size, layout="constrained")
     frames = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes, each in zip(frames, panels, strict=False):
