@@ -24,12 +24,14 @@ PROGRAMS = {
     "diagnosis": ("diagnosis", "cost of diagnoses of the data sets in a folder"),
     "laws": ("free_laws", "laws hidden in a model of one's own"),
     "blind": ("blind", "the blind study of the diagnosis"),
+    "blind-freeze": ("blind.frozen", "data sets of the study, made before they are judged"),
     "blind-tables": ("blind.report", "the tables of the blind study from its record"),
     "drops": ("real.drops", "drops of a real square beside the core"),
     "scoreboard": ("real.scoreboard", "measured sets with a known answer, diagnosed"),
     "fuzz": ("fuzz", "random scenarios and damaged files"),
     "mutations": ("mutations", "whether the table of effects sees a lost effect"),
     "sizes": ("sizes", "MB of an installation with each extra"),
+    "lines": ("lines", "lines of each part of the project, beside its aim"),
 }
 """Name, module and what it shows."""
 

@@ -1,7 +1,9 @@
 """The generator of the blind study: its truths, its noise, its plan, and what it writes."""
 
 import itertools
+import subprocess
 import sys
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,12 +17,15 @@ from stickslip.measurement import read_measurement
 sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 
 from blind.catalogue import CAUSES, HIDING, INSTRUMENTS, LAWS, entry, parameters
+from blind.frozen import generator_files
 from blind.generator import make
-from blind.kinds import KINDS, Noise, plan
+from blind.kinds import KINDS, STUDY, Noise, plan
+from blind.model_errors import MODEL_ERRORS
 from blind.noise import correlated, noisy_tables, trials
 from blind.readings import Readings, readings, velocities
 from blind.settings import (
     EXPOSURE,
+    FIELD_SD,
     FILM_SD,
     FLOOR,
     PULSES,
@@ -33,6 +38,7 @@ from blind.settings import (
     priors,
     probes,
 )
+from blind.strength import Absorber, Draft
 from blind.truth import Hidden, Truth
 from blind.writing import write_case
 
@@ -174,7 +180,7 @@ def test_trials_are_correlated_along_the_frequencies_of_a_curve_alone():
     draws = []
     for seed in range(400):
         random = np.random.default_rng(seed)
-        values, setup = trials(level, drives, Noise(correlated=True), 0.7, random)
+        values, setup = trials(level, drives, Noise(correlated=(0.7, 0.7)), 0.7, random)
         draws.append((values - 2e-3) / sd)
     draws = np.array(draws)
     curve = max(curves(drives), key=len)
@@ -201,8 +207,8 @@ def test_frames_of_a_film_are_correlated():
         assert np.mean(left[1:] * left[:-1]) == pytest.approx(0.6, abs=0.1)
 
 
-def test_the_plan_has_a_thousand_data_sets_and_all_that_can_be_hidden():
-    assert sum(each.count for each in KINDS.values()) == 1000
+def test_the_plan_has_all_that_can_be_hidden_and_enough_of_each_family():
+    assert sum(each.count for each in KINDS.values()) == 1150
     alone = {name for each in KINDS.values() for names in each.hidden[: each.count]
              if len(names) == 1 for name in names}  # fmt: skip
     assert alone >= {*CAUSES, *LAWS, *INSTRUMENTS}
@@ -212,9 +218,18 @@ def test_the_plan_has_a_thousand_data_sets_and_all_that_can_be_hidden():
     assert {name for names in HIDING for name in names} <= set(CAUSES)
     # A study that is cut short has all kinds: each comes before any is half through.
     rows = list(plan(0, 1000, list(KINDS)))
-    assert len(set(rows)) == 1000
-    assert {name for name, _ in rows[:520]} == set(KINDS)
+    assert len(set(rows)) == 1150
+    assert {name for name, _ in rows[:600]} == set(KINDS)
     assert len(list(plan(0, 3, ["none", "weak"]))) == 6
+    judged = Counter(KINDS[name].family for name, _ in plan(STUDY, 1000, list(KINDS), study=True))
+    assert judged.total() == 342
+    assert min(judged["single"] - 40, judged["none"] - 30, judged["unlisted"] - 30) >= 0
+    assert min(judged[each] for each in {kind.family for kind in KINDS.values()}) >= 10
+    # Each cause stands beside a model error, and every data set of the study has another one.
+    errors = [each for each in KINDS.values() if each.error]
+    causes = [each.hidden[k][0] for each in errors for k in range(STUDY, STUDY + each.study)
+              for k in [k % len(each.hidden)]]  # fmt: skip
+    assert len(set(causes)) == len(causes)
 
 
 @pytest.mark.parametrize("kind", ["single, angles", "instrument, fields"])
@@ -224,6 +239,99 @@ def test_what_is_hidden_is_as_strong_as_asked_for(kind):
         assert list(made.truth.hidden) == list(KINDS[kind].hidden[seed % len(KINDS[kind].hidden)])
         assert KINDS[kind].wanted[0] <= made.strength <= KINDS[kind].wanted[1]
         assert Truth.of(made.truth.as_record()) == made.truth
+
+
+@pytest.mark.parametrize("name", MODEL_ERRORS)
+def test_errors_of_the_model_are_of_size_one_and_the_same_for_every_trial(name):
+    drives = conditions("none", ("velocity",))
+    several = np.array([MODEL_ERRORS[name](drives, number) for number in range(400)])
+    # A mean of squares of 400 numbers, if they were normal.
+    assert np.mean(several**2, axis=0) == pytest.approx(1.0, abs=5 * np.sqrt(2.0 / 400))
+    assert np.array_equal(several[3], MODEL_ERRORS[name](drives, 3))
+    # Of fewer conditions they are the same.
+    assert np.array_equal(several[3][::2], MODEL_ERRORS[name](drives[::2], 3))
+    (curve, *_) = sorted(curves(drives), key=len, reverse=True)
+    near, far = several[:, curve[0]] * several[:, curve[1]], several[:, curve[0]] * several[:, 15]
+    assert np.mean(near) > 0.3
+    if name == "correlated_error":
+        assert abs(np.mean(far)) < 5 / np.sqrt(400)
+
+
+def test_errors_of_the_model_change_velocities_in_proportion():
+    one, two = (
+        velocities(replace(PLAIN, hidden={"smooth_error": Hidden(size, {"number": 5.0})}), DRIVES)
+        for size in (1.0, 2.0)
+    )
+    without = velocities(PLAIN, DRIVES)
+    assert two - without == pytest.approx(2.0 * (one - without), rel=1e-9)
+    assert np.all(one != without)
+
+
+def test_a_strength_is_what_the_constants_cannot_undo():
+    truth = truth_with("ambient_field", 3.0)
+    prior = priors(("field",))["coil.side"]
+    moved = [
+        replace(PLAIN, constants={"coil.side": prior.value(step)}) for step in (0.0, 0.5, -0.5)
+    ]
+    truth = replace(truth, constants=moved[0].constants)
+    base, above, below, level = (
+        readings(each, [], ("field",)).field.ravel() / FIELD_SD for each in (*moved, truth)
+    )
+    slope, effect = above - below, level - base
+    # With a normal prior the errors and the constant are one normal error of this covariance.
+    covariance = np.eye(len(slope)) + np.outer(slope, slope)
+    expected = np.sqrt(effect @ np.linalg.solve(covariance, effect))
+    absorber = Absorber(Draft(moved[0], [], ("field",)), moved[0])
+    assert absorber.strength(level) == pytest.approx(expected, rel=1e-6)
+    assert absorber.searched(level) == pytest.approx(expected, rel=1e-3)
+    # Beside itself nothing of it is left.
+    beside = Absorber(Draft(moved[0], [], ("field",)), moved[0], "ambient_field")
+    assert beside.strength(level) < 1e-6
+
+
+@pytest.mark.nightly
+def test_constants_that_are_far_may_undo_more_than_slopes_say():
+    # Rotational drag of a quarter or four times the size hides what a straight line does not.
+    constants = {
+        "contact.kinetic_friction": 0.155, "contact.adhesion": 2.26e-7, "drag.linear": 2.8e-5,
+        "drag.rotational": 2.4e-16,
+    }  # fmt: skip
+    plain = Truth("single", (), constants)
+    truth = replace(plain, hidden={"angle_drag": Hidden(2.0, {"amplitude": 3.0, "power": 1.0})})
+    draft = Draft(plain, conditions("single", ("velocity",)), ("velocity",))
+    absorber = Absorber(draft, plain)
+    assert absorber.searched(draft(truth)) < 0.6 * absorber.strength(draft(truth))
+
+
+def test_the_same_cause_has_a_cosine_of_one():
+    constants = {"coil.side": priors(("field",))["coil.side"].value(0.0)}
+    plain = Truth("single, fields", (), constants)
+    hidden = {"field_gain": Hidden(2.0, {"in_plane": 0.05})}
+    draft = Draft(plain, [], ("field",))
+    cosines = Absorber(draft, plain).cosines(draft(replace(plain, hidden=hidden)))
+    assert cosines["field_gain"] == pytest.approx(1.0, abs=1e-6)
+    # A coil's side changes all fields nearly in proportion, a field of the room none of them.
+    assert cosines["ambient_field"] < 0.5
+    assert max(cosines[name] for name in cosines if name != "field_gain") < 1.0
+
+
+def test_nothing_of_the_package_decides_about_a_data_set():
+    program = (
+        "import sys, blind.writing; names = [n for n in sys.modules if n.startswith('stickslip')]; "
+        "files = [m.__file__ for n, m in sys.modules.items() if n.startswith(('blind.', "
+        "'reference.'))]; print(names); print(*files, sep='\\n')"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True,
+        env={"PYTHONPATH": str(Path(__file__).resolve().parents[1] / "bench")},
+    )  # fmt: skip
+    package, *loaded = done.stdout.split("\n")[:-1]
+    assert package == "[]"
+    # Its own convergence is no part of a run.
+    decide = {Path(each).resolve() for each in loaded} - {
+        path for path in map(Path, loaded) if path.stem in ("__init__", "convergence")
+    }
+    assert decide == {path.resolve() for path in generator_files()}
 
 
 def test_a_data_set_is_written_as_a_measurement(tmp_path):

@@ -11,13 +11,14 @@ import numpy as np
 import pytest
 
 import stickslip
+from stickslip.measurement import read_measurement
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 
 from blind import __main__ as command
-from blind import case
+from blind import case, frozen
 from blind.case import LAWS_ONLY, same_state, state
-from blind.kinds import KINDS
+from blind.kinds import KINDS, STUDY
 from blind.questions import (
     band_holds,
     band_holds_all,
@@ -46,7 +47,7 @@ def _row(kind, answer, said, verdict="named", **more):
         "answer": {"kind": kind, "seed": 7, **hidden},
         "said": {
             "verdict": verdict, "cause": said, "probabilities": chance, "gain": None,
-            "open_set": None,
+            "open_set": None, "parameters": {},
         },
         "gain": None,
         "reasons": [],
@@ -114,6 +115,100 @@ def test_data_sets_are_written_with_their_answers_apart(tmp_path, monkeypatch):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["0000", "0001", "answers"]
     answer = json.loads((tmp_path / "answers" / "0001.json").read_text())
     assert (answer["kind"], answer["seed"]) == ("none, fields", 3)
+
+
+def test_the_study_is_made_in_parts_and_its_answers_are_apart(tmp_path, monkeypatch):
+    monkeypatch.setattr(frozen, "STUDY_SETS", tmp_path / "study" / "sets.jsonl.xz")
+    monkeypatch.setattr(frozen, "ANSWERS", tmp_path / "study" / "answers.jsonl.xz")
+    frozen.freeze(0.0, ["none, fields"])
+    assert not frozen.STUDY_SETS.exists()
+    wanted = [frozen.name_of("none, fields", STUDY + k) for k in range(3)]
+    (tmp_path / "study" / "sets.jsonl.part").write_text(
+        json.dumps({"name": "a", "files": {}}) + '\n{"n'
+    )
+    frozen.freeze(10.0, ["none, fields"])
+    stored = list(frozen.sets(frozen.STUDY_SETS))
+    # What a stopped call had made is kept, but for a line that was cut off.
+    assert [each["name"] for each in stored] == sorted(["a", *wanted])
+    assert all(set(each) == {"name", "files"} for each in stored)
+    answers = frozen.answers()
+    assert [answers[name]["seed"] for name in wanted] == [STUDY, STUDY + 1, STUDY + 2]
+    (one,) = (each for each in stored if each["name"] == wanted[0])
+    path = frozen.unpacked(one, tmp_path / "one")
+    assert len(read_measurement(path).field) == 1
+    made = frozen.STUDY_SETS.read_bytes()
+    frozen.freeze(10.0, ["none, fields"])
+    assert frozen.STUDY_SETS.read_bytes() == made
+    assert sorted(path.name for path in frozen.ANSWERS.parent.iterdir()) == [
+        "answers.jsonl.xz", "sets.jsonl.xz",
+    ]  # fmt: skip
+
+
+def test_a_dominant_cause_is_a_claim_of_its_own():
+    rows = [
+        _row("single", ["restitution"], "restitution", "dominant"),
+        _row("single", ["restitution"], "edge_time", "dominant"),
+        _row("single", ["restitution"], "restitution"),
+    ]
+    found = {each["what"]: (each["count"], each["total"]) for each in judged(rows)}
+    assert found["named"] == (1, 3)
+    assert found["right when named"] == (1, 1)
+    assert found["right when dominant"] == (1, 2)
+    none = _row("none, correlated strong", [], "edge_time", "dominant")
+    (_, claimed) = judged([none])
+    assert (claimed["count"], claimed["met"]) == (1, False)
+
+
+def test_beside_a_model_error_both_grades_of_a_claim_may_be_right():
+    def counts(kind, said, verdict, hidden):
+        row = _row(kind, ["restitution"], said, verdict, hidden={key: {} for key in hidden})
+        rows = {each["what"]: each["count"] for each in judged([row])}
+        kept = ("right as named or dominant", "wrongly named", "wrongly dominant")
+        return tuple(rows[what] for what in kept)
+
+    smooth = ("model error, smooth", ("restitution", "smooth_error"))
+    physical = ("model error, physical", ("restitution", "edge_time"))
+    both = ["restitution", "edge_time"]
+    for (kind, hidden), said, verdict, expected in (
+        (smooth, "restitution", "named", (1, 0, 0)),
+        (smooth, "restitution", "dominant", (1, 0, 0)),
+        (smooth, "restitution", "ambiguous", (0, 0, 0)),
+        (smooth, "edge_time", "named", (0, 1, 0)),
+        (smooth, both, "pair", (0, 1, 0)),
+        (smooth, "edge_time", "dominant", (0, 0, 1)),
+        (physical, both, "pair", (1, 0, 0)),
+        (physical, "edge_time", "dominant", (0, 0, 1)),
+    ):
+        assert counts(kind, said, verdict, hidden) == expected
+
+
+def test_what_no_cause_lists_is_judged_by_how_alike_it_is():
+    rows = [
+        _row("unlisted, unlike", [], "edge_time", "dominant", cosine=0.5, hook=None),
+        _row("unlisted, unlike", [], "stribeck_friction", cosine=0.5, hook="friction_speed"),
+        _row("unlisted, unlike", [], "edge_time", cosine=0.95, hook="friction_speed"),
+        _row("unlisted, unlike", [], "edge_time", "dominant", cosine=0.95, hook="drag_speed"),
+    ]
+    for number, row in enumerate(rows):
+        row["answer"]["seed"] = number
+    found = {each["what"]: (each["count"], each["total"]) for each in judged(rows)}
+    assert found["unlike all causes: wrongly named"] == (0, 2)
+    assert found["unlike all causes: wrongly dominant"] == (1, 2)
+    assert found["like a cause: wrongly named"] == (1, 2)
+    assert found["like a cause: said to act like one"] == (1, 2)
+
+
+def test_sets_count_by_their_size():
+    members = ["restitution", "edge_time", "eddy_lag", "field_gain", "ambient_field", "angle_drag"]
+    rows = [
+        _row("weak", ["restitution"], members, "ambiguous"),
+        _row("weak", ["restitution"], [*members, "sample_hold"], "ambiguous"),
+        _row("weak", ["restitution"], "restitution"),
+    ]
+    found = {each["what"]: (each["count"], each["total"]) for each in judged(rows)}
+    assert found["in the set when detected"] == (3, 3)
+    assert found["the same, in at most six causes"] == (2, 3)
+    assert found["sets of at most six causes"] == (1, 2)
 
 
 def test_shares_come_with_the_interval_of_wilson():

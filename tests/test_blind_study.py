@@ -82,8 +82,7 @@ def test_files_of_a_data_set_are_the_stored_ones_and_do_not_contain_the_answer(t
     made, kept = (pd.read_csv(each / "velocity.csv") for each in (tmp_path / "a", stored))
     pd.testing.assert_frame_equal(made, kept, rtol=1e-3, atol=1e-6)
     before = _answer("single-20018")
-    # What is said of the strength is by the engine's own fits, which end a few per cent apart.
-    assert answer["strength"] == pytest.approx(before["strength"], rel=0.1)
+    assert answer["strength"] == pytest.approx(before["strength"], rel=1e-3)
     assert (answer["answer"], answer["kind"]) == (before["answer"], before["kind"])
 
 

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import subprocess
 import tempfile
 import time
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import stickslip
+from blind.frozen import checksum, generator_files
 from blind.readings import velocities
 from blind.truth import Truth
 from blind.writing import KEYS, write_case, write_more
@@ -26,16 +25,6 @@ from stickslip.diagnosis.results import Diagnosis
 from stickslip.measurement import read_measurement
 
 _HERE = Path(__file__).resolve().parent
-# Of the study: what decides about the data.
-_DATA = (
-    "catalogue", "generator", "kinds", "noise", "readings", "settings", "strength", "truth",
-    "writing",
-)  # fmt: skip
-# Of the reference simulator: those of a robot in one plane.
-_REFERENCE = (
-    "circuit", "contact", "drive", "effects", "field", "laws", "simulate", "statics", "stepper",
-    "switching",
-)  # fmt: skip
 _VOLTS = 30.0  # near what the drives ask for, so that a limit of the voltage acts
 # Rooms of the package that decide about a verdict; the report and all else do not.
 _ENGINE = ("diagnosis", "measurement", "scenario")
@@ -67,9 +56,9 @@ def state() -> dict[str, str]:
     return {
         "version": stickslip.__version__,
         "commit": commit,
-        "engine": _checksum(engine, _velocities(_named_sizes())),
-        "laws": _checksum(laws, _velocities(_law_sizes())),
-        "data": _generator(),
+        "engine": checksum(engine, _velocities(_named_sizes())),
+        "laws": checksum(laws, _velocities(_law_sizes())),
+        "data": checksum(generator_files()),
     }
 
 
@@ -79,12 +68,6 @@ def same_state(row: dict[str, Any], now: dict[str, str]) -> bool:
     for_laws = any(each.get("open_set") is not None for each in said)
     there = row.get("state", {})
     return all(there.get(key) == now[key] for key in ["engine", "data", *["laws"] * for_laws])
-
-
-def _generator() -> str:
-    reference = _HERE.parents[1] / "tests" / "reference"
-    own = [_HERE / f"{name}.py" for name in _DATA]
-    return _checksum([*own, *(reference / f"{name}.py" for name in _REFERENCE)])
 
 
 def _named_sizes() -> dict[str, float]:
@@ -108,13 +91,6 @@ def _velocities(sizes: dict[str, float]) -> bytes:
     return np.array([run.mean_velocity for run in simulate_batch(runs)]).tobytes()
 
 
-def _checksum(paths: Iterable[Path], more: bytes = b"") -> str:
-    total = hashlib.sha256(more)
-    for path in sorted(paths):
-        total.update(path.name.encode() + path.read_bytes())
-    return total.hexdigest()[:12]
-
-
 def _folder_name(kind: str, seed: int) -> str:
     return f"{kind.replace(', ', '-').replace(' ', '_')}-{seed}"
 
@@ -122,10 +98,9 @@ def _folder_name(kind: str, seed: int) -> str:
 def prepared(kind: str, seed: int, store: Path) -> tuple[Path, dict[str, Any]]:
     """Folder and answer of a data set in a store, made if it is not there.
 
-    Of a data set, the engine only measures how strong what is hidden is, by fits. So a new state of
-    it takes those of the last one; those of another generator lie in another folder.
+    Those of another generator lie in another folder; the engine has no say in them.
     """
-    place = store / _generator() / _folder_name(kind, seed)
+    place = store / checksum(generator_files()) / _folder_name(kind, seed)
     if not place.exists():
         place.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=place.parent) as work:

@@ -7,12 +7,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from blind.catalogue import LAWS, entry
-from blind.kinds import KINDS
+from blind.catalogue import entry
+from blind.kinds import ERROR_SHARE, KINDS, Kind
+from blind.model_errors import MODEL_ERRORS
 from blind.readings import Readings, readings
 from blind.settings import Drive, conditions
-from blind.strength import Absorber
+from blind.strength import Absorber, Draft
 from blind.truth import Truth, draw
 
 # Draws after which the strongest truth is taken that was found: some causes cannot be as strong as
@@ -24,13 +26,26 @@ _HIDING = (25.0, 40.0)  # S of a cause that hides another one
 
 @dataclass(frozen=True)
 class Made:
-    """A data set without its noise: strength is the least of the hidden things' S."""
+    """A data set without its noise.
+
+    Attributes
+    ----------
+    strength : float
+        The least of the hidden causes' S.
+    more : dict of float
+        `error`: size of a model error over that of the cause beside it. `cosine` and `like`: of a
+        thing that no cause lists, the largest cosine to a listed cause and its name.
+    """
 
     truth: Truth
     drives: list[Drive]
     level: Readings
     strength: float
+    more: dict[str, float | str]
     random: np.random.Generator
+
+
+_Found = tuple[Truth, float, dict[str, float | str]]
 
 
 def make(kind: str, seed: int) -> Made:
@@ -39,56 +54,91 @@ def make(kind: str, seed: int) -> Made:
     random = np.random.default_rng([seed, zlib.crc32(kind.encode())])
     plan = KINDS[kind]
     drives = conditions(kind, plan.tables) if "velocity" in plan.tables else []
-    best: Made | None = None
-    for _ in range(_DRAWS):
-        truth = draw(kind, seed, random)
-        plain = readings(truth.without(), drives, plan.tables)
-        if plan.wanted is None:
-            return Made(truth, drives, plain, 0.0, random)
-        absorber = Absorber(truth, drives, plain, plan.tables)
-        scaled, strength = _scaled(truth, drives, plain, absorber)
-        found = Made(scaled, drives, readings(scaled, drives, plan.tables), strength, random)
-        if plan.wanted[0] <= strength <= plan.wanted[1]:
-            return found
-        if best is None or _miss(strength, plan.wanted) < _miss(best.strength, plan.wanted):
-            best = found
-    assert best is not None
-    return best
+    found: list[tuple[float, _Found]] = []
+    for again in range(_DRAWS):
+        truth = draw(kind, seed, random, again)
+        one: _Found = (truth, 0.0, {})
+        if plan.wanted is not None:
+            one = _scaled(truth, Draft(truth.without(), drives, plan.tables), random)
+        found.append((_missed(plan, one), one))
+        if found[-1][0] == 0.0:
+            break
+    truth, strength, more = min(found, key=lambda each: each[0])[1]
+    return Made(truth, drives, readings(truth, drives, plan.tables), strength, more, random)
 
 
-def _scaled(
-    truth: Truth, drives: list[Drive], plain: Readings, absorber: Absorber
-) -> tuple[Truth, float]:
+def _missed(plan: Kind, found: _Found) -> float:
+    """How far a truth is from what its kind asks for; 0 where it has all of it."""
+    if plan.wanted is None:
+        return 0.0
+    _, strength, more = found
+    missed = _miss(strength, plan.wanted)
+    if plan.error:
+        missed += _miss(float(more["error"]), ERROR_SHARE)
+    if plan.alike is not None:
+        low, high = plan.alike
+        missed += max(low - float(more["cosine"]), float(more["cosine"]) - high, 0.0)
+    return missed
+
+
+def _scaled(truth: Truth, draft: Draft, random: np.random.Generator) -> _Found:
     """The truth with each hidden thing scaled by itself, and the least of their strengths.
 
     Where one hides another, the second is what is left once the first is fitted too.
     """
     plan = KINDS[truth.kind]
     assert plan.wanted is not None
-    tables = plan.tables
+    plain = truth.without()
+    if plan.family == "hiding":
+        return _hiding(truth, draft, plan.wanted)
+    if plan.error:
+        return _disturbed(truth, draft, plan.wanted, random)
+    found = {}
+    for name in truth.hidden:
+        rivals = entry(name).rivals if plan.family == "law" else ()
+        absorbers = [Absorber(draft, plain, freed) for freed in (None, *rivals)]
+        found[name] = _alone(truth.only(name), absorbers, plan.wanted, draft)
+    hidden = {name: each.hidden[name] for name, (each, _) in found.items()}
+    scaled, more = replace(truth, hidden=hidden), {}
+    if plan.alike is not None:
+        cosines = Absorber(draft, plain).cosines(draft(scaled))
+        like = max(cosines, key=lambda name: cosines[name])
+        more = {"cosine": cosines[like], "like": like}
+    return scaled, min(strength for _, strength in found.values()), more
 
-    def seen(other: Truth) -> Readings:
-        return readings(other, drives, tables)
 
-    if plan.family != "hiding":
-        found = {}
-        for name in truth.hidden:
-            rivals = entry(name).rivals if name in LAWS else ()
-            freed = [Absorber(truth, drives, plain, tables, rival) for rival in rivals]
-            found[name] = _alone(truth.only(name), [absorber, *freed], plan.wanted, seen)
-        hidden = {name: each.hidden[name] for name, (each, _) in found.items()}
-        return replace(truth, hidden=hidden), min(strength for _, strength in found.values())
+def _hiding(truth: Truth, draft: Draft, wanted: tuple[float, float]) -> _Found:
+    """Two causes, the first of them large; S of the second beside the first."""
     first, second = truth.hidden
-    large, _ = _alone(truth.only(first), [absorber], _HIDING, seen)
+    large, _ = _alone(truth.only(first), [Absorber(draft, truth.without())], _HIDING, draft)
 
     def both(small: Truth) -> Truth:
         return replace(truth, hidden={**large.hidden, **small.hidden})
 
-    beside = Absorber(truth, drives, plain, tables, first)
-    small, strength = _alone(
-        truth.only(second), [beside], plan.wanted, lambda other: seen(both(other))
-    )
-    return both(small), strength
+    beside = Absorber(draft, large, first)
+    small, strength = _alone(truth.only(second), [beside], wanted, lambda one: draft(both(one)))
+    return both(small), strength, {}
+
+
+def _disturbed(
+    truth: Truth, draft: Draft, wanted: tuple[float, float], random: np.random.Generator
+) -> _Found:
+    """A cause, and a model error of a share of its effect."""
+    cause, error = truth.hidden
+    absorber = Absorber(draft, truth.without())
+    main, strength = _alone(truth.only(cause), [absorber], wanted, draft)
+    if error not in MODEL_ERRORS:
+        low, high = (share * strength for share in ERROR_SHARE)
+        small, size = _alone(truth.only(error), [absorber], (low, high), draft)
+        hidden = {**main.hidden, **small.hidden}
+        return replace(truth, hidden=hidden), strength, {"error": size / max(strength, 1e-3)}
+    share = float(random.uniform(*ERROR_SHARE))
+    both = replace(truth, hidden={**main.hidden, error: truth.hidden[error]})
+    # Velocities change by it in proportion.
+    change = draft(both) - draft(main)
+    factor = share * strength / absorber.strength(draft(truth.without()) + change)
+    scaled = replace(truth.hidden[error], amount=factor * truth.hidden[error].amount)
+    return replace(both, hidden={**main.hidden, error: scaled}), strength, {"error": share}
 
 
 def _miss(strength: float, wanted: tuple[float, float]) -> float:
@@ -101,18 +151,20 @@ def _alone(
     truth: Truth,
     absorbers: Sequence[Absorber],
     wanted: tuple[float, float],
-    seen: Callable[[Truth], Readings],
+    seen: Callable[[Truth], NDArray[np.float64]],
 ) -> tuple[Truth, float]:
     """One hidden thing scaled until its strength is in the range, or as near as it comes."""
     low, high = wanted
     aim = 0.5 * (low + high)
-    best, nearest = truth, 0.0
+    best, nearest, curved = truth, 0.0, 1.0
     for _ in range(_TRIES):
         level = seen(truth)
-        strength = min(each.strength(level) for each in absorbers)
+        linear = min(each.strength(level) for each in absorbers)
+        strength = curved * linear
         if low <= strength <= high:
             # Constants that are far from the truth may absorb more.
             strength = min(each.searched(level) for each in absorbers)
+            curved = strength / max(linear, 1e-3)
         if _miss(strength, wanted) < _miss(nearest, wanted):
             best, nearest = truth, strength
         if low <= strength <= high:

@@ -8,13 +8,14 @@ import numpy as np
 
 from blind.catalogue import CAUSES, HOOK_OF, INSTRUMENT_NAMES, LAWS, entry
 from blind.hidden_laws import FORMULAS, law_change
-from blind.kinds import KINDS
+from blind.kinds import ALIKE, KINDS
 
 Row = dict[str, Any]
 
 # Share of the wanted signal to noise below which a data set is not counted: with its constants the
 # cause cannot be as strong as the kind asks for.
 _REACHED = 0.9
+_FEW = 6  # members of a set that are still an answer
 # Codes of a verdict's reasons that say that a cause was named and something is left over.
 _LEFT_OVER = ("SMOOTH_REST", "PAIR_LEADS_TOO_LITTLE")
 # Parameters whose library form is the generator's too, so that their values can be compared.
@@ -59,6 +60,75 @@ def claimed(row: Row) -> bool:
 
 def pair_claimed(row: Row) -> bool:
     return verdict_of(row) == "pair"
+
+
+def dominant(row: Row) -> bool:
+    """A cause is said to take most of the model's error: a claim of another grade than a name."""
+    return verdict_of(row) == "dominant"
+
+
+def right_when_dominant(row: Row) -> bool:
+    """Nothing but the truth is said to dominate: of two causes, one or both."""
+    return dominant(row) and causes_said(row) <= truth_of(row)
+
+
+def any_claim(row: Row) -> bool:
+    """A claim of either grade."""
+    return claimed(row) or dominant(row)
+
+
+def right_beside_error(row: Row) -> bool:
+    """A claim of either grade that has the cause beside a model error, and nothing false.
+
+    A model error may be a second cause; then both are right.
+    """
+    hidden = truth_of(row) | set(row["answer"]["hidden"])
+    return any_claim(row) and truth_of(row) <= causes_said(row) <= hidden
+
+
+def wrongly_named_beside_error(row: Row) -> bool:
+    return claimed(row) and not right_beside_error(row)
+
+
+def wrongly_dominant_beside_error(row: Row) -> bool:
+    return dominant(row) and not right_beside_error(row)
+
+
+def place_right(row: Row) -> bool:
+    """What is said acts where a law outside the library acts; a wave acts nowhere."""
+    return row["answer"]["hook"] is not None and hook_right(row)
+
+
+def wrongly_named_unlisted(row: Row) -> bool:
+    """A name for what no cause is, though another law in its place is no wrong one."""
+    return claimed(row) and not place_right(row)
+
+
+def wrongly_dominant_unlisted(row: Row) -> bool:
+    return dominant(row) and not place_right(row)
+
+
+def alike(row: Row) -> bool:
+    """Whether what no cause lists has the effect of a listed one."""
+    return bool(row["answer"]["cosine"] >= ALIKE)
+
+
+def unlike(row: Row) -> bool:
+    return not alike(row)
+
+
+def set_said(row: Row) -> bool:
+    return verdict_of(row) == "ambiguous"
+
+
+def few_members(row: Row) -> bool:
+    """What is said has at most six causes."""
+    return len(causes_said(row)) <= _FEW
+
+
+def in_few(row: Row) -> bool:
+    """The truth is among at most six causes that are said."""
+    return in_set(row) and few_members(row)
 
 
 def unexplained(row: Row) -> bool:
@@ -117,6 +187,10 @@ def _pulls(row: Row) -> list[float]:
 
 def comparable(row: Row) -> bool:
     return rightly_named(row) and bool(_pulls(row))
+
+
+def comparable_beside(row: Row) -> bool:
+    return right_beside_error(row) and bool(_pulls(row))
 
 
 def gained(row: Row) -> bool:

@@ -16,7 +16,18 @@ from numpy.typing import NDArray
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
 
-from blind.settings import EXPOSURE, FRAME_RATE, PULSES, Drive, films, held_fields, probes
+from blind.model_errors import MODEL_ERRORS
+from blind.settings import (
+    EXPOSURE,
+    FLOOR,
+    FRAME_RATE,
+    PULSES,
+    SCATTER,
+    Drive,
+    films,
+    held_fields,
+    probes,
+)
 from blind.truth import Truth
 from reference import coil_field, simulate_reference, static_tilt_reference
 
@@ -41,10 +52,12 @@ class Readings:
     films: tuple[dict[str, Array], ...] = ()
 
 
-def readings(truth: Truth, drives: Sequence[Drive], tables: Sequence[str]) -> Readings:
-    """What is read of a truth."""
+def readings(
+    truth: Truth, drives: Sequence[Drive], tables: Sequence[str], step: float = STEP
+) -> Readings:
+    """What is read of a truth; `step`, s, is that of the runs behind the velocities."""
     return Readings(
-        velocities(truth, drives) if "velocity" in tables else np.zeros(0),
+        velocities(truth, drives, step) if "velocity" in tables else np.zeros(0),
         _angles(truth) if "angle" in tables else np.zeros(0),
         _fields(truth) if "field" in tables else np.zeros((0, 3)),
         _films(truth) if "film" in tables else (),
@@ -60,24 +73,29 @@ def _section(truth: Truth, section: str) -> dict[str, float]:
     }
 
 
-def _simulate(truth: Truth, drive: Drive, rate: float | None = None):  # type: ignore[no-untyped-def]
+def _simulate(truth: Truth, drive: Drive, step: float, rate: float | None = None):  # type: ignore[no-untyped-def]
     effects = {name: each for name, each in truth.effects.items() if name not in _MEASURED}
     return simulate_reference(
         dict(drive), _section(truth, "robot"), _section(truth, "contact"), _section(truth, "drag"),
-        effects, STEP, rate,
+        effects, step, rate,
     )  # fmt: skip
 
 
-def velocities(truth: Truth, drives: Sequence[Drive]) -> Array:
+def velocities(truth: Truth, drives: Sequence[Drive], step: float = STEP) -> Array:
     """Mean velocities, m/s."""
     level = np.array(
-        [_simulate(truth, {**each, "pulses": PULSES}).mean_velocity for each in drives]
+        [_simulate(truth, {**each, "pulses": PULSES}, step).mean_velocity for each in drives]
     )
     ripple = truth.hidden.get("ripple")
     if ripple is not None:
         place = np.log([float(each["frequency"]) for each in drives]) / float(ripple.base["period"])
         phase = 2.0 * np.pi * place + float(ripple.base["phase"])
         level = level * (1.0 + ripple.amount * np.sin(phase))
+    # In units of a trial's errors and along the walk, as an error of its model would be.
+    unit = np.sign(level) * np.hypot(SCATTER * level, FLOOR)
+    for name in MODEL_ERRORS.keys() & truth.hidden.keys():
+        error = truth.hidden[name]
+        level = level + error.amount * unit * MODEL_ERRORS[name](drives, int(error.base["number"]))
     level = level * (1.0 + truth.amount("length_scale", "fraction"))
     level = level / (1.0 + truth.amount("clock_scale", "fraction"))
     level = level + truth.amount("velocity_offset", "offset")
@@ -128,7 +146,7 @@ def _films(truth: Truth) -> tuple[dict[str, Array], ...]:
 
 
 def _film(truth: Truth, drive: Drive) -> dict[str, Array]:
-    run = _simulate(truth, drive, _SAMPLING)
+    run = _simulate(truth, drive, STEP, _SAMPLING)
     along, above = (truth.amount("marker_place", key) for key in ("along", "above"))
     facing = -1.0 if drive["direction"] == "-x" else 1.0
     # A marker beside the centre of mass moves to and fro with the tilt.

@@ -35,6 +35,9 @@ FAMILY_WORDS = {
     "unknown": "a wave that no cause has",
     "law": "a law outside the library",
     "instrument": "an instrument",
+    "none, correlated strong": "nothing, errors strongly correlated",
+    "model error": "one cause, and an error of the model",
+    "unlisted": "a strong cause that no list has",
     "shuffled": "nothing, readings shuffled",
 }
 

@@ -13,15 +13,19 @@ from blind.kinds import KINDS
 from blind.questions import (
     Row,
     alarm,
+    alike,
+    any_claim,
     any_row,
     band_holds,
     band_holds_all,
-    claimed,
     comparable,
+    comparable_beside,
     consistent,
+    dominant,
     exact_pair,
     false_cause,
     false_term,
+    few_members,
     first_in_rank,
     followed,
     followed_right,
@@ -32,19 +36,28 @@ from blind.questions import (
     halved,
     halved_by_truth,
     hook_right,
+    in_few,
     in_set,
     instrument_said,
     named,
     pair_claimed,
     parameters_within,
     physical_claimed,
+    right_beside_error,
     right_shape,
+    right_when_dominant,
     rightly_named,
     second_said,
+    set_said,
     strong_enough,
     structure_blamed,
     unexplained,
+    unlike,
     wrongly_claimed,
+    wrongly_dominant_beside_error,
+    wrongly_dominant_unlisted,
+    wrongly_named_beside_error,
+    wrongly_named_unlisted,
 )
 
 Counts = Callable[[Row], bool]
@@ -65,6 +78,9 @@ def interval(count: int, total: int) -> tuple[float, float]:
 
 # Family, what is counted, by which questions, of which rows, limit, and whether that is the most.
 _OPEN = float("nan")
+# Of two grades of a claim, the lower one; of sets, those that are small enough to be an answer.
+_DOMINANT = ("right when dominant", right_when_dominant, dominant, _OPEN, False)
+_MEMBERS = ("sets of at most six causes", few_members, set_said, _OPEN, False)
 _SINGLE = (
     ("first in rank", first_in_rank, any_row, 0.92, False),
     ("named", named, any_row, 0.75, False),
@@ -73,10 +89,14 @@ _SINGLE = (
     ("held-out error consistent when rightly named", consistent, rightly_named, 0.90, False),
     ("held-out better when rightly named", gained, rightly_named, 0.89, False),
     ("a pair claimed", pair_claimed, any_row, _OPEN, True),
+    _DOMINANT,
+    _MEMBERS,
 )
 _TWINS = (
     ("in the set or right, of detected", in_set, found, 0.90, False),
     ("wrongly named", wrongly_claimed, any_row, 0.03, True),
+    _DOMINANT,
+    _MEMBERS,
 )
 _Demand = tuple[str, Counts, Counts, float, bool]
 DEMANDS: dict[str, tuple[_Demand, ...]] = {
@@ -84,7 +104,7 @@ DEMANDS: dict[str, tuple[_Demand, ...]] = {
     "none, hard": (("false alarm", alarm, any_row, 0.08, True),),
     "none, correlated": (
         ("false alarm", alarm, any_row, 0.05, True),
-        ("wrongly named", claimed, any_row, 0.02, True),
+        ("wrongly named", any_claim, any_row, 0.02, True),
     ),
     "constant 3 sd": (("structure blamed", structure_blamed, any_row, 0.05, True),),
     "constant 5 sd": (
@@ -95,11 +115,16 @@ DEMANDS: dict[str, tuple[_Demand, ...]] = {
     "single, correlated": (
         ("in the set when detected", in_set, found, _OPEN, False),
         ("wrongly named", wrongly_claimed, any_row, 0.02, True),
+        _DOMINANT,
+        _MEMBERS,
     ),
     "weak": (
         ("detected", found, any_row, 0.70, False),
         ("in the set when detected", in_set, found, 0.92, False),
+        ("the same, in at most six causes", in_few, found, _OPEN, False),
         ("wrongly named", wrongly_claimed, any_row, 0.02, True),
+        _DOMINANT,
+        _MEMBERS,
     ),
     "near twins": (
         *_TWINS,
@@ -111,16 +136,21 @@ DEMANDS: dict[str, tuple[_Demand, ...]] = {
         ("exact pair", exact_pair, any_row, 0.80, False),
         ("both in what is said", in_set, any_row, _OPEN, False),
         ("a single cause named", named, any_row, _OPEN, True),
+        _DOMINANT,
+        _MEMBERS,
     ),
     "hiding": (
         ("the second said", second_said, any_row, 0.75, False),
         ("exact pair", exact_pair, any_row, _OPEN, False),
         ("a wrong cause claimed", false_cause, any_row, _OPEN, True),
+        _DOMINANT,
+        _MEMBERS,
     ),
     "unknown": (
         ("unexplained", unexplained, any_row, 0.85, False),
         ("wrongly named", named, any_row, 0.05, True),
         ("a pair claimed", pair_claimed, any_row, 0.08, True),
+        _DOMINANT,
     ),
     "law": (
         ("hook right", hook_right, any_row, 0.70, False),
@@ -137,8 +167,29 @@ DEMANDS: dict[str, tuple[_Demand, ...]] = {
         ("in the set or named", instrument_said, any_row, 0.90, False),
         ("a physical cause claimed in its place", physical_claimed, any_row, 0.02, True),
         ("detected or a problem of the data", alarm, any_row, _OPEN, False),
+        ("right when dominant", instrument_said, dominant, _OPEN, False),
     ),
-    "shuffled": (("named", claimed, any_row, 0.0, True),),
+    "none, correlated strong": (
+        ("false alarm", alarm, any_row, _OPEN, True),
+        ("named, a pair or dominant", any_claim, any_row, 0.02, True),
+    ),
+    "model error": (
+        ("right as named or dominant", right_beside_error, any_row, 0.75, False),
+        ("wrongly named", wrongly_named_beside_error, any_row, 0.03, True),
+        ("wrongly dominant", wrongly_dominant_beside_error, any_row, 0.03, True),
+        ("first in rank", first_in_rank, any_row, _OPEN, False),
+        ("parameters within 2 sd when right", parameters_within, comparable_beside, 0.90, False),
+        ("unexplained", unexplained, any_row, _OPEN, False),
+    ),
+    "unlisted": (
+        ("unlike all causes: wrongly named", wrongly_named_unlisted, unlike, 0.03, True),
+        ("unlike all causes: wrongly dominant", wrongly_dominant_unlisted, unlike, 0.10, True),
+        ("unlike all causes: unexplained", unexplained, unlike, _OPEN, False),
+        ("like a cause: wrongly named", wrongly_named_unlisted, alike, 0.03, True),
+        ("like a cause: said to act like one", dominant, alike, _OPEN, False),
+        ("like a cause: unexplained", unexplained, alike, _OPEN, False),
+    ),
+    "shuffled": (("named", any_claim, any_row, 0.0, True),),
 }  # fmt: skip
 
 
@@ -252,7 +303,7 @@ def by_cause(rows: Sequence[Row]) -> list[dict[str, Any]]:
             mine.setdefault((hook or names[0], row["answer"]["kind"]), []).append(row)
     result = []
     for (name, kind), some in sorted(mine.items()):
-        law = KINDS[kind].family == "law"
+        law = KINDS[kind].family in ("law", "unlisted")
         right, wrong = (hook_right, false_term) if law else (in_set, wrongly_claimed)
         result.append(
             {

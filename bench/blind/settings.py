@@ -2,13 +2,56 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
+from statistics import NormalDist
+
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.measurement import Prior
-
 Array = NDArray[np.float64]
 Drive = dict[str, float | str]
+
+
+@dataclass(frozen=True)
+class Prior:
+    """What is known of a constant before it is measured; coordinates are standard normal.
+
+    `kind` is "normal" (mean, sd), "log-normal" (median, factor of one sd) or "log-uniform" (low,
+    high), with these two numbers.
+    """
+
+    kind: str
+    first: float
+    second: float
+
+    def value(self, coordinate: float) -> float:
+        """The constant at a coordinate."""
+        if self.kind == "normal":
+            return self.first + self.second * coordinate
+        if self.kind == "log-normal":
+            return float(self.first * np.exp(math.log(self.second) * coordinate))
+        share = 0.5 * math.erfc(-coordinate * math.sqrt(0.5))
+        return float(self.first * np.exp(math.log(self.second / self.first) * share))
+
+    def coordinate(self, value: float) -> float:
+        """Inverse of `value`."""
+        if self.kind == "normal":
+            return (value - self.first) / self.second
+        if self.kind == "log-normal":
+            return math.log(value / self.first) / math.log(self.second)
+        share = math.log(value / self.first) / math.log(self.second / self.first)
+        return NormalDist().inv_cdf(min(max(share, 1e-6), 1.0 - 1e-6))
+
+    @property
+    def stated(self) -> str:
+        """As a measurement file has it."""
+        one, two = {
+            "normal": ("mean", "sd"), "log-normal": ("median", "factor"),
+            "log-uniform": ("low", "high"),
+        }[self.kind]  # fmt: skip
+        return f"{{ {one} = {self.first!r}, {two} = {self.second!r} }}"
+
 
 PULSES = 8
 TRIALS = 3

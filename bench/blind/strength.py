@@ -1,223 +1,304 @@
-"""Signal to noise of what is hidden, after all that recalibration could absorb of it."""
+"""Signal to noise of what is hidden, after all that the constants could undo of it.
+
+Everything here is by the reference simulator: no file of the package has a say in what a data set
+is. The strength S is the size of what is left of an effect, in units of the errors, once the
+constants have moved to where they hide it best, at the price of their priors.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag
+from scipy.optimize import lsq_linear
 
-from blind.catalogue import TOP_VOLTAGE
-from blind.readings import Readings
+from blind.catalogue import CAUSES, Value, entry
+from blind.readings import Readings, readings
 from blind.settings import (
     ANGLE_SD,
-    EXPOSURE,
     FIELD_SD,
     FILM_SD,
     FLOOR,
-    FRAME_RATE,
-    PULSES,
+    LIMITS,
     SCATTER,
     TRIALS,
     Drive,
-    films,
-    held_fields,
     priors,
-    probes,
 )
-from blind.truth import Truth
-from stickslip import Coils, Scenario, _core
-from stickslip.diagnosis.fit.baseline import recalibrate
-from stickslip.diagnosis.fit.fit_result import Start, make_candidate
-from stickslip.diagnosis.fit.multistart import fit_candidates
-from stickslip.diagnosis.model.effect_causes import library
-from stickslip.diagnosis.model.problem import Cause, Problem, Uncertain
-from stickslip.diagnosis.model.simulator import Simulator
-from stickslip.diagnosis.observables.tracking.film import FilmObservable
-from stickslip.measurement.tracking import TrackingRun
+from blind.truth import Hidden, Truth
 
 Array = NDArray[np.float64]
 
-_FEWER = 5.0  # pulses of a draft, for the search from afar
-_STEPS = 12  # of a fit
-Settings = list[dict[str, float | str]]
+# s, of the runs behind a strength: an eighth of the cost of the data's.
+_STEP = 8e-6
+_CONSTANT, _AMOUNT = 0.5, 0.25  # differences: standard deviations of a prior, usual sizes
+_TURNED, _TRIGGER = float(np.radians(1.0)), 3e-4  # rad, s: what a camera's set-up leaves open
+_RAMP = 0.05  # s, before which a film shows no walk
+_STEPS = 25  # of a descent
+_OFF = 2.0  # standard deviations of a constant where a descent begins, too
+_SETTLED = 0.02  # share of the sum of squares that a further step has to promise
+_FAR = 1e3  # standard deviations or usual sizes that nothing reaches
+
+
+class Draft:
+    """Readings of truths in units of their errors, (readings,); each truth is simulated once."""
+
+    def __init__(self, plain: Truth, drives: Sequence[Drive], tables: tuple[str, ...]) -> None:
+        self.plain, self.drives, self.tables = plain, list(drives), tables
+        self._level = readings(plain, self.drives, tables, _STEP)
+        speed = self._level.velocity
+        self._velocity_sd = np.hypot(SCATTER * speed, FLOOR) / np.sqrt(TRIALS)
+        self._known: dict[str, Array] = {}
+
+    def __call__(self, truth: Truth) -> Array:
+        """The readings of a truth."""
+        name = repr((truth.constants, truth.hidden))
+        if name not in self._known:
+            self._known[name] = self._scaled(readings(truth, self.drives, self.tables, _STEP))
+        return self._known[name]
+
+    def _scaled(self, level: Readings) -> Array:
+        parts = [
+            level.velocity / self._velocity_sd, level.angle / ANGLE_SD,
+            level.field.ravel() / FIELD_SD,
+        ]  # fmt: skip
+        for own, seen in zip(self._level.films, level.films, strict=True):
+            for key, frames in _frames(own).items():
+                at = own["t"][frames]
+                parts.append(np.interp(at, seen["t"], seen[key]) / FILM_SD[key])
+        return np.concatenate(parts)
+
+    def film_columns(self) -> tuple[Array, Array]:
+        """What each film leaves open, (readings, columns), and the weight of each one's prior.
+
+        The origin of x, the angle of the camera, and when it began.
+        """
+        sizes = [int(frames.sum()) for own in self._level.films for frames in _frames(own).values()]
+        before = len(self(self.plain)) - sum(sizes)
+        ends = before + np.cumsum([0, *sizes])
+        late, early = (
+            (
+                self(replace(self.plain, hidden={"film_delay": Hidden(half, {"time": _TRIGGER})}))
+                for half in (0.5, -0.5)
+            )
+            if sizes
+            else (np.zeros(0), np.zeros(0))
+        )
+        columns, weights = [], []
+        for film in range(len(self._level.films)):
+            x, theta = (slice(*ends[2 * film + k : 2 * film + k + 2]) for k in (0, 1))
+            for rows, values, weight in (
+                (x, 1.0, 0.0),
+                (theta, _TURNED / FILM_SD["theta"], 1.0),
+                (slice(x.start, theta.stop), (late - early)[x.start : theta.stop], 1.0),
+            ):
+                column = np.zeros(len(late))
+                column[rows] = values
+                columns.append(column)
+                weights.append(weight)
+        shape = (len(self(self.plain)), len(columns))
+        return np.array(columns).T.reshape(shape), np.array(weights)
+
+
+def _frames(film: Mapping[str, Array]) -> dict[str, NDArray[np.bool_]]:
+    """Frames of x and of the angle that count: of x those of the walk."""
+    return {"x": film["t"] >= _RAMP, "theta": np.ones(len(film["t"]), dtype=bool)}
 
 
 class Absorber:
-    """What the constants can undo about a truth.
+    """What the constants can undo about a truth, and beside them one rival, whose size is free.
 
-    The core is used only to say how strong a hidden effect is; no datum comes from it. `plain` are
-    the readings of the robot with nothing hidden.
+    A rival is a cause, or a constant without its prior. `base` has what is hidden besides; a rival
+    that is among it begins at its size there.
     """
 
-    def __init__(
-        self,
-        truth: Truth,
-        drives: Sequence[Drive],
-        plain: Readings,
-        tables: tuple[str, ...],
-        freed: str | None = None,
-    ) -> None:
-        """`freed`: a cause, or a constant without its prior, that is fitted with the constants."""
-        known = priors(tables)
-        self._beside = _tables(plain)
-        nuisance = [each for table in self._beside for each in table.nuisance]
-        uncertain = [*(Uncertain(name, prior) for name, prior in known.items()), *nuisance]
-        causes = _cause(freed)
-        coordinates = [prior.coordinate(truth.constants[name]) for name, prior in known.items()]
-        absent = sum(len(each.parameters) for each in causes) + len(nuisance)
-        centre = np.array([*coordinates, *np.zeros(absent)])
-        # The cause may be far from absent, and the way there has jumps.
-        away = np.zeros(len(centre))
-        away[len(coordinates) + len(nuisance) :] = 1.0
-        factors = (0.0, 1.0, -1.0, 2.0, -2.0) if away.any() else (0.0,)
-        self._starts = [Start(centre + factor * away) for factor in factors]
-        # What a film or a free cause adds is near its start in any case.
-        self._wide = freed is None and not nuisance and "velocity" in tables
-        sd = np.hypot(SCATTER * plain.velocity, FLOOR) / np.sqrt(TRIALS)
-        spreads = [np.linalg.inv(np.linalg.cholesky(each.covariance)) for each in self._beside]
-        whiten = block_diag(*([np.diag(1.0 / sd)] if len(sd) else []), *spreads)
-        settings = [
-            {**{f"drive.{key}": value for key, value in drive.items()}, "drive.pulses": PULSES}
-            for drive in drives
-        ]
-        fewer = [{**each, "drive.pulses": _FEWER, "solver.rtol": 1e-4} for each in settings]
-        amplitudes = [each.name for cause in causes for each in cause.parameters]
-        predict = self._model([*(each.name for each in uncertain), *amplitudes])
-        self._problem = Problem(
-            predict, settings, self._observed(plain), whiten, np.inf, tuple(uncertain), causes,
-            low_fidelity=lambda _, values: predict(fewer, values),
-        )  # fmt: skip
-        self._plain = self._nearby(self._problem)
+    def __init__(self, draft: Draft, base: Truth, freed: str | None = None) -> None:
+        self._draft, self._base, self._freed = draft, base, freed
+        self._priors = priors(draft.tables)
+        self._rival = _rival(freed, base)
+        own = [0.0 if name == freed else 1.0 for name in self._priors]
+        beside, weights = draft.film_columns()
+        self._weights = np.array([*own, *np.zeros(len(self._rival)), *weights])
+        self._beside = beside
+        self._begin = draft(base)
+        moving = len(own) + len(self._rival)
+        ends = [self._ends(at) for at in range(moving)]
+        self._low = np.array([*(low for low, _ in ends), *np.full(len(weights), -_FAR)])
+        self._high = np.array([*(high for _, high in ends), *np.full(len(weights), _FAR)])
+        self._slopes = self._slopes_at(np.zeros(len(self._weights)))
 
-    def _model(self, names: Sequence[str]) -> Callable[[Settings, Array], Array]:
-        """The core's answer at conditions and values of the parameters `names`."""
-        keys = _scenario_keys(names)
-        scenario = Scenario().replace({"solver.rtol": 1e-5})
-        simulator = Simulator(scenario, [names[k] for k in keys], 1)
+    def rest(self, seen: Array) -> Array:
+        """What is left of readings by the linear model, and how far the priors are pulled."""
+        return self._left(seen - self._begin, self._slopes, np.zeros(len(self._weights)))[1]
 
-        def predict(settings: Settings, values: Array) -> Array:
-            moving = simulator(settings, values[:, keys]) if settings else values[:, :0]
-            return np.hstack([moving, *(each.predict(names, values) for each in self._beside)])
+    def strength(self, seen: Array) -> float:
+        """S of readings without noise, by the linear model."""
+        return float(np.linalg.norm(self.rest(seen)))
 
-        return predict
+    def searched(self, seen: Array) -> float:
+        """The same by the least sum of squares that a search finds, since effects are not linear.
 
-    def _observed(self, level: Readings) -> Array:
-        return np.concatenate([level.velocity, *(each.observed(level) for each in self._beside)])
+        It begins at the truth, and where one constant that is off explains most.
+        """
+        starts = np.zeros((1 + 2 * len(self._priors), len(self._weights)))
+        for k in range(len(self._priors)):
+            starts[1 + 2 * k : 3 + 2 * k, k] = _OFF, -_OFF
+        starts = np.clip(starts, self._low, self._high)
+        costs = [self._cost(seen - self._readings(start), start) for start in starts]
+        best = int(np.argmin(costs))
+        return min(self._descent(seen, start) for start in starts[sorted({0, best})])
 
-    def strength(self, level: Readings) -> float:
-        """S of readings without noise: what is left of them after recalibration nearby."""
-        return self._size(self._nearby(replace(self._problem, observed=self._observed(level))))
+    def _cost(self, gap: Array, at: Array) -> float:
+        return float(np.sum(gap**2) + np.sum((self._weights * at) ** 2))
 
-    def searched(self, level: Readings) -> float:
-        """The same after recalibration that has looked for constants everywhere."""
-        problem = replace(self._problem, observed=self._observed(level))
-        nearby = self._nearby(problem)
-        return self._size(min(nearby, recalibrate(problem, 0).null.chi2) if self._wide else nearby)
+    def _descent(self, seen: Array, at: Array) -> float:
+        """S by a descent from coordinates on.
 
-    def _size(self, chi2: float) -> float:
-        return float(np.sqrt(max(chi2 - self._plain, 0.0)))
+        Slopes follow what each step shows of them (Broyden 1965): a step takes one simulation.
+        """
+        fresh = not at.any()
+        slopes, gap = self._slopes, seen - self._readings(at)
+        least, damping = self._cost(gap, at), 0.0
+        for _ in range(_STEPS):
+            aim, left = self._left(gap, slopes, at, damping)
+            if least - float(np.sum(left**2)) < _SETTLED * least:
+                if fresh:
+                    break
+                slopes, damping, fresh = self._slopes_at(at, both=False), 0.0, True
+                continue
+            step = aim - at
+            other = seen - self._readings(aim)
+            slopes = slopes + np.outer(gap - other - slopes @ step, step) / float(step @ step)
+            cost, fresh = self._cost(other, aim), False
+            if cost < least:
+                at, gap, least, damping = aim, other, cost, damping / 4.0
+            else:
+                damping = max(4.0 * damping, 1.0)
+        return float(np.sqrt(least))
 
-    def _nearby(self, problem: Problem) -> float:
-        candidate = make_candidate(problem, problem.causes)
-        return fit_candidates(problem, [candidate], [self._starts], _STEPS, exact=False)[0].chi2
+    def cosines(self, seen: Array) -> dict[str, float]:
+        """How alike what is left of readings and of each listed cause are, 0 to 1.
+
+        A cause of which several sizes are free is as alike as its best mixture; that of a constant
+        is by itself without its prior.
+        """
+        mine = self.rest(seen)
+        found = {
+            name: _cosine(mine, self.rest(self._begin + self._slopes[:, at])[:, None])
+            for at, name in enumerate(self._priors)
+        }
+        for name in CAUSES:
+            usual = self._effects(name, 1.0)
+            one_sided = entry(name).least >= 0.0
+            found[name] = _cosine(mine, usual, one_sided)
+            if found[name] > 0.5:
+                # Once more at about the size that would be found: effects are not linear.
+                size = np.linalg.lstsq(usual, mine, rcond=None)[0]
+                again = _cosine(mine, self._effects(name, size), one_sided)
+                found[name] = max(found[name], again)
+        return found
+
+    def _effects(self, name: str, amount: float | Array) -> Array:
+        """What is left of each size of a cause, (rows, sizes)."""
+        own = entry(name)
+        amounts = np.clip(np.broadcast_to(amount, len(own.sizes)), own.least, own.most)
+        columns = []
+        for size, each in zip(own.sizes, amounts, strict=True):
+            base = {**own.fixed, **_middle(name), **size}
+            hidden = {**self._base.hidden, name: Hidden(float(each), base)}
+            columns.append(self.rest(self._draft(replace(self._base, hidden=hidden))))
+        return np.array(columns).T
+
+    def _left(
+        self, gap: Array, slopes: Array, at: Array, damping: float = 0.0
+    ) -> tuple[Array, Array]:
+        """Where the linear model about `at` leaves least, and what it leaves.
+
+        Damping holds a step back, in standard deviations of the priors and usual sizes.
+        """
+        rows = np.vstack([slopes, np.diag(self._weights)])
+        aim = np.concatenate([gap + slopes @ at, np.zeros(len(at))])
+        held = np.vstack([rows, damping * np.eye(len(at))])
+        wanted = np.concatenate([aim, damping * at])
+        # A free column that has no effect has no solution of its own.
+        there = np.linalg.lstsq(held, wanted, rcond=1e-10)[0]
+        if ((there < self._low) | (there > self._high)).any():
+            there = lsq_linear(held, wanted, (self._low, self._high)).x
+        return there, aim - rows @ there
+
+    def _ends(self, at: int) -> tuple[float, float]:
+        """Range of a coordinate from its beginning on."""
+        if at < len(self._priors):
+            name = list(self._priors)[at]
+            begin = self._priors[name].coordinate(self._base.constants[name])
+            low, high = LIMITS.get(name, (-np.inf, np.inf))
+            of = self._priors[name].coordinate
+            return (
+                of(low) - begin if np.isfinite(low) else -_FAR,
+                of(high) - begin if np.isfinite(high) else _FAR,
+            )
+        _, size, begin = self._rival[at - len(self._priors)]
+        own = entry(str(self._freed))
+        return own.least - begin / size, own.most - begin / size
+
+    def _readings(self, at: Array) -> Array:
+        """Readings at coordinates, all of them 0 at the beginning."""
+        count = len(self._priors)
+        constants = {
+            name: prior.value(prior.coordinate(self._base.constants[name]) + at[k])
+            for k, (name, prior) in enumerate(self._priors.items())
+        }
+        hidden = dict(self._base.hidden)
+        if self._rival:
+            amounts = {
+                key: begin + at[count + k] * size
+                for k, (key, size, begin) in enumerate(self._rival)
+            }
+            name = str(self._freed)
+            there = hidden[name].base if name in hidden else {}
+            base: dict[str, Value] = {**entry(name).fixed, **_middle(name), **there, **amounts}
+            hidden[name] = Hidden(1.0, base)
+        moved = replace(self._base, constants=constants, hidden=hidden)
+        return self._draft(moved) + self._beside @ at[count + len(self._rival) :]
+
+    def _slopes_at(self, at: Array, both: bool = True) -> Array:
+        """Derivatives of the readings, (readings, coordinates): by both sides, or forwards."""
+        moving = len(self._priors) + len(self._rival)
+        columns = []
+        for k in range(moving):
+            half = _CONSTANT if k < len(self._priors) else _AMOUNT
+            ends = np.clip([at[k] - half * both, at[k] + half], self._low[k], self._high[k])
+            if ends[1] - ends[0] < 0.5 * half:
+                ends = np.array([at[k] - half, at[k]])
+            below, above = (self._readings(np.where(np.arange(len(at)) == k, end, at))
+                            for end in ends)  # fmt: skip
+            columns.append((above - below) / (ends[1] - ends[0]))
+        return np.column_stack([*columns, self._beside])
 
 
-def _cause(name: str | None) -> tuple[Cause, ...]:
-    """A cause of the library, or a constant whose prior is relaxed; none without a name."""
-    if name is not None and "." in name:
-        return (Cause(name, relaxes_prior=name),)
-    return tuple(each for each in library(Scenario(), {}, TOP_VOLTAGE) if each.name == name)
+def _rival(name: str | None, base: Truth) -> list[tuple[str, float, float]]:
+    """Each free size of a cause: its key, usual size and beginning; none of a constant."""
+    if name is None or "." in name:
+        return []
+    return [
+        (key, size, base.amount(name, key)) for each in entry(name).sizes
+        for key, size in each.items()
+    ]  # fmt: skip
 
 
-class _Angles:
-    """The table of static tilts."""
-
-    nuisance: tuple[Uncertain, ...] = ()
-
-    def __init__(self, count: int) -> None:
-        self.covariance = ANGLE_SD**2 * np.eye(count)
-
-    def observed(self, level: Readings) -> Array:
-        return level.angle
-
-    def predict(self, names: Sequence[str], values: Array) -> Array:
-        keys = _scenario_keys(names)
-        core = Scenario().to_core()
-        return _core.static_tilts(core, [names[k] for k in keys], values[:, keys], held_fields())
+def _middle(name: str) -> dict[str, float]:
+    """The middle of what is drawn of a cause."""
+    return {key: float(np.sqrt(low * high)) for key, (low, high) in entry(name).drawn.items()}
 
 
-class _Fields:
-    """The table of the coils' fields; of the causes only the side of the coils changes it here."""
+def _cosine(one: Array, others: Array, one_sided: bool = False) -> float:
+    """Cosine between a vector and the nearest of the span of others, (rows, columns).
 
-    nuisance: tuple[Uncertain, ...] = ()
-
-    def __init__(self, count: int) -> None:
-        self.covariance = FIELD_SD**2 * np.eye(count)
-
-    def observed(self, level: Readings) -> Array:
-        return level.field.ravel()
-
-    def predict(self, names: Sequence[str], values: Array) -> Array:
-        rows = probes()
-        sides = (
-            values[:, names.index("coil.side")] if "coil.side" in names else [None] * len(values)
-        )
-        return np.array(
-            [
-                Coils(**({} if side is None else {"side": float(side)}))
-                .field(rows[:, 5:], rows[:, :5])
-                .ravel()
-                for side in sides
-            ]
-        )
-
-
-class _Film:
-    """One film, reduced as the diagnosis reduces it, with the noise that is stated."""
-
-    def __init__(self, number: int, drive: Drive, columns: dict[str, Array]) -> None:
-        scenario = Scenario().replace({f"drive.{key}": value for key, value in drive.items()})
-        inside = columns["t"] < scenario.window[1]
-        self._inside, self._number = inside, number
-        run = TrackingRun(
-            "film", {key: each[inside] for key, each in columns.items()}, scenario, FRAME_RATE,
-            EXPOSURE, FILM_SD,
-        )  # fmt: skip
-        self._film = FilmObservable(run, number + 1)
-        self.covariance, self.nuisance = self._film.covariance, self._film.nuisance
-
-    def observed(self, level: Readings) -> Array:
-        columns = level.films[self._number]
-        at = self._film.run.columns["t"]
-        seen = {name: np.interp(at, columns["t"], columns[name]) for name in ("x", "theta")}
-        return np.concatenate(
-            [each.matrix @ seen[each.name][each.frames] for each in self._film.quantities]
-        )
-
-    def predict(self, names: Sequence[str], values: Array) -> Array:
-        own = [
-            k for k, name in enumerate(names)
-            if not name.startswith("tracking.") or name.startswith(f"{self._film.name}.")
-        ]  # fmt: skip
-        return self._film.predict([names[k] for k in own], values[:, own])
-
-
-def _scenario_keys(names: Sequence[str]) -> list[int]:
-    return [k for k, name in enumerate(names) if not name.startswith("tracking.")]
-
-
-def _tables(plain: Readings) -> list[_Angles | _Fields | _Film]:
-    """What there is beside the velocities."""
-    result: list[_Angles | _Fields | _Film] = []
-    if len(plain.angle):
-        result.append(_Angles(plain.angle.size))
-    if len(plain.field):
-        result.append(_Fields(plain.field.size))
-    result += [
-        _Film(number, drive, columns)
-        for number, (drive, columns) in enumerate(zip(films(), plain.films, strict=False))
-    ]
-    return result
+    Of a single one that is `one_sided` the opposite does not count.
+    """
+    sizes = np.linalg.lstsq(others, one, rcond=1e-10)[0]
+    near = others @ (np.maximum(sizes, 0.0) if one_sided else sizes)
+    size = np.linalg.norm(near) * np.linalg.norm(one)
+    return float(one @ near / size) if size > 0.0 else 0.0

@@ -9,6 +9,7 @@ import numpy as np
 
 from blind.catalogue import CAUSES, INSTRUMENTS, LAWS, Value, entry, parameters
 from blind.kinds import KINDS
+from blind.model_errors import MODEL_ERRORS
 from blind.settings import LIMITS, priors
 
 _USUAL = 2.0  # largest factor between the usual size and that which is drawn first
@@ -34,7 +35,8 @@ class Truth:
     constants : dict
         By dotted key, SI units.
     hidden : dict of Hidden
-        By name of the catalogue; ``ripple`` is a wave of the velocity that no cause has.
+        By name of the catalogue; ``ripple`` is a wave of the velocity that no cause has, and
+        ``smooth_error`` and ``correlated_error`` are errors of the model, see model_errors.py.
     correlation : float
         Of neighbouring errors.
     """
@@ -80,7 +82,8 @@ class Truth:
 
     def as_record(self) -> dict[str, Any]:
         """What a record keeps: all of it, and what follows from it."""
-        hook = next((name for name in self.hidden if name in LAWS), None)
+        # Beside a cause a law is an error of the model, and none that is asked for.
+        hook = None if self.answer else next((name for name in self.hidden if name in LAWS), None)
         return {**asdict(self), "effects": self.effects, "hook": hook}
 
     @staticmethod
@@ -96,20 +99,28 @@ class Truth:
 
 
 def _clipped(name: str, amount: float) -> float:
+    if name in MODEL_ERRORS:
+        return amount
     if name == "ripple":
         return float(np.clip(amount, 0.0, 0.9))
     return float(np.clip(amount, entry(name).least, entry(name).most))
 
 
-def draw(kind: str, seed: int, random: np.random.Generator) -> Truth:
-    """The truth of a data set, its hidden things at a usual size; the seed goes round them."""
+def draw(kind: str, seed: int, random: np.random.Generator, again: int = 0) -> Truth:
+    """The truth of a data set, its hidden things at a usual size; the seed goes round them.
+
+    `again` is how often it was drawn before: what looks too much or too little like a listed cause
+    gives way to another thing.
+    """
     plan = KINDS[kind]
     constants = {}
     for name, prior in priors(plan.tables).items():
         coordinate = float(random.standard_normal())
         constants[name] = float(np.clip(prior.value(coordinate), *LIMITS.get(name, (0.0, np.inf))))
-    names = plan.hidden[seed % len(plan.hidden)]
-    correlation = float(random.uniform(0.3, 0.9)) if plan.noise.correlated else 0.0
+    passed = 0 if plan.alike is None else 5 * again
+    names = plan.hidden[(seed + passed) % len(plan.hidden)]
+    along = plan.noise.correlated
+    correlation = 0.0 if along is None else float(random.uniform(*along))
     if kind.startswith("constant"):
         (name,) = names
         # Kinetic friction has room to one side only.
@@ -119,7 +130,8 @@ def draw(kind: str, seed: int, random: np.random.Generator) -> Truth:
         middle = priors(plan.tables)[name]
         constants[name] = max(float(middle.value(sign * float(kind.split()[1]))), 0.0)
         return Truth(kind, names, constants, {}, correlation)
-    answer = tuple(name for name in names if name in CAUSES or name in INSTRUMENTS)
+    listed = names[:1] if plan.error else names
+    answer = tuple(name for name in listed if name in CAUSES or name in INSTRUMENTS)
     hidden = {name: _drawn(name, random) for name in names}
     return Truth(kind, answer, constants, hidden, correlation)
 
@@ -129,6 +141,8 @@ def _drawn(name: str, random: np.random.Generator) -> Hidden:
         # A resonance of the frame that moves the stage, for instance.
         wave = {"period": random.uniform(0.35, 0.6), "phase": random.uniform(0.0, 2.0 * np.pi)}
         return Hidden(0.1, {key: float(value) for key, value in wave.items()})
+    if name in MODEL_ERRORS:
+        return Hidden(1.0, {"number": float(random.integers(2**31))})
     own = entry(name)
     base: dict[str, Value] = {**own.fixed}
     base |= own.sizes[int(random.integers(len(own.sizes)))]

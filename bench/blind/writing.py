@@ -25,16 +25,11 @@ from blind.settings import (
     probes,
 )
 from blind.truth import Truth
-from stickslip.measurement import Prior
 
 KEYS = ("mode", "frequency", "peak", "base", "hold", "direction")
 MORE_KEYS = (*KEYS, "edge")
 _PROBE = ("xp", "xm", "yp", "ym", "clamp", "x", "y", "z")
 _HEAD = 'stickslip_measurement = 1\nname = "study"\nscenario = "nominal.toml"\n\n[uncertain]\n'
-_FORMS = {
-    "normal": "mean = {}, sd = {}", "log-uniform": "low = {}, high = {}",
-    "log-normal": "median = {}, factor = {}",
-}  # fmt: skip
 
 
 def write_case(folder: Path, kind: str, seed: int) -> dict[str, Any]:
@@ -43,7 +38,7 @@ def write_case(folder: Path, kind: str, seed: int) -> dict[str, Any]:
     folder.mkdir(parents=True, exist_ok=True)
     tables = KINDS[kind].tables
     (folder / "nominal.toml").write_text(f"stickslip = 1\n\n[drive]\npulses = {PULSES}\n")
-    stated = [f'"{name}" = {_stated(prior)}' for name, prior in priors(tables).items()]
+    stated = [f'"{name}" = {prior.stated}' for name, prior in priors(tables).items()]
     entries = [_HEAD + "\n".join(stated) + "\n"]
     if "velocity" in tables:
         entries.append(_write_velocities(folder / "velocity.csv", made))
@@ -59,7 +54,10 @@ def write_case(folder: Path, kind: str, seed: int) -> dict[str, Any]:
         entries.append(_write(path, "tracking", tuple(film), np.column_stack(list(film.values()))))
         entries.append(_film_entry(drive))
     (folder / "measurement.toml").write_text("".join(entries))
-    return {"seed": seed, "strength": made.strength, "tables": tables, **made.truth.as_record()}
+    return {
+        "seed": seed, "strength": made.strength, "tables": tables, **made.more,
+        **made.truth.as_record(),
+    }  # fmt: skip
 
 
 def write_more(
@@ -76,10 +74,6 @@ def write_more(
     (more / "proposed.csv").write_text("\n".join(lines) + "\n")
     with (more / "measurement.toml").open("a") as file:
         file.write('\n[[velocity]]\nfile = "proposed.csv"\n')
-
-
-def _stated(prior: Prior) -> str:
-    return "{ " + _FORMS[prior.kind].format(repr(prior.first), repr(prior.second)) + " }"
 
 
 def _write_velocities(path: Path, made: Made) -> str:

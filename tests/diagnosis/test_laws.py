@@ -175,22 +175,22 @@ def test_the_curve_is_the_law_of_the_core():
 
 def test_every_free_shape_of_the_core_is_a_law_that_starts_absent():
     causes = laws(BASE, FRICTION, dict.fromkeys(FREE, 0.5))
-    assert {each.name for each in causes} == FREE
+    by_effect = {each.parameters[0].name.split(".")[1]: each for each in causes}
+    assert set(by_effect) == FREE
     keys = {each.name: 0.0 for cause in causes for each in cause.parameters}
     fixed = {key: value for cause in causes for key, value in cause.curve.fixed.items()}
     plain = simulate(BASE).mean_velocity
     assert simulate(BASE.replace({**fixed, **keys})).mean_velocity == plain
-    frees = {each.name: each.frees for each in causes}
+    frees = {effect: each.frees for effect, each in by_effect.items()}
     of_friction = {name for name in FREE if name.startswith("free_friction")}
     assert {name for name, constant in frees.items() if constant} == of_friction
     assert {frees[name] for name in of_friction} == set(FRICTION)
-    by_name = {each.name: each.curve for each in causes}
-    assert by_name["free_drag_rate"].without({}) == BASE.drag.linear
-    assert by_name["free_field_time"].without({}) == 1.0
-    place = by_name["free_contact_place"]
+    assert by_effect["free_drag_rate"].curve.without({}) == BASE.drag.linear
+    assert by_effect["free_field_time"].curve.without({}) == 1.0
+    place = by_effect["free_contact_place"].curve
     assert (place.without({}), place.relative, place.law_unit) == (0.0, False, "half lengths")
     assert (place.low, place.high) == (-0.5, 0.5)
-    assert by_name["free_friction_load"].name == "friction over normal force"
+    assert by_effect["free_friction_load"].name == "friction over normal force"
 
 
 def test_spans_are_what_the_runs_reach():

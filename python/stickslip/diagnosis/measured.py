@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.data.velocity import VelocityTable
 from stickslip.diagnosis.fitting.problem import Cached, Model, Problem
 from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.laws import find_spans, laws
 from stickslip.diagnosis.terms.library import library
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
@@ -80,7 +82,35 @@ def pose(measurement: Measurement, threads: int = 1, seed: int = 0) -> Problem:
     suspects = {each.name: each for each in every}
     causes = (*effects, *suspects.values(), *freed(constants))
     model, draft = model_of(tables, constants, effects, list(suspects.values()))
-    return Problem(tuple(tables), Cached(model), tuple(constants), causes, Cached(draft))
+
+    def with_laws(problem: Problem, x: Array) -> Problem:
+        found = _laws(measurement, tables[0], problem, x) if effects else ()
+        own = model_of(tables, constants, effects, list(suspects.values()), found)
+        return replace(
+            problem, model=Cached(own[0]), draft=Cached(own[1]), causes=(*problem.causes, *found)
+        )
+
+    return Problem(tuple(tables), Cached(model), tuple(constants), causes, Cached(draft), with_laws)
+
+
+def _laws(
+    measurement: Measurement, table: Measured, problem: Problem, x: Array
+) -> tuple[Cause, ...]:
+    """The simulator's laws of a free shape at recalibrated constants; none without velocities."""
+    if not isinstance(table, VelocityTable):
+        return ()
+    values = problem.physical(x[None, :])[0].tolist()
+    constants = {
+        each.name: value
+        for each, value in zip(problem.constants, values, strict=False)
+        if each.name in known_keys()
+    }
+    scenario = measurement.scenario.replace(constants)
+    spans = find_spans([scenario.replace(each) for each in table.conditions], table.threads)
+    stated = {key.split(".")[1] for key in constants if key.startswith("effects.")}
+    spans = {name: span for name, span in spans.items()
+             if name not in {*scenario.effects, *stated}}  # fmt: skip
+    return laws(scenario, measurement.uncertain, spans)
 
 
 def freed(constants: Sequence[Parameter]) -> list[Cause]:
@@ -97,16 +127,22 @@ def model_of(
     constants: Sequence[Parameter],
     effects: Sequence[Cause],
     suspects: Sequence[Cause],
+    beside: Sequence[Cause] = (),
 ) -> tuple[Model, Model]:
     """The model of all rows and its draft, in which velocities have fewer pulses.
 
-    Their columns are the constants, the parameters of the effects, those of the suspects.
+    Their columns are the constants, the parameters of the effects, of the suspects, and of the laws
+    of a free shape, `beside`.
     """
     amplitudes = [each.name for cause in effects for each in cause.parameters]
     names = [*(each.name for each in constants), *amplitudes]
     names += [each.name for cause in suspects for each in cause.parameters]
+    knots = [each.name for cause in beside for each in cause.parameters]
+    # How far laws reach is no parameter, but has to be set where they act.
+    reach = {key: each for law in beside if law.curve for key, each in law.curve.fixed.items()}
+    names += [*knots, *reach]
     nuisance = {each.name for table in tables for each in table.nuisance}
-    shared = {*(each.name for each in constants), *amplitudes} - nuisance
+    shared = {*(each.name for each in constants), *amplitudes, *knots, *reach} - nuisance
     columns = []
     for table in tables:
         own = {each.name for each in table.nuisance}
@@ -114,6 +150,8 @@ def model_of(
         columns.append([k for k, name in enumerate(names) if name in shared | own])
 
     def rows(predict: Sequence[Callable[[Sequence[str], Array], Array]], values: Array) -> Array:
+        fixed = np.broadcast_to(np.array(list(reach.values())), (len(values), len(reach)))
+        values = np.hstack([values, fixed])
         return np.hstack([
             each([names[k] for k in at], values[:, at])
             for each, at in zip(predict, columns, strict=True)

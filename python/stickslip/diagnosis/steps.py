@@ -9,12 +9,13 @@ import numpy as np
 from stickslip._util.arrays import Array
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.decision.posterior import posterior
-from stickslip.diagnosis.decision.test import Test, tested
+from stickslip.diagnosis.decision.test import ADEQUATE, Test, adequacy, tested
 from stickslip.diagnosis.decision.verdict import Verdict, decide
 from stickslip.diagnosis.fitting.models import Fit, fit, sharpened
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.responses import Response, responses
 from stickslip.diagnosis.fitting.search import Models, Progress, recalibrated, screened, search
+from stickslip.simulation.note import Note
 
 # Draws about the recalibrated model that show its roughness, and their widths: a share of what the
 # data leave open, and at most so many standard deviations of the priors. Chosen: well within both.
@@ -47,8 +48,13 @@ class Findings(OneLine):
         return self.models.problem
 
 
-def run(problem: Problem, seed: int, say: Progress = lambda fraction, stage: None) -> Findings:
-    """All steps, one after another."""
+def run(
+    problem: Problem,
+    seed: int,
+    say: Progress = lambda fraction, stage: None,
+    suspect: Note | None = None,
+) -> Findings:
+    """All steps, one after another; where the data are `suspect`, no cause is looked for."""
     say(0.0, "recalibrating")
     null, ends = recalibrated(problem, seed)
     problem, null = _with_own_errors(problem, null, seed)
@@ -59,12 +65,27 @@ def run(problem: Problem, seed: int, say: Progress = lambda fraction, stage: Non
     found = responses(problem, null.end, (), problem.causes, stated, null.h)
     test = tested(problem, null, found, seed)
     screened(models, found)
-    if test.found or posterior(models).none < 0.5:
-        models = search(problem, null, ends, problem.causes, say)
+    if suspect is None and (test.found or posterior(models).none < 0.5):
+        models = Models(problem, problem.causes)
+        models.add(null)
+        search(models, ends, problem.causes, say, seed)
+        if problem.laws is not None and not _explained(models):
+            say(0.8, "laws of a free shape")
+            known = len(problem.causes)
+            models = models.widened(problem.laws(problem, models.null.x))
+            search(models, [], models.problem.causes[known:], say, seed)
     say(0.9, "deciding")
     verdict = decide(models, test)
+    if suspect is not None:
+        verdict = Verdict("data-problem", (), None, (suspect,), verdict.probabilities)
     say(1.0, "done")
     return Findings(models, test, found, verdict, seed)
+
+
+def _explained(models: Models) -> bool:
+    """Whether the likeliest causes leave no more than the errors as they are stated."""
+    plain = models.get(models.leaders(1)[0].names)
+    return plain is not None and adequacy(models.problem, plain) >= ADEQUATE
 
 
 def _with_own_errors(problem: Problem, null: Fit, seed: int) -> tuple[Problem, Fit]:

@@ -170,70 +170,50 @@ def estimate(
     return mean, scatter.errors(seed, notes)
 
 
-def scatter_of(y: Array, design: Array) -> tuple[float, float]:
-    """Standard deviation of readings about a free fit, and its degrees of freedom.
+def of_readings(y: Array, design: Array, condition: Indices, smallest: float, unit: str) -> Errors:
+    """Errors of the means of conditions whose readings share one standard deviation.
 
-    `y` has shape (n,), `design` (n, k): what may be free, such as gains of coils or local lines.
-    NaN and 0 where the fit leaves nothing.
-    """
-    fitted, _, rank, _ = np.linalg.lstsq(design, y, rcond=None)
-    free = len(y) - int(rank)
-    if free == 0:
-        return math.nan, 0.0
-    return math.sqrt(float(np.sum((y - design @ fitted) ** 2)) / free), float(free)
-
-
-def reading_error(
-    y: Array, design: Array, condition: Indices, smallest: float
-) -> tuple[float, float, str]:
-    """Standard deviation of one reading of a table, its degrees of freedom, and its origin.
-
-    From ``repeats``, readings of one condition, if they have at least 12 degrees of freedom, or 4
-    and no fewer than the ``free fit``; else from that. With fewer than 4 the error is ``unknown``,
-    and `smallest` stands for it, as it does where an estimate is below it (``smallest``). Either
-    counts as stated, with infinite degrees of freedom.
+    From repeats, if they have at least 12 degrees of freedom, or 4 and no fewer than a free fit;
+    else from what that fit leaves. `smallest` is used where an estimate is below it, or has fewer
+    than 4 degrees of freedom; it counts as stated.
 
     Parameters
     ----------
     y : ndarray, shape (n,)
-        Readings that share one standard deviation.
+        Readings.
     design : ndarray, shape (n, k)
-        What is free; see `scatter_of`.
+        What is free in the fit, such as gains of coils or local lines.
     condition : ndarray of int, shape (n,)
         Condition of each reading, 0 to m - 1, none missing.
     smallest : float
-        An error below which none is believed, in the unit of `y`.
+        An error of a reading below which none is believed, in `unit`.
+    unit : str
+        Of the readings.
     """
     count = np.bincount(condition)
-    away = y - (np.bincount(condition, y) / count)[condition]
-    dof, origin = float(len(y) - len(count)), "repeats"
-    sd = math.sqrt(float(np.sum(away**2)) / dof) if dof else math.nan
+    left = y - (np.bincount(condition, y) / count)[condition]
+    dof, text = (
+        len(y) - len(count),
+        "A reading scatters by {}, from repeats ({} degrees of freedom).",
+    )
+    code = "noise-repeats"
     if dof < ENOUGH:
-        fitted, free = scatter_of(y, design)
+        fitted, _, rank, _ = np.linalg.lstsq(design, y, rcond=None)
+        free = len(y) - int(rank)
         if dof < max(free, FEWEST):
-            sd, dof, origin = fitted, free, "free fit"
+            dof, left, code = free, y - design @ fitted, "noise-free-fit"
+            text = "A reading scatters by {} about a free fit ({} degrees of freedom)."
+    sd = math.sqrt(float(np.sum(left**2)) / max(dof, 1))
+    known = float(dof)
     if dof < FEWEST:
-        return smallest, math.inf, "unknown"
-    return (sd, dof, origin) if sd > smallest else (smallest, math.inf, "smallest")
-
-
-def of_readings(y: Array, design: Array, condition: Indices, smallest: float, unit: str) -> Errors:
-    """Errors of the means of a table's conditions by `reading_error`, with a note on their origin.
-
-    `unit` is that of the readings; the others are as there.
-    """
-    sd, dof, origin = reading_error(y, design, condition, smallest)
+        sd, known, code = smallest, math.inf, "noise-unknown"
+        text = "The error of a reading is not known; {} is used ({} degrees of freedom)."
+    elif sd <= smallest:
+        sd, known, code = smallest, math.inf, "noise-smallest"
+        text = "Readings scatter by less than {}, which is used ({} degrees of freedom)."
     size = f"{math.degrees(sd):.2g} degrees" if unit == "rad" else f"{sd:.2g} {unit}"
-    text = {
-        "repeats": f"A reading scatters by {size}, from repeats",
-        "free fit": f"A reading scatters by {size} about a free fit",
-        "smallest": f"Readings scatter by less than {size}, which is used",
-        "unknown": f"Readings are too few to tell their error; {size} is used",
-    }[origin]
-    text += f" ({dof:.0f} degrees of freedom)." if math.isfinite(dof) else "."
-    own = sd / np.sqrt(np.bincount(condition))
-    note = Note(f"noise-{origin.replace(' ', '-')}", text, sd)
-    return Errors(own, None, dof, {"s0": sd, "rho": 0.0}, (note,))
+    note = Note(code, text.format(size, dof), sd)
+    return Errors(sd / np.sqrt(count), None, known, {"s0": sd, "rho": 0.0}, (note,))
 
 
 def _stated(

@@ -8,12 +8,12 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 from scipy.linalg import block_diag
 
-from stickslip._util.arrays import Array, Indices, Mask
+from stickslip._util.arrays import Array, Mask
 from stickslip._util.root_mean_square import root_mean_square
 from stickslip._util.unit_factor import far_size
 from stickslip.diagnosis.data.camera import Camera, Recording, record, recording_rate, rocking
 from stickslip.diagnosis.data.errors import Errors
-from stickslip.diagnosis.data.folding import Fold, Kind, fold, frame_errors, reduce, undrifted
+from stickslip.diagnosis.data.folding import Kind, fold, frame_errors, reduce, undrifted
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.instruments import of_films
 from stickslip.diagnosis.terms.parameter import Parameter
@@ -121,7 +121,7 @@ class FilmTable(Table):
         model = next((frames for _, frames in self._simulated(names, values[None])), None)
         if model is None or not used.any():
             return None
-        order = np.flatnonzero(used)[np.argsort(folded.phase[used], kind="stable")]
+        order = folded.by_phase[used[folded.by_phase]]
         found = {"phase": folded.phase[order]}
         for key in ("theta", "x"):
             for word, of in (("", self.film.columns), ("_model", model)):
@@ -169,8 +169,7 @@ class FilmTable(Table):
             marker_along=p.get("marker_place.along", 0.0),
             marker_across=p.get("marker_place.across", 0.0),
         )  # fmt: skip
-        shown = {*self.columns, *_CURRENTS} if self.columns else set(_KINDS)
-        return camera.frames(motion, self.film.columns["t"], sorted(shown))
+        return camera.frames(motion, self.film.columns["t"], list(self.columns or _KINDS))
 
     def _uncertain(self) -> tuple[Parameter, ...]:
         """What is uncertain of this camera alone."""
@@ -205,8 +204,10 @@ class FilmTable(Table):
         # A rounded column has one step, and any other a far smaller least difference.
         step = float(np.min(np.diff(np.unique(values[used])), initial=math.inf))
         step = step if math.isfinite(step) else 0.0
-        lost = used.copy()
-        lost[used] = _lost(fold(times[used], film.scenario), residual[used], step)
+        folded, lost = fold(times[used], film.scenario), np.zeros(len(times), dtype=bool)
+        # The advance may be wrong by much, so neighbours are compared without it.
+        level = undrifted(folded, residual[used])[folded.by_phase]
+        lost[np.flatnonzero(used)[folded.by_phase]] = far_from_their_phase(level, step)
         if lost.any():
             text = (
                 f"{lost.sum()} frames lie far from all others of their phase in {name}, the first "
@@ -220,8 +221,15 @@ class FilmTable(Table):
             used &= times >= drive.ramp
         folded, place = fold(times[used], film.scenario), np.flatnonzero(used)
         if not required and nominal is not None:
-            sized = place[folded.steady if folded.steady.any() else slice(None)]
-            far = self._odd_size(name, values, nominal, sized)
+            size = np.std if name == "z" else root_mean_square
+            seen = place[folded.steady if folded.steady.any() else slice(None)]
+            measured, usual = (float(size(each[seen])) for each in (values, nominal[name]))
+            # A robot that hardly rises, or a coil without a current, shows noise.
+            largest = _LEAST_RISE * film.scenario.robot.height
+            if name != "z":
+                largest = max(root_mean_square(nominal[each][seen]) for each in _CURRENTS)
+            likely = float(np.clip(measured, usual, max(usual, largest)))
+            far = far_size(measured, likely, unit, "what the stated model gives")
             if far is not None:
                 text = f"The column {name} is not used: its size is {far}."
                 self.left_out.append(Note("column-size", text))
@@ -230,75 +238,39 @@ class FilmTable(Table):
         pace = 0.0 if drive.mode == "program" else rocking(film.scenario) / drive.frequency
         found = frame_errors(folded, residual[used], place, kind, pace, stated)
         if found is None:
-            draws, dof = self._unknown(name, residual[used], stated)
+            sd = stated or float(np.std(residual[used])) or 1.0
+            draws = {key: np.array([each]) for key, each in
+                     (("s2", sd**2), ("phi", 0.0), ("shared2", 0.0), ("weight", 1.0))}  # fmt: skip
+            dof = math.inf if stated else 0.0
+            if stated is None:
+                text = f"The noise of {name} is not known; the stated model's whole misfit counts."
+                self._said.append(Note("frame-noise-unknown", text, sd))
         else:
-            draws, dof = found
-            self._say(name, unit, draws, stated, dof)
+            draws, dof, scatter = found
+            self._say(name, unit, scatter, stated, dof, draws)
         draws["s2"] = np.maximum(draws["s2"], step**2 / 12.0)
         matrix, covariance, dof = reduce(folded, place, kind, draws, dof)
         self.columns[name] = used, matrix
         return matrix @ values[used], covariance, dof
 
-    def _odd_size(
-        self, name: str, values: Array, nominal: Mapping[str, Array], rows: Indices
-    ) -> str | None:
-        """How the size of z or a current differs from the stated model's, if its unit is wrong."""
-        if name == "z":
-            # The origin of z is not known, and a robot that hardly rises shows noise.
-            measured, usual = float(np.std(values[rows])), float(np.std(nominal[name][rows]))
-            largest = _LEAST_RISE * self.film.scenario.robot.height
-        else:
-            # A coil without a current shows the logger's noise, or what another induces.
-            measured, usual = (root_mean_square(each[rows]) for each in (values, nominal[name]))
-            largest = max(root_mean_square(nominal[each][rows]) for each in _CURRENTS)
-        likely = float(np.clip(measured, usual, max(usual, largest)))
-        return far_size(measured, likely, _KINDS[name][1], "what the stated model gives")
-
-    def _unknown(
-        self, name: str, residual: Array, stated: float | None
-    ) -> tuple[dict[str, Array], float]:
-        """Errors of frames that do not tell them."""
-        sd = stated or float(np.std(residual)) or 1.0
-        if stated is None:
-            text = f"The noise of {name} is not known; all that the stated model misses counts."
-            self._said.append(Note("frame-noise-unknown", text, sd))
-        self._told[f"{name}.sd"] = sd
-        one = {"s2": sd**2, "phi": 0.0, "ratio": 0.0, "weight": 1.0}
-        return {key: np.array([each]) for key, each in one.items()}, math.inf if stated else 0.0
-
     def _say(
-        self, name: str, unit: str, draws: dict[str, Array], stated: float | None, dof: float
-    ) -> None:
+        self, name: str, unit: str, scatter: float, stated: float | None, dof: float,
+        draws: dict[str, Array],
+    ) -> None:  # fmt: skip
         """Report the errors of frames."""
-        weight, seen = draws["weight"], float(draws["seen"][0])
-        sd, phi = math.sqrt(weight @ draws["s2"]), float(weight @ draws["phi"])
-        shared = math.sqrt(weight @ (draws["s2"] * draws["ratio"] ** 2))
+        weight = draws["weight"]
+        sd, shared = (math.sqrt(weight @ draws[key]) for key in ("s2", "shared2"))
+        phi = float(weight @ draws["phi"])
         self._told |= {f"{name}.sd": sd, f"{name}.phi": phi, f"{name}.shared": shared}
+        said = f"{name} scatters by {scatter:.3g} {unit} where a phase repeats"
         if stated is None:
-            text = f"A frame of {name} scatters by {seen:.3g} {unit}, from repeats of a phase."
-            self._said.append(Note("frame-noise", text, seen))
+            self._said.append(Note("frame-noise", f"{said}.", scatter))
         elif math.isfinite(dof):
-            text = (
-                f"{name} scatters by {seen:.3g} {unit} where a phase repeats, more than the stated "
-                f"{stated:.3g} {unit}; the scatter is used."
-            )
-            self._said.append(Note("frame-noise-above-stated", text, seen))
+            text = f"{said}, more than the stated {stated:.3g} {unit}; the scatter is used."
+            self._said.append(Note("frame-noise-above-stated", text, scatter))
         if phi > _CORRELATED:
             text = f"Errors of {name} in neighbouring frames have a correlation of {phi:.2f}."
             self._said.append(Note("frames-correlated", text, phi))
         if shared > sd:
-            text = (
-                f"The periods of {name} differ by {shared:.2g} {unit}, more than the noise of a "
-                "frame; this is counted as noise."
-            )
+            text = f"Periods of {name} differ by {shared:.2g} {unit}, which counts as noise."
             self._said.append(Note("periods-differ", text, shared))
-
-
-def _lost(folded: Fold, residual: Array, step: float) -> Mask:
-    """Frames far from those of nearly the same phase: the tracking lost the robot."""
-    lost = np.zeros(len(residual), dtype=bool)
-    steady = np.flatnonzero(folded.steady)
-    order = steady[np.argsort(folded.phase[steady], kind="stable")]
-    # The advance may be wrong by much, so neighbours are compared without it.
-    lost[order] = far_from_their_phase(undrifted(folded, residual)[order], step)
-    return lost

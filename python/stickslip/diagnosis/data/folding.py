@@ -42,6 +42,10 @@ _KNOTS, _MOST_KNOTS = 4.0, 400
 """Knots of what repeats with the drive, in a period of the fastest rocking. Chosen: a cubic spline
 errs by a tenth of its amplitude there, and by a hundredth at half of that frequency."""
 
+_MOST_PERIODS = 40
+"""Periods that tell the errors. Chosen: they tell what periods share to 11 %, and more would only
+cost time."""
+
 _UNLIKELY = 1e-3
 """p-value below which a stated noise is not believed. Chosen: of ten films that state it rightly
 one in 100 is rejected by chance."""
@@ -71,6 +75,12 @@ class Fold:
     steady: Mask
     phase: Array
     cycle: Indices
+
+    @property
+    def by_phase(self) -> Indices:
+        """Steady frames in the order of their phase."""
+        steady = np.flatnonzero(self.steady)
+        return steady[np.argsort(self.phase[steady], kind="stable")]
 
     @property
     def advances(self) -> bool:
@@ -114,8 +124,7 @@ def undrifted(folded: Fold, residual: Array) -> Array:
     It is the median of neighbours in phase: so what depends on the phase is kept, and a few wild
     frames change nothing.
     """
-    order = np.flatnonzero(folded.steady)
-    order = order[np.argsort(folded.phase[order], kind="stable")]
+    order = folded.by_phase
     periods = np.diff(folded.cycle[order])
     some = periods != 0
     if not some.any():
@@ -126,7 +135,7 @@ def undrifted(folded: Fold, residual: Array) -> Array:
 
 def frame_errors(
     folded: Fold, residual: Array, place: Indices, kind: Kind, rocking: float, stated: float | None
-) -> tuple[dict[str, Array], float] | None:
+) -> tuple[dict[str, Array], float, float] | None:
     """Draws of the errors' hyperparameters, and the degrees of freedom of their size.
 
     None where the frames leave fewer than four degrees of freedom.
@@ -148,12 +157,15 @@ def frame_errors(
     Returns
     -------
     draws : dict of ndarray, shape (draws,)
-        ``s2``, the variance of a frame, ``phi``, ``ratio``, the size of what a period shares in s,
-        their ``weight``, and ``seen``, shape (1,), what the frames tell of s.
+        ``s2``, the variance of a frame, ``phi``, ``shared2``, the variance of what a period shares,
+        and their ``weight``.
     dof : float
         Infinite where the noise is as stated.
+    seen : float
+        Standard deviation of a frame that the frames show.
     """
-    steady = folded.steady
+    steady = folded.steady & (folded.cycle < _MOST_PERIODS)
+    folded = Fold(folded.bin, steady, folded.phase, np.where(steady, folded.cycle, 0))
     count, size = int(np.sum(steady)), float(np.max(np.abs(residual[steady]), initial=0.0))
     if count < FEWEST or size == 0.0:
         return None
@@ -172,31 +184,27 @@ def frame_errors(
                    block_diag(axes, parts, 1.0))  # fmt: skip
     usual = math.sqrt(shared.shape[1] / count)
 
+    def ratio(p: dict[str, Array]) -> Array:
+        if "period" not in p:
+            return np.zeros(len(p["phi"]))
+        return np.minimum(usual * np.exp(p["period"]), _LARGEST)
+
     def likelihood(p: dict[str, Array]) -> Array:
-        """ln of the determinants, and the sum of squares in s^2, shape (2, draws)."""
-        phi, ratio = (
-            ndtr(p["phi"]),
-            usual * np.exp(p.get("period", np.full(len(p["phi"]), -np.inf))),
-        )
-        return np.array(
-            [_solved(grams, *each, axes.shape[1]) for each in zip(phi, ratio, strict=True)]
-        ).T
+        """ln of the determinants, and the sum of squares, shape (2, draws)."""
+        pairs = zip(ndtr(p["phi"]), ratio(p), strict=True)
+        return np.array([_solved(grams, *each, axes.shape[1]) for each in pairs]).T
 
     def loss(p: dict[str, Array]) -> Array:
         determinants, squares = likelihood(p)
         return np.asarray(determinants + left * np.log(squares))
 
     p, weight = sample(loss, ["phi", "period"] if parts.shape[1] else ["phi"], 0)
-    squares = likelihood(p)[1]
-    s2, dof = squares * size**2 / left, float(left)
-    seen = float(weight @ s2)
+    s2, dof = likelihood(p)[1] * size**2 / left, float(left)
+    seen, shared2 = float(weight @ s2), s2 * ratio(p) ** 2
     if stated is not None and chi2_law.sf(left * seen / stated**2, left) > _UNLIKELY:
-        ln = np.log(weight) + 0.5 * (left * np.log(squares) - squares * (size / stated) ** 2)
-        weight = np.exp(ln - np.max(ln))
         s2, dof = np.full(len(s2), stated**2), math.inf
-    ratio = usual * np.exp(p["period"]) if "period" in p else np.zeros(len(s2))
-    draws = {"s2": s2, "phi": ndtr(p["phi"]), "ratio": ratio, "weight": weight / np.sum(weight)}
-    return {**draws, "seen": np.array([math.sqrt(seen)])}, dof
+    draws = {"s2": s2, "phi": ndtr(p["phi"]), "shared2": shared2, "weight": weight}
+    return draws, dof, math.sqrt(seen)
 
 
 def _splines(phase: Array, knots: int) -> csr_array:
@@ -253,7 +261,7 @@ def _solved(
         determinant += count * math.log(1.0 - link**2)
         normal += (own - link * across + link**2 * before) / (1.0 - link**2)
     scale = np.ones(len(normal))
-    scale[free:-1] = min(ratio, _LARGEST)
+    scale[free:-1] = ratio
     normal *= np.outer(scale, scale)
     normal[range(free, len(normal) - 1), range(free, len(normal) - 1)] += 1.0
     pivots = np.diag(cholesky(normal, lower=True, check_finite=False))
@@ -273,7 +281,7 @@ def reduce(
     `place`, `draws` and `dof` are those of `frame_errors`.
     """
     weight = draws["weight"]
-    phi, ratio = float(weight @ draws["phi"]), math.sqrt(weight @ draws["ratio"] ** 2)
+    phi, share = float(weight @ draws["phi"]), weight @ draws["shared2"] / (weight @ draws["s2"])
     bins = np.eye(int(folded.bin.max()) + 1)[folded.bin]
     drifts = kind == "drift" and folded.advances
     # Whole periods: within a period the bins hold everything, so the two are independent.
@@ -283,8 +291,8 @@ def reduce(
     white = dia_array((banded, [1, 0]), shape=(len(place),) * 2).T
     columns, groups = white @ design, white @ of
     # Woodbury: the inverse of the covariance without a matrix of frames by frames.
-    inner = np.eye(parts.shape[1]) + ratio**2 * parts.T @ (groups.T @ groups) @ parts
-    across = parts @ np.linalg.solve(inner, ratio**2 * parts.T @ (groups.T @ columns))
+    inner = np.eye(parts.shape[1]) + share * parts.T @ (groups.T @ groups) @ parts
+    across = parts @ np.linalg.solve(inner, share * parts.T @ (groups.T @ columns))
     weighted = columns - groups @ across
     found = np.linalg.solve(columns.T @ weighted, weighted.T)
     matrix = _contrasts(folded, kind, drifts) @ (white.T @ found.T).T
@@ -296,14 +304,13 @@ def reduce(
     near = np.array([np.interp(draws["phi"], nodes, each) for each in np.eye(len(nodes))])
     halves = [solve_banded((0, 1), _whitening(place, each), matrix.T) for each in nodes.tolist()]
     own = np.array([each.T @ each for each in halves])
-    of_periods = draws["s2"] * draws["ratio"] ** 2
-    mean = np.tensordot(near @ (weight * draws["s2"]), own, 1) + weight @ of_periods * both
+    mean = np.tensordot(near @ (weight * draws["s2"]), own, 1) + weight @ draws["shared2"] * both
     inverse = np.linalg.inv(mean) / len(mean)
-    scale = draws["s2"] * (np.tensordot(own, inverse, 2) @ near) + of_periods * np.sum(
-        inverse * both
-    )
-    # What the draws leave of the size, and that of s itself.
-    return matrix, mean, 1.0 / (1.0 / satterthwaite(scale, weight)[1] + 1.0 / max(dof, 1e-9))
+    scale = draws["s2"] * (np.tensordot(own, inverse, 2) @ near)
+    scale += draws["shared2"] * np.sum(inverse * both)
+    factor, of_draws = satterthwaite(scale, weight)
+    # What the draws leave of the size, and s itself.
+    return matrix, factor * mean, 1.0 / (1.0 / of_draws + 1.0 / max(dof, 1e-9))
 
 
 def _whitening(place: Indices, phi: float) -> Array:

@@ -44,9 +44,9 @@ _LABORATORY = {"T": ("mT", 1e3), "s": ("ms", 1e3)}
 class VelocityTable(Table):
     """All [[velocity]] tables of a measurement, pooled: trials at equal drives are repeats.
 
-    Conditions are in an order that does not depend on the order of rows. A run is a curve, whose
-    conditions differ in the frequency alone, in one sweep of one set-up of one table; where a table
-    has a column order, it is the curve with all its sweeps.
+    The order of conditions does not depend on that of the rows. A run is a curve, whose conditions
+    differ only in frequency, in one sweep of one set-up of one table; where a table has a column
+    order, it is the curve with all its sweeps.
 
     Parameters
     ----------
@@ -77,8 +77,8 @@ class VelocityTable(Table):
     simulated : int
         Number of simulations so far.
 
-    The others are those of `Table`. Conditions of which the stated model computes none stay out,
-    unless it computes no condition at all.
+    The others are those of `Table`. Conditions that the stated model cannot compute are left out,
+    unless it computes none.
     """
 
     nuisance = ()
@@ -160,7 +160,7 @@ class VelocityTable(Table):
         )  # fmt: skip
 
     def _setting(self, condition: Mapping[str, Value], key: str) -> Value:
-        return condition.get(key, self.scenario.get(key))
+        return condition[key] if key in condition else self.scenario.get(key)
 
     def _number(self, key: str, value: Value) -> float:
         """A setting as the core takes it."""

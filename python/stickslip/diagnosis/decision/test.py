@@ -11,16 +11,18 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2 as chi2_law
-from scipy.stats import f as f_law
 
 from stickslip._util.arrays import Array
 from stickslip.diagnosis.fitting.models import Fit
-from stickslip.diagnosis.fitting.problem import Problem
+from stickslip.diagnosis.fitting.problem import Problem, lack_of_fit
 from stickslip.diagnosis.fitting.responses import Response
 
 ALPHA = 0.05
 """Rate of false alarms: the usual choice."""
+
+ADEQUATE = 0.01
+"""A model explains the data whose lack of fit has at least this p-value: 1 % of true models are
+refused. Chosen."""
 
 # Draws of pure noise: a p-value of 0.05 is then known to 0.003. Signal below which a response is
 # not seen. Chosen.
@@ -39,19 +41,6 @@ class Test:
     def found(self) -> bool:
         """Whether something is left."""
         return self.p_value < ALPHA
-
-
-def lack_of_fit(problem: Problem, chi2: float, free: int) -> float:
-    """Probability of a larger chi-square of `free` degrees of freedom by the errors alone."""
-    if free <= 0:
-        return 1.0
-    # Of several tables, the degrees of freedom with the variance of their sum.
-    counts = np.array([part.stop - part.start for part in problem.rows], dtype=float)
-    finite = np.isfinite(problem.dof)
-    spread = float(np.sum(counts[finite] ** 2 / problem.dof[finite]))
-    if spread == 0.0:
-        return float(chi2_law.sf(chi2, free))
-    return float(f_law.sf(chi2 / free, free, np.sum(counts) ** 2 / spread))
 
 
 def adequacy(problem: Problem, fit: Fit) -> float:

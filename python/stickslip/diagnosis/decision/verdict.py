@@ -10,17 +10,13 @@ from typing import Literal
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.decision.gain import Gain, measured
 from stickslip.diagnosis.decision.posterior import SURE, Posterior, discrepancy, posterior, share
-from stickslip.diagnosis.decision.test import Test, adequacy
+from stickslip.diagnosis.decision.test import ADEQUATE, Test, adequacy
 from stickslip.diagnosis.fitting.forms import HYPER
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.search import Models
 from stickslip.simulation.note import Note
 
 Kind = Literal["named", "dominant", "pair", "ambiguous", "unexplained", "none", "data-problem"]
-
-ADEQUATE = 0.01
-"""A model explains the data whose lack of fit has at least this p-value: 1 % of true models are
-refused. Chosen."""
 
 DOMINANT = 0.8
 """Share of the model's error that a dominant cause takes at least. Chosen: with 0.9 the prototype
@@ -125,6 +121,11 @@ def _with_second(
     if not alone:
         return _claimed(verdict, models, pair)
     member = max(alone, key=models.log_posterior)
+    if not pair.names <= set(sure) and pair.form == "none":
+        # The stated errors ask for a second cause, but not for which one.
+        explains = [adequacy(models.problem, each) >= ADEQUATE for each in (member, pair)]
+        if explains == [False, True]:
+            return _set(verdict, models, chance)
     one, two = (models.get(each.names) or each for each in (member, pair))
     second = measured(models.problem, one, two)
     if second is None or (second.certain and second.after <= (1.0 - SECOND) * second.before):
@@ -206,7 +207,9 @@ def _with(verdict: Verdict, kind: Kind, causes: tuple[str, ...], fit: Fit | None
           reasons: tuple[Note, ...], models: Models, told: Fit | None) -> Verdict:  # fmt: skip
     """The verdict with the share and gain of the model that is told."""
     notes = list(reasons)
-    kappa = (told or models.leaders(1)[0]).sizes.get("kappa", 1.0)
+    leader = told or models.leaders(1)[0]
+    likeliest = next(each for each in models.leaders() if each.names == leader.names)
+    kappa = likeliest.sizes.get("kappa", 1.0)
     if kappa < CALM:
         text = f"The scatter is {kappa:.2g} times the stated errors: they are stated too large."
         notes.append(Note("errors-too-large", text, kappa))

@@ -15,13 +15,12 @@ times the stated errors (Kennedy and O'Hagan, J. R. Stat. Soc. B 63, 425, 2001).
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from scipy.linalg import cholesky_banded, lapack
+from scipy.linalg import cholesky_banded, lapack, solve_triangular
 from scipy.special import gammaln
 
 from stickslip._util.arrays import Array
@@ -46,9 +45,7 @@ FEWEST_IN_RUN, FEWEST_SMOOTH = 8, 15
 """Readings that a run needs for `ar1`, and a table for `smooth`: with fewer the prior decides.
 Chosen."""
 
-_EDGE = 1.5  # where the sines of the smooth process end, in half ranges of the settings
-_SINES = {1: 24, 2: 9}  # of each setting; of three and more four
-_MOST_SINES = 60
+_MOST_SMOOTH = 1000  # readings of a table, whose covariance is a matrix
 
 
 class Form:
@@ -272,74 +269,64 @@ class Correlated(Form):
 
 
 class Smooth(Form):
-    """``smooth``, by sines over the settings of each table (Solin and Sarkka, Stat. Comput. 2020).
-
-    One product with the data, then hyperparameters cost nothing in n.
-    """
+    """``smooth``: over the settings of each table by itself."""
 
     name = "smooth"
     names = ("kappa", "s", "l")
 
     def __init__(self, problem: Problem) -> None:
         super().__init__(problem)
-        blocks, frequencies, dimensions = [], [], []
+        self._apart: list[tuple[slice, Array]] = []
         for table, part in zip(problem.tables, problem.rows, strict=True):
-            if not _is_smooth(table):
-                continue
-            sines, frequency = _sines(np.asarray(table.places))
-            block = np.zeros((self.n, sines.shape[1]))
-            block[part] = sines * self.unit[part, None]
-            blocks.append(problem.whitened(block))
-            frequencies.append(frequency)
-            dimensions += [np.asarray(table.places).shape[1]] * sines.shape[1]
-        self._sines = np.hstack(blocks)
-        self._square = np.concatenate(frequencies)
-        self._dimension = np.array(dimensions)
-        self._alike = self._sines.T @ self._sines
-        self._log_det = 0.0
+            if _is_smooth(table):
+                places = np.asarray(table.places)
+                z = 2.0 * places / np.ptp(places, axis=0)  # in half ranges
+                self._apart.append((part, np.sum((z[:, None] - z) ** 2, axis=2)))
+        self._factors: tuple[bytes, list[Array]] = b"", []
 
     def prepared(self, columns: Array) -> Any:
-        whitened = self.problem.whitened(columns)
-        return whitened, self._sines.T @ whitened
+        return self.problem.whitened(columns)
 
-    def _explained(self, along: Array, h: Array) -> Array:
-        kappa2, s2, length = np.exp([2.0 * h[0], 2.0 * h[1], h[2]])
-        power = s2 * (math.sqrt(2.0 * math.pi) * length) ** self._dimension
-        root = np.sqrt(power) * np.exp(-0.25 * length**2 * self._square)
-        inner = root[:, None] * self._alike * root / kappa2 + np.eye(len(root))
-        lower = np.linalg.cholesky(inner)
-        self._log_det = 2.0 * float(np.sum(np.log(np.diag(lower))))
-        return np.asarray(np.linalg.solve(lower, root[:, None] * along) / kappa2)
+    def _factored(self, h: Array) -> list[Array]:
+        """Cholesky factors of the tables' covariances, in whitened rows."""
+        if self._factors[0] != h.tobytes():
+            kappa2, s2, length2 = np.exp(2.0 * h)
+            found = []
+            for part, apart in self._apart:
+                rows = np.zeros((self.n, len(apart)))
+                rows[part] = self.unit[part, None] * np.exp(-0.5 * apart / length2)
+                rows = self.problem.whitened(rows)[part] * self.unit[part]
+                both = np.zeros((self.n, len(apart)))
+                both[part] = rows.T
+                process = s2 * self.problem.whitened(both)[part]
+                found.append(np.linalg.cholesky(process + kappa2 * np.eye(len(apart))))
+            self._factors = h.tobytes(), found
+        return self._factors[1]
+
+    def _independent(self, whitened: Array, h: Array) -> Array:
+        result = whitened * math.exp(-h[0])
+        for (part, _), lower in zip(self._apart, self._factored(h), strict=True):
+            result[part] = solve_triangular(lower, whitened[part], lower=True)
+        return result
 
     def gram(self, prepared: Any, h: Array) -> Array:
-        whitened, along = prepared
-        explained = self._explained(along, h)
-        return np.asarray(whitened.T @ whitened * math.exp(-2.0 * h[0]) - explained.T @ explained)
+        columns = self._independent(prepared, h)
+        return np.asarray(columns.T @ columns)
 
     def cost(self, residual: Array, h: Array) -> Array:
-        whitened, along = self.prepared(residual.T)
-        own = np.sum(whitened**2, axis=0) * math.exp(-2.0 * h[0])
-        return np.asarray(own - np.sum(self._explained(along, h) ** 2, axis=0))
+        columns = self._independent(self.prepared(residual.T), h)
+        return np.asarray(np.sum(columns**2, axis=0))
 
     def log_det(self, h: Array) -> float:
-        return self.problem.log_det + 2.0 * self.n * float(h[0]) + self._log_det
+        total, others = self.problem.log_det, self.n
+        for (part, _), lower in zip(self._apart, self._factored(h), strict=True):
+            total += 2.0 * float(np.sum(np.log(np.diag(lower))))
+            others -= part.stop - part.start
+        return total + 2.0 * others * float(h[0])
 
     def begin(self, residual: Array) -> Array:
         size = float(np.std(residual / self.problem.sd))
         return np.array([0.0, math.log(max(size, 0.3)), math.log(0.6)])
-
-
-def _sines(places: Array) -> tuple[Array, Array]:
-    """Sines over settings, shape (n, sines), and the squares of their frequencies, (sines,)."""
-    low, high = places.min(axis=0), places.max(axis=0)
-    z = (places - (low + high) / 2.0) / ((high - low) / 2.0)
-    d = z.shape[1]
-    index = np.array(list(itertools.product(range(1, _SINES.get(d, 4) + 1), repeat=d)))
-    frequency = np.pi * index / (2.0 * _EDGE)
-    kept = np.argsort(np.sum(frequency**2, axis=1), kind="stable")[:_MOST_SINES]
-    frequency = frequency[kept]
-    sines = np.prod(np.sin((z[:, None, :] + _EDGE) * frequency) / math.sqrt(_EDGE), axis=2)
-    return sines, np.sum(frequency**2, axis=1)
 
 
 def _is_smooth(table: Table) -> bool:
@@ -347,7 +334,8 @@ def _is_smooth(table: Table) -> bool:
 
     Along runs it would take what any function of the settings does, and so each cause.
     """
-    return table.places is not None and len(table.mean) >= FEWEST_SMOOTH and not _has_runs(table)
+    fits = FEWEST_SMOOTH <= len(table.mean) <= _MOST_SMOOTH
+    return table.places is not None and fits and not _has_runs(table)
 
 
 def _has_runs(table: Table) -> bool:

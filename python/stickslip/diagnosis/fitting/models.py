@@ -175,6 +175,15 @@ def linear(
     return _fit(problem, form, causes, free, end, h, precision, covariance, log_evidence)
 
 
+def laplace(problem: Problem, form: Form, of: Fit) -> float:
+    """Log-evidence at the hyperparameters of a fit as they are, by Laplace's rule."""
+    prepared = form.prepared(np.column_stack([of.slopes, of.residual]))
+    gram = form.weighted(prepared, of.residual, of.h)
+    misfit = float(form.cost(of.residual[None, :], of.h)[0])
+    beside = form.log_det(of.h) + form.n * math.log(2.0 * math.pi)
+    return _At(problem, of.causes, of.end).integral(gram, misfit, beside, of.precision)[0]
+
+
 def evidence(
     problem: Problem, form: Form, causes: Sequence[Cause], end: End, h: Array
 ) -> tuple[Array, float, Array, Array, float]:
@@ -273,8 +282,11 @@ class _At:
         move = np.zeros(len(x))
         move[inner] = inverse @ downhill[inner]
         for k in np.flatnonzero(pushed).tolist():
-            score = -abs(downhill[k]) / math.sqrt(curvature[k, k])
-            total += 0.5 * score**2 + float(log_ndtr(score)) - 0.5 * math.log(curvature[k, k])
+            # With the others where they are best for it.
+            across = curvature[k, inner] @ inverse
+            bend = float(curvature[k, k] - across @ curvature[inner, k])
+            score = -abs(float(downhill[k] - across @ downhill[inner])) / math.sqrt(bend)
+            total += 0.5 * score**2 + float(log_ndtr(score)) - 0.5 * math.log(bend)
         for place, k in enumerate(inner.tolist()):
             if self._sides[k]:
                 inside = (x[k] + move[k]) / math.sqrt(inverse[place, place])

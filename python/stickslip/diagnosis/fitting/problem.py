@@ -6,11 +6,13 @@ import itertools
 import math
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 from scipy.linalg import solve_triangular
+from scipy.stats import chi2 as chi2_law
+from scipy.stats import f as f_law
 
 from stickslip._util.arrays import Array, Indices
 from stickslip._util.one_line import OneLine
@@ -22,9 +24,10 @@ from stickslip.diagnosis.terms.parameter import Parameter
 Model = Callable[[Array], Array]
 """From physical parameters, shape (vectors, size), to predictions of all rows, (vectors, n)."""
 
-FREED = 10.0
-"""Standard deviation of the coordinate of a constant that is freed from its prior. Chosen: an error
-of several stated standard deviations then does not surprise."""
+FREED = (10.0, 100.0)
+"""Standard deviations of the coordinate of a constant that is freed from its prior; its evidence is
+the mean over them. Chosen: an error of several stated standard deviations does not surprise, nor
+does a slip of the pen."""
 
 LOST = 1e3
 """Residual, in errors, of a row that the model cannot compute. Chosen: far beyond any residual of a
@@ -50,6 +53,9 @@ class Problem(OneLine):
     causes : tuple of Cause
     draft : callable, optional
         A cheaper model for searches from afar, where errors are taken as too large.
+    laws : callable, optional
+        ``laws(problem, x)`` is the problem with laws of a free shape as further, last causes, for
+        constants at the coordinates `x`: where no listed cause explains the data.
     errors : tuple of Errors
         Of the tables.
     roughness : ndarray, shape (n,)
@@ -61,6 +67,7 @@ class Problem(OneLine):
     constants: tuple[Parameter, ...]
     causes: tuple[Cause, ...] = ()
     draft: Model | None = None
+    laws: Callable[[Problem, Array], Problem] | None = field(default=None, repr=False)
     errors: tuple[Errors, ...] = ()
     roughness: Array | None = None
 
@@ -109,16 +116,19 @@ class Problem(OneLine):
         return np.concatenate([np.arange(len(self.constants)), self.columns(causes)])
 
     def precisions(self, causes: Sequence[Cause]) -> list[Array]:
-        """Inverse covariances of the prior of the free coordinates; several where a law is one.
+        """Inverse covariances of the prior of the free coordinates.
 
-        A model's evidence is the mean over them: see `Curve`.
+        A model's evidence is the mean over them, of which there are several where a constant is
+        freed or a cause is a law: see `Curve`.
         """
-        base = np.ones(len(self.free(causes)))
-        names = [each.name for each in self.constants]
+        names, at = [each.name for each in self.constants], len(self.constants)
+        found = [np.eye(len(self.free(causes)))]
         for cause in causes:
-            if cause.frees in names:
-                base[names.index(str(cause.frees))] = FREED**-2
-        found, at = [np.diag(base)], len(names)
+            if cause.frees is not None:
+                place = names.index(cause.frees)
+                widths = FREED if cause.curve is None else FREED[:1]
+                found = [_with_block(each, slice(place, place + 1), np.array(width**-2))
+                         for each in found for width in widths]  # fmt: skip
         for cause in sorted(causes, key=lambda each: self.causes.index(each)):
             end = at + len(cause.parameters)
             if cause.curve is not None:
@@ -217,6 +227,19 @@ def _with_block(whole: Array, part: slice, block: Array) -> Array:
     result = whole.copy()
     result[part, part] = block
     return result
+
+
+def lack_of_fit(problem: Problem, chi2: float, free: int) -> float:
+    """Probability of a larger chi-square of `free` degrees of freedom by the errors alone."""
+    if free <= 0:
+        return 1.0
+    # Of several tables, the degrees of freedom with the variance of their sum.
+    counts = np.array([part.stop - part.start for part in problem.rows], dtype=float)
+    finite = np.isfinite(problem.dof)
+    spread = float(np.sum(counts[finite] ** 2 / problem.dof[finite]))
+    if spread == 0.0:
+        return float(chi2_law.sf(chi2, free))
+    return float(f_law.sf(chi2 / free, free, np.sum(counts) ** 2 / spread))
 
 
 class Cached:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
@@ -17,9 +18,10 @@ from scipy.stats import qmc
 
 from stickslip._util.arrays import Array
 from stickslip.diagnosis.fitting.descent import SETTLED, STAGES, End, derivatives, descend
+from stickslip.diagnosis.fitting.draws import FEWEST, Draws, drawn
 from stickslip.diagnosis.fitting.forms import Form, Softened, forms
 from stickslip.diagnosis.fitting.models import Fit, fit, linear, log_prior, sharpened
-from stickslip.diagnosis.fitting.problem import Problem
+from stickslip.diagnosis.fitting.problem import Problem, lack_of_fit
 from stickslip.diagnosis.fitting.responses import AMPLITUDES, Response, responses
 from stickslip.diagnosis.terms.cause import Cause
 
@@ -34,8 +36,12 @@ twin is missed."""
 NEAR, MOST_CAUSES = 6.0, 2
 """Log posterior odds within which models are refined, and most causes of a model. Chosen."""
 
-# Points of a scan of the constants; most descents of each of `STAGES` and of the stated errors.
-_SCAN, _DESCENTS = 128, (6, 4, 3, 2)
+# Points of a scan of the constants; most descents of each of `STAGES` and of the stated errors;
+# strata of constants that are known in range only. Chosen.
+_SCAN, _DESCENTS, _STRATA = 128, (12, 5, 4, 2), 12
+# p-value of the lack of fit below which more starts follow: a right model has a smaller one in one
+# case of five, and then pays for a second scan. Chosen.
+_DOUBTFUL = 0.2
 # Distance, in coordinates, of starts that lead elsewhere, and below which ends are one.
 _APART, _SAME = 0.7, 0.05
 # Steps of a first look at a model, and how far behind the best cost one may be to go on.
@@ -44,6 +50,8 @@ _LOOK, _HOPELESS = 3, 30.0
 # more has to promise (with less its model is not compared); and least growth of the log-evidence
 # after which a leader is looked beside again.
 _MORE, _WORTH, _BETTER = 6, 2.0, 1.0
+# Sets of causes whose evidence is corrected by draws. Chosen.
+_DRAWN = 4
 # Ends about which single causes are looked for, and starts of each that are looked at.
 _VIEWS, _LOOKED_AT = 3, 6
 # Chi-square per row up to which a model leaves hardly more than its errors. Chosen.
@@ -59,14 +67,26 @@ class Models:
         self.problem, self.offered = problem, tuple(offered)
         self.forms: dict[str, Form] = forms(problem)
         self.best: dict[tuple[frozenset[str], str], Fit] = {}
+        # Draws of the leading sets of causes, and what Laplace's rule misses of their evidence.
+        self.draws: dict[frozenset[str], Draws] = {}
+        self.corrections: dict[frozenset[str], float] = {}
 
     def add(self, new: Fit) -> Fit:
         """Keep a fit if it is the best of its model."""
         key = new.names, new.form
         old = self.best.get(key)
-        if old is None or new.log_evidence > old.log_evidence:
+        if old is None or _is_better(new, old):
             self.best[key] = new
         return self.best[key]
+
+    def widened(self, problem: Problem) -> Models:
+        """The same fits where the problem has further causes, whose coordinates come last."""
+        wider = Models(problem, problem.causes)
+        for key, each in self.best.items():
+            x = np.concatenate([each.x, np.zeros(problem.size - len(each.x))])
+            wider.best[key] = replace(each, x=x)
+        wider.corrections = dict(self.corrections)
+        return wider
 
     def get(self, causes: Iterable[str] = (), form: str = "none") -> Fit | None:
         """The fit of a model, if there is one."""
@@ -79,7 +99,8 @@ class Models:
 
     def log_posterior(self, one: Fit) -> float:
         """Log-evidence and log prior probability of a model, up to what all have."""
-        return one.log_evidence + log_prior(one.causes, one.form, len(self.offered))
+        prior = log_prior(one.causes, one.form, len(self.offered))
+        return one.log_evidence + self.corrections.get(one.names, 0.0) + prior
 
     def leaders(self, count: int | None = None, form: str | None = None) -> list[Fit]:
         """Models by their posterior, the best first."""
@@ -108,33 +129,65 @@ class Models:
         self.add(own)
 
 
+def _is_better(new: Fit, old: Fit) -> bool:
+    """Whether a fit of one model is to be kept; costs compare only in one inner product."""
+    if new.form == "none":
+        return new.cost < old.cost
+    return new.log_evidence > old.log_evidence
+
+
 def recalibrated(problem: Problem, seed: int) -> tuple[Fit, list[End]]:
-    """The model without a cause from starts all over the priors, and the ends at larger errors."""
-    constants = range(len(problem.constants))
-    softest = Softened(problem, *STAGES[0])
-    h, stated = np.zeros(0), forms(problem, ["none"])["none"]
-    count = _SCAN if len(constants) > 1 else _SCAN // 4
-    starts = _scan(problem, softest, count, seed)
-    ends: list[End] = []
+    """The model without a cause from starts all over the priors, and the ends at larger errors.
+
+    Where the first starts end with a misfit, others from a second scan follow, of all strata of the
+    constants that are known in range only: a wrong minimum would be taken for a hidden cause.
+    """
+    stated = forms(problem, ["none"])["none"]
+    count = _SCAN if len(problem.constants) > 1 else _SCAN // 4
+    starts = list(_separated(_scan(problem, count, seed), lambda each: each, _APART))
+    best, ends = _descended(problem, stated, starts)
+    if problem.constants and lack_of_fit(problem, best.chi2, len(problem.y)) < _DOUBTFUL:
+        again, more = _descended(problem, stated, _strata(problem, _scan(problem, _SCAN, seed + 1)))
+        best = min((best, again), key=lambda each: each.cost)
+        ends = sorted([*ends, *more], key=lambda each: each.cost)
+    return best, ends
+
+
+def _descended(problem: Problem, stated: Form, starts: Sequence[Array]) -> tuple[Fit, list[End]]:
+    """The best fit from some starts by all stages, and the ends of the softest."""
+    softest: list[End] = []
     for stage, most in zip(STAGES, _DESCENTS, strict=False):
         soft = Softened(problem, *stage)
-        found = [descend(problem, soft, h, (), x) for x in starts[:most]]
+        found = [descend(problem, soft, np.zeros(0), (), x) for x in starts[:most]]
         found.sort(key=lambda each: each.cost)
         distinct = list(_separated(found, lambda each: each.x, _SAME))
+        softest = softest or distinct
         starts = [each.x for each in distinct]
-        ends += distinct
     fits = [fit(problem, stated, (), x) for x in starts[: _DESCENTS[-1]]]
-    return max(fits, key=lambda each: each.log_evidence), ends
+    return min(fits, key=lambda each: each.cost), softest
 
 
-def _scan(problem: Problem, form: Form, count: int, seed: int) -> list[Array]:
-    """Points drawn from the priors of the constants, the best first, apart from each other."""
+def _scan(problem: Problem, count: int, seed: int) -> Array:
+    """Points drawn from the priors of the constants, shape (count, size), the best first."""
     p, x = len(problem.constants), np.zeros((count, problem.size))
     if p:
         sobol = qmc.Sobol(p, scramble=True, seed=seed).random(count)
         x[1:, :p] = ndtri(np.clip(sobol, 1e-3, 1.0 - 1e-3))[1:]
-    cost = form.cost(problem.residuals(x, True), np.zeros(0)) + np.sum(x[:, :p] ** 2, axis=1)
-    return list(_separated(x[np.argsort(cost, kind="stable")], lambda each: each, _APART))
+    soft = Softened(problem, *STAGES[0])
+    cost = soft.cost(problem.residuals(x, True), np.zeros(0)) + np.sum(x[:, :p] ** 2, axis=1)
+    return np.asarray(x[np.argsort(cost, kind="stable")])
+
+
+def _strata(problem: Problem, points: Array) -> list[Array]:
+    """The best point of each stratum of the constants that are known in range only."""
+    priors = [each.prior for each in problem.constants]
+    wide = [k for k, prior in enumerate(priors) if prior is not None and not prior.has_middle]
+    chosen = list(_separated(points, lambda each: each, _APART))[: _STRATA // 2]
+    for k in wide:
+        edges = np.quantile(points[:, k], np.linspace(0.0, 1.0, max(_STRATA // len(wide), 3) + 1))
+        place = np.searchsorted(edges[1:-1], points[:, k])
+        chosen += [points[np.flatnonzero(place == each)[0]] for each in np.unique(place)]
+    return chosen
 
 
 def _separated(
@@ -149,17 +202,19 @@ def _separated(
 
 
 def search(
-    problem: Problem,
-    null: Fit,
+    models: Models,
     ends: Sequence[End],
-    offered: Sequence[Cause],
+    causes: Sequence[Cause],
     say: Progress = lambda fraction, stage: None,
-) -> Models:
-    """Fit the models that the data may come from; `null` and `ends` are of `recalibrated`."""
-    models = Models(problem, offered)
-    models.add(null)
-    _fit_singles(models, ends)
-    done = {null.names: null.log_evidence}
+    seed: int = 0,
+) -> None:
+    """Fit the models that the data may come from, with `causes` that have no fit yet.
+
+    `models` has the recalibrated one; `ends` are of `recalibrated`.
+    """
+    problem = models.problem
+    _fit_singles(models, ends, causes)
+    done = {frozenset[str](): models.null.log_evidence}
     for turn in range(ROUNDS):
         say(0.3 + 0.5 * turn / ROUNDS, "comparing models")
         new = [
@@ -175,7 +230,29 @@ def search(
         _fit_other_forms(models)
     for each in _near(models):
         models.best[each.names, each.form] = sharpened(problem, models.forms[each.form], each)
-    return models
+    _draw(models, seed)
+
+
+def _draw(models: Models, seed: int) -> None:
+    """Correct the evidence of the leading sets of causes by draws, or their fit by a better one."""
+    problem = models.problem
+    sets: dict[frozenset[str], Fit] = {}
+    for each in _near(models):
+        sets.setdefault(each.names, each)
+    for names, each in [pair for pair in sets.items() if pair[0] not in models.draws][:_DRAWN]:
+        form = models.forms[each.form]
+        found = drawn(problem, form, each, seed)
+        if found is None:
+            continue
+        own = found.best
+        cost = form.cost(found.residual[[int(np.argmax(found.weight))]], each.h)[0]
+        if float(cost + own[each.free] @ each.precision @ own[each.free]) < each.cost - _BETTER:
+            models.fit(each.form, each.causes, own, h=each.h)
+            each = models.best[names, each.form]
+            found = drawn(problem, form, each, seed) or found
+        models.draws[names] = found
+        if found.effective > FEWEST:
+            models.corrections[names] = found.correction
 
 
 def screened(models: Models, found: Sequence[Response]) -> None:
@@ -207,7 +284,7 @@ def _worth_a_look(models: Models) -> list[Fit]:
     return [each for each in sets.values() if each.causes][:LEADERS]
 
 
-def _fit_singles(models: Models, ends: Sequence[End]) -> None:
+def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -> None:
     """A fit of each cause by itself, begun where responses about several ends promise most."""
     problem, null = models.problem, models.null
     soft = _softened(problem, null)
@@ -217,12 +294,12 @@ def _fit_singles(models: Models, ends: Sequence[End]) -> None:
         views.append(_end_at(problem, (), end.x))
         if len(views) == _VIEWS:
             break
-    starts: dict[str, list[Response]] = {each.name: [] for each in models.offered}
+    starts: dict[str, list[Response]] = {each.name: [] for each in causes}
     for view in views:
-        for each in responses(problem, view, (), models.offered, soft, np.zeros(0)):
+        for each in responses(problem, view, (), causes, soft, np.zeros(0)):
             starts[each.cause.name].append(each)
     robust, looks = Softened(problem, *STAGES[-1]), []
-    for cause in models.offered:
+    for cause in causes:
         # Responses are right to first order: their ends are looked at as they are.
         near = list(_separated(starts[cause.name], lambda each: each.x, _APART))[:_LOOKED_AT]
         residual = problem.residuals(np.array([each.x for each in near]))
@@ -239,7 +316,7 @@ def _fit_singles(models: Models, ends: Sequence[End]) -> None:
     for end, cause in looks:
         if end.cost < looks[0][0].cost + _HOPELESS or models.get([cause.name]) is None:
             models.fit("none", (cause,), end.x, end.slopes)
-    for cause in models.offered:
+    for cause in causes:
         own = models.get([cause.name])
         if own is None or own.cost > null.cost + SETTLED:
             models.fit("none", (cause,), null.x)  # no fit is worse than what it contains

@@ -264,7 +264,7 @@ def _own_law(scenario: Scenario, uncertain: Mapping[str, Prior], effect: str, sp
         fixed={span_key: span},
     )
     size, largest = _PLACE_SIZE if is_place else _FACTOR_SIZE
-    return _law(effect, curve, keys, "-", size, -1.0, largest)
+    return _law(curve.name, curve, keys, "-", size, -1.0, largest)
 
 
 def _design(scenario: Scenario, effect: str, keys: Sequence[str], argument: Array) -> Array:

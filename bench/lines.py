@@ -1,0 +1,154 @@
+"""How large each part of the project is, beside what it may be: ``python -m bench lines``.
+
+Lines are those of the files as the formatters leave them; *code* is what is left of them without
+blank lines, comments and docstrings. `--list` names what of the diagnosis is short, called once,
+a constant or long.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import io
+import re
+import subprocess
+import tokenize
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+_DIAGNOSIS = r"python/stickslip/(diagnosis|measurement|facts)/.*\.py"
+_DIAGNOSED = (
+    r"tests/(diagnosis/.*|toy_model|line_model|made_measurement|measured_maps|instrument_files"
+    r"|asking_results|report_page|films|free_shapes"
+    r"|test_(diagnosis|observables|blind|instrument|measurement|scoreboard|user_effect_diagnosis"
+    r"|free_terms|formula_search|law_band|reading_errors|correlated_readings|real_drops)\w*)\.py"
+)
+PARTS = {
+    "core and bindings": (r"cpp/(stickslip|bindings)/.*\.(h|hpp|cpp)", 12_000),
+    "diagnosis, measurement, facts": (_DIAGNOSIS, 10_000),
+    "rest of the package": (rf"(?!{_DIAGNOSIS})python/.*\.py", 11_500),
+    "tests": (r"(tests|cpp/tests)/.*\.(py|h|hpp|cpp)", 26_000),
+    "- of the diagnosis": (_DIAGNOSED, 5_500),
+    "bench": (r"bench/.*\.py", 5_000),
+    "page to play with, programs of docs": (r"(cpp/web|docs)/.*\.(py|cpp|js)", None),
+}
+"""Which files belong to a part, and how many lines it may have."""
+WORDS = (r"(docs/.*|README|CONTRIBUTING)\.md", 35_000)
+SHORT = 60  # lines of a file below which it should be part of another
+
+
+def files(pattern: str) -> list[Path]:
+    """Files of the project whose whole path matches, ignored ones apart."""
+    command = ["git", "-C", str(ROOT), "ls-files", "--cached", "--others", "--exclude-standard"]
+    names = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
+    return [ROOT / name for name in names if re.fullmatch(pattern, name) and (ROOT / name).exists()]
+
+
+def code_lines(text: str, python: bool) -> int:
+    """Lines without the blank ones, comments and docstrings."""
+    if not python:
+        bare = re.sub(r"/\*.*?\*/|//[^\n]*", "", text, flags=re.DOTALL)
+        return sum(bool(line.strip()) for line in bare.splitlines())
+    tree = ast.parse(text)
+    strings = {
+        line
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+        if isinstance(node.value.value, str)
+        for line in range(node.lineno, (node.end_lineno or node.lineno) + 1)
+    }
+    silent = (tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT)
+    tokens = tokenize.generate_tokens(io.StringIO(text).readline)
+    kept = [each for each in tokens if each.type not in (*silent, tokenize.ENDMARKER)]
+    lines = {line for each in kept for line in range(each.start[0], each.end[0] + 1)}
+    return len(lines - strings)
+
+
+def constants(tree: ast.Module) -> Iterator[str]:
+    """Names in capitals that a module gives a number, each name of a tuple by itself."""
+    for node in tree.body:
+        if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None:
+            parts = list(ast.walk(node.value))
+            numbers = [each for each in parts if isinstance(each, ast.Constant)]
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            names = [each.id for target in targets for each in ast.walk(target)
+                     if isinstance(each, ast.Name)]  # fmt: skip
+            bad = any(isinstance(each, ast.Dict | ast.Lambda | ast.comprehension) for each in parts)
+            if numbers and not bad and all(type(each.value) in (int, float) for each in numbers):
+                yield from (name for name in names if re.fullmatch(r"_?[A-Z][A-Z0-9_]*", name))
+
+
+def called_once(tree: ast.Module) -> Iterator[str]:
+    """Private functions and methods that their file mentions once beside their definition."""
+    used = Counter(
+        node.id if isinstance(node, ast.Name) else node.attr
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Name | ast.Attribute)
+    )
+    for node in ast.walk(tree):
+        private = isinstance(node, ast.FunctionDef) and re.match(r"_[^_]", node.name)
+        if private and used[node.name] == 1:
+            yield node.name
+
+
+def lengths(tree: ast.Module) -> dict[str, int]:
+    """Lines of each function, with its docstring."""
+    return {
+        f"{node.name}, line {node.lineno}": (node.end_lineno or node.lineno) - node.lineno + 1
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef)
+    }
+
+
+def shape(paths: list[Path]) -> tuple[dict[str, int], dict[str, list[str]]]:
+    """Counts of what makes a package hard to read, and the names behind them."""
+    classes, long = 0, {}
+    found: dict[str, list[str]] = {
+        f"files below {SHORT} lines": [], "numeric constants": [],
+        "private functions called once": [],
+    }  # fmt: skip
+    short, numbers, once = found.values()
+    for path in paths:
+        text, name = path.read_text(), str(path.relative_to(ROOT))
+        tree = ast.parse(text)
+        classes += sum(isinstance(node, ast.ClassDef) for node in ast.walk(tree))
+        if len(text.splitlines()) < SHORT and path.name != "__init__.py":
+            short.append(name)
+        numbers += [f"{name}: {each}" for each in constants(tree)]
+        once += [f"{name}: {each}" for each in called_once(tree)]
+        long |= {f"{name}: {each}": lines for each, lines in lengths(tree).items()}
+    limit = int(np.percentile(list(long.values()), 95)) if long else 0
+    counts = {"files": len(paths), "classes": classes, "functions": len(long)}
+    counts |= {what: len(each) for what, each in found.items()}
+    counts["lines of a function, 95th percentile"] = limit
+    worst = sorted(long, key=lambda each: -long[each])[: len(long) // 20]
+    return counts, {**found, "longest functions": [f"{each}: {long[each]} lines" for each in worst]}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m bench lines", description=__doc__)
+    parser.add_argument("--list", action="store_true", help="name what is counted of the diagnosis")
+    options = parser.parse_args()
+    print(f"{'':<36}{'lines':>8}{'code':>8}{'aim':>8}{'over':>8}")
+    for part, (pattern, aim) in PARTS.items():
+        texts = [(path.read_text(), path.suffix == ".py") for path in files(pattern)]
+        lines = sum(len(text.splitlines()) for text, _ in texts)
+        code = sum(code_lines(*each) for each in texts)
+        against = f"{aim:>8}{lines - aim:>+8}" if aim is not None else ""
+        print(f"{part:<36}{lines:>8}{code:>8}{against}")
+    words = sum(len(path.read_text().split()) for path in files(WORDS[0]))
+    print(f"{'words of documentation':<36}{words:>8}{'':>8}{WORDS[1]:>8}{words - WORDS[1]:>+8}")
+    counts, found = shape(files(_DIAGNOSIS))
+    print("\nOf diagnosis, measurement, facts:")
+    print(*(f"{what:<36}{count:>8}" for what, count in counts.items()), sep="\n")
+    if options.list:
+        for what, names in found.items():
+            print(f"\n{what}:", *names, sep="\n  ")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,156 @@
+"""The two ways into a diagnosis: of a measurement, and of data with a model of one's own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from stickslip._util.arrays import Array
+from stickslip._util.processor_count import worker_count
+from stickslip.diagnosis.data.checks import find_problem, find_velocity_problem, velocity_notes
+from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.data.velocity import VelocityTable
+from stickslip.diagnosis.fitting.search import Progress
+from stickslip.diagnosis.measured import pose
+from stickslip.diagnosis.own_model import Predict, Values, overflows, pose_own
+from stickslip.diagnosis.result import Diagnosis
+from stickslip.diagnosis.steps import run
+from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.laws import Curves
+from stickslip.diagnosis.terms.parameter import Parameter
+from stickslip.errors import ScenarioError
+from stickslip.measurement.reading import Measurement
+from stickslip.scenario.keys import check_whole, shown
+from stickslip.simulation.note import Note
+from stickslip.sweeping.notes import notes_of_points
+from stickslip.sweeping.points import from_changes
+from stickslip.sweeping.run_sweep import simulated
+
+
+def diagnose(
+    measurement: Measurement,
+    *,
+    seed: int = 0,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Diagnosis:
+    """Diagnose a measurement with the simulator and its library of causes.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        From `read_measurement` or `Measurement.from_dataframe`.
+    seed : int
+        From 0, of the random draws. The result does not depend on `threads`.
+    threads : int, optional
+        Simulations at a time; as many as there are processors, if not given.
+    progress : callable, optional
+        ``progress(fraction, stage)`` is told the fraction that is done and what comes next.
+
+    Returns
+    -------
+    Diagnosis
+
+    Raises
+    ------
+    ScenarioError
+        If `measurement` is none, nothing was measured that the diagnosis can use, or `seed` is not
+        allowed.
+    ValueError
+        If `threads` is not a whole number above zero.
+    """
+    if not isinstance(measurement, Measurement):
+        raise ScenarioError(
+            f"measurement = {shown(measurement)}: allowed is a Measurement; "
+            "Measurement.from_dataframe(...) or read_measurement(path) makes one"
+        )
+    check_whole("seed", seed)
+    problem = pose(measurement, worker_count(threads, "threads"), seed)
+    first, suspect = problem.tables[0], None
+    notes: list[Note] = []
+    if isinstance(first, VelocityTable):
+        suspect = find_velocity_problem(first, alone=len(problem.tables) == 1)
+        notes = [*velocity_notes(first), *_notes_of_runs(measurement, first)]
+    findings = run(problem, int(seed), progress or _silent, suspect)
+    return Diagnosis(findings, measurement, tuple(notes))
+
+
+def diagnose_model(
+    predict: Predict,
+    data: Table | Sequence[Table],
+    uncertain: Sequence[Parameter],
+    causes: Sequence[Cause] = (),
+    *,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> Diagnosis:
+    """Diagnose measured data with a forward model of one's own.
+
+    Parameters
+    ----------
+    predict : callable
+        ``predict(table, p)`` returns readings of one table of `data`, shape (vectors, rows of the
+        table). ``p["name"]`` are the values of a parameter in its unit, shape (vectors, 1); those
+        of absent causes are at their `absent` value. What it cannot compute is NaN. With free laws
+        among the causes it is called as ``predict(table, p, curves)``, see `free_law`.
+    data : Table or sequence of Table
+    uncertain : sequence of Parameter
+        Constants that are known by their priors. For each whose prior has a middle, unless it is no
+        suspect, "other than stated" is a cause, too.
+    causes : sequence of Cause
+        Effects, instruments (see `instruments`) and free laws.
+    seed : int
+        From 0, of the random draws.
+    progress : callable, optional
+        ``progress(fraction, stage)`` is told the fraction that is done and what comes next.
+
+    Returns
+    -------
+    Diagnosis
+
+    Raises
+    ------
+    ScenarioError
+        If something is given that is not allowed.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stickslip import Cause, Parameter, Prior, Table, diagnose_model
+    >>> x = np.linspace(1.0, 3.0, 12)
+    >>> def line(table, p):
+    ...     return p["slope"] * table["x"] + p["height"] * np.sin(5 * table["x"])
+    >>> slope = Parameter("slope", Prior("normal", 1.0, 0.1))
+    >>> wave = Cause("wave", Parameter("height", size=0.5, low=-5, high=5))
+    >>> table = Table({"x": x}, x + np.sin(5 * x), sd=0.1)
+    >>> result = diagnose_model(line, table, [slope], [wave])
+    >>> result.verdict.kind, result.verdict.causes
+    ('named', ('wave',))
+    """
+    check_whole("seed", seed)
+    problem = pose_own(predict, data, uncertain, causes)
+    notes = overflows(problem)
+    alone = len(problem.tables) == 1
+    suspect = next(filter(None, (find_problem(each, alone=alone) for each in problem.tables)), None)
+    findings = run(problem, int(seed), progress or _silent, suspect)
+
+    def forward(conditions: Any, values: Array) -> Array:
+        """Readings of a table that was not measured."""
+        p = Values({name: values[:, [k]] for k, name in enumerate(problem.names)})
+        laws = [each for each in problem.causes if each.curve is not None]
+        made = predict(conditions, p, Curves(laws, p)) if laws else predict(conditions, p)
+        return np.asarray(made, dtype=float)
+
+    return Diagnosis(findings, None, tuple(notes), forward)
+
+
+def _silent(fraction: float, stage: str) -> None:
+    """Say nothing."""
+
+
+def _notes_of_runs(measurement: Measurement, table: VelocityTable) -> list[Note]:
+    """What the stated model's runs at the measured conditions are noted for."""
+    points = from_changes(measurement.scenario, table.conditions)
+    return notes_of_points(points, simulated(points, table.threads, None), "conditions")

@@ -1,0 +1,233 @@
+"""Evidence, forms of the discrepancy, descents and draws beside integrals and dense matrices."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal, multivariate_t
+from toys import BEND, LEVEL, SLOPE, STEP, WAVE, data, problem, shapes
+
+from stickslip.diagnosis.data.errors import Errors
+from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.decision.gain import held_out, parts_of
+from stickslip.diagnosis.fitting.descent import derivatives, descend
+from stickslip.diagnosis.fitting.draws import drawn
+from stickslip.diagnosis.fitting.forms import forms
+from stickslip.diagnosis.fitting.models import fit, laplace
+from stickslip.diagnosis.fitting.problem import LOST, Cached, Problem
+
+
+def integral(posed, causes, form, h, width=7.0, points=49):
+    """Log of the integral of likelihood and prior over three coordinates by sums."""
+    free = posed.free(causes)
+    at = fit(posed, form, causes, np.zeros(posed.size)).x
+    sd = np.sqrt(np.diag(fit(posed, form, causes, at).covariance))
+    sd = np.where(sd > 0.0, sd, 0.1)  # at the end of a range
+    low, high = posed.limits[:, free]
+    axes = [
+        np.linspace(max(at[k] - width * s, a), min(at[k] + width * s, b), points)
+        for k, s, a, b in zip(free, sd, low, high, strict=True)
+    ]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(free))
+    x = np.zeros((len(grid), posed.size))
+    x[:, free] = grid
+    density = np.concatenate([
+        form.density(posed.residuals(part), h) for part in np.array_split(x, 10)
+    ])  # fmt: skip
+    density += -0.5 * np.sum(grid**2, axis=1) - 0.5 * len(free) * math.log(2 * math.pi)
+    density += math.log(2.0) * sum(posed.parameters[k].one_sided for k in free)
+    weights = np.ones(len(grid))
+    for axis, column in zip(axes, grid.T, strict=True):
+        # Trapezoids: half a step at the ends, where the density may be cut off.
+        step = axis[1] - axis[0]
+        weights *= np.where((column == axis[0]) | (column == axis[-1]), 0.5, 1.0) * step
+    top = density.max()
+    return top + math.log(float(np.sum(np.exp(density - top) * weights)))
+
+
+@pytest.mark.parametrize(
+    ("cause", "extra", "within"),
+    # A size that is far from zero, a one-sided one far from and at its end.
+    [(WAVE, 0.3, 0.02), (STEP, 0.4, 0.02), (STEP, -0.2, 0.1), (BEND, 0.0, 0.05)],
+)
+def test_evidence_is_the_integral(cause, extra, within):
+    x = np.linspace(1.0, 3.0, 30)
+    (name,) = (each.name for each in cause.parameters)
+    posed = problem(data(extra * shapes(x)[name]), [cause])
+    form = forms(posed)["none"]
+    found = fit(posed, form, [cause], np.zeros(posed.size))
+    wanted = integral(posed, [cause], form, found.h)
+    # Laplace's rule is exact but for the curvature of sinh, small beside its width.
+    assert found.log_evidence == pytest.approx(wanted, abs=within)
+
+
+def test_draws_correct_what_laplace_misses():
+    # Of a size that the data hardly know: its prior's tails and sinh count.
+    posed = problem(data(0.2 * np.sin(5.0 * np.linspace(1.0, 3.0, 6)), sd=0.5, n=6), [WAVE])
+    form = forms(posed)["none"]
+    found = fit(posed, form, [WAVE], np.zeros(posed.size))
+    made = drawn(posed, form, found, seed=0)
+    wanted = integral(posed, [WAVE], form, found.h)
+    # The draws' own error is about 1 / sqrt(256).
+    assert found.log_evidence + made.correction == pytest.approx(wanted, abs=0.1)
+    assert made.effective > 100
+    assert np.sum(made.weight) == pytest.approx(1.0)
+
+
+def dense(posed, name, h):
+    """Covariance of a form as a matrix."""
+    (table,) = posed.tables
+    unit = np.median(posed.sd)
+    own = np.diag(posed.sd**2) if posed.covariance(0) is None else posed.covariance(0)
+    if name == "none":
+        return own
+    covariance = math.exp(2 * h[0]) * own
+    if name == "ar1":
+        span = np.array([np.ptp(table.order[table.run == run]) for run in table.run])
+        apart = np.abs(np.subtract.outer(table.order, table.order)) / span[:, None]
+        alike = np.exp(-apart / math.exp(h[2]))
+        alike[table.run[:, None] != table.run] = 0.0
+        covariance = covariance + (unit * math.exp(h[1])) ** 2 * alike
+    if name == "smooth":
+        z = 2.0 * (table.places - table.places.min(0)) / np.ptp(table.places, axis=0)
+        apart = np.sum((z[:, None] - z) ** 2, axis=2)
+        alike = np.exp(-0.5 * apart / math.exp(2 * h[2]))
+        covariance = covariance + (unit * math.exp(h[1])) ** 2 * alike
+    return covariance
+
+
+def shared_errors(posed):
+    """The same problem with an error that all rows share."""
+    rows = len(posed.y)
+    covariance = 0.01 * np.eye(rows) + 0.02 * np.ones((rows, rows))
+    return replace(posed, errors=(Errors(np.sqrt(np.diag(covariance)), covariance),))
+
+
+@pytest.mark.parametrize("name", ["none", "white", "ar1", "smooth"])
+@pytest.mark.parametrize("shared", [False, True])
+def test_densities_are_those_of_the_dense_matrix(name, shared):
+    if name == "ar1":
+        if shared:
+            pytest.skip("not offered beside shared errors")
+        table = data(run=np.repeat([0, 1], [12, 18]), sd=np.linspace(0.05, 0.2, 30))
+        table.order = table.order + np.where(table.order > 20, 3.5, 0.0)  # a gap
+    else:
+        table = data(sd=np.linspace(0.05, 0.2, 30))
+    posed = shared_errors(problem(table)) if shared else problem(table)
+    form = forms(posed)[name]
+    h = np.array([0.3, 0.8, math.log(0.07 if name == "ar1" else 0.8)])[: len(form.names)]
+    residual = np.random.default_rng(1).standard_normal((3, 30))
+    law = multivariate_normal(np.zeros(30), dense(posed, name, h))
+    assert form.density(residual, h) == pytest.approx(law.logpdf(residual), rel=1e-8)
+    columns = np.random.default_rng(2).standard_normal((30, 4))
+    gram = form.gram(form.prepared(columns), h)
+    wanted = columns.T @ np.linalg.solve(dense(posed, name, h), columns)
+    assert gram == pytest.approx(wanted, rel=1e-7)
+
+
+def test_estimated_errors_have_students_law():
+    posed = replace(problem(data()), errors=(Errors(np.full(30, 0.1), dof=7.0),))
+    residual = 0.2 * np.random.default_rng(1).standard_normal((2, 30))
+    law = multivariate_t(np.zeros(30), 0.01 * np.eye(30), df=7.0)
+    form = forms(posed)["none"]
+    assert form.density(residual, np.zeros(0)) == pytest.approx(law.logpdf(residual), rel=1e-9)
+
+
+def test_small_tables_and_short_runs_have_fewer_forms():
+    assert set(forms(problem(data(n=10)))) == {"none", "white"}
+    assert set(forms(problem(data(n=30)))) == {"none", "white", "smooth"}
+    # Along a run a smooth discrepancy would take each cause.
+    assert set(forms(problem(data(n=30, run=np.zeros(30))))) == {"none", "white", "ar1"}
+
+
+def jumping(sd=0.1):
+    """A row that jumps by 30 errors as the slope passes 1.02, beside 29 that do not."""
+    table = data()
+
+    def model(values):
+        made = values[:, :1] * table["x"] + values[:, 1:2]
+        made[:, 7] += np.where(values[:, 0] > 1.02, 30.0 * sd, 0.0)
+        return made
+
+    return Problem((table,), Cached(model), (SLOPE, LEVEL))
+
+
+def test_a_jump_is_no_slope():
+    posed = jumping()
+    x = np.array([(1.02 - 1e-4 - 1.0) / 0.1, 0.0])  # just below it
+    residual = posed.residuals(x[None, :])[0]
+    slopes = derivatives(posed, x, np.arange(2), residual)
+    smooth = np.delete(slopes[:, 0], 7)
+    assert smooth == pytest.approx(0.1 * np.delete(posed.tables[0]["x"], 7), rel=1e-6)
+    assert abs(slopes[7, 0]) < 1.0  # 3 / 0.03 = 100 across the jump
+
+
+def test_a_lost_row_does_not_stop_the_others():
+    table = data()
+
+    def model(values):
+        made = values[:, :1] * table["x"] + values[:, 1:2]
+        made[:, 3] = np.nan
+        made[:, 4] = 1e200
+        return made
+
+    posed = Problem((table,), Cached(model), (SLOPE, LEVEL))
+    form = forms(posed)["none"]
+    end = descend(posed, form, np.zeros(0), (), np.zeros(2))
+    assert end.residual[3:5] == pytest.approx(LOST * posed.sd[3:5])
+    kept = np.delete(np.arange(30), [3, 4])
+    alone = Table({"x": table["x"][kept]}, table.y[kept], sd=0.1)
+    wanted = fit(problem(alone, []), forms(problem(alone, []))["none"], [], np.zeros(2))
+    assert end.x == pytest.approx(wanted.x, abs=1e-3)
+
+
+def test_a_constant_stated_far_off_is_reached():
+    far = replace(SLOPE, prior=type(SLOPE.prior)("normal", 0.5, 0.01), suspect=True)
+    posed = problem(data(), [], (far, LEVEL))
+    (cause,) = posed.causes
+    found = fit(posed, forms(posed)["none"], [cause], np.zeros(2))
+    # 55 standard deviations off, with ten as the freed prior's.
+    assert SLOPE.prior.first - 0.2 < 0.5 + 0.01 * found.x[0] < 1.2
+    assert found.chi2 < 50.0
+
+
+@pytest.mark.parametrize("name", ["none", "smooth"])
+def test_held_out_errors_are_those_of_refits(name):
+    posed = problem(data(0.3 * np.sin(5.0 * np.linspace(1.0, 3.0, 30))), [WAVE])
+    form = forms(posed)[name]
+    found = fit(posed, form, [WAVE], np.zeros(posed.size))
+    parts = parts_of(posed)
+    errors = held_out(posed, found, name, parts)
+    covariance = dense(posed, name, found.h)
+    for rows in parts[:3]:
+        kept = np.setdiff1d(np.arange(30), rows)
+        weight = np.linalg.inv(covariance[np.ix_(kept, kept)])
+        slopes = found.slopes[kept]
+        curvature = slopes.T @ weight @ slopes + found.precision
+        downhill = slopes.T @ weight @ found.residual[kept] - found.precision @ found.x
+        moved = found.x + np.linalg.solve(curvature, downhill)
+        wanted = found.residual[rows] - found.slopes[rows] @ (moved - found.x)
+        assert errors[rows] == pytest.approx(wanted, abs=1e-8)
+    assert np.concatenate(parts).tolist() == list(range(30))
+
+
+def test_predictions_are_made_once():
+    calls = []
+
+    def model(values):
+        calls.append(len(values))
+        return values[:, :1] * np.ones(3)
+
+    cached = Cached(model)
+    values = np.array([[1.0], [2.0], [1.0]])
+    assert cached(values)[:, 0].tolist() == [1.0, 2.0, 1.0]
+    assert cached(values[:2])[:, 0].tolist() == [1.0, 2.0]
+    assert calls == [2]
+
+
+def test_the_laplace_of_a_fit_is_its_evidence_without_hyperparameters():
+    posed = problem(data(), [WAVE])
+    form = forms(posed)["none"]
+    found = fit(posed, form, [WAVE], np.zeros(posed.size))
+    assert laplace(posed, form, found) == pytest.approx(found.log_evidence, abs=1e-9)

@@ -1,0 +1,46 @@
+"""Small models of which the answers are known."""
+
+import numpy as np
+
+from stickslip import Prior
+from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.own_model import pose_own
+from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.parameter import Parameter
+
+SLOPE = Parameter("slope", Prior("normal", 1.0, 0.1), suspect=False)
+LEVEL = Parameter("level", Prior("normal", 0.0, 0.5), suspect=False)
+WAVE = Cause("wave", Parameter("wave.height", size=0.5, low=-5.0, high=5.0), "a wave")
+STEP = Cause("step", Parameter("step.height", size=0.5, low=0.0, high=5.0), "a step at 2")
+BEND = Cause("bend", Parameter("bend.size", size=0.2, low=-3.0, high=3.0), "a parabola")
+TWIN = Cause("twin", Parameter("twin.height", size=0.5, low=-5.0, high=5.0), "nearly the wave")
+CAUSES = (WAVE, STEP, BEND, TWIN)
+
+
+def shapes(x):
+    return {
+        "wave.height": np.sin(5.0 * x),
+        "step.height": (x > 2.0).astype(float),
+        "bend.size": (x - 2.0) ** 2,
+        "twin.height": np.sin(5.0 * x + 0.25),
+    }
+
+
+def line(table, p):
+    """A line with whatever is added to it, shape (vectors, rows)."""
+    x = table["x"]
+    made = p["slope"] * x + p["level"]
+    for name, shape in shapes(x).items():
+        made = made + p.get(name, np.zeros((1, 1))) * shape
+    return made
+
+
+def data(extra=0.0, sd=0.1, n=30, seed=0, **options):
+    """Readings of a line and `extra`, with normal errors."""
+    x = np.linspace(1.0, 3.0, n)
+    noise = sd * np.random.default_rng(seed).standard_normal(n)
+    return Table({"x": x}, 1.05 * x + 0.2 + extra + noise, sd=sd, name="line", **options)
+
+
+def problem(table, causes=CAUSES, uncertain=(SLOPE, LEVEL)):
+    return pose_own(line, table, uncertain, causes)
