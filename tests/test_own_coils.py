@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip import Coils, Drive, Scenario, ScenarioError, Waveform, effects, simulate
-from stickslip.diagnosis.model.effect_causes import library
+from stickslip.diagnosis.terms.library import library
 
 OWN = {
     "effects.coil_clamp.side": 0.11,
