@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from toys import BEND, LEVEL, STEP, TWIN, WAVE, data, problem, shapes
 
 from stickslip import Prior
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.posterior import posterior
 from stickslip.diagnosis.steps import run
 from stickslip.diagnosis.terms.parameter import Parameter
+from toys import BEND, LEVEL, STEP, TWIN, WAVE, data, problem, shapes
 
 X = np.linspace(1.0, 3.0, 30)
 ALONE = (WAVE, STEP, BEND)

@@ -92,11 +92,7 @@ class Table:
         self.places = _places([each[self.first] for each in columns])
         self.group = np.arange(len(number), dtype=np.int64)
         runs = None if run is None else _labels(run, count, at + "run")
-        stated = None
-        if sd is not None:
-            stated = np.broadcast_to(np.asarray(sd, dtype=float), (count,))
-            if not np.all(np.isfinite(stated) & (stated > 0.0)):
-                raise ScenarioError(f"{at}sd: allowed are numbers above 0")
+        stated = None if sd is None else _stated(sd, count, at + "sd")
         self.mean, self.errors = estimate(
             self.y, self.condition, sd=stated, run=runs,
             setup=None if block is None else _labels(block, count, at + "block"),
@@ -127,6 +123,19 @@ def _row(values: ArrayLike, what: str) -> Array:
     if row.ndim != 1 or not len(row) or not np.all(np.isfinite(row)):
         raise ScenarioError(f"{what} = {brief(values)}: allowed is one row of finite numbers")
     return row
+
+
+def _stated(sd: ArrayLike, count: int, what: str) -> Array:
+    """The stated error of each reading."""
+    try:
+        each = np.broadcast_to(np.asarray(sd, dtype=float), (count,))
+    except (TypeError, ValueError):
+        each = np.zeros(1)
+    if not np.all(np.isfinite(each) & (each > 0.0)):
+        raise ScenarioError(
+            f"{what} = {brief(sd)}: allowed is a number above 0, or {count} of them"
+        )
+    return each
 
 
 def _labels(values: ArrayLike, count: int, what: str) -> Indices:

@@ -108,11 +108,27 @@ def held_out(problem: Problem, fit: Fit, form: str, parts: list[Indices]) -> Arr
         gram = _gram(problem, whole, fit, columns, kept)
         curvature = gram[:-1, :-1] + fit.precision
         downhill = gram[:-1, -1] - fit.precision @ fit.x[fit.free]
-        low, high = problem.limits[:, fit.free]
-        move = np.linalg.solve(curvature, downhill)
-        move = np.clip(fit.x[fit.free] + move, low, high) - fit.x[fit.free]
+        move = _within(curvature, downhill, *(problem.limits[:, fit.free] - fit.x[fit.free]))
         errors[rows] = fit.residual[rows] - fit.slopes[rows] @ move
     return errors
+
+
+def _within(curvature: Array, downhill: Array, low: Array, high: Array) -> Array:
+    """The step to the minimum of a quadratic within these ends.
+
+    What would leave them stays there, and the rest moves for that: a constant and a law that trade
+    off against each other must not move one without the other.
+    """
+    step, free = np.zeros(len(downhill)), np.ones(len(downhill), dtype=bool)
+    while free.any():
+        along = downhill[free] - curvature[np.ix_(free, ~free)] @ step[~free]
+        step[free] = np.linalg.solve(curvature[np.ix_(free, free)], along)
+        outside = (step < low) | (step > high)
+        if not outside.any():
+            break
+        step = np.clip(step, low, high)
+        free &= ~outside
+    return step
 
 
 def _gram(problem: Problem, form: Form, fit: Fit, columns: Array, kept: Indices) -> Array:

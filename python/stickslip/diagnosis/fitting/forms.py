@@ -332,10 +332,11 @@ class Smooth(Form):
 def _is_smooth(table: Table) -> bool:
     """Whether a discrepancy may be smooth over the settings.
 
-    Along runs it would take what any function of the settings does, and so each cause.
+    Along runs, and over a single setting, it would take what each cause does.
     """
     fits = FEWEST_SMOOTH <= len(table.mean) <= _MOST_SMOOTH
-    return table.places is not None and fits and not _has_runs(table)
+    varied = 0 if table.places is None else table.places.shape[1]
+    return fits and varied > 1 and not _has_runs(table)
 
 
 def _has_runs(table: Table) -> bool:

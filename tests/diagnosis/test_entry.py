@@ -1,0 +1,133 @@
+"""The way into a diagnosis of a measurement."""
+
+import numpy as np
+import pytest
+
+from made_velocities import drives, measurement, trials
+from stickslip import Scenario, ScenarioError, diagnose
+from stickslip.diagnosis.measured import pose
+from stickslip.diagnosis.terms.library import library
+
+
+@pytest.fixture(scope="module")
+def table():
+    return trials()
+
+
+@pytest.fixture(scope="module")
+def sound(table):
+    """A sound measurement, how it was diagnosed, and what progress was told."""
+    told = []
+    result = diagnose(
+        measurement(table),
+        threads=1,
+        progress=lambda fraction, stage: told.append((fraction, stage)),
+    )
+    return result, told
+
+
+@pytest.mark.nightly
+def test_nothing_is_found_where_nothing_is(sound):
+    result, _ = sound
+    assert (result.verdict.kind, result.verdict.causes) == ("none", ())
+    assert result.verdict.probabilities["none"] > 0.5
+    friction = result.params.loc["contact.kinetic_friction"]
+    stated = Scenario().contact.kinetic_friction
+    assert abs(friction["value"] - stated) < 4.0 * friction["sd"]
+    assert result.extended.contact.kinetic_friction == friction["value"]
+    assert result.extended.uncertain is not None
+    assert len(result.next_trials()) == 0
+
+
+@pytest.mark.nightly
+def test_the_result_does_not_depend_on_threads_and_little_on_the_seed(table, sound):
+    result, _ = sound
+    again = diagnose(measurement(table), threads=2)
+    assert again.as_dict()["candidates"] == result.as_dict()["candidates"]
+    assert np.array_equal(again.findings.models.null.x, result.findings.models.null.x)
+    assert again.findings.test.p_value == result.findings.test.p_value
+    other = diagnose(measurement(table), threads=2, seed=7)
+    assert other.verdict.kind == "none"
+    assert other.params["value"] == pytest.approx(result.params["value"], rel=0.05)
+
+
+@pytest.mark.nightly
+def test_progress_goes_from_start_to_end(sound):
+    _, told = sound
+    fractions = [fraction for fraction, _ in told]
+    assert (fractions[0], fractions[-1]) == (0.0, 1.0)
+    assert fractions == sorted(fractions)
+    assert told[0][1] == "recalibrating"
+    assert all(stage for _, stage in told)
+
+
+@pytest.mark.nightly
+def test_velocities_in_another_unit_are_a_problem_of_the_data(table):
+    wrong = table.assign(velocity=1e3 * table["velocity"])
+    result = diagnose(measurement(wrong), threads=2)
+    assert (result.verdict.kind, result.verdict.causes) == ("data-problem", ())
+    (reason,) = result.verdict.reasons
+    assert reason.code == "velocities-size"
+    assert not result.fitted
+    assert "data-problem" in result.summary()
+    # Nothing was learnt.
+    assert result.extended == measurement(wrong).scenario
+
+
+# ---------------------------------------------------------------------------------- the problem
+def test_a_measurement_poses_its_tables_constants_and_suspects(table):
+    posed = pose(measurement(table), threads=1)
+    assert [each.name for each in posed.tables] == ["velocity"]
+    assert posed.constants[0].name == "contact.kinetic_friction"
+    names = [each.name for each in posed.causes]
+    assert len(names) == len(set(names))
+    scenario = measurement(table).scenario
+    effects = {each.name for each in library(scenario, {"contact.kinetic_friction": None}, 20.0)}
+    assert effects <= set(names)
+    # What reads the velocities, and what is other than stated.
+    assert {"velocity_offset", "contact.kinetic_friction"} <= set(names)
+    assert len(posed.y) == len(drives())
+
+
+def test_the_stated_model_is_at_the_middle_of_the_coordinates(table):
+    posed = pose(measurement(table), threads=1)
+    x = np.zeros((1, posed.size))
+    made = posed.model(posed.physical(x))[0]
+    # Readings have an error of 2 %, of which three were taken.
+    assert made == pytest.approx(posed.y, rel=0.1)
+    # A limit of the velocities below half of the largest cuts these off, and nothing else.
+    (clip,) = (each for each in posed.causes if each.name == "velocity_clipping")
+    (column,) = posed.columns([clip])
+    x[0, column] = 6.0
+    limited = posed.model(posed.physical(x))[0]
+    limit = float(posed.physical(x)[0, column])
+    assert limited == pytest.approx(np.clip(made, -limit, limit), rel=1e-9)
+    assert np.abs(limited - made).max() > 0.0
+
+
+@pytest.mark.parametrize("given", ["m.toml", None, np.zeros(3)])
+def test_only_a_measurement_is_diagnosed(given):
+    with pytest.raises(ScenarioError, match=r"measurement = .*: allowed is a Measureme") as said:
+        diagnose(given)
+    assert "\n" not in str(said.value)
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "said"),
+    [
+        ({"seed": -1}, ScenarioError, "seed = -1: allowed is a whole number from 0"),
+        ({"seed": 0.5}, ScenarioError, "seed = 0.5: allowed is a whole number from 0"),
+        ({"threads": 0}, ValueError, "threads"),
+        ({"threads": 1.5}, ValueError, "threads"),
+    ],
+)
+def test_numbers_that_are_not_allowed_are_refused(table, options, error, said):
+    with pytest.raises(error, match=said):
+        diagnose(measurement(table), **options)
+
+
+def test_a_drive_that_turns_the_robot_is_refused(table):
+    turned = measurement(table.assign(heading=0.5))
+    with pytest.raises(ScenarioError, match="leaves its plane") as said:
+        pose(turned)
+    assert "\n" not in str(said.value)

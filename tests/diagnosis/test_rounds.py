@@ -1,0 +1,154 @@
+"""A diagnosis and its experiments in turns."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from stickslip import Measurement, Prior, Scenario, ScenarioError, diagnose_in_rounds, simulate
+from stickslip.diagnosis import rounds
+from stickslip.diagnosis.decision.experiments import PROPOSED, Experiment, trial_table
+from stickslip.diagnosis.rounds import BUDGET
+from stickslip.simulation.note import Note
+
+NOMINAL = Scenario().replace({"drive.mode": "OPP", "drive.base": 0.5e-3, "drive.pulses": 5})
+OLD = pd.DataFrame({"frequency": [20.0, 20.0, 40.0, 40.0], "velocity": [1e-3, 1.1e-3, 2e-3, 2e-3]})
+SAFE, UNSAFE = Note("name-safe", "The name is safe."), Note("no-safe-name", "It is not safe.")
+
+
+def measurement(table=OLD):
+    return Measurement.from_dataframe(table, NOMINAL)
+
+
+def experiments(count):
+    """Drives of other frequencies."""
+    drive = measurement().velocity[0].conditions[0]
+    drive = {key.removeprefix("drive."): value for key, value in drive.items()}
+    return [Experiment({**drive, "frequency": 50.0 + 10.0 * k}, UNSAFE, 9.0, {}) for k in range(3)][
+        :count
+    ]
+
+
+def asking(given, said):
+    """What rounds ask of a diagnosis."""
+    return SimpleNamespace(
+        measurement=given,
+        next_step=said,
+        worth_measuring=lambda count: [] if said is SAFE else experiments(count),
+        trial_table=lambda some, trials: trial_table(some, ["frequency"], trials),
+    )
+
+
+@pytest.fixture
+def diagnosed(monkeypatch):
+    """Measurements that were diagnosed; the name is safe when there are more tables than this."""
+    seen, until = [], {"tables": 3}
+
+    def diagnose(given, *, seed, threads, progress):
+        seen.append(given)
+        if progress is not None:
+            progress(0.5, "testing")
+        return asking(given, SAFE if len(given.velocity) > until["tables"] else UNSAFE)
+
+    monkeypatch.setattr(rounds, "diagnose", diagnose)
+    return seen, until
+
+
+def test_rounds_end_when_a_name_is_safe(diagnosed):
+    asked = []
+
+    def measure(drive):
+        asked.append(drive["frequency"])
+        return [1e-3, float("nan"), (1.1 + 0.1 * len(asked)) * 1e-3]
+
+    result, done = diagnose_in_rounds(measurement(), measure, budget=5)
+    assert result.next_step is SAFE
+    assert asked == [50.0] * 3
+    # Gaps are no trials.
+    assert [len(each.trials) for each in done] == [2, 2, 2]
+    assert done[0].trials["velocity"].tolist() == pytest.approx([1e-3, 1.2e-3])
+    assert done[0].trials["frequency"].tolist() == [50.0, 50.0]
+    assert [each.result.next_step for each in done] == [UNSAFE] * 3
+    assert [len(each.velocity) for each in diagnosed[0]] == [1, 2, 3, 4]
+
+
+@pytest.mark.parametrize(
+    ("budget", "at_once", "asked"), [(0, 1, 0), (2, 1, 2), (2, 3, 2), (3, 2, 3)]
+)
+def test_rounds_end_when_the_budget_is_used_up(diagnosed, budget, at_once, asked):
+    diagnosed[1]["tables"] = 99
+    speeds = iter(np.linspace(1e-3, 2e-3, 9))
+    result, done = diagnose_in_rounds(
+        measurement(), lambda _: next(speeds), budget=budget, at_once=at_once
+    )
+    assert result.next_step is UNSAFE
+    assert sum(len(each.trials) for each in done) == asked
+    assert len(diagnosed[0]) == len(done) + 1
+    assert all(len(each.trials) <= at_once for each in done)
+
+
+def test_rounds_end_when_nothing_can_be_measured(diagnosed):
+    for nothing in ([], float("nan"), None):
+        diagnosed[0].clear()
+        result, done = diagnose_in_rounds(measurement(), lambda _, said=nothing: said, budget=3)
+        assert (result.next_step, done, len(diagnosed[0])) == (UNSAFE, [], 1)
+
+
+def test_the_progress_is_that_of_all_diagnoses(diagnosed):
+    diagnosed[1]["tables"] = 2
+    told, speeds = [], iter(np.linspace(1e-3, 2e-3, 9))
+    diagnose_in_rounds(
+        measurement(), lambda _: next(speeds), progress=lambda *each: told.append(each)
+    )
+    assert BUDGET == PROPOSED == 3
+    assert told == [
+        (0.125, "diagnosis 1: testing"), (0.375, "diagnosis 2: testing"),
+        (0.625, "diagnosis 3: testing"), (1.0, "done"),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("measure", "more", "said"),
+    [
+        (lambda _: "fast", {}, "measure.*: allowed are numbers in m/s, one for each trial"),
+        (lambda _: [[1e-3]], {}, "one for each trial"),
+        (3.0, {}, "measure = 3.0: allowed is a function of a drive"),
+        (lambda _: 1e-3, {"budget": -1}, "budget = -1: allowed is a whole number from 0"),
+        (lambda _: 1e-3, {"at_once": 0}, "at_once = 0: allowed is a whole number from 1"),
+    ],
+)
+def test_what_measure_returns_and_numbers_are_checked(diagnosed, measure, more, said):
+    with pytest.raises(ScenarioError, match=said) as caught:
+        diagnose_in_rounds(measurement(), measure, **more)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.nightly
+def test_near_twins_are_told_apart_in_rounds():
+    truth = NOMINAL.replace({"contact.kinetic_friction": 0.151, "effects.surface_tilt.angle": 0.04})
+    random = np.random.default_rng(1)
+
+    def measure(drive):
+        settings = {f"drive.{name}": value for name, value in drive.items()}
+        level = simulate(truth.replace(settings)).mean_velocity
+        return level * (1 + 0.03 * random.standard_normal(3))
+
+    rows = [
+        {"frequency": f, "velocity": velocity}
+        for f in (20.0, 30.0, 40.0, 55.0, 75.0)
+        for velocity in measure({"frequency": f})
+    ]
+    uncertain = {
+        "contact.kinetic_friction": Prior("normal", 0.145, 0.01),
+        "drag.linear": Prior("log-uniform", 3e-6, 3e-5),
+    }
+    data = Measurement.from_dataframe(pd.DataFrame(rows), NOMINAL, uncertain)
+    result, done = diagnose_in_rounds(data, measure)
+    first = done[0].result.verdict
+    assert first.kind != "named"
+    assert 1 <= len(done) <= 3
+    assert len(result.measurement.velocity) == 1 + len(done)
+    # What is claimed, at the end, has the truth in it.
+    assert result.verdict.kind in ("named", "dominant", "ambiguous", "pair")
+    assert "surface_tilt" in result.verdict.causes
