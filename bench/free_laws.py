@@ -1,6 +1,6 @@
 """Laws hidden in a model of one's own, and what is said of them: ``python -m bench laws``.
 
-The model is the sliding block of the tests, with free terms over speed, load and temperature.
+The model is the sliding block of the tests, with free laws over speed, load and temperature.
 """
 
 from __future__ import annotations
@@ -9,49 +9,55 @@ import argparse
 import sys
 from collections import Counter
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+from drawn_law import drawn
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from sliding_block import FRICTION, HIDDEN, measured, result
+from stickslip.diagnosis.result import CLAIMS
 
 STRENGTHS = (1.0, 0.5)
+_POINTS = 61  # of a curve
 
 
 def hidden(seeds: range) -> None:
-    """Of each law: how often a curve is accepted and where, its band, and its formulas."""
-    for term, (law, at) in HIDDEN.items():
+    """Of each law: how often it is claimed, by itself or in a set, and whether its band holds."""
+    for law, (truth, at) in HIDDEN.items():
         for strength in STRENGTHS:
             held: list[bool] = []
             forms: Counter[str] = Counter()
-            elsewhere = 0
+            elsewhere = among = 0
             for seed in seeds:
-                found: Any = result(measured(seed, 1.0 + strength * law(at)), seed=seed).open_set
-                if found is None or not found.accepted:
-                    continue
-                if found.first.term.name != term.name:
+                found = result(measured(seed, 1.0 + strength * truth(at)), seed=seed)
+                causes = found.verdict.causes
+                if found.verdict.kind not in CLAIMS:
+                    among += law.name in causes
+                elif causes != (law.name,):
                     elsewhere += 1
-                    continue
-                curve = found.curve
-                truth = FRICTION * (1.0 + strength * law(curve.argument))
-                held.append(bool(np.all((curve.low <= truth) & (truth <= curve.high))))
-                forms["none" if found.formula is None else found.formula.text] += 1
+                else:
+                    u = np.linspace(law.curve.low, law.curve.high, _POINTS)
+                    # The law of the result knows its constant.
+                    own = next(each for each in found.best.fit.causes if each.name == law.name)
+                    low, high, formula = drawn(found, own, u)
+                    whole = FRICTION * (1.0 + strength * truth(u))
+                    held.append(bool(np.all((low <= whole) & (whole <= high))))
+                    forms["none" if formula is None else formula.text] += 1
             print(
-                f"{term.name} x {strength:g}: accepted {len(held) + elsewhere} of {len(seeds)}, "
-                f"elsewhere {elsewhere}, whole law in band {sum(held)}, "
+                f"{law.name} x {strength:g}: claimed {len(held)} of {len(seeds)}, "
+                f"elsewhere {elsewhere}, in a set {among}, whole law in band {sum(held)}, "
                 + ", ".join(f"{count} {text}" for text, count in forms.most_common()),
                 flush=True,
             )
 
 
 def nothing(seeds: range) -> None:
-    """Without a hidden law: false alarms, and curves that are claimed."""
-    found = [result(measured(seed), seed=seed) for seed in seeds]
-    alarms = sum(each.verdict.kind != "none" for each in found)
-    claimed = sum(each.open_set is not None and each.open_set.accepted for each in found)
-    print(f"nothing hidden: {alarms} alarms and {claimed} claimed curves of {len(seeds)}")
+    """Without a hidden law: false alarms, and laws that are claimed."""
+    found = [result(measured(seed), seed=seed).verdict.kind for seed in seeds]
+    alarms = sum(each != "none" for each in found)
+    claimed = sum(each in CLAIMS for each in found)
+    print(f"nothing hidden: {alarms} alarms and {claimed} claimed laws of {len(seeds)}")
 
 
 def main() -> None:

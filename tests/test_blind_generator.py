@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from stickslip import Coils, Scenario, _core, simulate
-from stickslip.diagnosis.observables.tracking.camera import Camera, record
+from stickslip.diagnosis.data.camera import Camera, record
 from stickslip.measurement import read_measurement
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))

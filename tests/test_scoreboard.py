@@ -11,13 +11,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 
 from real import scoreboard
 from real.flights import read_drops
-from real.impacts import (
-    diagnose_table,
-    first_impacts,
-    height_table,
-    robust_fit,
-    velocity_table,
-)
+from real.impacts import diagnose_impacts, first_impacts, heights, robust_fit, velocities
 from real.tumbler import diagnose_tumbler
 
 
@@ -37,7 +31,7 @@ def test_the_smallest_set_gives_its_verdict(tumbler):
 
 
 def test_the_drops_give_no_confident_wrong_angle():
-    found = diagnose_table(height_table, first_impacts(read_drops(scoreboard.DROPS)))
+    found = diagnose_impacts(heights, first_impacts(read_drops(scoreboard.DROPS)))
     # Nineteen heights are too few to choose; of 151 a pair is claimed, with the known offset.
     assert found.verdict.kind == "ambiguous"
     assert scoreboard.judged(found, scoreboard.HEIGHTS) == "open, the truth in the set"
@@ -48,8 +42,7 @@ def test_the_robust_fit_does_not_depend_on_where_it_begins():
     # A search ends where the log-likelihood of 57 readings changes by less than 0.001, which is an
     # error that is 1 % off; other minima leave errors that are tens of per cent larger or smaller.
     impacts = first_impacts(read_drops(scoreboard.DROPS))
-    table = velocity_table(impacts)
-    first, second = (np.sort(robust_fit(table, impacts, seed)[1], axis=1) for seed in (0, 1))
+    first, second = (np.sort(robust_fit(velocities, impacts, seed)[1], axis=1) for seed in (0, 1))
     np.testing.assert_allclose(np.median(second, axis=1), np.median(first, axis=1), rtol=0.02)
     np.testing.assert_allclose(second[:, -1], first[:, -1], rtol=0.02)
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from drawn_law import drawn
 from scipy.stats import norm
 
 import stickslip
@@ -18,9 +19,7 @@ from blind.readings import velocities
 from blind.truth import Truth
 from blind.writing import KEYS, write_case, write_more
 from stickslip import Cause, Diagnosis, Drive, Scenario, Solver, diagnose, simulate_batch
-from stickslip.diagnosis.candidate import spread_of
 from stickslip.diagnosis.data.velocity import VelocityTable
-from stickslip.diagnosis.decision.formulas import formula
 from stickslip.diagnosis.result import CLAIMS
 from stickslip.diagnosis.terms.library import library
 from stickslip.measurement import read_measurement
@@ -149,22 +148,11 @@ def _law(result: Diagnosis) -> dict[str, Any] | None:
         curve = cause.curve
         if curve is None:
             continue
-        values, names = result.best.values(), result.problem.names
         at = np.linspace(curve.low, curve.high, _POINTS)
-        columns = [names.index(each.name) for each in cause.parameters]
-        f = values[:, columns] @ curve.design(at).T
-        base, constant = curve.stated, None
-        if curve.constant is not None:
-            k = names.index(curve.constant)
-            base, constant = values[:, [k]], result.problem.parameters[k]
-            f = np.hstack([f, base])
-        found = formula(at, f[0], spread_of(f), curve, constant)
-        law = base * (1.0 + f[:, :_POINTS]) if curve.relative else f
-        half = norm.ppf(0.975) * np.sqrt(np.diag(spread_of(law)))
+        low, high, found = drawn(result, cause, at)
         return {
             "accepted": True, "effect": _effect(cause), "gain": result.as_dict()["gain"],
-            "curve": {"argument": at.tolist(), "low": (law[0] - half).tolist(),
-                      "high": (law[0] + half).tolist()},
+            "curve": {"argument": at.tolist(), "low": low.tolist(), "high": high.tolist()},
             "formula": None if found is None else found.text,
             "others": [] if found is None else list(found.others),
         }  # fmt: skip

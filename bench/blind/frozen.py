@@ -29,12 +29,12 @@ SETS, ROWS = HERE / "frozen" / "sets.jsonl.xz", HERE / "frozen" / "rows.jsonl"
 STUDY_SETS, ANSWERS = HERE / "study" / "sets.jsonl.xz", HERE / "study" / "answers.jsonl.xz"
 
 
-def sets(path: Path = SETS) -> Iterator[dict[str, Any]]:
+def sets(path: Path | None = None) -> Iterator[dict[str, Any]]:
     """Data sets with the text of their `files` by name.
 
     Those of the study have a `name`, the others `kind`, `seed` and `answer`.
     """
-    with lzma.open(path, "rt") as file:
+    with lzma.open(path or SETS, "rt") as file:
         for line in file:
             yield json.loads(line)
 

@@ -11,11 +11,12 @@ import sliding_block
 from stickslip.diagnosis.data.errors import Errors
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.gain import held_out, measured, parts_of
-from stickslip.diagnosis.fitting.descent import derivatives, descend
+from stickslip.diagnosis.fitting.descent import End, derivatives, descend
 from stickslip.diagnosis.fitting.draws import drawn
 from stickslip.diagnosis.fitting.forms import forms
-from stickslip.diagnosis.fitting.models import fit, laplace
+from stickslip.diagnosis.fitting.models import fit, laplace, linear
 from stickslip.diagnosis.fitting.problem import LOST, Cached, Problem
+from stickslip.diagnosis.fitting.search import Models, _fit_other_forms, _fit_stated_again
 from stickslip.diagnosis.own_model import pose_own
 from toys import BEND, LEVEL, SLOPE, STEP, WAVE, data, problem, shapes
 
@@ -251,3 +252,23 @@ def test_a_refit_that_meets_the_end_of_a_range_moves_the_rest():
     assert np.mean(missed) < 1.6
     null = fit(posed, form, [], np.zeros(posed.size))
     assert measured(posed, null, found).certain
+
+
+@pytest.mark.parametrize("stuck", ["none", "smooth"])
+def test_a_form_that_is_stuck_begins_again_where_another_one_is(stuck):
+    posed = problem(data(0.6 * np.sin(5.0 * np.linspace(1.0, 3.0, 30))), [WAVE])
+    models = Models(posed, posed.causes)
+    null = models.add(fit(posed, models.forms["none"], (), np.zeros(posed.size)))
+    good = "smooth" if stuck == "none" else "none"
+    best = models.add(fit(posed, models.forms[good], [WAVE], np.zeros(posed.size)))
+    # Without any of the cause, which a large discrepancy makes up for.
+    slopes = derivatives(posed, null.x, posed.free([WAVE]), null.residual)
+    end = End(null.x, null.residual, slopes, math.nan)
+    bad = linear(posed, models.forms[stuck], [WAVE], end)
+    # No descent from there finds what the linear model promises.
+    bad = models.add(replace(bad, log_evidence=bad.log_evidence - 5.0))
+    assert bad.chi2 > best.chi2 + 100.0
+    (_fit_stated_again if stuck == "none" else _fit_other_forms)(models)
+    found = models.get(["wave"], stuck)
+    assert found.chi2 < bad.chi2 - 100.0
+    assert posed.physical(found.x[None, :])[0, 2] == pytest.approx(0.6, abs=0.1)

@@ -9,7 +9,9 @@ The errors of frames have one model,
 
 where X is what repeats with the drive, e has variance 1 and the correlation phi of neighbouring
 frames, and Z u is shared by the frames of a period. Restricted likelihood, linear in the number of
-frames, tells s, phi and the size of u, as `errors` has it for other tables.
+frames, tells s, phi and the size of u, as `errors` has it for other tables. Few periods tell the
+size of u badly, and the error of the advance with it: the degrees of freedom are a mean over all
+observables.
 """
 
 from __future__ import annotations

@@ -10,6 +10,8 @@ from importlib import resources
 from typing import Any
 
 from stickslip._util.units import handy
+from stickslip.diagnosis.terms.laws import _PLACES
+from stickslip.diagnosis.terms.parameter import Parameter
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -39,6 +41,8 @@ def title(name: str) -> str:
 def _title(name: str) -> str:
     if name in _CAUSES:
         return str(_CAUSES[name]["name"])
+    if name in _PLACES:
+        return "another law of {} over {}".format(*_PLACES[name])
     constant = _WORDS["constants"].get(name)
     return f"another {constant['name']} than stated" if constant else name
 
@@ -122,6 +126,16 @@ def limit(name: str, value: float, unit: str, digits: int = 2) -> str:
     """A value in the unit of its parameter: ``2.1 degrees``."""
     factor, shown = shown_in(name, unit)
     return f"{number(value * factor, digits)} {shown}".rstrip()
+
+
+def before(parameter: Parameter) -> str:
+    """What was known of a parameter before the data, in the unit in which it is told."""
+    if parameter.size is None:
+        return f"{parameter.prior_in_words} {parameter.unit}".removesuffix(" -")
+    said = limit(parameter.name, parameter.size, parameter.unit)
+    if parameter.falls:
+        return f"{said} below {limit(parameter.name, parameter.high, parameter.unit)}"
+    return f"{said} would not surprise"
 
 
 def size(name: str, value: float, sd: float, unit: str) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from html import unescape
 from typing import TYPE_CHECKING, Any
 
@@ -13,8 +13,9 @@ from stickslip import _core
 from stickslip._util.arrays import Array
 from stickslip._util.html_page import page_text
 from stickslip._util.units import handy
-from stickslip.diagnosis.candidate import Candidate, table_name
+from stickslip.diagnosis.candidate import Candidate, spread_of, table_name
 from stickslip.diagnosis.data.film import FilmTable
+from stickslip.diagnosis.decision.formulas import formula
 from stickslip.diagnosis.decision.limits import upper_limits
 from stickslip.diagnosis.decision.posterior import ALIKE, cosine
 from stickslip.diagnosis.fitting.models import Fit
@@ -25,7 +26,7 @@ from stickslip.diagnosis.report.readings import in_words, settings_of, title_of,
 if TYPE_CHECKING:
     from stickslip.diagnosis.result import Diagnosis
 
-_DECIDING = 3  # readings that are named
+_DECIDING, _POINTS = 3, 41  # readings that are named; points of a law
 
 
 def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
@@ -58,6 +59,7 @@ def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
         "conditions": _conditions(result),
         "channels": _channels(result),
         "claimed": [],
+        "law": None,
         "moved": None,
         "leader": None,
         "runner_up": None,
@@ -72,7 +74,7 @@ def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
         "of_measurement": source is not None,
     }
     if result.fitted:
-        numbers |= _of_models(result)
+        numbers |= _of_models(result, numbers["conditions"])
     if source is not None and verdict.kind == "ambiguous":
         numbers["next_experiments"] = _experiments(result)
     numbers["headline"] = summary_text(numbers).split("\n", 1)[0]
@@ -97,8 +99,8 @@ def _cause(result: Diagnosis) -> str | list[str] | None:
     return list(verdict.causes) if verdict.causes else None
 
 
-def _of_models(result: Diagnosis) -> dict[str, Any]:
-    """What there is where models were fitted."""
+def _of_models(result: Diagnosis, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """What there is where models were fitted; `rows` are the conditions."""
     verdict, models = result.verdict, result.findings.models
     table, fits = result.compare(), result.chance.fits
     ranking = [
@@ -113,18 +115,20 @@ def _of_models(result: Diagnosis) -> dict[str, Any]:
     candidates = [Candidate(each, models) for each in members]
     parameters: dict[str, Any] = {}
     for each in candidates:
-        sizes = {k: v for name in _sizes(result, each).values() for k, v in name.items()}
-        parameters = {**{k.removeprefix("effects."): v for k, v in sizes.items()}, **parameters}
+        for sizes in _sizes(result, each).values():
+            for name, size in sizes.items():
+                parameters.setdefault(name.removeprefix("effects."), size)
     return {
         "parameters": parameters,
         "discrepancy": best.left,
         "ranking": ranking,
         "claimed": [_told(result, each) for each in candidates],
         "leader": None if told is None else _leader(result, best),
+        "law": law_of(best),
         "runner_up": None if verdict.kind == "unexplained" else _runner_up(result, told),
         "recalibrated": _recalibrated(result),
         "moved": _moved(result),
-        "deciding_readings": [] if told is None else _deciding(result, told),
+        "deciding_readings": [] if told is None else _deciding(result, told, rows),
         "alike": [] if told is None else _alike(result, told),
         "bounds": _bounds(result) if verdict.kind == "none" else {},
     }
@@ -141,12 +145,15 @@ def _sizes(result: Diagnosis, candidate: Candidate) -> dict[str, dict[str, dict[
     """Parameters of each cause of a candidate with their errors, by full name."""
     rows, ends = candidate.params.to_dict("index"), candidate.interval(0.95).to_dict("index")
     constants = {each.name: each for each in result.problem.constants}
+    known = {each.name: each for each in result.problem.parameters}
     found: dict[str, dict[str, dict[str, Any]]] = {}
     for cause in candidate.fit.causes:
         names = [each.name for each in cause.parameters]
         if not names and cause.frees is not None:
             names = [cause.frees]
-        found[cause.name] = {k: {**rows[k], **ends[k]} for k in names}
+        found[cause.name] = {
+            k: {**rows[k], **ends[k], "before": amounts.before(known[k])} for k in names
+        }
         for each in constants.keys() & set(names):
             found[cause.name][each]["stated"] = float(constants[each].value(np.zeros(1))[0])
     return found
@@ -158,8 +165,9 @@ def _told(result: Diagnosis, candidate: Candidate) -> dict[str, Any]:
     for each in candidate.fit.causes:
         said: dict[str, Any] = amounts.told(each.name, each.meaning, sizes[each.name])
         if each.curve is not None:
-            said |= {"title": f"another law of {each.curve.name}", "curve": each.curve.name,
-                     "finding": f"The law of {each.curve.name} has another shape."}  # fmt: skip
+            # Drawings have the names of the laws.
+            said |= {"finding": f"The law of {each.curve.name} has another shape.",
+                     "drawing": each.curve.law, "interval": ""}  # fmt: skip
         causes.append(said)
     chance = result.chance.models[candidate.name]
     return {"candidate": candidate.name, "title": amounts.title(candidate.name),
@@ -236,19 +244,22 @@ def _moved(result: Diagnosis) -> dict[str, Any] | None:
     return {"name": pulls.idxmax(), "pull": float(pulls.max())} if len(pulls) else None
 
 
-def _deciding(result: Diagnosis, told: Fit) -> list[dict[str, Any]]:
+def _deciding(
+    result: Diagnosis, told: Fit, rows: Sequence[Mapping[str, Any]]
+) -> list[dict[str, Any]]:
     """The readings that tell a model from its runner-up, by the difference of log-likelihood."""
     models, problem = result.findings.models, result.problem
     pair = [models.get(each.names) or each for each in (told, _other(result, told))]
     square = problem.whitened(np.stack([each.residual for each in pair], axis=1)) ** 2
     gain = 0.5 * (square[:, 1] - square[:, 0])
     whole = float(np.sum(gain[gain > 0.0]))
-    rows = [each for each in np.argsort(-gain).tolist()[:_DECIDING] if gain[each] > 0.0]
-    named = {row["row"]: row for row in _conditions(result)}
     return [
-        {"table": named[k]["table"], "number": named[k]["number"], "where": named[k]["where"],
-         "difference": float(gain[k]), "share": float(gain[k]) / whole}
-        for k in rows
+        {
+            **{key: rows[k][key] for key in ("table", "number", "where")},
+            "difference": float(gain[k]), "share": float(gain[k]) / whole,
+        }
+        for k in np.argsort(-gain).tolist()[:_DECIDING]
+        if gain[k] > 0.0
     ]  # fmt: skip
 
 
@@ -288,6 +299,36 @@ def _at_end(parameter: Any, value: float) -> bool:
     if parameter.falls:
         return bool(value <= parameter.low * 1.001)
     return bool(value >= 0.999 * max(abs(parameter.low), abs(parameter.high)))
+
+
+def law_of(candidate: Candidate) -> dict[str, Any] | None:
+    """The curve of a law of a free shape with its 95 % band, and a formula that follows it."""
+    problem = candidate.models.problem
+    for cause in candidate.fit.causes:
+        curve = cause.curve
+        if curve is None:
+            continue
+        at, values = np.linspace(curve.low, curve.high, _POINTS), candidate.values()
+        knots = [problem.names.index(each.name) for each in cause.parameters]
+        f = values[:, knots] @ curve.design(at).T
+        law, constant, rows = f, None, f
+        if curve.relative:
+            base = np.full(len(values), curve.stated)
+            if curve.constant is not None:
+                column = problem.names.index(curve.constant)
+                base, constant = values[:, column], problem.parameters[column]
+                rows = np.column_stack([f, base])
+            law = base[:, None] * (1.0 + f)
+        half = 1.96 * np.sqrt(np.diag(spread_of(law)))
+        found = formula(at, rows[0], spread_of(rows), curve, constant)
+        return {
+            "name": curve.name, "law": curve.law if curve.relative else f"change of {curve.law}",
+            "law_unit": curve.law_unit, "argument": curve.argument, "unit": curve.unit,
+            "at": at.tolist(), "value": law[0].tolist(), "low": (law[0] - half).tolist(),
+            "high": (law[0] + half).tolist(),
+            "formula": None if found is None else found.in_words(curve),
+        }  # fmt: skip
+    return None
 
 
 def _gain(result: Diagnosis) -> dict[str, Any] | None:
@@ -343,7 +384,7 @@ def _conditions(result: Diagnosis) -> list[dict[str, Any]]:
         for i, row in enumerate(range(part.start, part.stop)):
             unit = unit_of(table, i)
             rows.append({
-                "table": table_name(problem, k), "number": i + 1, "row": row,
+                "table": table_name(problem, k), "number": i + 1,
                 "where": where[i],
                 "settings": {name: values[i] for name, (values, _) in settings.items()},
                 "unit": unit, "reading": float(problem.y[row]), "sd": float(problem.sd[row]),
