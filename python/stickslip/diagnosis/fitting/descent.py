@@ -34,8 +34,8 @@ _JUMP = 1.0
 # Steps over which a change of a row is a slope even if it jumps. Share of the promised fall of the
 # cost below which slopes are taken anew. Chosen.
 _STRIDE, _GOOD = 0.3, 0.3
-# Longest step, in which the coordinates of an amplitude or a logarithm are far from linear, and that
-# of a constant whose coordinate is: it may be stated many standard deviations off.
+# Longest step of amplitudes and logarithms, whose coordinates are far from linear, and of other
+# constants, which may be stated many standard deviations off. Chosen.
 _STEP, _LINEAR_STEP = 2.5, 50.0
 
 
