@@ -23,7 +23,7 @@ from stickslip.scenario.toml_text import parse_toml
 WILD = "a\x1b[31m\x9b31m\x7f\r\n\u2028\u202eb"
 TAGS = re.findall(
     r"\w+",
-    "html head meta title style body h1 h2 p b i div svg g path line rect circle ellipse polyline "
+    "html head meta title style body h1 h2 h3 p b i div svg g path line rect circle ellipse polyline "
     "polygon text tspan defs clippath use image figure figcaption ul li nav a details summary "
     "table tr th td code script",
 )
@@ -90,7 +90,7 @@ def test_what_is_left_out_of_a_measurement(tmp_path):
     assert all(str(fact).isprintable() for fact in left_out)
     (tmp_path / WILD).write_text(f"velocity,{cells}\n1e-3,IPP\n")
     (fact,) = read_measurement(path).left_out
-    assert fact.fields["columns"] == [cells]
+    assert printable(cells) in str(fact)
     assert str(fact).isprintable()
 
 
