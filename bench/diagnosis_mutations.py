@@ -90,13 +90,15 @@ def drawn(seed: int, count: int) -> list[Mutation]:
     return [next(kinds[KINDS[k % len(KINDS)]]) for k in range(count)]
 
 
-def survives(mutation: Mutation, package: Path, limit: float) -> str:
+def survives(mutation: Mutation, package: Path, limit: float, near: bool) -> str:
     """The test that sees it; empty if none does."""
     path = package / mutation.file
     original = path.read_bytes()
     module = str(mutation.file.with_suffix("")).replace("/", ".")
     # Tests that name the module see most: they come first.
     files = sorted(TESTS.glob("test_*.py"), key=lambda each: module not in each.read_text())
+    if near:
+        files = [each for each in files if module in each.read_text()] or files
     options = ["-q", "-x", "--no-header", "-p", "no:cacheprovider"]
     changed = original[: mutation.start] + mutation.text.encode() + original[mutation.stop :]
     try:
@@ -124,6 +126,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=30)
     parser.add_argument("--limit", type=float, default=900.0, help="seconds of the tests of one")
+    parser.add_argument("--near", action="store_true", help="only tests that name the module")
     arguments = parser.parse_args()
     shutil.rmtree(SCRATCH, ignore_errors=True)
     shutil.copytree(
@@ -136,7 +139,7 @@ def main() -> int:
         source = (SCRATCH / "python" / mutation.file).read_bytes()
         line = source[: mutation.start].count(b"\n") + 1
         old = source[mutation.start : mutation.stop].decode()
-        by = survives(mutation, SCRATCH / "python", arguments.limit)
+        by = survives(mutation, SCRATCH / "python", arguments.limit, arguments.near)
         seen += bool(by)
         place = f"{mutation.file.relative_to(ENGINE)}:{line}"
         what = f"{' '.join(old.split())} -> {mutation.text or 'nothing'}"

@@ -6,11 +6,13 @@ import numpy as np
 
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.verdict import Verdict
+from stickslip.diagnosis.entry import diagnose_model
 from stickslip.diagnosis.fitting.problem import Cached, Problem
 from stickslip.diagnosis.measured import freed
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.steps import run
 from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.laws import free_law
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.scenario.priors import Prior
 from stickslip.simulation.note import Note
@@ -46,6 +48,21 @@ def toy(truth, error=0.0, seed=3):
     problem = Problem((table,), Cached(lambda v: predict(x, v)), CONSTANTS, causes)
     forward = lambda at, values: predict(np.asarray(at, dtype=float), values)  # noqa: E731
     return Diagnosis(run(problem, 0), forward=forward)
+
+
+def friction(seed=1):
+    """A force whose friction falls with the speed, and a law of a free shape in its place."""
+    u = np.linspace(0.02, 1.0, 40)
+    true = 0.3 * (1.0 - 0.4 * (1.0 - np.exp(-u / 0.2)))
+    y = true + 0.002 * np.random.default_rng(seed).standard_normal(len(u))
+    law = free_law("friction", "speed", "m/s", 0.0, 1.0, factor_of="mu")
+    mu = Parameter("mu", Prior("normal", 0.3, 0.02))
+
+    def force(table, p, curves):
+        return p["mu"] * (1.0 + curves["friction over speed"](table["u"]))
+
+    table = Table({"u": u}, y, sd=0.002, name="force", unit="N")
+    return diagnose_model(force, table, [mu], [law, CAUSES[1]])
 
 
 def said(result, kind, **changes):

@@ -2,7 +2,6 @@
 
 import json
 import re
-from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -14,49 +13,59 @@ from stickslip import Scenario, simulate
 from stickslip._util.atomic_files import NotWritten
 from stickslip.cli import diagnose_command
 from stickslip.cli.commands import stickslip as commands
-from stickslip.facts import Code
-from stickslip.scenario.named_effects import effects, is_lawful
+from stickslip.diagnosis import measured
+from stickslip.diagnosis.terms.library import library
 
 KEYS = {
-    "verdict", "cause", "parameters", "probabilities", "p_value", "bounds", "gain",
-    "next_experiments", "left_out", "open_set", "seed", "version",
+    "verdict", "cause", "parameters", "probabilities", "p_value", "share", "gain", "bounds",
+    "next_experiments", "left_out", "notes", "seed", "version",
 }  # fmt: skip
+FEW = ("surface_tilt", "friction_anisotropy", "field_gain")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _few_causes():
+    """Diagnoses in this process try some of the effects and no law, which is quicker."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(
+            measured, "library", lambda *known: tuple(c for c in library(*known) if c.name in FEW)
+        )
+        patch.setattr(measured, "_laws", lambda *_: ())
+        yield
+
+
+@pytest.fixture(scope="module")
+def tilted(tmp_path_factory):
+    """The folder of a diagnosis of a surface that tilts by 0.04 rad, and what ``--json`` said."""
+    folder = tmp_path_factory.mktemp("tilted")
+    path = write(folder, {"effects.surface_tilt.angle": 0.04})
+    done = stickslip("diagnose", path, "--out", folder / "found", "--json", "--threads", 2)
+    assert done.returncode == 0, done.stderr
+    return folder, json.loads(done.stdout)
 
 
 def test_the_tilt_is_found(tilted):
     _, said = tilted
-    assert set(said) == KEYS
+    assert set(said) >= KEYS
     assert said["verdict"] in ("named", "ambiguous")
     assert "surface_tilt" in said["cause"]
     assert said["p_value"] < 1e-3
     angle = said["parameters"]["surface_tilt.angle"]
     assert angle["unit"] == "rad"
+    assert angle["low"] < angle["value"] < angle["high"]
     assert abs(angle["value"] - 0.04) < max(4 * angle["sd"], 0.008)
 
 
 def test_the_gain_is_in_si_units(tilted):
     gain = tilted[1]["gain"]
-    assert set(gain) == {
-        "n", "heldout_chi2_before", "heldout_chi2_after", "mae_before", "mae_after", "interval",
-    }  # fmt: skip
-    assert gain["heldout_chi2_after"] < gain["heldout_chi2_before"]
-    assert gain["mae_after"] < gain["mae_before"] < 1e-3
+    assert gain["mae_after"]["velocity"] < gain["mae_before"]["velocity"] < 1e-3
 
 
 def test_probabilities_are_over_all_causes(tilted):
     chance = tilted[1]["probabilities"]
-    assert {each.name for each in effects() if is_lawful(each.name)} <= set(chance)
-    assert {"none", "unknown", "contact.kinetic_friction"} <= set(chance)
-    assert sum(chance.values()) == pytest.approx(1.0)
-
-
-def test_the_next_experiment_is_a_drive_that_simulates(tilted):
-    folder, said = tilted
-    assert said["next_experiments"]
-    for each in said["next_experiments"]:
-        keys = {f"drive.{name}": value for name, value in each["drive"].items()}
-        Scenario.from_toml(folder / "nominal.toml").replace(keys)
-        assert len(each["predictions"]) >= 2
+    assert {*FEW, "none", "contact.kinetic_friction"} <= set(chance)
+    assert all(0.0 <= each <= 1.0 for each in chance.values())
+    assert chance["surface_tilt"] == max(chance.values())
 
 
 def test_the_extended_model_is_an_ordinary_scenario(tilted):
@@ -78,28 +87,8 @@ def test_the_report_needs_no_other_file(tilted):
     assert "a tilted surface" in page
     assert "http" not in page
     full = json.loads((folder / "found" / "report.json").read_text())
-    assert set(full) >= KEYS
-    assert full["verdict"] == said["verdict"]
+    assert {key: each for key, each in full.items() if key != "origin"} == said
     assert len(full["conditions"]) == 8
-
-
-def test_the_table_of_words_names_keys_that_the_file_has(tilted):
-    def keys(value):
-        if isinstance(value, dict):
-            return set(value) | {name for each in value.values() for name in keys(each)}
-        return {name for each in value for name in keys(each)} if isinstance(value, list) else set()
-
-    full = json.loads((tilted[0] / "found" / "report.json").read_text())
-    page = Path(__file__).parents[1] / "docs" / "reference" / "measurement.md"
-    text = page.read_text(encoding="utf-8")
-    section = text.split("### Words of the page and keys of the file")[1].split("\n#")[0]
-    rows = [line.split("|")[2] for line in section.splitlines() if line.startswith("| ")][2:]
-    # That of a law of another shape is null here, and has keys of its own.
-    named = [re.findall(r"`([\w.]+)`", row) for row in rows if "`open_set`" not in row]
-    assert len(named) >= 15
-    known = keys(full) | {"hooks"}
-    for name in (part for each in named for names in each for part in names.split(".")):
-        assert name in known, name
 
 
 def test_nothing_is_found_where_nothing_is(tmp_path):
@@ -108,7 +97,7 @@ def test_nothing_is_found_where_nothing_is(tmp_path):
     assert said["seed"] == 3
     assert said["verdict"] == "none"
     assert said["cause"] is None
-    assert 0.0 < said["bounds"]["surface_tilt.angle"] < 0.1
+    assert 0.0 < said["bounds"]["surface_tilt.angle"]["value"] < 0.1
 
 
 def test_conditions_without_motion_are_not_a_finding(tmp_path):
@@ -163,12 +152,12 @@ def test_a_disk_that_is_full_does_not_lose_the_verdict(tmp_path, monkeypatch):
 
     told = []
     found = SimpleNamespace(propose_experiments=list, save_report=full)
-    monkeypatch.setattr("stickslip.diagnosis.api.diagnose", lambda *_, **__: found)
+    monkeypatch.setattr("stickslip.diagnosis.entry.diagnose", lambda *_, **__: found)
     monkeypatch.setattr(diagnose_command, "_tell", lambda *given: told.append(given))
     path = write(tmp_path, {})
     with pytest.raises(NotWritten):
         diagnose_command.command.callback(
-            path, tmp_path / "found", as_json=False, seed=0, free_shapes=False, threads=1
+            path, tmp_path / "found", as_json=False, seed=0, threads=1
         )
     assert told == [(found, False, None)]
 
@@ -201,26 +190,28 @@ def _scaled(folder, factor):
 
 
 @pytest.mark.parametrize(
-    ("factor", "code", "unit_factor"),
+    ("factor", "said"),
     [
-        (1e-3, Code.VELOCITIES_SIZE, 1e-3),
-        (400.0, Code.VELOCITIES_SIZE, 1e3),
-        (2e-5, Code.VELOCITIES_SIZE, None),
-        (60.0, Code.VELOCITIES_SIZE, 1e2),
-        (-1.0, Code.OPPOSITE_SIGN, None),
+        (1e-3, "a column may be in a unit that is wrong by 1000"),
+        (400.0, "a column may be in a unit that is wrong by 1000"),
+        (2e-5, "about 2e-05 times what the stated model gives"),
+        (60.0, "a column may be in a unit that is wrong by 100"),
+        (-1.0, "have the opposite sign of the stated model's"),
     ],
 )
-def test_a_column_in_a_wrong_unit_or_with_a_wrong_sign_is_reported(
-    tmp_path, factor, code, unit_factor
-):
+def test_a_column_in_a_wrong_unit_or_with_a_wrong_sign_is_reported(tmp_path, factor, said):
     done = stickslip("diagnose", _scaled(tmp_path, factor), "--json", "--out", tmp_path / "found")
-    said = json.loads(done.stdout)
-    assert said["verdict"] == "data-problem"
-    assert said["cause"] is None
+    told = json.loads(done.stdout)
+    assert (told["verdict"], told["cause"]) == ("data-problem", None)
     report = json.loads((tmp_path / "found" / "report.json").read_text())
-    (fact,) = report["facts"]["reasons"]
-    assert (fact["code"], fact["fields"].get("unit_factor")) == (code, unit_factor)
-    assert report["headline"].endswith(report["reasons"][0])
+    (reason,) = report["reasons"]
+    assert report["headline"].endswith(reason)
+    if factor == 2e-5:
+        # About a third of the constants' uncertainty is in it, so a factor is told to one digit.
+        assert "times what the stated model gives" in reason
+        assert "unit" not in reason.split(";")[-1]
+    else:
+        assert said in reason
 
 
 def _dirty(folder, change):
@@ -250,49 +241,64 @@ def _first_condition(factor):
 
 
 def _drifting(lines):
-    # Each of three rounds over all conditions is a fifth faster than the one before.
+    # Each reading is 2 % of the first faster than the one before.
     rows = []
     for number, row in enumerate(lines[1:]):
         rest, value = row.rsplit(",", 1)
         place = int(rest.split(",")[2]) * 8 + number // 3
-        rows.append(f"{rest},{float(value) * (1 + 0.01 * place)!r},{place}")
+        rows.append(f"{rest},{float(value) * (1 + 0.02 * place)!r},{place}")
     return [lines[0] + ",order", *rows]
 
 
 @pytest.mark.parametrize(
-    ("change", "verdict", "code"),
+    ("change", "said"),
     [
-        (lambda lines: [lines[0], *reversed(lines[1:])], "none", None),
-        (lambda lines: [*lines[:4], lines[4].rsplit(",", 1)[0] + ",nan", *lines[5:]], "none",
-         Code.NOT_A_NUMBER),
-        (_absurd, "none", Code.OUTLIER),
-        (lambda lines: [lines[0], *lines[1::3]], "data-problem", Code.NO_NOISE),
-        (lambda lines: lines[:4], "data-problem", Code.TOO_FEW_CONDITIONS),
-        (_all_zero, "data-problem", Code.ALL_ZERO),
-        (_drifting, "data-problem", Code.DRIFT),
-        (_first_condition(1e3), "none", Code.TOO_FAST),
-        (_first_condition(200.0), "data-problem", Code.VELOCITY_SIZE),
-        (lambda lines: [line.replace("+x", "+X") for line in lines], "none", None),
+        (lambda lines: [lines[0], *lines[1::3]], "The error of a reading is not known"),
+        (lambda lines: lines[:4], "1 condition cannot tell causes apart"),
+        (_all_zero, "Every reading is zero"),
+        (_drifting, "The velocities drift with the order"),
+        (_first_condition(200.0), "The velocity at direction +x, frequency 25 Hz is about"),
     ],
-    ids=["out of order", "nan", "outlier", "no repeats", "one condition", "all zero", "drift",
-         "in mm/s", "far too fast", "capitals"],
+    ids=["no repeats", "one condition", "all zero", "drift", "far too fast"],
+)
+def test_data_that_allow_no_diagnosis_are_told_with_the_reason(tmp_path, change, said):
+    path = _dirty(tmp_path, change)
+    done = stickslip("diagnose", path, "--out", tmp_path / "found")
+    assert done.returncode == 0, done.stderr
+    assert "Verdict: data-problem" in done.stdout
+    assert done.stderr == ""
+    report = json.loads((tmp_path / "found" / "report.json").read_text())
+    (reason,) = report["reasons"]
+    assert said in reason
+    assert reason in done.stdout
+    assert (tmp_path / "found" / "report.html").is_file()
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda lines: [lines[0], *reversed(lines[1:])], None),
+        (lambda lines: [*lines[:4], lines[4].rsplit(",", 1)[0] + ",nan", *lines[5:]],
+         'velocity.csv line 5: velocity "nan" is not a number.'),
+        (_absurd, "is far from the others of its condition"),
+        (_first_condition(1e3), "velocity.csv lines 2, 3, 4: the velocity is above 1 m/s"),
+        (lambda lines: [line.replace("+x", "+X") for line in lines], None),
+    ],
+    ids=["out of order", "nan", "outlier", "in mm/s", "capitals"],
 )  # fmt: skip
-def test_tables_with_invalid_rows_give_the_right_verdict(tmp_path, change, verdict, code):
+def test_tables_with_invalid_rows_give_the_right_verdict(tmp_path, change, said):
     path = _dirty(tmp_path, change)
     done = stickslip("diagnose", path, "--out", tmp_path / "found", "--seed", 3)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.split(":")[0] == verdict, done.stdout
-    assert "Traceback" not in done.stderr
+    assert "Verdict: none" in done.stdout
     # What reading leaves out is said before the minutes of a diagnosis.
     report = json.loads((tmp_path / "found" / "report.json").read_text())
-    left_out = verdict != "data-problem" and code is not None
-    assert ("stickslip: left out: velocity.csv" in done.stderr) == left_out
-    facts = report["facts"]["reasons"] if verdict == "data-problem" else report["facts"]["left_out"]
-    assert [each["code"] for each in facts] == ([] if code is None else [code])
-    # The command prints what report.json has.
-    for line in (*report["reasons"], *report["notes"], *report["left_out"]):
-        assert verdict == "data-problem" or line in done.stdout
-    assert (tmp_path / "found" / "report.html").is_file()
+    lines = [line for line in done.stderr.splitlines() if "left out" in line]
+    assert lines == [f"stickslip: left out: {each}" for each in report["left_out"]]
+    assert len(lines) == (said is not None)
+    if said is not None:
+        assert said in lines[0]
+        assert report["left_out"][0] in done.stdout
 
 
 def test_single_trials_are_judged_by_the_stated_error(tmp_path):

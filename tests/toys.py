@@ -39,7 +39,9 @@ def data(extra=0.0, sd=0.1, n=30, seed=0, **options):
     """Readings of a line and `extra`, with normal errors."""
     x = np.linspace(1.0, 3.0, n)
     noise = sd * np.random.default_rng(seed).standard_normal(n)
-    return Table({"x": x}, 1.05 * x + 0.2 + extra + noise, sd=sd, name="line", **options)
+    # Over a second setting, as over one alone no discrepancy is smooth.
+    settings = {"x": x, "z": np.random.default_rng(9).permutation(n) / n}
+    return Table(settings, 1.05 * x + 0.2 + extra + noise, sd=sd, name="line", **options)
 
 
 def problem(table, causes=CAUSES, uncertain=(SLOPE, LEVEL)):

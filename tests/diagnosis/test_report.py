@@ -4,6 +4,7 @@ import json
 import re
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 
 import made_findings as made
@@ -140,6 +141,21 @@ def test_the_readings_that_decide_are_at_the_bump(dominant):
     places = [numbers["conditions"][each["number"] - 1]["settings"]["x"] for each in rows]
     assert all(abs(place - 0.5) < 0.15 for place in places)
     assert 0.0 < sum(each["share"] for each in rows) < 1.0
+
+
+@pytest.mark.nightly
+def test_a_law_is_told_by_its_curve_and_a_formula():
+    result = made.friction()
+    assert result.verdict.causes == ("friction over speed",)
+    numbers = result.as_dict()
+    law = numbers["law"]
+    at, value = np.array(law["at"]), np.array(law["value"])
+    true = 0.3 * (1.0 - 0.4 * (1.0 - np.exp(-at / 0.2)))
+    inside = (at > 0.05) & (at < 0.95)
+    # Five knots cannot bend as sharply as the truth does at first.
+    assert np.max(np.abs(value - true)[inside]) < 0.03
+    assert np.all(np.array(law["low"]) < value)
+    assert "friction" in page(result, {**numbers, "origin": []})
 
 
 def test_user_text_is_escaped(dominant, tmp_path):

@@ -67,7 +67,7 @@ def test_rounds_end_when_a_name_is_safe(diagnosed):
     assert asked == [50.0] * 3
     # Gaps are no trials.
     assert [len(each.trials) for each in done] == [2, 2, 2]
-    assert done[0].trials["velocity"].tolist() == [1e-3, 1.2e-3]
+    assert done[0].trials["velocity"].tolist() == pytest.approx([1e-3, 1.2e-3])
     assert done[0].trials["frequency"].tolist() == [50.0, 50.0]
     assert [each.result.next_step for each in done] == [UNSAFE] * 3
     assert [len(each.velocity) for each in diagnosed[0]] == [1, 2, 3, 4]
@@ -97,8 +97,10 @@ def test_rounds_end_when_nothing_can_be_measured(diagnosed):
 
 def test_the_progress_is_that_of_all_diagnoses(diagnosed):
     diagnosed[1]["tables"] = 2
-    told = []
-    diagnose_in_rounds(measurement(), lambda _: 1.5e-3, progress=lambda *each: told.append(each))
+    told, speeds = [], iter(np.linspace(1e-3, 2e-3, 9))
+    diagnose_in_rounds(
+        measurement(), lambda _: next(speeds), progress=lambda *each: told.append(each)
+    )
     assert BUDGET == PROPOSED == 3
     assert told == [
         (0.125, "diagnosis 1: testing"), (0.375, "diagnosis 2: testing"),

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip._util.atomic_files import read_bytes, text_writer, write_together
 from stickslip._util.csv_rows import csv_line, text_lines
+from stickslip._util.units import handy
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import shown
 
@@ -175,8 +176,9 @@ def _expected(experiment: Experiment) -> str:
     """What each candidate predicts, with the error of its fit."""
     from stickslip.diagnosis.report.amounts import amount, title
 
+    factor, unit = handy("m/s")
     return "; ".join(
-        f"{amount(each['velocity'], each['sd'], 'm/s')} with {title(name)}"
+        f"{amount(factor * each['velocity'], factor * each['sd'], unit)} with {title(name)}"
         for name, each in experiment.predictions.items()
     )
 

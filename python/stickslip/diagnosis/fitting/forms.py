@@ -41,9 +41,9 @@ HYPER = {
 table; tau over the span of a run; l over half the range of a setting. Chosen: with longer tau a
 discrepancy takes what a cause does, with shorter l the causes of a table over one setting."""
 
-FEWEST_IN_RUN, FEWEST_SMOOTH = 8, 20
+FEWEST_IN_RUN, FEWEST_SMOOTH = 8, 15
 """Readings that a run needs for `ar1`, and a table for `smooth`: with fewer the prior decides.
-Chosen: a smooth curve follows 19 static tilts as well as the balance of torques does."""
+Chosen."""
 
 _MOST_SMOOTH = 1000  # readings of a table, whose covariance is a matrix
 
@@ -332,10 +332,11 @@ class Smooth(Form):
 def _is_smooth(table: Table) -> bool:
     """Whether a discrepancy may be smooth over the settings.
 
-    Along runs it would take what any function of the settings does, and so each cause.
+    Along runs, and over a single setting, it would take what each cause does.
     """
     fits = FEWEST_SMOOTH <= len(table.mean) <= _MOST_SMOOTH
-    return table.places is not None and fits and not _has_runs(table)
+    varied = 0 if table.places is None else table.places.shape[1]
+    return fits and varied > 1 and not _has_runs(table)
 
 
 def _has_runs(table: Table) -> bool:

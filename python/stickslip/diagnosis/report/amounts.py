@@ -10,6 +10,7 @@ from importlib import resources
 from typing import Any
 
 from stickslip._util.units import handy
+from stickslip.diagnosis.terms.laws import _PLACES
 from stickslip.diagnosis.terms.parameter import Parameter
 
 if sys.version_info >= (3, 11):
@@ -40,6 +41,8 @@ def title(name: str) -> str:
 def _title(name: str) -> str:
     if name in _CAUSES:
         return str(_CAUSES[name]["name"])
+    if name in _PLACES:
+        return "another law of {} over {}".format(*_PLACES[name])
     constant = _WORDS["constants"].get(name)
     return f"another {constant['name']} than stated" if constant else name
 

@@ -13,8 +13,9 @@ from stickslip import _core
 from stickslip._util.arrays import Array
 from stickslip._util.html_page import page_text
 from stickslip._util.units import handy
-from stickslip.diagnosis.candidate import Candidate, table_name
+from stickslip.diagnosis.candidate import Candidate, spread_of, table_name
 from stickslip.diagnosis.data.film import FilmTable
+from stickslip.diagnosis.decision.formulas import formula
 from stickslip.diagnosis.decision.limits import upper_limits
 from stickslip.diagnosis.decision.posterior import ALIKE, cosine
 from stickslip.diagnosis.fitting.models import Fit
@@ -25,7 +26,7 @@ from stickslip.diagnosis.report.readings import in_words, settings_of, title_of,
 if TYPE_CHECKING:
     from stickslip.diagnosis.result import Diagnosis
 
-_DECIDING = 3  # readings that are named
+_DECIDING, _POINTS = 3, 41  # readings that are named; points of a law
 
 
 def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
@@ -58,6 +59,7 @@ def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
         "conditions": _conditions(result),
         "channels": _channels(result),
         "claimed": [],
+        "law": None,
         "moved": None,
         "leader": None,
         "runner_up": None,
@@ -122,6 +124,7 @@ def _of_models(result: Diagnosis, rows: Sequence[Mapping[str, Any]]) -> dict[str
         "ranking": ranking,
         "claimed": [_told(result, each) for each in candidates],
         "leader": None if told is None else _leader(result, best),
+        "law": law_of(best),
         "runner_up": None if verdict.kind == "unexplained" else _runner_up(result, told),
         "recalibrated": _recalibrated(result),
         "moved": _moved(result),
@@ -162,8 +165,9 @@ def _told(result: Diagnosis, candidate: Candidate) -> dict[str, Any]:
     for each in candidate.fit.causes:
         said: dict[str, Any] = amounts.told(each.name, each.meaning, sizes[each.name])
         if each.curve is not None:
-            said |= {"title": f"another law of {each.curve.name}", "curve": each.curve.name,
-                     "finding": f"The law of {each.curve.name} has another shape."}  # fmt: skip
+            # Drawings have the names of the laws.
+            said |= {"finding": f"The law of {each.curve.name} has another shape.",
+                     "drawing": each.curve.law, "interval": ""}  # fmt: skip
         causes.append(said)
     chance = result.chance.models[candidate.name]
     return {"candidate": candidate.name, "title": amounts.title(candidate.name),
@@ -295,6 +299,36 @@ def _at_end(parameter: Any, value: float) -> bool:
     if parameter.falls:
         return bool(value <= parameter.low * 1.001)
     return bool(value >= 0.999 * max(abs(parameter.low), abs(parameter.high)))
+
+
+def law_of(candidate: Candidate) -> dict[str, Any] | None:
+    """The curve of a law of a free shape with its 95 % band, and a formula that follows it."""
+    problem = candidate.models.problem
+    for cause in candidate.fit.causes:
+        curve = cause.curve
+        if curve is None:
+            continue
+        at, values = np.linspace(curve.low, curve.high, _POINTS), candidate.values()
+        knots = [problem.names.index(each.name) for each in cause.parameters]
+        f = values[:, knots] @ curve.design(at).T
+        law, constant, rows = f, None, f
+        if curve.relative:
+            base = np.full(len(values), curve.stated)
+            if curve.constant is not None:
+                column = problem.names.index(curve.constant)
+                base, constant = values[:, column], problem.parameters[column]
+                rows = np.column_stack([f, base])
+            law = base[:, None] * (1.0 + f)
+        half = 1.96 * np.sqrt(np.diag(spread_of(law)))
+        found = formula(at, rows[0], spread_of(rows), curve, constant)
+        return {
+            "name": curve.name, "law": curve.law if curve.relative else f"change of {curve.law}",
+            "law_unit": curve.law_unit, "argument": curve.argument, "unit": curve.unit,
+            "at": at.tolist(), "value": law[0].tolist(), "low": (law[0] - half).tolist(),
+            "high": (law[0] + half).tolist(),
+            "formula": None if found is None else found.in_words(curve),
+        }  # fmt: skip
+    return None
 
 
 def _gain(result: Diagnosis) -> dict[str, Any] | None:

@@ -22,12 +22,11 @@ from stickslip._util.palette import BLACK, BLUE, DARK_GREY, LIGHT_GREY, VERMILIO
 from stickslip._util.picture import Picture
 from stickslip._util.plain_text import shortened
 from stickslip._util.units import handy, in_handy_units
-from stickslip.diagnosis.candidate import spread_of
 from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.posterior import cosine
 from stickslip.diagnosis.report import amounts
-from stickslip.diagnosis.report.numbers import predictions
+from stickslip.diagnosis.report.numbers import law_of, predictions
 from stickslip.diagnosis.report.readings import (
     along,
     most_varied,
@@ -187,30 +186,16 @@ class Plots:
         return figure
 
     def law(self) -> Figure | None:
-        """The curve of a claimed law of a free shape, with the ends of its knots."""
-        best = self._result.best if self._result.fitted else None
-        causes = [each for each in best.fit.causes if each.curve] if best else []
-        if best is None or not causes:
+        """The curve of a claimed law of a free shape with its band; None where there is none."""
+        law = law_of(self._result.best) if self._result.fitted else None
+        if law is None:
             return None
-        cause = causes[0]
-        curve = cause.curve
-        assert curve is not None
-        at = np.linspace(curve.low, curve.high, 121)
-        values, names = best.values(), self._result.problem.names
-        knots = [names.index(each.name) for each in cause.parameters]
-        drawn = values[:, knots] @ curve.design(at).T
-        if curve.relative:
-            base = values[:, names.index(curve.constant)] if curve.constant else curve.stated
-            drawn = np.reshape(base, (-1, 1)) * (1.0 + drawn)
-        sd = np.sqrt(np.diag(spread_of(drawn)))
         figure = Picture(figsize=(6.4, 3.6), layout="constrained")
         axes = figure.subplots()
-        axes.fill_between(at, drawn[0] - 1.96 * sd, drawn[0] + 1.96 * sd, color=LIGHT_GREY,
-                          label="95 %")  # fmt: skip
-        axes.plot(at, drawn[0], color=VERMILION, label="curve of free shape")
-        law = curve.law if curve.relative else f"change of {curve.law}"
-        own = "" if curve.law_unit == "-" else f" ({curve.law_unit})"
-        axes.set(xlabel=f"{curve.argument} ({curve.unit})", ylabel=law + own)
+        axes.fill_between(law["at"], law["low"], law["high"], color=LIGHT_GREY, label="95 %")
+        axes.plot(law["at"], law["value"], color=VERMILION, label="curve of free shape")
+        own = "" if law["law_unit"] == "-" else f" ({law['law_unit']})"
+        axes.set(xlabel=f"{law['argument']} ({law['unit']})", ylabel=law["law"] + own)
         axes.legend(frameon=False)
         return figure
 
