@@ -19,7 +19,7 @@ _FARTHEST = 3.5
 log-uniform range to within 0.05 % of its ends."""
 
 _LARGEST_FACTOR = 1e3
-"""By which a constant that is stated to a factor may be off, either way. Chosen: a unit is wrong."""
+"""By which a constant that is stated to a factor may be off, either way. Chosen: a wrong unit."""
 
 
 @dataclass(frozen=True)
