@@ -277,14 +277,19 @@ def _near(models: Models) -> list[Fit]:
 
 
 def _worth_a_look(models: Models) -> list[Fit]:
-    """The leaders, each set of causes once, and the best single causes at least."""
+    """The leaders, each set of causes once; where none leaves little, more single causes too.
+
+    A cause that is one of two may be far behind by itself.
+    """
     sets: dict[frozenset[str], Fit] = {}
-    best = models.leaders(form="none")[:2]
-    # Where the best one leaves no more than its errors, what is far behind it needs no look.
-    few = best[0].chi2 < _COMFORTABLE * len(models.problem.y)
-    for each in [*_near(models), *best[: 1 if few else 2]]:
+    for each in _near(models):
         sets.setdefault(each.names, each)
-    return [each for each in sets.values() if each.causes][:LEADERS]
+    found = [each for each in sets.values() if each.causes][:LEADERS]
+    best = models.leaders(form="none")
+    if best[0].chi2 > _COMFORTABLE * len(models.problem.y):
+        singles = [each for each in best if len(each.causes) == 1][: 2 * LEADERS]
+        found += [each for each in singles if each.names not in sets]
+    return found
 
 
 def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -> None:
