@@ -22,10 +22,9 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 _DIAGNOSIS = r"python/stickslip/(diagnosis|measurement|facts)/.*\.py"
 _DIAGNOSED = (
-    r"tests/(diagnosis/.*|toy_model|line_model|made_measurement|measured_maps|instrument_files"
+    r"tests/(diagnosis/.*|toys|sliding_block|made_measurement|measured_maps|instrument_files"
     r"|asking_results|report_page|films|free_shapes"
-    r"|test_(diagnosis|observables|blind|instrument|measurement|scoreboard|user_effect_diagnosis"
-    r"|free_terms|formula_search|law_band|reading_errors|correlated_readings|real_drops)\w*)\.py"
+    r"|test_(diagnosis|blind|instrument|measurement|scoreboard|reading_errors|real_drops)\w*)\.py"
 )
 PARTS = {
     "core and bindings": (r"cpp/(stickslip|bindings)/.*\.(h|hpp|cpp)", 12_000),

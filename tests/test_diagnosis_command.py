@@ -241,12 +241,12 @@ def _first_condition(factor):
 
 
 def _drifting(lines):
-    # Each of three rounds over all conditions is a fifth faster than the one before.
+    # Each reading is 2 % of the first faster than the one before.
     rows = []
     for number, row in enumerate(lines[1:]):
         rest, value = row.rsplit(",", 1)
         place = int(rest.split(",")[2]) * 8 + number // 3
-        rows.append(f"{rest},{float(value) * (1 + 0.01 * place)!r},{place}")
+        rows.append(f"{rest},{float(value) * (1 + 0.02 * place)!r},{place}")
     return [lines[0] + ",order", *rows]
 
 
@@ -256,7 +256,7 @@ def _drifting(lines):
         (lambda lines: [lines[0], *lines[1::3]], "The error of a reading is not known"),
         (lambda lines: lines[:4], "1 condition cannot tell causes apart"),
         (_all_zero, "Every reading is zero"),
-        (_drifting, "with the order in which"),
+        (_drifting, "The velocities drift with the order"),
         (_first_condition(200.0), "The velocity at direction +x, frequency 25 Hz is about"),
     ],
     ids=["no repeats", "one condition", "all zero", "drift", "far too fast"],

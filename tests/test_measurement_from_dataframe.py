@@ -131,3 +131,12 @@ def test_a_prior_that_no_scenario_allows_is_refused():
         "contact.static_friction": Prior("normal", 0.6, 0.01),
     }
     assert len(Measurement.from_dataframe(TABLE, Scenario(), both).uncertain) == 2
+
+
+def test_a_prior_whose_middle_no_scenario_has_is_told_of():
+    wide = {"contact.kinetic_friction": Prior("log-uniform", 0.15, 0.3)}
+    # The middle of a log-uniform prior is the root of 0.15 * 0.3 = 0.045.
+    refusal = Measurement.from_dataframe(TABLE, Scenario(), wide).refusal()
+    assert "contact.kinetic_friction = 0.2121" in refusal
+    narrow = {"contact.kinetic_friction": Prior("log-uniform", 0.15, 0.19)}
+    assert Measurement.from_dataframe(TABLE, Scenario(), narrow).refusal() is None

@@ -6,17 +6,16 @@ import pytest
 
 from stickslip import Scenario, ScenarioError, Waveform
 from stickslip.control.tasks import task_named
-from stickslip.diagnosis.input_checks import check_inputs
-from stickslip.diagnosis.model.problem import Cause, Uncertain
-from stickslip.diagnosis.options import Options
+from stickslip.diagnosis import Cause, Parameter, Table, diagnose_model
 from stickslip.reproduction.curves import read_measured
 from stickslip.scenario.keys import known_keys, meant, nearest, suggestion
 from stickslip.scenario.priors import Prior
 
 
-def cause(tmp_path):
-    slope = Uncertain("slope", Prior("normal", 1.0, 0.1))
-    check_inputs([1.0], [slope], [Cause("a", relaxes_prior="slop")], Options())
+def cause(_):
+    slope = Parameter("slope", Prior("normal", 1.0, 0.1))
+    table = Table({"x": [1.0]}, [1.0], sd=0.1)
+    diagnose_model(lambda at, p: p["slope"] * at["x"], table, [slope], [Cause("a", frees="slop")])
 
 
 def digitised(tmp_path):

@@ -12,11 +12,10 @@ import json
 import os
 import time
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from itertools import repeat
 from pathlib import Path
 from typing import Any
 
-from blind.case import prepared, same_state, state, study
+from blind.case import same_state, state, study
 from blind.kinds import KINDS, plan
 from blind.report import report
 from blind.scoring import judged, read, slim
@@ -34,9 +33,6 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="data sets at a time")
     parser.add_argument("--minutes", type=float, default=600.0, help="begin none after this time")
     parser.add_argument("--write", type=Path, help="only write the data sets, into this folder")
-    parser.add_argument("--store", type=Path, help="keep data sets here, and take those there are")
-    parser.add_argument("--only-store", action="store_true", help="make them without a diagnosis")
-    parser.add_argument("--reports", type=Path, help="save the page of each diagnosis below it")
     parser.add_argument("--out", type=Path, default=Path("bench/results/blind"))
     options = parser.parse_args()
     options.kinds = options.kinds.split(";")
@@ -45,11 +41,6 @@ def main() -> None:
     asked = list(plan(options.first, options.seeds, options.kinds))
     if options.write is not None:
         _write(options.write, asked)
-        return
-    if options.only_store:
-        if options.store is None:
-            parser.error("--only-store: needs --store")
-        _fill(options.store, asked, options.jobs)
         return
     out: Path = options.out
     out.mkdir(parents=True, exist_ok=True)
@@ -72,14 +63,6 @@ def _write(folder: Path, asked: list[tuple[str, int]]) -> None:
         print(folder / f"{number:04d}" / "measurement.toml", flush=True)
 
 
-def _fill(store: Path, asked: list[tuple[str, int]], jobs: int) -> None:
-    with ProcessPoolExecutor(jobs) as pool:
-        for (kind, seed), _ in zip(
-            asked, pool.map(prepared, *zip(*asked, strict=True), repeat(store)), strict=True
-        ):
-            print(f"{kind} {seed}", flush=True)
-
-
 def _run(out: Path, asked: list[tuple[str, int]], options: argparse.Namespace) -> None:
     jobs, record, now = options.jobs, out / RECORD, state()
     rows = [row for row in _recorded(record) if same_state(row, now)]
@@ -92,7 +75,7 @@ def _run(out: Path, asked: list[tuple[str, int]], options: argparse.Namespace) -
         while running or waiting:
             while waiting and len(running) < jobs and time.monotonic() < end:
                 kind, seed = waiting.pop(0)
-                future = pool.submit(study, kind, seed, options.store, options.reports)
+                future = pool.submit(study, kind, seed)
                 running[future] = (kind, seed)
             if not running:
                 break

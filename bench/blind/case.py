@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
 import tempfile
 import time
@@ -74,53 +73,26 @@ def _velocities() -> bytes:
     return np.array([run.mean_velocity for run in simulate_batch(runs)]).tobytes()
 
 
-def _folder_name(kind: str, seed: int) -> str:
-    return f"{kind.replace(', ', '-').replace(' ', '_')}-{seed}"
-
-
-def prepared(kind: str, seed: int, store: Path) -> tuple[Path, dict[str, Any]]:
-    """Folder and answer of a data set in a store, made if it is not there.
-
-    Those of another generator lie in another folder; the engine has no say in them.
-    """
-    place = store / checksum(generator_files()) / _folder_name(kind, seed)
-    if not place.exists():
-        place.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=place.parent) as work:
-            made = Path(work) / "made"
-            answer = write_case(made / "data", kind, seed)
-            (made / "answer.json").write_text(json.dumps(answer) + "\n")
-            made.rename(place)
-    return place / "data", json.loads((place / "answer.json").read_text())
-
-
-def study(
-    kind: str, seed: int, store: Path | None = None, reports: Path | None = None
-) -> dict[str, Any]:
+def study(kind: str, seed: int) -> dict[str, Any]:
     """Make one data set, diagnose it from its files alone, and return what was said.
 
-    Near twins are measured again at the experiments that the diagnosis proposes. With a `store`
-    the data set is taken from there, or kept there; with `reports` the page of this diagnosis
-    is saved below it.
+    Near twins are measured again at the experiments that the diagnosis proposes.
     """
     with tempfile.TemporaryDirectory() as work:
-        folder, answer = prepared(kind, seed, Path(work) if store is None else store)
-        page = None if reports is None else reports / _folder_name(kind, seed)
-        row = {"answer": answer, **_diagnosed(folder, answer, page)}
+        folder, more = Path(work) / "data", Path(work) / "more"
+        answer = write_case(folder, kind, seed)
+        row = {"answer": answer, **_diagnosed(folder, answer)}
         drives = [each["drive"] for each in row["said"]["next_experiments"]]
         if kind == "near twins" and drives:
-            more = Path(work) / "more"
             write_more(folder, more, answer, drives)
             row["followed"] = _diagnosed(more, answer)["said"]
         return row
 
 
-def _diagnosed(folder: Path, answer: dict[str, Any], page: Path | None = None) -> dict[str, Any]:
+def _diagnosed(folder: Path, answer: dict[str, Any]) -> dict[str, Any]:
     start = time.process_time()
     result = diagnose(read_measurement(folder / "measurement.toml"), threads=1)
     seconds, gain = time.process_time() - start, result.gain
-    if page is not None:
-        result.save_report(page)
     causes = [each for each in result.problem.causes if each.curve is not None]
     laws = {each.name: _effect(each) for each in causes if each.name in result.verdict.causes}
     # By the normal law the error that is left has a mean of 0.80 errors.

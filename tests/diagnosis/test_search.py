@@ -22,8 +22,8 @@ X = np.linspace(1.0, 3.0, 30)
 # ------------------------------------------------------------------------------ many causes, pairs
 def crowd(count):
     """Waves of other lengths and phases as causes, and a model that has all of them."""
-    random = np.random.default_rng(11)
-    paces, phases = random.uniform(2.0, 14.0, count), random.uniform(0.0, np.pi, count)
+    paces = np.linspace(2.0, 18.0, count)
+    phases = np.random.default_rng(11).uniform(0.0, np.pi, count)
     columns = np.sin(paces[:, None] * X + phases[:, None])
     causes = [
         Cause(f"c{k}", Parameter(f"c{k}.size", size=0.3, low=-3.0, high=3.0)) for k in range(count)
@@ -38,18 +38,17 @@ def crowd(count):
     return causes, columns, model
 
 
-@pytest.mark.parametrize("hidden", [{3: 0.5}, {14: -0.7}, {2: 0.8, 17: -0.6}])
+@pytest.mark.parametrize("hidden", [{3: 0.5}, {2: 0.8, 9: -0.6}], ids=["single", "pair"])
 def test_the_truth_is_found_among_many_causes_and_pairs(hidden):
-    causes, columns, model = crowd(20)  # 20 single ones and 190 pairs
+    causes, columns, model = crowd(14)  # 14 single ones and 91 pairs
     table = data(sum(size * columns[k] for k, size in hidden.items()), sd=0.05)
     found = run(pose_own(model, table, [SLOPE, LEVEL], causes), 0)
     names = tuple(sorted(f"c{k}" for k in hidden))
     assert (found.verdict.kind, found.verdict.causes) == ("pair" if names[1:] else "named", names)
-    fit = found.verdict.fit
-    sizes = found.problem.physical(fit.x[None, :])[0][found.problem.columns(fit.causes)]
-    wanted = [hidden[int(name[1:])] for name in names]
-    # 0.05 / sqrt(30 / 2) is the error of a size where nothing trades off with it.
-    assert sizes == pytest.approx(wanted, abs=0.1)
+    values = found.problem.physical(found.verdict.fit.x[None, :])[0]
+    for k, size in hidden.items():
+        # 0.05 / sqrt(30 / 2) is the error of a size where nothing trades off with it.
+        assert values[found.problem.columns([causes[k]])] == pytest.approx(size, abs=0.1)
 
 
 # --------------------------------------------------------------------- at the leader's constants

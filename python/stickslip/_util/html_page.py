@@ -62,6 +62,7 @@ def svg(figure: Figure | None) -> Markup:
     for words in figure.findobj(Text):
         # Between two dollars of a name matplotlib expects a formula, and fails if there is none.
         words.set_parse_math(False)
+        words.set_text(printable_lines(words.get_text()))
     buffer = io.StringIO()
     nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
     with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "stickslip"}):

@@ -20,6 +20,7 @@ from stickslip.simulation.note import Note
 # Draws about the recalibrated model that show its roughness, and their widths: a share of what the
 # data leave open, and at most so many standard deviations of the priors. Chosen: well within both.
 _DRAWS, _SHARE, _WIDEST = 24, 0.3, 0.02
+_BETTER = 1.0  # fall of the cost after which the recalibrated model is tested again
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -75,6 +76,11 @@ def run(
             models = models.widened(problem.laws(problem, models.null.x))
             search(models, [], models.problem.causes[known:], say, seed)
     say(0.9, "deciding")
+    if models.null.cost < null.cost - _BETTER:
+        # The search has led to a better recalibrated model, which is what is tested.
+        stated, null = models.forms["none"], models.null
+        found = responses(models.problem, null.end, (), problem.causes, stated, null.h)
+        test = tested(models.problem, null, found, seed)
     verdict = decide(models, test)
     if suspect is not None:
         verdict = Verdict("data-problem", (), None, (suspect,), verdict.probabilities)

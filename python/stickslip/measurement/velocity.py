@@ -296,11 +296,11 @@ def _setting(cells: Mapping[str, str], scenario: Scenario) -> tuple[tuple[str, A
             value = _number(column, cells[column])
             changes[name] = int(value) if key.kind == "whole" and value == int(value) else value
     if changes.get("drive.mode") == "program":
-        raise _Unsound("setting", 'mode "program" has no place in a table of velocities.')
+        raise _Unsound("setting-refused", 'mode "program" has no place in a table of velocities.')
     try:
         full = scenario.replace(changes)
     except ScenarioError as error:
-        raise _Unsound("setting", f"{error}.") from None
+        raise _Unsound("setting-refused", f"{error}.") from None
     for name in ("peak", "base", "hold"):
         field = float(full.get(f"drive.{name}"))
         if field > _STRONGEST:

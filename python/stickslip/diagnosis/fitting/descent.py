@@ -34,8 +34,9 @@ _JUMP = 1.0
 # Steps over which a change of a row is a slope even if it jumps. Share of the promised fall of the
 # cost below which slopes are taken anew. Chosen.
 _STRIDE, _GOOD = 0.3, 0.3
-# Longest step of an amplitude or a shape; constants may be many standard deviations off.
-_STEP, _CONSTANT_STEP = 2.5, 50.0
+# Longest step of amplitudes and logarithms, whose coordinates are far from linear, and of other
+# constants, which may be stated many standard deviations off. Chosen.
+_STEP, _LINEAR_STEP = 2.5, 50.0
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -97,7 +98,7 @@ def descend(
     else:
         residual, slopes, exact = begin.residual, begin.slopes, begin.exact
     now = float(cost(form, h, x[None, free], precision, residual[None, :])[0])
-    longest = np.where(free < len(problem.constants), _CONSTANT_STEP, _STEP)
+    longest = _longest_steps(problem)[free]
     factor = 1.0
     for count in range(steps):
         if count >= 2 and now > hopeless:
@@ -145,6 +146,11 @@ def _updated(slopes: Array, change: Array, move: Array, sd: Array) -> Array:
     if length < _STRIDE:
         gap = np.clip(gap, -_JUMP * sd, _JUMP * sd)
     return np.asarray(slopes + np.outer(gap, move) / length**2)
+
+
+def _longest_steps(problem: Problem) -> Array:
+    linear = [each.prior is not None and each.prior.kind == "normal" for each in problem.parameters]
+    return np.where(linear, _LINEAR_STEP, _STEP)
 
 
 def _step(curvature: Array, downhill: Array, stuck: Array, damping: float) -> Array:

@@ -52,6 +52,8 @@ _LOOK, _HOPELESS = 3, 30.0
 _MORE, _WORTH, _BETTER = 6, 2.0, 1.0
 # Sets of causes whose evidence is corrected by draws. Chosen.
 _DRAWN = 4
+# Single causes from whose constants the recalibrated model is fitted again. Chosen.
+_RIVALS = 8
 # Ends about which single causes are looked for, and starts of each that are looked at.
 _VIEWS, _LOOKED_AT = 3, 6
 # Chi-square per row up to which a model leaves hardly more than its errors. Chosen.
@@ -117,7 +119,7 @@ class Models:
     ) -> None:
         """Fit a model from a start, unless nothing can be fitted there."""
         hopeless = math.inf
-        if form == "none" and self.best:
+        if form == "none" and causes and self.best:
             first = min(each.cost for each in self.leaders(1, form))
             hopeless = first + _HOPELESS
         try:
@@ -317,6 +319,11 @@ def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -
     for end, cause in looks:
         if end.cost < looks[0][0].cost + _HOPELESS or models.get([cause.name]) is None:
             models.fit("none", (cause,), end.x, end.slopes)
+    # The recalibrated model gets as many searches as its rivals, from where they are.
+    singles = [each for each in models.leaders(form="none") if len(each.causes) == 1]
+    for rival in singles[:_RIVALS]:
+        models.fit("none", (), rival.x)
+    null = models.null
     for cause in causes:
         own = models.get([cause.name])
         if own is None or own.cost > null.cost + SETTLED:

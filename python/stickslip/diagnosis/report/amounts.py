@@ -9,9 +9,10 @@ from collections.abc import Iterable, Mapping
 from importlib import resources
 from typing import Any
 
-from stickslip._util.units import handy
+from stickslip._util.units import handy, unit_label
 from stickslip.diagnosis.terms.laws import _PLACES
 from stickslip.diagnosis.terms.parameter import Parameter
+from stickslip.scenario.keys import known_keys
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -63,7 +64,9 @@ def shown_in(name: str, unit: str) -> tuple[float, str]:
     if size is None and name in _WORDS["constants"]:
         size = _WORDS["constants"][name]
     if size is None:
-        return handy(unit)
+        # A model of one's own keeps its units.
+        own = name not in known_keys() and not name.startswith("tracking.")
+        return (1.0, unit_label(unit)) if own else handy(unit)
     return float(_WORDS["units"][size["unit"]]), str(size["unit"])
 
 
@@ -144,9 +147,9 @@ def size(name: str, value: float, sd: float, unit: str) -> str:
     return amount(value * factor, sd * factor, shown)
 
 
-def in_unit(value: float, unit: str, digits: int = 2) -> str:
-    """A number in the handy unit of an SI unit: ``0.095 mm/s``."""
-    factor, shown = handy(unit)
+def in_unit(value: float, unit: str, digits: int = 2, own: bool = False) -> str:
+    """A number in the handy unit of an SI unit: ``0.095 mm/s``; an `own` unit stays."""
+    factor, shown = (1.0, unit_label(unit)) if own else handy(unit)
     return f"{number(value * factor, digits)} {shown}".rstrip()
 
 

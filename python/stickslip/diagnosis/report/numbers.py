@@ -12,7 +12,6 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.arrays import Array
 from stickslip._util.html_page import page_text
-from stickslip._util.units import handy
 from stickslip.diagnosis.candidate import Candidate, spread_of, table_name
 from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.decision.formulas import formula
@@ -21,7 +20,7 @@ from stickslip.diagnosis.decision.posterior import ALIKE, cosine
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import LOST
 from stickslip.diagnosis.report import amounts
-from stickslip.diagnosis.report.readings import in_words, settings_of, title_of, unit_of
+from stickslip.diagnosis.report.readings import in_words, settings_of, shown_unit, title_of, unit_of
 
 if TYPE_CHECKING:
     from stickslip.diagnosis.result import Diagnosis
@@ -194,7 +193,7 @@ def _left_in_words(result: Diagnosis, candidate: Candidate) -> list[str]:
         size = left.get("size", {}).get(name, 0.0)
         if size == 0.0:
             continue
-        factor, unit = handy(unit_of(table, 0))
+        factor, unit = shown_unit(table, 0)
         text = f"{amounts.number(size * factor, 2)} {unit}".rstrip() + f" in {title_of(table, k)}"
         if name in left.get("correlation", {}):
             lasts = amounts.number(left["correlation"][name], 2)

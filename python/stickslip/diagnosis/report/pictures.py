@@ -33,8 +33,8 @@ from stickslip.diagnosis.report.readings import (
     numeric,
     setting_text,
     settings_of,
+    shown_unit,
     title_of,
-    unit_of,
     usual_of,
     varied,
 )
@@ -333,8 +333,9 @@ class Plots:
         at = at * handy(unit)[0]
         first = next(iter(panel.groups.values()))[0]
         what = table.name if table.name in ("velocity", "angle", "field") else "reading"
-        factor, label = in_handy_units(what if base is None else f"difference of {what}",
-                                       unit_of(table, int(first) - part.start))  # fmt: skip
+        factor, shown = shown_unit(table, int(first) - part.start)
+        label = what if base is None else f"difference of {what}"
+        label += f" ({shown})" if shown else ""
         below = np.zeros(len(result.problem.y)) if base is None else base
         for group, rows in panel.groups.items():
             x, marker = at[rows - part.start], panel.markers[group]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip._util.arrays import Array
-from stickslip._util.units import handy
+from stickslip._util.units import handy, unit_label
 from stickslip.diagnosis.data.angle import AngleTable
 from stickslip.diagnosis.data.field import FieldTable
 from stickslip.diagnosis.data.film import FilmTable
@@ -42,6 +42,14 @@ def unit_of(table: Table, row: int) -> str:
         column = str(np.asarray(table.settings["column"])[table.first[row]])
         return {"theta": "rad", "x": "m", "z": "m"}.get(column, "A")
     return table.unit
+
+
+def shown_unit(table: Table, row: int) -> tuple[float, str]:
+    """Factor from the SI unit to the one that is shown; readings of one's own keep theirs."""
+    unit = unit_of(table, row)
+    if isinstance(table, VelocityTable | AngleTable | FieldTable | FilmTable):
+        return handy(unit)
+    return 1.0, unit_label(unit)
 
 
 def settings_of(table: Table) -> Settings:

@@ -18,6 +18,9 @@ _FARTHEST = 3.5
 """Largest coordinate of a range or a shape, whose ends it has nearly reached there. Chosen: a
 log-uniform range to within 0.05 % of its ends."""
 
+_LARGEST_FACTOR = 1e3
+"""By which a constant that is stated to a factor may be off, either way. Chosen: a wrong unit."""
+
 
 @dataclass(frozen=True)
 class Parameter:
@@ -127,8 +130,12 @@ class Parameter:
             return low, high
         assert self.prior is not None
         # A shape, which is no suspect, stays near its middle; a stated constant may be far off.
-        near = not self.prior.has_middle or not self.suspect
-        ends = [-_FARTHEST, _FARTHEST] if near else [-math.inf, math.inf]
+        end = math.inf
+        if not self.prior.has_middle or not self.suspect:
+            end = _FARTHEST
+        elif self.prior.kind == "log-normal":
+            end = math.log(_LARGEST_FACTOR) / math.log(self.prior.second)
+        ends = [-end, end]
         if math.isfinite(self.low):
             ends[0] = max(ends[0], self._coordinate(self.low))
         if math.isfinite(self.high):
