@@ -125,6 +125,11 @@ def test_models_are_separated_where_they_differ(rough, none):
     assert set(table["first"]) | set(table["second"]) >= {"bump", "none"}
     shown = table["separation"].where(table["second"] == "none")
     assert abs(0.05 * shown.idxmax() - 0.5) < 0.2
+    # What is far behind the first rival is told apart from the claim in any case.
+    chance = rough.chance.models
+    rivals = [chance[name] for name in table.columns if name in chance and name != "bump"]
+    assert rivals
+    assert min(rivals) >= 1e-3 * max(rivals)
     assert none.separate([0.5]) is None
     with pytest.raises(ScenarioError, match="separate"):
         rough.propose_experiments()
