@@ -43,7 +43,7 @@ def test_the_library_does_not_need_the_command():
         assert "stickslip.cli" not in path.read_text(encoding="utf-8"), path
 
 
-ROOMS = ("_util", "scenario", "simulation", "sweeping", "facts", "measurement", "diagnosis")
+ROOMS = ("_util", "scenario", "simulation", "sweeping", "measurement", "diagnosis")
 ROOMS += ("plot", "control", "reproduction", "cli")
 IMPORTED = re.compile(r"^\s*(?:from|import) stickslip\.(\w+)", re.MULTILINE)
 

@@ -1,22 +1,9 @@
 """Outliers: readings that are left out, as they are no readings of what was measured.
 
 A reading is left out if it lies farther than `FAR` robust standard deviations from the value that
-is expected from the other readings. The expected value and its error are different for each kind of
-table, so there are four methods:
-
-============================  ========================================  ===========================
-method                        expected                                  scale
-============================  ========================================  ===========================
-`far_from_their_group`        median of the repeats of a condition      of all groups together, as
-                                                                        three repeats have none;
-                                                                        it grows with the level
-`far_from_their_neighbours`   line through two neighbours of a curve    of the whole curve
-                              that was never repeated
-`far_from_a_fit`              linear fit to the other rows, as rows     of what the fit leaves
-                              with other settings are no neighbours
-`far_from_their_phase`        running median, as frames of nearly one   of the same neighbours
-                              phase are many
-============================  ========================================  ===========================
+the other readings let expect. What that is differs with the table: repeats of a condition have
+their median; a curve that was never repeated the line through two neighbours; rows with several
+settings a fit to all others; and frames of nearly one phase, which are many, a running median.
 """
 
 from __future__ import annotations

@@ -45,6 +45,8 @@ _PART = 30.0
 """Ratio of the last time to 1000 times the drive's end within which times are in ms. Chosen: a film
 may show a thirtieth of the drive."""
 
+_MS_OR_NUMBERS = "ms or numbers of frames"
+
 _OTHER_RATE = 0.02
 """Relative difference of the stated rate from that of the times. Chosen: rounding causes less."""
 
@@ -156,22 +158,23 @@ def _unit_of_times(times: Array, rate: float, end: float) -> _Why | None:
         return None
     spacing = float(np.median(np.diff(different)))
     counts = are_equal(spacing, 1.0)
-    meant: tuple[str, float] | None = None
     if math.isfinite(rate):
         meant = unit_meant("s", spacing * rate, 1.0 + _OTHER_RATE)
         if counts and rate > 1.0 + _OTHER_RATE:
-            meant = ("numbers of frames" if meant is None else "ms or numbers of frames"), rate
-        mend = "" if meant is None else f"divide them by {meant[1]:.7g}"
+            meant = ("numbers of frames" if meant is None else _MS_OR_NUMBERS), rate
     elif np.sum(different < end) < FEWEST:
         meant = unit_meant("s", float(different[-1]) / end, _PART)
-        mend = "" if meant is None else f"divide them by {meant[1]:.7g}"
-        if counts and meant is not None:
-            meant = "ms or numbers of frames", 1e3
-            mend = "divide ms by 1000, numbers of frames by the frame rate"
+        meant = (_MS_OR_NUMBERS, math.nan) if counts and meant is not None else meant
+    else:
+        meant = None
     if meant is None:
         return None
+    unit, factor = meant
+    mend = f"divide them by {factor:.7g}"
+    if math.isnan(factor):
+        mend = "divide ms by 1000, numbers of frames by the frame rate"
     last = float(different[-1])
-    text = f"its times, {spacing:.6g} apart and up to {last:.6g}, are {meant[0]}; s are wanted, so "
+    text = f"its times, {spacing:.6g} apart and up to {last:.6g}, are {unit}; s are wanted, so "
     return "run-time-unit", text + mend, last
 
 
@@ -208,24 +211,18 @@ def _too_little(table: Mapping[str, Array], scenario: Scenario) -> _Why | None:
     start, end = scenario.window
     count = int(np.sum(table["t"] > start - 1e-9))
     if count < FEWEST:
-        return "run-too-short", (
-            f"it has {counted(count, 'sound frame')} from {start:g} s to {end:g} s, where the "
-            f"robot walks steadily; {FEWEST} are needed (times are in s, from the start of the "
-            "drive)"
-        ), count  # fmt: skip
+        text = f"it has {counted(count, 'sound frame')} from {start:g} s to {end:g} s, where the "
+        text += f"robot walks steadily; {FEWEST} are needed (times are in s, from the start of the "
+        return "run-too-short", f"{text}drive)", count
     turn = float(np.median(np.abs(table["theta"])))
     if turn > _TURNS:
-        return "run-angle-unit", (
-            f"theta is near {turn:.3g}, and allowed is up to {_TURNS:.3g}; rad are wanted, so "
-            "convert them from degrees"
-        ), turn  # fmt: skip
+        text = f"theta is near {turn:.3g}, and allowed is up to {_TURNS:.3g}; rad are wanted, so "
+        return "run-angle-unit", f"{text}convert them from degrees", turn
     way = float(np.ptp(table["x"]))
     if way > _LONGEST:
         meant, _ = unit_meant("m", way / _PATH, math.inf, 1e3) or ("mm or um", None)
-        return "run-length-unit", (
-            f"x spans {way:.3g}, and allowed is up to {_LONGEST:g}; m are wanted, and these may "
-            f"be {meant}"
-        ), way  # fmt: skip
+        text = f"x spans {way:.3g}, and allowed is up to {_LONGEST:g}; m are wanted, and these may "
+        return "run-length-unit", f"{text}be {meant}", way
     if way == 0.0 and float(np.ptp(table["theta"])) == 0.0:
         return "run-stands-still", "neither x nor theta ever changes", 0.0
     return None

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -214,12 +215,8 @@ def _sweeps(trials: Sequence[_Trial]) -> Indices:
     labelled = {(each.label, each.setting) for each in trials if each.label}
     if len({label for label, _ in labelled}) < len(labelled):
         return _numbered([each.label for each in trials])
-    seen: Counter[tuple[object, ...]] = Counter()
-    places = []
-    for each in trials:
-        key = (each.block, each.setting)
-        places.append(seen[key])
-        seen[key] += 1
+    seen: defaultdict[object, itertools.count[int]] = defaultdict(itertools.count)
+    places = [next(seen[each.block, each.setting]) for each in trials]
     return np.array(places, dtype=np.int64)
 
 

@@ -46,6 +46,9 @@ _DOUBTFUL = 0.2
 _APART, _SAME = 0.7, 0.05
 # Steps of a first look at a model, and how far behind the best cost one may be to go on.
 _LOOK, _HOPELESS = 3, 30.0
+# Fits of a search after which no further leader is looked beside: where nothing explains the data,
+# each look finds others. Chosen: a pair takes less than half.
+_MOST_FITS = 250
 # Causes that are tried about a leader, of each kind of neighbour; least fall of the cost that one
 # more has to promise (with less its model is not compared); and least growth of the log-evidence
 # after which a leader is looked beside again.
@@ -69,6 +72,7 @@ class Models:
         self.problem, self.offered = problem, tuple(offered)
         self.forms: dict[str, Form] = forms(problem)
         self.best: dict[tuple[frozenset[str], str], Fit] = {}
+        self.begun = 0  # fits so far
         # Draws of the leading sets of causes, and what Laplace's rule misses of their evidence.
         self.draws: dict[frozenset[str], Draws] = {}
         self.corrections: dict[frozenset[str], float] = {}
@@ -118,6 +122,7 @@ class Models:
         h: Array | None = None,
     ) -> None:
         """Fit a model from a start, unless nothing can be fitted there."""
+        self.begun += 1
         hopeless = math.inf
         if form == "none" and causes and self.best:
             first = min(each.cost for each in self.leaders(1, form))
@@ -214,7 +219,7 @@ def search(
 
     `models` has the recalibrated one; `ends` are of `recalibrated`.
     """
-    problem = models.problem
+    problem, most = models.problem, models.begun + _MOST_FITS
     _fit_singles(models, ends, causes)
     done = {frozenset[str](): models.null.log_evidence}
     for turn in range(ROUNDS):
@@ -228,7 +233,8 @@ def search(
             break
         for leader in new:
             done[leader.names] = leader.log_evidence
-            _look_beside(models, leader)
+            if models.begun < most:
+                _look_beside(models, leader)
         _fit_other_forms(models)
         _fit_stated_again(models)
     for each in _near(models):
@@ -277,14 +283,19 @@ def _near(models: Models) -> list[Fit]:
 
 
 def _worth_a_look(models: Models) -> list[Fit]:
-    """The leaders, each set of causes once, and the best single causes at least."""
+    """The leaders, each set of causes once; where none leaves little, more single causes too.
+
+    A cause that is one of two may be far behind by itself.
+    """
     sets: dict[frozenset[str], Fit] = {}
-    best = models.leaders(form="none")[:2]
-    # Where the best one leaves no more than its errors, what is far behind it needs no look.
-    few = best[0].chi2 < _COMFORTABLE * len(models.problem.y)
-    for each in [*_near(models), *best[: 1 if few else 2]]:
+    for each in _near(models):
         sets.setdefault(each.names, each)
-    return [each for each in sets.values() if each.causes][:LEADERS]
+    found = [each for each in sets.values() if each.causes][:LEADERS]
+    best = models.leaders(form="none")
+    if best[0].chi2 > _COMFORTABLE * len(models.problem.y):
+        singles = [each for each in best if len(each.causes) == 1][: 2 * LEADERS]
+        found += [each for each in singles if each.names not in sets]
+    return found
 
 
 def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -> None:
