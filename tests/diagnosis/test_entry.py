@@ -63,7 +63,8 @@ def test_progress_goes_from_start_to_end(sound):
 
 @pytest.mark.nightly
 def test_velocities_in_another_unit_are_a_problem_of_the_data(table):
-    wrong = table.assign(velocity=1e3 * table["velocity"])
+    # Millimetres that were divided twice.
+    wrong = table.assign(velocity=1e-3 * table["velocity"])
     result = diagnose(measurement(wrong), threads=2)
     assert (result.verdict.kind, result.verdict.causes) == ("data-problem", ())
     (reason,) = result.verdict.reasons
