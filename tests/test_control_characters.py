@@ -24,7 +24,7 @@ WILD = "a\x1b[31m\x9b31m\x7f\r\n\u2028\u202eb"
 TAGS = re.findall(
     r"\w+",
     "html head meta title style body h1 h2 h3 p b i div svg g path line rect circle ellipse "
-    "polyline polygon text tspan defs clippath use image figure figcaption ul li nav a "
+    "span polyline polygon text tspan defs clippath use image figure figcaption ul li nav a "
     "details summary table tr th td code script",
 )
 EVERY = "".join(map(chr, [*range(1, 0x3000), 0xFEFF, 0x1F916, 0xE0001]))

@@ -28,6 +28,8 @@ Values = dict[str, np.ndarray]
 GYRATION = SIDE / np.sqrt(6.0)
 """Radius of gyration of a uniform square, m."""
 
+_RIM = SIDE / np.sqrt(3.0)  # and of a square with all mass in its rim, m
+
 _LEAST_TILT = 0.15
 """rad. Chosen: a square that is nearer to lying flat touches with two corners within a frame."""
 _QUARTER = np.pi / 2
@@ -201,7 +203,7 @@ def velocities(impacts: Impacts, sd: np.ndarray) -> Posed:
     uncertain = [
         Parameter("restitution", Prior("normal", 0.5, 0.2)),
         Parameter("friction", Prior("log-uniform", 0.02, 0.6)),
-        Parameter("gyration", Prior("normal", GYRATION, 2e-4), "m"),
+        Parameter("gyration", Prior("normal", GYRATION, 2e-4), "m", high=_RIM),
     ]
     theta, vx, vz, spin = impacts.before[:, 2:].T
     before = {"theta": theta, "vx": vx, "vz": vz, "spin": spin}

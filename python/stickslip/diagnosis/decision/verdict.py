@@ -223,11 +223,12 @@ def _with(verdict: Verdict, kind: Kind, causes: tuple[str, ...], fit: Fit | None
 
 
 def _at_end(models: Models, fit: Fit) -> bool:
-    """Whether an amplitude is at the farther end of its range."""
-    low, high = models.problem.limits
-    for k in models.problem.columns(fit.causes).tolist():
-        parameter = models.problem.parameters[k]
-        ends = [high[k]] if parameter.one_sided else [low[k], high[k]]
+    """Whether an amplitude, or a freed constant, is at the farther end of its range."""
+    problem, (low, high) = models.problem, models.problem.limits
+    names = [each.name for each in problem.constants]
+    freed = [names.index(each.frees) for each in fit.causes if each.frees is not None]
+    for k in [*problem.columns(fit.causes).tolist(), *freed]:
+        ends = [high[k]] if problem.parameters[k].one_sided else [low[k], high[k]]
         if any(abs(fit.x[k] - end) < 0.01 for end in ends if math.isfinite(end)):
             return True
     return False
