@@ -70,7 +70,7 @@ def run(
         models = Models(problem, problem.causes)
         models.add(null)
         search(models, ends, problem.causes, say, seed)
-        if problem.laws is not None and not _explained(models):
+        if problem.laws is not None and models.reaches and not _explained(models):
             say(0.8, "laws of a free shape")
             known = len(problem.causes)
             models = models.widened(problem.laws(problem, models.null.x))

@@ -46,6 +46,8 @@ _DOUBTFUL = 0.2
 _APART, _SAME = 0.7, 0.05
 # Steps of a first look at a model, and how far behind the best cost one may be to go on.
 _LOOK, _HOPELESS = 3, 30.0
+# Chi-square per row up to which a model is near the data. Chosen.
+_NEAR_DATA = 100.0
 # Fits of a search after which no further leader is looked beside: where nothing explains the data,
 # each look finds others. Chosen: a pair takes less than half.
 _MOST_FITS = 250
@@ -97,6 +99,12 @@ class Models:
     def get(self, causes: Iterable[str] = (), form: str = "none") -> Fit | None:
         """The fit of a model, if there is one."""
         return self.best.get((frozenset(causes), form))
+
+    @property
+    def reaches(self) -> bool:
+        """Whether some model comes near the data, to ten errors in the mean."""
+        best = min(each.chi2 for each in self.leaders(form="none"))
+        return best < _NEAR_DATA * len(self.problem.y)
 
     @property
     def null(self) -> Fit:
@@ -219,8 +227,10 @@ def search(
 
     `models` has the recalibrated one; `ends` are of `recalibrated`.
     """
-    problem, most = models.problem, models.begun + _MOST_FITS
+    problem = models.problem
     _fit_singles(models, ends, causes)
+    # Where the best cause leaves ten errors in each row, a second one explains nothing.
+    most = models.begun + (_MOST_FITS if models.reaches else 0)
     done = {frozenset[str](): models.null.log_evidence}
     for turn in range(ROUNDS):
         say(0.3 + 0.5 * turn / ROUNDS, "comparing models")
