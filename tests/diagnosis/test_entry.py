@@ -43,7 +43,7 @@ def test_nothing_is_found_where_nothing_is(sound):
 def test_the_result_does_not_depend_on_threads_and_little_on_the_seed(table, sound):
     result, _ = sound
     again = diagnose(measurement(table), threads=2)
-    assert again.as_dict()["candidates"] == result.as_dict()["candidates"]
+    assert again.as_dict()["ranking"] == result.as_dict()["ranking"]
     assert np.array_equal(again.findings.models.null.x, result.findings.models.null.x)
     assert again.findings.test.p_value == result.findings.test.p_value
     other = diagnose(measurement(table), threads=2, seed=7)
