@@ -48,7 +48,8 @@ def test_the_result_does_not_depend_on_threads_and_little_on_the_seed(table, sou
     assert again.findings.test.p_value == result.findings.test.p_value
     other = diagnose(measurement(table), threads=2, seed=7)
     assert other.verdict.kind == "none"
-    assert other.params["value"] == pytest.approx(result.params["value"], rel=0.05)
+    moved = (other.params["value"] - result.params["value"]).abs()
+    assert (moved < 0.2 * result.params["sd"]).all()
 
 
 @pytest.mark.nightly
