@@ -107,12 +107,14 @@ def shared_errors(posed):
     return replace(posed, errors=(Errors(np.sqrt(np.diag(covariance)), covariance),))
 
 
-@pytest.mark.parametrize("name", ["none", "white", "ar1", "smooth"])
-@pytest.mark.parametrize("shared", [False, True])
+# Beside shared errors ar1 is not offered.
+@pytest.mark.parametrize(
+    ("name", "shared"),
+    [(name, shared) for name in ("none", "white", "smooth") for shared in (False, True)]
+    + [("ar1", False)],
+)
 def test_densities_are_those_of_the_dense_matrix(name, shared):
     if name == "ar1":
-        if shared:
-            pytest.skip("not offered beside shared errors")
         table = data(run=np.repeat([0, 1], [12, 18]), sd=np.linspace(0.05, 0.2, 30))
         table.order = table.order + np.where(table.order > 20, 3.5, 0.0)  # a gap
     else:
