@@ -37,7 +37,7 @@ inline std::string digits(double value) {
     while (precision < kMost && std::strtod(scientific.c_str(), nullptr) != value) {
         scientific = formatted("%.*e", ++precision, value);
     }
-    const int exponent = std::atoi(scientific.c_str() + scientific.find('e') + 1);
+    const long exponent = std::strtol(scientific.c_str() + scientific.find('e') + 1, nullptr, 10);
     const std::string fixed = formatted("%.*f", std::max(precision - exponent, 0), value);
     return fixed.size() <= scientific.size() ? fixed : scientific;
 }

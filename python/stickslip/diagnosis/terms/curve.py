@@ -37,7 +37,7 @@ class Curve(OneLine):
     places : ndarray, shape (knots,)
         Argument at each knot.
     design : callable
-        ``design(argument)``: what each knot adds to f, shape (*argument.shape, knots).
+        ``design(argument)``: what each knot adds to f, shape ``(*argument.shape, knots)``.
     constant : str, optional
         Name of the constant that the law is times 1 + f, if it is one.
     stated : float
