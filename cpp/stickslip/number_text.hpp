@@ -38,7 +38,7 @@ inline std::string digits(double value) {
         scientific = formatted("%.*e", ++precision, value);
     }
     const long exponent = std::strtol(scientific.c_str() + scientific.find('e') + 1, nullptr, 10);
-    const std::string fixed = formatted("%.*f", std::max(precision - exponent, 0), value);
+    const std::string fixed = formatted("%.*f", static_cast<int>(std::max(precision - exponent, 0L)), value);
     return fixed.size() <= scientific.size() ? fixed : scientific;
 }
 

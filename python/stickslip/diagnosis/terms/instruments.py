@@ -1,7 +1,7 @@
 """What an instrument does to its readings, as causes beside the physics.
 
-Each public function makes a `stickslip.Cause` with a `read`, which the diagnosis applies to what the model
-predicts, one after another in the order of the causes::
+Each public function makes a `stickslip.Cause` with a `read`, which the diagnosis applies to what the
+model predicts, one after another in the order of the causes::
 
     meters = [instruments.scale(), instruments.offset("m/s", 1e-3)]
     diagnose_model(physics, data, uncertain, [*causes, *meters])
