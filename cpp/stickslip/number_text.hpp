@@ -37,8 +37,9 @@ inline std::string digits(double value) {
     while (precision < kMost && std::strtod(scientific.c_str(), nullptr) != value) {
         scientific = formatted("%.*e", ++precision, value);
     }
-    const long exponent = std::strtol(scientific.c_str() + scientific.find('e') + 1, nullptr, 10);
-    const std::string fixed = formatted("%.*f", static_cast<int>(std::max(precision - exponent, 0L)), value);
+    const std::string power = scientific.substr(scientific.find('e') + 1);
+    const int exponent = static_cast<int>(std::strtol(power.c_str(), nullptr, 10));
+    const std::string fixed = formatted("%.*f", std::max(precision - exponent, 0), value);
     return fixed.size() <= scientific.size() ? fixed : scientific;
 }
 
