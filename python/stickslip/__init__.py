@@ -19,11 +19,13 @@ if TYPE_CHECKING:
     from stickslip.control.optimum import Optimum as Optimum
     from stickslip.control.predict import predict as predict
     from stickslip.control.prediction import Prediction as Prediction
+    from stickslip.diagnosis.data.series import Series as Series
     from stickslip.diagnosis.data.table import Table as Table
     from stickslip.diagnosis.entry import diagnose as diagnose
     from stickslip.diagnosis.entry import diagnose_model as diagnose_model
     from stickslip.diagnosis.result import Diagnosis as Diagnosis
     from stickslip.diagnosis.rounds import diagnose_in_rounds as diagnose_in_rounds
+    from stickslip.diagnosis.terms import events as events
     from stickslip.diagnosis.terms import instruments as instruments
     from stickslip.diagnosis.terms.cause import Cause as Cause
     from stickslip.diagnosis.terms.laws import free_law as free_law
@@ -80,6 +82,7 @@ _HOME = {
         "control.optimum": ("Optimum",),
         "control.predict": ("predict",),
         "control.prediction": ("Prediction",),
+        "diagnosis.data.series": ("Series",),
         "diagnosis.data.table": ("Table",),
         "diagnosis.entry": ("diagnose", "diagnose_model"),
         "diagnosis.result": ("Diagnosis",),
@@ -118,7 +121,11 @@ _HOME = {
     for name in names
 }
 # Modules that are public names themselves.
-_MODULES = {"instruments": "diagnosis.terms.instruments", "plot": "plot"}
+_MODULES = {
+    "events": "diagnosis.terms.events",
+    "instruments": "diagnosis.terms.instruments",
+    "plot": "plot",
+}
 
 # Hidden from type checkers, which take the names from above: they read no computed list, and would
 # take any name for an attribute.

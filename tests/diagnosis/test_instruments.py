@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms import instruments
 from stickslip.errors import ScenarioError
 
@@ -13,7 +14,7 @@ TRUTH = np.array([0.0, 0.5, 1.0, 0.5, 0.5, 0.5])
 
 def read(cause, *values, truth=TRUTH):
     p = {each.name: np.array([[v]]) for each, v in zip(cause.parameters, values, strict=True)}
-    return cause.read(truth[None, :], truth[None, :], p)[0]
+    return cause.read(truth[None, :], truth[None, :], p, Table({}, TRUTH))[0]
 
 
 def test_each_instrument_reads_by_its_law():
@@ -79,7 +80,7 @@ def test_an_offset_and_a_limit_act_one_after_the_other_on_one_prediction():
         return values[:, :1] * VELOCITIES
 
     values = np.array([[0.0, 2.0, 0.0], [2.2e-3, 1.0, 5e-4], [0.0, 1.0, 5e-4], [0.0, 1.0, 0.0]])
-    seen = instruments.read_by((offset, limit), names, values, physics)
+    seen = instruments.read_by((offset, limit), names, values, physics, Table({}, VELOCITIES))
     assert seen[0] == pytest.approx(2.0 * VELOCITIES, rel=1e-15)
     assert seen[1] == pytest.approx([1.5e-3, -1.5e-3, 2.2e-3], rel=1e-15)
     assert seen[2] == pytest.approx(VELOCITIES + 5e-4, rel=1e-15)
@@ -87,7 +88,9 @@ def test_an_offset_and_a_limit_act_one_after_the_other_on_one_prediction():
     # Vectors that differ in the instruments alone share the physics.
     assert asked == [(["drag.linear"], [[1.0], [2.0]])]
     # Without their parameters instruments read what is there.
-    alone = instruments.read_by((offset, limit), names[1:2], values[:1, 1:2], physics)
+    alone = instruments.read_by(
+        (offset, limit), names[1:2], values[:1, 1:2], physics, Table({}, VELOCITIES)
+    )
     assert np.array_equal(alone[0], 2.0 * VELOCITIES)
     assert instruments.of_velocities(np.zeros(3)) == ()
 

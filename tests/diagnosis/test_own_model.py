@@ -158,7 +158,7 @@ LAW = free_law("pull", "gap", "m", 0.0, 1.0)
             {"predict": lambda t, p: p["slop"]},
             'p: there is no parameter slop; did you mean "slope"',
         ),
-        ({"data": X}, "data = .*: allowed is a Table, or a list of them"),
+        ({"data": X}, "data = .*: allowed is a Table or a Series, or a list of them"),
         ({"data": []}, r"data = \[\]: allowed is a Table"),
         ({"uncertain": SLOPE}, "uncertain = .*: allowed is a list of Parameter"),
         ({"uncertain": [SLOPE, 0.3]}, "uncertain = .*: allowed is a list of Parameter"),

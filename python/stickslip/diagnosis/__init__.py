@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from stickslip.diagnosis.candidate import Candidate
 from stickslip.diagnosis.data.errors import Errors
+from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.experiments import Experiment
 from stickslip.diagnosis.decision.gain import Gain
@@ -42,6 +43,7 @@ __all__ = [
     "Prior",
     "Problem",
     "Round",
+    "Series",
     "Table",
     "Test",
     "Verdict",

@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
-import numpy as np
-
-from stickslip._util.arrays import Array
 from stickslip._util.processor_count import worker_count
 from stickslip.diagnosis.data.checks import find_problem, find_velocity_problem, velocity_notes
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.data.velocity import VelocityTable
+from stickslip.diagnosis.fitting.scatter import with_scatter
 from stickslip.diagnosis.fitting.search import Progress
 from stickslip.diagnosis.measured import pose
-from stickslip.diagnosis.own_model import Predict, Values, overflows, pose_own
+from stickslip.diagnosis.own_model import OwnModel, Predict, overflows, pose_own
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.steps import run
 from stickslip.diagnosis.terms.cause import Cause
-from stickslip.diagnosis.terms.laws import Curves
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
@@ -91,11 +87,11 @@ def diagnose_model(
     Parameters
     ----------
     predict : callable
-        ``predict(table, p)`` returns readings of one table of `data`, shape (vectors, rows of the
-        table). ``p["name"]`` are the values of a parameter in its unit, shape (vectors, 1); those
+        ``predict(table, p)`` returns readings of one table or series of `data`, shape (vectors,
+        rows). ``p["name"]`` are the values of a parameter in its unit, shape (vectors, 1); those
         of absent causes are at their `absent` value. What it cannot compute is NaN. With free laws
         among the causes it is called as ``predict(table, p, curves)``, see `free_law`.
-    data : Table or sequence of Table
+    data : Table, Series, or sequence of them
     uncertain : sequence of Parameter
         Constants that are known by their priors. For each whose prior has a middle, unless it is no
         suspect, "other than stated" is a cause, too.
@@ -130,20 +126,16 @@ def diagnose_model(
     ('named', ('wave',))
     """
     check_whole("seed", seed)
-    problem = pose_own(predict, data, uncertain, causes)
+    problem = with_scatter(pose_own(predict, data, uncertain, causes), int(seed))
     notes = overflows(problem)
     alone = len(problem.tables) == 1
     suspect = next(filter(None, (find_problem(each, alone=alone) for each in problem.tables)), None)
     findings = run(problem, int(seed), progress or _silent, suspect)
 
-    def forward(conditions: Any, values: Array) -> Array:
-        """Readings of a table that was not measured."""
-        p = Values({name: values[:, [k]] for k, name in enumerate(problem.names)})
-        laws = [each for each in problem.causes if each.curve is not None]
-        made = predict(conditions, p, Curves(laws, p)) if laws else predict(conditions, p)
-        return np.asarray(made, dtype=float)
-
-    return Diagnosis(findings, None, tuple(notes), forward)
+    model, names = OwnModel(predict, tuple(uncertain), problem.causes), problem.names
+    return Diagnosis(
+        findings, None, tuple(notes), lambda at, values: model.of_new(at, names, values)
+    )
 
 
 def _silent(fraction: float, stage: str) -> None:

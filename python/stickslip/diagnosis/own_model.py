@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import inspect
+import itertools
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from stickslip._util.arrays import Array
-from stickslip._util.one_line import brief
+from stickslip._util.one_line import OneLine, brief
+from stickslip.diagnosis.data.series import Series, with_repeats
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.fitting.problem import HUGE, Cached, Problem
 from stickslip.diagnosis.measured import freed
@@ -23,7 +26,8 @@ from stickslip.scenario.keys import meant
 from stickslip.simulation.note import Note
 
 Predict = Callable[..., Array]
-"""``predict(table, p)``, or ``predict(table, p, curves)`` where a cause is a free law."""
+"""``predict(table, p)`` of a `Table` or `Series`; ``predict(table, p, curves)`` where a cause is a free
+law."""
 
 
 class Values(dict[str, Array]):
@@ -48,41 +52,152 @@ def pose_own(
     """
     tables = [data] if isinstance(data, Table) else list(data)
     if not tables or not all(isinstance(each, Table) for each in tables):
-        raise ScenarioError(f"data = {brief(data)}: allowed is a Table, or a list of them")
+        raise ScenarioError(
+            f"data = {brief(data)}: allowed is a Table or a Series, or a list of them"
+        )
     _check_list("uncertain", uncertain, Parameter)
     _check_list("causes", causes, Cause)
-    constants = tuple(uncertain)
-    if any(each.prior is None for each in constants):
+    if any(each.prior is None for each in uncertain):
         raise ScenarioError("uncertain: allowed are Parameters with a prior")
+    tables = _records(tables)
+    constants = _of_each_record(uncertain, tables)
     named = beside_constants(causes, constants)
     every = (*named, *freed(constants))
     _check_names(tables, constants, named)
     _check_constants(constants, named)
-    laws = [each for each in named if each.curve is not None]
-    _check_predict(predict, ["table", "p", *(["curves"] if laws else [])])
+    _check_inputs(tables, named)
+    model = OwnModel(predict, tuple(uncertain), tuple(named))
+    _check_predict(predict, ["table", "p", *(["curves"] if model.laws else [])])
     names = [*(each.name for each in constants), *(p.name for c in every for p in c.parameters)]
 
-    def physics(table: Table) -> Callable[[Sequence[str], Array], Array]:
-        def of(keys: Sequence[str], values: Array) -> Array:
-            p = Values({key: values[:, [k]] for k, key in enumerate(keys)})
-            made = predict(table, p, Curves(laws, p)) if laws else predict(table, p)
-            return _rows(table, made, len(values))
+    def rows(values: Array) -> Array:
+        made = [model(each, names, values)[:, each.first] for each in tables]
+        return np.hstack(made)
 
-        return of
-
-    def model(values: Array) -> Array:
-        return np.hstack([
-            read_by(
-                [each for each in named if each.table in (None, table.name)],
-                names, values, physics(table),
-            )[:, table.first]
-            for table in tables
-        ])  # fmt: skip
-
-    problem = Problem(tuple(tables), Cached(model), constants, every)
-    if not np.any(np.isfinite(model(problem.physical(np.zeros((1, problem.size)))))):
+    problem = Problem(tuple(tables), Cached(rows), constants, every)
+    if not np.any(np.isfinite(rows(problem.physical(np.zeros((1, problem.size)))))):
         raise ScenarioError("predict: with the stated parameters it computes no reading")
     return problem
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class OwnModel(OneLine):
+    """What a model of one's own, and the instruments that read it, say of a table.
+
+    Attributes
+    ----------
+    predict : callable
+    uncertain : tuple of Parameter
+        As they were given.
+    causes : tuple of Cause
+        A constant that is other than stated changes nothing here.
+    """
+
+    predict: Predict
+    uncertain: tuple[Parameter, ...]
+    causes: tuple[Cause, ...]
+
+    @property
+    def laws(self) -> list[Cause]:
+        """Causes that are a law of a free shape."""
+        return [each for each in self.causes if each.curve is not None]
+
+    def __call__(self, table: Table, names: Sequence[str], values: Array) -> Array:
+        """Readings of a table, shape (vectors, rows), for values by name, (vectors, names).
+
+        Vectors that differ only in what belongs to other tables share a prediction.
+        """
+        at = self.columns(table.name, names)
+        vectors, place = np.unique(values[:, list(at.values())], axis=0, return_inverse=True)
+        acting = [each for each in self.causes if each.table in (None, table.name)]
+
+        def physics(keys: Sequence[str], rows: Array) -> Array:
+            p = Values({key: rows[:, [k]] for k, key in enumerate(keys)})
+            return _rows(table, self.predicted(_seen(table, acting, p), p), len(rows))
+
+        readers = [each for each in acting if each.input is None]
+        return read_by(readers, list(at), vectors, physics, table)[place.reshape(-1)]
+
+    def predicted(self, table: Any, p: Values) -> Any:
+        """What the own function returns."""
+        return self.predict(table, p, Curves(self.laws, p)) if self.laws else self.predict(table, p)
+
+    def columns(self, table: str, names: Sequence[str]) -> dict[str, int]:
+        """Columns of `names` that count for a table, by the names that the model knows."""
+        records = {each.name for each in self.uncertain if each.each_record}
+        elsewhere = {
+            one.name
+            for cause in self.causes
+            if cause.read is not None and cause.table not in (None, table)
+            for one in cause.parameters
+        }
+        found = {}
+        for k, name in enumerate(names):
+            base, bracket, record = name.partition("[")
+            if name in elsewhere or (bracket and base in records and record != f"{table}]"):
+                continue
+            found[base if base in records else name] = k
+        return found
+
+    def of_new(self, conditions: Any, names: Sequence[str], values: Array) -> Array:
+        """Readings at conditions that were not measured, as a perfect instrument reads them.
+
+        A record of another name begins at the middles of its start states.
+        """
+        at = self.columns(getattr(conditions, "name", ""), names)
+        p = Values({name: values[:, [k]] for name, k in at.items()})
+        for each in self.uncertain:
+            p.setdefault(each.name, np.full((len(values), 1), each.value(np.zeros(1))[0]))
+        return np.asarray(self.predicted(conditions, p), dtype=float)
+
+
+def of_record(parameter: Parameter, table: Table) -> str:
+    """Name of the value that a parameter has in a record."""
+    return f"{parameter.name}[{table.name}]" if table.name else parameter.name
+
+
+def _seen(table: Table, causes: Sequence[Cause], p: Mapping[str, Array]) -> Table:
+    """A record with its inputs as they act."""
+    acting = [each for each in causes if each.input is not None and each.read is not None]
+    if not acting or not isinstance(table, Series):
+        return table
+    inputs: dict[str, Array] = {}
+    for each in acting:
+        assert each.input is not None
+        assert each.read is not None
+        own = {one.name: p[one.name] for one in each.parameters}
+        given = np.tile(table[each.input], (len(next(iter(own.values()))), 1))
+        inputs[each.input] = each.read(inputs.get(each.input, given), given, own, table)
+    return table.with_inputs(inputs)
+
+
+def _records(tables: Sequence[Table]) -> list[Table]:
+    """Tables where each series has a name, and the errors that its repeats tell."""
+    series = [each for each in tables if isinstance(each, Series)]
+    number = itertools.count(1)
+    if len(tables) > 1:
+        series = [each if each.name else each.named(f"record {next(number)}") for each in series]
+    known = iter(with_repeats(series))
+    return [next(known) if isinstance(each, Series) else each for each in tables]
+
+
+def _of_each_record(
+    uncertain: Sequence[Parameter], tables: Sequence[Table]
+) -> tuple[Parameter, ...]:
+    """The constants, with one for each record where a parameter has a value of its own there."""
+    found = []
+    for each in uncertain:
+        if not each.each_record:
+            found.append(each)
+            continue
+        records = [table for table in tables if isinstance(table, Series)]
+        if not records:
+            raise ScenarioError(f"parameter {each.name}: each_record: allowed beside a Series")
+        found += [
+            replace(each, name=of_record(each, table), suspect=False, each_record=False)
+            for table in records
+        ]
+    return tuple(found)
 
 
 def overflows(problem: Problem) -> list[Note]:
@@ -159,6 +274,22 @@ def _check_names(
         if cause.table is not None and cause.table not in of_tables:
             hint = meant(cause.table, of_tables)
             raise ScenarioError(f"cause {cause.name}: there is no table {cause.table}{hint}")
+
+
+def _check_inputs(tables: Sequence[Table], causes: Sequence[Cause]) -> None:
+    """Refuse causes that act on an input that no record has."""
+    for cause in causes:
+        if cause.input is None:
+            continue
+        read = [each for each in tables if cause.table in (None, each.name)]
+        for table in read:
+            known = table.inputs if isinstance(table, Series) else {}
+            if cause.input not in known:
+                at = f" of {table.name}" if table.name else ""
+                allowed = ", ".join(known) or "none"
+                raise ScenarioError(
+                    f"cause {cause.name}: input = {cause.input}: allowed is an input{at}: {allowed}"
+                )
 
 
 def _check_constants(constants: Sequence[Parameter], causes: Sequence[Cause]) -> None:

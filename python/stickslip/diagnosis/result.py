@@ -435,7 +435,7 @@ class Diagnosis(ShownBySummary):
         at = [k for k, name in enumerate(names) if name in known or name in own]
         return read_by(
             table.suspects, [names[k] for k in at], values[:, at],
-            lambda keys, rest: table.velocities(drives, keys, rest),
+            lambda keys, rest: table.velocities(drives, keys, rest), table,
         )  # fmt: skip
 
     @cached_property

@@ -81,6 +81,7 @@ class AngleTable(Table):
         return read_by(
             self.suspects, names, values,
             lambda keys, own: _core.static_tilts(self._base, list(keys), own, self.fields),
+            self,
         )  # fmt: skip
 
     def _sound(self, rows: Array) -> Array:

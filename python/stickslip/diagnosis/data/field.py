@@ -97,7 +97,7 @@ class FieldTable(Table):
             seen[np.isnan(seen).any(axis=1)] = np.nan
             return seen
 
-        return read_by(self.suspects, names, values, physics)
+        return read_by(self.suspects, names, values, physics, self)
 
     def _off_wires(self, shares: Array) -> Mask:
         """Rows whose probe lies on no wire, where there is no field."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -11,7 +12,7 @@ from numpy.typing import ArrayLike
 from stickslip._util.arrays import Array, Indices
 from stickslip._util.equal_numbers import representatives
 from stickslip._util.one_line import brief
-from stickslip.diagnosis.data.errors import estimate
+from stickslip.diagnosis.data.errors import Errors, estimate
 from stickslip.errors import ScenarioError
 from stickslip.simulation.note import Note
 
@@ -88,11 +89,11 @@ class Table:
         keys = list(zip(*(_equal(each) for each in columns), strict=True)) or [()] * count
         number = {key: k for k, key in enumerate(dict.fromkeys(keys))}
         self.condition = np.array([number[key] for key in keys], dtype=np.int64)
-        self.first = np.array([keys.index(key) for key in number], dtype=np.int64)
+        self.first = np.unique(self.condition, return_index=True)[1]
         self.places = _places([each[self.first] for each in columns])
         self.group = np.arange(len(number), dtype=np.int64)
         runs = None if run is None else _labels(run, count, at + "run")
-        stated = None if sd is None else _stated(sd, count, at + "sd")
+        stated = None if sd is None else stated_errors(sd, count, at + "sd")
         self.mean, self.errors = estimate(
             self.y, self.condition, sd=stated, run=runs,
             setup=None if block is None else _labels(block, count, at + "block"),
@@ -107,6 +108,12 @@ class Table:
     def __getitem__(self, column: str) -> Array:
         """A column of the settings, shape (n,)."""
         return np.asarray(self.settings[column])
+
+    def with_errors(self, errors: Errors) -> Table:
+        """The same readings with other errors, and notes of these alone."""
+        made = copy.copy(self)
+        made.errors, made.notes = errors, list(errors.notes)
+        return made
 
     def __len__(self) -> int:
         return len(self.y)
@@ -125,7 +132,7 @@ def _row(values: ArrayLike, what: str) -> Array:
     return row
 
 
-def _stated(sd: ArrayLike, count: int, what: str) -> Array:
+def stated_errors(sd: ArrayLike, count: int, what: str) -> Array:
     """The stated error of each reading."""
     try:
         each = np.broadcast_to(np.asarray(sd, dtype=float), (count,))

@@ -156,7 +156,7 @@ class VelocityTable(Table):
     def _read(self, conditions: Conditions, names: Sequence[str], values: Array) -> Array:
         return read_by(
             self.suspects, names, values,
-            lambda keys, own: self.velocities(conditions, keys, own),
+            lambda keys, own: self.velocities(conditions, keys, own), self,
         )  # fmt: skip
 
     def _setting(self, condition: Mapping[str, Value], key: str) -> Value:

@@ -11,7 +11,7 @@ from scipy.stats import t as t_law
 
 from stickslip._util.arrays import Array, Indices
 from stickslip._util.one_line import OneLine
-from stickslip.diagnosis.fitting.forms import Form, forms
+from stickslip.diagnosis.fitting.forms import Correlated, Form, forms
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import Problem
 
@@ -143,6 +143,9 @@ def _gram(problem: Problem, form: Form, fit: Fit, columns: Array, kept: Indices)
     h = fit.h if form.name == fit.form else np.zeros(len(form.names))
     if form.name in ("none", "white") and independent:
         return form.weighted(form.prepared(only), fit.residual, h)
+    if isinstance(form, Correlated):
+        form = form.of_rows(kept)
+        return form.gram(form.prepared(columns), h)
     left_out = np.setdiff1d(np.arange(len(columns)), kept)
     own = np.zeros((len(columns), len(left_out)))
     own[left_out, np.arange(len(left_out))] = 1.0

@@ -15,6 +15,7 @@ times the stated errors (Kennedy and O'Hagan, J. R. Stat. Soc. B 63, 425, 2001).
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -23,7 +24,7 @@ import numpy as np
 from scipy.linalg import cholesky_banded, lapack, solve_triangular
 from scipy.special import gammaln
 
-from stickslip._util.arrays import Array
+from stickslip._util.arrays import Array, Indices
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.fitting.problem import Problem
 
@@ -222,6 +223,18 @@ class Correlated(Form):
         self._step = float(np.median(self._share[np.isfinite(self._share)]))
         self._unit2, self._variance = self.unit[self._order] ** 2, problem.sd[self._order] ** 2
         self._log_det = 0.0
+
+    def of_rows(self, rows: Indices) -> Correlated:
+        """The inner product of some rows alone: what is between them is a longer gap."""
+        kept = np.isin(self._order, rows)
+        made = copy.copy(self)
+        # Ways along a run add up over what is left out; one over the start of a run is infinite.
+        way = np.cumsum(np.where(np.isfinite(self._share), self._share, 0.0))[kept]
+        run = np.cumsum(np.isinf(self._share))[kept]
+        made._share = np.where(np.diff(run, prepend=-1) == 0, np.diff(way, prepend=0.0), np.inf)
+        made._order, made.n = self._order[kept], int(np.sum(kept))
+        made._unit2, made._variance = self._unit2[kept], self._variance[kept]
+        return made
 
     def prepared(self, columns: Array) -> Any:
         return np.asfortranarray(columns[self._order])

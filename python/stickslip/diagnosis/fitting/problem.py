@@ -17,6 +17,7 @@ from scipy.stats import f as f_law
 from stickslip._util.arrays import Array, Indices
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.data.errors import Errors
+from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
@@ -156,9 +157,21 @@ class Problem(OneLine):
 
     @cached_property
     def group(self) -> Indices:
-        """Rows that are held out together, shape (n,), numbered over all tables."""
-        first = np.cumsum([0, *(int(each.group.max()) + 1 for each in self.tables)])
-        return np.concatenate([t.group + k for t, k in zip(self.tables, first, strict=False)])
+        """Rows that are held out together, shape (n,), numbered over all tables.
+
+        A stretch of one record and the same of the others are held out together, so that each fit
+        has a part of every record.
+        """
+        first, groups = 0, []
+        stretches = [each.group for each in self.tables if isinstance(each, Series)]
+        after = max((int(each.max()) + 1 for each in stretches), default=0)
+        for each in self.tables:
+            if isinstance(each, Series):
+                groups.append(each.group)
+            else:
+                groups.append(each.group + after + first)
+                first += int(each.group.max()) + 1
+        return np.concatenate(groups)
 
     @cached_property
     def dof(self) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -19,7 +20,9 @@ AMPLITUDES = (0.15, 0.6, 2.0)
 """Coordinates of amplitudes at which responses are taken, as piecewise smooth models have causes
 without a slope at zero. Chosen: a factor of about four apart."""
 
-_SHAPES = (-1.5, 0.0, 1.5)  # of a shape: 1.5 standard deviations of its prior; chosen
+# Of a shape: 1.5 standard deviations of its prior; chosen. Of one over a small part of whose range
+# predictions change, such as the time of an event, a scan of so many places at most.
+_SHAPES, _FINE, _SCANNED = (-1.5, 0.0, 1.5), 0.2, 64
 # Multiple of a response up to which it is trusted, and largest move of a constant that makes up for
 # one. Chosen: a response says little of amplitudes far beyond its own.
 _MULTIPLE, _FAR = 1.8, 6.0
@@ -102,6 +105,9 @@ def _probes(problem: Problem, cause: Cause, sizes: Sequence[float]) -> list[_Pro
     shapes = [k for k in columns if not problem.parameters[k].is_amplitude and cause.curve is None]
     moved = [k for k in columns if k not in shapes]
     signs = (1.0,) if all(low[k] == 0.0 for k in moved) else (1.0, -1.0)
+    places = [_SHAPES if problem.fineness[k] > _FINE else _scanned(problem, k) for k in shapes]
+    if any(each is not _SHAPES for each in places):
+        sizes = sizes[len(sizes) // 2 :][:1]
     return [
         _Probe(
             cause,
@@ -109,9 +115,16 @@ def _probes(problem: Problem, cause: Cause, sizes: Sequence[float]) -> list[_Pro
             [float(np.clip(sign * size, low[k], high[k])) for k in moved],
             dict(zip(shapes, shape, strict=True)),
         )
-        for shape in itertools.product(_SHAPES, repeat=len(shapes))
+        for shape in itertools.product(*places)
         for size, sign in itertools.product(sizes if moved else (0.0,), signs)
     ]
+
+
+def _scanned(problem: Problem, k: int) -> tuple[float, ...]:
+    """Places of a shape all over its range."""
+    low, high = np.clip(problem.limits[:, k], -3.0, 3.0)
+    count = min(math.ceil((high - low) / (2.0 * problem.fineness[k])), _SCANNED)
+    return tuple((low + (high - low) * (np.arange(count) + 0.5) / count).tolist())
 
 
 def _best(

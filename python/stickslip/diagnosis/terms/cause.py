@@ -7,15 +7,16 @@ from dataclasses import dataclass, field
 
 from stickslip._util.arrays import Array
 from stickslip._util.one_line import OneLine
+from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.curve import Curve
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import refuse
 
-Read = Callable[[Array, Array, dict[str, Array]], Array]
-"""``read(readings, predicted, p)``: what an instrument makes of the readings so far, where
-`predicted` is what the physics predicts, both of shape (vectors, rows); ``p[name]`` has the shape
-(vectors, 1)."""
+Read = Callable[[Array, Array, dict[str, Array], Table], Array]
+"""``read(readings, predicted, p, table)``: what an instrument makes of the readings of a table so
+far, where `predicted` is what the physics predicts, both of shape (vectors, rows); ``p[name]`` has
+the shape (vectors, 1). Of an input: what becomes of its values, where `predicted` is as given."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -31,9 +32,11 @@ class Cause(OneLine):
         Name of a constant whose prior is widened to ten times its standard deviation: of the
         constant that is the suspect itself, or of the one that a law of a free shape replaces.
     read : callable, optional
-        Of an instrument: how it changes the readings of `table`.
+        Of an instrument: how it changes the readings of `table`, or the input of a `Series`.
     table : str, optional
         Name of the table that an instrument reads; all of them, if not given.
+    input : str, optional
+        Name of the input that `read` changes; the readings, if not given.
     curve : Curve, optional
         Of a law of a free shape, whose values at the knots are the parameters.
 
@@ -49,6 +52,7 @@ class Cause(OneLine):
     frees: str | None = None
     read: Read | None = field(default=None, repr=False)
     table: str | None = None
+    input: str | None = None
     curve: Curve | None = None
 
     def __post_init__(self) -> None:

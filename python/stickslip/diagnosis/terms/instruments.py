@@ -1,7 +1,7 @@
 """What an instrument does to its readings, as causes beside the physics.
 
-Each public function makes a `stickslip.Cause` with a `read`, which the diagnosis applies to what the
-model predicts, one after another in the order of the causes::
+Each public function makes a `stickslip.Cause` with a `read`, which the diagnosis applies to
+predictions, one after another in the order of the causes::
 
     meters = [instruments.scale(), instruments.offset("m/s", 1e-3)]
     diagnose_model(physics, data, uncertain, [*causes, *meters])
@@ -30,19 +30,21 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
+from scipy.linalg import lapack
 from scipy.spatial.transform import Rotation
 
 from stickslip._util.arrays import Array
 from stickslip._util.root_mean_square import root_mean_square
+from stickslip.diagnosis.data.series import Series
+from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.cause import Cause
-from stickslip.diagnosis.terms.parameter import Parameter
+from stickslip.diagnosis.terms.parameter import LARGEST_ERROR, Parameter
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import refuse
 
 Rows = ArrayLike | slice
 
 _EVERY = slice(None)
-_LARGEST = 30.0  # largest error that is searched, in usual sizes; chosen: far out
 
 # Usual sizes of the errors of measured tables. Chosen as orders of magnitude, like those of the
 # simulator's effects.
@@ -68,7 +70,7 @@ def scale(
     """A wrong calibration: readings are (1 + ``error``) times what they should be."""
     error = f"{name}.error"
 
-    def read(readings: Array, _: Array, p: dict[str, Array]) -> Array:
+    def read(readings: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
         return _changed(readings, rows, _some(readings, rows) * (1.0 + p[error]))
 
     parameter = Parameter(error, low=-largest, high=largest, size=size)
@@ -90,7 +92,7 @@ def offset(
     """
     parameter = _either_way(f"{name}.shift", unit, size, largest)
 
-    def read(readings: Array, _: Array, p: dict[str, Array]) -> Array:
+    def read(readings: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
         return _changed(readings, rows, _some(readings, rows) + p[parameter.name])
 
     return Cause(name, (parameter,), "readings have a wrong zero", read=read, table=table)
@@ -123,19 +125,54 @@ def clipping(
     low = 0.1 * highest if lowest is None else lowest
     parameter = Parameter(f"{name}.limit", unit=unit, low=low, high=highest, size=size, falls=True)
 
-    def read(readings: Array, _: Array, p: dict[str, Array]) -> Array:
+    def read(readings: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
         limit = np.where(p[parameter.name] > 0.0, p[parameter.name], np.inf)
         return _changed(readings, rows, np.clip(_some(readings, rows), -limit, limit))
 
     return Cause(name, (parameter,), "readings saturate at a limit", read=read, table=table)
 
 
-def delay(
-    times: ArrayLike,
+def lag(
     size: float,
     *,
     largest: float | None = None,
+    input: str | None = None,
+    table: str | None = None,
+    name: str = "lag",
+) -> Cause:
+    """A first-order lag with a ``time`` constant, s, of an input or of the readings of a `Series`.
+
+    Between two readings what lags is linear; before the first it is at rest.
+    """
+    end = LARGEST_ERROR * size if largest is None else largest
+    time = Parameter(f"{name}.time", unit="s", low=0.0, high=end, size=size)
+
+    def read(values: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
+        gap = np.diff(_in_time(table, name).t)
+        result = values.copy()
+        for vector in np.flatnonzero(p[time.name][:, 0] > 0.0):
+            tau = p[time.name][vector, 0]
+            kept = np.exp(-gap / tau)
+            # v' = (u - v) / tau with u linear between readings, solved exactly.
+            slope = np.diff(values[vector]) / gap
+            band = np.ones((2, len(gap) + 1))
+            band[1, :-1] = -kept
+            rest = (1.0 - kept) * (values[vector, :-1] - tau * slope) + slope * gap
+            lagged, _ = lapack.dtbtrs(band, np.r_[values[vector, 0], rest][:, None], uplo="L")
+            result[vector] = lagged[:, 0]
+        return result
+
+    what = f"{input} acts with a lag" if input else "readings lag"
+    return Cause(name, (time,), what, read=read, table=table, input=input)
+
+
+def delay(
+    times: ArrayLike | None = None,
+    size: float | None = None,
+    *,
+    largest: float | None = None,
     curve: ArrayLike | None = None,
+    input: str | None = None,
     rows: Rows = _EVERY,
     table: str | None = None,
     name: str = "delay",
@@ -143,15 +180,22 @@ def delay(
     """A clock that is late or early: at time t the value of t - ``time``, s, is read.
 
     Between and beyond the given times the value is a cubic spline of the prediction, so the times
-    have to be dense enough to follow it. A spline does not follow a jump.
+    have to be dense enough to follow it. A spline does not follow a jump. Of an input it is linear
+    between the times, and constant beyond them.
 
     Parameters
     ----------
-    times : array_like, shape (rows,)
-        Time of each reading, s.
+    times : array_like, shape (rows,), optional
+        Time of each reading, s; those of a `Series` are known.
     curve : array_like of int, shape (rows,), optional
         Curve of each reading; one for all, if not given. A curve has two or more different times.
+    input : str, optional
+        Name of the input that acts late; the readings, if not given.
     """
+    if size is None:
+        refuse("size", size, "a number above 0")
+    if times is None:
+        return _delay_in_time(size, largest, input, table, name)
     at = np.asarray(times, dtype=float)
     of = np.zeros(len(at), dtype=int) if curve is None else np.asarray(curve)
     if at.ndim != 1 or of.shape != at.shape or not np.all(np.isfinite(at)):
@@ -162,7 +206,7 @@ def delay(
         raise ScenarioError("times: allowed are two or more of each curve, all different")
     parameter = _either_way(f"{name}.time", "s", size, largest)
 
-    def read(readings: Array, _: Array, p: dict[str, Array]) -> Array:
+    def read(readings: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
         some, delays = _some(readings, rows), p[parameter.name][:, 0]
         _fitting(at, some)
         result = some.copy()
@@ -174,6 +218,33 @@ def delay(
         return _changed(readings, rows, result)
 
     return Cause(name, (parameter,), "readings are late", read=read, table=table)
+
+
+def _delay_in_time(
+    size: float, largest: float | None, input: str | None, table: str | None, name: str
+) -> Cause:
+    """A delay of the readings, or of an input, of a `Series`."""
+    parameter = _either_way(f"{name}.time", "s", size, largest)
+
+    def read(values: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
+        t, delays = _in_time(table, name).t, p[parameter.name][:, 0]
+        result = values.copy()
+        for vector in np.flatnonzero((delays != 0.0) & np.all(np.isfinite(values), axis=1)):
+            at = t - delays[vector]
+            if input is None:
+                result[vector] = CubicSpline(t, values[vector])(at)
+            else:
+                result[vector] = np.interp(at, t, values[vector])
+        return result
+
+    what = f"{input} acts late" if input else "readings are late"
+    return Cause(name, (parameter,), what, read=read, table=table, input=input)
+
+
+def _in_time(table: Table, name: str) -> Series:
+    if not isinstance(table, Series):
+        raise ScenarioError(f"cause {name}: table {table.name} has no times; allowed is a Series")
+    return table
 
 
 def marker_place(
@@ -207,7 +278,7 @@ def marker_place(
         _either_way(f"{name}.{word}", "m", size, largest) for word in ("along", "across")
     )
 
-    def read(readings: Array, predicted: Array, p: dict[str, Array]) -> Array:
+    def read(readings: Array, predicted: Array, p: dict[str, Array], _: Table) -> Array:
         turned = np.asarray(angle, dtype=float) if theta is None else _some(predicted, theta)
         shifts = marker(turned, *(p[each.name] for each in parameters))
         for rows, shift in zip((x, z), shifts, strict=True):
@@ -232,7 +303,7 @@ def marker(theta: Array, along: ArrayLike, across: ArrayLike) -> tuple[Array, Ar
 
 def _either_way(name: str, unit: str, size: float, largest: float | None = None) -> Parameter:
     """An amplitude of either sign."""
-    end = _LARGEST * size if largest is None else largest
+    end = LARGEST_ERROR * size if largest is None else largest
     return Parameter(name, unit=unit, low=-end, high=end, size=size)
 
 
@@ -264,6 +335,7 @@ def read_by(
     names: Sequence[str],
     values: Array,
     physics: Callable[[Sequence[str], Array], Array],
+    table: Table,
 ) -> Array:
     """What instruments read, shape (vectors, k).
 
@@ -277,6 +349,8 @@ def read_by(
     values : ndarray, shape (vectors, names)
     physics : callable
         ``physics(names, values)`` predicts what a perfect instrument reads.
+    table : Table
+        What is read.
     """
     acting = [each for each in suspects if each.read and each.parameters[0].name in names]
     if not acting:
@@ -289,7 +363,7 @@ def read_by(
     readings = predicted
     for each in acting:
         assert each.read is not None
-        readings = each.read(readings, predicted, p)
+        readings = each.read(readings, predicted, p, table)
     return readings
 
 
@@ -317,7 +391,7 @@ def of_fields(fields: Array) -> tuple[Cause, ...]:
     about = [f"probe_turned.about_{axis}" for axis in "xyz"]
     angles = tuple(_either_way(each, "rad", _TURN_OF_PROBE, _LARGEST_TURN) for each in about)
 
-    def read(readings: Array, _: Array, p: dict[str, Array]) -> Array:
+    def read(readings: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
         # The probe's axes are those of the coils after the rotation vector.
         turns = Rotation.from_rotvec(np.hstack([p[each] for each in about])).as_matrix()
         seen = np.einsum("vji,vnj->vni", turns, readings.reshape(len(turns), -1, 3))

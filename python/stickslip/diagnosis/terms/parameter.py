@@ -18,6 +18,10 @@ _FARTHEST = 3.5
 """Largest coordinate of a range or a shape, whose ends it has nearly reached there. Chosen: a
 log-uniform range to within 0.05 % of its ends."""
 
+LARGEST_ERROR = 30.0
+"""Largest error of an instrument, or height of an event, that is searched, in usual sizes. Chosen:
+far out."""
+
 _LARGEST_FACTOR = 1e3
 """By which a constant that is stated to a factor may be off, either way. Chosen: a wrong unit."""
 
@@ -47,6 +51,9 @@ class Parameter:
         coordinate u it is ``high - size u``, and `absent` (no limit) at 0.
     suspect : bool
         Whether a constant may be named itself, as other than stated.
+    each_record : bool
+        Whether a constant has a value of its own in each `Series`, such as a start state. It is no
+        suspect.
     negligible : float
         Distance from `absent` below which an amplitude does nothing, in the unit.
     fineness : float
@@ -67,6 +74,7 @@ class Parameter:
     absent: float = 0.0
     falls: bool = False
     suspect: bool = True
+    each_record: bool = False
     negligible: float = 0.0
     fineness: float = 1.0
 

@@ -1,0 +1,266 @@
+"""Readings in time."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Mapping, Sequence
+from typing import NoReturn
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.signal import correlate
+
+from stickslip._util.arrays import Array
+from stickslip._util.one_line import brief
+from stickslip._util.root_mean_square import root_mean_square
+from stickslip.diagnosis.data.errors import FEWEST, Errors
+from stickslip.diagnosis.data.table import Table, stated_errors
+from stickslip.errors import ScenarioError
+from stickslip.simulation.note import Note
+
+STRETCHES = 12
+"""Stretches into which each record is cut, to be held out in turn. Chosen: more cost more and tell
+little more."""
+
+_ORDERS, _FLAT, _SMALL = (3, 5), 1.3, 0.5
+"""Orders of the differences that tell a smooth curve from its noise, the ratio of what they say up
+to which they agree, and the largest noise beside the scatter of the readings. Chosen: a sine of
+five readings a period has a ratio of 1.6."""
+
+SMOOTH = "noise-smooth"
+"""Code of the note on errors that the scatter about a smooth curve tells."""
+
+_SAME = 1e-6  # of a step: times of a repeat that are the same
+
+
+class Series(Table):
+    """Readings in time: one record, with what was put in.
+
+    Parameters
+    ----------
+    t : array_like, shape (n,)
+        Time of each reading, s, increasing; steps may differ.
+    y : array_like, shape (n,)
+        Readings.
+    inputs : mapping, optional
+        What acts on the system, by name, each of shape (n,).
+    sd : float or array_like, shape (n,), optional
+        Standard deviation of each reading. If not given, it is estimated: from repeats; else from
+        the scatter about a smooth curve; else from what the fit of all suspects leaves.
+    name : str
+        Of the record.
+    repeat_of : str, optional
+        Name of the record that this one repeats: the same inputs at the same times.
+    unit : str
+        Of the readings.
+
+    Attributes
+    ----------
+    t, y : ndarray, shape (n,)
+    inputs : dict of ndarray
+        In `predict` those that a cause acts on have the shape (vectors, n).
+
+    Raises
+    ------
+    ScenarioError
+        If lengths differ, a number is not finite or times do not increase.
+    """
+
+    def __init__(
+        self,
+        t: ArrayLike,
+        y: ArrayLike,
+        inputs: Mapping[str, ArrayLike] | None = None,
+        sd: ArrayLike | None = None,
+        name: str = "",
+        repeat_of: str | None = None,
+        *,
+        unit: str = "-",
+    ) -> None:
+        self.name, self.unit, self.repeat_of = str(name), unit, repeat_of
+        self.t = self._row("t", t)
+        count = len(self.t)
+        late = np.flatnonzero(np.diff(self.t) <= 0.0)
+        if len(late):
+            row = int(late[0]) + 1
+            self._refuse("t", row, self.t[row], f"a time after {self.t[row - 1]:g}")
+        self.y = self._row("y", y, count)
+        if inputs is not None and not isinstance(inputs, Mapping):
+            raise ScenarioError(f"{self._at}inputs = {brief(inputs)}: allowed are rows by name")
+        self.inputs = {
+            str(key): self._row(f"inputs {key}", each, count)
+            for key, each in (inputs or {}).items()
+        }
+        self.settings = {"t": self.t, **self.inputs}
+        self.condition = self.first = np.arange(count)
+        self.mean, self.places = self.y, None
+        self.run, self.order = np.zeros(count, dtype=np.int64), np.arange(count, dtype=float)
+        self.group = np.arange(count) * min(STRETCHES, count) // count
+        if sd is not None:
+            each = stated_errors(sd, count, f"{self._at}sd")
+            self.errors = Errors(each, told={"s0": root_mean_square(each), "rho": 0.0})
+        else:
+            self.errors = _about_a_curve(self.t, self.y)
+        self.stated = sd is not None
+        self.notes = list(self.errors.notes)
+
+    @property
+    def _at(self) -> str:
+        return f"series {self.name}: " if self.name else "series: "
+
+    def __getitem__(self, column: str) -> Array:
+        """Times, as ``t``, or an input."""
+        return self.t if column == "t" else self.inputs[column]
+
+    def __repr__(self) -> str:
+        return f"<Series {self.name}: {len(self.y)} readings in {np.ptp(self.t):g} s>"
+
+    @property
+    def step(self) -> float:
+        """Usual time between two readings, s."""
+        return float(np.median(np.diff(self.t))) if len(self.t) > 1 else 1.0
+
+    def named(self, name: str) -> Series:
+        """The same record under a name."""
+        made = copy.copy(self)
+        made.name = name
+        return made
+
+    def with_inputs(self, inputs: Mapping[str, Array]) -> Series:
+        """The same record with other inputs, of shape (n,) or (vectors, n)."""
+        made = copy.copy(self)
+        made.inputs = {**self.inputs, **inputs}
+        return made
+
+    def _row(self, key: str, values: ArrayLike, count: int | None = None) -> Array:
+        try:
+            row = np.asarray(values, dtype=float)
+        except (TypeError, ValueError):
+            row = np.zeros((0, 0))
+        if row.ndim != 1 or not len(row):
+            raise ScenarioError(
+                f"{self._at}{key} = {brief(values)}: allowed is one row of finite numbers"
+            )
+        if count is not None and len(row) != count:
+            said = f"{len(row)} values; allowed are {count}, one for each time"
+            raise ScenarioError(f"{self._at}{key}: {said}")
+        wrong = np.flatnonzero(~np.isfinite(row))
+        if len(wrong):
+            self._refuse(key, int(wrong[0]), row[wrong[0]], "a finite number")
+        return row
+
+    def _refuse(self, key: str, row: int, value: float, allowed: str) -> NoReturn:
+        raise ScenarioError(f"{self._at}{key}: row {row}: {value:g}: allowed is {allowed}")
+
+
+def with_repeats(series: Sequence[Series]) -> list[Table]:
+    """Records whose repeats tell the error of a reading, where it was not stated.
+
+    Raises
+    ------
+    ScenarioError
+        If a record repeats none of the others, or was read at other times or with other inputs.
+    """
+    first = {each.name: each for each in series}
+    groups: dict[str, list[Series]] = {}
+    for each in series:
+        if each.repeat_of is None:
+            continue
+        of = first.get(each.repeat_of)
+        if of is None or of is each:
+            names = ", ".join(name for name in first if name != each.name) or "no other record"
+            raise ScenarioError(
+                f"series {each.name}: repeat_of = {each.repeat_of}: allowed is {names}"
+            )
+        _check_repeat(of, each)
+        groups.setdefault(of.name, [of]).append(each)
+    known: dict[str, Errors] = {}
+    for group in groups.values():
+        errors = _from_repeats(group)
+        known |= {each.name: errors for each in group} if errors.dof >= FEWEST else {}
+    return [
+        each if each.stated or each.name not in known
+        else each.with_errors(_of_length(known[each.name], len(each)))
+        for each in series
+    ]  # fmt: skip
+
+
+def _check_repeat(of: Series, repeat: Series) -> None:
+    count = min(len(of), len(repeat))
+    at = f"series {repeat.name}: repeat_of = {of.name}: "
+    apart = np.flatnonzero(np.abs(of.t[:count] - repeat.t[:count]) > _SAME * of.step)
+    if len(apart):
+        row = int(apart[0])
+        said = f"row {row}: t = {repeat.t[row]:g}: allowed is the same time, {of.t[row]:g}"
+        raise ScenarioError(at + said)
+    for key, values in of.inputs.items():
+        if key not in repeat.inputs:
+            raise ScenarioError(f"{at}allowed is a record with the same inputs; {key} is missing")
+        size = root_mean_square(values) or 1.0
+        apart = np.flatnonzero(np.abs(values[:count] - repeat.inputs[key][:count]) > 0.1 * size)
+        if len(apart):
+            row = int(apart[0])
+            said = f"row {row}: {key} = {repeat.inputs[key][row]:g}: allowed is the same input"
+            raise ScenarioError(f"{at}{said}, {values[row]:g}")
+
+
+def _from_repeats(group: Sequence[Series]) -> Errors:
+    """Error of a reading from the scatter of repeats, with what its correlation leaves of them."""
+    count = min(len(each) for each in group)
+    rows = np.array([each.y[:count] for each in group])
+    away = rows - rows.mean(axis=0)
+    sd = math.sqrt(float(np.sum(away**2)) / (count * (len(group) - 1)))
+    if sd == 0.0:
+        return Errors(np.zeros(count), dof=0.0)
+    # Variance of the mean square of correlated errors: the sum of their squared correlations.
+    lags = correlate(away[0], away[0], method="fft")[count - 1 :]
+    alike = lags[: max(count // 4, 1)] / max(float(lags[0]), 1e-300)
+    dof = count * (len(group) - 1) / max(2.0 * float(np.sum(alike**2)) - 1.0, 1.0)
+    text = f"A reading scatters by {sd:.2g}, from {len(group)} repeats of a record."
+    note = Note("noise-repeats", text, sd)
+    return Errors(np.full(count, sd), None, dof, {"s0": sd, "rho": 0.0}, (note,))
+
+
+def _of_length(errors: Errors, count: int) -> Errors:
+    sd = np.full(count, errors.told["s0"])
+    return Errors(sd, None, errors.dof, errors.told, errors.notes)
+
+
+def _about_a_curve(t: Array, y: Array) -> Errors:
+    """Errors of readings about a smooth curve, where there is one; else of no known size.
+
+    Differences of an order take a polynomial away. Where those of two orders leave the same, it is
+    noise; where the higher order leaves less, they still see the curve. Medians, as a curve may
+    have a few jumps.
+    """
+    scatter = [_left_by_differences(t, y, order) for order in _ORDERS]
+    size = float(np.std(y))
+    smooth = (
+        len(y) >= 4 * max(_ORDERS)
+        and 0.0 < scatter[0] < _FLAT * scatter[1]
+        and scatter[1] < _SMALL * size
+    )
+    if not smooth:
+        unknown = {"s0": size or 1.0, "rho": 0.0}
+        return Errors(np.full(len(y), size or 1.0), None, 0.0, unknown)
+    sd = scatter[1]
+    # A median of n differences of order 5, which overlap, tells as much as n / 8 free readings.
+    dof = len(y) / 8.0
+    note = Note(SMOOTH, f"A reading scatters by {sd:.2g} about a smooth curve.", sd)
+    return Errors(np.full(len(y), sd), None, dof, {"s0": sd, "rho": 0.0}, (note,))
+
+
+def _left_by_differences(t: Array, y: Array, order: int) -> float:
+    """Standard deviation of a reading by divided differences of an order; 0 of too few readings."""
+    if len(y) < 2 * order:
+        return 0.0
+    times = np.lib.stride_tricks.sliding_window_view(t, order + 1)
+    apart = times[:, :, None] - times[:, None, :]
+    apart[:, range(order + 1), range(order + 1)] = times[:, -1:] - times[:, :1]
+    weight = np.exp(-np.sum(np.log(np.abs(apart)), axis=2)) * (-1.0) ** np.arange(order + 1)
+    weight /= np.linalg.norm(weight, axis=1)[:, None]
+    values = np.lib.stride_tricks.sliding_window_view(y, order + 1)
+    size = np.abs(np.sum(weight * values, axis=1))
+    # Readings of few digits often have a difference of zero.
+    return float(np.median(size)) / 0.6745 or root_mean_square(size)

@@ -1,0 +1,97 @@
+"""Errors that neither repeats nor a smooth curve tell: what the fit of all suspects leaves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from stickslip._util.arrays import Array
+from stickslip._util.root_mean_square import root_mean_square
+from stickslip.diagnosis.data.errors import FEWEST, Errors
+from stickslip.diagnosis.data.series import SMOOTH
+from stickslip.diagnosis.fitting.descent import End, descend, precision_of
+from stickslip.diagnosis.fitting.forms import Stated
+from stickslip.diagnosis.fitting.problem import Problem
+from stickslip.diagnosis.fitting.responses import responses
+from stickslip.diagnosis.fitting.search import recalibrated
+from stickslip.simulation.note import Note
+
+# Rounds of fit and scatter, steps of each, and single causes from whose best amplitude a fit of all
+# begins too. Chosen.
+_ROUNDS, _STEPS, _STARTS = 4, 15, 3
+
+_SMALLEST = 1e-9
+"""Least error, in the scatter of the readings: below it is rounding."""
+
+_LESS = 0.8
+"""Part of the scatter about a smooth curve below which that of a fit shows that the readings follow
+no smooth curve. Chosen: sixty readings tell it from chance."""
+
+
+def with_scatter(problem: Problem, seed: int) -> Problem:
+    """The problem where each table has errors, if enough readings tell them.
+
+    A cause that is no suspect counts as noise. Readings that follow an input of many jumps scatter
+    about each smooth curve; if the fit leaves less than that, it tells their error too.
+    """
+    unknown = [k for k, each in enumerate(problem.errors) if each.dof == 0.0]
+    curves = [k for k, each in enumerate(problem.errors) if SMOOTH in {n.code for n in each.notes}]
+    if not unknown and not curves:
+        return problem
+    null, _ = recalibrated(problem, seed)
+    problem = _scattered(problem, unknown, null.residual, len(null.free))
+    stated, h = Stated(problem), np.zeros(0)
+    found = responses(problem, null.end, (), problem.causes, stated, h)
+    starts = [null.x, *(each.x for each in found[:_STARTS])]
+    for _ in range(_ROUNDS):
+        form = Stated(problem)
+        ends = [descend(problem, form, h, problem.causes, x, steps=_STEPS) for x in starts]
+        best = min(ends, key=lambda each: each.cost)
+        starts = [best.x]
+        spent = _parameters(problem, form, best)
+        problem = _scattered(problem, unknown, best.residual, spent)
+    rougher = [k for k in curves if _size(problem, k, best.residual, spent)
+               < _LESS * problem.errors[k].told["s0"]]  # fmt: skip
+    if rougher:
+        tables = list(problem.tables)
+        for k in rougher:
+            tables[k] = tables[k].with_errors(replace(tables[k].errors, dof=0.0, notes=()))
+        return with_scatter(replace(problem, tables=tuple(tables), errors=()), seed)
+    return problem
+
+
+def _parameters(problem: Problem, form: Stated, end: End) -> float:
+    """How many readings a fit of all causes takes up; a prior that decides takes none."""
+    whitened = form.prepared(end.slopes)
+    gram = whitened.T @ whitened
+    return float(np.trace(np.linalg.solve(gram + precision_of(problem, problem.causes), gram)))
+
+
+def _size(problem: Problem, k: int, residual: Array, spent: float) -> float:
+    """Standard deviation of a reading of a table by a residual in which a fit has spent some."""
+    table, left = problem.tables[k], residual[problem.rows[k]]
+    free = max(1.0 - spent / len(problem.y), 1e-9)
+    size = root_mean_square(left * np.sqrt(np.bincount(table.condition))) / math.sqrt(free)
+    return max(size, _SMALLEST * float(np.std(table.y)), 1e-300)
+
+
+def _scattered(problem: Problem, unknown: Sequence[int], residual: Array, spent: float) -> Problem:
+    """The problem with errors from a residual, in which a fit has spent so many readings."""
+    tables = list(problem.tables)
+    for k in unknown:
+        table, size = tables[k], _size(problem, k, residual, spent)
+        free = len(table.mean) * (1.0 - spent / len(problem.y))
+        if free < FEWEST:
+            continue
+        text = (
+            f"A reading scatters by {size:.2g} {table.unit} about the fit of all suspects "
+            f"({free:.0f} degrees of freedom): a cause that is none of them counts as noise."
+        )
+        told = {"s0": size, "rho": 0.0}
+        weight = np.sqrt(np.bincount(table.condition))
+        errors = Errors(size / weight, None, free, told, (Note("noise-fit", text, size),))
+        tables[k] = table.with_errors(errors)
+    return replace(problem, tables=tuple(tables), errors=())

@@ -1,0 +1,124 @@
+"""What happens at an unknown time, as causes: a step or a pulse of the readings or of an input.
+
+Each public function but `edge` makes a `stickslip.Cause` for data in time (`stickslip.Series`).
+They share these parameters:
+
+size : float
+    Usual height, above 0, in `unit`; its sign is free.
+begin, end : float
+    Times between which it happens, s.
+largest : float
+    Largest height that is searched, to both sides; 30 times `size`, if not given.
+unit : str
+    Of what is changed.
+input : str
+    Name of the input that is changed; the readings, if not given.
+table : str
+    Name of the record; all records, if not given.
+name : str
+    Of the cause; its parameters are ``<name>.<word>``.
+
+Each raises a ScenarioError if a value is not allowed.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from stickslip._util.arrays import Array
+from stickslip._util.number_text import is_number
+from stickslip.diagnosis.data.series import Series
+from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.parameter import LARGEST_ERROR, Parameter
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import refuse, shown
+from stickslip.scenario.priors import Prior
+
+_WIDTH, _FINENESS = 0.4, 0.025
+"""Standard deviation of the prior of a time, in the range, and the part of it over which
+predictions change. Chosen: nearly even over the range; an event of a hundredth of it is found."""
+
+
+def step(
+    size: float,
+    begin: float,
+    end: float,
+    *,
+    largest: float | None = None,
+    unit: str = "-",
+    input: str | None = None,
+    table: str | None = None,
+    name: str = "step",
+) -> Cause:
+    """A change that stays: ``height`` is added from ``time``, s, on."""
+    height = _height(name, unit, size, largest)
+    time = _time(name, begin, end)
+
+    def read(values: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
+        return values + p[height.name] * edge(table, p[time.name])
+
+    return Cause(name, (height, time), "a step", read=read, table=table, input=input)
+
+
+def pulse(
+    size: float,
+    begin: float,
+    end: float,
+    longest: float,
+    *,
+    largest: float | None = None,
+    unit: str = "-",
+    input: str | None = None,
+    table: str | None = None,
+    name: str = "pulse",
+) -> Cause:
+    """A change that passes: ``height`` is added from ``time``, s, for a ``length``, s.
+
+    Parameters
+    ----------
+    longest : float
+        Largest length, s; down to a hundredth of it all lengths are alike probable, by their
+        logarithm.
+    """
+    if not is_number(longest) or not 0.0 < longest < math.inf:
+        refuse("longest", longest, "a time above 0, s")
+    height, time = _height(name, unit, size, largest), _time(name, begin, end)
+    length = Parameter(
+        f"{name}.length", Prior("log-uniform", longest / 100.0, longest), unit="s", suspect=False
+    )
+
+    def read(values: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
+        ends = p[time.name] + p[length.name]
+        return values + p[height.name] * (edge(table, p[time.name]) - edge(table, ends))
+
+    return Cause(name, (height, time, length), "a pulse", read=read, table=table, input=input)
+
+
+def edge(table: Table, time: Array) -> Array:
+    """A step from 0 to 1 at times, shape (vectors, 1), as (vectors, rows).
+
+    It takes one step of the record, so that it has a derivative by its time.
+    """
+    if not isinstance(table, Series):
+        raise ScenarioError(f"events: table {table.name} has no times; allowed is a Series")
+    at = np.clip((table.t - time) / table.step + 0.5, 0.0, 1.0)
+    return np.asarray(at**2 * (3.0 - 2.0 * at))
+
+
+def _height(name: str, unit: str, size: float, largest: float | None) -> Parameter:
+    end = LARGEST_ERROR * size if largest is None else largest
+    return Parameter(f"{name}.height", unit=unit, low=-end, high=end, size=size)
+
+
+def _time(name: str, begin: float, end: float) -> Parameter:
+    if not is_number(begin) or not is_number(end) or not -math.inf < begin < end < math.inf:
+        raise ScenarioError(
+            f"cause {name}: begin = {shown(begin)}, end = {shown(end)}: allowed is begin < end, s"
+        )
+    prior = Prior("normal", 0.5 * (begin + end), _WIDTH * (end - begin))
+    return Parameter(
+        f"{name}.time", prior, unit="s", low=begin, high=end, suspect=False, fineness=_FINENESS
+    )

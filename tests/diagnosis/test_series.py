@@ -1,0 +1,231 @@
+"""Models in time: records, their errors, start states, and causes that act on an input."""
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from stickslip import (
+    Cause,
+    Parameter,
+    Prior,
+    ScenarioError,
+    Series,
+    diagnose_model,
+    events,
+    instruments,
+)
+from stickslip.diagnosis.data.series import with_repeats
+from stickslip.diagnosis.fitting.forms import Correlated
+from stickslip.diagnosis.own_model import pose_own
+
+STEP, COUNT, NOISE = 0.2, 200, 0.02
+T = STEP * np.arange(COUNT)
+
+
+def random(seed):
+    return np.random.default_rng([26, seed])
+
+
+def drive(seed, count=COUNT):
+    """A random staircase of 2 s a stair."""
+    return np.repeat(random(seed).uniform(0.0, 2.0, count // 10 + 1), 10)[:count]
+
+
+def tank(record, p):
+    """x' = u - rate x - drag x |x|, by Euler's steps of the record."""
+    u = record["u"]
+    x = p["start"] + 0.0 * p["rate"]
+    states = [x]
+    for k, step in enumerate(np.diff(record.t)):
+        x = x + step * (u[..., [k]] - p["rate"] * x - p["drag"] * x * np.abs(x))
+        states.append(x)
+    return np.hstack(states)
+
+
+def made(count=COUNT, seed=0, *, start=0.3, drag=0.0, rate=0.5, u=None, noise=NOISE, **more):
+    """A record of the tank, with white noise."""
+    t, u = STEP * np.arange(count), drive(seed, count) if u is None else u
+    p = {key: np.array([[value]]) for key, value in
+         {"start": start, "rate": rate, "drag": drag}.items()}  # fmt: skip
+    y = tank(Series(t, t, {"u": u}, sd=1.0), p)[0]
+    return Series(t, y + noise * random(seed + 50).standard_normal(count), {"u": u}, **more)
+
+
+START = Parameter("start", Prior("normal", 0.0, 1.0), each_record=True)
+RATE = Parameter("rate", Prior("normal", 0.5, 0.05))
+DRAG = Cause("quadratic drag", Parameter("drag", low=-1.0, high=1.0, size=0.1))
+CAUSES = [
+    DRAG,
+    instruments.offset("-", 0.1),
+    instruments.scale(),
+    instruments.lag(0.2, input="u", name="slow valve"),
+    instruments.delay(size=0.2, input="u", name="late valve"),
+    events.step(0.2, 0.0, 40.0, name="shift"),
+    events.step(0.2, 0.0, 40.0, input="u", name="leak"),
+]
+
+
+def told(records, causes=CAUSES):
+    result = diagnose_model(tank, records, [RATE, START], causes)
+    return result, result.verdict.kind, result.verdict.causes
+
+
+def test_a_cause_is_named_over_records_of_unequal_length_with_starts_of_their_own():
+    records = [made(200, 1, start=0.3, drag=0.15), made(120, 2, start=2.0, drag=0.15)]
+    result, kind, causes = told(records)
+    assert (kind, causes) == ("named", ("quadratic drag",))
+    found = result.params["value"]
+    assert found["drag"] == pytest.approx(0.15, abs=0.02)
+    starts = found[["start[record 1]", "start[record 2]"]]
+    assert starts.tolist() == pytest.approx([0.3, 2.0], abs=4 * NOISE)
+    # The noise is white about a smooth curve, and is told to a tenth from 400 readings.
+    sd = result.problem.sd
+    assert np.median(sd) == pytest.approx(NOISE, rel=0.25)
+
+
+@pytest.mark.parametrize(
+    ("name", "size", "value", "change"),
+    [
+        ("slow valve", "slow valve.time", 0.4, "lag"),
+        ("late valve", "late valve.time", 0.33, "delay"),
+        ("leak", "leak.height", -0.25, "step"),
+    ],
+)
+def test_what_an_input_suffers_is_named_with_its_size(name, size, value, change):
+    u = drive(3)
+    if change == "lag":
+        # By its own law, on a grid fifty times as fine.
+        fine = np.interp(np.arange(0.0, T[-1] + 1e-9, STEP / 50), T, u)
+        kept = np.exp(-STEP / 50 / value)
+        seen = lfilter([1 - kept], [1, -kept], fine, zi=[kept * fine[0]])[0][::50]
+    elif change == "delay":
+        seen = np.interp(T - value, T, u)
+    else:
+        seen = u + value * (T > 17.03)
+    record = made(seed=3, u=seen)
+    record = Series(T, record.y, {"u": u})
+    result, kind, causes = told(record)
+    assert (kind, causes) == ("named", (name,))
+    low, high = result.conf_int(0.998).loc[size, ["low", "high"]]
+    assert low < value < high
+    if change == "step":
+        assert result.params.loc["leak.time", "value"] == pytest.approx(17.03, abs=STEP)
+
+
+def test_a_short_pulse_is_found_anywhere_in_a_record():
+    """One of a fiftieth of the record, near its end, whose effect no other place shares."""
+    pulse, at = events.pulse(0.2, 0.0, 40.0, 2.0, name="knock"), 33.7
+    record = made(seed=5)
+    knocked = Series(T, record.y + 0.3 * ((at < T) & (at + 0.8 > T)), record.inputs)
+    result, kind, causes = told(knocked, [*CAUSES[:4], pulse])
+    assert (kind, causes) == ("named", ("knock",))
+    assert result.params.loc["knock.time", "value"] == pytest.approx(at, abs=STEP)
+    assert result.params.loc["knock.height", "value"] == pytest.approx(0.3, abs=5 * NOISE)
+
+
+def test_nothing_is_named_where_nothing_is_hidden_whatever_tells_the_errors():
+    smooth = [made(150, seed) for seed in (6, 7)]
+    again = [made(100, 8, name="first"), made(100, 8, noise=0.0)]
+    again[1] = Series(again[1].t, again[1].y + NOISE * random(9).standard_normal(100),
+                      again[1].inputs, name="again", repeat_of="first")  # fmt: skip
+    rough = made(150, 10, u=random(10).uniform(-20.0, 20.0, 150))
+    for code, records in {"smooth": smooth, "repeats": again, "fit": [rough]}.items():
+        result, kind, _ = told(records)
+        assert kind == "none"
+        notes = {note.code for table in result.problem.tables for note in table.notes}
+        assert f"noise-{code}" in notes
+        assert np.median(result.problem.sd) == pytest.approx(NOISE, rel=0.3)
+
+
+def test_noise_that_lasts_names_nothing():
+    """Neither white nor a curve: of 0.3, correlated over five readings."""
+    noise = lfilter([np.sqrt(1 - 0.8**2)], [1, -0.8], random(11).standard_normal(COUNT))
+    record = made(seed=10)
+    _, kind, causes = told(Series(T, record.y + 0.3 * noise, record.inputs), CAUSES[:4])
+    assert kind in ("none", "unexplained")
+    assert causes == ()
+
+
+def test_repeats_tell_the_error_and_correlation_costs_degrees_of_freedom():
+    white = random(12).standard_normal((2, 2000))
+    lasting = lfilter([np.sqrt(1 - 0.9**2)], [1, -0.9], white)
+    t = np.arange(2000.0)
+    for noise, correlation in ((white, 0.0), (lasting, 0.9)):
+        pair = [Series(t, noise[0], name="a"), Series(t, noise[1], name="b", repeat_of="a")]
+        errors = with_repeats(pair)[1].errors
+        assert errors.told["s0"] == pytest.approx(1.0, abs=0.15)
+        # The sum of the squared correlations is (1 + phi^2) / (1 - phi^2).
+        wanted = 2000 * (1 - correlation**2) / (1 + correlation**2)
+        assert errors.dof == pytest.approx(wanted, rel=0.5)
+
+
+def test_vectors_that_differ_in_another_record_alone_share_a_prediction():
+    asked = []
+
+    def counting(record, p):
+        asked.append((record.name, len(p["rate"])))
+        return tank(record, p)
+
+    records = [made(40, 1, name="a"), made(40, 2, name="b"), made(40, 3, name="c")]
+    problem = pose_own(counting, records, [RATE, START], [DRAG])
+    asked.clear()
+    x = np.zeros((problem.size + 1, problem.size))
+    x[1:] = 0.1 * np.eye(problem.size)
+    assert problem.names == ["rate", "start[a]", "start[b]", "start[c]", "drag"]
+    problem.residuals(x)
+    # As stated, and moved by the rate, its own start and the drag.
+    assert asked == [("a", 4), ("b", 4), ("c", 4)]
+
+
+T3, Y3 = [0.0, 1.0, 2.0], [1.0, 2.0, 3.0]
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (
+            lambda: Series([0, 1, 1], Y3, name="a"),
+            "series a: t: row 2: 1: allowed is a time after 1",
+        ),
+        (lambda: Series(T3, [1, 2]), "series: y: 2 values; allowed are 3, one for each time"),
+        (lambda: Series(T3, [1, np.nan, 2]), "series: y: row 1: nan: allowed is a finite number"),
+        (
+            lambda: Series(T3, Y3, {"u": [1, 2, np.inf]}),
+            "inputs u: row 2: inf: allowed is",
+        ),
+        (lambda: Series(T3, Y3, [1, 2, 3]), "inputs = .*: allowed are rows by name"),
+        (lambda: Series(T3, Y3, sd=-1.0), "series: sd = -1.0: allowed is a number above 0"),
+        (lambda: with_repeats([Series(T3, Y3, name="a", repeat_of="b")]), "repeat_of = b: allowed"),
+        (
+            lambda: with_repeats(
+                [Series(T3, Y3, name="a"), Series([0, 1, 3], Y3, name="b", repeat_of="a")]
+            ),
+            "series b: repeat_of = a: row 2: t = 3: allowed is the same time, 2",
+        ),
+        (
+            lambda: pose_own(tank, made(30), [RATE, START], [instruments.lag(1.0, input="v")]),
+            "cause lag: input = v: allowed is an input: u",
+        ),
+        (lambda: events.step(0.1, 3.0, 2.0), "begin = 3.0, end = 2.0: allowed is begin < end"),
+    ],
+)
+def test_what_is_not_allowed_is_refused_with_its_record_and_row(make, words):
+    with pytest.raises(ScenarioError, match=words) as caught:
+        make()
+    assert "\n" not in str(caught.value)
+
+
+def test_rows_that_are_left_out_of_a_correlated_run_leave_the_inner_product_of_the_others():
+    """Beside the dense covariance of the rows that are kept."""
+    records = [made(60, 1, name="a", sd=0.05), made(30, 2, name="b", sd=0.02)]
+    problem = pose_own(tank, records, [RATE, START], [DRAG])
+    form, h = Correlated(problem), np.log([0.7, 2.0, 0.04])
+    columns = random(13).standard_normal((90, 3))
+    kept = np.setdiff1d(np.arange(90), [0, 1, *range(20, 40), 59, 60, 75])
+    covariance = np.diag((0.7 * problem.sd) ** 2)
+    for part, table, s in zip(problem.rows, records, (0.1, 0.04), strict=True):
+        apart = np.abs(np.subtract.outer(table.order, table.order)) / (len(table) - 1)
+        covariance[part, part] += s**2 * np.exp(-apart / 0.04)
+    own = form.of_rows(kept)
+    dense = columns[kept].T @ np.linalg.solve(covariance[np.ix_(kept, kept)], columns[kept])
+    assert own.gram(own.prepared(columns), h) == pytest.approx(dense, rel=1e-9)
