@@ -26,7 +26,7 @@ from stickslip.scenario.keys import meant
 from stickslip.simulation.note import Note
 
 Predict = Callable[..., Array]
-"""``predict(table, p)`` of a `Table` or `Series`; ``predict(table, p, curves)`` where a cause is a free
+"""``predict(table, p)``, of a `Table` or `Series`, or ``predict(table, p, curves)`` beside a free
 law."""
 
 
