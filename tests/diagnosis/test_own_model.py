@@ -204,7 +204,7 @@ def test_what_is_not_allowed_is_refused_in_one_line(changes, said, refused):
         (lambda: Parameter("a", size=1.0, low=0.0, high=2.0, fineness=1.5), "fineness = 1.5"),
         (lambda: Cause("none", HEIGHT), 'a text other than "none"'),
         (lambda: Cause("", HEIGHT), "name of a cause"),
-        (lambda: Cause("a"), "cause a: allowed is one with a Parameter"),
+        (lambda: Cause("a"), "cause a has no Parameter"),
         (lambda: Cause("a", [0.3]), "cause a: parameters: allowed are Parameters"),
     ],
 )
@@ -362,3 +362,40 @@ def test_what_would_tell_two_models_apart_is_a_table(named, refused):
     assert set(table["first"]) == {"wave"}
     assert np.all(table["separation"] > 0.0)
     refused(lambda: named.propose_experiments(), "model of one's own.*separate")
+
+
+def test_an_amplitude_below_zero_alone_is_named_like_one_above():
+    """The mirror image of the same data, with the range on the other side."""
+    found = []
+    for sign in (1.0, -1.0):
+        ends = sorted([0.0, 5.0 * sign])
+        wave = Cause("wave", Parameter("height", low=ends[0], high=ends[1], size=0.5))
+        x = np.linspace(1.0, 3.0, 24)
+        table = Table({"x": x}, x + 0.8 * sign * np.sin(5 * x), sd=0.1)
+        result = diagnose_model(
+            lambda t, p: p["slope"] * t["x"] + p["height"] * np.sin(5 * t["x"]),
+            table, [Parameter("slope", Prior("normal", 1.0, 0.1))], [wave],
+        )  # fmt: skip
+        assert result.verdict.causes == ("wave",)
+        found.append(result.chance.fits[0].log_evidence)
+    assert found[0] == pytest.approx(found[1], abs=1e-6)
+
+
+def test_new_conditions_are_read_by_the_instrument_that_was_found():
+    x = np.linspace(1.0, 3.0, 24)
+    result = diagnose_model(
+        lambda t, p: p["slope"] * t["x"],
+        Table({"x": x}, 1.3 * x, sd=0.01),
+        [Parameter("slope", Prior("normal", 1.0, 0.01), suspect=False)],
+        [instruments.scale(0.1)],
+    )
+    assert result.verdict.causes == ("scale",)
+    for settings in ({"x": [4.0]}, [{"x": 4.0}], pd.DataFrame({"x": [4.0]})):
+        assert result.predict(settings)["extended"][0] == pytest.approx(1.3 * 4.0, rel=0.01)
+
+
+def test_a_row_that_is_never_computed_is_refused_by_its_number():
+    x = np.arange(12.0)
+    table = Table({"x": x}, x, sd=0.1, name="line")
+    with pytest.raises(ScenarioError, match="row 7 of table line: it computes no reading"):
+        diagnose_model(lambda t, p: np.where(x == 7, np.nan, p["slope"] * x), table, [SLOPE])

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.signal import lfilter
+from scipy.stats import multivariate_normal
 
 from stickslip import (
     Cause,
@@ -10,12 +11,14 @@ from stickslip import (
     Prior,
     ScenarioError,
     Series,
+    Table,
     diagnose_model,
     events,
     instruments,
 )
 from stickslip.diagnosis.data.series import with_repeats
 from stickslip.diagnosis.fitting.forms import Correlated
+from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.own_model import pose_own
 
 STEP, COUNT, NOISE = 0.2, 200, 0.02
@@ -215,17 +218,28 @@ def test_what_is_not_allowed_is_refused_with_its_record_and_row(make, words):
     assert "\n" not in str(caught.value)
 
 
-def test_rows_that_are_left_out_of_a_correlated_run_leave_the_inner_product_of_the_others():
-    """Beside the dense covariance of the rows that are kept."""
+def test_a_correlated_discrepancy_and_its_kept_rows_beside_dense_matrices():
+    """Two records and a table of set-ups, whose errors are correlated on their own."""
     records = [made(60, 1, name="a", sd=0.05), made(30, 2, name="b", sd=0.02)]
-    problem = pose_own(tank, records, [RATE, START], [DRAG])
-    form, h = Correlated(problem), np.log([0.7, 2.0, 0.04])
-    columns = random(13).standard_normal((90, 3))
-    kept = np.setdiff1d(np.arange(90), [0, 1, *range(20, 40), 59, 60, 75])
+    x = np.tile([1.0, 2.0, 3.0], 8)
+    block = np.repeat(np.arange(8), 3)
+    readings = x + 0.5 * random(14).standard_normal(8)[block] + 0.1 * random(15).standard_normal(24)
+    table = Table({"x": x}, readings, block=block, name="c")
+    tables = (*records, table)
+    errors = table.errors.covariance
+    problem = Problem(tables, lambda values: np.zeros((len(values), 93)), ())
+    form, h, rows = Correlated(problem), np.log([0.7, 2.0, 0.04]), 90 + len(table.mean)
     covariance = np.diag((0.7 * problem.sd) ** 2)
-    for part, table, s in zip(problem.rows, records, (0.1, 0.04), strict=True):
-        apart = np.abs(np.subtract.outer(table.order, table.order)) / (len(table) - 1)
+    covariance[90:, 90:] = 0.7**2 * errors
+    assert np.abs(np.corrcoef(errors)[0, 1]) > 0.5
+    for part, record, s in zip(problem.rows, records, (0.1, 0.04), strict=False):
+        apart = np.abs(np.subtract.outer(record.order, record.order)) / (len(record) - 1)
         covariance[part, part] += s**2 * np.exp(-apart / 0.04)
-    own = form.of_rows(kept)
-    dense = columns[kept].T @ np.linalg.solve(covariance[np.ix_(kept, kept)], columns[kept])
+    residual = random(13).standard_normal((1, rows))
+    dense = multivariate_normal(np.zeros(rows), covariance).logpdf(residual[0])
+    assert form.density(residual, h) == pytest.approx(dense, rel=1e-9)
+    columns = random(13).standard_normal((rows, 3))
+    kept = np.setdiff1d(np.arange(rows), [0, 1, *range(20, 40), 59, 60, 75])
+    own, inner = form.of_rows(kept), covariance[np.ix_(kept, kept)]
+    dense = columns[kept].T @ np.linalg.solve(inner, columns[kept])
     assert own.gram(own.prepared(columns), h) == pytest.approx(dense, rel=1e-9)

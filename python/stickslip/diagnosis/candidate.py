@@ -9,13 +9,12 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.special import ndtri
+from scipy.stats import t as t_law
 
 from stickslip._util.arrays import Array
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.decision.gain import Gain, measured
 from stickslip.diagnosis.decision.posterior import share
-from stickslip.diagnosis.fitting.forms import _is_smooth
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.search import Models
@@ -27,6 +26,7 @@ if TYPE_CHECKING:
 _STEP = 1e-4  # of a coordinate, for the slope of its value
 # Least share by which a discrepancy widens errors: a cause that takes nothing has no size.
 _LEAST_SHARE = 0.01
+_MOST_FREEDOM = 1e6  # beyond it Student's law is the normal one
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -78,7 +78,7 @@ class Candidate(OneLine):
         The pull is the coordinate: standard deviations of the prior from its middle. The sd is
         that of the curvature, times `widening`.
         """
-        x, root = self.fit.x[self.fit.free], np.sqrt(np.diag(self._covariance))
+        x, root = self.fit.x[self.fit.free], np.abs(self._slopes) * self._spread
         rows = [
             (float(each.value(x[k : k + 1])[0]), float(root[k]), each.unit, each.prior_in_words,
              float(x[k]))
@@ -89,9 +89,11 @@ class Candidate(OneLine):
     def interval(self, level: float) -> DataFrame:
         """`low`, `high` and `unit` of each parameter, within its limits.
 
-        By quantiles of the normal law of its coordinate, wider by `widening`.
+        By quantiles of Student's law of its coordinate, with the degrees of freedom of the errors,
+        wider by `widening`.
         """
-        reach = float(ndtri(0.5 + 0.5 * level)) * self._spread
+        freedom = min(self.models.problem.freedom, _MOST_FREEDOM)
+        reach = float(t_law.ppf(0.5 + 0.5 * level, freedom)) * self._spread
         rows = []
         for k, each in enumerate(self._parameters):
             x = self.fit.x[self.fit.free[k]]
@@ -123,12 +125,12 @@ class Candidate(OneLine):
         sizes, lasts = {}, {}
         for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
             name, own = table_name(problem, k), size * float(unit[part][0])
+            if not own:
+                continue
+            sizes[name] = own
             if fit.form == "ar1" and table.run is not None and table.order is not None:
                 spans = [np.ptp(table.order[table.run == run]) for run in np.unique(table.run)]
                 lasts[name] = fit.sizes["tau"] * float(np.median(spans))
-            elif fit.form == "ar1" or (fit.form == "smooth" and not _is_smooth(table)):
-                continue
-            sizes[name] = own
         found |= {"kappa": kappa, "size": sizes}
         if fit.form == "ar1":
             found["correlation"] = lasts
@@ -182,13 +184,19 @@ class Candidate(OneLine):
         return np.sqrt(np.where(variance > 0.0, variance, 1.0 / alone)) * self.widening
 
     @cached_property
-    def _covariance(self) -> Array:
+    def _slopes(self) -> Array:
+        """Change of each parameter by its coordinate."""
         slopes = np.empty(len(self.fit.free))
         for k, each in enumerate(self._parameters):
             x = self.fit.x[self.fit.free[k]]
             ends = np.clip(x + np.array([-_STEP, _STEP]), *each.limits)
             slopes[k] = float(np.diff(each.smooth_value(ends))[0]) / max(np.ptp(ends), 1e-300)
-        return slopes[:, None] * self.fit.covariance * slopes * self.widening**2
+        return slopes
+
+    @property
+    def _covariance(self) -> Array:
+        slopes = self._slopes
+        return np.asarray(slopes[:, None] * self.fit.covariance * slopes * self.widening**2)
 
 
 def table_name(problem: Problem, k: int) -> str:

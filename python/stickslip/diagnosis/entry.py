@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from stickslip._util.processor_count import worker_count
+from stickslip.diagnosis.data.angle import AngleTable
 from stickslip.diagnosis.data.checks import find_problem, find_velocity_problem, velocity_notes
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.data.velocity import VelocityTable
@@ -64,10 +65,12 @@ def diagnose(
         )
     check_whole("seed", seed)
     problem = pose(measurement, worker_count(threads, "threads"), seed)
-    first, suspect = problem.tables[0], None
-    notes: list[Note] = []
+    first, alone = problem.tables[0], len(problem.tables) == 1
+    suspect, notes = None, list[Note]()
+    if isinstance(first, AngleTable):
+        suspect = find_problem(first, alone=alone)
     if isinstance(first, VelocityTable):
-        suspect = find_velocity_problem(first, alone=len(problem.tables) == 1)
+        suspect = find_velocity_problem(first, alone=alone)
         notes = [*velocity_notes(first), *_notes_of_runs(measurement, first)]
     findings = run(problem, int(seed), progress or _silent, suspect)
     return Diagnosis(findings, measurement, tuple(notes))

@@ -30,6 +30,9 @@ Predict = Callable[..., Array]
 law."""
 
 
+_TRIED = 8  # draws of all parameters, after which a row is never computed; chosen
+
+
 class Values(dict[str, Array]):
     """Values of the parameters by name, each of shape (vectors, 1)."""
 
@@ -75,9 +78,27 @@ def pose_own(
         return np.hstack(made)
 
     problem = Problem(tuple(tables), Cached(rows), constants, every)
-    if not np.any(np.isfinite(rows(problem.physical(np.zeros((1, problem.size)))))):
-        raise ScenarioError("predict: with the stated parameters it computes no reading")
+    _check_rows(problem)
     return problem
+
+
+def _check_rows(problem: Problem) -> None:
+    """Refuse a model that computes no reading, or never that of a row."""
+    x = np.random.default_rng(0).standard_normal((_TRIED, problem.size))
+    stated = np.zeros((1, problem.size))
+    if not np.any(np.isfinite(problem.model(problem.physical(stated)))):
+        raise ScenarioError("predict: with the stated parameters it computes no reading")
+    x = np.vstack([stated, np.clip(x, *problem.limits)])
+    with np.errstate(all="ignore"):
+        computed = np.isfinite(problem.model(problem.physical(x)))
+    for table, part in zip(problem.tables, problem.rows, strict=True):
+        never = np.flatnonzero(~computed[:, part].any(axis=0))
+        if len(never):
+            at = f" of table {table.name}" if table.name else ""
+            raise ScenarioError(
+                f"predict: row {table.first[never[0]]}{at}: it computes no reading whatever the "
+                "parameters; allowed is a table without that row"
+            )
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -140,20 +161,31 @@ class OwnModel(OneLine):
         return found
 
     def of_new(self, conditions: Any, names: Sequence[str], values: Array) -> Array:
-        """Readings at conditions that were not measured, as a perfect instrument reads them.
+        """Readings of a table, or of settings, that were not measured, (vectors, rows).
 
         A record of another name begins at the middles of its start states.
         """
-        at = self.columns(getattr(conditions, "name", ""), names)
-        p = Values({name: values[:, [k]] for name, k in at.items()})
-        for each in self.uncertain:
-            p.setdefault(each.name, np.full((len(values), 1), each.value(np.zeros(1))[0]))
-        return np.asarray(self.predicted(conditions, p), dtype=float)
+        table = conditions if isinstance(conditions, Table) else _unread(conditions)
+        starts = [each for each in self.uncertain if each.each_record]
+        middles = [float(each.value(np.zeros(1))[0]) for each in starts]
+        values = np.hstack([np.tile(middles, (len(values), 1)), values])
+        return self(table, [*(each.name for each in starts), *names], values)
 
 
 def of_record(parameter: Parameter, table: Table) -> str:
     """Name of the value that a parameter has in a record."""
     return f"{parameter.name}[{table.name}]" if table.name else parameter.name
+
+
+def _unread(settings: Any) -> Table:
+    """A table of settings without readings."""
+    if isinstance(settings, Sequence) and settings and isinstance(settings[0], Mapping):
+        settings = {key: np.asarray([row.get(key, np.nan) for row in settings])
+                    for key in settings[0]}  # fmt: skip
+    if isinstance(settings, Mapping) or hasattr(settings, "columns"):
+        settings = {key: np.atleast_1d(np.asarray(settings[key])) for key in settings}
+        return Table(settings, np.zeros(len(next(iter(settings.values()), []))), sd=1.0)
+    return Table(np.asarray(settings), np.zeros(len(settings)), sd=1.0)
 
 
 def _seen(table: Table, causes: Sequence[Cause], p: Mapping[str, Array]) -> Table:

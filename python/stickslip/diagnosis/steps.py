@@ -81,9 +81,10 @@ def run(
         stated, null = models.forms["none"], models.null
         found = responses(models.problem, null.end, (), problem.causes, stated, null.h)
         test = tested(models.problem, null, found, seed)
-    verdict = decide(models, test)
-    if suspect is not None:
-        verdict = Verdict("data-problem", (), None, (suspect,), verdict.probabilities)
+    if suspect is None:
+        verdict = decide(models, test)
+    else:
+        verdict = Verdict("data-problem", (), None, (suspect,))
     say(1.0, "done")
     return Findings(models, test, found, verdict, seed)
 

@@ -13,6 +13,7 @@ from scipy.stats import t as t_law
 from stickslip._util.arrays import Array
 from stickslip._util.unit_factor import far_size
 from stickslip.diagnosis.data.errors import along_runs
+from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.data.velocity import VelocityTable, in_words, varied
 from stickslip.simulation.note import Note
@@ -51,24 +52,25 @@ names. Chosen: slower motion may well be read as zero; more are not read."""
 def find_problem(table: Table, *, alone: bool = True) -> Note | None:
     """What makes the readings of a table suspect, if anything does.
 
-    Few conditions, or an unknown error, are no problem if the table does not stand `alone`: other
-    data can tell causes apart.
+    A table that does not stand `alone` may say little: other data can tell causes apart.
     """
+    if not alone:
+        return None
     if not np.any(table.y):
         text = "Every reading is zero: nothing moved, so nothing can be told apart."
         return Note("all-zero", text)
     mean, errors = table.mean, table.errors
     conditions = f"{len(mean)} condition{'' if len(mean) == 1 else 's'}"
-    if alone and len(mean) < FEWEST_CONDITIONS:
+    if len(mean) < FEWEST_CONDITIONS:
         text = f"{conditions} cannot tell causes apart; at least {FEWEST_CONDITIONS} are needed."
         return Note("too-few-conditions", text, len(mean))
-    if alone and errors.dof == 0.0:
+    if errors.dof == 0.0:
         text = (
             "The error of a reading is not known, so no misfit can be judged: repeat some "
             "conditions, or state the error (velocity_sd of a measurement, sd of a table)."
         )
         return Note("no-noise", text)
-    if 0.0 < errors.dof < math.inf and len(mean) > 3:
+    if 0.0 < errors.dof < math.inf and len(mean) > 3 and not isinstance(table, Series):
         # What set-ups share is no error of one condition beside another.
         own = errors.of_reading(mean) ** 2 / np.bincount(table.condition)
         ratio = float(np.var(mean) / np.mean(own))

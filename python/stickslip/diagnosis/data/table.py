@@ -62,7 +62,7 @@ class Table:
     Raises
     ------
     ScenarioError
-        If lengths differ, a number is not finite or nothing varies.
+        If lengths differ or a number is not finite.
     """
 
     run: Indices | None
@@ -149,7 +149,8 @@ def _labels(values: ArrayLike, count: int, what: str) -> Indices:
     labels = np.asarray(values)
     if labels.shape != (count,):
         raise ScenarioError(f"{what}: allowed is one for each of {count} readings")
-    return np.asarray(np.unique(labels, return_inverse=True)[1], dtype=np.int64)
+    texts = labels if labels.dtype.kind in "fiub" else labels.astype(str)
+    return np.asarray(np.unique(texts, return_inverse=True)[1], dtype=np.int64)
 
 
 def _columns(settings: Any, count: int, at: str) -> list[Array]:
@@ -157,6 +158,9 @@ def _columns(settings: Any, count: int, at: str) -> list[Array]:
     if isinstance(settings, Mapping) or hasattr(settings, "columns"):
         columns = [np.asarray(settings[key]) for key in settings]
     elif isinstance(settings, Sequence) and settings and isinstance(settings[0], Mapping):
+        if any(not isinstance(row, Mapping) or row.keys() != settings[0].keys()
+               for row in settings):  # fmt: skip
+            raise ScenarioError(f"{at}settings: allowed are rows with the same names")
         columns = [np.asarray([row[key] for row in settings]) for key in settings[0]]
     else:
         array = np.asarray(settings)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.stats import t as t_law
 
 from stickslip._util.arrays import Array
 from stickslip.diagnosis.fitting.models import Fit
@@ -13,8 +14,8 @@ from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.responses import Response
 from stickslip.diagnosis.terms.parameter import Parameter
 
-BOUND, _SDS = 0.95, 1.96
-"""Confidence of an upper limit, and standard deviations on both sides that hold so much."""
+BOUND = 0.95
+"""Confidence of an upper limit."""
 
 # A response is trusted up to this multiple of its size and down to its inverse; one with a smaller
 # signal than the other, in errors, says nothing. Chosen.
@@ -37,6 +38,7 @@ def upper_limits(problem: Problem, null: Fit, found: Sequence[Response]) -> dict
     found : sequence of Response
         Of the causes about it.
     """
+    reach_sd = float(t_law.ppf(0.5 + 0.5 * BOUND, min(problem.freedom, 1e6)))
     lower = np.linalg.cholesky(null.precision)
     basis = np.linalg.qr(np.vstack([problem.whitened(null.slopes), lower.T]))[0]
     residual = np.concatenate([
@@ -57,7 +59,7 @@ def upper_limits(problem: Problem, null: Fit, found: Sequence[Response]) -> dict
             u = float(gap @ gap) / slope if slope else 0.0
             row = np.concatenate([problem.whitened(gap[:, None])[:, 0], np.zeros(len(lower))])
             row -= basis @ (basis.T @ row)
-            multiple = _multiple(row, residual)
+            multiple = _multiple(row, residual, reach_sd)
             key = k, math.copysign(1.0, u), shape
             reach = math.inf
             if multiple < _TRUSTED:
@@ -81,9 +83,12 @@ def _distance(parameter: Parameter, u: float) -> float:
     return abs(float(parameter.smooth_value(np.array([u]))[0]) - start)
 
 
-def _multiple(projected: Array, residual: Array) -> float:
-    """How often a response may be in the residual at most; infinity where it is not seen."""
+def _multiple(projected: Array, residual: Array, sds: float) -> float:
+    """How often a response may be in the residual at most, by so many standard deviations.
+
+    Infinity where it is not seen.
+    """
     size = float(np.linalg.norm(projected))
     if size < _UNSEEN:
         return math.inf
-    return max(float(projected @ residual) / size**2, 0.0) + _SDS / size
+    return max(float(projected @ residual) / size**2, 0.0) + sds / size

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,7 @@ from scipy.special import logsumexp
 
 from stickslip._util.arrays import Array
 from stickslip._util.one_line import OneLine
+from stickslip.diagnosis.decision.test import ADEQUATE, adequacy
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.search import Models
@@ -126,14 +127,20 @@ def discrepancy(fit: Fit) -> float:
 
 
 def share(models: Models, fit: Fit) -> float:
-    """Part of the model's error that a fit takes, 1 - D / D0; 1 where its errors are as stated.
+    """Part of the model's error that a fit takes, 1 - D / D0, from 0 to 1.
 
-    D0 is of the best form other than ``none`` of no cause.
+    D0 is of no cause, D of the causes of the fit, each with its best form other than ``none``; D is
+    0 where the errors as stated explain what is left.
     """
-    beside: Sequence[Fit] = [
-        each for (names, name), each in models.best.items() if not names and name != "none"
-    ]
-    if not beside:
+    if fit.form == "none" and adequacy(models.problem, fit) >= ADEQUATE:
         return 1.0
-    whole = discrepancy(max(beside, key=models.log_posterior))
-    return 1.0 if fit.form == "none" else 1.0 - discrepancy(fit) / max(whole, 1e-12)
+    whole, left = (_left(models, names) for names in (frozenset[str](), fit.names))
+    if fit.form != "none":
+        left = discrepancy(fit)
+    return min(max(1.0 - left / whole, 0.0), 1.0) if whole > 0.0 else 0.0
+
+
+def _left(models: Models, names: frozenset[str]) -> float:
+    """The discrepancy of a set of causes by its best form other than ``none``."""
+    fits = [each for key, each in models.best.items() if key[0] == names and key[1] != "none"]
+    return discrepancy(max(fits, key=models.log_posterior)) if fits else 0.0

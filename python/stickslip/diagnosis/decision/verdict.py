@@ -128,7 +128,9 @@ def _with_second(
             return _set(verdict, models, chance)
     one, two = (models.get(each.names) or each for each in (member, pair))
     second = measured(models.problem, one, two)
-    if second is None or (second.certain and second.after <= (1.0 - SECOND) * second.before):
+    if second is None:  # too few parts to hold some out
+        return _set(verdict, models, chance)
+    if second.certain and second.after <= (1.0 - SECOND) * second.before:
         both = pair.names <= set(sure)
         return _claimed(verdict, models, pair) if both else _set(verdict, models, chance)
     reason = _refused(pair, member, second)
@@ -228,8 +230,10 @@ def _at_end(models: Models, fit: Fit) -> bool:
     names = [each.name for each in problem.constants]
     freed = [names.index(each.frees) for each in fit.causes if each.frees is not None]
     for k in [*problem.columns(fit.causes).tolist(), *freed]:
-        ends = [high[k]] if problem.parameters[k].one_sided else [low[k], high[k]]
-        if any(abs(fit.x[k] - end) < 0.01 for end in ends if math.isfinite(end)):
+        # The end at which an amplitude does nothing is no end of its range.
+        amplitude = problem.parameters[k].is_amplitude
+        ends = [end for end in (low[k], high[k]) if math.isfinite(end) and (end or not amplitude)]
+        if any(abs(fit.x[k] - end) < 0.01 for end in ends):
             return True
     return False
 
@@ -237,6 +241,5 @@ def _at_end(models: Models, fit: Fit) -> bool:
 def _long_correlation(models: Models, fit: Fit) -> bool:
     if fit.form != "ar1":
         return False
-    highest = models.forms["ar1"].limits()[3][2]
     grew = discrepancy(fit) > discrepancy(models.get((), "ar1") or fit)
-    return grew or math.log(fit.sizes["tau"]) > min(highest, HYPER["tau"][3]) - _AT_BOUND
+    return grew or math.log(fit.sizes["tau"]) > HYPER["tau"][3] - _AT_BOUND

@@ -25,6 +25,7 @@ from scipy.linalg import cholesky_banded, lapack, solve_triangular
 from scipy.special import gammaln
 
 from stickslip._util.arrays import Array, Indices
+from stickslip.diagnosis.data.errors import Errors
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.fitting.problem import Problem
 
@@ -61,7 +62,7 @@ class Form:
 
     def __init__(self, problem: Problem) -> None:
         self.problem, self.n = problem, len(problem.y)
-        # s is counted in the median error of each table.
+        # s is counted in the median error of each table; it is 0 in tables without a discrepancy.
         self.unit = np.empty(self.n)
         for part in problem.rows:
             self.unit[part] = np.median(problem.sd[part])
@@ -193,7 +194,7 @@ class Correlated(Form):
     """``ar1``, in O(n), for any gaps of a run.
 
     Differences B along a run, unit bidiagonal, make B C B' tridiagonal; with its banded Cholesky
-    factor L, L^-1 B whitens. Rows of tables without runs have the errors alone.
+    factor L, L^-1 B whitens. Of the rows of other tables only kappa is free.
     """
 
     name = "ar1"
@@ -201,58 +202,66 @@ class Correlated(Form):
 
     def __init__(self, problem: Problem) -> None:
         super().__init__(problem)
-        run, place = np.empty(self.n), np.zeros(self.n)
-        first = 0.0
-        for table, part in zip(problem.tables, problem.rows, strict=True):
-            count = part.stop - part.start
-            if table.run is None or table.order is None:
-                run[part] = first + np.arange(count)  # a run each
-                self.unit[part] = 0.0
-                first += count
-            else:
-                run[part], place[part] = first + table.run, table.order
-                first += float(table.run.max()) + 1.0
-        self._order = np.lexsort((place, run))
+        order, first = [], 0
+        run, place = np.zeros(self.n, dtype=np.int64), np.zeros(self.n)
+        self._other_det, others = 0.0, np.zeros(self.n, dtype=bool)
+        for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
+            if not _along_runs(table, problem.errors[k]):
+                self.unit[part], others[part] = 0.0, True
+                self._other_det += problem.log_dets[k]
+                continue
+            assert table.run is not None
+            run[part], place[part] = first + table.run, table.order
+            first = int(run[part].max()) + 1
+            order.append(np.arange(part.start, part.stop))
+        self._others = np.flatnonzero(others)
+        rows = np.concatenate(order)
+        self._order = rows[np.lexsort((place[rows], run[rows]))]
         run, place = run[self._order], place[self._order]
-        begins = np.concatenate([[True], run[1:] != run[:-1]])
-        self._gap = np.where(begins, np.inf, np.concatenate([[0.0], np.diff(place)]))
+        begins = np.flatnonzero(np.diff(run, prepend=-1))
+        gap = np.diff(place, prepend=0.0)
+        gap[begins] = np.inf
         # A gap's share of the span of its run, so that runs of any unit can stand together.
-        number = np.cumsum(begins) - 1
-        span = np.array([np.ptp(place[number == k]) for k in range(int(number[-1]) + 1)])
-        self._share = self._gap / np.where(span > 0.0, span, 1.0)[number]
+        ends = np.append(begins[1:], len(run)) - 1
+        span = place[ends] - place[begins]
+        self._share = gap / np.repeat(np.where(span > 0.0, span, 1.0), ends + 1 - begins)
         self._step = float(np.median(self._share[np.isfinite(self._share)]))
         self._unit2, self._variance = self.unit[self._order] ** 2, problem.sd[self._order] ** 2
         self._log_det = 0.0
 
     def of_rows(self, rows: Indices) -> Correlated:
         """The inner product of some rows alone: what is between them is a longer gap."""
-        kept = np.isin(self._order, rows)
-        made = copy.copy(self)
+        kept, made = np.isin(self._order, rows), copy.copy(self)
         # Ways along a run add up over what is left out; one over the start of a run is infinite.
         way = np.cumsum(np.where(np.isfinite(self._share), self._share, 0.0))[kept]
         run = np.cumsum(np.isinf(self._share))[kept]
         made._share = np.where(np.diff(run, prepend=-1) == 0, np.diff(way, prepend=0.0), np.inf)
-        made._order, made.n = self._order[kept], int(np.sum(kept))
+        made._order, made._others = self._order[kept], np.intersect1d(self._others, rows)
         made._unit2, made._variance = self._unit2[kept], self._variance[kept]
         return made
 
     def prepared(self, columns: Array) -> Any:
-        return np.asfortranarray(columns[self._order])
+        others = columns[:0]
+        if len(self._others):
+            others = self.problem.whitened(columns)[self._others]
+        return np.asfortranarray(columns[self._order]), others
 
-    def _whitened(self, prepared: Array, h: Array) -> Array:
+    def _whitened(self, prepared: tuple[Array, Array], h: Array) -> Array:
+        columns, others = prepared
         kappa2, s2, tau = np.exp([2.0 * h[0], 2.0 * h[1], h[2]])
         phi = np.exp(-self._share / tau)
         variance = kappa2 * self._variance
         before = np.concatenate([[0.0], variance[:-1]])
-        band = np.zeros((2, self.n))
+        band = np.zeros((2, len(columns)))
         band[0] = s2 * self._unit2 * (1.0 - phi**2) + variance + phi**2 * before
         band[1, :-1] = -phi[1:] * variance[:-1]
         lower = cholesky_banded(band, lower=True, check_finite=False)
-        differences = prepared.copy(order="F")
-        differences[1:] -= phi[1:, None] * prepared[:-1]
+        differences = columns.copy(order="F")
+        differences[1:] -= phi[1:, None] * columns[:-1]
         whitened, _ = lapack.dtbtrs(lower, differences, uplo="L")
         self._log_det = 2.0 * float(np.sum(np.log(lower[0])))
-        return np.asarray(whitened)
+        self._log_det += self._other_det + 2.0 * len(others) * float(h[0])
+        return np.vstack([whitened, others / math.sqrt(kappa2)]) if len(others) else whitened
 
     def gram(self, prepared: Any, h: Array) -> Array:
         whitened = self._whitened(prepared, h)
@@ -266,7 +275,7 @@ class Correlated(Form):
 
     def begin(self, residual: Array) -> Array:
         ordered = residual[self._order] / self.problem.sd[self._order]
-        linked = np.isfinite(self._gap[1:])
+        linked = np.isfinite(self._share[1:])
         power = float(np.sum(ordered[:-1][linked] ** 2))
         alike = float(np.sum((ordered[1:] * ordered[:-1])[linked])) / max(power, 1e-300)
         tau = -self._step / math.log(min(max(alike, 0.2), 0.99))
@@ -291,10 +300,12 @@ class Smooth(Form):
         super().__init__(problem)
         self._apart: list[tuple[slice, Array]] = []
         for table, part in zip(problem.tables, problem.rows, strict=True):
-            if _is_smooth(table):
-                places = np.asarray(table.places)
-                z = 2.0 * places / np.ptp(places, axis=0)  # in half ranges
-                self._apart.append((part, np.sum((z[:, None] - z) ** 2, axis=2)))
+            if not _is_smooth(table):
+                self.unit[part] = 0.0
+                continue
+            places = np.asarray(table.places)
+            z = 2.0 * places / np.ptp(places, axis=0)  # in half ranges
+            self._apart.append((part, np.sum((z[:, None] - z) ** 2, axis=2)))
         self._factors: tuple[bytes, list[Array]] = b"", []
 
     def prepared(self, columns: Array) -> Any:
@@ -356,11 +367,16 @@ def _has_runs(table: Table) -> bool:
     return table.run is not None and int(np.bincount(table.run).max()) >= FEWEST_IN_RUN
 
 
+def _along_runs(table: Table, errors: Errors) -> bool:
+    """Whether a discrepancy may be correlated along the runs of a table."""
+    return _has_runs(table) and errors.covariance is None
+
+
 def forms(problem: Problem, wanted: Sequence[str] = tuple(PRIOR)) -> dict[str, Form]:
     """The forms of the discrepancy that the data allow."""
     found: dict[str, Form] = {"none": Stated(problem), "white": Form(problem)}
     pairs = zip(problem.tables, problem.errors, strict=True)
-    if any(_has_runs(table) and errors.covariance is None for table, errors in pairs):
+    if any(_along_runs(*each) for each in pairs):
         found["ar1"] = Correlated(problem)
     if any(_is_smooth(each) for each in problem.tables):
         found["smooth"] = Smooth(problem)

@@ -55,8 +55,6 @@ class Fit(OneLine):
         Misfit in the form's inner product, and prior.
     sizes : dict
         Hyperparameters as they are told.
-    ends : int
-        How many descents have ended here.
     """
 
     causes: tuple[Cause, ...]
@@ -72,7 +70,6 @@ class Fit(OneLine):
     chi2: float
     cost: float
     sizes: dict[str, float]
-    ends: int = 1
 
     @property
     def names(self) -> frozenset[str]:
@@ -107,7 +104,6 @@ def fit(
     x: Array,
     *,
     h: Array | None = None,
-    begin: End | None = None,
     slopes: Array | None = None,
     hopeless: float = math.inf,
     steps: int = 10,
@@ -118,10 +114,9 @@ def fit(
     """
     causes = tuple(sorted(causes, key=lambda each: each.name))
     free, precision = problem.free(causes), precision_of(problem, causes)
-    end = begin
+    end = None
     if h is None:
-        first = problem.residuals(x[None, :])[0] if end is None else end.residual
-        h = form.begin(first)
+        h = form.begin(problem.residuals(x[None, :])[0])
     for turn in range(_ROUNDS):
         end = descend(
             problem, form, h, causes, x, precision=precision, steps=steps, begin=end,
@@ -160,16 +155,13 @@ def sharpened(problem: Problem, form: Form, old: Fit) -> Fit:
     slopes = derivatives(problem, old.x, old.free, old.residual, spread=spread, central=True)
     end = End(old.x, old.residual, slopes, math.nan)
     h, log_evidence, precision, covariance, _ = evidence(problem, form, old.causes, end, old.h)
-    new = _fit(problem, form, old.causes, old.free, end, h, precision, covariance, log_evidence)
-    return replace(new, ends=old.ends)
+    return _fit(problem, form, old.causes, old.free, end, h, precision, covariance, log_evidence)
 
 
-def linear(
-    problem: Problem, form: Form, causes: Sequence[Cause], end: End, h: Array | None = None
-) -> Fit:
+def linear(problem: Problem, form: Form, causes: Sequence[Cause], end: End) -> Fit:
     """A fit that stays where it is, with the evidence of the linear model there."""
     causes = tuple(sorted(causes, key=lambda each: each.name))
-    h = form.begin(end.residual) if h is None else h
+    h = form.begin(end.residual)
     h, log_evidence, precision, covariance, _ = evidence(problem, form, causes, end, h)
     free = problem.free(causes)
     return _fit(problem, form, causes, free, end, h, precision, covariance, log_evidence)
@@ -254,8 +246,12 @@ class _At:
         self._x = end.x[free]
         low, high = problem.limits[:, free]
         self._low, self._high = self._x <= low + 1e-9, self._x >= high - 1e-9
-        one_sided = np.array([each.one_sided for each in problem.parameters], dtype=bool)
-        self._sides = one_sided[free]
+        # The side of zero on which an amplitude of one side may be; 0 for all others.
+        sides = [
+            math.copysign(1.0, sum(each.limits)) if each.one_sided else 0.0
+            for each in problem.parameters
+        ]
+        self._sides = np.array(sides)[free]
 
     def integral(
         self, gram: Array, misfit: float, beside: float, precision: Array
@@ -278,7 +274,7 @@ class _At:
         total += 0.5 * float(np.linalg.slogdet(precision)[1]) - float(
             np.sum(np.log(np.diag(lower)))
         )
-        total += math.log(2.0) * int(np.sum(self._sides))
+        total += math.log(2.0) * int(np.sum(self._sides != 0.0))
         move = np.zeros(len(x))
         move[inner] = inverse @ downhill[inner]
         for k in np.flatnonzero(pushed).tolist():
@@ -289,7 +285,7 @@ class _At:
             total += 0.5 * score**2 + float(log_ndtr(score)) - 0.5 * math.log(bend)
         for place, k in enumerate(inner.tolist()):
             if self._sides[k]:
-                inside = (x[k] + move[k]) / math.sqrt(inverse[place, place])
+                inside = self._sides[k] * (x[k] + move[k]) / math.sqrt(inverse[place, place])
                 total += float(log_ndtr(max(inside, -5.0)))
         covariance = np.zeros_like(precision)
         covariance[np.ix_(inner, inner)] = inverse

@@ -178,6 +178,14 @@ class Problem(OneLine):
         """Degrees of freedom of each table's errors."""
         return np.array([each.dof if each.dof > 0 else math.inf for each in self.errors])
 
+    @property
+    def freedom(self) -> float:
+        """Those of all tables together, by the variance of the sum of their chi-squares."""
+        counts = np.array([part.stop - part.start for part in self.rows], dtype=float)
+        finite = np.isfinite(self.dof)
+        spread = float(np.sum(counts[finite] ** 2 / self.dof[finite]))
+        return float(np.sum(counts)) ** 2 / spread if spread else math.inf
+
     @cached_property
     def sd(self) -> Array:
         """Standard deviation of each row, with the model's roughness, shape (n,)."""
@@ -199,13 +207,18 @@ class Problem(OneLine):
         ]
 
     @cached_property
+    def log_dets(self) -> list[float]:
+        """Logarithm of the determinant of the errors' covariance of each table."""
+        sizes = [
+            self.sd[part] if lower is None else np.diag(lower)
+            for part, lower in zip(self.rows, self._lower, strict=True)
+        ]
+        return [2.0 * float(np.sum(np.log(each))) for each in sizes]
+
+    @property
     def log_det(self) -> float:
-        """Logarithm of the determinant of the errors' covariance."""
-        total = 0.0
-        for part, lower in zip(self.rows, self._lower, strict=True):
-            size = self.sd[part] if lower is None else np.diag(lower)
-            total += 2.0 * float(np.sum(np.log(size)))
-        return total
+        """That of all rows."""
+        return sum(self.log_dets)
 
     def whitened(self, columns: Array) -> Array:
         """Columns, shape (n, k), in which the stated errors are independent and of size 1."""
@@ -246,13 +259,9 @@ def lack_of_fit(problem: Problem, chi2: float, free: int) -> float:
     """Probability of a larger chi-square of `free` degrees of freedom by the errors alone."""
     if free <= 0:
         return 1.0
-    # Of several tables, the degrees of freedom with the variance of their sum.
-    counts = np.array([part.stop - part.start for part in problem.rows], dtype=float)
-    finite = np.isfinite(problem.dof)
-    spread = float(np.sum(counts[finite] ** 2 / problem.dof[finite]))
-    if spread == 0.0:
+    if math.isinf(problem.freedom):
         return float(chi2_law.sf(chi2, free))
-    return float(f_law.sf(chi2 / free, free, np.sum(counts) ** 2 / spread))
+    return float(f_law.sf(chi2 / free, free, problem.freedom))
 
 
 class Cached:
@@ -261,14 +270,12 @@ class Cached:
     def __init__(self, model: Model) -> None:
         self._model = model
         self._rows: OrderedDict[bytes, Array] = OrderedDict()
-        self.made = 0
 
     def __call__(self, values: Array) -> Array:
         keys = [row.tobytes() for row in np.ascontiguousarray(values)]
         new = {key: row for key, row in zip(keys, values, strict=True) if key not in self._rows}
         if new:
             made = np.asarray(self._model(np.stack(list(new.values()))), dtype=float)
-            self.made += len(new)
             # A row by itself, as a view would keep all rows of its call.
             self._rows |= {key: row.copy() for key, row in zip(new, made, strict=True)}
         found = np.stack([self._rows[key] for key in keys])

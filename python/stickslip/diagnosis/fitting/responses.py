@@ -104,7 +104,7 @@ def _probes(problem: Problem, cause: Cause, sizes: Sequence[float]) -> list[_Pro
     columns = problem.columns([cause]).tolist()
     shapes = [k for k in columns if not problem.parameters[k].is_amplitude and cause.curve is None]
     moved = [k for k in columns if k not in shapes]
-    signs = (1.0,) if all(low[k] == 0.0 for k in moved) else (1.0, -1.0)
+    signs = (1.0,) if all(0.0 in (low[k], high[k]) for k in moved) else (1.0, -1.0)
     places = [_SHAPES if problem.fineness[k] > _FINE else _scanned(problem, k) for k in shapes]
     if any(each is not _SHAPES for each in places):
         sizes = sizes[len(sizes) // 2 :][:1]
@@ -112,12 +112,17 @@ def _probes(problem: Problem, cause: Cause, sizes: Sequence[float]) -> list[_Pro
         _Probe(
             cause,
             moved,
-            [float(np.clip(sign * size, low[k], high[k])) for k in moved],
+            [_within(sign * size, low[k], high[k]) for k in moved],
             dict(zip(shapes, shape, strict=True)),
         )
         for shape in itertools.product(*places)
         for size, sign in itertools.product(sizes if moved else (0.0,), signs)
     ]
+
+
+def _within(size: float, low: float, high: float) -> float:
+    """An amplitude of a size within its range, on the other side of zero if there is none here."""
+    return float(np.clip(size, low, high) or np.clip(-size, low, high))
 
 
 def _scanned(problem: Problem, k: int) -> tuple[float, ...]:

@@ -18,7 +18,7 @@ from scipy.stats import qmc
 
 from stickslip._util.arrays import Array
 from stickslip.diagnosis.fitting.descent import SETTLED, STAGES, End, derivatives, descend
-from stickslip.diagnosis.fitting.draws import FEWEST, Draws, drawn
+from stickslip.diagnosis.fitting.draws import FEWEST, drawn
 from stickslip.diagnosis.fitting.forms import Form, Softened, forms
 from stickslip.diagnosis.fitting.models import Fit, fit, linear, log_prior, sharpened
 from stickslip.diagnosis.fitting.problem import Problem, lack_of_fit
@@ -75,8 +75,7 @@ class Models:
         self.forms: dict[str, Form] = forms(problem)
         self.best: dict[tuple[frozenset[str], str], Fit] = {}
         self.begun = 0  # fits so far
-        # Draws of the leading sets of causes, and what Laplace's rule misses of their evidence.
-        self.draws: dict[frozenset[str], Draws] = {}
+        # Of sets of causes that were drawn, what Laplace's rule misses of their evidence.
         self.corrections: dict[frozenset[str], float] = {}
 
     def add(self, new: Fit) -> Fit:
@@ -258,7 +257,9 @@ def _draw(models: Models, seed: int) -> None:
     sets: dict[frozenset[str], Fit] = {}
     for each in _near(models):
         sets.setdefault(each.names, each)
-    for names, each in [pair for pair in sets.items() if pair[0] not in models.draws][:_DRAWN]:
+    for names, each in [pair for pair in sets.items() if pair[0] not in models.corrections][
+        :_DRAWN
+    ]:
         form = models.forms[each.form]
         found = drawn(problem, form, each, seed)
         if found is None:
@@ -269,9 +270,7 @@ def _draw(models: Models, seed: int) -> None:
             models.fit(each.form, each.causes, own, h=each.h)
             each = models.best[names, each.form]
             found = drawn(problem, form, each, seed) or found
-        models.draws[names] = found
-        if found.effective > FEWEST:
-            models.corrections[names] = found.correction
+        models.corrections[names] = found.correction if found.effective > FEWEST else 0.0
 
 
 def screened(models: Models, found: Sequence[Response]) -> None:

@@ -56,8 +56,8 @@ class Cause(OneLine):
     curve: Curve | None = None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.name, str) or not self.name or self.name == "none":
-            refuse("name of a cause", self.name, 'a text other than "none"')
+        if not isinstance(self.name, str) or self.name in ("", "none") or "+" in self.name:
+            refuse("name of a cause", self.name, 'a text other than "none", without "+"')
         if isinstance(self.parameters, Parameter):
             object.__setattr__(self, "parameters", (self.parameters,))
         given = self.parameters
@@ -65,4 +65,4 @@ class Cause(OneLine):
             raise ScenarioError(f"cause {self.name}: parameters: allowed are Parameters")
         object.__setattr__(self, "parameters", tuple(given))
         if not self.parameters and self.frees is None:
-            raise ScenarioError(f"cause {self.name}: allowed is one with a Parameter")
+            raise ScenarioError(f"cause {self.name} has no Parameter: allowed are one or more")

@@ -93,6 +93,8 @@ class Parameter:
         if not self.low < self.high:
             said = f"low = {shown(self.low)}, high = {shown(self.high)}"
             raise ScenarioError(f"{at}{said}: allowed is low < high")
+        if self.negligible < 0.0:
+            refuse(at + "negligible", self.negligible, "a number from 0")
         if not 1e-4 <= self.fineness <= 1.0:
             refuse(at + "fineness", self.fineness, "0.0001 to 1")
         if self.size is None:
@@ -159,7 +161,7 @@ class Parameter:
     @property
     def one_sided(self) -> bool:
         """Whether its prior is half-normal."""
-        return self.is_amplitude and self.limits[0] == 0.0
+        return self.is_amplitude and 0.0 in self.limits
 
     @property
     def prior_in_words(self) -> str:
