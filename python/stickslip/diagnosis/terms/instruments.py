@@ -140,7 +140,7 @@ def lag(
     table: str | None = None,
     name: str = "lag",
 ) -> Cause:
-    """A first-order lag with a ``time`` constant, s, of an input or of the readings of a `Series`.
+    """A first-order lag, with a ``time`` constant in s, of an input or of readings in time.
 
     Between two readings what lags is linear; before the first it is at rest.
     """
@@ -186,7 +186,7 @@ def delay(
     Parameters
     ----------
     times : array_like, shape (rows,), optional
-        Time of each reading, s; those of a `Series` are known.
+        Time of each reading, s; those of a `stickslip.Series` are known.
     curve : array_like of int, shape (rows,), optional
         Curve of each reading; one for all, if not given. A curve has two or more different times.
     input : str, optional
@@ -223,7 +223,7 @@ def delay(
 def _delay_in_time(
     size: float, largest: float | None, input: str | None, table: str | None, name: str
 ) -> Cause:
-    """A delay of the readings, or of an input, of a `Series`."""
+    """A delay of the readings, or of an input, of a `stickslip.Series`."""
     parameter = _either_way(f"{name}.time", "s", size, largest)
 
     def read(values: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
