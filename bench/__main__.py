@@ -25,6 +25,7 @@ PROGRAMS = {
     "laws": ("free_laws", "laws hidden in a model of one's own"),
     "blind": ("blind", "the blind study of the diagnosis"),
     "blind-freeze": ("blind.frozen", "data sets of the study, made before they are judged"),
+    "blind-study": ("blind.stored", "the stored data sets, diagnosed, and then judged once"),
     "frozen": ("blind.rerun", "frozen data sets beside what was found before"),
     "blind-tables": ("blind.report", "the tables of the blind study from its record"),
     "drops": ("real.drops", "drops of a real square beside the core"),

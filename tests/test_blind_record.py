@@ -16,7 +16,7 @@ from stickslip.measurement import read_measurement
 sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 
 from blind import __main__ as command
-from blind import case, frozen, rerun
+from blind import case, frozen, rerun, stored
 from blind.case import same_state, state
 from blind.kinds import KINDS, STUDY
 from blind.questions import (
@@ -354,9 +354,7 @@ def test_the_error_of_the_truth_is_over_what_was_measured(monkeypatch):
     monkeypatch.setattr(
         case, "velocities", lambda truth, drives: np.array([each["frequency"] for each in drives])
     )
-    result = SimpleNamespace(problem=SimpleNamespace(tables=[table]), gain=object())
-    assert case._truth_error(result, answer) == pytest.approx(0.75)
-    assert case._truth_error(SimpleNamespace(problem=result.problem, gain=None), answer) is None
+    assert case._truth_error(table, answer) == pytest.approx(0.75)
 
 
 def test_a_distortion_is_judged_by_what_is_blamed_for_it():
@@ -455,3 +453,35 @@ def test_what_was_missed_is_counted_as_in_the_record():
 
 def test_every_family_of_the_table_has_words():
     assert set(FAMILY_WORDS) == {each.family for each in KINDS.values()}
+
+
+def test_stored_data_sets_are_diagnosed_before_their_answers_are_opened(tmp_path, monkeypatch):
+    """A row for each set of the present engine, without the answer; another call adds none."""
+    stored_sets = [{"name": f"set {k}", "files": {"measurement.toml": str(k)}} for k in range(3)]
+    now = {"engine": "a", "data": "b"}
+    said = {**_row("none", [], None, "none"), "cpu_seconds": 1.0}
+    said["said"] |= {"p_value": 0.5, "laws": {}, "next_experiments": []}
+    del said["answer"]
+
+    def refused():
+        raise AssertionError("an answer was opened")
+
+    for name, value in {
+        "SAID": tmp_path / "said.jsonl", "RECORD": tmp_path / "record.jsonl",
+        "state": lambda: now, "sets": lambda path: stored_sets, "answers": refused,
+        "diagnosed": lambda folder: {**said, "said": dict(said["said"])},
+    }.items():  # fmt: skip
+        monkeypatch.setattr(stored, name, value)
+    (tmp_path / "said.jsonl").write_text(json.dumps({"name": "set 0", "state": {"engine": "e"}}))
+    with (tmp_path / "said.jsonl").open("a") as file:
+        file.write("\n")
+    for part in (0, 1, 0):
+        stored.diagnose_stored(1.0, part, 2)
+    assert sorted(stored.said(now)) == ["set 0", "set 1", "set 2"]
+    assert len((tmp_path / "said.jsonl").read_text().splitlines()) == 4
+    assert "answer" not in (tmp_path / "said.jsonl").read_text()
+    answer = _row("none", [], None)["answer"] | {"hook": ""}
+    monkeypatch.setattr(stored, "answers", lambda: {each["name"]: answer for each in stored_sets})
+    stored.judge()
+    rows = (tmp_path / "record.jsonl").read_text().splitlines()
+    assert [json.loads(row)["answer"]["kind"] for row in rows] == ["none"] * 3

@@ -81,15 +81,26 @@ def study(kind: str, seed: int) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as work:
         folder, more = Path(work) / "data", Path(work) / "more"
         answer = write_case(folder, kind, seed)
-        row = {"answer": answer, **_diagnosed(folder, answer)}
-        drives = [each["drive"] for each in row["said"]["next_experiments"]]
-        if kind == "near twins" and drives:
-            write_more(folder, more, answer, drives)
-            row["followed"] = _diagnosed(more, answer)["said"]
-        return row
+        return with_answer(diagnosed(folder), answer, folder, more)
 
 
-def _diagnosed(folder: Path, answer: dict[str, Any]) -> dict[str, Any]:
+def with_answer(
+    row: dict[str, Any], answer: dict[str, Any], folder: Path, more: Path
+) -> dict[str, Any]:
+    """What was said of a data set, with its answer and what only the answer can tell."""
+    row = {"answer": answer, **row, "truth_error": None}
+    if answer["hook"] and row["gain"] is not None:
+        measurement = read_measurement(folder / "measurement.toml")
+        row["truth_error"] = _truth_error(VelocityTable(measurement, threads=1, seed=0), answer)
+    drives = [each["drive"] for each in row["said"]["next_experiments"]]
+    if answer["kind"] == "near twins" and drives:
+        write_more(folder, more, answer, drives)
+        row["followed"] = diagnosed(more)["said"]
+    return row
+
+
+def diagnosed(folder: Path) -> dict[str, Any]:
+    """What is said of a data set by its files alone."""
     start = time.process_time()
     result = diagnose(read_measurement(folder / "measurement.toml"), threads=1)
     seconds, gain = time.process_time() - start, result.gain
@@ -101,7 +112,6 @@ def _diagnosed(folder: Path, answer: dict[str, Any]) -> dict[str, Any]:
         "said": {**result.as_dict(), "laws": laws, "open_set": _law(result)},
         "reasons": [each.code for each in result.verdict.reasons],
         "gain": None if gain is None else {"p_value": norm.sf((gain.after - middle) / sd)},
-        "truth_error": _truth_error(result, answer) if answer["hook"] else None,
         "cpu_seconds": seconds,
     }
 
@@ -131,10 +141,7 @@ def _law(result: Diagnosis) -> dict[str, Any] | None:
     return None
 
 
-def _truth_error(result: Diagnosis, answer: dict[str, Any]) -> float | None:
+def _truth_error(table: VelocityTable, answer: dict[str, Any]) -> float:
     """Mean absolute error of the truth on all conditions, m/s: what noise leaves."""
-    table = result.problem.tables[0]
-    if result.gain is None or not isinstance(table, VelocityTable):
-        return None
     drives = [{key: each[f"drive.{key}"] for key in KEYS} for each in table.conditions]
     return float(np.mean(np.abs(table.mean - velocities(Truth.of(answer), drives))))

@@ -162,7 +162,7 @@ LAW = free_law("pull", "gap", "m", 0.0, 1.0)
         ({"data": []}, r"data = \[\]: allowed is a Table"),
         ({"uncertain": SLOPE}, "uncertain = .*: allowed is a list of Parameter"),
         ({"uncertain": [SLOPE, 0.3]}, "uncertain = .*: allowed is a list of Parameter"),
-        ({"uncertain": [HEIGHT]}, "uncertain: allowed are Parameters with a prior"),
+        ({"uncertain": [HEIGHT]}, "uncertain: wave.height has no prior"),
         ({"uncertain": [SLOPE, SLOPE]}, "slope comes twice"),
         ({"causes": WAVE}, "causes = .*: allowed is a list of Cause"),
         ({"causes": [HEIGHT]}, "causes = .*: allowed is a list of Cause"),

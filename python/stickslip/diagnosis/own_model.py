@@ -61,7 +61,8 @@ def pose_own(
     _check_list("uncertain", uncertain, Parameter)
     _check_list("causes", causes, Cause)
     if any(each.prior is None for each in uncertain):
-        raise ScenarioError("uncertain: allowed are Parameters with a prior")
+        (name, *_) = (each.name for each in uncertain if each.prior is None)
+        raise ScenarioError(f"uncertain: {name} has no prior; an amplitude belongs to a Cause")
     tables = _records(tables)
     constants = _of_each_record(uncertain, tables)
     named = beside_constants(causes, constants)
@@ -246,8 +247,8 @@ def overflows(problem: Problem) -> list[Note]:
     for cause, rows in zip(causes, bad[1:] & ~bad[0], strict=True):
         if rows.any():
             text = (
-                f"At its usual size, {cause.name} makes predictions that are no numbers below "
-                f"{HUGE:g} in {int(rows.sum())} of {len(rows)} rows: it can hardly be judged."
+                f"At its usual size, {cause.name} makes {int(rows.sum())} of {len(rows)} "
+                "predictions infinite or NaN: it can hardly be judged."
             )
             notes.append(Note("predictions-overflow", text, float(rows.sum())))
     return notes

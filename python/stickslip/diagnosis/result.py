@@ -294,7 +294,8 @@ class Diagnosis(ShownBySummary):
         fit = self.verdict.fit
         names = [title(each) for each in self.verdict.causes]
         probability = 0.0 if fit is None else self.chance.models[fit.name]
-        return design.next_step(self.verdict.kind, names, probability)
+        beside = fit is not None and fit.form != "none" and self.verdict.kind == "pair"
+        return design.next_step("dominant" if beside else self.verdict.kind, names, probability)
 
     def worth_measuring(self, count: int = design.PROPOSED) -> list[design.Experiment]:
         """Of the proposed experiments those that `next_step` needs."""

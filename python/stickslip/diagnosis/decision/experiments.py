@@ -266,13 +266,19 @@ def _why(first: str, second: str, chi2: float, is_later: bool) -> Note:
 
 def next_step(kind: str, names: Sequence[str], probability: float) -> Note:
     """Whether another experiment is needed after a verdict, with its causes as they are said."""
-    if kind in ("named", "dominant", "pair"):
-        said = f"{' and '.join(names)}, with a probability of {probability:.3g}"
+    said = f"{' and '.join(names)}, with a probability of {probability:.3g}"
+    if kind == "dominant":
+        text = (
+            f"Among the listed causes the name is safe: {said}. A cause that is not listed, with a "
+            "similar effect, would get the same name."
+        )
+        return Note("name-safe", text, probability)
+    if kind in ("named", "pair"):
         return Note("name-safe", f"The name is safe: {said}. Nothing more has to be measured.",
                     probability)  # fmt: skip
     if kind == "ambiguous":
         return Note("no-safe-name", "No name is safe, as the verdict is ambiguous.")
-    text = f"Nothing is proposed: with the verdict {kind} there are no candidates to tell apart."
+    text = f"Nothing is proposed: the verdict {kind} leaves no candidates to tell apart."
     return Note("nothing-to-separate", text)
 
 

@@ -24,9 +24,9 @@ ADEQUATE = 0.01
 """A model explains the data whose lack of fit has at least this p-value: 1 % of true models are
 refused. Chosen."""
 
-# Draws of pure noise: a p-value of 0.05 is then known to 0.003. Signal below which a response is
-# not seen. Chosen.
-_DRAWS, _UNSEEN = 4000, 1e-3
+# Draws of pure noise: a p-value of 0.05 is then known to 0.003; of so many readings, to 0.007.
+# Numbers that are drawn at a time, 16 MiB. Signal below which a response is not seen. Chosen.
+_DRAWS, _MANY, _FEWER, _AT_ONCE, _UNSEEN = 4000, 2000, 1000, 1 << 21, 1e-3
 
 
 @dataclass(frozen=True)
@@ -77,23 +77,31 @@ def tested(problem: Problem, null: Fit, found: list[Response], seed: int) -> Tes
     size = np.linalg.norm(directions, axis=1)
     directions = directions[size > _UNSEEN] / size[size > _UNSEEN, None]
     random = np.random.default_rng([seed, 11])
-    noise = random.standard_normal((_DRAWS, n + p))
-    for part, dof in zip(problem.rows, problem.dof, strict=True):
-        if math.isfinite(dof):
-            noise[:, part] /= np.sqrt(random.chisquare(dof, (_DRAWS, 1)) / dof)
-    noise -= (noise @ basis) @ basis.T
-    misfits, observed = np.sum(noise**2, axis=1), float(residual @ residual)
+    count, observed = _DRAWS if n < _MANY else _FEWER, float(residual @ residual)
+    misfits, projected = np.empty(count), np.empty((count, len(directions)))
+    for part in _parts(count, _AT_ONCE // (n + p)):
+        noise = random.standard_normal((part.stop - part.start, n + p))
+        for rows, dof in zip(problem.rows, problem.dof, strict=True):
+            if math.isfinite(dof):
+                noise[:, rows] /= np.sqrt(random.chisquare(dof, (len(noise), 1)) / dof)
+        # Directions are at right angles to what the model undoes.
+        misfits[part] = np.sum(noise**2, axis=1) - np.sum((noise @ basis) ** 2, axis=1)
+        projected[part] = noise @ directions.T
     exact = lack_of_fit(problem, observed, n)
     fits, fit_p = _shares(misfits, observed)
     if not len(directions):
         return Test(exact, exact, 1.0)
-    scores, score_p = _shares(
-        np.max(noise @ directions.T, axis=1), float(np.max(directions @ residual))
-    )
+    scores, score_p = _shares(np.max(projected, axis=1), float(np.max(directions @ residual)))
     smaller = np.minimum(fits, scores)
-    both = (1.0 + float(np.sum(smaller <= min(fit_p, score_p)))) / (_DRAWS + 1.0)
+    both = (1.0 + float(np.sum(smaller <= min(fit_p, score_p)))) / (count + 1.0)
     # Beyond what draws can tell, the law of the misfit is known.
     return Test(min(both, 2.0 * min(exact, score_p)), exact, score_p)
+
+
+def _parts(count: int, size: int) -> list[slice]:
+    """Slices of at most `size` items, and of one at least."""
+    size = max(size, 1)
+    return [slice(k, min(k + size, count)) for k in range(0, count, size)]
 
 
 def _shares(values: Array, observed: float) -> tuple[Array, float]:

@@ -97,8 +97,8 @@ def _without_cause(verdict: Verdict, models: Models, test: Test, leader: Fit | N
     if test.found:
         reason = Note(
             "no-cause-leads",
-            f"Something is left (p = {test.p_value:.2g}), and no cause is more probable than a "
-            "model error of no named kind.",
+            f"A misfit is left (p = {test.p_value:.2g}); no cause is more probable than an unknown "
+            "model error.",
             test.p_value,
         )
         return _with(verdict, "unexplained", (), None, (reason,), models, leader)
@@ -144,8 +144,8 @@ def _refused(pair: Fit, member: Fit, second: Gain) -> Note:
     fall = 1.0 - second.after / second.before
     return Note(
         "second-cause-predicts-nothing",
-        f"{other} beside {member.name} changes the error of held-out readings by "
-        f"{-100.0 * fall:.0f} %: it is not claimed.",
+        f"{other} beside {member.name} lowers the held-out error by {100.0 * fall:.0f} %; a second "
+        f"cause needs {100.0 * SECOND:.0f} % and an interval above zero.",
         fall,
     )
 

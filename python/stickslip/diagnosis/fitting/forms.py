@@ -21,7 +21,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from scipy.linalg import cholesky_banded, lapack, solve_triangular
+from scipy.linalg import lapack, solve_triangular
 from scipy.special import gammaln
 
 from stickslip._util.arrays import Array, Indices
@@ -193,8 +193,8 @@ class Softened(Form):
 class Correlated(Form):
     """``ar1``, in O(n), for any gaps of a run.
 
-    Differences B along a run, unit bidiagonal, make B C B' tridiagonal; with its banded Cholesky
-    factor L, L^-1 B whitens. Of the rows of other tables only kappa is free.
+    Differences B along a run, unit bidiagonal, make B C B' tridiagonal; with its factors
+    L D L', D^-1/2 L^-1 B whitens. Of the rows of other tables only kappa is free.
     """
 
     name = "ar1"
@@ -252,14 +252,17 @@ class Correlated(Form):
         phi = np.exp(-self._share / tau)
         variance = kappa2 * self._variance
         before = np.concatenate([[0.0], variance[:-1]])
-        band = np.zeros((2, len(columns)))
-        band[0] = s2 * self._unit2 * (1.0 - phi**2) + variance + phi**2 * before
-        band[1, :-1] = -phi[1:] * variance[:-1]
-        lower = cholesky_banded(band, lower=True, check_finite=False)
+        diagonal = s2 * self._unit2 * (1.0 - phi**2) + variance + phi**2 * before
+        pivots, beside, failed = lapack.dpttrf(diagonal, -phi[1:] * variance[:-1])
+        if failed:
+            raise np.linalg.LinAlgError("the covariance of a run is not positive")
         differences = columns.copy(order="F")
         differences[1:] -= phi[1:, None] * columns[:-1]
-        whitened, _ = lapack.dtbtrs(lower, differences, uplo="L")
-        self._log_det = 2.0 * float(np.sum(np.log(lower[0])))
+        band = np.ones((2, len(columns)), order="F")
+        band[1, :-1] = beside
+        whitened, _ = lapack.dtbtrs(band, differences, uplo="L", diag="U", overwrite_b=True)
+        whitened /= np.sqrt(pivots)[:, None]
+        self._log_det = float(np.sum(np.log(pivots)))
         self._log_det += self._other_det + 2.0 * len(others) * float(h[0])
         return np.vstack([whitened, others / math.sqrt(kappa2)]) if len(others) else whitened
 

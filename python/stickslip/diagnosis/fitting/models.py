@@ -190,9 +190,11 @@ def evidence(
 
     def value(h: Array, precision: Array) -> tuple[float, Array, float]:
         gram = form.weighted(prepared, end.residual, h)
-        misfit = float(form.cost(end.residual[None, :], h)[0])
+        # A normal form has its misfit in the last column, that of the residual.
+        normal = bool(form.names)
+        misfit = gram[-1, -1] if normal else form.cost(end.residual[None, :], h)[0]
         beside = form.log_det(h) + form.n * math.log(2.0 * math.pi)
-        return at_end.integral(gram, misfit, beside, precision)
+        return at_end.integral(gram, float(misfit), beside, precision)
 
     if form.names:
         middle, sd, low, high = form.limits()

@@ -37,8 +37,8 @@ usable model, and its square still leaves ten digits to the other rows."""
 HUGE = 1e100
 """Size of a prediction beyond which it is as good as none: its square overflows."""
 
-# Numbers that the cache of predictions keeps, 128 MiB.
-_MOST_CACHED = 1 << 24
+# Numbers that the cache of predictions keeps, 16 MiB: those of some hundred fits of a large table.
+_MOST_CACHED = 1 << 21
 
 
 @dataclass(frozen=True, repr=False, eq=False)
