@@ -282,7 +282,7 @@ def test_a_cause_that_overflows_is_noted_by_its_name():
     posed = pose_own(growing, data(), [SLOPE], [burst, *problem(data()).causes[:1]])
     (note,) = overflows(posed)
     assert (note.code, note.text.count("\n")) == ("predictions-overflow", 0)
-    assert "burst makes predictions" in note.text
+    assert "burst makes 30 of 30 predictions" in note.text
     # exp(400 x) passes 1e100 where x > 0.58: everywhere.
     assert note.value == 30.0
 
