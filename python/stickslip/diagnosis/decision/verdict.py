@@ -192,8 +192,13 @@ def _claimed(verdict: Verdict, models: Models, fit: Fit, reasons: tuple[Note, ..
 def _set(
     verdict: Verdict, models: Models, chance: Posterior, reasons: tuple[Note, ...] = ()
 ) -> Verdict:
-    """The smallest set of models with 95 %, the causes of each in turn."""
+    """The smallest set of models with 95 %, the causes of each in turn.
+
+    Where that is one model, which cannot be claimed, nothing explains the data.
+    """
     members = verdict.members
+    if len(members) == 1:
+        return _with(verdict, "unexplained", (), None, reasons, models, members[0])
     first = next(each for each in members if each.causes)
     names = dict.fromkeys(name for each in members for name in sorted(each.names))
     together = sum(chance.models[each.name] for each in members)
