@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sliding_block import FRICTION, HIDDEN, OVER_SPEED, measured, result
+from sliding_block import FRICTION, HIDDEN, measured, push, result
 from stickslip import Cause, Parameter, Prior, Table, diagnose_model
 from stickslip.diagnosis.fitting.descent import End, derivatives
 from stickslip.diagnosis.fitting.forms import forms
@@ -14,7 +14,8 @@ from stickslip.diagnosis.fitting.search import Models, recalibrated, search
 from stickslip.diagnosis.own_model import pose_own
 from stickslip.diagnosis.steps import run
 from stickslip.diagnosis.terms.laws import free_law
-from toys import BEND, LEVEL, SLOPE, STEP, WAVE, data, problem, shapes
+from stickslip.simulation.note import Note
+from toys import LEVEL, SLOPE, WAVE, data, problem, shapes
 
 X = np.linspace(1.0, 3.0, 30)
 
@@ -30,10 +31,8 @@ def crowd(count):
     ]
 
     def model(table, p):
-        made = p["slope"] * table["x"] + p["level"]
-        for k, cause in enumerate(causes):
-            made = made + p[f"{cause.name}.size"] * columns[k]
-        return made
+        sizes = np.hstack([p[f"c{k}.size"] for k in range(count)])
+        return p["slope"] * table["x"] + p["level"] + sizes @ columns
 
     return causes, columns, model
 
@@ -54,15 +53,11 @@ def test_the_truth_is_found_among_many_causes_and_pairs(hidden):
 # --------------------------------------------------------------------- at the leader's constants
 def twins(extra=()):
     """`b` does what `a` does, but only where the constant is 1; without a cause it is 0."""
-    h, g = np.zeros(16), np.zeros(16)
-    h[0], g[0], g[1] = 1.0, -1.0, 5.0
+    h, g, rest = np.eye(16)[0], 5.0 * np.eye(16)[1] - np.eye(16)[0], np.eye(16)[1]
 
     def model(table, p):
-        k, a, b = (p[name] for name in ("k", "a.size", "b.size"))
-        made = k * h + (a + b * k**2) * g
-        for each in extra:
-            made = made + p[each.parameters[0].name] * np.eye(16)[1]
-        return made
+        made = p["k"] * h + (p["a.size"] + p["b.size"] * p["k"] ** 2) * g
+        return made + sum(p[each.parameters[0].name] for each in extra) * rest
 
     causes = [Cause(n, Parameter(f"{n}.size", size=1.0, low=-5.0, high=5.0)) for n in "ab"]
     constant = Parameter("k", Prior("normal", 0.0, 1.0), suspect=False)
@@ -84,12 +79,8 @@ def test_a_cause_that_acts_only_at_the_leaders_constants_is_found():
     assert models.get(["a"]).chi2 < 1.0
     # Exchanged for `a` where the constant is 1, it explains as much.
     assert models.get(["b"]).chi2 < 1.0
-
-
-def test_it_is_found_beside_a_third_cause_that_leads_first():
-    # It explains a part and leaves the constant at 0.
-    push = Cause("c", Parameter("c.size", size=1.0, low=-1.0, high=1.0))
-    models = searched(twins([push]))
+    # Also beside a third cause that leads first: it explains a part and leaves the constant at 0.
+    models = searched(twins([Cause("c", Parameter("c.size", size=1.0, low=-1.0, high=1.0))]))
     assert models.get(["c"]).chi2 > 100.0
     assert models.get(["b"]).chi2 < 1.0
 
@@ -131,18 +122,7 @@ def test_no_model_fits_worse_than_one_that_it_contains():
                 assert each.cost < other.cost + 0.5, (names, inner)
 
 
-def test_the_search_says_how_far_it_is():
-    told = []
-    posed = problem(data(0.5 * shapes(X)["wave.height"]), [WAVE, STEP, BEND])
-    run(posed, 0, lambda fraction, stage: told.append((fraction, stage)))
-    fractions = [fraction for fraction, _ in told]
-    assert (fractions, fractions[-1]) == (sorted(fractions), 1.0)
-    assert [stage for _, stage in told][:3] == ["recalibrating", "testing", "comparing models"]
-
-
 def test_what_is_suspect_is_not_searched(monkeypatch):
-    from stickslip.simulation.note import Note
-
     asked = []
     monkeypatch.setattr("stickslip.diagnosis.steps.search", lambda *a, **k: asked.append(a))
     posed = problem(data(2.0 * shapes(X)["wave.height"]), [WAVE])
@@ -199,15 +179,13 @@ def test_a_hidden_law_is_named_over_its_argument(law):
 @pytest.mark.nightly
 def test_a_cause_that_explains_the_data_comes_before_the_laws():
     # A step of the force itself, beside laws that could follow a part of it.
-    push = Cause("push", Parameter("push.force", unit="N", size=0.1, low=-3.0, high=3.0))
+    cause = Cause("push", Parameter("push.force", unit="N", size=0.1, low=-3.0, high=3.0))
 
     def pushed(table, p, curves):
-        from sliding_block import push as plain
+        return push(table, p, curves) + p["push.force"] * np.cos(3.0 * table["speed"])
 
-        return plain(table, p, curves) + p["push.force"] * np.cos(3.0 * table["speed"])
-
-    speed = np.linspace(0.02, 2.0, 40)
-    found = result(measured(1, extra=0.2 * np.cos(3.0 * speed)), predict=pushed, causes=[push])
+    extra = 0.2 * np.cos(3.0 * np.linspace(0.02, 2.0, 40))
+    found = result(measured(1, extra=extra), predict=pushed, causes=[cause])
     assert (found.verdict.kind, found.verdict.causes) == ("named", ("push",))
 
 
@@ -227,31 +205,24 @@ def with_laws(posed, asked):
     return replace(posed, laws=laws), law
 
 
-def test_laws_are_looked_for_where_no_cause_explains_the_data():
-    asked = []
-    posed, law = with_laws(problem(data(0.5 * np.tanh(4.0 * (X - 1.7)), sd=0.05), [WAVE]), asked)
-    found = run(posed, 0)
-    assert len(asked) == 1
-    assert (found.verdict.kind, found.verdict.causes) == ("named", (law.name,))
-
-
-@pytest.mark.parametrize("extra", [0.0, 0.5], ids=["nothing", "a cause"])
-def test_laws_are_not_looked_for_where_data_are_explained(extra):
-    asked = []
-    posed, _ = with_laws(problem(data(extra * shapes(X)["wave.height"]), [WAVE]), asked)
-    found = run(posed, 0)
-    assert found.verdict.kind == ("named" if extra else "none")
-    assert asked == []
-
-
-def test_a_law_that_is_hidden_is_better_than_the_constant_alone():
-    # Fast: the law by itself, without its rivals.
-    hidden, at = HIDDEN[OVER_SPEED]
-
-    def push(table, p, curves):
-        factor = 1.0 + curves[OVER_SPEED.name](table["speed"])
-        return p["friction"] * factor * table["load"] + p["drag"] * table["speed"]
-
-    found = result(measured(0, 1.0 + hidden(at)), laws=[OVER_SPEED], predict=push)
-    assert (found.verdict.kind, found.verdict.causes) == ("named", (OVER_SPEED.name,))
-    assert found.gain.after < 0.5 * found.gain.before
+@pytest.mark.parametrize(
+    ("extra", "kind", "causes"),
+    [
+        (0.5 * np.tanh(4.0 * (X - 1.7)), "named", ("height over place",)),
+        (0.0, "none", ()),
+        (0.5 * shapes(X)["wave.height"], "named", ("wave",)),
+    ],
+    ids=["a law", "nothing", "a cause"],
+)
+def test_laws_are_looked_for_where_no_cause_explains_the_data(extra, kind, causes):
+    asked, told = [], []
+    posed, law = with_laws(problem(data(extra, sd=0.05), [WAVE]), asked)
+    found = run(posed, 0, lambda *each: told.append(each))
+    assert (found.verdict.kind, found.verdict.causes) == (kind, causes)
+    assert len(asked) == (causes == (law.name,))
+    # The search says how far it is; that of laws begins again.
+    fractions = [fraction for fraction, _ in told]
+    assert (fractions[0], fractions[-1]) == (0.0, 1.0)
+    assert asked or fractions == sorted(fractions)
+    assert [stage for _, stage in told][:2] == ["recalibrating", "testing"]
+    assert ("comparing models" in dict(map(reversed, told))) == (kind == "named")
