@@ -31,6 +31,15 @@ def condition(mode="OPP", hold=1e-3, frequency=30.0, **more):
     }  # fmt: skip
 
 
+def chosen(level, covariance=None, noise=1.0, more=None, **options):
+    """Experiments of drives at 30, 45 and 60 Hz, of which candidates predict a level each."""
+    level = np.array(level)
+    count = level.shape[1]
+    given = [condition(frequency=pace, **(more or {})) for pace in (30.0, 45.0, 60.0)[:count]]
+    covariance = np.zeros((len(level), count, count)) if covariance is None else covariance
+    return choose(given, "abc"[: len(level)], level, covariance, np.full(count, noise), **options)
+
+
 def diagonal(variance):
     return np.stack([np.diag(row) for row in np.asarray(variance, dtype=float)])
 
@@ -74,17 +83,18 @@ def test_what_a_candidate_cannot_compute_is_no_proposal():
 
 
 # --------------------------------------------------------------------------------------- choice
-def drives(*settings):
-    return [condition(frequency=f, **{"drive.direction": d}) for f, d in settings]
 
 
 def test_the_best_of_each_kind_is_chosen_and_none_is_mirrored():
-    given = drives((30.0, "+x"), (30.0, "+x"), (30.0, "-x"), (45.0, "+x"), (60.0, "+x"))
-    given[1] = {**given[1], "drive.hold": 2e-3}
+    given = [condition(), condition(hold=2e-3), condition(**{"drive.direction": "-x"}),
+             condition(frequency=45.0), condition(frequency=60.0)]  # fmt: skip
     level = 1e-3 * np.array([[3.0, 2.0, -3.0, 1.0, 0.0], [1.0, 1.0, -1.0, 0.5, 0.0]])
-    found = choose(given, ["a", "b"], level, diagonal(np.zeros((2, 5))), np.full(5, 1e-7), count=5)
+    found, (weak,) = (
+        choose(given, "ab", level, diagonal(np.full((2, 5), variance)), np.full(5, 1e-7), count=n)
+        for variance, n in ((0.0, 5), (1e-5, 1))
+    )
     # The second is of the first one's kind, the third its mirror image, the last tells nothing.
-    assert [each.drive["frequency"] for each in found] == [30.0, 45.0]
+    assert paces(found) == [30.0, 45.0]
     assert found[0].drive["hold"] == 1e-3
     assert found[0].separation == pytest.approx(2e-3**2 / 1e-7)
     assert found[0].decides
@@ -92,32 +102,29 @@ def test_the_best_of_each_kind_is_chosen_and_none_is_mirrored():
     assert found[0].why.code == "separates"
     assert str(found[0]).startswith("mode OPP, direction +x, frequency 30 Hz, peak 2.5 mT, hold 1 ")
     assert "from b: with 3 trials their predictions lie 6.3 standard errors apart" in str(found[0])
-    weak = choose(given, ["a", "b"], level, diagonal(np.full((2, 5), 1e-5)), np.full(5, 1e-7))[0]
     assert (weak.decides, weak.why.code) == (False, "separates-too-little")
 
 
+def paces(found):
+    return [each.drive["frequency"] for each in found]
+
+
 def test_the_second_drive_is_for_those_that_the_first_leaves_alike():
-    given = drives((30.0, "+x"), (45.0, "+x"), (60.0, "+x"))
     # The first tells a from b and c by ten errors, the second by nine, the third b from c by three.
-    level = np.array([[10.0, 9.0, 1.5], [0.0, 0.0, 3.0], [0.0, 0.0, 0.0]])
-    covariance = diagonal(np.zeros((3, 3)))
-    found = choose(given, ["a", "b", "c"], level, covariance, np.ones(3), count=2)
-    assert [each.drive["frequency"] for each in found] == [30.0, 60.0]
+    level = [[10.0, 9.0, 1.5], [0.0, 0.0, 3.0], [0.0, 0.0, 0.0]]
+    found = chosen(level, count=2)
+    assert paces(found) == [30.0, 60.0]
     assert "separates b from c" in found[1].why.text
     # Where a is named, b and c need not be told apart.
-    named = choose(given, ["a", "b", "c"], level, covariance, np.ones(3), count=2,
-                   pairs=[(0, 1), (0, 2)])  # fmt: skip
-    assert [each.drive["frequency"] for each in named] == [30.0, 45.0]
+    assert paces(chosen(level, count=2, pairs=[(0, 1), (0, 2)])) == [30.0, 45.0]
 
 
 def test_a_second_drive_that_pins_the_constants_is_worth_its_time():
-    given = drives((30.0, "+x"), (45.0, "+x"), (60.0, "+x"))
     # All readings share a constant; the candidates differ most at the first and the third alone,
     # but in the same way.
-    level = np.array([[0.3, -0.2, 0.3], [-0.3, 0.2, -0.3]])
-    covariance = np.ones((2, 3, 3))
-    found = choose(given, ["a", "b"], level, covariance, np.full(3, 0.01), count=2)
-    assert [each.drive["frequency"] for each in found] == [30.0, 45.0]
+    level = [[0.3, -0.2, 0.3], [-0.3, 0.2, -0.3]]
+    found = chosen(level, noise=0.01, covariance=np.ones((2, 3, 3)), count=2)
+    assert paces(found) == [30.0, 45.0]
     # Their difference is free of the constant, 1.0 with an error of 0.02^(1/2).
     assert sum(each.separation for each in found) == pytest.approx(1.0 / 0.02, rel=0.02)
     assert [each.decides for each in found] == [False, True]
@@ -128,10 +135,8 @@ def test_a_second_drive_that_pins_the_constants_is_worth_its_time():
 
 
 def test_nothing_to_choose_from_gives_nothing():
-    empty = np.zeros((1, 1))
-    assert choose(drives((30.0, "+x")), ["a"], empty, empty[None], np.ones(1)) == []
-    none = np.zeros((2, 0))
-    assert choose([], ["a", "b"], none, np.zeros((2, 0, 0)), np.ones(0)) == []
+    assert chosen([[0.0]]) == []
+    assert chosen(np.zeros((2, 0))) == []
 
 
 # ------------------------------------------------------------------------------------ proposals
@@ -163,18 +168,17 @@ def test_what_was_measured_is_not_proposed_again():
 # ------------------------------------------------------------------------------ what is said
 @pytest.mark.parametrize("kind", ["named", "dominant", "pair"])
 def test_a_safe_name_asks_for_nothing(kind):
-    step = next_step(kind, ["warm coils"], 0.9812)
+    step, open_step = (next_step(k, ["warm coils"], 0.9812) for k in (kind, "ambiguous"))
     assert step.code == "name-safe"
     assert "safe: warm coils, with a probability of 0.981" in step.text
-    level, covariance = np.array([[0.0], [5.0]]), np.zeros((2, 1, 1))
-    found = choose(drives((30.0, "+x")), ["a", "b"], level, covariance, np.ones(1))
+    found = chosen([[0.0], [5.0]])
     assert worth_measuring(step, found) == []
     assert worth_measuring(next_step("none", [], 0.0), found) == []
-    assert worth_measuring(next_step("ambiguous", ["a", "b"], 0.5), found) == found
+    assert worth_measuring(open_step, found) == found
     # Three in a row would not be enough.
-    poor = choose(drives((30.0, "+x")), ["a", "b"], 0.2 * level, covariance, np.ones(1))
+    poor = chosen([[0.0], [1.0]])
     assert poor[0].separation < DECISIVE / 3
-    assert worth_measuring(next_step("ambiguous", ["a", "b"], 0.5), poor) == []
+    assert worth_measuring(open_step, poor) == []
 
 
 def test_advice_is_given_where_it_tells_causes_apart():
@@ -185,18 +189,14 @@ def test_advice_is_given_where_it_tells_causes_apart():
         "this shows warm coils and an edge, and nothing of a tilted stage."
     )
     assert advice({"coil_heating": "warm coils", "edge_time": "an edge"}, []) == []
-    level, covariance = np.array([[0.0], [1.0]]), np.zeros((2, 1, 1))
-    poor = choose(drives((30.0, "+x")), ["a", "b"], level, covariance, np.ones(1))
-    assert [each.code for each in advice({}, poor)] == ["none-separates"]
+    assert [each.code for each in advice({}, chosen([[0.0], [1.0]]))] == ["none-separates"]
 
 
 # --------------------------------------------------------------------------------------- tables
 def test_a_table_has_a_row_for_each_trial_and_each_prediction():
-    level, covariance = np.array([[0.0, 0.0], [5.0, 4.0]]), diagonal([[0.0, 0.0], [0.04, 0.04]])
-    given = drives((30.0, "+x"), (45.0, "+x"))
-    given = [{**each, "drive.ramp": 0.01} for each in given]
-    found = choose(given, ["a", "b"], level, covariance, np.ones(2))
-    columns = setting_columns(given, Scenario())
+    ramp, covariance = {"drive.ramp": 0.01}, diagonal([[0.0, 0.0], [0.04, 0.04]])
+    found = chosen([[0.0, 0.0], [5.0, 4.0]], covariance, more=ramp)
+    columns = setting_columns([condition(**ramp)], Scenario())
     varied = [key.removeprefix("drive.") for key in CHOICES]
     assert columns[:6] == varied
     assert "ramp" in columns
@@ -218,17 +218,13 @@ def test_a_table_has_a_row_for_each_trial_and_each_prediction():
 
 def test_drives_are_read_as_a_person_writes_them():
     rows = [{"frequency": 40.0}, {"drive.frequency": 55, "direction": "-x"}]
-    assert drive_settings(rows, Scenario()) == [
-        {"drive.frequency": 40.0},
-        {"drive.frequency": 55, "drive.direction": "-x"},
-    ]
+    expected = [{"drive.frequency": 40.0}, {"drive.frequency": 55, "drive.direction": "-x"}]
+    assert drive_settings(rows, Scenario()) == expected
     written = pd.DataFrame({"frequency": [40], "mode": "ipp", "direction": " X "})
     written = written.assign(velocity=1e-3, trial=1, block="a", order=3, velocity_sd=0.1)
     expected = [{"drive.frequency": 40, "drive.mode": "IPP", "drive.direction": "+x"}]
-    assert drive_settings(written, Scenario()) == expected
-    assert drive_settings(written.set_index("frequency"), Scenario()) == [
-        {**expected[0], "drive.frequency": 40}
-    ]
+    for given in (written, written.set_index("frequency")):
+        assert drive_settings(given, Scenario()) == expected
 
 
 @pytest.mark.parametrize(
@@ -238,16 +234,13 @@ def test_drives_are_read_as_a_person_writes_them():
         ([{"robot.length": 1e-3}], "row 0: drive.robot.length"),
         ([{"frequency": 40.0}, {"frequency": -1.0}], "row 1: drive.frequency = -1.0: allowed is"),
         ([{"frequency": None}], "row 0: drive.frequency = None: allowed is"),
-        ({"frequency": 40.0}, "allowed is a DataFrame or a list of dicts"),
-        ("frequency", "allowed is a DataFrame or a list of dicts"),
-        (None, "allowed is a DataFrame or a list of dicts"),
-        ([40.0], "allowed is a DataFrame or a list of dicts"),
+        *((bad, "allowed is a DataFrame or a list of dicts")
+          for bad in ({"frequency": 40.0}, "frequency", None, [40.0])),
         ([], "there is no row"),
         (pd.DataFrame({"frequency": []}), "there is no row"),
         (pd.DataFrame({"frequency": [np.nan]}, index=["a"]), "row a: drive.frequency = nan"),
     ],
-)
+)  # fmt: skip
 def test_what_is_no_drive_is_refused_in_one_line(bad, said):
-    with pytest.raises(ScenarioError, match=said) as error:
+    with pytest.raises(ScenarioError, match=f"^[^\\n]*{said}[^\\n]*$"):
         drive_settings(bad, Scenario())
-    assert "\n" not in str(error.value)
