@@ -138,7 +138,8 @@ def test_a_formula_has_the_constant_as_stated():
     covariance[:-1, :-1] += 1e-4 * knots @ knots.T
     mu = Parameter("mu", Prior("normal", c, 0.01))
     found = formula(u, mean, covariance, curve, mu)
-    assert found.text == "a exp(-|u| / b)"
+    # A level that is known leaves no other form.
+    assert (found.text, found.others) == ("a exp(-|u| / b)", ())
     # What is stated and what the data say of c weigh as the inverse squares of 0.01 and 0.06; the
     # form of f, which is 0 at its end, tells c as well as f, to 0.3 times 0.01.
     assert found.without == pytest.approx(c + d / 37.0, abs=0.003)

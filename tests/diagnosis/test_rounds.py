@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from asking_results import NOMINAL, SAFE, UNSAFE, asking, measurement
+from asking_results import NOMINAL, OLD, SAFE, UNSAFE, asking, experiments, measurement
 from stickslip import Measurement, Prior, ScenarioError, diagnose_in_rounds, simulate
 from stickslip.diagnosis import rounds
 from stickslip.diagnosis.decision.experiments import PROPOSED
@@ -61,6 +61,17 @@ def test_rounds_end_when_the_budget_is_used_up(diagnosed, budget, at_once, asked
 def test_rounds_end_when_nothing_can_be_measured(diagnosed, nothing):
     result, done = diagnose_in_rounds(measurement(), lambda _: nothing, budget=3)
     assert (result.next_step, done, len(diagnosed[0])) == (UNSAFE, [], 1)
+
+
+@pytest.mark.parametrize("known", [{}, {"block": "a"}, {"order": range(4)}])
+def test_new_trials_have_a_set_up_and_an_order_where_others_have(known):
+    table = asking(measurement(OLD.assign(**known))).trial_table(experiments(1), 2)
+    assert set(table) & {"block", "order"} == set(known)
+    # Of another set-up than all before, at a place in time that is to be filled in.
+    if "block" in known:
+        assert table["block"].tolist() == ["after-2"] * 2
+    if "order" in known:
+        assert table["order"].isna().all()
 
 
 def test_the_progress_is_that_of_all_diagnoses(diagnosed):

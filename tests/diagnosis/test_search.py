@@ -10,7 +10,15 @@ from stickslip import Cause, Parameter, Prior, Table, diagnose_model
 from stickslip.diagnosis.fitting.descent import End, derivatives
 from stickslip.diagnosis.fitting.forms import forms
 from stickslip.diagnosis.fitting.models import fit
-from stickslip.diagnosis.fitting.search import Models, recalibrated, search
+from stickslip.diagnosis.fitting.responses import responses
+from stickslip.diagnosis.fitting.search import (
+    SETTLED,
+    Models,
+    _fit_singles,
+    _look_beside,
+    recalibrated,
+    search,
+)
 from stickslip.diagnosis.own_model import pose_own
 from stickslip.diagnosis.steps import run
 from stickslip.diagnosis.terms.laws import free_law
@@ -85,31 +93,69 @@ def test_a_cause_that_acts_only_at_the_leaders_constants_is_found():
     assert models.get(["b"]).chi2 < 1.0
 
 
-def test_the_model_without_a_cause_is_fitted_again_from_the_leaders_constants():
-    # Two wells at k = -1 and 1; the wrong one has a barrier, and its fit is what was recalibrated.
+def two_wells(kink=0.0):
+    """Wells at k = -1 and 1; the wrong one has a barrier, and misses what is gentle."""
     x = np.linspace(0.0, 1.0, 20)
     steep, gentle = (np.arange(20) < 10) * 1.0, (np.arange(20) >= 10) * x
 
     def model(table, p):
-        return p["k"] ** 2 * steep + 0.3 * p["k"] * gentle + p["bump.size"] * np.sin(9.0 * x)
+        made = p["k"] ** 2 * steep + 0.3 * p["k"] * gentle
+        return made + p["bump.size"] * np.sin(9.0 * x) + p["kink.size"] * x**3
 
-    random = np.random.default_rng(3)
-    bump = Cause("bump", Parameter("bump.size", size=0.2, low=-3.0, high=3.0))
+    causes = [
+        Cause(name, Parameter(f"{name}.size", size=0.2, low=-3.0, high=3.0))
+        for name in ("bump", "kink")
+    ]
     constant = Parameter("k", Prior("normal", 0.0, 1.0), suspect=False)
-    y = steep + 0.3 * gentle + 0.4 * np.sin(9.0 * x) + 0.02 * random.standard_normal(20)
-    posed = pose_own(model, Table({"x": x}, y, sd=0.02), [constant], [bump])
-    form = forms(posed)["none"]
-    wrong = fit(posed, form, (), np.array([-1.0, 0.0]))
+    noise = 0.02 * np.random.default_rng(3).standard_normal(20)
+    y = steep + 0.3 * gentle + 0.4 * np.sin(9.0 * x) + kink * x**3 + noise
+    return pose_own(model, Table({"x": x}, y, sd=0.02), [constant], causes)
+
+
+def test_the_model_without_a_cause_is_fitted_again_from_the_leaders_constants():
+    posed = two_wells()
+    wrong = fit(posed, forms(posed)["none"], (), np.array([-1.0, 0.0, 0.0]))
     assert wrong.x[0] < -0.5
     models = Models(posed, posed.causes)
     models.add(wrong)
-    there = np.array([1.0, 0.0])
+    there = np.array([1.0, 0.0, 0.0])
     residual = posed.residuals(there[None, :])[0]
     slopes = derivatives(posed, there, posed.free(()), residual)
     search(models, [End(there, residual, slopes, 0.0)], posed.causes)
     assert models.get(["bump"]).x[0] == pytest.approx(1.0, abs=0.05)
     assert models.null.x[0] > 0.5
     assert models.null.log_evidence > wrong.log_evidence
+
+
+def test_a_pair_begins_where_a_response_points_and_where_its_leader_is(monkeypatch):
+    posed = two_wells(0.2)
+    models = Models(posed, posed.causes)
+    models.add(fit(posed, models.forms["none"], (), np.array([1.0, 0.0, 0.0])))
+    bump, _ = posed.causes
+    leader = models.add(fit(posed, models.forms["none"], [bump], np.array([1.0, 0.0, 0.0])))
+
+    def misled(*given):
+        return [replace(each, x=np.append(-1.0, each.x[1:])) for each in responses(*given)]
+
+    monkeypatch.setattr("stickslip.diagnosis.fitting.search.responses", misled)
+    _look_beside(models, leader)
+    assert models.get(["bump", "kink"]).cost < leader.cost + SETTLED
+
+
+def test_a_cause_is_looked_at_from_three_places_at_most(monkeypatch):
+    # However many minima the constants have: each place costs predictions of every cause.
+    posed, asked = two_wells(), []
+    models = Models(posed, posed.causes)
+    models.add(fit(posed, models.forms["none"], (), np.array([1.0, 0.0, 0.0])))
+
+    def counted(*given):
+        asked.append(given)
+        return responses(*given)
+
+    monkeypatch.setattr("stickslip.diagnosis.fitting.search.responses", counted)
+    places = [np.array([k, 0.0, 0.0]) for k in (-2.0, -1.0, 0.0, 1.0, 2.0)]
+    _fit_singles(models, [replace(models.null.end, x=each) for each in places], posed.causes)
+    assert len(asked) == 3
 
 
 def test_no_model_fits_worse_than_one_that_it_contains():
