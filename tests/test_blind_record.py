@@ -68,48 +68,36 @@ def test_an_interrupted_study_is_continued(tmp_path, monkeypatch, capsys):
     assert "another study is at work there" in capsys.readouterr().err
 
 
-def test_frozen_data_sets_are_set_beside_what_was_found(tmp_path, monkeypatch):
-    monkeypatch.setattr(frozen, "SETS", tmp_path / "frozen" / "sets.jsonl.xz")
-    monkeypatch.setattr(frozen, "ROWS", tmp_path / "frozen" / "rows.jsonl")
-    (tmp_path / "rows").mkdir()
+def test_frozen_data_sets_are_set_beside_what_was_found():
     fits = [("a + b", 10.0), ("a", 12.0), ("none", 40.0)]
     old = {
-        "hook": None, "verdict": "pair", "cause": ["a", "b"], "p_value": 0.1, "cpu_seconds": 8.0,
+        "hook": None, "verdict": "pair", "cause": ["a", "b"], "p_value": 0.1, "seed": 3,
         "candidates": [{"name": name, "chi2": chi2} for name, chi2 in fits],
     }  # fmt: skip
-    for kind, seed, truth in (("single", 3, ["a"]), ("none", 4, [])):
-        row = {"kind": kind, "seed": seed, "truth": truth, **old}
-        text = json.dumps({"row": row, "set": {"kind": kind, "seed": seed, "files": {"f": "x"}}})
-        (tmp_path / "rows" / f"{kind}.json").write_text(text)
-    assert rerun.pack(tmp_path / "rows") == 2
-    # In the order of the kinds, not of the files.
-    assert [each["kind"] for each in frozen.sets()] == ["none", "single"]
-    before = frozen.rows()
 
-    def found(kind, causes):
-        """Of the models none and a; their chi-square has the prior's part, 2 * 0.5^2."""
+    def beside(kind, causes, truth):
+        """Models none and a were fitted; their chi-square has the prior's part, 2 * 0.5^2."""
         at = {"x": np.array([0.5, 9.0]), "free": np.array([0]), "precision": np.array([[8.0]])}
         chi2 = {frozenset(): 38.0, frozenset("a"): 11.5}
         fits = {names: SimpleNamespace(**at, chi2=each) for names, each in chi2.items()}
         models = SimpleNamespace(get=lambda names: fits.get(frozenset(names)))
         findings = SimpleNamespace(models=models, test=SimpleNamespace(p_value=0.2))
         verdict = SimpleNamespace(kind=kind, causes=causes, share=0.9)
-        return SimpleNamespace(verdict=verdict, findings=findings)
+        result = SimpleNamespace(verdict=verdict, findings=findings)
+        return rerun.beside(result, {**old, "kind": "single", "truth": truth})
 
-    said = rerun.beside(found("named", ("a",)), before["single", 3])
+    said, again = beside("named", ("a",), ["a"]), beside("pair", ("b", "a"), [])
     # 12 was found before and is 13.5 now; the pair that led was not fitted.
     assert said["chi2"] == {"none": [40.0, 40.0], "leader": [10.0, None], "truth": [12.0, 13.5]}
-    again = rerun.beside(found("pair", ("b", "a")), before["none", 4])
     assert again["chi2"]["truth"] == [40.0, 40.0]
     # Without a search there is nothing to compare.
-    assert rerun.beside(found("none", ()), before["none", 4])["chi2"] == {}
+    assert beside("none", (), ["a"])["chi2"] == {}
     rows = [{**said, "cpu_seconds": [8.0, 2.0]}, {**again, "cpu_seconds": [4.0, 4.0]}]
     text = rerun.summary(rows)
     for part in (
         "1 of 2 verdicts are those of before",
         "single 3 | a | pair a, b -> named a",
         "chi-square of the truth at most 1 higher: 1 of 2, 0 not fitted",
-        "chi-square of the old leader at most 1 higher: 0 of 2, 2 not fitted",
         "median 6.0 before, 3.0 now, median ratio 0.62",
     ):
         assert part in text
@@ -232,32 +220,32 @@ def test_shares_come_with_the_interval_of_wilson():
     assert counted["missed"] == [7]
 
 
+NAME = "friction over slip speed"
+
+
 @pytest.mark.parametrize(
-    ("said", "right"),
+    ("said", "effect", "right"),
     [
-        ("free_friction_speed", True), ("stribeck_friction", True), ("surface_tilt", False),
-        (["free_friction_speed", "viscous_friction"], True), (None, False),
-        (["free_friction_speed", "free_drag_speed"], False),
+        ("free_friction_speed", None, True), ("stribeck_friction", None, True),
+        ("surface_tilt", None, False),
+        (["free_friction_speed", "viscous_friction"], None, True),
+        (["free_friction_speed", "free_drag_speed"], None, False),
+        # Without a cause, by the law that is accepted.
+        (None, None, False), (None, "free_friction_speed", True), (None, "free_drag_speed", False),
+        # A law that is a cause itself has a name in words.
+        (NAME, "free_friction_speed", True), (NAME, "free_drag_speed", False),
+        ([NAME, "surface_tilt"], "free_friction_speed", False),
     ],
 )  # fmt: skip
-def test_a_law_is_judged_by_where_it_acts(said, right):
-    assert asked.hook_right(_row("law", [], said, hook="friction_speed")) is right
-
-
-@pytest.mark.parametrize("effect", ["free_friction_speed", "free_drag_speed"])
-def test_a_law_of_a_free_shape_is_judged_by_where_it_acts(effect):
-    row = _row("law", [], None, "unexplained", hook="friction_speed")
-    for accepted in (True, False):
-        row["said"]["open_set"] = {"accepted": accepted, "effect": effect, "formula": None}
-        assert asked.hook_right(row) is (accepted and effect == "free_friction_speed")
-    # A law that is a cause itself has a name in words.
-    name = "friction over slip speed"
-    row["said"] |= {"verdict": "dominant", "cause": name, "laws": {name: effect}}
-    row["said"]["open_set"] = {"accepted": True, "effect": effect}
-    assert asked.hook_right(row) is asked.right_shape(row) is (effect == "free_friction_speed")
-    row["said"]["cause"] = [name, "surface_tilt"]
-    assert not asked.hook_right(row)
-    assert not asked.right_shape(row)
+def test_a_law_is_judged_by_where_it_acts(said, effect, right):
+    row = _row("law", [], said, "dominant" if said else "unexplained", hook="friction_speed")
+    row["said"] |= {"laws": {NAME: effect}, "open_set": {"accepted": bool(effect)}}
+    row["said"]["open_set"] |= {"effect": effect, "formula": None, "gain": None}
+    assert asked.hook_right(row) is right
+    if effect:
+        assert asked.right_shape(row) is right
+        row["said"]["open_set"]["accepted"] = False
+        assert asked.hook_right(row) is (right and said == NAME)
 
 
 def test_laws_are_counted_beside_causes():

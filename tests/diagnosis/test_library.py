@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from stickslip import EffectParameter, Scenario, register_effect, simulate, unregister_effect
+from stickslip import Scenario, simulate
 from stickslip.diagnosis.terms.library import _OTHER_NAMES, _SHAPES, _SIZES, library
 from stickslip.scenario.named_effects import effects
 from stickslip.scenario.priors import Prior
@@ -102,14 +102,3 @@ def test_rotational_drags_look_alike_over_the_drives():
     )
     one, other = linear - level, quadratic - level
     assert one @ other > 0.97 * np.linalg.norm(one) * np.linalg.norm(other)
-
-
-def test_of_an_own_effect_the_range_gives_the_size():
-    parameter = EffectParameter(name="k", unit="N", low=-1.0, high=4.0, meaning="of a test")
-    register_effect("own", lambda state, p: (0.0, 0.0, 0.0), [parameter], meaning="of a test")
-    try:
-        own = parameters(library(SHORT, {}, VOLTS))["effects.own.k"]
-    finally:
-        unregister_effect("own")
-    assert own.size == pytest.approx(4.0 / 5.0)
-    assert (own.low, own.high, own.unit) == (-1.0, 4.0, "N")
