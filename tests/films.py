@@ -32,23 +32,19 @@ ROBOT = Scenario().replace({"drive.base": 0.5e-3, "drive.frequency": 30.0, "driv
 
 
 def noisy(frames, noise, random):
-    """Frames with pixel noise of the standard deviations `noise`.
-
-    Quantities without an entry stay as they are.
-    """
-    result = {}
-    for name, values in frames.items():
-        result[name] = values + noise.get(name, 0.0) * random.standard_normal(len(values))
-    return result
+    """Frames with pixel noise of the standard deviations `noise`; others stay as they are."""
+    return {
+        name: values + noise.get(name, 0.0) * random.standard_normal(len(values))
+        for name, values in frames.items()
+    }
 
 
 def film(changes, camera, rate, seed, names=("x", "theta"), noise=NOISE):
     """Columns of noisy frames of the nominal robot with `changes`, from the start of its drive."""
     scenario = ROBOT.replace(changes)
     times = np.arange(0.0, scenario.window[1], 1.0 / rate)
-    frames = noisy(
-        camera.frames(_motion(scenario), times, names), noise, np.random.default_rng(seed)
-    )
+    shown = camera.frames(_motion(scenario), times, names)
+    frames = noisy(shown, noise, np.random.default_rng(seed))
     frames["x"] = frames["x"] + 1e-4  # the origin of the pixels is nobody's
     return {"t": times, **frames}
 

@@ -100,12 +100,11 @@ def motion(changes, rate=None):
 
 def test_scales_and_offsets_of_the_core_are_not_applied_twice():
     length, clock, turn = 0.03, 0.02, 0.05
-    effects = {"length_scale.fraction": length, "clock_scale.fraction": clock,
-               "angle_offset.angle": turn}  # fmt: skip
-    plain = Camera(4e-4).frames(motion({}), times := np.arange(0.0, 0.15, 1e-3))
-    read = Camera(4e-4 * (1 + clock)).frames(
-        motion({f"effects.{key}": each for key, each in effects.items()}), times * (1 + clock)
-    )
+    effects = {"effects.length_scale.fraction": length, "effects.clock_scale.fraction": clock,
+               "effects.angle_offset.angle": turn}  # fmt: skip
+    times = np.arange(0.0, 0.15, 1e-3)
+    plain = Camera(4e-4).frames(motion({}), times)
+    read = Camera(4e-4 * (1 + clock)).frames(motion(effects), times * (1 + clock))
     assert np.allclose(read["x"], plain["x"] * (1 + length), rtol=0, atol=1e-14)
     assert np.allclose(read["theta"], plain["theta"] + turn, rtol=0, atol=1e-12)
 
