@@ -214,16 +214,13 @@ def test_errors_of_the_model_are_of_size_one_and_the_same_for_every_trial(name):
     assert np.mean(near) > 0.3
     if name == "correlated_error":
         assert abs(np.mean(far)) < 5 / np.sqrt(400)
-
-
-def test_errors_of_the_model_change_velocities_in_proportion():
-    one, two = (
-        velocities(replace(PLAIN, hidden={"smooth_error": Hidden(size, {"number": 5.0})}), DRIVES)
-        for size in (1.0, 2.0)
+    # They change velocities in proportion.
+    none, one, two = (
+        velocities(replace(PLAIN, hidden={name: Hidden(size, {"number": 5.0})}), DRIVES)
+        for size in (0.0, 1.0, 2.0)
     )
-    without = velocities(PLAIN, DRIVES)
-    assert two - without == pytest.approx(2.0 * (one - without), rel=1e-9)
-    assert np.all(one != without)
+    assert two - none == pytest.approx(2.0 * (one - none), rel=1e-9)
+    assert np.all(one != none)
 
 
 def test_a_strength_is_what_the_constants_cannot_undo():

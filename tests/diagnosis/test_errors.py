@@ -9,12 +9,7 @@ from scipy.special import ndtr
 from scipy.stats import f as f_law
 from scipy.stats import t as t_law
 
-from stickslip.diagnosis.data.errors import (
-    _Scatter,
-    along_runs,
-    estimate,
-    of_readings,
-)
+from stickslip.diagnosis.data.errors import _Scatter, along_runs, estimate, of_readings
 
 LEVEL = np.geomspace(1e-4, 2e-3, 30) * (-1.0) ** np.arange(30)
 SIZE = np.hypot(1e-5, 0.03 * LEVEL)
@@ -46,16 +41,16 @@ def test_the_likelihood_is_that_of_the_whole_covariance(stated):
     mean = np.bincount(condition, y) / 3.0
     setup = random.integers(0, 3, 24)
     sd = 2e-5 * random.uniform(0.5, 2.0, 24) if stated else None
-    order, gap = along_runs(run, None, known, known)
+    chain = along_runs(run, None, known, known)
     scatter = _Scatter(
-        condition, mean, mean != 0.0, 1e-3, y - mean[condition], sd, 2e-5, setup, order, gap
-    )  # fmt: skip
+        condition, mean, mean != 0.0, 1e-3, y - mean[condition], sd, 2e-5, setup, *chain
+    )
     lag = np.abs(np.subtract.outer(np.arange(24.0), np.arange(24.0)))
     lag[(run[:, None] != run) | (run[:, None] < 0)] = np.inf
     np.fill_diagonal(lag, 0.0)
     shares = np.eye(3)[setup]
     gains = shares * np.sign(mean)[condition, None]
-    levels = np.eye(8)[condition][known][:, [0, 1, 2, 4, 5, 6, 7]]
+    levels = np.delete(np.eye(8)[condition][known], 3, axis=1)
 
     def whole(p):
         size = np.exp(p["s0"]) * np.ones(24)
@@ -290,23 +285,21 @@ def test_the_error_of_a_reading_is_from_repeats_or_a_free_fit():
     left = y - line @ np.linalg.lstsq(line, y, rcond=None)[0]
     sd = math.sqrt(float(left @ left) / 18.0)
 
-    def told(rows, condition, smallest=1e-3):
-        errors = of_readings(y[:rows], line[:rows], condition, smallest, "T")
+    def told(condition, smallest=1e-3, free=line):
+        errors = of_readings(y[: len(condition)], free[: len(condition)], condition, smallest, "T")
         assert errors.sd == pytest.approx(errors.told["s0"] / np.sqrt(np.bincount(condition)))
         return errors.told["s0"], errors.dof, errors.notes[0].code
 
-    assert told(20, np.arange(20)) == pytest.approx((sd, 18.0, "noise-free-fit"))
-    assert told(20, np.arange(20), 1.0) == (1.0, math.inf, "noise-smallest")
-    assert told(4, np.arange(4)) == (1e-3, math.inf, "noise-unknown")
+    assert told(np.arange(20)) == pytest.approx((sd, 18.0, "noise-free-fit"))
+    assert told(np.arange(20), 1.0) == (1.0, math.inf, "noise-smallest")
+    assert told(np.arange(4)) == (1e-3, math.inf, "noise-unknown")
     # Ten pairs have fewer degrees of freedom than the fit; seven triples have enough.
-    assert told(20, np.arange(20) // 2)[2] == "noise-free-fit"
-    assert told(20, np.arange(20) // 3)[1:] == (13.0, "noise-repeats")
+    pairs = np.arange(20) // 2
+    assert told(pairs)[2] == "noise-free-fit"
+    assert told(np.arange(20) // 3)[1:] == (13.0, "noise-repeats")
     # A fit with a constant for each reading leaves nothing.
-    pairs = np.repeat(np.arange(10), 2)
-    free = of_readings(y, np.eye(20), pairs, 1e-3, "T")
-    assert (free.dof, free.notes[0].code) == (10.0, "noise-repeats")
     scatter = math.sqrt(np.sum((y[::2] - y[1::2]) ** 2) / 20.0)
-    assert free.sd == pytest.approx(np.full(10, scatter / math.sqrt(2.0)))
+    assert told(pairs, free=np.eye(20)) == pytest.approx((scatter, 10.0, "noise-repeats"))
 
 
 def made(kind, random, draw):
