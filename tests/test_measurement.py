@@ -55,7 +55,7 @@ def in_memory(table, uncertain=None, **more):
 
 
 def refusal(*given, **more):
-    """What is said, in one line, of a table in memory that is refused."""
+    """What is said in one line of a table in memory that is refused."""
     with pytest.raises(ScenarioError) as error:
         Measurement.from_dataframe(*given, **more)
     assert "\n" not in str(error.value)
@@ -252,7 +252,6 @@ def test_a_table_without_a_sound_row_is_refused(tmp_path, rows, said):
     [
         (TABLE.rename(columns={"velocity": "v"}), {}, 'column "velocity" is missing; there are'),
         (TABLE.assign(peak=0.5), {}, "rows 0, 1, 2, 3, 4, ...: peak of 0.5 T is above 0.1 T; if"),
-        (TABLE.iloc[:0], {}, "has no row of data"),
         (pd.concat([TABLE, TABLE[["mode"]]], axis=1), {}, 'column "mode" is there twice'),
         ([1.0], {}, "allowed is a DataFrame"),
         (TABLE, {"uncertain": {"drag.liner": Prior("normal", 1e-5, 1e-6)}}, "drag.linear"),

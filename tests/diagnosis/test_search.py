@@ -53,9 +53,9 @@ def test_the_truth_is_found_among_many_causes_and_pairs(hidden):
     names = tuple(sorted(f"c{k}" for k in hidden))
     assert (found.verdict.kind, found.verdict.causes) == ("pair" if names[1:] else "named", names)
     values = found.problem.physical(found.verdict.fit.x[None, :])[0]
-    for k, size in hidden.items():
-        # 0.05 / sqrt(30 / 2) is the error of a size where nothing trades off with it.
-        assert values[found.problem.columns([causes[k]])] == pytest.approx(size, abs=0.1)
+    chosen = found.problem.columns([causes[k] for k in hidden])
+    # 0.05 / sqrt(30 / 2) is the error of a size where nothing trades off with it.
+    assert values[chosen] == pytest.approx(list(hidden.values()), abs=0.1)
 
 
 # --------------------------------------------------------------------- at the leader's constants
@@ -195,13 +195,12 @@ def test_a_narrow_minimum_is_found_where_it_is():
     period = Parameter(
         "ripple.period", unit="s", size=0.5, low=0.0, high=4.0, negligible=0.2, fineness=0.1
     )
-    noise = RIPPLE_SD * np.random.default_rng(11).standard_normal(30)
-    y = WHEN + 0.2 + RIPPLE * np.sin(2.0 * np.pi * WHEN / PERIOD) + noise
+    noise, phase = np.random.default_rng(11).standard_normal(30), 2.0 * np.pi * WHEN / PERIOD
+    y = WHEN + 0.2 + RIPPLE * np.sin(phase) + RIPPLE_SD * noise
     table = Table({"t": WHEN}, y, sd=RIPPLE_SD)
     found = diagnose_model(rippled, table, [SLOPE, LEVEL], [Cause("ripple", period)])
     made = found.candidate("ripple").params.loc["ripple.period"]
     # The derivative of the ripple by T is 2 pi t / T^2 times its size and a cosine.
-    phase = 2.0 * np.pi * WHEN / PERIOD
     sd = RIPPLE_SD / np.linalg.norm(RIPPLE * phase / PERIOD * np.cos(phase))
     assert abs(made["value"] - PERIOD) < 4.0 * sd
     assert made["sd"] == pytest.approx(sd, rel=0.3)
