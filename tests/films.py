@@ -74,25 +74,20 @@ def write_table(path, columns):
     path.write_text("\n".join(lines) + "\n")
 
 
-def write_films(folder, changes, rate, seed, exposure=3e-4, ways=("+x", "-x"), marker=0.0):
-    """A measurement of the true robot with `changes`, each way with a camera of its own.
+def write_films(folder, rate, seed, marker):
+    """A measurement of the true robot, each way with a camera of its own.
 
     What is tracked lies `marker` ahead of the centre of mass, m.
     """
     (folder / "nominal.toml").write_text(NOMINAL)
-    random = np.random.default_rng([seed, 1])
-    text = HEAD
-    for number, way in enumerate(ways):
-        draw = random.standard_normal(3)
-        own = 2e-4 * draw[0], 0.01 * draw[1], 1.0 + 0.005 * draw[2]
-        facing = -1.0 if way == "-x" else 1.0
-        camera = Camera(exposure, *own, marker_along=marker, facing=facing)
-        drive = {"drive.direction": way}
-        columns = film({**TRUE, **drive, **changes}, camera, rate, [seed, 2, number])
+    random, text = np.random.default_rng([seed, 1]), HEAD
+    for number, (way, facing) in enumerate((("+x", 1.0), ("-x", -1.0))):
+        own = [0.0, 0.0, 1.0] + [2e-4, 0.01, 0.005] * random.standard_normal(3)
+        camera = Camera(3e-4, *own.tolist(), marker_along=marker, facing=facing)
+        columns = film({**TRUE, "drive.direction": way}, camera, rate, [seed, 2, number])
         write_table(folder / f"run{number}.csv", columns)
         text += (
-            f'\n[[tracking]]\nfile = "run{number}.csv"\nframe_rate = {rate}\n'
-            f"exposure = {exposure}\n"
+            f'\n[[tracking]]\nfile = "run{number}.csv"\nframe_rate = {rate}\nexposure = 3e-4\n'
             f"noise_x = {NOISE['x']}\nnoise_theta = {NOISE['theta']}\n"
             f'drive = {{ direction = "{way}" }}\n'
         )

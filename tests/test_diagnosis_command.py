@@ -12,7 +12,6 @@ from report_page import without_pictures
 from stickslip import Scenario, simulate
 from stickslip._util.atomic_files import NotWritten
 from stickslip.cli import diagnose_command
-from stickslip.cli.commands import stickslip as commands
 
 KEYS = {
     "verdict", "cause", "parameters", "probabilities", "p_value", "share", "gain", "bounds",
@@ -132,11 +131,6 @@ def test_a_disk_that_is_full_does_not_lose_the_verdict(tmp_path, monkeypatch):
     with pytest.raises(NotWritten):
         diagnose_command.command.callback(path, out, as_json=False, seed=0, threads=1)
     assert told == [(found, False, None)]
-
-
-def test_the_command_is_listed_with_an_example():
-    assert "diagnose" in commands.list_commands(None)
-    assert "Example:" in stickslip("diagnose", "--help").stdout
 
 
 def times(factor, rows=slice(1, None)):

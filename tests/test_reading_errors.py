@@ -97,7 +97,7 @@ def test_velocities_with_a_wrong_zero_are_named_beside_a_slope(monkeypatch):
 @pytest.mark.nightly
 def test_a_marker_off_the_centre_of_mass_is_named(tmp_path, monkeypatch):
     few_causes(monkeypatch, ("surface_tilt", "angle_offset", "length_scale"))
-    path = write_films(tmp_path, {}, 400.0, seed=2, marker=3e-5)
+    path = write_films(tmp_path, 400.0, seed=2, marker=3e-5)
     found = diagnose(read_measurement(path))
     assert (found.verdict.kind, found.verdict.causes) == ("named", ("marker_place",))
     row = found.params.loc["marker_place.along"]

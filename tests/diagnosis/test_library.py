@@ -76,22 +76,6 @@ def test_what_the_model_has_already_is_no_cause():
     assert names(contact__kinetic_friction=1) == every
 
 
-@pytest.mark.parametrize(
-    ("effect", "constant"),
-    [
-        ({"effects.magnetization_scale.fraction": 0.1}, {"robot.magnetization": 5.5e5}),
-        ({"effects.restitution.coefficient": 0.2}, {"contact.restitution": 0.3}),
-    ],
-)
-def test_other_names_say_the_same(effect, constant):
-    model = SHORT.replace({"robot.magnetization": 5e5, "contact.restitution": 0.1})
-    base, one, other = (
-        simulate(model.replace(each)).mean_velocity for each in ({}, effect, constant)
-    )
-    assert abs(one - base) > 1e-2 * abs(base)
-    assert one == pytest.approx(other, rel=1e-6)
-
-
 def test_rotational_drags_look_alike_over_the_drives():
     drives = [{"drive.mode": m, "drive.frequency": f} for m in ("IPP", "OPP") for f in (5, 20, 30)]
     more = Scenario().drag.rotational + 1.6e-16
