@@ -113,19 +113,19 @@ def test_invalid_rows_are_left_out_and_reported(tmp_path):
 
 def test_rows_in_memory_are_named_by_their_label():
     table = TABLE.astype({"velocity": object, "frequency": object})
-    table.loc[1, "velocity"] = None
+    table.loc[1, "velocity"], table.loc[10, "velocity"] = None, np.nan
     table.loc[4, "velocity"] = "fast"
     table.loc[7, "frequency"] = -3.0
     # A level of the index with another name says what a row is called.
     names = pd.Index([f"film {k}" for k in range(12)], name="film")
     for given, labels in ((table, range(12)), (table.set_axis(names), names)):
         data = in_memory(given)
-        assert len(data.velocity[0].velocity) == 9
+        assert len(data.velocity[0].velocity) == 8
         said = "\n".join(map(str, data.left_out))
-        assert f"DataFrame row {labels[1]}: velocity is empty." in said
+        assert f"DataFrame rows {labels[1]}, {labels[10]}: velocity is empty." in said
         assert f'DataFrame row {labels[4]}: velocity "fast" is not a number.' in said
         assert f"DataFrame row {labels[7]}: drive.frequency = -3.0: allowed is" in said
-        assert "DataFrame: 3 of 12 rows were left out" in said
+        assert "DataFrame: 4 of 12 rows were left out" in said
 
 
 def test_lines_are_numbered_as_in_the_file_and_reasons_are_grouped(tmp_path):
