@@ -270,6 +270,8 @@ def test_frames_lie_on_the_true_model_over_the_phase():
     table = FilmTable(tracking_run({tilt: 0.06}, 1000.0, 0))
     true, plain = (table.over_phase([*NAMES, tilt], np.append(VALUES[0], k)) for k in (0.06, 0.0))
     assert np.all(np.diff(true["phase"]) >= 0.0)
+    # The origins of pixels and of the model are no part of it.
+    assert [np.mean(true[key]) for key in ("x", "x_model")] == pytest.approx([0.0, 0.0], abs=1e-15)
     for name in ("theta", "x"):
         error = np.std(true[name] - true[f"{name}_model"]) / NOISE[name]
         # 300 frames tell a standard deviation to 4 %; the median advance adds a little.
