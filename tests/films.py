@@ -32,23 +32,19 @@ ROBOT = Scenario().replace({"drive.base": 0.5e-3, "drive.frequency": 30.0, "driv
 
 
 def noisy(frames, noise, random):
-    """Frames with pixel noise of the standard deviations `noise`.
-
-    Quantities without an entry stay as they are.
-    """
-    result = {}
-    for name, values in frames.items():
-        result[name] = values + noise.get(name, 0.0) * random.standard_normal(len(values))
-    return result
+    """Frames with pixel noise of the standard deviations `noise`; others stay as they are."""
+    return {
+        name: values + noise.get(name, 0.0) * random.standard_normal(len(values))
+        for name, values in frames.items()
+    }
 
 
 def film(changes, camera, rate, seed, names=("x", "theta"), noise=NOISE):
     """Columns of noisy frames of the nominal robot with `changes`, from the start of its drive."""
     scenario = ROBOT.replace(changes)
     times = np.arange(0.0, scenario.window[1], 1.0 / rate)
-    frames = noisy(
-        camera.frames(_motion(scenario), times, names), noise, np.random.default_rng(seed)
-    )
+    shown = camera.frames(_motion(scenario), times, names)
+    frames = noisy(shown, noise, np.random.default_rng(seed))
     frames["x"] = frames["x"] + 1e-4  # the origin of the pixels is nobody's
     return {"t": times, **frames}
 
@@ -78,25 +74,20 @@ def write_table(path, columns):
     path.write_text("\n".join(lines) + "\n")
 
 
-def write_films(folder, changes, rate, seed, exposure=3e-4, ways=("+x", "-x"), marker=0.0):
-    """A measurement of the true robot with `changes`, each way with a camera of its own.
+def write_films(folder, rate, seed, marker):
+    """A measurement of the true robot, each way with a camera of its own.
 
     What is tracked lies `marker` ahead of the centre of mass, m.
     """
     (folder / "nominal.toml").write_text(NOMINAL)
-    random = np.random.default_rng([seed, 1])
-    text = HEAD
-    for number, way in enumerate(ways):
-        draw = random.standard_normal(3)
-        own = 2e-4 * draw[0], 0.01 * draw[1], 1.0 + 0.005 * draw[2]
-        facing = -1.0 if way == "-x" else 1.0
-        camera = Camera(exposure, *own, marker_along=marker, facing=facing)
-        drive = {"drive.direction": way}
-        columns = film({**TRUE, **drive, **changes}, camera, rate, [seed, 2, number])
+    random, text = np.random.default_rng([seed, 1]), HEAD
+    for number, (way, facing) in enumerate((("+x", 1.0), ("-x", -1.0))):
+        own = [0.0, 0.0, 1.0] + [2e-4, 0.01, 0.005] * random.standard_normal(3)
+        camera = Camera(3e-4, *own.tolist(), marker_along=marker, facing=facing)
+        columns = film({**TRUE, "drive.direction": way}, camera, rate, [seed, 2, number])
         write_table(folder / f"run{number}.csv", columns)
         text += (
-            f'\n[[tracking]]\nfile = "run{number}.csv"\nframe_rate = {rate}\n'
-            f"exposure = {exposure}\n"
+            f'\n[[tracking]]\nfile = "run{number}.csv"\nframe_rate = {rate}\nexposure = 3e-4\n'
             f"noise_x = {NOISE['x']}\nnoise_theta = {NOISE['theta']}\n"
             f'drive = {{ direction = "{way}" }}\n'
         )

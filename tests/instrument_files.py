@@ -34,22 +34,14 @@ def voltages():
 
 def write_tektronix(folder):
     samples = voltages()
-    head = [
-        ("Model", "MSO46"),
-        ("Firmware Version", "1.28.2"),
-        (),
-        ("Waveform Type", "ANALOG", "ANALOG"),
-        ("Point Format", "Y", "Y"),
-        ("Horizontal Units", "s", "s"),
-        ("Sample Interval", STEP, STEP),
-        ("Record Length", len(samples), len(samples)),
-        ("Vertical Units", "V", "V"),
-        ("Label", "", ""),
-        (),
-        ("TIME", "CH1", "CH2"),
-    ]
-    rows = ((f"{FIRST + STEP * k:.9e}", *pair) for k, pair in enumerate(samples))
-    _write(folder / "tektronix.csv", (",".join(map(str, row)) for row in (*head, *rows)), "\r\n")
+    head = (
+        "Model,MSO46", "Firmware Version,1.28.2", "", "Waveform Type,ANALOG,ANALOG",
+        "Point Format,Y,Y", "Horizontal Units,s,s", f"Sample Interval,{STEP},{STEP}",
+        f"Record Length,{len(samples)},{len(samples)}", "Vertical Units,V,V", "Label,,", "",
+        "TIME,CH1,CH2",
+    )  # fmt: skip
+    rows = (f"{FIRST + STEP * k:.9e},{a},{b}" for k, (a, b) in enumerate(samples))
+    _write(folder / "tektronix.csv", (*head, *rows), "\r\n")
 
 
 def write_rigol(folder):
@@ -70,9 +62,9 @@ def write_picoscope(folder):
 
 
 def write_spreadsheet(folder):
-    rows = [(mode, f"{f:g}", trial, f"{v:.4f}") for mode, f, trial, v in TRIALS]
-    head = ("Modus", "Frequenz (Hz)", "Versuch", "Geschwindigkeit (mm/s)")
-    lines = (";".join(map(str, row)).replace(".", ",") for row in (head, *rows))
+    rows = [("Modus", "Frequenz (Hz)", "Versuch", "Geschwindigkeit (mm/s)")]
+    rows += [(mode, f"{f:g}", trial, f"{v:.4f}") for mode, f, trial, v in TRIALS]
+    lines = (";".join(map(str, row)).replace(".", ",") for row in rows)
     _write(folder / "trials.csv", lines, "\r\n")
 
 
@@ -90,19 +82,15 @@ def fields():
 
 def write_comsol(folder):
     places, found = fields()
+    head = (
+        ("Model", "coils.mph"), ("Version", "COMSOL 6.1.0.252"), ("Date", "Mar 3 2026, 10:21"),
+        ("Dimension", 3), ("Nodes", len(places)), ("Expressions", 3),
+        ("Description", "Magnetic flux density, x-component, Magnetic flux density, y-component"),
+        ("Length unit", "mm"),
+    )  # fmt: skip
+    columns = ("x", "y", "z", "mf.Bx (T)", "mf.By (T)", "mf.Bz (T)")
     for name, field in found.items():
-        head = {
-            "Model": "coils.mph",
-            "Version": "COMSOL 6.1.0.252",
-            "Date": "Mar 3 2026, 10:21",
-            "Dimension": 3,
-            "Nodes": len(places),
-            "Expressions": 3,
-            "Description": "Magnetic flux density, x-component, Magnetic flux density, y-component",
-            "Length unit": "mm",
-        }
-        lines = [f"% {key + ':':<20}{value}" for key, value in head.items()]
-        columns = ("x", "y", "z", "mf.Bx (T)", "mf.By (T)", "mf.Bz (T)")
+        lines = [f"% {key + ':':<20}{value}" for key, value in head]
         lines.append("% " + "".join(f"{each:<25}" for each in columns))
         for row in np.column_stack([1e3 * places, field]):
             lines.append("".join(f"{value:<25.16g}" for value in row))
@@ -154,16 +142,14 @@ def write_deeplabcut(folder):
     random = np.random.default_rng(2)
     along = 50.0 * np.column_stack([np.cos(theta), np.sin(theta)])  # pixels; y of a picture is down
     centre = np.column_stack([100.0 + x / PIXEL, np.full(len(t), 240.0)])
-    parts = {"front": centre + along, "rear": centre - along}
     likelihood = np.where(np.arange(len(t)) % 50 == 49, 0.12, 0.998)
     columns = []
-    for place in parts.values():
+    for place in (centre + along, centre - along):  # front and rear
         seen = place + 0.2 * random.standard_normal(place.shape)
         seen[likelihood < 0.5] += 300.0
         columns += [seen, likelihood[:, None]]
-    scorer = "DLC_resnet50_robotMar3shuffle1_200000"
     head = [
-        ("scorer", *6 * (scorer,)),
+        ("scorer", *6 * ("DLC_resnet50_robotMar3shuffle1_200000",)),
         ("bodyparts", *3 * ("front",), *3 * ("rear",)),
         ("coords", *2 * ("x", "y", "likelihood")),
     ]
@@ -171,14 +157,9 @@ def write_deeplabcut(folder):
     _write(folder / "filmDLC.csv", (",".join(map(str, row)) for row in (*head, *rows)))
 
 
-WRITERS = (
-    *(write_tektronix, write_rigol, write_picoscope, write_spreadsheet, write_comsol),
-    *(write_maxwell, write_trackmate, write_deeplabcut),
-)
-
-
 def write_all(folder):
-    for write in WRITERS:
+    for write in (write_tektronix, write_rigol, write_picoscope, write_spreadsheet, write_comsol,
+                  write_maxwell, write_trackmate, write_deeplabcut):  # fmt: skip
         write(folder)
 
 

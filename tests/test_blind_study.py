@@ -56,21 +56,18 @@ def test_the_generator_agrees_with_the_core_where_nothing_is_hidden():
 
 @pytest.mark.nightly
 def test_files_of_a_data_set_are_the_stored_ones_and_do_not_contain_the_answer(tmp_path):
-    answer = json.loads(json.dumps(write_case(tmp_path / "a", "single", 20018)))
-    text = "".join(path.read_text() for path in (tmp_path / "a").iterdir())
-    assert sorted(path.name for path in (tmp_path / "a").iterdir()) == [
-        "measurement.toml", "nominal.toml", "velocity.csv",
-    ]  # fmt: skip
+    answer = json.loads(json.dumps(write_case(tmp_path, "single", 20018)))
+    made = {path.name: path.read_text() for path in tmp_path.iterdir()}
+    assert set(made) == {"measurement.toml", "nominal.toml", "velocity.csv"}
     assert answer["answer"]
-    assert all(name not in text for name in answer["answer"])
+    assert not any(name in text for name in answer["answer"] for text in made.values())
     # The other tests read such files where they are stored, since making them takes up to 20 s.
     # Another compiler may change the last digit, a camera's step of 0.8 um/s.
-    stored = DATA / "single-20018"
+    stored, before = DATA / "single-20018", _answer("single-20018")
     for name in ("measurement.toml", "nominal.toml"):
-        assert (tmp_path / "a" / name).read_text() == (stored / name).read_text()
-    made, kept = (pd.read_csv(each / "velocity.csv") for each in (tmp_path / "a", stored))
-    pd.testing.assert_frame_equal(made, kept, rtol=1e-3, atol=1e-6)
-    before = _answer("single-20018")
+        assert made[name] == (stored / name).read_text()
+    tables = [pd.read_csv(folder / "velocity.csv") for folder in (tmp_path, stored)]
+    pd.testing.assert_frame_equal(*tables, rtol=1e-3, atol=1e-6)
     assert answer["strength"] == pytest.approx(before["strength"], rel=1e-3)
     assert (answer["answer"], answer["kind"]) == (before["answer"], before["kind"])
 
@@ -107,11 +104,10 @@ def test_near_twins_are_told_apart_by_the_proposed_experiments(tmp_path):
     assert said["verdict"] == "ambiguous"
     assert {"surface_tilt", "friction_anisotropy"} <= names
     # A condition and its mirror image say the same.
-    foreseen = [[abs(p["velocity"]) for p in each["predictions"].values()]
-                for each in said["next_experiments"]]  # fmt: skip
+    proposed = said["next_experiments"]
+    foreseen = [[abs(p["velocity"]) for p in each["predictions"].values()] for each in proposed]
     assert not any(np.allclose(a, b) for a, b in itertools.combinations(foreseen, 2))
-    drives = [each["drive"] for each in said["next_experiments"]]
-    write_more(before, after, answer, drives)
+    write_more(before, after, answer, [each["drive"] for each in proposed])
     assert (after / "velocity.csv").read_bytes() == (before / "velocity.csv").read_bytes()
     assert len((after / "proposed.csv").read_text().splitlines()) == 1 + 3 * TRIALS
     followed = diagnose(read_measurement(after / "measurement.toml")).as_dict()

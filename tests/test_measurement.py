@@ -1,15 +1,16 @@
-"""Measurement files: what is read, what is left out and why, and what is refused."""
+"""Measurements from files and from tables in memory: what is read, left out and refused."""
 
 import math
 
 import numpy as np
+import pandas as pd
 import pytest
 
+from stickslip import Measurement, Scenario
 from stickslip.errors import ScenarioError
 from stickslip.measurement import Prior, read_measurement
 from stickslip.measurement.tables import read_rows
 from stickslip.measurement.velocity import read_velocity, velocity_units
-from stickslip.scenario.scenario import Scenario
 
 TOML = """stickslip_measurement = 1
 name = "wafer"
@@ -23,12 +24,21 @@ scenario = "nominal.toml"
 [[velocity]]
 file = "velocity.csv"
 """
-
-ROWS = "velocity,trial,mode,frequency,block,order\n" + "".join(
-    f"{1e-3 * (f / 50) * (1 + 0.01 * (k - 1))!r},{k},IPP,{f},day{k},{3 * n + k}\n"
-    for n, f in enumerate((30, 50, 70, 90))
-    for k in range(3)
+TABLE = pd.DataFrame(
+    {
+        "velocity": [
+            1e-3 * (f / 50) * (1 + 0.01 * (k - 1)) for f in (30, 50, 70, 90) for k in range(3)
+        ],
+        "trial": np.tile([0, 1, 2], 4),
+        "mode": "IPP",
+        "frequency": np.repeat([30, 50, 70, 90], 3),
+        "block": np.tile(["a", "b", None], 4),
+        "order": np.arange(12),
+    }
 )
+ROWS = TABLE.to_csv(index=False)
+NOMINAL = Scenario().replace({"drive.base": 0.5e-3, "drive.pulses": 8})
+MEAN_FRICTION = Prior("normal", 0.145, 0.01)
 
 
 def _write(folder, rows=ROWS, toml=TOML, **files):
@@ -40,25 +50,50 @@ def _write(folder, rows=ROWS, toml=TOML, **files):
     return folder / "m.toml"
 
 
-def test_trials_are_grouped_into_conditions(tmp_path):
+def in_memory(table, uncertain=None, **more):
+    return Measurement.from_dataframe(table, NOMINAL, uncertain or {}, **more)
+
+
+def refusal(*given, **more):
+    """What is said in one line of a table in memory that is refused."""
+    with pytest.raises(ScenarioError) as error:
+        Measurement.from_dataframe(*given, **more)
+    assert "\n" not in str(error.value)
+    return str(error.value)
+
+
+# ------------------------------------------------------------------------------------- velocities
+def test_trials_are_grouped_into_conditions_from_a_file_and_from_memory(tmp_path):
     found = read_measurement(_write(tmp_path))
     (data,) = found.velocity
     assert found.left_out == ()
     assert [each["drive.frequency"] for each in data.conditions] == [30, 50, 70, 90]
     assert {each["drive.base"] for each in data.conditions} == {0.5e-3}
     assert data.condition.tolist() == [0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3]
-    assert data.block.tolist() == [0, 1, 2] * 4
+    assert data.block.tolist() == [0, 1, -1] * 4
     assert data.order.tolist() == list(range(12))
+    uncertain = {
+        "contact.kinetic_friction": MEAN_FRICTION,
+        "drag.linear": {"low": 1e-6, "high": 1e-4},
+        "drag.rotational": {"median": 9e-17, "factor": 2},
+    }
+    same = in_memory(TABLE, uncertain)
+    assert same.uncertain == found.uncertain
     assert found.uncertain["drag.linear"] == Prior("log-uniform", 1e-6, 1e-4)
+    # Columns may stand in another order, and settings in the index.
+    turned = in_memory(TABLE[TABLE.columns[::-1]])
+    indexed = [in_memory(TABLE.set_index(each)) for each in (["frequency"], ["mode", "frequency"])]
+    for other in (same, turned, *indexed):
+        assert other.velocity[0].conditions == data.conditions
+        for name in ("velocity", "condition", "block", "order"):
+            np.testing.assert_array_equal(getattr(other.velocity[0], name), getattr(data, name))
 
 
 def test_invalid_rows_are_left_out_and_reported(tmp_path):
     lines = ROWS.splitlines()
     lines[2] = lines[2].replace("0.0006", "nan")
     lines.insert(4, lines[3])
-    lines.append("0.5,3,IPP,30,day3,40")
-    lines.append("0.001,3,IPP,fast,day3,41")
-    lines.append("0.001,3,IPP")
+    lines += ["0.5,3,IPP,30,day3,40", "0.001,3,IPP,fast,day3,41", "0.001,3,IPP"]
     found = read_measurement(_write(tmp_path, "\n".join(lines)))
     said = [
         (each.code, each.text.removeprefix("velocity.csv"), each.value) for each in found.left_out
@@ -76,47 +111,71 @@ def test_invalid_rows_are_left_out_and_reported(tmp_path):
     assert len(found.velocity[0].velocity) == 11
 
 
-def test_a_single_wrong_unit_is_named_as_such(tmp_path):
-    rows = ROWS + "0.6,3,IPP,30,day3,40\n"
-    found = read_measurement(_write(tmp_path, rows))
-    (note,) = found.left_out
+def test_rows_in_memory_are_named_by_their_label():
+    table = TABLE.astype({"velocity": object, "frequency": object})
+    table.loc[1, "velocity"], table.loc[10, "velocity"] = None, np.nan
+    table.loc[4, "velocity"] = "fast"
+    table.loc[7, "frequency"] = -3.0
+    # A level of the index with another name says what a row is called.
+    names = pd.Index([f"film {k}" for k in range(12)], name="film")
+    for given, labels in ((table, range(12)), (table.set_axis(names), names)):
+        data = in_memory(given)
+        assert len(data.velocity[0].velocity) == 8
+        said = "\n".join(map(str, data.left_out))
+        assert f"DataFrame rows {labels[1]}, {labels[10]}: velocity is empty." in said
+        assert f'DataFrame row {labels[4]}: velocity "fast" is not a number.' in said
+        assert f"DataFrame row {labels[7]}: drive.frequency = -3.0: allowed is" in said
+        assert "DataFrame: 4 of 12 rows were left out" in said
+
+
+def test_lines_are_numbered_as_in_the_file_and_reasons_are_grouped(tmp_path):
+    path = tmp_path / "velocity.csv"
+    path.write_text(
+        "# our robot\nmode,frequency,hold,velocity\n\nIPP,30,6e-4,1e-3\noop,30,6e-4,1e-3\n"
+        "oop,40,6e-4,1e-3\n# again\nIPP,50,6e-4,lost\nIPP,50,0.6,1e-3\n" + "IPP,60,6e-4,\n" * 6
+    )
+    data, left_out = read_velocity(read_rows(path, velocity_units()), Scenario(), math.nan)
+    assert len(data.velocity) == 1
+    said = [str(each) for each in left_out]
+    (refused,) = (each for each in said if "oop" in each)
+    assert refused.startswith('velocity.csv lines 5, 6: drive.mode = "oop": allowed is ')
+    assert set(said) - {refused} == {
+        "velocity.csv: 10 of 11 rows were left out.",
+        'velocity.csv line 8: velocity "lost" is not a number.',
+        "velocity.csv line 9: hold of 0.6 T is above 0.1 T; if it is in mT, divide it by 1e3.",
+        "velocity.csv lines 10, 11, 12, 13, 14, ...: velocity is empty.",
+        "velocity.csv: 1 line below the header skipped as a comment.",
+    }
+
+
+def test_a_single_wrong_unit_is_named_as_such():
+    wrong = TABLE.iloc[[0]].assign(velocity=0.6, trial=3, order=40)
+    (note,) = in_memory(pd.concat([TABLE, wrong], ignore_index=True)).left_out
     assert (note.code, note.value) == ("outlier", 0.6)
     assert note.text.endswith("; the factor of 1000 is that of a wrong unit.")
 
 
-def test_slow_conditions_scatter_by_more_than_their_share(tmp_path):
+def test_slow_conditions_scatter_by_more_than_their_share():
     # An error of 10 um/s that does not fall with the velocity, and one of 3 %. Of 1800 normal
     # draws none is eight standard deviations away; a trial that is 20 away is no draw of theirs.
     random = np.random.default_rng(4)
-    frequency = np.arange(20) + 20
-    level = np.geomspace(5e-6, 2e-3, len(frequency))
+    level = np.geomspace(5e-6, 2e-3, 20)
+    settings = {"trial": np.repeat([0, 1, 2], 20), "frequency": np.tile(np.arange(20) + 20, 3)}
     for number in range(30):
-        trials = level + np.hypot(0.03 * level, 1e-5) * random.standard_normal((3, len(level)))
+        trials = level + np.hypot(0.03 * level, 1e-5) * random.standard_normal((3, 20))
         if number == 0:
             trials[1, 2] += 2e-4
-        rows = [
-            f"{value!r},{trial},IPP,{pace}"
-            for trial, row in enumerate(trials.tolist())
-            for pace, value in zip(frequency, row, strict=True)
-        ]
-        text = "velocity,trial,mode,frequency\n" + "\n".join(rows) + "\n"
-        left_out = read_measurement(_write(tmp_path, text)).left_out
+        left_out = in_memory(pd.DataFrame({**settings, "velocity": trials.ravel()})).left_out
         assert len(left_out) == (1 if number == 0 else 0), left_out
 
 
-def test_a_table_in_the_wrong_unit_is_refused_with_the_reason(tmp_path):
-    rows = "velocity,frequency\n" + "".join(f"{900 + f},{f}\n" for f in (10, 20, 30))
-    with pytest.raises(ScenarioError, match="if they are in um/s, divide"):
-        read_measurement(_write(tmp_path, rows))
-
-
-def test_columns_may_stand_in_another_order(tmp_path):
-    table = [line.split(",") for line in ROWS.splitlines()]
-    turned = "\n".join(",".join(reversed(row)) for row in table)
-    first = read_measurement(_write(tmp_path)).velocity[0]
-    second = read_measurement(_write(tmp_path, turned)).velocity[0]
-    assert np.array_equal(first.velocity, second.velocity)
-    assert first.conditions == second.conditions
+def test_the_order_of_trials_is_a_number_or_a_date():
+    dates = pd.Timestamp("2026-01-05") + pd.to_timedelta(np.arange(12) * 60.0, "s")
+    data = in_memory(TABLE.assign(order=dates))
+    assert data.velocity[0].order.tolist() == [60.0 * k for k in range(12)]
+    data = in_memory(TABLE.assign(order=["first", *range(1, 11), None]))
+    assert 'DataFrame row 0: order "first" is not a number.' in map(str, data.left_out)
+    assert np.isnan(data.velocity[0].order[-1])  # not known
 
 
 def test_frames_are_sorted_and_each_time_counts_once(tmp_path):
@@ -130,45 +189,41 @@ def test_frames_are_sorted_and_each_time_counts_once(tmp_path):
     assert np.allclose(run.columns["t"], np.arange(120) * 1e-3)
     assert np.array_equal(run.columns["theta"], run.columns["t"])
     assert run.frame_rate == pytest.approx(1000.0)
-    assert [each.code for each in found.left_out] == [
-        "bad-cells", "frames-sorted", "repeated-times", "frames-after-drive"
+    assert [(each.code, each.value) for each in found.left_out] == [
+        ("bad-cells", 1), ("frames-sorted", None), ("repeated-times", 1), ("frames-after-drive", 1),
     ]  # fmt: skip
-    assert [each.value for each in found.left_out] == [1, None, 1, 1]
+
+
+# --------------------------------------------------------------------------------- what is refused
+FILE = 'file = "velocity.csv"'
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("old", "new", "said"),
     [
-        (("stickslip_measurement = 1", "stickslip_measurement = 2"), "allowed is 1"),
-        (('name = "wafer"', 'nme = "wafer"'), 'did you mean "name"'),
-        (("sd = 0.01", "sd = 0.0"), "above 0"),
-        (("sd = 0.01", "spread = 0.01"), "allowed is { mean, sd }"),
-        (("low = 1e-6", "low = 1e-3"), "low < high"),
-        (('"contact.kinetic_friction"', '"contact.friction"'), "no such key"),
-        (('"contact.kinetic_friction"', "contact.kinetic_friction"), "quotation marks"),
-        (('file = "velocity.csv"', 'file = "absent.csv"'), "cannot be read"),
-        (('file = "velocity.csv"', 'file = "velocity.csv"\nvelocity_sd = 2'), "velocity_sd"),
-        (('scenario = "nominal.toml"', "scenario = 3"), "scenario = 3"),
-        (("[[velocity]]", "[[speed]]"), "[[speed]]: there is no such entry"),
-        (
-            (
-                'file = "velocity.csv"',
-                'file = "velocity.csv"\n[[velocity]]\nfile = "./velocity.csv"',
-            ),
-            'file = "./velocity.csv" is there twice',
-        ),
-        ((TOML, " "), 'is empty; a measurement has "stickslip_measurement = 1" and "scenario"'),
-        (("stickslip_measurement = 1", ""), "stickslip_measurement = 1 is missing"),
-        (("stickslip_measurement = 1", "stickslip = 1"), "a scenario, not a measurement"),
-        (("sd = 0.01", "std = 0.01"), "{ mean = 0.145, std = 0.01 }"),
-        (('"contact.kinetic_friction"', '"drive.peak"'), "not in [drive]"),
-        (('file = "velocity.csv"', ""), "[[velocity]] file is missing"),
+        ("stickslip_measurement = 1", "stickslip_measurement = 2", "allowed is 1"),
+        ("stickslip_measurement = 1", "", "stickslip_measurement = 1 is missing"),
+        ("stickslip_measurement = 1", "stickslip = 1", "a scenario, not a measurement"),
+        ('name = "wafer"', 'nme = "wafer"', 'did you mean "name"'),
+        ("sd = 0.01", "sd = 0.0", "above 0"),
+        ("sd = 0.01", "std = 0.01", "{ mean = 0.145, std = 0.01 }: allowed is { mean, sd }"),
+        ("low = 1e-6", "low = 1e-3", "low < high"),
+        ('"contact.kinetic_friction"', '"contact.friction"', "no such key"),
+        ('"contact.kinetic_friction"', "contact.kinetic_friction", "quotation marks"),
+        ('"contact.kinetic_friction"', '"drive.peak"', "not in [drive]"),
+        (FILE, 'file = "absent.csv"', "cannot be read"),
+        (FILE, f"{FILE}\nvelocity_sd = 2", "velocity_sd"),
+        (FILE, f'{FILE}\n[[velocity]]\nfile = "./velocity.csv"',
+         'file = "./velocity.csv" is there twice'),
+        (FILE, "", "[[velocity]] file is missing"),
+        ('scenario = "nominal.toml"', "scenario = 3", "scenario = 3"),
+        ("[[velocity]]", "[[speed]]", "[[speed]]: there is no such entry"),
+        (TOML, " ", 'is empty; a measurement has "stickslip_measurement = 1" and "scenario"'),
     ],
-)
-def test_a_bad_file_is_refused_in_one_line(tmp_path, change, said):
-    path = _write(tmp_path, toml=TOML.replace(*change))
+)  # fmt: skip
+def test_a_bad_file_is_refused_in_one_line(tmp_path, old, new, said):
     with pytest.raises(ScenarioError) as error:
-        read_measurement(path)
+        read_measurement(_write(tmp_path, toml=TOML.replace(old, new)))
     assert said in str(error.value)
     assert "\n" not in str(error.value)
 
@@ -184,6 +239,7 @@ def test_a_bad_file_is_refused_in_one_line(tmp_path, change, said):
         ("frequency,velocity\n0.03,1e-3\n", "frequency of 0.03 Hz .* in kHz"),
         ("velocity,velocity\n1,1\n", "twice"),
         ("velocity,frequency\nnan,30\nfast,30\n", "no row is sound"),
+        ("velocity,frequency\n910,10\n920,20\n930,30\n", "if they are in um/s, divide"),
     ],
 )
 def test_a_table_without_a_sound_row_is_refused(tmp_path, rows, said):
@@ -192,64 +248,66 @@ def test_a_table_without_a_sound_row_is_refused(tmp_path, rows, said):
 
 
 @pytest.mark.parametrize(
-    "prior",
+    ("table", "more", "said"),
     [
-        Prior("normal", 0.2, 0.01),
-        Prior("log-normal", 9e-17, 2.0),
-        Prior("log-uniform", 1e-6, 1e-4),
+        (TABLE.rename(columns={"velocity": "v"}), {}, 'column "velocity" is missing; there are'),
+        (TABLE.assign(peak=0.5), {}, "rows 0, 1, 2, 3, 4, ...: peak of 0.5 T is above 0.1 T; if"),
+        (pd.concat([TABLE, TABLE[["mode"]]], axis=1), {}, 'column "mode" is there twice'),
+        ([1.0], {}, "allowed is a DataFrame"),
+        (TABLE, {"uncertain": {"drag.liner": Prior("normal", 1e-5, 1e-6)}}, "drag.linear"),
+        (TABLE, {"uncertain": {"drag.linear": {"mean": 1.0}}}, "allowed is { mean, sd }"),
+        (TABLE, {"velocity_sd": 2.0}, "velocity_sd = 2.0: allowed is a number above 0"),
     ],
 )
-def test_a_prior_and_its_coordinate_are_inverse(prior):
+def test_a_table_in_memory_that_cannot_be_used_is_refused_in_one_line(table, more, said):
+    assert said in refusal(table, NOMINAL, **more)
+
+
+# ----------------------------------------------------------------------------------------- priors
+def test_an_uncertain_parameter_of_an_effect_has_a_short_name():
+    prior = Prior("normal", 0.0, 0.01)
+    data = in_memory(TABLE, {"surface_tilt.angle": prior})
+    assert data.uncertain == {"effects.surface_tilt.angle": prior}
+    twice = {"surface_tilt.angle": prior, "effects.surface_tilt.angle": prior}
+    assert "is there twice" in refusal(TABLE, NOMINAL, twice)
+
+
+def test_a_prior_that_no_scenario_allows_is_refused():
+    friction = {"contact.kinetic_friction": Prior("normal", 0.5, 0.01)}
+    for given in (friction, {"robot.mass": Prior("normal", -1.0, 0.1)}):
+        said = refusal(TABLE, NOMINAL, given)
+        assert f'[uncertain] "{next(iter(given))}" = normal(' in said
+        assert ": allowed" in said
+    both = {**friction, "contact.static_friction": Prior("normal", 0.6, 0.01)}
+    assert len(in_memory(TABLE, both).uncertain) == 2
+
+
+def test_a_prior_whose_middle_no_scenario_has_is_told_of():
+    # The middle of a log-uniform prior is the root of 0.15 * 0.3 = 0.045.
+    for high, said in ((0.3, "contact.kinetic_friction = 0.2121"), (0.19, "")):
+        prior = {"contact.kinetic_friction": Prior("log-uniform", 0.15, high)}
+        assert said in (in_memory(TABLE, prior).refusal() or "")
+        assert bool(in_memory(TABLE, prior).refusal()) == bool(said)
+
+
+@pytest.mark.parametrize(
+    ("prior", "middle"),
+    [
+        (Prior("normal", 0.2, 0.01), 0.2),
+        (Prior("log-normal", 9e-17, 2.0), 9e-17),
+        (Prior("log-uniform", 1e-6, 1e-4), 1e-5),
+    ],
+)
+def test_a_prior_and_its_coordinate_are_inverse(prior, middle):
+    assert float(prior.value(0.0)) == pytest.approx(middle, rel=1e-12)
     for z in (-2.0, 0.0, 1.5):
         assert math.isclose(prior.coordinate(float(prior.value(z))), z, abs_tol=1e-9)
-
-
-def test_a_range_bounds_its_parameter():
-    prior = Prior("log-uniform", 1e-6, 1e-4)
-    assert 1e-6 <= prior.value(-50.0) < 1.01e-6
-    assert 0.99e-4 < prior.value(50.0) <= 1e-4
-    assert math.isclose(float(prior.value(0.0)), 1e-5)
-
-
-def test_lines_are_numbered_as_in_the_file_and_reasons_are_grouped(tmp_path):
-    path = tmp_path / "velocity.csv"
-    path.write_text(
-        "# our robot\nmode,frequency,velocity\n\nIPP,30,1e-3\noop,30,1e-3\noop,40,1e-3\n"
-        "# again\nIPP,50,lost\n"
-    )
-    data, left_out = read_velocity(read_rows(path, velocity_units()), Scenario(), float("nan"))
-    assert len(data.velocity) == 1
-    many, refused, lost, comments = map(str, left_out)
-    assert many == "velocity.csv: 3 of 4 rows were left out."
-    assert refused.startswith('velocity.csv lines 5, 6: drive.mode = "oop": allowed is ')
-    assert lost == 'velocity.csv line 8: velocity "lost" is not a number.'
-    assert comments == "velocity.csv: 1 line below the header skipped as a comment."
-
-
-def test_of_many_lines_the_first_are_named(tmp_path):
-    path = tmp_path / "velocity.csv"
-    path.write_text("frequency,velocity\n30,1e-3\n" + "40,\n" * 6)
-    _, left_out = read_velocity(read_rows(path, velocity_units()), Scenario(), float("nan"))
-    assert left_out[-1].value == 6
-    assert str(left_out[-1]) == "velocity.csv lines 3, 4, 5, 6, 7, ...: velocity is empty."
-
-
-def test_one_field_in_another_unit_is_left_out(tmp_path):
-    path = tmp_path / "velocity.csv"
-    path.write_text("frequency,hold,velocity\n30,6e-4,1e-3\n40,6e-4,1e-3\n50,0.6,1e-3\n")
-    data, left_out = read_velocity(read_rows(path, velocity_units()), Scenario(), float("nan"))
-    assert len(data.velocity) == 2
-    assert [str(each) for each in left_out if each.code == "setting-unit"] == [
-        "velocity.csv line 4: hold of 0.6 T is above 0.1 T; if it is in mT, divide it by 1e3."
-    ]
-
-
-def test_a_prior_is_shown_in_a_few_characters():
-    assert repr(Prior("normal", 0.145, 0.01)) == "normal(0.145, 0.01)"
+    if prior.kind == "log-uniform":
+        assert 1e-6 <= prior.value(-50.0) < 1.01e-6
+        assert 0.99e-4 < prior.value(50.0) <= 1e-4
 
 
 @pytest.mark.parametrize("given", [(0.145, 0.01), ({"mean": 1.0},), ("normal", 0.145), ("normal",)])
 def test_a_prior_that_is_none_is_refused_in_one_line(given):
-    with pytest.raises(ScenarioError, match=": allowed is") as refusal:
+    with pytest.raises(ScenarioError, match=r"^[^\n]*: allowed is[^\n]*$"):
         Prior(*given)
-    assert "\n" not in str(refusal.value)

@@ -1,27 +1,19 @@
 """What may be wrong with the readings of a measurement, named beside the simulator's effects."""
 
+import itertools
+
 import numpy as np
 import pandas as pd
 import pytest
 
 from films import write_films
+from made_measurement import few_causes
 from stickslip import Coils, Measurement, Prior, Scenario, _core, diagnose, simulate_batch
-from stickslip.diagnosis import measured
 from stickslip.diagnosis.measured import pose
-from stickslip.diagnosis.terms.library import library
-from stickslip.errors import ScenarioError
 from stickslip.measurement import read_measurement
 from stickslip.scenario.sections import COIL_NAMES
 
 FIELDS = 1e-3 * np.array([[2.0, z] for z in (-3, -2.5, -2, -1.6, -1.3, -1, 1, 1.3, 1.6, 2, 2.5, 3)])
-
-
-def few_causes(monkeypatch, *names):
-    """A diagnosis that tries only some of the simulator's effects and no law, which is quicker."""
-    monkeypatch.setattr(
-        measured, "library", lambda *known: tuple(c for c in library(*known) if c.name in names)
-    )
-    monkeypatch.setattr(measured, "_laws", lambda *_: ())
 
 
 def write(folder, kind, header, rows, file="a.csv"):
@@ -43,7 +35,7 @@ def tilts(fields):
 
 @pytest.mark.parametrize("seed", range(2))
 def test_angles_with_a_wrong_scale_are_not_blamed_on_the_robot(tmp_path, monkeypatch, seed):
-    few_causes(monkeypatch, "misalignment", "magnetization_scale", "surface_tilt")
+    few_causes(monkeypatch, ("misalignment", "magnetization_scale", "surface_tilt"))
     random = np.random.default_rng(seed)
     fields = np.repeat(FIELDS, 3, axis=0)
     true = tilts(fields)
@@ -79,25 +71,19 @@ def test_a_turned_probe_is_named_without_repeats(tmp_path, seed):
 
 @pytest.mark.nightly
 def test_velocities_with_a_wrong_zero_are_named_beside_a_slope(monkeypatch):
-    few_causes(monkeypatch, "surface_tilt", "friction_anisotropy", "field_gain", "edge_time")
+    few_causes(monkeypatch, ("surface_tilt", "friction_anisotropy", "field_gain", "edge_time"))
     base = Scenario().replace({"drive.base": 5e-4, "drive.pulses": 8})
-    paces = (20.0, 30.0, 45.0, 65.0, 90.0, 120.0)
-    drives = [
-        {"mode": mode, "direction": way, "frequency": pace}
-        for mode in ("IPP", "OPP") for way in ("+x", "-x") for pace in paces
-    ]  # fmt: skip
+    grid = itertools.product(("IPP", "OPP"), ("+x", "-x"), (20.0, 30.0, 45.0, 65.0, 90.0, 120.0))
+    drives = pd.DataFrame(grid, columns=["mode", "direction", "frequency"])
     runs = simulate_batch(
-        [base.replace({f"drive.{key}": each for key, each in row.items()}) for row in drives]
-    )
-    random = np.random.default_rng(3)
-    rows = {key: [row[key] for row in drives for _ in range(3)] for key in drives[0]}
-    rows["trial"] = [1, 2, 3] * len(drives)
-    rows["velocity"] = [
-        run.mean_velocity * (1.0 + 0.02 * random.standard_normal()) + 1.5e-4
-        for run in runs for _ in range(3)
-    ]  # fmt: skip
+        [base.replace(dict(zip("drive." + drives.columns, row, strict=True)))
+         for row in drives.itertuples(index=False)]
+    )  # fmt: skip
+    level = np.repeat([run.mean_velocity for run in runs], 3)
+    read = level * (1.0 + 0.02 * np.random.default_rng(3).standard_normal(len(level))) + 1.5e-4
+    rows = drives.loc[drives.index.repeat(3)].assign(trial=[1, 2, 3] * len(drives), velocity=read)
     known = {"contact.kinetic_friction": Prior("normal", 0.15, 0.01)}
-    found = diagnose(Measurement.from_dataframe(pd.DataFrame(rows), base, uncertain=known))
+    found = diagnose(Measurement.from_dataframe(rows, base, uncertain=known))
     assert found.verdict.causes == ("velocity_offset",)
     row = found.params.loc["velocity_offset.shift"]
     assert abs(row["value"] - 1.5e-4) < 3.0 * row["sd"]
@@ -110,8 +96,8 @@ def test_velocities_with_a_wrong_zero_are_named_beside_a_slope(monkeypatch):
 
 @pytest.mark.nightly
 def test_a_marker_off_the_centre_of_mass_is_named(tmp_path, monkeypatch):
-    few_causes(monkeypatch, "surface_tilt", "angle_offset", "length_scale")
-    path = write_films(tmp_path, {}, 400.0, seed=2, marker=3e-5)
+    few_causes(monkeypatch, ("surface_tilt", "angle_offset", "length_scale"))
+    path = write_films(tmp_path, 400.0, seed=2, marker=3e-5)
     found = diagnose(read_measurement(path))
     assert (found.verdict.kind, found.verdict.causes) == ("named", ("marker_place",))
     row = found.params.loc["marker_place.along"]
@@ -131,11 +117,3 @@ def test_a_limit_is_searched_below_the_widest_of_several_tables(tmp_path):
         causes = {each.name: each for each in pose(read_measurement(path)).causes}
         ends.append(causes["angle_clipping"].parameters[0].high)
     assert ends[0] == ends[1] > np.max(np.abs(theta))
-
-
-def test_a_drive_that_turns_the_robot_is_refused():
-    turned = Scenario().replace({"drive.heading": 1.0})
-    rows = pd.DataFrame({"frequency": [20.0, 40.0], "velocity": [1e-3, 2e-3]})
-    data = Measurement.from_dataframe(rows, turned, uncertain={})
-    with pytest.raises(ScenarioError, match=r"drive\.heading = 1 .* walk along x"):
-        diagnose(data)

@@ -55,12 +55,11 @@ def test_predictions_are_those_of_the_core_read_by_the_suspects():
 
 def test_repeats_are_one_condition_and_their_scatter_is_the_error():
     found = measured(3, repeats=3)
-    assert (len(found), len(found.mean)) == (54, 18)
+    assert (len(found), found.group.tolist()) == (54, list(range(18)))
     within = found.y - found.mean[found.condition]
     sd = math.sqrt(np.sum(within**2) / 36)
     assert found.errors.sd == pytest.approx(np.full(18, sd / math.sqrt(3)))
     assert found.errors.dof == pytest.approx(36, rel=0.15)
-    assert found.group.tolist() == list(range(18))
     assert "repeat" in found.notes[0].text
 
 

@@ -90,23 +90,20 @@ def test_a_geometry_that_puts_a_wire_on_a_probe_has_no_prediction():
 def test_errors_are_those_of_the_readings_with_and_without_repeats(repeats):
     # Chi-square of the true model is an F law with the degrees of freedom of the errors: nearly,
     # as without repeats the fit and the misfit share readings.
-    gains = {"effects.field_gain.clamp": 0.3, "effects.ambient_field.Bx": 1e-4}
-    levels = []
+    gains, levels = ["effects.field_gain.clamp", "effects.ambient_field.Bx"], []
     for seed in range(200):
         found = table(probed(clamp=0.3, ambient=(1e-4, 0.0), seed=seed, repeats=repeats))
-        left = found.mean - found.predict(list(gains), np.array([list(gains.values())]))[0]
+        left = found.mean - found.predict(gains, np.array([[0.3, 1e-4]]))[0]
         chi2 = np.mean((left / found.errors.sd) ** 2)
         levels.append(f_law.sf(chi2, len(left), min(found.errors.dof, 1e9)))
         assert 0.7 * NOISE < found.errors.sd.max() * math.sqrt(repeats) < 1.4 * NOISE
     if repeats == 2:
         assert kstest(levels, "uniform").pvalue > 0.01
     assert np.mean(np.array(levels) < 0.05) < 0.05 + 3.0 * math.sqrt(0.05 * 0.95 / 200)
-
-
-def test_a_table_without_scatter_has_the_least_error():
+    # Without scatter there is a least error.
     found = table(probed(noise=0.0))
-    size = math.sqrt(np.mean(found.mean**2))
-    assert found.errors.sd == pytest.approx(np.full(len(found.mean), 1e-3 * size))
+    size = 1e-3 * math.sqrt(np.mean(found.mean**2))
+    assert found.errors.sd == pytest.approx(np.full(len(found.mean), size))
 
 
 def test_a_probe_on_a_wire_and_a_slip_are_left_out():

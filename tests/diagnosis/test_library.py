@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from stickslip import EffectParameter, Scenario, register_effect, simulate, unregister_effect
+from stickslip import Scenario, simulate
 from stickslip.diagnosis.terms.library import _OTHER_NAMES, _SHAPES, _SIZES, library
 from stickslip.scenario.named_effects import effects
 from stickslip.scenario.priors import Prior
@@ -21,17 +21,15 @@ def parameters(causes):
 def test_every_extension_of_a_known_law_is_a_cause_that_starts_absent():
     causes = library(SHORT, {}, VOLTS)
     # The 13 curves of free shape and the own values of 5 coils are none.
-    left_out = [each.name for each in effects() if each.name not in {c.name for c in causes}]
+    left_out = {each.name for each in effects()} - {each.name for each in causes}
     assert len(left_out) == 13 + 5
     assert all(name.startswith(("free_", "coil_")) for name in left_out)
-    absent = {name: float(each.value(np.zeros(1))[0]) for name, each in parameters(causes).items()}
-    assert simulate(SHORT.replace(absent)).mean_velocity == simulate(SHORT).mean_velocity
-
-
-def test_every_extension_has_a_size_of_its_own():
-    # Else it would be guessed from its range, which is as wide as physics allows.
+    known = parameters(causes)
+    # Each has a size of its own: else it would be guessed from a range as wide as physics allows.
     own = {f"effects.{name}" for name in [*_SIZES, *_SHAPES, "amplifier_limit.voltage"]}
-    assert set(parameters(library(SHORT, {}, VOLTS))) == own
+    assert set(known) == own
+    absent = {name: float(each.value(np.zeros(1))[0]) for name, each in known.items()}
+    assert simulate(SHORT.replace(absent)).mean_velocity == simulate(SHORT).mean_velocity
 
 
 @pytest.mark.parametrize(
@@ -64,37 +62,18 @@ def test_a_fast_controller_has_no_steps_and_a_slow_one_a_fine_scan():
 
 
 def test_what_the_model_has_already_is_no_cause():
-    tilted = SHORT.replace({"effects.surface_tilt.angle": 0.01})
-    uncertain = {"effects.misalignment.angle": Prior("normal", 0.0, 0.1)}
-    names = {each.name for each in library(tilted, uncertain, VOLTS)}
-    assert names.isdisjoint({"surface_tilt", "misalignment"})
-    assert len(names) == len(library(SHORT, {}, VOLTS)) - 2
+    def names(model=SHORT, **uncertain):
+        given = {key.replace("__", "."): Prior("normal", 1.0, 0.1) for key in uncertain}
+        return {each.name for each in library(model, given, VOLTS)}
 
-
-def test_another_name_of_an_uncertain_constant_is_not_offered():
-    everything = {each.name for each in library(SHORT, {}, VOLTS)}
-    assert set(_OTHER_NAMES) <= everything
+    every = names()
+    assert every - names(SHORT.replace({"effects.surface_tilt.angle": 0.01})) == {"surface_tilt"}
+    assert every - names(effects__misalignment__angle=1) == {"misalignment"}
+    # Nor is another name of an uncertain constant.
+    assert set(_OTHER_NAMES) <= every
     for name, constant in _OTHER_NAMES.items():
-        left = {each.name for each in library(SHORT, {constant: Prior("normal", 1.0, 0.1)}, VOLTS)}
-        assert everything - left == {name}
-    friction = {"contact.kinetic_friction": Prior("normal", 0.145, 0.01)}
-    assert {each.name for each in library(SHORT, friction, VOLTS)} == everything
-
-
-@pytest.mark.parametrize(
-    ("effect", "constant"),
-    [
-        ({"effects.magnetization_scale.fraction": 0.1}, {"robot.magnetization": 5.5e5}),
-        ({"effects.restitution.coefficient": 0.2}, {"contact.restitution": 0.3}),
-    ],
-)
-def test_other_names_say_the_same(effect, constant):
-    model = SHORT.replace({"robot.magnetization": 5e5, "contact.restitution": 0.1})
-    base, one, other = (
-        simulate(model.replace(each)).mean_velocity for each in ({}, effect, constant)
-    )
-    assert abs(one - base) > 1e-2 * abs(base)
-    assert one == pytest.approx(other, rel=1e-6)
+        assert every - names(**{constant: 1}) == {name}
+    assert names(contact__kinetic_friction=1) == every
 
 
 def test_rotational_drags_look_alike_over_the_drives():
@@ -107,14 +86,3 @@ def test_rotational_drags_look_alike_over_the_drives():
     )
     one, other = linear - level, quadratic - level
     assert one @ other > 0.97 * np.linalg.norm(one) * np.linalg.norm(other)
-
-
-def test_of_an_own_effect_the_range_gives_the_size():
-    parameter = EffectParameter(name="k", unit="N", low=-1.0, high=4.0, meaning="of a test")
-    register_effect("own", lambda state, p: (0.0, 0.0, 0.0), [parameter], meaning="of a test")
-    try:
-        own = parameters(library(SHORT, {}, VOLTS))["effects.own.k"]
-    finally:
-        unregister_effect("own")
-    assert own.size == pytest.approx(4.0 / 5.0)
-    assert (own.low, own.high, own.unit) == (-1.0, 4.0, "N")

@@ -5,16 +5,25 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sliding_block import FRICTION, HIDDEN, OVER_SPEED, measured, result
+from sliding_block import FRICTION, HIDDEN, measured, push, result
 from stickslip import Cause, Parameter, Prior, Table, diagnose_model
 from stickslip.diagnosis.fitting.descent import End, derivatives
 from stickslip.diagnosis.fitting.forms import forms
 from stickslip.diagnosis.fitting.models import fit
-from stickslip.diagnosis.fitting.search import Models, recalibrated, search
+from stickslip.diagnosis.fitting.responses import responses
+from stickslip.diagnosis.fitting.search import (
+    SETTLED,
+    Models,
+    _fit_singles,
+    _look_beside,
+    recalibrated,
+    search,
+)
 from stickslip.diagnosis.own_model import pose_own
 from stickslip.diagnosis.steps import run
 from stickslip.diagnosis.terms.laws import free_law
-from toys import BEND, LEVEL, SLOPE, STEP, WAVE, data, problem, shapes
+from stickslip.simulation.note import Note
+from toys import LEVEL, SLOPE, WAVE, data, problem, shapes
 
 X = np.linspace(1.0, 3.0, 30)
 
@@ -30,10 +39,8 @@ def crowd(count):
     ]
 
     def model(table, p):
-        made = p["slope"] * table["x"] + p["level"]
-        for k, cause in enumerate(causes):
-            made = made + p[f"{cause.name}.size"] * columns[k]
-        return made
+        sizes = np.hstack([p[f"c{k}.size"] for k in range(count)])
+        return p["slope"] * table["x"] + p["level"] + sizes @ columns
 
     return causes, columns, model
 
@@ -46,23 +53,19 @@ def test_the_truth_is_found_among_many_causes_and_pairs(hidden):
     names = tuple(sorted(f"c{k}" for k in hidden))
     assert (found.verdict.kind, found.verdict.causes) == ("pair" if names[1:] else "named", names)
     values = found.problem.physical(found.verdict.fit.x[None, :])[0]
-    for k, size in hidden.items():
-        # 0.05 / sqrt(30 / 2) is the error of a size where nothing trades off with it.
-        assert values[found.problem.columns([causes[k]])] == pytest.approx(size, abs=0.1)
+    chosen = found.problem.columns([causes[k] for k in hidden])
+    # 0.05 / sqrt(30 / 2) is the error of a size where nothing trades off with it.
+    assert values[chosen] == pytest.approx(list(hidden.values()), abs=0.1)
 
 
 # --------------------------------------------------------------------- at the leader's constants
 def twins(extra=()):
     """`b` does what `a` does, but only where the constant is 1; without a cause it is 0."""
-    h, g = np.zeros(16), np.zeros(16)
-    h[0], g[0], g[1] = 1.0, -1.0, 5.0
+    h, g, rest = np.eye(16)[0], 5.0 * np.eye(16)[1] - np.eye(16)[0], np.eye(16)[1]
 
     def model(table, p):
-        k, a, b = (p[name] for name in ("k", "a.size", "b.size"))
-        made = k * h + (a + b * k**2) * g
-        for each in extra:
-            made = made + p[each.parameters[0].name] * np.eye(16)[1]
-        return made
+        made = p["k"] * h + (p["a.size"] + p["b.size"] * p["k"] ** 2) * g
+        return made + sum(p[each.parameters[0].name] for each in extra) * rest
 
     causes = [Cause(n, Parameter(f"{n}.size", size=1.0, low=-5.0, high=5.0)) for n in "ab"]
     constant = Parameter("k", Prior("normal", 0.0, 1.0), suspect=False)
@@ -84,41 +87,75 @@ def test_a_cause_that_acts_only_at_the_leaders_constants_is_found():
     assert models.get(["a"]).chi2 < 1.0
     # Exchanged for `a` where the constant is 1, it explains as much.
     assert models.get(["b"]).chi2 < 1.0
-
-
-def test_it_is_found_beside_a_third_cause_that_leads_first():
-    # It explains a part and leaves the constant at 0.
-    push = Cause("c", Parameter("c.size", size=1.0, low=-1.0, high=1.0))
-    models = searched(twins([push]))
+    # Also beside a third cause that leads first: it explains a part and leaves the constant at 0.
+    models = searched(twins([Cause("c", Parameter("c.size", size=1.0, low=-1.0, high=1.0))]))
     assert models.get(["c"]).chi2 > 100.0
     assert models.get(["b"]).chi2 < 1.0
 
 
-def test_the_model_without_a_cause_is_fitted_again_from_the_leaders_constants():
-    # Two wells at k = -1 and 1; the wrong one has a barrier, and its fit is what was recalibrated.
+def two_wells(kink=0.0):
+    """Wells at k = -1 and 1; the wrong one has a barrier, and misses what is gentle."""
     x = np.linspace(0.0, 1.0, 20)
     steep, gentle = (np.arange(20) < 10) * 1.0, (np.arange(20) >= 10) * x
 
     def model(table, p):
-        return p["k"] ** 2 * steep + 0.3 * p["k"] * gentle + p["bump.size"] * np.sin(9.0 * x)
+        made = p["k"] ** 2 * steep + 0.3 * p["k"] * gentle
+        return made + p["bump.size"] * np.sin(9.0 * x) + p["kink.size"] * x**3
 
-    random = np.random.default_rng(3)
-    bump = Cause("bump", Parameter("bump.size", size=0.2, low=-3.0, high=3.0))
+    causes = [
+        Cause(name, Parameter(f"{name}.size", size=0.2, low=-3.0, high=3.0))
+        for name in ("bump", "kink")
+    ]
     constant = Parameter("k", Prior("normal", 0.0, 1.0), suspect=False)
-    y = steep + 0.3 * gentle + 0.4 * np.sin(9.0 * x) + 0.02 * random.standard_normal(20)
-    posed = pose_own(model, Table({"x": x}, y, sd=0.02), [constant], [bump])
-    form = forms(posed)["none"]
-    wrong = fit(posed, form, (), np.array([-1.0, 0.0]))
+    noise = 0.02 * np.random.default_rng(3).standard_normal(20)
+    y = steep + 0.3 * gentle + 0.4 * np.sin(9.0 * x) + kink * x**3 + noise
+    return pose_own(model, Table({"x": x}, y, sd=0.02), [constant], causes)
+
+
+def test_the_model_without_a_cause_is_fitted_again_from_the_leaders_constants():
+    posed = two_wells()
+    wrong = fit(posed, forms(posed)["none"], (), np.array([-1.0, 0.0, 0.0]))
     assert wrong.x[0] < -0.5
     models = Models(posed, posed.causes)
     models.add(wrong)
-    there = np.array([1.0, 0.0])
+    there = np.array([1.0, 0.0, 0.0])
     residual = posed.residuals(there[None, :])[0]
     slopes = derivatives(posed, there, posed.free(()), residual)
     search(models, [End(there, residual, slopes, 0.0)], posed.causes)
     assert models.get(["bump"]).x[0] == pytest.approx(1.0, abs=0.05)
     assert models.null.x[0] > 0.5
     assert models.null.log_evidence > wrong.log_evidence
+
+
+def test_a_pair_begins_where_a_response_points_and_where_its_leader_is(monkeypatch):
+    posed = two_wells(0.2)
+    models = Models(posed, posed.causes)
+    models.add(fit(posed, models.forms["none"], (), np.array([1.0, 0.0, 0.0])))
+    bump, _ = posed.causes
+    leader = models.add(fit(posed, models.forms["none"], [bump], np.array([1.0, 0.0, 0.0])))
+
+    def misled(*given):
+        return [replace(each, x=np.append(-1.0, each.x[1:])) for each in responses(*given)]
+
+    monkeypatch.setattr("stickslip.diagnosis.fitting.search.responses", misled)
+    _look_beside(models, leader)
+    assert models.get(["bump", "kink"]).cost < leader.cost + SETTLED
+
+
+def test_a_cause_is_looked_at_from_three_places_at_most(monkeypatch):
+    # However many minima the constants have: each place costs predictions of every cause.
+    posed, asked = two_wells(), []
+    models = Models(posed, posed.causes)
+    models.add(fit(posed, models.forms["none"], (), np.array([1.0, 0.0, 0.0])))
+
+    def counted(*given):
+        asked.append(given)
+        return responses(*given)
+
+    monkeypatch.setattr("stickslip.diagnosis.fitting.search.responses", counted)
+    places = [np.array([k, 0.0, 0.0]) for k in (-2.0, -1.0, 0.0, 1.0, 2.0)]
+    _fit_singles(models, [replace(models.null.end, x=each) for each in places], posed.causes)
+    assert len(asked) == 3
 
 
 def test_no_model_fits_worse_than_one_that_it_contains():
@@ -131,18 +168,7 @@ def test_no_model_fits_worse_than_one_that_it_contains():
                 assert each.cost < other.cost + 0.5, (names, inner)
 
 
-def test_the_search_says_how_far_it_is():
-    told = []
-    posed = problem(data(0.5 * shapes(X)["wave.height"]), [WAVE, STEP, BEND])
-    run(posed, 0, lambda fraction, stage: told.append((fraction, stage)))
-    fractions = [fraction for fraction, _ in told]
-    assert (fractions, fractions[-1]) == (sorted(fractions), 1.0)
-    assert [stage for _, stage in told][:3] == ["recalibrating", "testing", "comparing models"]
-
-
 def test_what_is_suspect_is_not_searched(monkeypatch):
-    from stickslip.simulation.note import Note
-
     asked = []
     monkeypatch.setattr("stickslip.diagnosis.steps.search", lambda *a, **k: asked.append(a))
     posed = problem(data(2.0 * shapes(X)["wave.height"]), [WAVE])
@@ -169,13 +195,12 @@ def test_a_narrow_minimum_is_found_where_it_is():
     period = Parameter(
         "ripple.period", unit="s", size=0.5, low=0.0, high=4.0, negligible=0.2, fineness=0.1
     )
-    noise = RIPPLE_SD * np.random.default_rng(11).standard_normal(30)
-    y = WHEN + 0.2 + RIPPLE * np.sin(2.0 * np.pi * WHEN / PERIOD) + noise
+    noise, phase = np.random.default_rng(11).standard_normal(30), 2.0 * np.pi * WHEN / PERIOD
+    y = WHEN + 0.2 + RIPPLE * np.sin(phase) + RIPPLE_SD * noise
     table = Table({"t": WHEN}, y, sd=RIPPLE_SD)
     found = diagnose_model(rippled, table, [SLOPE, LEVEL], [Cause("ripple", period)])
     made = found.candidate("ripple").params.loc["ripple.period"]
     # The derivative of the ripple by T is 2 pi t / T^2 times its size and a cosine.
-    phase = 2.0 * np.pi * WHEN / PERIOD
     sd = RIPPLE_SD / np.linalg.norm(RIPPLE * phase / PERIOD * np.cos(phase))
     assert abs(made["value"] - PERIOD) < 4.0 * sd
     assert made["sd"] == pytest.approx(sd, rel=0.3)
@@ -199,15 +224,13 @@ def test_a_hidden_law_is_named_over_its_argument(law):
 @pytest.mark.nightly
 def test_a_cause_that_explains_the_data_comes_before_the_laws():
     # A step of the force itself, beside laws that could follow a part of it.
-    push = Cause("push", Parameter("push.force", unit="N", size=0.1, low=-3.0, high=3.0))
+    cause = Cause("push", Parameter("push.force", unit="N", size=0.1, low=-3.0, high=3.0))
 
     def pushed(table, p, curves):
-        from sliding_block import push as plain
+        return push(table, p, curves) + p["push.force"] * np.cos(3.0 * table["speed"])
 
-        return plain(table, p, curves) + p["push.force"] * np.cos(3.0 * table["speed"])
-
-    speed = np.linspace(0.02, 2.0, 40)
-    found = result(measured(1, extra=0.2 * np.cos(3.0 * speed)), predict=pushed, causes=[push])
+    extra = 0.2 * np.cos(3.0 * np.linspace(0.02, 2.0, 40))
+    found = result(measured(1, extra=extra), predict=pushed, causes=[cause])
     assert (found.verdict.kind, found.verdict.causes) == ("named", ("push",))
 
 
@@ -227,31 +250,24 @@ def with_laws(posed, asked):
     return replace(posed, laws=laws), law
 
 
-def test_laws_are_looked_for_where_no_cause_explains_the_data():
-    asked = []
-    posed, law = with_laws(problem(data(0.5 * np.tanh(4.0 * (X - 1.7)), sd=0.05), [WAVE]), asked)
-    found = run(posed, 0)
-    assert len(asked) == 1
-    assert (found.verdict.kind, found.verdict.causes) == ("named", (law.name,))
-
-
-@pytest.mark.parametrize("extra", [0.0, 0.5], ids=["nothing", "a cause"])
-def test_laws_are_not_looked_for_where_data_are_explained(extra):
-    asked = []
-    posed, _ = with_laws(problem(data(extra * shapes(X)["wave.height"]), [WAVE]), asked)
-    found = run(posed, 0)
-    assert found.verdict.kind == ("named" if extra else "none")
-    assert asked == []
-
-
-def test_a_law_that_is_hidden_is_better_than_the_constant_alone():
-    # Fast: the law by itself, without its rivals.
-    hidden, at = HIDDEN[OVER_SPEED]
-
-    def push(table, p, curves):
-        factor = 1.0 + curves[OVER_SPEED.name](table["speed"])
-        return p["friction"] * factor * table["load"] + p["drag"] * table["speed"]
-
-    found = result(measured(0, 1.0 + hidden(at)), laws=[OVER_SPEED], predict=push)
-    assert (found.verdict.kind, found.verdict.causes) == ("named", (OVER_SPEED.name,))
-    assert found.gain.after < 0.5 * found.gain.before
+@pytest.mark.parametrize(
+    ("extra", "kind", "causes"),
+    [
+        (0.5 * np.tanh(4.0 * (X - 1.7)), "named", ("height over place",)),
+        (0.0, "none", ()),
+        (0.5 * shapes(X)["wave.height"], "named", ("wave",)),
+    ],
+    ids=["a law", "nothing", "a cause"],
+)
+def test_laws_are_looked_for_where_no_cause_explains_the_data(extra, kind, causes):
+    asked, told = [], []
+    posed, law = with_laws(problem(data(extra, sd=0.05), [WAVE]), asked)
+    found = run(posed, 0, lambda *each: told.append(each))
+    assert (found.verdict.kind, found.verdict.causes) == (kind, causes)
+    assert len(asked) == (causes == (law.name,))
+    # The search says how far it is; that of laws begins again.
+    fractions = [fraction for fraction, _ in told]
+    assert (fractions[0], fractions[-1]) == (0.0, 1.0)
+    assert asked or fractions == sorted(fractions)
+    assert [stage for _, stage in told][:2] == ["recalibrating", "testing"]
+    assert ("comparing models" in dict(map(reversed, told))) == (kind == "named")

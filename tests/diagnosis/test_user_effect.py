@@ -28,24 +28,26 @@ def pulling(state, parameters, out):
 def pulled():
     """Three trials of eight drives of a robot with the effect."""
     table = trials()
-    settings = [
-        {f"drive.{key}": value for key, value in row.items()} for row in drives().to_dict("records")
-    ]
-    runs = simulate_batch(
-        [SCENARIO.replace({**each, "effects.own.k": HIDDEN}) for each in settings]
+    rows = drives().add_prefix("drive.").to_dict("records")
+    with_it, plain = (
+        simulate_batch([SCENARIO.replace({**row, "effects.own.k": k}) for row in rows])
+        for k in (HIDDEN, 0.0)
     )
-    plain = simulate_batch([SCENARIO.replace(each) for each in settings])
-    more = [run.mean_velocity - other.mean_velocity for run, other in zip(runs, plain, strict=True)]
+    more = [
+        one.mean_velocity - other.mean_velocity for one, other in zip(with_it, plain, strict=True)
+    ]
     return table.assign(velocity=table["velocity"] + np.tile(more, 3))
 
 
 def test_it_is_a_cause_with_its_range():
-    register(pulling, parameter(unit="N", low=-1e-7, high=1e-7))
+    register(pulling, parameter(unit="N", low=-1e-7, high=2e-7))
     posed = pose(measurement(trials()), threads=1)
     (own,) = (each for each in posed.causes if each.name == "own")
     (size,) = own.parameters
     assert (size.name, size.unit) == ("effects.own.k", "N")
-    assert (size.low, size.high, size.absent) == (-1e-7, 1e-7, 0.0)
+    assert (size.low, size.high, size.absent) == (-1e-7, 2e-7, 0.0)
+    # The range gives its size.
+    assert size.size == pytest.approx(2e-7 / 5.0)
     assert np.all(np.isfinite(size.limits))
     # It moves the predictions, and is gone at its absent value.
     x = np.zeros((2, posed.size))
