@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -86,6 +87,11 @@ class Diagnosis(ShownBySummary):
 
         return summary_text(self.as_dict())
 
+    def _repr_html_(self) -> str:
+        from stickslip.diagnosis.report.files import notebook
+
+        return notebook(self)
+
     @property
     def problem(self) -> Problem:
         """What was fitted, with the errors that models were compared with."""
@@ -113,6 +119,11 @@ class Diagnosis(ShownBySummary):
     def chance(self) -> Posterior:
         """Probabilities of all fitted models."""
         return posterior(self.findings.models)
+
+    def probability_of(self, names: Collection[str]) -> float:
+        """Probability that all of these causes are in the model, whatever is beside them."""
+        models = (each for each in self.chance.fits if each.names.issuperset(names))
+        return math.fsum(self.chance.models[each.name] for each in models)
 
     def candidate(self, name: str) -> Candidate:
         """A model that was fitted: ``none``, the name of a cause, or a pair as ``"a + b"``.
@@ -293,7 +304,7 @@ class Diagnosis(ShownBySummary):
 
         fit = self.verdict.fit
         names = [title(each) for each in self.verdict.causes]
-        probability = 0.0 if fit is None else self.chance.models[fit.name]
+        probability = 0.0 if fit is None else self.probability_of(fit.names)
         beside = fit is not None and fit.form != "none" and self.verdict.kind == "pair"
         return design.next_step("dominant" if beside else self.verdict.kind, names, probability)
 
@@ -397,6 +408,28 @@ class Diagnosis(ShownBySummary):
         if not isinstance(folder, str | PathLike):
             refuse("folder", folder, "a path")
         save(self, folder, title)
+
+    def save_figures(
+        self, folder: str | PathLike[str], formats: Sequence[str] = ("svg", "pdf")
+    ) -> list[Path]:
+        """Write the figures of the report into a folder, which is made, and return their paths.
+
+        Of each table `fit` and `residuals`, or `film`, and `ranking`, `cosines` and `law` where
+        there are such; none for the verdict data-problem. `formats` are suffixes that matplotlib
+        can write.
+
+        Raises
+        ------
+        ScenarioError
+            If `folder` is no path.
+        OSError
+            If a file cannot be written.
+        """
+        from stickslip.diagnosis.report.files import save_figures
+
+        if not isinstance(folder, str | PathLike):
+            refuse("folder", folder, "a path")
+        return save_figures(self, Path(folder), formats)
 
     # ---------------------------------------------------------------------- helpers
     def _refuse_without_models(self, what: str) -> None:

@@ -24,8 +24,11 @@ _WORDS: Mapping[str, Mapping[str, Any]] = tomllib.loads(
 )
 _CAUSES: Mapping[str, Mapping[str, Any]] = {**_WORDS["effects"], **_WORDS["readings"]}
 
-ROUTINE = ("no-block-column", "errors-independent", "runs-unknown")
-"""Codes of notes that nearly every measurement has: the page has them, and not the first lines."""
+ROUTINE = (
+    "no-block-column", "errors-correlated", "noise-repeats", "noise-free-fit", "frame-noise",
+    "frames-correlated",
+)  # fmt: skip
+"""Codes of notes that nearly every measurement has: the page has them last, the command never."""
 
 _NEW_WORDS = 3  # of a meaning that says more than the title
 _PLAIN = 1e-3, 1e5  # sizes between which a number needs no power of ten
@@ -46,6 +49,14 @@ def _title(name: str) -> str:
         return "another law of {} over {}".format(*_PLACES[name])
     constant = _WORDS["constants"].get(name)
     return f"another {constant['name']} than stated" if constant else name
+
+
+def parameter(name: str) -> str:
+    """A parameter in plain words: of a cause, a constant, or its key where no words are known."""
+    cause, _, short = name.removeprefix("effects.").rpartition(".")
+    if name in _WORDS["constants"]:
+        return str(_WORDS["constants"][name]["name"])
+    return f"{_title(cause)}: {short.replace('_', ' ')}" if cause in _CAUSES else name
 
 
 def in_titles(text: str, names: Iterable[str]) -> str:
@@ -131,14 +142,23 @@ def limit(name: str, value: float, unit: str, digits: int = 2) -> str:
     return f"{number(value * factor, digits)} {shown}".rstrip()
 
 
-def before(parameter: Parameter) -> str:
-    """What was known of a parameter before the data, in the unit in which it is told."""
-    if parameter.size is None:
-        return f"{parameter.prior_in_words} {parameter.unit}".removesuffix(" -")
-    said = limit(parameter.name, parameter.size, parameter.unit)
-    if parameter.falls:
-        return f"{said} below {limit(parameter.name, parameter.high, parameter.unit)}"
-    return f"{said} would not surprise"
+def before(known: Parameter) -> str:
+    """The prior of a parameter by its name, in the unit in which it is told."""
+    name, unit, prior = known.name, known.unit, known.prior
+    if prior is None:
+        assert known.size is not None
+        within = limit(name, known.size, unit)
+        if known.falls:
+            return f"half-normal, 68 % within {within} below {limit(name, known.high, unit)}"
+        about = limit(name, known.absent, unit)
+        if known.one_sided:
+            return f"half-normal, 68 % within {within} of {about}"
+        return f"normal, 68 % within {within} of {about}"
+    if prior.kind == "normal":
+        return f"normal, {size(name, prior.first, prior.second, unit)}"
+    if prior.kind == "log-normal":
+        return f"log-normal, {limit(name, prior.first, unit, 4)} to a factor of {prior.second:.3g}"
+    return f"log-uniform, {limit(name, prior.first, unit)} to {limit(name, prior.second, unit)}"
 
 
 def size(name: str, value: float, sd: float, unit: str) -> str:
@@ -154,10 +174,10 @@ def in_unit(value: float, unit: str, digits: int = 2, own: bool = False) -> str:
 
 
 def odds(ratio: float) -> str:
-    """How much less probable something is."""
+    """Odds of one model against another: ``2400 to 1``."""
     if ratio > 1e6:
-        return "less probable by more than a million times"
-    return f"{number(ratio, 2)} times less probable" if ratio > 1.5 else "nearly as probable"
+        return "more than a million to 1"
+    return f"{number(ratio, 2)} to 1" if ratio >= 1.0 else f"1 to {number(1.0 / ratio, 2)}"
 
 
 def joined_ends(low: float, high: float) -> str:
@@ -189,7 +209,7 @@ def number(value: float, digits: int = 3) -> str:
     if not math.isfinite(value):
         return "not known" if math.isnan(value) else "∞"
     if value == 0.0 or _PLAIN[0] <= abs(value) < _PLAIN[1]:
-        return f"{value:.{digits}g}" if abs(value) < 10.0**digits else f"{value:.0f}"
+        return f"{float(f'{value:.{digits}g}'):.12g}"
     first, _, ten = f"{value:.{digits - 1}e}".partition("e")
     return f"{first}·{power(int(ten))}"
 

@@ -6,9 +6,10 @@ Beside extended.toml are the voltages and the map of a scenario that has them.
 from __future__ import annotations
 
 import platform
+import re
 import shlex
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from datetime import datetime
 from os import PathLike
 from pathlib import Path
@@ -24,6 +25,7 @@ from stickslip._util.checksum import sha256_of
 from stickslip._util.html_page import page_text, svg
 from stickslip._util.palette import BLUE, VERMILION
 from stickslip._util.strict_json import json_text
+from stickslip.diagnosis.candidate import table_name
 from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.report import amounts
 from stickslip.diagnosis.report.numbers import numbers_of
@@ -92,7 +94,7 @@ def page(result: Diagnosis, numbers: dict[str, Any]) -> str:
     ]
     judged = result.fitted
     drawable = judged and not isinstance(tables[main], FilmTable)
-    return page_text(
+    text = page_text(
         "diagnosis/report/report.html.j2",
         report=numbers,
         a=amounts,
@@ -105,6 +107,36 @@ def page(result: Diagnosis, numbers: dict[str, Any]) -> str:
         ranking=_svg(plots.ranking()) if judged else "",
         cosines=_svg(plots.cosines()),
     )
+    # No line ends between a number and its sign.
+    inside = r" (?=[%±])|(?<=\bp) (?=[=&])|(?<=\bp =) |(?<=\bp &lt;) "
+    return re.sub(inside, "\N{NO-BREAK SPACE}", text)
+
+
+def save_figures(result: Diagnosis, folder: Path, formats: Sequence[str]) -> list[Path]:
+    """Write all figures; see `Diagnosis.save_figures`."""
+    figures, plots = {}, Plots(result)
+    for k, table in enumerate(result.problem.tables if result.fitted else ()):
+        name = table_name(result.problem, k).replace(" ", "-")
+        if isinstance(table, FilmTable):
+            figures[f"film-{name}"] = plots.film(k)
+        else:
+            figures |= {f"fit-{name}": plots.fit(k), f"residuals-{name}": plots.residuals(k)}
+    if result.fitted:
+        others = {"ranking": plots.ranking(), "cosines": plots.cosines(), "law": plots.law()}
+        figures |= others
+    folder.mkdir(parents=True, exist_ok=True)
+    written = []
+    for name, figure in figures.items():
+        for form in formats if figure is not None else ():
+            written.append(folder / f"{name}.{form}")
+            figure.savefig(written[-1], bbox_inches="tight")
+    return written
+
+
+def notebook(result: Diagnosis) -> str:
+    """The verdict with its tables as a cell of a notebook shows it."""
+    template = "diagnosis/report/notebook.html.j2"
+    return str(page_text(template, report=numbers_of(result), a=amounts))
 
 
 def _svg(figure: Figure | None) -> Markup:

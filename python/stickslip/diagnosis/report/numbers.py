@@ -14,7 +14,9 @@ from stickslip._util.arrays import Array
 from stickslip._util.html_page import page_text
 from stickslip.diagnosis.candidate import Candidate, spread_of, table_name
 from stickslip.diagnosis.data.film import FilmTable
+from stickslip.diagnosis.decision.experiments import advice
 from stickslip.diagnosis.decision.formulas import formula
+from stickslip.diagnosis.decision.gain import held_out, parts_of
 from stickslip.diagnosis.decision.limits import upper_limits
 from stickslip.diagnosis.decision.posterior import ALIKE, cosine
 from stickslip.diagnosis.fitting.models import Fit
@@ -32,9 +34,7 @@ def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
     """All numbers, by the keys of the reference, in SI units unless a text says its unit."""
     verdict, found = result.verdict, result.findings
     source = result.measurement
-    notes = [*result.notes, *(each for table in result.problem.tables for each in table.notes)]
-    lost = [*(() if source is None else source.left_out)]
-    lost += [each for t in result.problem.tables for each in getattr(t, "left_out", ())]
+    lost = [*(() if source is None else map(str, source.left_out)), *_of_tables(result, "left_out")]
     numbers: dict[str, Any] = {
         "verdict": verdict.kind,
         "cause": _cause(result),
@@ -51,8 +51,8 @@ def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
         "next": str(result.next_step),
         "next_experiments": [],
         "reasons": [_words(result, str(each)) for each in verdict.reasons],
-        "notes": [{"code": each.code, "text": str(each)} for each in notes],
-        "left_out": [str(each) for each in lost],
+        "notes": _notes(result),
+        "left_out": lost,
         "recalibrated": {},
         "ranking": [],
         "conditions": _conditions(result),
@@ -65,6 +65,7 @@ def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
         "common": [amounts.title(each) for each in verdict.common],
         "beside": _beside(result),
         "offered": len(result.problem.causes),
+        "odds": None,
         "alike": [],
         "advice": [],
         "tests": {"lack_of_fit": found.test.lack_of_fit, "score": found.test.score},
@@ -76,6 +77,8 @@ def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
         numbers |= _of_models(result, numbers["conditions"])
     if source is not None and verdict.kind == "ambiguous":
         numbers["next_experiments"] = _experiments(result)
+        names = {each: amounts.title(each) for each in verdict.causes}
+        numbers["advice"] = [str(each) for each in advice(names, result.propose_experiments())]
     numbers["headline"] = summary_text(numbers).split("\n", 1)[0]
     return numbers
 
@@ -84,6 +87,29 @@ def summary_text(numbers: Mapping[str, Any]) -> str:
     """The verdict and what it rests on, as the command and `Diagnosis.summary` print it."""
     page = page_text("diagnosis/report/summary.txt.j2", report=numbers, a=amounts)
     return "\n".join(line.rstrip() for line in unescape(page).strip().split("\n"))
+
+
+def _of_tables(result: Diagnosis, what: str) -> list[str]:
+    """Notes of the tables; those of a film, or of one of several tables, with its name."""
+    tables = result.problem.tables
+    return [
+        f"{title_of(table, k)}: {each}"
+        if len(tables) > 1 or isinstance(table, FilmTable)
+        else str(each)
+        for k, table in enumerate(tables)
+        for each in getattr(table, what, ())
+    ]
+
+
+def _notes(result: Diagnosis) -> list[dict[str, Any]]:
+    """All notes, those that nearly every report has last."""
+    own = [each for table in result.problem.tables for each in table.notes]
+    texts = [*map(str, result.notes), *_of_tables(result, "notes")]
+    found = [
+        {"code": each.code, "text": text, "routine": each.code in amounts.ROUTINE}
+        for each, text in zip([*result.notes, *own], texts, strict=True)
+    ]
+    return sorted(found, key=lambda each: bool(each["routine"]))
 
 
 def _words(result: Diagnosis, text: str) -> str:
@@ -102,18 +128,22 @@ def _of_models(result: Diagnosis, rows: Sequence[Mapping[str, Any]]) -> dict[str
     """What there is where models were fitted; `rows` are the conditions."""
     verdict, models = result.verdict, result.findings.models
     table, fits = result.compare(), result.chance.fits
-    ranking = [
-        {"candidate": name, "title": amounts.title(name), "causes": sorted(fit.names), **row}
-        for fit, (name, row) in zip(fits, table.to_dict("index").items(), strict=True)
-    ]
     told = verdict.fit or verdict.leader if verdict.kind != "none" else None
     best = result.recalibrated if told is None else Candidate(told, models)
+    ranking = [
+        {
+            "candidate": name, "title": amounts.title(name), "causes": sorted(fit.names), **row,
+            "odds": _odds(result, best.name, name),
+        }
+        for fit, (name, row) in zip(fits, table.to_dict("index").items(), strict=True)
+    ]  # fmt: skip
+    other = None if told is None else _other(result, told)
     members = [verdict.fit] if verdict.fit is not None else []
     if verdict.kind == "ambiguous":
         members = [each for each in verdict.members if each.causes]
     candidates = [Candidate(each, models) for each in members]
     parameters: dict[str, Any] = {}
-    for each in candidates:
+    for each in candidates or ([best] if verdict.kind == "unexplained" else []):
         for sizes in _sizes(result, each).values():
             for name, size in sizes.items():
                 parameters.setdefault(name.removeprefix("effects."), size)
@@ -124,10 +154,13 @@ def _of_models(result: Diagnosis, rows: Sequence[Mapping[str, Any]]) -> dict[str
         "claimed": [_told(result, each) for each in candidates],
         "leader": None if told is None else _leader(result, best),
         "law": law_of(best),
-        "runner_up": None if verdict.kind == "unexplained" else _runner_up(result, told),
+        "odds": None if told is None else {"none": _odds(result, told.name, "none")},
+        "runner_up": None if other is None or told is None else _runner_up(result, told, other),
         "recalibrated": _recalibrated(result),
         "moved": _moved(result),
-        "deciding_readings": [] if told is None else _deciding(result, told, rows),
+        "deciding_readings": (
+            [] if other is None or told is None else _deciding(result, told, other, rows)
+        ),
         "alike": [] if told is None else _alike(result, told),
         "bounds": _bounds(result) if verdict.kind == "none" else {},
     }
@@ -151,8 +184,12 @@ def _sizes(result: Diagnosis, candidate: Candidate) -> dict[str, dict[str, dict[
         if not names and cause.frees is not None:
             names = [cause.frees]
         found[cause.name] = {
-            k: {**rows[k], **ends[k], "before": amounts.before(known[k])} for k in names
-        }
+            k: {
+                **rows[k], **ends[k], "before": amounts.before(known[k]),
+                "title": amounts.parameter(k),
+            }
+            for k in names
+        }  # fmt: skip
         for each in constants.keys() & set(names):
             found[cause.name][each]["stated"] = float(constants[each].value(np.zeros(1))[0])
     return found
@@ -180,6 +217,7 @@ def _leader(result: Diagnosis, candidate: Candidate) -> dict[str, Any]:
     return {
         **_told(result, candidate),
         "among_causes": own / with_cause if with_cause > 0.0 else 0.0,
+        "in_all": result.probability_of(candidate.fit.names),
         "share": candidate.share,
         "left": _left_in_words(result, candidate),
     }
@@ -195,22 +233,24 @@ def _left_in_words(result: Diagnosis, candidate: Candidate) -> list[str]:
             continue
         factor, unit = shown_unit(table, 0)
         text = f"{amounts.number(size * factor, 2)} {unit}".rstrip() + f" in {title_of(table, k)}"
+        text = f"a scatter of {text}" if left["form"] == "white" else text
         if name in left.get("correlation", {}):
             lasts = amounts.number(left["correlation"][name], 2)
-            text += f", correlated over {lasts} readings of a run"
+            text += f" with a correlation length of {lasts} readings"
         elif "length" in left:
-            text += f", smooth over {amounts.number(left['length'] / 2.0, 2)} of a setting's range"
+            text += f", smooth over {amounts.percent(left['length'] / 2.0)} of a setting's range"
         said.append(text)
     return said
 
 
-def _runner_up(result: Diagnosis, told: Fit | None) -> dict[str, Any] | None:
-    """The most probable model that has not the causes of the one that is told, and the odds."""
-    if told is None:
-        return None
-    other = _other(result, told)
+def _odds(result: Diagnosis, one: str, other: str) -> float:
     chance = result.chance.models
-    odds = chance[told.name] / max(chance[other.name], 1e-300)
+    return chance[one] / max(chance[other], 1e-300)
+
+
+def _runner_up(result: Diagnosis, told: Fit, other: Fit) -> dict[str, Any]:
+    """The most probable model that has not the causes of the one that is told, and the odds."""
+    odds = _odds(result, told.name, other.name)
     return {"candidate": other.name, "title": amounts.title(other.name), "odds": odds}
 
 
@@ -230,6 +270,7 @@ def _recalibrated(result: Diagnosis) -> dict[str, Any]:
         middle = each.prior is not None and each.prior.has_middle
         found[name] = {
             **rows[name], **ends[name],
+            "title": amounts.parameter(name), "before": amounts.before(each),
             "stated": float(each.value(np.zeros(1))[0]) if middle else None,
             "extended": extended.get(name, {}).get("value"),
             "pull_extended": extended.get(name, {}).get("pull"),
@@ -240,15 +281,18 @@ def _recalibrated(result: Diagnosis) -> dict[str, Any]:
 def _moved(result: Diagnosis) -> dict[str, Any] | None:
     """The constant that the recalibrated model has moved farthest."""
     pulls = abs(result.recalibrated.params["pull"])
-    return {"name": pulls.idxmax(), "pull": float(pulls.max())} if len(pulls) else None
+    if not len(pulls):
+        return None
+    name = str(pulls.idxmax())
+    return {"name": name, "title": amounts.parameter(name), "pull": float(pulls.max())}
 
 
 def _deciding(
-    result: Diagnosis, told: Fit, rows: Sequence[Mapping[str, Any]]
+    result: Diagnosis, told: Fit, other: Fit, rows: Sequence[Mapping[str, Any]]
 ) -> list[dict[str, Any]]:
     """The readings that tell a model from its runner-up, by the difference of log-likelihood."""
     models, problem = result.findings.models, result.problem
-    pair = [models.get(each.names) or each for each in (told, _other(result, told))]
+    pair = [models.get(each.names) or each for each in (told, other)]
     square = problem.whitened(np.stack([each.residual for each in pair], axis=1)) ** 2
     gain = 0.5 * (square[:, 1] - square[:, 0])
     whole = float(np.sum(gain[gain > 0.0]))
@@ -285,6 +329,7 @@ def _bounds(result: Diagnosis) -> dict[str, Any]:
         name.removeprefix("effects."): {
             "value": value, "unit": parameters[name].unit, "falls": parameters[name].falls,
             "relative": value / (parameters[name].size or 1.0),
+            "title": amounts.parameter(name),
             "cause": amounts.title(name.removeprefix("effects.").rpartition(".")[0]),
             "text": amounts.limit(name, value, parameters[name].unit),
             "seen": not _at_end(parameters[name], value),
@@ -335,13 +380,22 @@ def _gain(result: Diagnosis) -> dict[str, Any] | None:
     gain = result.gain
     if gain is None:
         return None
-    found, best = gain.as_dict(), -math.inf
-    for k, (table, part) in enumerate(zip(result.problem.tables, result.problem.rows, strict=True)):
-        name = table.name or f"table {k + 1}"
-        before, after = gain.mae_before[name], gain.mae_after[name]
-        change = abs(before - after) / float(np.median(result.problem.sd[part]))
+    found, best, problem = gain.as_dict(), -math.inf, result.problem
+    models, told = result.findings.models, result.verdict.fit or result.verdict.leader
+    assert told is not None
+    names = [table_name(problem, k) for k in range(len(problem.tables))]
+    if gain.mae_before.keys() != set(names):
+        # Tables of one name have one error together there.
+        pair = {"mae_before": models.null, "mae_after": models.get(told.names) or told}
+        for key, fit in pair.items():
+            left = np.abs(held_out(problem, fit, "none", parts_of(problem)))
+            means = [float(np.mean(left[part])) for part in problem.rows]
+            found[key] = dict(zip(names, means, strict=True))
+    for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
+        before, after = (found[key][names[k]] for key in ("mae_before", "mae_after"))
+        change = abs(before - after) / float(np.median(problem.sd[part]))
         if change > best and not isinstance(table, FilmTable):
-            best, level = change, float(np.mean(np.abs(result.problem.y[part])))
+            best, level = change, float(np.mean(np.abs(problem.y[part])))
             found["told"] = {
                 "table": title_of(table, k), "before": before, "after": after,
                 "unit": unit_of(table, 0), "level": level,

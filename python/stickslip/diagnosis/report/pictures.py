@@ -1,7 +1,7 @@
 """Pictures of a report and of `Diagnosis.plot`: matplotlib figures, and the drawings of causes.
 
-Readings are black; the recalibrated model is blue; the extended one, and what is claimed, vermilion
-in all of them.
+Readings are black; the stated model is grey, the recalibrated one blue; the extended one, and what
+is claimed, vermilion in all of them.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import resources
@@ -18,16 +18,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip._util.arrays import Array, Indices
-from stickslip._util.palette import BLACK, BLUE, DARK_GREY, LIGHT_GREY, VERMILION
+from stickslip._util.palette import BLACK, BLUE, DARK_GREY, GREY, LIGHT_GREY, VERMILION
 from stickslip._util.picture import Picture
 from stickslip._util.plain_text import shortened
 from stickslip._util.units import handy, in_handy_units
 from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.data.velocity import VelocityTable
 from stickslip.diagnosis.decision.posterior import cosine
 from stickslip.diagnosis.report import amounts
 from stickslip.diagnosis.report.numbers import law_of, predictions
 from stickslip.diagnosis.report.readings import (
+    ROW,
     along,
     most_varied,
     numeric,
@@ -46,11 +48,14 @@ if TYPE_CHECKING:
 
     from stickslip.diagnosis.result import Diagnosis
 
-_COLOURS = {"recalibrated": BLUE, "extended": VERMILION}
+_COLOURS = {"stated": GREY, "recalibrated": BLUE, "extended": VERMILION}
 _MARKERS, _SIGNS = "osD^v<>Ph*", "●■◆▲▼◀▶✚⬢★"
 _MOST_PANELS, _MOST_RANKED, _MOST_COSINES = 8, 12, 12
 _FEW = 3  # places of a setting below which nothing is seen over it
 _SAMPLES = 200  # points of a film's picture
+# Places between readings at which models are computed, and how far a model may be from what it is
+# known to predict at the readings, in their errors. Chosen: a smooth curve; no visible step.
+_BETWEEN, _SAME = 25, 0.3
 
 
 @dataclass(frozen=True)
@@ -190,8 +195,9 @@ class Plots:
         law = law_of(self._result.best) if self._result.fitted else None
         if law is None:
             return None
-        figure = Picture(figsize=(6.4, 3.6), layout="constrained")
+        figure = Picture(figsize=(7.2, 3.2), layout="constrained")
         axes = figure.subplots()
+        axes.spines[["top", "right"]].set_visible(False)
         axes.fill_between(law["at"], law["low"], law["high"], color=LIGHT_GREY, label="95 %")
         axes.plot(law["at"], law["value"], color=VERMILION, label="curve of free shape")
         own = "" if law["law_unit"] == "-" else f" ({law['law_unit']})"
@@ -247,7 +253,7 @@ class Plots:
                 f"Measured {title_of(table, k)}{where} minus the recalibrated model over "
                 f"{each.over}, with error bars of two standard deviations; model: {models}."
             )
-            figure = _figure([each], self._draw_change, alone=True)
+            figure = _figure([each], self._draw_change, alone=len(panels))
             found.append((text, figure))
         return found
 
@@ -289,10 +295,57 @@ class Plots:
     def _tables(self) -> Sequence[Table]:
         return self._result.problem.tables
 
+    def _between(
+        self, panel: Panel, rows: Indices
+    ) -> tuple[Array, dict[str, tuple[Array, Array]]]:
+        """Places along a setting with predictions and their sd; none where a model has none.
+
+        Only at conditions that differ in this setting alone, and where the model is at the readings
+        what it is known to be: one of the user's own may know its own table only.
+        """
+        result, table, over = self._result, self._tables[panel.table], panel.over
+        part = result.problem.rows[panel.table]
+        at = along(table, over)[0][rows - part.start]
+        settings = settings_of(table)
+        others = [n for n in varied(settings) if n != over]
+        alone = all(len({settings[n][0][row - part.start] for row in rows}) == 1 for n in others)
+        if over == ROW or not alone or not np.ptp(at) > 0.0:
+            return at, {}
+        # Groups share their places, so that equal curves are one.
+        whole = along(table, over)[0]
+        grid = np.linspace(whole.min(), whole.max(), _BETWEEN)
+        places = np.union1d(at, grid[(grid > at.min()) & (grid < at.max())])
+        given: Any
+        if isinstance(table, VelocityTable):
+            drive = table.conditions[int(rows[0]) - part.start]
+            own = {key: value for key, value in drive.items() if key.startswith("drive.")}
+            given = [{**own, f"drive.{over}": float(place)} for place in places]
+        elif result.measurement is None and isinstance(table.settings, Mapping):
+            first = table.first[rows[0] - part.start]
+            given = {
+                name: np.full(len(places), np.asarray(column)[first])
+                for name, column in table.settings.items()
+            } | {over: places}
+        else:
+            return at, {}
+        try:
+            made = result.predict(given)
+        except Exception:  # whatever the user's own model raises where it knows its table only
+            return at, {}
+        known = np.searchsorted(places, at)
+        found = {}
+        for name in self._models:
+            level, sd = made[name].to_numpy(), made[f"{name}_sd"].to_numpy()
+            apart = np.abs(level[known] - self._predicted[name][rows])
+            if not np.all(apart <= _SAME * result.problem.sd[rows]):
+                return at, {}
+            found[name] = level, sd
+        return places, found
+
     def _label(self, name: str) -> str:
         fit = self._result.verdict.fit
-        if name == "recalibrated" or fit is None:
-            return "recalibrated model"
+        if name != "extended" or fit is None:
+            return f"{name} model"
         return f"with {amounts.title(fit.name)}"
 
     def _check(self, table: int) -> None:
@@ -327,12 +380,12 @@ class Plots:
         self._draw(axes, panel, self._predicted.get("recalibrated"))
 
     def _draw(self, axes: Any, panel: Panel, base: Array | None = None) -> None:
-        """Readings and models, or what they are beyond `base`."""
+        """Readings and models, or what they are beyond `base`: curves where they are computed."""
         result, table = self._result, self._tables[panel.table]
         part, (at, unit) = result.problem.rows[panel.table], along(table, panel.over)
         at = at * handy(unit)[0]
         first = next(iter(panel.groups.values()))[0]
-        what = table.name if table.name in ("velocity", "angle", "field") else "reading"
+        what = table.name or "reading"
         factor, shown = shown_unit(table, int(first) - part.start)
         label = what if base is None else f"difference of {what}"
         label += f" ({shown})" if shown else ""
@@ -342,11 +395,25 @@ class Plots:
             y = (result.problem.y - below)[rows] * factor
             axes.errorbar(x, y, 2.0 * result.problem.sd[rows] * factor, fmt=marker, color=BLACK,
                           ms=4.5, lw=1.1, label=group or "measured", zorder=3)  # fmt: skip
-            for name, of in self._predicted.items():
-                if name != "stated" and (name != "recalibrated" or base is None):
-                    line = "-" if np.all(np.diff(x) > 0.0) else ""  # else no curve
-                    axes.plot(x, (of - below)[rows] * factor, line, color=_COLOURS[name], lw=1.6,
-                              marker="_", ms=8, mew=1.6, label=self._label(name))  # fmt: skip
+            places, curves = self._between(panel, rows)
+            shown = curves or {name: (of[rows], None) for name, of in self._predicted.items()}
+            for name, (level, sd) in shown.items():
+                if base is not None and name in ("stated", "recalibrated"):
+                    continue
+                if base is not None:
+                    level = level - (curves["recalibrated"][0] if curves else base[rows])
+                at_all = places * handy(unit)[0] if curves else x
+                # Without a curve between readings straight lines lead the eye along an order.
+                line = "-" if curves else ":" if np.all(np.diff(x) > 0.0) else ""
+                axes.plot(at_all, level * factor, line, color=_COLOURS[name], lw=1.6,
+                          marker="" if curves else "_", ms=8, mew=1.6,
+                          label=self._label(name))  # fmt: skip
+                if sd is not None:
+                    ends = [(level + k * sd) * factor for k in (-1.96, 1.96)]
+                    axes.fill_between(at_all, *ends, color=_COLOURS[name], alpha=0.2, lw=0)
+            if curves and base is None:
+                axes.plot(x, self._predicted["stated"][rows] * factor, "_", ms=8, mew=1.6,
+                          color=_COLOURS["stated"], label=self._label("stated"))  # fmt: skip
         if base is not None:
             axes.axhline(0.0, color=_COLOURS["recalibrated"], lw=1.6,
                          label=self._label("recalibrated"))  # fmt: skip
@@ -365,23 +432,27 @@ def drawing(name: str, way: str = "") -> str:
     """
     symbols = resources.files("stickslip").joinpath("diagnosis/report/drawings.svg")
     text = symbols.read_text("utf-8")
+    parts = dict(re.findall(r'<g id="([\w-]+)">(.*?)</g>\n', text))
     for own in (f"{name} {way}", name):
         found = re.search(
-            rf'<symbol id="{re.escape(own)}"[^>]*>\s*<title>(.*?)</title>(.*?)</symbol>', text, re.S
-        )
+            rf'<symbol id="{re.escape(own)}" viewBox="(.*?)"><title>(.*?)</title>(.*?)</symbol>',
+            text, re.S,
+        )  # fmt: skip
         if found:
+            box, title, inside = found.groups()
+            shown = re.sub(r'<use href="#([\w-]+)"/>', lambda use: parts[use[1]], inside.strip())
             return (
-                f'<svg class="drawing" viewBox="0 0 160 110" role="img" aria-label="{found[1]}">'
-                f"<title>{found[1]}</title>{found[2].strip()}</svg>"
+                f'<svg class="drawing" viewBox="{box}" role="img" aria-label="{title}">'
+                f"<title>{title}</title>{shown}</svg>"
             )
     return ""
 
 
-def _figure(panels: Sequence[Panel], draw: Any, alone: bool = False) -> Figure:
-    """A figure with all panels, two in a row, and one legend where there are several."""
+def _figure(panels: Sequence[Panel], draw: Any, alone: int = 0) -> Figure:
+    """A figure with all panels, two in a row, and one legend; or of one `alone` of so many."""
     columns = min(len(panels), 2)
     rows = math.ceil(len(panels) / columns)
-    size = (4.9, 3.0) if alone else (max(6.4, 4.9 * columns), 0.8 + 3.0 * rows)
+    size = (7.2 if alone == 1 else 4.9, 3.2) if alone else (max(6.4, 4.9 * columns), 0.8 + 3.0 * rows)
     figure = Picture(figsize=size, layout="constrained")
     frames = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes, each in zip(frames, panels, strict=False):

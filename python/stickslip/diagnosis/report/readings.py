@@ -92,9 +92,17 @@ def setting_text(name: str, value: Any, unit: str) -> str:
 
 
 def usual_of(settings: Settings) -> dict[str, Any]:
-    """Of the numbers that vary the value that most conditions have, by name."""
-    names = [n for n in varied(settings) if not isinstance(settings[n][0][0], str)]
-    return {name: statistics.mode(settings[name][0]) for name in names}
+    """Of the numbers that vary the value that more than half of the conditions have, by name.
+
+    None where there is no such value: then each is told.
+    """
+    found: dict[str, Any] = {}
+    for name in varied(settings):
+        values = settings[name][0]
+        if not isinstance(values[0], str):
+            value = statistics.mode(values)
+            found[name] = value if 2 * values.count(value) > len(values) else None
+    return found
 
 
 def in_words(settings: Settings) -> list[str]:
@@ -105,7 +113,7 @@ def in_words(settings: Settings) -> list[str]:
     count = len(next(iter(settings.values()))[0]) if settings else 0
     found = []
     for i in range(count):
-        said = [" ".join(str(settings[name][0][i]) for name in words)] if words else []
+        said = [f"{name} {settings[name][0][i]}" for name in words]
         said += [
             setting_text(name, settings[name][0][i], settings[name][1])
             for name, value in usual.items()
