@@ -3,7 +3,6 @@
 import re
 from html.parser import HTMLParser
 
-ANSWERS = ("what", "size", "sure", "do", "better")
 _ALONE = {"meta", "br", "img", "link", "hr", "input"}
 
 
@@ -56,11 +55,6 @@ class Page(HTMLParser):
     def by_id(self, name):
         (found,) = [each for each in self.elements if each.get("id") == name]
         return found
-
-    def answer(self, name):
-        """The paragraphs of one of the five answers."""
-        inside = self.by_id(name).get("inside", [])
-        return [each["text"] for each in inside if each["tag"] == "p"]
 
     @property
     def headline(self):

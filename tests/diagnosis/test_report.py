@@ -1,26 +1,39 @@
 """The report of a diagnosis: its dictionary of numbers, its page, and its files."""
 
 import json
+import math
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+import films
 import made_findings as made
 import made_velocities
+from stickslip._util.palette import VERMILION
 from stickslip._util.strict_json import json_text
+from stickslip.diagnosis.data.film import FilmTable
+from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.entry import diagnose_model
 from stickslip.diagnosis.measured import pose
 from stickslip.diagnosis.report import amounts
 from stickslip.diagnosis.report.files import page
-from stickslip.diagnosis.report.numbers import numbers_of
+from stickslip.diagnosis.report.numbers import notes_of, numbers_of
 from stickslip.diagnosis.report.pictures import drawing
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.steps import run
+from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
+from stickslip.scenario.priors import Prior
 from stickslip.scenario.toml_file import load
+from stickslip.simulation.note import Note
+from toys import LEVEL, SLOPE, STEP, WAVE, data, line
 
 TRUTH = (1.1, 1.9, made.BUMP, 0.0, 0.0)
+TILT = Parameter("effects.surface_tilt.angle", None, "rad", -0.5, 0.5, math.radians(2.0))
 KEYS = {
     "verdict", "cause", "parameters", "probabilities", "p_value", "bounds", "gain", "next",
     "next_experiments", "left_out", "seed", "version", "headline", "notes", "recalibrated",
@@ -105,7 +118,7 @@ def test_each_verdict_has_a_sound_page(dominant, none, kind):
     text = " ".join(" ".join(seen.words).split())
     assert numbers["headline"].split(". ")[0] in text
     assert not re.search(r"\b(None|nan|inf|Undefined|Namespace|Decimal)\b|[{}]", text)
-    for card in ("what", "size", "sure", "better", "do"):
+    for card in ("what", "size", "sure", "decides", "do"):
         assert card in seen.ids
     assert numbers["headline"] == result.summary().split("\n")[0]
 
@@ -141,6 +154,92 @@ def test_the_readings_that_decide_are_at_the_bump(dominant):
     places = [numbers["conditions"][each["number"] - 1]["settings"]["x"] for each in rows]
     assert all(abs(place - 0.5) < 0.15 for place in places)
     assert 0.0 < sum(each["share"] for each in rows) < 1.0
+
+
+def test_odds_are_those_of_the_ranking(dominant):
+    """And a cause has the probability of all models that have it."""
+    numbers = dominant.as_dict()
+    chance = {row["candidate"]: row["probability"] for row in numbers["ranking"]}
+    rivals = [name for name in chance if "bump" not in name.split(" + ")]
+    assert numbers["runner_up"]["candidate"] == rivals[0]
+    for said, name in (
+        (numbers["runner_up"]["odds"], rivals[0]),
+        (numbers["odds"]["none"], "none"),
+    ):
+        assert said == pytest.approx(chance["bump"] / chance[name])
+        assert said in [row["odds"] for row in numbers["ranking"] if row["candidate"] == name]
+    assert numbers["leader"]["in_all"] == pytest.approx(numbers["probabilities"]["bump"])
+    assert numbers["leader"]["in_all"] > chance["bump"]
+    assert amounts.percent(numbers["leader"]["in_all"]) in dominant.summary().split("\n")[1]
+
+
+def test_tables_of_one_name_have_errors_of_their_own():
+    """Those that the tables have while they are called differently."""
+    wave = 0.8 * np.sin(5.0 * np.linspace(1.0, 3.0, 30))
+    tables = [data(wave, sd=sd) for sd in (0.1, 0.3)]
+    tables[1].name = "other"
+    result = diagnose_model(line, tables, [SLOPE, LEVEL], [WAVE, STEP])
+    before = result.as_dict()["gain"]
+    tables[1].name = tables[0].name
+    after = result.as_dict()["gain"]
+    for key in ("mae_before", "mae_after"):
+        assert after[key]["line 1"] == pytest.approx(before[key]["line"])
+        assert after[key]["line 2"] == pytest.approx(before[key]["other"])
+
+
+@pytest.mark.parametrize("everywhere", [True, False])
+def test_a_curve_is_drawn_where_the_model_can_be_computed(everywhere):
+    """Not where a model knows its own rows only, or means something else between them."""
+    x = np.linspace(1.0, 3.0, 20)
+    wave = np.sin(5.0 * x)
+
+    def predict(table, p):
+        shape = np.sin(5.0 * table["x"]) if everywhere else np.resize(wave, len(table["x"]))
+        return p["slope"] * table["x"] + p["wave.height"] * shape
+
+    noise = 0.05 * np.random.default_rng(1).standard_normal(20)
+    table = Table({"x": x}, x + 0.8 * wave + noise, sd=0.05, name="way")
+    result = diagnose_model(predict, table, [SLOPE], [WAVE])
+    axes = result.plot.residuals().axes[0]
+    (drawn,) = [each for each in axes.lines if len(each.get_xdata()) >= 20 and
+                each.get_color() == VERMILION]  # fmt: skip
+    places, change = np.array(drawn.get_data())
+    assert (len(places) > 20) == everywhere == bool(axes.collections[1:])
+    known = result.predict({"x": places})
+    if everywhere:
+        assert np.allclose(change, known["extended"] - known["recalibrated"])
+    low, high = axes.get_ylim()
+    assert np.all((change > low) & (change < high))
+
+
+def test_the_notes_of_a_film_name_it_and_what_all_have_comes_last(none):
+    own = replace(none, notes=(Note("no-block-column", "No blocks."), Note("rest", "It rests.")))
+    numbers = own.as_dict()
+    assert [each["text"] for each in numbers["notes"]] == ["It rests.", "No blocks."]
+    assert "It rests." in own.summary()
+    assert "No blocks." not in own.summary()
+    film = FilmTable(films.tracking_run({}, 400.0, 1, stated=False))
+    seen = SimpleNamespace(problem=SimpleNamespace(tables=(film,)), notes=())
+    assert all(each["text"].startswith(f"{film.title}: ") for each in notes_of(seen))
+    assert len(notes_of(seen)) == len(film.notes) > 0
+
+
+def test_a_notebook_shows_tables_and_figures_are_files(dominant, none, tmp_path):
+    for result in (dominant, none, made.refused(dominant)):
+        shown = Page(result._repr_html_())
+        assert not shown.open
+        assert "Verdict" in " ".join(shown.words)
+    assert dominant._repr_html_().count("<table") == 4
+    written = dominant.save_figures(tmp_path / "figures")
+    assert {each.name for each in written} == {
+        f"{name}.{form}"
+        for name in ("fit-volts", "residuals-volts", "ranking", "cosines")
+        for form in ("svg", "pdf")
+    }
+    heads = {each.suffix: each.read_bytes()[:5] for each in written}
+    assert heads == {".svg": b"<?xml", ".pdf": b"%PDF-"}
+    with pytest.raises(ScenarioError, match="folder"):
+        none.save_figures(5)
 
 
 @pytest.mark.nightly
@@ -209,6 +308,19 @@ def test_a_measurement_has_an_extended_scenario(tmp_path):
 )
 def test_an_amount_ends_at_the_second_digit_of_its_error(value, sd, said):
     assert amounts.amount(value, sd) == said
+
+
+@pytest.mark.parametrize(
+    ("parameter", "said"),
+    [
+        (TILT, "normal, 68 % within 2 degrees of 0 degrees"),
+        (replace(TILT, low=0.0), "half-normal, 68 % within 2 degrees of 0 degrees"),
+        (Parameter("k", Prior("normal", 2.0, 0.3), "V"), "normal, 2.00 ± 0.30 V"),
+        (Parameter("k", Prior("log-uniform", 1.0, 9.0)), "log-uniform, 1 to 9"),
+    ],
+)
+def test_a_prior_is_told_by_its_name_in_the_unit_of_the_headline(parameter, said):
+    assert amounts.before(parameter) == said
 
 
 def test_each_cause_of_the_library_has_its_drawing():

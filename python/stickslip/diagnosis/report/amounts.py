@@ -173,10 +173,10 @@ def in_unit(value: float, unit: str, digits: int = 2, own: bool = False) -> str:
     return f"{number(value * factor, digits)} {shown}".rstrip()
 
 
-def odds(ratio: float) -> str:
+def odds(ratio: float, short: bool = False) -> str:
     """Odds of one model against another: ``2400 to 1``."""
     if ratio > 1e6:
-        return "more than a million to 1"
+        return f"> {power(6)} to 1" if short else "more than a million to 1"
     return f"{number(ratio, 2)} to 1" if ratio >= 1.0 else f"1 to {number(1.0 / ratio, 2)}"
 
 

@@ -23,7 +23,7 @@ from stickslip import _core
 from stickslip._util.atomic_files import check_folder, text_writer, write_together
 from stickslip._util.checksum import sha256_of
 from stickslip._util.html_page import page_text, svg
-from stickslip._util.palette import BLUE, VERMILION
+from stickslip._util.palette import BLUE, DARK_GREY, VERMILION
 from stickslip._util.strict_json import json_text
 from stickslip.diagnosis.candidate import table_name
 from stickslip.diagnosis.data.film import FilmTable
@@ -109,12 +109,13 @@ def page(result: Diagnosis, numbers: dict[str, Any]) -> str:
     )
     # No line ends between a number and its sign.
     inside = r" (?=[%±])|(?<=\bp) (?=[=&])|(?<=\bp =) |(?<=\bp &lt;) "
-    return re.sub(inside, "\N{NO-BREAK SPACE}", text)
+    return re.sub(inside, "&nbsp;", text)
 
 
 def save_figures(result: Diagnosis, folder: Path, formats: Sequence[str]) -> list[Path]:
     """Write all figures; see `Diagnosis.save_figures`."""
-    figures, plots = {}, Plots(result)
+    figures: dict[str, Figure | None] = {}
+    plots = Plots(result)
     for k, table in enumerate(result.problem.tables if result.fitted else ()):
         name = table_name(result.problem, k).replace(" ", "-")
         if isinstance(table, FilmTable):
@@ -122,14 +123,15 @@ def save_figures(result: Diagnosis, folder: Path, formats: Sequence[str]) -> lis
         else:
             figures |= {f"fit-{name}": plots.fit(k), f"residuals-{name}": plots.residuals(k)}
     if result.fitted:
-        others = {"ranking": plots.ranking(), "cosines": plots.cosines(), "law": plots.law()}
-        figures |= others
+        figures |= {"ranking": plots.ranking(), "cosines": plots.cosines(), "law": plots.law()}
     folder.mkdir(parents=True, exist_ok=True)
     written = []
     for name, figure in figures.items():
-        for form in formats if figure is not None else ():
-            written.append(folder / f"{name}.{form}")
-            figure.savefig(written[-1], bbox_inches="tight")
+        if figure is not None:
+            paths = [folder / f"{name}.{form}" for form in formats]
+            for path in paths:
+                figure.savefig(path)
+            written += paths
     return written
 
 
@@ -142,8 +144,9 @@ def notebook(result: Diagnosis) -> str:
 def _svg(figure: Figure | None) -> Markup:
     """A figure in the colours of the page, which may be dark."""
     text = svg(figure)
-    for colour, name in ((BLUE, "var(--accent)"), (VERMILION, "var(--cause)")):
-        text = text.replace(colour.lower(), name)
+    names = {BLUE: "accent", VERMILION: "cause", DARK_GREY: "soft"}
+    for colour, name in names.items():
+        text = text.replace(colour.lower(), f"var(--{name})")
     return text
 
 

@@ -51,7 +51,7 @@ def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
         "next": str(result.next_step),
         "next_experiments": [],
         "reasons": [_words(result, str(each)) for each in verdict.reasons],
-        "notes": _notes(result),
+        "notes": notes_of(result),
         "left_out": lost,
         "recalibrated": {},
         "ranking": [],
@@ -101,7 +101,7 @@ def _of_tables(result: Diagnosis, what: str) -> list[str]:
     ]
 
 
-def _notes(result: Diagnosis) -> list[dict[str, Any]]:
+def notes_of(result: Diagnosis) -> list[dict[str, Any]]:
     """All notes, those that nearly every report has last."""
     own = [each for table in result.problem.tables for each in table.notes]
     texts = [*map(str, result.notes), *_of_tables(result, "notes")]

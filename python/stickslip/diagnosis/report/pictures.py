@@ -1,7 +1,7 @@
 """Pictures of a report and of `Diagnosis.plot`: matplotlib figures, and the drawings of causes.
 
 Readings are black; the stated model is grey, the recalibrated one blue; the extended one, and what
-is claimed, vermilion in all of them.
+is claimed, vermilion in all of them. What is nearest without a claim is dark grey.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 
     from stickslip.diagnosis.result import Diagnosis
 
-_COLOURS = {"stated": GREY, "recalibrated": BLUE, "extended": VERMILION}
+_COLOURS = {"stated": GREY, "recalibrated": BLUE, "extended": VERMILION, "nearest": DARK_GREY}
 _MARKERS, _SIGNS = "osD^v<>Ph*", "●■◆▲▼◀▶✚⬢★"
 _MOST_PANELS, _MOST_RANKED, _MOST_COSINES = 8, 12, 12
 _FEW = 3  # places of a setting below which nothing is seen over it
@@ -107,15 +107,18 @@ class Plots:
         """Probabilities of the models."""
         chance = self._result.chance.models if self._result.fitted else {}
         shown = list(itertools.islice(chance.items(), _MOST_RANKED))
-        figure = Picture(figsize=(6.4, 0.8 + 0.3 * len(shown)), layout="constrained")
+        figure = Picture(figsize=(8.2, 0.8 + 0.3 * len(shown)), layout="constrained")
         axes = figure.subplots()
         fit = self._result.verdict.fit
-        claimed = None if fit is None else fit.name
+        names = {e.name: e.names for e in self._result.chance.fits} if shown else {}
         for place, (name, value) in enumerate(shown):
             size = max(value, 1e-6)
-            axes.barh(place, size, color=VERMILION if name == claimed else DARK_GREY)
+            # What has the claimed cause and more is of its colour, but paler.
+            has = fit is not None and names[name] >= fit.names
+            pale = 0.5 if fit is not None and has and name != fit.name else 1.0
+            axes.barh(place, size, color=VERMILION if has else DARK_GREY, alpha=pale)
             axes.text(size * 1.15, place, amounts.percent(value, True), va="center")
-        axes.set_yticks(range(len(shown)), [shortened(amounts.title(n), 48) for n, _ in shown])
+        axes.set_yticks(range(len(shown)), [shortened(amounts.title(n), 64) for n, _ in shown])
         axes.invert_yaxis()
         ticks = range(-6, 1)
         axes.set(xscale="log", xlim=(1e-6, 30.0), xlabel="probability")
@@ -265,9 +268,9 @@ class Plots:
         }
         found = [(signs[m], "ink", group or "measured") for group, m in sorted(markers)]
         found.append(("\N{EM DASH}", "accent", self._label("recalibrated")))
-        if "extended" in self._models:
-            found.append(("\N{EM DASH}", "cause", self._label("extended")))
-        return found
+        colours = {"extended": "cause", "nearest": "soft"}
+        told = [name for name in colours if name in self._predicted]
+        return found + [("\N{EM DASH}", colours[name], self._label(name)) for name in told]
 
     def main_table(self) -> int:
         """The table in which the cause improves the fit most, or most misfit is left."""
@@ -289,15 +292,16 @@ class Plots:
 
     @cached_property
     def _predicted(self) -> dict[str, Array]:
-        return predictions(self._result)
+        result, found = self._result, predictions(self._result)
+        if result.verdict.kind == "unexplained" and result.verdict.leader is not None:
+            found["nearest"] = result.problem.y - result.verdict.leader.residual
+        return found
 
     @property
     def _tables(self) -> Sequence[Table]:
         return self._result.problem.tables
 
-    def _between(
-        self, panel: Panel, rows: Indices
-    ) -> tuple[Array, dict[str, tuple[Array, Array]]]:
+    def _between(self, panel: Panel, rows: Indices) -> tuple[Array, dict[str, tuple[Array, Array]]]:
         """Places along a setting with predictions and their sd; none where a model has none.
 
         Only at conditions that differ in this setting alone, and where the model is at the readings
@@ -343,10 +347,11 @@ class Plots:
         return places, found
 
     def _label(self, name: str) -> str:
-        fit = self._result.verdict.fit
-        if name != "extended" or fit is None:
+        verdict = self._result.verdict
+        fit = verdict.leader if name == "nearest" else verdict.fit
+        if name not in ("extended", "nearest") or fit is None:
             return f"{name} model"
-        return f"with {amounts.title(fit.name)}"
+        return f"{'nearest, ' if name == 'nearest' else ''}with {amounts.title(fit.name)}"
 
     def _check(self, table: int) -> None:
         if not 0 <= table < len(self._tables):
@@ -396,24 +401,23 @@ class Plots:
             axes.errorbar(x, y, 2.0 * result.problem.sd[rows] * factor, fmt=marker, color=BLACK,
                           ms=4.5, lw=1.1, label=group or "measured", zorder=3)  # fmt: skip
             places, curves = self._between(panel, rows)
-            shown = curves or {name: (of[rows], None) for name, of in self._predicted.items()}
-            for name, (level, sd) in shown.items():
+            places = places * handy(unit)[0]
+            for name, of in self._predicted.items():
                 if base is not None and name in ("stated", "recalibrated"):
                     continue
-                if base is not None:
-                    level = level - (curves["recalibrated"][0] if curves else base[rows])
-                at_all = places * handy(unit)[0] if curves else x
-                # Without a curve between readings straight lines lead the eye along an order.
-                line = "-" if curves else ":" if np.all(np.diff(x) > 0.0) else ""
-                axes.plot(at_all, level * factor, line, color=_COLOURS[name], lw=1.6,
-                          marker="" if curves else "_", ms=8, mew=1.6,
-                          label=self._label(name))  # fmt: skip
-                if sd is not None:
-                    ends = [(level + k * sd) * factor for k in (-1.96, 1.96)]
-                    axes.fill_between(at_all, *ends, color=_COLOURS[name], alpha=0.2, lw=0)
-            if curves and base is None:
-                axes.plot(x, self._predicted["stated"][rows] * factor, "_", ms=8, mew=1.6,
-                          color=_COLOURS["stated"], label=self._label("stated"))  # fmt: skip
+                look = {"color": _COLOURS[name], "lw": 1.6, "label": self._label(name)}
+                if name not in curves:
+                    # Dots lead the eye along an order; nothing was computed between the readings.
+                    dots = ":" if np.all(np.diff(x) > 0.0) and name != "stated" else ""
+                    axes.plot(
+                        x, (of - below)[rows] * factor, dots, marker="_", ms=8, mew=1.6, **look
+                    )
+                    continue
+                level, sd = curves[name]
+                level = level - (0.0 if base is None else curves["recalibrated"][0])
+                axes.plot(places, level * factor, **look)
+                ends = [(level + k * sd) * factor for k in (-1.96, 1.96)]
+                axes.fill_between(places, *ends, color=_COLOURS[name], alpha=0.2, lw=0)
         if base is not None:
             axes.axhline(0.0, color=_COLOURS["recalibrated"], lw=1.6,
                          label=self._label("recalibrated"))  # fmt: skip
@@ -452,7 +456,9 @@ def _figure(panels: Sequence[Panel], draw: Any, alone: int = 0) -> Figure:
     """A figure with all panels, two in a row, and one legend; or of one `alone` of so many."""
     columns = min(len(panels), 2)
     rows = math.ceil(len(panels) / columns)
-    size = (7.2 if alone == 1 else 4.9, 3.2) if alone else (max(6.4, 4.9 * columns), 0.8 + 3.0 * rows)
+    size = max(6.4, 4.9 * columns), 0.8 + 3.0 * rows
+    if alone:
+        size = (7.2, 3.2) if alone == 1 else (4.9, 3.0)
     figure = Picture(figsize=size, layout="constrained")
     frames = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes, each in zip(frames, panels, strict=False):
