@@ -174,22 +174,27 @@ class Plots:
             if seen is None:
                 return None
             traces[name] = seen
-        figure = Picture(figsize=(6.4, 5.0), layout="constrained")
-        for axes, key, unit in zip(
-            figure.subplots(2, 1, sharex=True), ("theta", "x"), ("rad", "m"), strict=True
-        ):
+        figure = Picture(figsize=(9.6, 5.0), layout="constrained")
+        frames = figure.subplots(2, 2, sharex=True)
+        step = max(1, len(traces["recalibrated"]["phase"]) // _SAMPLES)
+        for row, key, unit in zip(frames, ("theta", "x"), ("rad", "m"), strict=True):
             factor, label = in_handy_units({"theta": "tilt", "x": "place"}[key], unit)
-            for name, seen in traces.items():
-                step = max(1, len(seen["phase"]) // _SAMPLES)
-                at = seen["phase"][::step]
-                if name == "recalibrated":
-                    axes.plot(at, seen[key][::step] * factor, ".", color=BLACK, ms=3,
-                              label="measured")  # fmt: skip
-                axes.plot(at, seen[key + "_model"][::step] * factor, color=_COLOURS[name],
-                          label=name)  # fmt: skip
-            axes.set_ylabel(label)
-        figure.axes[1].set_xlabel("phase of the drive, in periods")
-        figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center",
+            base = traces["recalibrated"][f"{key}_model"]
+            # Beside the motion what differs from the recalibrated model, which would hide there.
+            for axes, below, words in zip(row, (0.0 * base, base), ("", "change of "), strict=True):
+                for name, seen in traces.items():
+                    at = seen["phase"][::step]
+                    if name == "recalibrated":
+                        measured = (seen[key] - below)[::step] * factor
+                        axes.plot(at, measured, ".", color=BLACK, ms=3, label="measured")
+                    level = (seen[f"{key}_model"] - below)[::step] * factor
+                    axes.plot(at, level, color=_COLOURS[name], label=self._label(name))
+                axes.set_ylabel(words + label)
+                axes.grid(color=LIGHT_GREY, lw=0.6)
+                axes.spines[["top", "right"]].set_visible(False)
+        for axes in frames[1]:
+            axes.set_xlabel("phase of the drive, in periods")
+        figure.legend(*frames[0, 0].get_legend_handles_labels(), loc="outside upper center",
                       ncols=3, frameon=False)  # fmt: skip
         return figure
 
@@ -408,10 +413,9 @@ class Plots:
                 look = {"color": _COLOURS[name], "lw": 1.6, "label": self._label(name)}
                 if name not in curves:
                     # Dots lead the eye along an order; nothing was computed between the readings.
-                    dots = ":" if np.all(np.diff(x) > 0.0) and name != "stated" else ""
-                    axes.plot(
-                        x, (of - below)[rows] * factor, dots, marker="_", ms=8, mew=1.6, **look
-                    )
+                    dots = ":" if np.all(np.diff(x) > 0.0) else "none"
+                    axes.plot(x, (of - below)[rows] * factor, ls=dots, marker="_", ms=8, mew=1.6,
+                              **look)  # fmt: skip
                     continue
                 level, sd = curves[name]
                 level = level - (0.0 if base is None else curves["recalibrated"][0])
