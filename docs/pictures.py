@@ -33,7 +33,7 @@ from play.browser import PROGRAM as BROWSER  # noqa: E402
 
 _LINK = re.compile(r"!\[[^\]]*\]\(([^)\s]*images/[^)\s]+)\)")
 _COMMAND = re.compile(r"\*\*: `((?:stickslip|python) [^`]+)`")
-_SCREEN, _ZOOM = "860,704", "1.5"  # px; chosen so that it can be read at half the width of a page
+_SCREEN, _ZOOM = "900,790", "1.5"  # px; chosen so that it can be read at half the width of a page
 
 
 def linked(page: Path) -> list[Path]:

@@ -313,8 +313,8 @@ def test_an_amount_ends_at_the_second_digit_of_its_error(value, sd, said):
 @pytest.mark.parametrize(
     ("parameter", "said"),
     [
-        (TILT, "normal, 68 % within 2 degrees of 0 degrees"),
-        (replace(TILT, low=0.0), "half-normal, 68 % within 2 degrees of 0 degrees"),
+        (TILT, "normal about 0, 68 % within 2 degrees"),
+        (replace(TILT, low=0.0), "half-normal from 0 on, 68 % within 2 degrees"),
         (Parameter("k", Prior("normal", 2.0, 0.3), "V"), "normal, 2.00 ± 0.30 V"),
         (Parameter("k", Prior("log-uniform", 1.0, 9.0)), "log-uniform, 1 to 9"),
     ],

@@ -148,12 +148,12 @@ def before(known: Parameter) -> str:
     if prior is None:
         assert known.size is not None
         within = limit(name, known.size, unit)
-        if known.falls:
-            return f"half-normal, 68 % within {within} below {limit(name, known.high, unit)}"
-        about = limit(name, known.absent, unit)
-        if known.one_sided:
-            return f"half-normal, 68 % within {within} of {about}"
-        return f"normal, 68 % within {within} of {about}"
+        about = known.high if known.falls else known.absent
+        shown = limit(name, about, unit) if about else "0"
+        if known.falls or known.one_sided:
+            way = "down" if known.falls else "on"
+            return f"half-normal from {shown} {way}, 68 % within {within}"
+        return f"normal about {shown}, 68 % within {within}"
     if prior.kind == "normal":
         return f"normal, {size(name, prior.first, prior.second, unit)}"
     if prior.kind == "log-normal":

@@ -107,9 +107,10 @@ def page(result: Diagnosis, numbers: dict[str, Any]) -> str:
         ranking=_svg(plots.ranking()) if judged else "",
         cosines=_svg(plots.cosines()),
     )
-    # No line ends between a number and its sign.
-    inside = r" (?=[%±])|(?<=\bp) (?=[=&])|(?<=\bp =) |(?<=\bp &lt;) "
-    return re.sub(inside, "&nbsp;", text)
+    # No line ends between a number and its sign or unit.
+    units = r"(?<=\d) (?=(?:Hz|mT|mm/s|V|ms|s|N)\b)"
+    inside = rf"{units}| (?=[%±])|(?<=\bp) (?=[=&])|(?<=\bp =) |(?<=\bp &lt;) "
+    return re.sub(r"(?<= )-(?=[xyz]\b)", "-&NoBreak;", re.sub(inside, "&nbsp;", text))
 
 
 def save_figures(result: Diagnosis, folder: Path, formats: Sequence[str]) -> list[Path]:
