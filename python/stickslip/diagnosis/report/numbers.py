@@ -14,6 +14,7 @@ from stickslip._util.arrays import Array
 from stickslip._util.html_page import page_text
 from stickslip.diagnosis.candidate import Candidate, spread_of, table_name
 from stickslip.diagnosis.data.film import FilmTable
+from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.decision.experiments import advice
 from stickslip.diagnosis.decision.formulas import formula
 from stickslip.diagnosis.decision.gain import held_out, parts_of
@@ -235,8 +236,12 @@ def _left_in_words(result: Diagnosis, candidate: Candidate) -> list[str]:
         text = f"{amounts.number(size * factor, 2)} {unit}".rstrip() + f" in {title_of(table, k)}"
         text = f"a scatter of {text}" if left["form"] == "white" else text
         if name in left.get("correlation", {}):
-            lasts = amounts.number(left["correlation"][name], 2)
-            text += f" with a correlation length of {lasts} readings"
+            lasts = left["correlation"][name]
+            text += (
+                f" with a correlation time of {amounts.number(lasts * table.step, 2)} s"
+                if isinstance(table, Series)
+                else f" with a correlation length of {amounts.number(lasts, 2)} readings"
+            )
         elif "length" in left:
             text += f", smooth over {amounts.percent(left['length'] / 2.0)} of a setting's range"
         said.append(text)

@@ -52,7 +52,7 @@ _COLOURS = {"stated": GREY, "recalibrated": BLUE, "extended": VERMILION, "neares
 _MARKERS, _SIGNS = "osD^v<>Ph*", "●■◆▲▼◀▶✚⬢★"
 _MOST_PANELS, _MOST_RANKED, _MOST_COSINES = 8, 12, 12
 _FEW = 3  # places of a setting below which nothing is seen over it
-_SAMPLES = 200  # points of a film's picture
+_SAMPLES = 200  # points of a film's picture; of a group from which on there are no signs and bars
 # Places between readings at which models are computed, and how far a model may be from what it is
 # known to predict at the readings, in their errors. Chosen: a smooth curve; no visible step.
 _BETWEEN, _SAME = 25, 0.3
@@ -403,8 +403,11 @@ class Plots:
         for group, rows in panel.groups.items():
             x, marker = at[rows - part.start], panel.markers[group]
             y = (result.problem.y - below)[rows] * factor
-            axes.errorbar(x, y, 2.0 * result.problem.sd[rows] * factor, fmt=marker, color=BLACK,
-                          ms=4.5, lw=1.1, label=group or "measured", zorder=3)  # fmt: skip
+            dense = len(rows) > _SAMPLES
+            bars = None if dense else 2.0 * result.problem.sd[rows] * factor
+            axes.errorbar(x, y, bars, fmt="." if dense else marker, color=BLACK, lw=1.1,
+                          ms=2.0 if dense else 4.5, label=group or "measured",
+                          zorder=1 if dense else 3)  # fmt: skip
             places, curves = self._between(panel, rows)
             places = places * handy(unit)[0]
             for name, of in self._predicted.items():
@@ -413,9 +416,9 @@ class Plots:
                 look = {"color": _COLOURS[name], "lw": 1.6, "label": self._label(name)}
                 if name not in curves:
                     # Dots lead the eye along an order; nothing was computed between the readings.
-                    dots = ":" if np.all(np.diff(x) > 0.0) else "none"
-                    axes.plot(x, (of - below)[rows] * factor, ls=dots, marker="_", ms=8, mew=1.6,
-                              **look)  # fmt: skip
+                    dots = "-" if dense else ":" if np.all(np.diff(x) > 0.0) else "none"
+                    axes.plot(x, (of - below)[rows] * factor, ls=dots, ms=8, mew=1.6,
+                              marker="" if dense else "_", **look)  # fmt: skip
                     continue
                 level, sd = curves[name]
                 level = level - (0.0 if base is None else curves["recalibrated"][0])

@@ -13,6 +13,7 @@ from stickslip._util.units import handy, unit_label
 from stickslip.diagnosis.data.angle import AngleTable
 from stickslip.diagnosis.data.field import FieldTable
 from stickslip.diagnosis.data.film import FilmTable
+from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.data.velocity import VelocityTable
 from stickslip.scenario.keys import known_keys
@@ -53,7 +54,12 @@ def shown_unit(table: Table, row: int) -> tuple[float, str]:
 
 
 def settings_of(table: Table) -> Settings:
-    """The settings of a table; what only the simulator needs is left out."""
+    """The settings of a table; what only the simulator needs is left out.
+
+    Of readings in time the time alone, as its inputs follow.
+    """
+    if isinstance(table, Series):
+        return {"t": (table.t.tolist(), "s")}
     given = table.settings
     if hasattr(given, "keys"):
         columns = {str(key): np.asarray(given[key]) for key in given}
