@@ -41,6 +41,8 @@ def _is_slow(page):
     ids=lambda page: str(page.relative_to(ROOT)),
 )
 def test_the_code_of_a_page_runs_and_prints_what_it_says(page):
+    if any("import mujoco\n" in block.text for block in blocks(page)):
+        pytest.importorskip("mujoco")
     with play(page):
         pass
 
