@@ -399,3 +399,10 @@ def test_a_row_that_is_never_computed_is_refused_by_its_number():
     table = Table({"x": x}, x, sd=0.1, name="line")
     with pytest.raises(ScenarioError, match="row 7 of table line: it computes no reading"):
         diagnose_model(lambda t, p: np.where(x == 7, np.nan, p["slope"] * x), table, [SLOPE])
+
+
+def test_a_model_may_take_the_curves_though_no_cause_is_a_law():
+    for model in (lambda t, p, curves: line(t, p), lambda t, p, curves=None: line(t, p)):
+        result = diagnose_model(model, data(), [SLOPE, LEVEL], [])
+        assert result.verdict.kind in ("none", "unexplained", "ambiguous", "named", "dominant")
+        assert result.predict({"x": [1.0]})["recalibrated"].notna().all()

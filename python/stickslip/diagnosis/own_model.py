@@ -26,8 +26,8 @@ from stickslip.scenario.keys import meant
 from stickslip.simulation.note import Note
 
 Predict = Callable[..., Array]
-"""``predict(table, p)``, of a `Table` or `Series`, or ``predict(table, p, curves)`` beside a free
-law."""
+"""``predict(table, p)`` of a `Table` or `Series`, or ``predict(table, p, curves)``, which free laws
+need."""
 
 
 _TRIED = 8  # draws of all parameters, after which a row is never computed; chosen
@@ -71,7 +71,7 @@ def pose_own(
     _check_constants(constants, named)
     _check_inputs(tables, named)
     model = OwnModel(predict, tuple(uncertain), tuple(named))
-    _check_predict(predict, ["table", "p", *(["curves"] if model.laws else [])])
+    _check_predict(predict, model)
     names = [*(each.name for each in constants), *(p.name for c in every for p in c.parameters)]
 
     def rows(values: Array) -> Array:
@@ -142,7 +142,9 @@ class OwnModel(OneLine):
 
     def predicted(self, table: Any, p: Values) -> Any:
         """What the own function returns."""
-        return self.predict(table, p, Curves(self.laws, p)) if self.laws else self.predict(table, p)
+        if self.laws or _takes(self.predict, 3):
+            return self.predict(table, p, Curves(self.laws, p))
+        return self.predict(table, p)
 
     def columns(self, table: str, names: Sequence[str]) -> dict[str, int]:
         """Columns of `names` that count for a table, by the names that the model knows."""
@@ -274,19 +276,27 @@ def _check_list(key: str, given: object, kind: type[Parameter] | type[Cause]) ->
         raise ScenarioError(f"{key} = {brief(given)}: allowed is a list of {kind.__name__}")
 
 
-def _check_predict(predict: object, arguments: Sequence[str]) -> None:
+def _check_predict(predict: object, model: OwnModel) -> None:
     """Refuse a model that does not take the arguments that it is called with."""
+    arguments = ["table", "p", "curves"][: 3 if model.laws else 2]
     wanted = f"allowed is a function of ({', '.join(arguments)})"
     if not callable(predict):
         raise ScenarioError(f"predict = {brief(predict)}: {wanted}")
+    if _takes(predict, len(arguments)) is False and not _takes(predict, 3):
+        raise ScenarioError(f"predict takes {inspect.signature(predict)}: {wanted}")
+
+
+def _takes(function: Callable[..., Any], count: int) -> bool | None:
+    """Whether a function takes so many arguments; None where, as some compiled ones, it is mute."""
     try:
-        taken = inspect.signature(predict)
-    except (TypeError, ValueError):  # some compiled functions do not say
-        return
+        taken = inspect.signature(function)
+    except (TypeError, ValueError):
+        return None
     try:
-        taken.bind(*arguments)
+        taken.bind(*range(count))
     except TypeError:
-        raise ScenarioError(f"predict takes {taken}: {wanted}") from None
+        return False
+    return True
 
 
 def _check_names(

@@ -50,8 +50,8 @@ class Series(Table):
         the scatter about a smooth curve; else from what the fit of all suspects leaves.
     name : str
         Of the record.
-    repeat_of : str, optional
-        Name of the record that this one repeats: the same inputs at the same times.
+    repeat_of : str or Series, optional
+        The record, or its name, that this one repeats: the same inputs at the same times.
     unit : str
         Of the readings.
 
@@ -74,11 +74,12 @@ class Series(Table):
         inputs: Mapping[str, ArrayLike] | None = None,
         sd: ArrayLike | None = None,
         name: str = "",
-        repeat_of: str | None = None,
+        repeat_of: str | Series | None = None,
         *,
         unit: str = "-",
     ) -> None:
-        self.name, self.unit, self.repeat_of = str(name), unit, repeat_of
+        self.name, self.unit = str(name), unit
+        self.repeat_of = repeat_of.name if isinstance(repeat_of, Series) else repeat_of
         self.t = self._row("t", t)
         count = len(self.t)
         late = np.flatnonzero(np.diff(self.t) <= 0.0)

@@ -60,7 +60,8 @@ def step(
     def read(values: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
         return values + p[height.name] * edge(table, p[time.name])
 
-    return Cause(name, (height, time), "a step", read=read, table=table, input=input)
+    meaning = f"{input or 'what is read'} changes at some time and stays so"
+    return Cause(name, (height, time), meaning, read=read, table=table, input=input)
 
 
 def pulse(
@@ -94,7 +95,8 @@ def pulse(
         ends = p[time.name] + p[length.name]
         return values + p[height.name] * (edge(table, p[time.name]) - edge(table, ends))
 
-    return Cause(name, (height, time, length), "a pulse", read=read, table=table, input=input)
+    meaning = f"{input or 'what is read'} changes for a while"
+    return Cause(name, (height, time, length), meaning, read=read, table=table, input=input)
 
 
 def edge(table: Table, time: Array) -> Array:
