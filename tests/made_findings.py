@@ -37,12 +37,12 @@ def predict(x, values):
 
 
 def toy(truth, error=0.0, seed=3):
-    """The diagnosis of two curves of readings with noise, and perhaps with an error along them."""
+    """The diagnosis of two curves of readings with noise, and perhaps scatter beyond it."""
     random = np.random.default_rng(seed)
     x = np.tile(np.linspace(0.0, 1.0, 20), 2)
     side = np.repeat(["left", "right"], 20)
     y = predict(x, np.array([truth]))[0] + SD * random.standard_normal(len(x))
-    y += error * np.cos(9.0 * x + np.repeat([0.0, 1.0], 20))
+    y += error * random.standard_normal(len(x))
     table = Table({"side": side, "x": x}, y, sd=SD, name="volts", unit="V")
     causes = (*CAUSES, *freed(CONSTANTS))
     problem = Problem((table,), Cached(lambda v: predict(x, v)), CONSTANTS, causes)

@@ -30,7 +30,7 @@ def none():
 
 @pytest.fixture(scope="module")
 def rough():
-    """With an error along the curves that is no cause."""
+    """With scatter that is no cause."""
     return made.toy(TRUTH, error=0.12)
 
 

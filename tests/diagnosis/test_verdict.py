@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.special import logsumexp
 
-from stickslip import Prior
+from stickslip import Cause, Prior, diagnose_model
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.posterior import posterior
 from stickslip.diagnosis.steps import run
@@ -104,3 +104,21 @@ def test_a_constant_that_is_stated_far_off_leads(stated):
     assert "slope" in result.verdict.causes
     value = stated + 0.01 * float(result.verdict.leader.x[0])
     assert value == pytest.approx(1.05, abs=0.1)
+
+
+def test_what_is_left_beside_a_dominant_cause_must_not_follow_the_settings():
+    """The same size of error, as scatter and as a wave over the one setting."""
+    x = np.linspace(0.0, 1.0, 40)
+    scatter = np.random.default_rng(5).standard_normal(40)
+    wave = np.sqrt(2.0) * np.cos(12.0 * x)
+    kinds = {}
+    for name, error in {"scatter": scatter, "wave": wave}.items():
+        result = diagnose_model(
+            lambda t, p: p["level"] + p["slope"] * t["x"],
+            Table({"x": x}, 1.0 + 2.0 * x + 0.15 * error, sd=0.02),
+            [Parameter("level", Prior("normal", 1.0, 0.1))],
+            [Cause("slope", Parameter("slope", low=-20.0, high=20.0, size=1.0))],
+        )
+        kinds[name] = result.verdict.kind, [note.code for note in result.verdict.reasons]
+    assert kinds["scatter"][0] == "dominant"
+    assert kinds["wave"] == ("unexplained", ["pattern-left"])

@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import rankdata
 
 from stickslip._util.arrays import Array
 from stickslip.diagnosis.fitting.models import Fit
@@ -23,6 +24,9 @@ ALPHA = 0.05
 ADEQUATE = 0.01
 """A model explains the data whose lack of fit has at least this p-value: 1 % of true models are
 refused. Chosen."""
+
+# Permutations, and fewest and most readings of a table whose settings count. Chosen.
+_PERMUTED, _FEWEST, _MOST = 999, 8, 1000
 
 # Draws of pure noise: a p-value of 0.05 is then known to 0.003; of so many readings, to 0.007.
 # Numbers that are drawn at a time, 16 MiB. Signal below which a response is not seen. Chosen.
@@ -54,6 +58,33 @@ def adequacy(problem: Problem, fit: Fit) -> float:
     stated = float(np.sum(fit.x[:count][tight] ** 2))
     free = len(problem.y) - (len(fit.free) - int(tight.sum()))
     return lack_of_fit(problem, fit.chi2 + stated, free)
+
+
+def follows_settings(problem: Problem, fit: Fit) -> bool:
+    """Whether what a fit leaves is alike at neighbouring settings, so that it is no scatter.
+
+    By the product of each residual with those at the two nearest settings of its table, beside
+    that of permuted residuals; all by their ranks, as scatter may be far from normal.
+    """
+    ranks = rankdata(problem.whitened(fit.residual[:, None])[:, 0])
+    centred, random = ranks - ranks.mean(), np.random.default_rng(17)
+    pairs = []
+    for table, part in zip(problem.tables, problem.rows, strict=True):
+        if table.places is not None and _FEWEST <= len(table.places) <= _MOST:
+            z = table.places / np.ptp(table.places, axis=0)
+            apart = np.sum((z[:, None] - z) ** 2, axis=2) + np.diag(np.full(len(z), np.inf))
+            pairs.append((part, np.argsort(apart, axis=1, kind="stable")[:, :2]))
+
+    def alike(mixed: bool) -> float:
+        own = [random.permutation(centred[part]) if mixed else centred[part] for part, _ in pairs]
+        return sum(
+            float(np.sum(each[:, None] * each[near]))
+            for each, (_, near) in zip(own, pairs, strict=True)
+        )
+
+    found = alike(False)
+    larger = sum(alike(True) >= found for _ in range(_PERMUTED))
+    return bool(pairs) and 1.0 + larger < ALPHA * (_PERMUTED + 1.0)
 
 
 def tested(problem: Problem, null: Fit, found: list[Response], seed: int) -> Test:

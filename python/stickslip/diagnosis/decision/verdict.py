@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
 from stickslip._util.one_line import OneLine
 from stickslip.diagnosis.decision.gain import Gain, measured
 from stickslip.diagnosis.decision.posterior import SURE, Posterior, discrepancy, posterior, share
-from stickslip.diagnosis.decision.test import ADEQUATE, Test, adequacy
+from stickslip.diagnosis.decision.test import ADEQUATE, Test, adequacy, follows_settings
 from stickslip.diagnosis.fitting.forms import HYPER
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.search import Models
@@ -163,23 +163,16 @@ def _claimed(verdict: Verdict, models: Models, fit: Fit, reasons: tuple[Note, ..
         if not worse and not _at_end(models, plain):
             return _with(verdict, kind, names, plain, reasons, models, plain)
     against = list(reasons)
-    part = share(models, fit)
     if fit.form == "none":
         fit = next((each for each in models.leaders() if each.names == fit.names
                     and each.form != "none"), fit)  # fmt: skip
-        part = share(models, fit) if fit.form != "none" else 0.0
-    if part < DOMINANT:
-        text = (
-            f"{fit.name} takes {100.0 * max(part, 0.0):.0f} % of the model's error; a claim asks "
-            f"for {100.0 * DOMINANT:.0f} %."
-        )
-        against.append(Note("small-share", text, part))
-    if not all(each is not None and each.certain for each in gains):
-        text = f"It is not certain that {fit.name} predicts held-out readings better."
-        against.append(Note("uncertain-gain", text))
+    against += _takes_little(fit, share(models, fit) if fit.form != "none" else 0.0, gains)
     if _long_correlation(models, fit):
         text = "The discrepancy beside it has the longest correlation time that is allowed."
         against.append(Note("long-correlation", text, fit.sizes["tau"]))
+    if fit.form == "white" and follows_settings(problem, fit):
+        text = f"What {fit.name} leaves follows the settings: it is no scatter."
+        against.append(Note("pattern-left", text))
     if _at_end(models, fit):
         text = f"A size of {fit.name} is at the end of its range."
         against.append(Note("size-at-end", text))
@@ -189,17 +182,38 @@ def _claimed(verdict: Verdict, models: Models, fit: Fit, reasons: tuple[Note, ..
     return _with(verdict, kind, names, fit, reasons, models, fit)
 
 
+def _takes_little(fit: Fit, part: float, gains: Sequence[Gain | None]) -> list[Note]:
+    """What speaks against causes beside a discrepancy: a small share, or an uncertain gain."""
+    found = []
+    if part < DOMINANT:
+        text = (
+            f"{fit.name} takes {100.0 * part:.0f} % of the model's error; a claim asks for "
+            f"{100.0 * DOMINANT:.0f} %."
+        )
+        found.append(Note("small-share", text, part))
+    if not all(each is not None and each.certain for each in gains):
+        text = f"It is not certain that {fit.name} predicts held-out readings better."
+        found.append(Note("uncertain-gain", text))
+    return found
+
+
 def _set(
     verdict: Verdict, models: Models, chance: Posterior, reasons: tuple[Note, ...] = ()
 ) -> Verdict:
     """The smallest set of models with 95 %, the causes of each in turn.
 
-    Where that is one model, which cannot be claimed, nothing explains the data.
+    Where that is one model, which cannot be claimed, or where none of its models takes enough of
+    the model's error, nothing explains the data.
     """
     members = verdict.members
-    if len(members) == 1:
-        return _with(verdict, "unexplained", (), None, reasons, models, members[0])
     first = next(each for each in members if each.causes)
+    against = list(reasons)
+    if first.form != "none":
+        part = max(share(models, each) for each in members if each.causes)
+        plain = models.get(first.names) or first
+        against += _takes_little(first, part, [measured(models.problem, models.null, plain)])
+    if len(members) == 1 or len(against) > len(reasons):
+        return _with(verdict, "unexplained", (), None, tuple(against), models, first)
     names = dict.fromkeys(name for each in members for name in sorted(each.names))
     together = sum(chance.models[each.name] for each in members)
     text = (
