@@ -103,7 +103,7 @@ def lower_level(record: Series, p: Values) -> np.ndarray:
     """Level of the lower tank, V, at the times of a record.
 
     Classical Runge-Kutta steps of the time between two readings, a tenth of the time in which a
-    level changes; what would stand above a rim runs over at the end of each.
+    level changes; what would stand above a rim does not press, and runs over at the end of each.
     """
     p = with_absent(p, _CAUSES)
     t = record.t
@@ -124,7 +124,7 @@ def lower_level(record: Series, p: Values) -> np.ndarray:
     out = np.array([k1, k3])
 
     def rate(level: np.ndarray, flow: np.ndarray) -> np.ndarray:
-        level = np.maximum(level, 0.0)
+        level = np.minimum(np.maximum(level, 0.0), rims)
         root = level ** (0.5 + power) if bends else np.sqrt(level)
         change = -out * root
         change[0] += flow - leak * level[0] if leaks else flow
