@@ -107,9 +107,7 @@ _CAUSES = (
 )
 
 
-def force(
-    p: Values, v: np.ndarray, a: np.ndarray, x: np.ndarray, t: np.ndarray
-) -> np.ndarray:
+def force(p: Values, v: np.ndarray, a: np.ndarray, x: np.ndarray, t: np.ndarray) -> np.ndarray:
     """Force of the motor, N, at velocities, accelerations, places and times, SI."""
     p = with_absent(p, _CAUSES)
     way, off = np.sign(v), x - _MIDDLE
@@ -169,38 +167,24 @@ def diagnose_segments(path: Path, without: Collection[str] = ()) -> Diagnosis:
 
 
 def diagnose_in_time(path: Path, without: Collection[str] = ()) -> Diagnosis:
-    """The record at 20 Hz, as repeats of one motion.
+    """The record at 20 Hz, as four repeats of the first 6 s of one motion; the last one ends there.
 
     All runs follow the reference to 1 um, so that the mean motion is that of each.
     """
     read = _readings(path)
-    at = np.round((read["t"] - read["t"][0]) * 100.0).astype(int)
-    period = round(100.0 * _PERIOD)
-    whole = period - period % _MEAN_OF
-    runs = [np.flatnonzero(at // period == k)[:whole] for k in range(at[-1] // period + 1)]
+    begin = {f"run {k}": k * _PERIOD for k in range(4)}
 
-    def coarse(values: np.ndarray) -> np.ndarray:
-        rows = values[: len(values) - len(values) % _MEAN_OF]
-        return rows.reshape(-1, _MEAN_OF).mean(axis=1)
+    def runs(name: str) -> np.ndarray:
+        first = [round(100.0 * each) for each in begin.values()]
+        rows = np.stack([read[name][each : each + 600] for each in first])
+        return rows.reshape(len(first), -1, _MEAN_OF).mean(axis=2)
 
-    first = runs[0]
-    motion = {}
-    for name in ("velocity", "acceleration", "position"):
-        stacked = np.full((len(runs), whole), np.nan)
-        for k, each in enumerate(runs):
-            stacked[k, : len(each)] = read[name][each]
-        motion[name] = coarse(np.nanmean(stacked, axis=0))
-    t = coarse(read["t"][first] - read["t"][first[0]])
-    records = []
-    for k, each in enumerate(runs):
-        y = coarse(read["force"][each])
-        inputs = {name: values[: len(y)] for name, values in motion.items()}
-        records.append(
-            Series(
-                t[: len(y)], y, inputs, name=f"run {k}", repeat_of="run 0" if k else None, unit="N"
-            )
-        )
-    begin = {each.name: k * _PERIOD for k, each in enumerate(records)}
+    t = runs("t")[0] - read["t"][0]
+    motion = {name: runs(name).mean(axis=0) for name in ("velocity", "acceleration", "position")}
+    records = [
+        Series(t, y, motion, name=name, repeat_of="run 0" if name != "run 0" else None, unit="N")
+        for name, y in zip(begin, runs("force"), strict=True)
+    ]
 
     def model(record: Series, p: Values) -> np.ndarray:
         v, a, x = (record[name] for name in motion)

@@ -340,7 +340,7 @@ def _search(
 
 
 def angle_by_halves(impacts: Impacts, splits: int = 20, seed: int = 0) -> dict[str, float]:
-    """Whether the stated error of the angle offset holds: how far random halves of the drops differ.
+    """How far the angle offset differs between random halves of the drops, beside its stated error.
 
     The model is fixed to the two causes that are known to act on the heights, with the errors of
     all drops. Half the difference of two halves has the standard deviation of the whole.

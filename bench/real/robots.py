@@ -17,18 +17,14 @@ from .score import Truth, with_absent
 PAGE = Path(__file__).parents[2] / "docs" / "howto" / "tumbler.md"
 _FILES = ("tumbler.csv", "nominal.toml", "measurement.toml")
 
-TUMBLER = Truth(
-    ("misalignment",), ("angle_offset", "surface_tilt", "ambient_field"), certain=False
-)
+TUMBLER = Truth(("misalignment",), ("angle_offset", "surface_tilt", "ambient_field"), certain=False)
 """A moment along the body cannot rest near 55 degrees."""
 ROLLERS = Truth(("step_out",), ("coil_lag", "offset"), certain=False)
 """Every run peaks at 48 to 66 Hz as a rotor that steps out."""
 
 _BIN = 6.0
 """Hz. Chosen: three readings, which are 2 Hz apart, make one median."""
-_STEP_OUT = Cause(
-    "step_out", Parameter("step_out.period", unit="s", low=0.0, high=0.1, size=0.02)
-)
+_STEP_OUT = Cause("step_out", Parameter("step_out.period", unit="s", low=0.0, high=0.1, size=0.02))
 _COIL_LAG = Cause("coil_lag", Parameter("coil_lag.time", unit="s", low=0.0, high=0.05, size=1e-3))
 
 
