@@ -67,7 +67,7 @@ def test_results_are_kept_beside_those_of_other_sets(tmp_path):
     out = tmp_path / "new" / "real.json"
     found = {}
     for key, value in (("a", 1), ("b", 2), ("a", 3)):
-        study.keep(found, key, {"value": value}, out)
+        study.keep(found, {key: {"value": value}}, out)
     rows = json.loads(out.read_text(encoding="utf-8"))["rows"]
     assert rows == {"a": {"value": 3}, "b": {"value": 2}}
     with pytest.raises(SystemExit):

@@ -77,12 +77,12 @@ def heads() -> str:
     return "\n".join("| " + " | ".join(line) + " |" for line in (names, ["---"] * len(names)))
 
 
-def keep(found: dict[str, Any], key: str, value: dict[str, Any], out: Path) -> None:
-    """Write a result into the file, in place of the one of that key."""
-    found["rows"] = {**found.get("rows", {}), key: value}
+def keep(found: dict[str, Any], rows: dict[str, Any], out: Path) -> None:
+    """Write rows into the file, in place of those of the same sets."""
+    found["rows"] = {**found.get("rows", {}), **rows}
     found |= {"machine": machine(), "stickslip": stickslip.__version__}
     out.parent.mkdir(parents=True, exist_ok=True)
-    out.write_text(json.dumps(found, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+    out.write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -102,7 +102,8 @@ def main(arguments: list[str] | None = None) -> int:
             said = impacts.angle_by_halves(impacts.first_impacts(read_drops(options.drops)))
             print("angle offset of {drops} drops: {angle:.4f} rad".format(**said), end=" ")
             print("± {stated:.4f} stated, {by_halves:.4f} by halves".format(**said))
-            keep(found, "halves", said, options.out)
+            found["halves"] = said
+            keep(found, {}, options.out)
         chosen = [name for name in options.sets or NAMES if name in NAMES]
         print(heads() if chosen else "", end="\n" if chosen else "")
         for name in chosen:
@@ -111,7 +112,8 @@ def main(arguments: list[str] | None = None) -> int:
                     made = row(measured, listed)
                     wrong |= made.judgement.startswith("wrong")
                     print(text(made), flush=True)
-                    keep(found, f"{made.set}, listed: {made.listed}", asdict(made), options.out)
+                    key = f"{made.set}, listed: {made.listed}"
+                    keep(found, {key: asdict(made)}, options.out)
     except (OSError, ValueError) as error:
         print(error, file=sys.stderr)
         return 2
