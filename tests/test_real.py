@@ -49,6 +49,17 @@ def test_the_smallest_set_with_a_known_size_is_judged_right(segments):
     assert (without.listed, without.judgement) == ("no", "silent")
 
 
+def test_the_tumbler_is_misaligned():
+    (measured,) = study.measured_sets("tumbler")
+    found = row(measured)
+    assert (found.readings, found.verdict, found.found) == (19, "named", "misalignment")
+    assert found.judgement == "not contradicted"
+    before, after = map(float, found.gain.removesuffix(" degrees").split(" → "))
+    assert after < 0.1 * before
+    # A row has as many cells as the head of the table.
+    assert study.text(found).count("|") == study.heads().splitlines()[0].count("|")
+
+
 def test_each_judgement_is_given(segments):
     found, missed = segments[True], segments[False]
     name = "viscous_asymmetry.half"
