@@ -29,7 +29,7 @@ PROGRAMS = {
     "frozen": ("blind.rerun", "frozen data sets beside what was found before"),
     "blind-tables": ("blind.report", "the tables of the blind study from its record"),
     "drops": ("real.drops", "drops of a real square beside the core"),
-    "scoreboard": ("real.scoreboard", "measured sets with a known answer, diagnosed"),
+    "real": ("real.study", "measured sets with a known cause, diagnosed and judged"),
     "fuzz": ("fuzz", "random scenarios and damaged files"),
     "mutations": ("mutations", "whether the table of effects sees a lost effect"),
     "sizes": ("sizes", "MB of an installation with each extra"),

@@ -24,7 +24,7 @@ _DIAGNOSIS = r"python/stickslip/(diagnosis|measurement|facts)/.*\.py"
 _DIAGNOSED = (
     r"tests/(diagnosis/.*|toys|sliding_block|made_measurement|measured_maps|instrument_files"
     r"|asking_results|report_page|films|free_shapes"
-    r"|test_(diagnosis|blind|instrument|measurement|scoreboard|reading_errors|real_drops)\w*)\.py"
+    r"|test_(diagnosis|blind|instrument|measurement|real|reading_errors)\w*)\.py"
 )
 PARTS = {
     "core and bindings": (r"cpp/(stickslip|bindings)/.*\.(h|hpp|cpp)", 12_000),

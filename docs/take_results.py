@@ -17,6 +17,7 @@ COMMANDS = {
     "speed.json": "python -m bench speed",
     "peers.json": "python -m bench peers",
     "sweep.json": "python -m bench sweep",
+    "real.json": "python -m bench real",
 }
 """The tables of the pages, and the command that measures each."""
 

@@ -106,7 +106,13 @@ class BenchResults(SphinxDirective):
         path = MEASURED / self.arguments[0]
         self.env.note_dependency(str(path))
         results = json.loads(path.read_text())
-        table = {"speed.json": _bench, "peers.json": _peers, "sweep.json": _sweep}[path.name]
+        tables = {
+            "speed.json": _bench,
+            "peers.json": _peers,
+            "sweep.json": _sweep,
+            "real.json": _real,
+        }
+        table = tables[path.name]
         parsed = self.parse_text_to_nodes(f"{table(results)}\n\n{_origin(path.name, results)}")
         return [nodes.container("", *parsed, classes=["measured"])]
 
@@ -197,6 +203,25 @@ def _sweep(results: dict[str, Any]) -> str:
         ["overhead of a point, CPU µs", f"{tiny['cpu_microseconds_a_point']:.0f}"],
     ]
     return _markdown_table(["what", "result"], rows)
+
+
+def _real(results: dict[str, Any]) -> str:
+    rows = [
+        [
+            row["set"],
+            row["listed"],
+            str(row["readings"]),
+            *(_plain(row[key]) for key in ("verdict", "found", "size", "share", "gain")),
+            row["judgement"],
+            f"{row['cpu_s']:.0f}",
+        ]
+        for row in results["rows"].values()
+    ]
+    header = [
+        *("set", "cause listed", "readings", "verdict", "found", "size", "share"),
+        *("held-out error", "judgement", "CPU s"),
+    ]
+    return _markdown_table(header, rows)
 
 
 def setup(app: Sphinx) -> dict[str, Any]:

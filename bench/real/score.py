@@ -1,0 +1,185 @@
+"""What a diagnosis of a measured set is worth beside what is known of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass, field
+from time import process_time
+
+import numpy as np
+
+from stickslip import Cause, Diagnosis
+
+CLAIMS = ("named", "dominant", "pair")
+"""Verdicts that claim a cause."""
+
+_FAR = 3.0
+"""Standard deviations. Chosen: an estimate farther from the truth than that is wrong."""
+_MOST_SHOWN = 4
+"""Causes of a set that are listed. Chosen: they fit in a table."""
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What is known of a set without the diagnosis.
+
+    Attributes
+    ----------
+    present, possible : tuple of str
+        Causes that act for certain, and further ones of which it is not known whether they do.
+    values : mapping of tuple
+        Parameters that are known, each by its value and standard deviation.
+    certain : bool
+        Whether it is known at all, or only what can be said from the same data.
+    """
+
+    present: tuple[str, ...]
+    possible: tuple[str, ...] = ()
+    values: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    certain: bool = True
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A measured set.
+
+    Attributes
+    ----------
+    name : str
+    unit : tuple
+        Factor from SI to the unit of errors in the table, and its name.
+    truth : Truth
+    diagnosed : callable
+        ``diagnosed(without)``: the diagnosis, with these causes not listed.
+    """
+
+    name: str
+    unit: tuple[float, str]
+    truth: Truth
+    diagnosed: Callable[[Collection[str]], Diagnosis]
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of the table, as text.
+
+    Attributes
+    ----------
+    listed : str
+        Whether the causes that act were offered.
+    judgement : str
+        See `judged`.
+    """
+
+    set: str
+    listed: str
+    readings: int
+    verdict: str
+    found: str
+    size: str
+    share: str
+    gain: str
+    judgement: str
+    reasons: tuple[str, ...]
+    cpu_s: float
+
+
+def with_absent(
+    p: Mapping[str, np.ndarray], causes: Iterable[Cause]
+) -> dict[str, np.ndarray | float]:
+    """The parameters, and 0 for those of causes that are not listed."""
+    return {**{each.name: 0.0 for cause in causes for each in cause.parameters}, **p}
+
+
+def row(measured: Measured, listed: bool = True) -> Row:
+    """The set, diagnosed with the causes that act among those that are listed, or without them."""
+    begin = process_time()
+    result = measured.diagnosed(() if listed else measured.truth.present)
+    used = process_time() - begin
+    verdict = result.verdict
+    return Row(
+        measured.name,
+        "yes" if listed else "no",
+        len(result.problem.y),
+        verdict.kind,
+        _found(result),
+        _size(result, measured.truth),
+        "-" if verdict.share is None else f"{100.0 * verdict.share:.0f} %",
+        _gain(result, *measured.unit),
+        judged(result, measured.truth),
+        tuple(str(each) for each in verdict.reasons),
+        round(used, 1),
+    )
+
+
+def judged(result: Diagnosis, truth: Truth) -> str:
+    """One of five words, and what is wrong.
+
+    *right*: a cause is claimed that acts, none that cannot, and no size lies far from what is
+    known. *possible*: what is claimed may act. *set with the truth*, *set without it*. *silent*:
+    nothing is claimed. *wrong*: all other claims.
+    """
+    kind, causes = result.verdict.kind, set(result.verdict.causes)
+    present, allowed = set(truth.present), {*truth.present, *truth.possible}
+    if kind == "ambiguous":
+        return "set with the truth" if causes & present else "set without the truth"
+    if kind not in CLAIMS:
+        leader = result.verdict.leader
+        near = kind == "unexplained" and leader is not None and leader.names & present
+        return "silent, the truth nearest" if near else "silent"
+    strange, off = sorted(causes - allowed), _far_off(result, truth)
+    if strange or off:
+        return "wrong: " + ", ".join([*strange, *off])
+    if not causes & present:
+        return "possible"
+    return "right" if truth.certain else "not contradicted"
+
+
+def _far_off(result: Diagnosis, truth: Truth) -> list[str]:
+    """Parameters of what is claimed that lie far from what is known."""
+    found = []
+    for name, (value, sd) in truth.values.items():
+        if name in result.params.index:
+            fitted = result.params.loc[name]
+            if abs(fitted["value"] - value) > _FAR * np.hypot(fitted["sd"], sd):
+                found.append(f"{name} = {fitted['value']:.4g}")
+    return found
+
+
+def _found(result: Diagnosis) -> str:
+    """What is claimed, or comes nearest."""
+    causes, leader = result.verdict.causes, result.verdict.leader
+    if not causes:
+        return "-" if leader is None else f"nearest: {leader.name}"
+    joined = (" + " if result.verdict.kind == "pair" else ", ").join(causes[:_MOST_SHOWN])
+    return joined + (f" and {len(causes) - _MOST_SHOWN} more" if len(causes) > _MOST_SHOWN else "")
+
+
+def _size(result: Diagnosis, truth: Truth) -> str:
+    """Estimates of what is known, by the model that is claimed or nearest."""
+    verdict = result.verdict
+    fit = verdict.fit or verdict.leader
+    if fit is None:
+        return "-"
+    params = result.candidate(fit.name).params
+    return (
+        "; ".join(
+            f"{params.at[name, 'value']:.3g} ± {params.at[name, 'sd']:.2g}"
+            f" {params.at[name, 'unit']} (known: {value:.3g})".replace(" - ", " ")
+            for name, (value, _) in truth.values.items()
+            if name in params.index
+        )
+        or "-"
+    )
+
+
+def _gain(result: Diagnosis, factor: float, unit: str) -> str:
+    """Mean absolute error of held-out readings, recalibrated and extended, or of the leader."""
+    if result.gain is None:
+        return "-"
+    count = result.candidate("none").prediction.groupby("table", sort=False).size()
+    before, after = (
+        factor * float(np.average(list(part.values()), weights=count.to_numpy()))
+        for part in (result.gain.mae_before, result.gain.mae_after)
+    )
+    return f"{before:.3g} → {after:.3g} {unit}"

@@ -1,0 +1,125 @@
+"""``python -m bench real [SET ...]``: measured sets with a known cause, diagnosed and judged.
+
+Each set is diagnosed twice: with the cause that acts among those that are listed, and without it.
+Rows are written as they come, into a file that keeps those of other sets. The status is 1 where a
+wrong cause is claimed. ``halves`` says how far the angle offset of the drops scatters.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from dataclasses import asdict, fields
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from measure import machine
+
+import stickslip
+
+from . import axis, impacts, robots, slider, tanks
+from .flights import read_drops
+from .score import Measured, Row, row
+
+DATA = Path(__file__).parents[2] / "tests" / "data"
+DROPS = DATA / "square_drops.csv.gz"
+NAMES = ("tumbler", "rollers", "axis", "tanks", "slider", "drops")
+
+
+def measured_sets(name: str, drops: Path = DROPS) -> list[Measured]:
+    """The sets of a name, as tables or in time."""
+    if name == "tumbler":
+        return [Measured("tumbler", (57.2958, "degrees"), robots.TUMBLER, robots.diagnose_tumbler)]
+    if name == "rollers":
+        path = DATA / "roller_velocity.csv"
+        rolled = partial(robots.diagnose_rollers, path)
+        return [Measured("rollers", (1e6, "um/s"), robots.ROLLERS, rolled)]
+    if name == "axis":
+        path = DATA / "axis_friction.csv.gz"
+        return [
+            Measured(f"axis, {how}", (1.0, "N"), axis.TRUTH, partial(diagnosed, path))
+            for how, diagnosed in (
+                ("ten segments", axis.diagnose_segments),
+                ("20 Hz", axis.diagnose_in_time),
+            )
+        ]
+    if name == "tanks":
+        filled = partial(tanks.diagnose_tanks, DATA / "tanks.csv")
+        return [Measured("tanks", (1.0, "V"), tanks.TRUTH, filled)]
+    if name == "slider":
+        slid = partial(slider.diagnose_slider, DATA / "slider_events.csv")
+        return [Measured("slider", (1e3, "mN/N"), slider.TRUTH, slid)]
+    read = read_drops(drops)
+    first = impacts.first_impacts(read)
+    return [
+        Measured(
+            f"{len(read)} drops, {what}", unit, truth,
+            partial(impacts.diagnose_impacts, pose, first),
+        )
+        for what, unit, truth, pose in (
+            ("heights", (1e3, "mm"), impacts.HEIGHTS, impacts.heights),
+            ("velocities", (1e3, "mm/s"), impacts.VELOCITIES, impacts.velocities),
+        )
+    ]  # fmt: skip
+
+
+def text(found: Row) -> str:
+    """A row as Markdown, without what speaks against a claim."""
+    cells = [str(value) for key, value in asdict(found).items() if key != "reasons"]
+    return "| " + " | ".join(cells) + " |"
+
+
+def heads() -> str:
+    """The head of the table as Markdown."""
+    names = [each.name.replace("_", " ") for each in fields(Row) if each.name != "reasons"]
+    return "\n".join("| " + " | ".join(line) + " |" for line in (names, ["---"] * len(names)))
+
+
+def keep(found: dict[str, Any], rows: dict[str, Any], out: Path) -> None:
+    """Write rows into the file, in place of those of the same sets."""
+    found["rows"] = {**found.get("rows", {}), **rows}
+    found |= {"machine": machine(), "stickslip": stickslip.__version__}
+    out.parent.mkdir(parents=True, exist_ok=True)
+    out.write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Diagnose, print and write; the exit status."""
+    parser = argparse.ArgumentParser(prog="python -m bench real", description=__doc__)
+    parser.add_argument("sets", nargs="*", metavar="SET", help=", ".join((*NAMES, "halves")))
+    parser.add_argument("--drops", type=Path, default=DROPS, help="CSV of drops")
+    parser.add_argument("--out", type=Path, default=Path("bench/results/real.json"))
+    options = parser.parse_args(arguments)
+    for name in options.sets:
+        if name not in (*NAMES, "halves"):
+            parser.error(f"{name}: allowed are {', '.join((*NAMES, 'halves'))}")
+    found = json.loads(options.out.read_text(encoding="utf-8")) if options.out.is_file() else {}
+    wrong = False
+    try:
+        if "halves" in options.sets:
+            said = impacts.angle_by_halves(impacts.first_impacts(read_drops(options.drops)))
+            print("angle offset of {drops} drops: {angle:.4f} rad".format(**said), end=" ")
+            print("± {stated:.4f} stated, {by_halves:.4f} by halves".format(**said))
+            found["halves"] = said
+            keep(found, {}, options.out)
+        chosen = [name for name in options.sets or NAMES if name in NAMES]
+        print(heads() if chosen else "", end="\n" if chosen else "")
+        for name in chosen:
+            for measured in measured_sets(name, options.drops):
+                for listed in (True, False):
+                    made = row(measured, listed)
+                    wrong |= made.judgement.startswith("wrong")
+                    print(text(made), flush=True)
+                    key = f"{made.set}, listed: {made.listed}"
+                    keep(found, {key: asdict(made)}, options.out)
+    except (OSError, ValueError) as error:
+        print(error, file=sys.stderr)
+        return 2
+    print(f"written: {options.out}")
+    return int(wrong)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
