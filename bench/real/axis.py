@@ -107,6 +107,12 @@ _CAUSES = (
 )
 
 
+_METERS = (
+    instruments.lag(2e-3, input="velocity", name="velocity_lag"),
+    instruments.delay(size=2e-3, name="force_delay"),
+)
+
+
 def force(p: Values, v: np.ndarray, a: np.ndarray, x: np.ndarray, t: np.ndarray) -> np.ndarray:
     """Force of the motor, N, at velocities, accelerations, places and times, SI."""
     p = with_absent(p, _CAUSES)
@@ -167,6 +173,21 @@ def diagnose_segments(path: Path, without: Collection[str] = ()) -> Diagnosis:
 
 
 def diagnose_in_time(path: Path, without: Collection[str] = ()) -> Diagnosis:
+    """The whole record at 20 Hz, as one series."""
+    read = _readings(path)
+    count = len(read["t"]) // _MEAN_OF * _MEAN_OF
+    slow = {name: each[:count].reshape(-1, _MEAN_OF).mean(axis=1) for name, each in read.items()}
+    motion = {name: slow[name] for name in ("velocity", "acceleration", "position")}
+    record = Series(slow["t"] - slow["t"][0], slow["force"], motion, name="axis", unit="N")
+
+    def model(record: Series, p: Values) -> np.ndarray:
+        return force(p, *(record[name] for name in motion), record.t)
+
+    listed = [each for each in (*_CAUSES, *_METERS) if each.name not in without]
+    return diagnose_model(model, record, _CONSTANTS, listed)
+
+
+def diagnose_repeats(path: Path, without: Collection[str] = ()) -> Diagnosis:
     """The record at 20 Hz, as four repeats of the first 6 s of one motion; the last one ends there.
 
     All runs follow the reference to 1 um, so that the mean motion is that of each.
@@ -190,9 +211,5 @@ def diagnose_in_time(path: Path, without: Collection[str] = ()) -> Diagnosis:
         v, a, x = (record[name] for name in motion)
         return force(p, v, a, x, record.t + begin[record.name])
 
-    meters = [
-        instruments.lag(2e-3, input="velocity", name="velocity_lag"),
-        instruments.delay(size=2e-3, name="force_delay"),
-    ]
-    listed = [each for each in (*_CAUSES, *meters) if each.name not in without]
+    listed = [each for each in (*_CAUSES, *_METERS) if each.name not in without]
     return diagnose_model(model, records, _CONSTANTS, listed)

@@ -43,6 +43,7 @@ def measured_sets(name: str, drops: Path = DROPS) -> list[Measured]:
             for how, diagnosed in (
                 ("ten segments", axis.diagnose_segments),
                 ("20 Hz", axis.diagnose_in_time),
+                ("four repeats", axis.diagnose_repeats),
             )
         ]
     if name == "tanks":
