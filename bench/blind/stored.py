@@ -2,7 +2,7 @@
 
 They are diagnosed from their files alone, in calls of some minutes; each row is kept as it comes,
 in `study/said.jsonl`, with the state of the engine. ``--judge`` then opens the answers, of what was
-diagnosed by the present engine, and writes `record.jsonl` and its tables.
+diagnosed by the present engine, and writes `study/record.jsonl` and its tables.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from blind.frozen import HERE, STUDY_SETS, answers, sets, unpacked
 from blind.report import report
 from blind.scoring import slim
 
-SAID, RECORD = HERE / "study" / "said.jsonl", HERE / "record.jsonl"
+SAID, RECORD = HERE / "study" / "said.jsonl", HERE / "study" / "record.jsonl"
 
 
 def said(now: dict[str, str]) -> dict[str, dict[str, Any]]:
