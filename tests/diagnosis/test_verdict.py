@@ -122,3 +122,25 @@ def test_what_is_left_beside_a_dominant_cause_must_not_follow_the_settings():
         kinds[name] = result.verdict.kind, [note.code for note in result.verdict.reasons]
     assert kinds["scatter"][0] == "dominant"
     assert kinds["wave"] == ("unexplained", ["pattern-left"])
+
+
+def test_a_set_that_takes_little_of_the_error_explains_nothing():
+    """Two near twins beside scatter of thrice their effect, and of a fifth."""
+    x = np.linspace(0.0, 1.0, 60)
+    scatter = np.random.default_rng(6).standard_normal(60)
+    kinds = {}
+    for size in (0.02, 0.3):
+        twins = [
+            Cause(name, Parameter(name, low=-20.0, high=20.0, size=0.3)) for name in ("sine", "hump")
+        ]
+        result = diagnose_model(
+            lambda t, p: p["level"]
+            + p["sine"] * np.sin(np.pi * t["x"])
+            + p["hump"] * 4.0 * t["x"] * (1.0 - t["x"]),
+            Table({"x": x}, 1.0 + 0.4 * np.sin(np.pi * x) + size * scatter, sd=0.01),
+            [Parameter("level", Prior("normal", 1.0, 0.01))],
+            twins,
+        )
+        kinds[size] = result.verdict.kind
+        assert set(result.verdict.probabilities) >= {"sine", "hump"}
+    assert kinds == {0.02: "ambiguous", 0.3: "unexplained"}
