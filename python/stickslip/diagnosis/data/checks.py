@@ -13,7 +13,6 @@ from scipy.stats import t as t_law
 from stickslip._util.arrays import Array
 from stickslip._util.unit_factor import far_size
 from stickslip.diagnosis.data.errors import along_runs
-from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.data.velocity import VelocityTable, in_words, varied
 from stickslip.simulation.note import Note
@@ -70,7 +69,7 @@ def find_problem(table: Table, *, alone: bool = True) -> Note | None:
             "conditions, or state the error (velocity_sd of a measurement, sd of a table)."
         )
         return Note("no-noise", text)
-    if 0.0 < errors.dof < math.inf and len(mean) > 3 and not isinstance(table, Series):
+    if 0.0 < errors.dof < math.inf and 3 < len(mean) < len(table.y):  # from repeats
         # What set-ups share is no error of one condition beside another.
         own = errors.of_reading(mean) ** 2 / np.bincount(table.condition)
         ratio = float(np.var(mean) / np.mean(own))
