@@ -22,6 +22,7 @@ PROGRAMS = {
     "controllers": ("controllers", "two controllers on 256 robots that differ"),
     "steering": ("steering_follow", "a figure of eight, followed through a camera by 100 robots"),
     "diagnosis": ("diagnosis", "cost of diagnoses of the data sets in a folder"),
+    "series": ("series", "cost of a diagnosis in time, by its readings"),
     "laws": ("free_laws", "laws hidden in a model of one's own"),
     "blind": ("blind", "the blind study of the diagnosis"),
     "blind-freeze": ("blind.frozen", "data sets of the study, made before they are judged"),
