@@ -422,3 +422,11 @@ def test_stored_data_sets_are_diagnosed_before_their_answers_are_opened(tmp_path
     stored.judge()
     rows = (tmp_path / "record.jsonl").read_text().splitlines()
     assert [json.loads(row)["answer"]["kind"] for row in rows] == ["none"] * 3
+
+
+def test_the_documentation_has_the_table_of_the_stored_study():
+    rows = read(stored.RECORD)
+    page = (ROOT / "docs/theory/blind-study.md").read_text()
+    assert table(rows) in page
+    assert f"{len(rows)} of them are diagnosed and judged" in " ".join(page.split())
+    assert len({json.dumps(row["state"]) for row in rows}) == 1
