@@ -18,13 +18,15 @@ from stickslip._util.strict_json import json_text
 from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.entry import diagnose_model
-from stickslip.diagnosis.measured import pose
+from stickslip.diagnosis.measured import freed, pose
 from stickslip.diagnosis.report import amounts
 from stickslip.diagnosis.report.files import page
-from stickslip.diagnosis.report.numbers import notes_of, numbers_of
+from stickslip.diagnosis.report.numbers import _drift, notes_of, numbers_of
 from stickslip.diagnosis.report.pictures import drawing
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.steps import run
+from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.laws import free_law
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
 from stickslip.scenario.priors import Prior
@@ -120,6 +122,9 @@ def test_each_verdict_has_a_sound_page(dominant, none, kind):
     assert not re.search(r"\b(None|nan|inf|Undefined|Namespace|Decimal)\b|[{}]", text)
     for card in ("what", "size", "sure", "decides", "do"):
         assert card in seen.ids
+    first = text[: text.index("Contents")]
+    assert first.count("The probability") <= 1
+    assert len(set(re.findall(r"p [=<] \S*\d", first))) <= 1
     assert numbers["headline"] == result.summary().split("\n")[0]
 
 
@@ -154,6 +159,58 @@ def test_the_readings_that_decide_are_at_the_bump(dominant):
     places = [numbers["conditions"][each["number"] - 1]["settings"]["x"] for each in rows]
     assert all(abs(place - 0.5) < 0.15 for place in places)
     assert 0.0 < sum(each["share"] for each in rows) < 1.0
+
+
+def test_the_readings_of_a_pair_speak_for_each_cause_against_the_other(dominant, none):
+    rows = verdicts(dominant, none)["pair"].as_dict()["deciding_readings"]
+    own = [each for each in rows if each["for"] == "a bump in the middle"]
+    assert len(rows) == 4
+    assert len(own) == 2
+    assert max(each["difference"] for each in own) == max(each["difference"] for each in rows)
+
+
+def test_the_misfit_is_that_of_the_recalibrated_model(dominant):
+    """All readings have the same error: its square is the share of chi-square."""
+    numbers = dominant.as_dict()
+    square = [(each["reading"] - each["recalibrated"]) ** 2 for each in numbers["conditions"]]
+    largest = sorted(square, reverse=True)[:3]
+    assert [each["share"] for each in numbers["misfit"]] == pytest.approx(largest / np.sum(square))
+
+
+def test_a_drift_is_told_by_its_size_over_all_trials():
+    """12 velocities that grow by 0.01 % of themselves from trial to trial, among 3 repeats."""
+    condition, order = np.repeat(np.arange(4), 3), np.random.default_rng(1).permutation(12)
+    level = np.array([1e-3, -2e-3, 3e-3, 0.0])[condition]
+    y = level * (1.0 + 1e-4 * order)
+    mean = np.bincount(condition, y) / 3
+    table = SimpleNamespace(condition=condition, mean=mean, y=y, sequence=order.astype(float))
+    used = order[:9]
+    # Each is beside its own mean, which has grown too: by less than 0.1 %.
+    assert _drift(table) == pytest.approx(1e-4 * (used.max() - used.min()), rel=2e-3)
+    _, size, do = amounts.suspect("drift", 0.31)
+    assert "31 %" in size
+    assert "random order" in do
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("bump", "a bump in the middle"),
+        ("bump + level", "a bump in the middle and another level than stated"),
+        ("step_out", "“step_out”"),
+        ("friction over speed", "a dependence of friction on speed"),
+    ],
+)
+def test_a_title_can_follow_of(name, said):
+    step = Cause(
+        "step_out",
+        Parameter("period", low=0.0, high=9.0, size=1.0),
+        "the rotor falls behind its field",
+    )
+    law = free_law("friction", "speed", "m/s", 0.0, 1.0, factor_of="mu")
+    causes = (*made.CAUSES, *freed(made.CONSTANTS), step, law)
+    assert amounts.title(name, causes) == said
+    assert amounts.in_titles(f"{name} leads (p = 1e-15).", causes) == f"{said} leads (p < 10⁻¹²)."
 
 
 def test_odds_are_those_of_the_ranking(dominant):

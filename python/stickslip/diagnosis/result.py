@@ -303,7 +303,7 @@ class Diagnosis(ShownBySummary):
         from stickslip.diagnosis.report.amounts import title
 
         fit = self.verdict.fit
-        names = [title(each) for each in self.verdict.causes]
+        names = [title(each, self.problem.causes) for each in self.verdict.causes]
         probability = 0.0 if fit is None else self.probability_of(fit.names)
         beside = fit is not None and fit.form != "none" and self.verdict.kind == "pair"
         return design.next_step("dominant" if beside else self.verdict.kind, names, probability)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 import re
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from importlib import resources
 from typing import Any
 
 from stickslip._util.units import handy, unit_label
-from stickslip.diagnosis.terms.laws import _PLACES
+from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.scenario.keys import known_keys
 
@@ -35,20 +35,27 @@ _PLAIN = 1e-3, 1e5  # sizes between which a number needs no power of ten
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-def title(name: str) -> str:
-    """A model in plain words: each cause by its name, joined by ``with``."""
+def title(name: str, causes: Iterable[Cause] = ()) -> str:
+    """A model in plain words that follow ``of``; `causes` are those of the problem.
+
+    A cause of one's own is its meaning where that has an article, else its name in quotes.
+    """
     if name == "none":
         return "no cause"
-    return " with ".join(_title(each) for each in name.split(" + "))
+    known = {each.name: each for each in causes}
+    return " and ".join(_title(each, known.get(each)) for each in name.split(" + "))
 
 
-def _title(name: str) -> str:
+def _title(name: str, cause: Cause | None = None) -> str:
     if name in _CAUSES:
         return str(_CAUSES[name]["name"])
-    if name in _PLACES:
-        return "another law of {} over {}".format(*_PLACES[name])
+    if cause is not None and cause.curve is not None:
+        return f"a dependence of {cause.curve.law} on {cause.curve.argument}"
     constant = _WORDS["constants"].get(name)
-    return f"another {constant['name']} than stated" if constant else name
+    if constant or (cause is not None and cause.frees == name):
+        return f"another {constant['name'] if constant else name} than stated"
+    meaning = "" if cause is None else cause.meaning.rstrip(".")
+    return meaning if re.match(r"an? ", meaning) else f"“{name}”"
 
 
 def parameter(name: str) -> str:
@@ -59,13 +66,22 @@ def parameter(name: str) -> str:
     return f"{_title(cause)}: {short.replace('_', ' ')}" if cause in _CAUSES else name
 
 
-def in_titles(text: str, names: Iterable[str]) -> str:
-    """A sentence with causes in plain words in place of their names."""
-    known = [each for each in names if title(each) != each]
-    if not known:
+def in_titles(text: str, causes: Sequence[Cause]) -> str:
+    """A sentence with causes in plain words in place of their names, and p as elsewhere."""
+    text = re.sub(r"\bp = (\d\S*\d)", lambda each: p_text(float(each[1])), text)
+    names = sorted((re.escape(each.name) for each in causes), key=len, reverse=True)
+    if not names:
         return text
-    found = "|".join(re.escape(each) for each in sorted(known, key=len, reverse=True))
-    return re.sub(rf"(?<![\w.])(?:{found})(?![\w.])", lambda each: title(each[0]), text)
+    found = rf"(?<![\w.])(?:{'|'.join(names)})(?![\w.])"
+    text = re.sub(rf"({found}) \+ (?={found})", r"\1 and ", text)
+    return re.sub(found, lambda each: title(each[0], causes), text)
+
+
+def suspect(code: str, value: float | None) -> list[str]:
+    """Of a check that data failed what it compares, how large the finding is, and what to do."""
+    what, large, do = _WORDS["problems"].get(code, ["the data with what they can be", "", ""])
+    size = "" if value is None else percent(value) if code == "drift" else number(value, 2)
+    return [what, large.format(size), do]
 
 
 def shown_in(name: str, unit: str) -> tuple[float, str]:
@@ -81,15 +97,15 @@ def shown_in(name: str, unit: str) -> tuple[float, str]:
     return float(_WORDS["units"][size["unit"]]), str(size["unit"])
 
 
-def told(name: str, meaning: str, sizes: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
+def told(cause: Cause, sizes: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
     """A cause in words: `title`, `meaning`, `finding`, `interval`, `remedy`, `drawing`, `way`.
 
     `sizes` are its parameters, or the constant that it frees, by full name, with `value`, `sd`,
     `low`, `high`, `unit` and, of a constant, what was `stated`. `way` is the word for the sign of
     the largest; `meaning` is empty where the title says as much.
     """
-    known = _CAUSES.get(name)
-    said = {"name": name, "title": title(name), "remedy": "", "way": ""}
+    name, meaning, known = cause.name, cause.meaning, _CAUSES.get(cause.name)
+    said = {"name": name, "title": title(name, [cause]), "remedy": "", "way": ""}
     new = set(re.findall(r"\w+", meaning)) - set(re.findall(r"\w+", said["title"]))
     said["meaning"] = meaning if len(new) >= _NEW_WORDS else ""
     said["drawing"] = known["drawing"] if known else ""
@@ -124,7 +140,7 @@ def told(name: str, meaning: str, sizes: Mapping[str, Mapping[str, Any]]) -> dic
         said["drawing"] = constant["drawing"] if constant else ""
         return said
     values = [f"{each.rpartition('.')[2]} {amounts[each.rpartition('.')[2]]}" for each in sizes]
-    what = (meaning or name).rstrip(".")
+    what = said["title"]
     said["finding"] = f"{what[:1].upper()}{what[1:]}: {', '.join(values)}."
     return said
 
@@ -171,6 +187,11 @@ def in_unit(value: float, unit: str, digits: int = 2, own: bool = False) -> str:
     """A number in the handy unit of an SI unit: ``0.095 mm/s``; an `own` unit stays."""
     factor, shown = (1.0, unit_label(unit)) if own else handy(unit)
     return f"{number(value * factor, digits)} {shown}".rstrip()
+
+
+def times(ratio: float) -> str:
+    """How many times as probable: ``2400 times``."""
+    return "more than a million times" if ratio > 1e6 else f"{number(ratio, 2)} times"
 
 
 def odds(ratio: float, short: bool = False) -> str:
@@ -231,4 +252,6 @@ def percent(share: float, short: bool = False) -> str:
 
 def p_text(p_value: float) -> str:
     """``p = 0.03``, or that it is below what can be told."""
-    return f"p = {number(p_value, 2)}" if p_value > 1e-12 else f"p < {power(-12)}"
+    if p_value <= 1e-12:
+        return f"p < {power(-12)}"
+    return f"p = {number(p_value, 2).replace('.0·', '·')}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from html import unescape
 from typing import TYPE_CHECKING, Any
@@ -15,6 +16,7 @@ from stickslip._util.html_page import page_text
 from stickslip.diagnosis.candidate import Candidate, spread_of, table_name
 from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.data.series import Series
+from stickslip.diagnosis.data.velocity import VelocityTable
 from stickslip.diagnosis.decision.experiments import advice
 from stickslip.diagnosis.decision.formulas import formula
 from stickslip.diagnosis.decision.gain import held_out, parts_of
@@ -29,6 +31,7 @@ if TYPE_CHECKING:
     from stickslip.diagnosis.result import Diagnosis
 
 _DECIDING, _POINTS = 3, 41  # readings that are named; points of a law
+_FURTHER = 0.01  # probability from which on a further cause is named
 
 
 def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
@@ -63,11 +66,13 @@ def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
         "moved": None,
         "leader": None,
         "runner_up": None,
-        "common": [amounts.title(each) for each in verdict.common],
+        "common": [_title(result, each) for each in verdict.common],
         "beside": _beside(result),
         "offered": len(result.problem.causes),
         "odds": None,
         "alike": [],
+        "misfit": [],
+        "suspect": [],
         "advice": [],
         "tests": {"lack_of_fit": found.test.lack_of_fit, "score": found.test.score},
         "seed": found.seed,
@@ -76,10 +81,16 @@ def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
     }
     if result.fitted:
         numbers |= _of_models(result, numbers["conditions"])
+    elif verdict.reasons:
+        numbers["suspect"] = _suspect(result)
     if source is not None and verdict.kind == "ambiguous":
         numbers["next_experiments"] = _experiments(result)
-        names = {each: amounts.title(each) for each in verdict.causes}
-        numbers["advice"] = [str(each) for each in advice(names, result.propose_experiments())]
+        names = {each: _title(result, each) for each in verdict.causes}
+        looks = advice(names, result.propose_experiments())
+        numbers["advice"] = [
+            re.sub(r": this shows (.*), and nothing of .*", r". This shows \1 alone.", str(each))
+            for each in looks
+        ]
     numbers["headline"] = summary_text(numbers).split("\n", 1)[0]
     return numbers
 
@@ -114,8 +125,11 @@ def notes_of(result: Diagnosis) -> list[dict[str, Any]]:
 
 
 def _words(result: Diagnosis, text: str) -> str:
-    causes = [each.name for each in result.problem.causes]
-    return amounts.in_titles(text, causes)
+    return amounts.in_titles(text, result.problem.causes)
+
+
+def _title(result: Diagnosis, name: str) -> str:
+    return amounts.title(name, result.problem.causes)
 
 
 def _cause(result: Diagnosis) -> str | list[str] | None:
@@ -133,7 +147,7 @@ def _of_models(result: Diagnosis, rows: Sequence[Mapping[str, Any]]) -> dict[str
     best = result.recalibrated if told is None else Candidate(told, models)
     ranking = [
         {
-            "candidate": name, "title": amounts.title(name), "causes": sorted(fit.names), **row,
+            "candidate": name, "title": _title(result, name), "causes": sorted(fit.names), **row,
             "odds": _odds(result, best.name, name),
         }
         for fit, (name, row) in zip(fits, table.to_dict("index").items(), strict=True)
@@ -160,8 +174,9 @@ def _of_models(result: Diagnosis, rows: Sequence[Mapping[str, Any]]) -> dict[str
         "recalibrated": _recalibrated(result),
         "moved": _moved(result),
         "deciding_readings": (
-            [] if other is None or told is None else _deciding(result, told, other, rows)
+            [] if other is None or told is None else _all_deciding(result, told, other, rows)
         ),
+        "misfit": _misfit(result, rows),
         "alike": [] if told is None else _alike(result, told),
         "bounds": _bounds(result) if verdict.kind == "none" else {},
     }
@@ -171,7 +186,7 @@ def _beside(result: Diagnosis) -> list[str]:
     """What the members of a set have beside the causes that all of them have."""
     common = frozenset(result.verdict.common)
     rest = (" + ".join(sorted(each.names - common)) or "none" for each in result.verdict.members)
-    return [amounts.title(each) if each != "none" else "nothing else" for each in rest]
+    return [_title(result, each) if each != "none" else "nothing else" for each in rest]
 
 
 def _sizes(result: Diagnosis, candidate: Candidate) -> dict[str, dict[str, dict[str, Any]]]:
@@ -200,14 +215,14 @@ def _told(result: Diagnosis, candidate: Candidate) -> dict[str, Any]:
     sizes = _sizes(result, candidate)
     causes = []
     for each in candidate.fit.causes:
-        said: dict[str, Any] = amounts.told(each.name, each.meaning, sizes[each.name])
+        said: dict[str, Any] = amounts.told(each, sizes[each.name])
         if each.curve is not None:
             # Drawings have the names of the laws.
             said |= {"finding": f"The law of {each.curve.name} has another shape.",
                      "drawing": each.curve.law, "interval": ""}  # fmt: skip
         causes.append(said)
     chance = result.chance.models[candidate.name]
-    return {"candidate": candidate.name, "title": amounts.title(candidate.name),
+    return {"candidate": candidate.name, "title": _title(result, candidate.name),
             "probability": chance, "causes": causes}  # fmt: skip
 
 
@@ -219,13 +234,22 @@ def _leader(result: Diagnosis, candidate: Candidate) -> dict[str, Any]:
         **_told(result, candidate),
         "among_causes": own / with_cause if with_cause > 0.0 else 0.0,
         "in_all": result.probability_of(candidate.fit.names),
+        "further": _further(result, candidate.fit),
         "share": candidate.share,
-        "left": _left_in_words(result, candidate),
+        "left": _left_in_words(result, candidate if result.verdict.fit else result.recalibrated),
     }
 
 
+def _further(result: Diagnosis, told: Fit) -> str:
+    """The most probable cause beside those that are told, where it has more than 1 %."""
+    larger = (each for each in result.chance.fits if each.names > told.names)
+    most = next(larger, told)
+    seen = most is not told and result.chance.models[most.name] >= _FURTHER
+    return _title(result, " + ".join(sorted(most.names - told.names))) if seen else ""
+
+
 def _left_in_words(result: Diagnosis, candidate: Candidate) -> list[str]:
-    """What is left beside a cause, a text for each table."""
+    """What is left beside a cause, and the errors of readings, a text for each table."""
     left, said = candidate.left, []
     for k, table in enumerate(result.problem.tables):
         name = table_name(result.problem, k)
@@ -234,7 +258,7 @@ def _left_in_words(result: Diagnosis, candidate: Candidate) -> list[str]:
             continue
         factor, unit = shown_unit(table, 0)
         text = f"{amounts.number(size * factor, 2)} {unit}".rstrip() + f" in {title_of(table, k)}"
-        text = f"a scatter of {text}" if left["form"] == "white" else text
+        text = f"{'a scatter' if left['form'] == 'white' else 'an error'} of {text}"
         if name in left.get("correlation", {}):
             lasts = left["correlation"][name]
             text += (
@@ -244,6 +268,11 @@ def _left_in_words(result: Diagnosis, candidate: Candidate) -> list[str]:
             )
         elif "length" in left:
             text += f", smooth over {amounts.percent(left['length'] / 2.0)} of a setting's range"
+        part = result.problem.rows[k]
+        level = float(np.mean(np.abs(result.problem.y[part])))
+        own = amounts.number(float(np.median(result.problem.sd[part])) * factor, 2)
+        text += f" ({amounts.percent(size / level)} of their mean)" if 0.0 < size < level else ""
+        text += f", beyond the readings' errors of {own} {unit}".rstrip()
         said.append(text)
     return said
 
@@ -256,7 +285,7 @@ def _odds(result: Diagnosis, one: str, other: str) -> float:
 def _runner_up(result: Diagnosis, told: Fit, other: Fit) -> dict[str, Any]:
     """The most probable model that has not the causes of the one that is told, and the odds."""
     odds = _odds(result, told.name, other.name)
-    return {"candidate": other.name, "title": amounts.title(other.name), "odds": odds}
+    return {"candidate": other.name, "title": _title(result, other.name), "odds": odds}
 
 
 def _other(result: Diagnosis, told: Fit) -> Fit:
@@ -292,6 +321,50 @@ def _moved(result: Diagnosis) -> dict[str, Any] | None:
     return {"name": name, "title": amounts.parameter(name), "pull": float(pulls.max())}
 
 
+def _all_deciding(
+    result: Diagnosis, told: Fit, other: Fit, rows: Sequence[Mapping[str, Any]]
+) -> list[dict[str, Any]]:
+    """Against the runner-up; of a pair for each cause, against the other one alone."""
+    models = result.findings.models
+    alone = {name: models.get(told.names - {name}) for name in sorted(told.names)}
+    if result.verdict.kind != "pair" or None in alone.values():
+        return _deciding(result, told, other, rows)
+    return [
+        {**each, "for": _title(result, name)}
+        for name, fit in alone.items() if fit is not None
+        for each in _deciding(result, told, fit, rows)[:2]
+    ]  # fmt: skip
+
+
+def _misfit(result: Diagnosis, rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """The readings with the largest share of the recalibrated model's chi-square."""
+    residual = result.recalibrated.fit.residual
+    square = np.ravel(result.problem.whitened(residual[:, None])) ** 2
+    return [
+        {**{key: rows[k][key] for key in ("table", "number", "where")},
+         "share": float(square[k] / np.sum(square))}
+        for k in np.argsort(-square).tolist()[:_DECIDING]
+    ]  # fmt: skip
+
+
+def _suspect(result: Diagnosis) -> list[str]:
+    """Of the check that the data failed what it compares, the size, and what to do."""
+    note = result.verdict.reasons[0]
+    ordered = (each for each in result.problem.tables if isinstance(each, VelocityTable))
+    drifts = max(map(_drift, ordered), default=0.0) if note.code == "drift" else note.value
+    return amounts.suspect(note.code, drifts)
+
+
+def _drift(table: VelocityTable) -> float:
+    """Part by which velocities change over all trials: repeats of a condition over their order."""
+    mean = table.mean[table.condition]
+    used = np.isfinite(table.sequence) & (mean != 0.0)
+    c, order = table.condition[used], table.sequence[used]
+    at = order - (np.bincount(c, order) / np.maximum(np.bincount(c), 1))[c]
+    slope = float(at @ (table.y[used] / mean[used])) / max(float(at @ at), 1e-300)
+    return abs(slope) * float(np.ptp(order)) if len(c) else 0.0
+
+
 def _deciding(
     result: Diagnosis, told: Fit, other: Fit, rows: Sequence[Mapping[str, Any]]
 ) -> list[dict[str, Any]]:
@@ -323,19 +396,21 @@ def _alike(result: Diagnosis, told: Fit) -> list[dict[str, Any]]:
         value = abs(cosine(result.problem, null, null.residual - own.residual,
                            null.residual - fit.residual))  # fmt: skip
         if value > ALIKE:
-            found.append({"cause": each.name, "title": amounts.title(each.name), "cosine": value})
+            found.append({"cause": each.name, "title": _title(result, each.name), "cosine": value})
     return found
 
 
 def _bounds(result: Diagnosis) -> dict[str, Any]:
     found, parameters = result.findings, {each.name: each for each in result.problem.parameters}
     limits = upper_limits(result.problem, found.models.null, found.responses)
+    causes = ((each, _title(result, each.name)) for each in result.problem.causes)
+    owners = {each.name: title for cause, title in causes for each in cause.parameters}
     return {
         name.removeprefix("effects."): {
             "value": value, "unit": parameters[name].unit, "falls": parameters[name].falls,
             "relative": value / (parameters[name].size or 1.0),
             "title": amounts.parameter(name),
-            "cause": amounts.title(name.removeprefix("effects.").rpartition(".")[0]),
+            "cause": owners.get(name, ""),
             "text": amounts.limit(name, value, parameters[name].unit),
             "seen": not _at_end(parameters[name], value),
         }
@@ -413,7 +488,8 @@ def _experiments(result: Diagnosis) -> list[dict[str, Any]]:
     return [
         {
             "drive": dict(each.drive), "why": _words(result, str(each.why)),
-            "separation": each.separation, "words": _words(result, str(each).split(". ")[0]),
+            "separation": each.separation,
+            "words": _words(result, str(each).split(". ")[0]).replace("edge ", "sudden edge: "),
             "predictions": {name: dict(row) for name, row in each.predictions.items()},
         }
         for each in result.propose_experiments()

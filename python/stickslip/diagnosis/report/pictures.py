@@ -118,7 +118,7 @@ class Plots:
             pale = 0.5 if fit is not None and has and name != fit.name else 1.0
             axes.barh(place, size, color=VERMILION if has else DARK_GREY, alpha=pale)
             axes.text(size * 1.15, place, amounts.percent(value, True), va="center")
-        axes.set_yticks(range(len(shown)), [shortened(amounts.title(n), 64) for n, _ in shown])
+        axes.set_yticks(range(len(shown)), [shortened(self._title(n), 64) for n, _ in shown])
         axes.invert_yaxis()
         ticks = range(-6, 1)
         axes.set(xscale="log", xlim=(1e-6, 30.0), xlabel="probability")
@@ -154,7 +154,7 @@ class Plots:
                       color="#fffffe" if dark else "#000001")  # fmt: skip
         axes.set_yticks(
             range(len(names)),
-            [f"{shortened(amounts.title(name), 44)}  {k}" for k, name in enumerate(names, start=1)],
+            [f"{shortened(self._title(name), 44)}  {k}" for k, name in enumerate(names, start=1)],
         )
         axes.set_xticks(range(len(names)), [str(k + 1) for k in range(len(names))])
         return figure
@@ -271,11 +271,14 @@ class Plots:
         markers = {
             m for each in self.panels(k, self._best_setting(k)) for m in each.markers.items()
         }
-        found = [(signs[m], "ink", group or "measured") for group, m in sorted(markers)]
-        found.append(("\N{EM DASH}", "accent", self._label("recalibrated")))
+        bars = " (bars: 2 standard errors)"
+        found = [(signs[m], "ink", (group or "measured") + bars) for group, m in sorted(markers)]
+        words = f"{self._label('recalibrated')} (uncertain constants fitted, no cause)"
+        found.append(("\N{EM DASH}", "accent", words))
         colours = {"extended": "cause", "nearest": "soft"}
         told = [name for name in colours if name in self._predicted]
-        return found + [("\N{EM DASH}", colours[name], self._label(name)) for name in told]
+        band = " (band, where drawn: 95 %)"
+        return found + [("\N{EM DASH}", colours[name], self._label(name) + band) for name in told]
 
     def main_table(self) -> int:
         """The table in which the cause improves the fit most, or most misfit is left."""
@@ -356,7 +359,10 @@ class Plots:
         fit = verdict.leader if name == "nearest" else verdict.fit
         if name not in ("extended", "nearest") or fit is None:
             return f"{name} model"
-        return f"{'nearest, ' if name == 'nearest' else ''}with {amounts.title(fit.name)}"
+        return f"{'nearest, ' if name == 'nearest' else ''}with {self._title(fit.name)}"
+
+    def _title(self, name: str) -> str:
+        return amounts.title(name, self._result.problem.causes)
 
     def _check(self, table: int) -> None:
         if not 0 <= table < len(self._tables):
