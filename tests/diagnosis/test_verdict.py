@@ -130,13 +130,14 @@ def test_a_set_that_takes_little_of_the_error_explains_nothing():
     scatter = np.random.default_rng(6).standard_normal(60)
     kinds = {}
     for size in (0.02, 0.3):
-        twins = [
-            Cause(name, Parameter(name, low=-20.0, high=20.0, size=0.3)) for name in ("sine", "hump")
-        ]
+        amplitude = {"low": -20.0, "high": 20.0, "size": 0.3}
+        twins = [Cause(name, Parameter(name, **amplitude)) for name in ("sine", "hump")]
         result = diagnose_model(
-            lambda t, p: p["level"]
-            + p["sine"] * np.sin(np.pi * t["x"])
-            + p["hump"] * 4.0 * t["x"] * (1.0 - t["x"]),
+            lambda t, p: (
+                p["level"]
+                + p["sine"] * np.sin(np.pi * t["x"])
+                + p["hump"] * 4.0 * t["x"] * (1.0 - t["x"])
+            ),
             Table({"x": x}, 1.0 + 0.4 * np.sin(np.pi * x) + size * scatter, sd=0.01),
             [Parameter("level", Prior("normal", 1.0, 0.01))],
             twins,
