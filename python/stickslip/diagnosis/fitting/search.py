@@ -49,8 +49,8 @@ _LOOK, _HOPELESS = 3, 30.0
 # Chi-square per row up to which a model is near the data. Chosen.
 _NEAR_DATA = 100.0
 # Fits of a search after which no further leader is looked beside: where nothing explains the data,
-# each look finds others. Chosen: a pair takes about half.
-_MOST_FITS = 150
+# each look finds others. Chosen: a pair takes 160.
+_MOST_FITS = 250
 # Causes that are tried about a leader, of each kind of neighbour; least fall of the cost that one
 # more has to promise (with less its model is not compared); and least growth of the log-evidence
 # after which a leader is looked beside again.
