@@ -12,7 +12,7 @@ from stickslip.diagnosis.result import Diagnosis
 NOMINAL = Scenario().replace({"drive.mode": "OPP", "drive.base": 0.5e-3, "drive.pulses": 5})
 OLD = pd.DataFrame({"frequency": [20.0, 20.0, 40.0, 40.0], "velocity": [1e-3, 1.1e-3, 2e-3, 2e-3]})
 UNSAFE = next_step("ambiguous", ["a", "b"], 0.0)
-SAFE = next_step("named", ["a"], 0.0)
+SAFE = next_step("named", ["“a”"], 0.0)
 _VERDICTS = {UNSAFE.code: ("ambiguous", ("a", "b")), SAFE.code: ("named", ("a",))}
 
 
@@ -41,4 +41,5 @@ def experiments(count, separation=9.0):
 def asking(data, said=UNSAFE, count=3, separation=9.0):
     """A diagnosis of a measurement that says what to do next."""
     verdict = Verdict(*_VERDICTS.get(said.code, ("none", ())))
-    return Asking(SimpleNamespace(verdict=verdict, proposed=experiments(count, separation)), data)
+    proposed, problem = experiments(count, separation), SimpleNamespace(causes=())
+    return Asking(SimpleNamespace(verdict=verdict, proposed=proposed, problem=problem), data)

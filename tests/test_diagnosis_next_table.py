@@ -89,7 +89,7 @@ def test_what_to_measure_is_said_with_what_each_candidate_predicts(begun):
     text = "\n".join(rounds.lines(asking(data)))
     assert f"2 experiments, in {folder / TABLE}; 0 of at most 3 measured" in text
     assert "1. mode OPP, direction +x, frequency 50 Hz" in text
-    assert "expected: 1.000 ± 0.010 mm/s with a; 1.000 ± 0.010 mm/s with b" in text
+    assert "expected: 1.000 ± 0.010 mm/s with “a”; 1.000 ± 0.010 mm/s with “b”" in text
 
 
 @pytest.mark.parametrize(

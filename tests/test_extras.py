@@ -174,10 +174,10 @@ def test_every_public_name_is_there_or_names_its_extra(tmp_path):
     assert all(named == "True" for _, _, named in rows)
     assert {name: module for name, module, _ in rows} == {
         **dict.fromkeys(["predict", "reproduce", "sweep", "sweep_dataframe"], "h5netcdf"),
-        **dict.fromkeys(["Cause", "Diagnosis", "Measurement", "Parameter", "Table"], "scipy"),
+        **dict.fromkeys(["Cause", "Diagnosis", "Measurement", "Parameter", "Series"], "scipy"),
         **dict.fromkeys(["diagnose", "free_law"], "scipy"),
         **dict.fromkeys(["diagnose_in_rounds", "diagnose_model", "instruments"], "scipy"),
-        **dict.fromkeys(["read_measurement"], "scipy"),
+        **dict.fromkeys(["Table", "events", "read_measurement"], "scipy"),
         "optimise": "cma",
         "plot": "matplotlib",
     }

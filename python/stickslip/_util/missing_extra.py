@@ -23,7 +23,7 @@ EXTRAS = {
 
 _DIAGNOSIS = (
     *("Cause", "Diagnosis", "Measurement", "Parameter", "Table", "diagnose", "diagnose_in_rounds"),
-    *("diagnose_model", "free_law", "instruments", "read_measurement"),
+    *("Series", "diagnose_model", "events", "free_law", "instruments", "read_measurement"),
 )
 _NEEDED: dict[str, tuple[str, ...]] = {
     "optimise": ("optimise",),

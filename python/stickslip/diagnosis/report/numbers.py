@@ -340,6 +340,8 @@ def _misfit(result: Diagnosis, rows: Sequence[Mapping[str, Any]]) -> list[dict[s
     """The readings with the largest share of the recalibrated model's chi-square."""
     residual = result.recalibrated.fit.residual
     square = np.ravel(result.problem.whitened(residual[:, None])) ** 2
+    if not np.any(square):
+        return []
     return [
         {**{key: rows[k][key] for key in ("table", "number", "where")},
          "share": float(square[k] / np.sum(square))}
