@@ -133,4 +133,4 @@ def test_an_effect_outside_the_library_is_not_named(monkeypatch):
     monkeypatch.setattr(measured, "_laws", lambda *given: ())
     _, said, _ = _said("unknown", 20001)
     assert said["verdict"] == "unexplained"
-    assert said["parameters"] == {}
+    assert said["cause"] is None

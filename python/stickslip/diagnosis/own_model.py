@@ -53,8 +53,12 @@ def pose_own(
     ScenarioError
         If something is given that is not allowed.
     """
-    tables = [data] if isinstance(data, Table) else list(data)
-    if not tables or not all(isinstance(each, Table) for each in tables):
+    tables = [data] if isinstance(data, Table) else data
+    if (
+        not isinstance(tables, Sequence)
+        or not tables
+        or not all(isinstance(each, Table) for each in tables)
+    ):
         raise ScenarioError(
             f"data = {brief(data)}: allowed is a Table or a Series, or a list of them"
         )

@@ -102,7 +102,7 @@ class Series(Table):
             each = stated_errors(sd, count, f"{self._at}sd")
             self.errors = Errors(each, told={"s0": root_mean_square(each), "rho": 0.0})
         else:
-            self.errors = _about_a_curve(self.t, self.y)
+            self.errors = _about_a_curve(self.t, self.y, unit)
         self.stated = sd is not None
         self.notes = list(self.errors.notes)
 
@@ -112,7 +112,12 @@ class Series(Table):
 
     def __getitem__(self, column: str) -> Array:
         """Times, as ``t``, or an input."""
-        return self.t if column == "t" else self.inputs[column]
+        if column == "t":
+            return self.t
+        if column not in self.inputs:
+            known = ", ".join(["t", *self.inputs])
+            raise ScenarioError(f"{self._at}there is no input {column}; allowed are {known}")
+        return self.inputs[column]
 
     def __repr__(self) -> str:
         return f"<Series {self.name}: {len(self.y)} readings in {np.ptp(self.t):g} s>"
@@ -228,7 +233,7 @@ def _of_length(errors: Errors, count: int) -> Errors:
     return Errors(sd, None, errors.dof, errors.told, errors.notes)
 
 
-def _about_a_curve(t: Array, y: Array) -> Errors:
+def _about_a_curve(t: Array, y: Array, unit: str) -> Errors:
     """Errors of readings about a smooth curve, where there is one; else of no known size.
 
     Differences of an order take a polynomial away. Where those of two orders leave the same, it is
@@ -248,7 +253,8 @@ def _about_a_curve(t: Array, y: Array) -> Errors:
     sd = scatter[1]
     # A median of n differences of order 5, which overlap, tells as much as n / 8 free readings.
     dof = len(y) / 8.0
-    note = Note(SMOOTH, f"A reading scatters by {sd:.2g} about a smooth curve.", sd)
+    text = f"{sd:.2g}" if unit == "-" else f"{sd:.2g} {unit}"
+    note = Note(SMOOTH, f"A reading scatters by {text} about a smooth curve.", sd)
     return Errors(np.full(len(y), sd), None, dof, {"s0": sd, "rho": 0.0}, (note,))
 
 
