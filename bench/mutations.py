@@ -263,7 +263,7 @@ def differences(effects: Iterable[str]) -> set[str]:
 
 def place_of(mutation: Mutation) -> Path:
     """The file in the copy, in which the text has to be once."""
-    path = SOURCE / CORE / mutation.file
+    path = next((SOURCE / CORE).rglob(mutation.file))
     found = path.read_text().count(mutation.text)
     if found != 1:
         sys.exit(f"{mutation.file}: {found} times instead of once: {mutation.text}")

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "register.hpp"
-#include "stickslip/coil_set.hpp"
-#include "stickslip/drive.hpp"
-#include "stickslip/field_map.hpp"
-#include "stickslip/probe.hpp"
+#include "stickslip/drive/sawtooth.hpp"
+#include "stickslip/field/coil_set.hpp"
+#include "stickslip/field/field_map.hpp"
+#include "stickslip/readings/probe.hpp"
 
 namespace py = pybind11;
 

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "register.hpp"
-#include "stickslip/assembly.hpp"
-#include "stickslip/free_shapes.hpp"
-#include "stickslip/own_coils.hpp"
-#include "stickslip/parameters.hpp"
-#include "stickslip/recording.hpp"
+#include "stickslip/run/assembly.hpp"
+#include "stickslip/run/recording.hpp"
+#include "stickslip/scenario/free_shapes.hpp"
+#include "stickslip/scenario/own_coils.hpp"
+#include "stickslip/scenario/parameters.hpp"
 
 namespace py = pybind11;
 

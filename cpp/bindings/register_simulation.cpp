@@ -12,8 +12,8 @@
 #include "register.hpp"
 #include "report_progress.hpp"
 #include "state_fields.hpp"
-#include "stickslip/batch.hpp"
-#include "stickslip/sweep.hpp"
+#include "stickslip/batch/batch.hpp"
+#include "stickslip/batch/sweep.hpp"
 
 namespace py = pybind11;
 

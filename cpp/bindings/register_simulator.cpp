@@ -10,10 +10,10 @@
 #include "register.hpp"
 #include "report_progress.hpp"
 #include "state_fields.hpp"
-#include "stickslip/number_text.hpp"
-#include "stickslip/parameters.hpp"
-#include "stickslip/rollout.hpp"
-#include "stickslip/simulator.hpp"
+#include "stickslip/batch/rollout.hpp"
+#include "stickslip/batch/simulator.hpp"
+#include "stickslip/numbers/number_text.hpp"
+#include "stickslip/scenario/parameters.hpp"
 
 namespace py = pybind11;
 

@@ -4,7 +4,7 @@
 #include <stdexcept>
 
 #include "register.hpp"
-#include "stickslip/static_tilt.hpp"
+#include "stickslip/readings/static_tilt.hpp"
 
 namespace py = pybind11;
 

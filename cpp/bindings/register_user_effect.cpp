@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "register.hpp"
-#include "stickslip/user_effect.hpp"
+#include "stickslip/scenario/user_effects.hpp"
 
 namespace py = pybind11;
 

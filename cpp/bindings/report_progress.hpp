@@ -2,7 +2,7 @@
 
 #include <pybind11/pybind11.h>
 
-#include "stickslip/simulation.hpp"
+#include "stickslip/run/simulation.hpp"
 
 namespace stickslip::bindings {
 

@@ -4,7 +4,7 @@
 
 #include <string_view>
 
-#include "stickslip/parameters.hpp"
+#include "stickslip/scenario/parameters.hpp"
 
 namespace stickslip::bindings {
 

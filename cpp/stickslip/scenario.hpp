@@ -1,166 +1,19 @@
 #pragma once
 
-#include <bitset>
-#include <cstddef>
-#include <functional>
-#include <memory>
-#include <optional>
-#include <vector>
+#include "stickslip/scenario/free_shapes.hpp"
+#include "stickslip/scenario/own_coils.hpp"
+#include "stickslip/scenario/parameters.hpp"
+#include "stickslip/scenario/plane.hpp"
+#include "stickslip/scenario/scenario.hpp"
+#include "stickslip/scenario/scenario_rows.hpp"
+#include "stickslip/scenario/state.hpp"
+#include "stickslip/scenario/user_effects.hpp"
 
-#include "stickslip/coil_set.hpp"
-#include "stickslip/drive.hpp"
-#include "stickslip/free_curve.hpp"
-#include "stickslip/state.hpp"
-#include "stickslip/user_effect.hpp"
-
-namespace stickslip {
-
-/// One coil, Table I.
-struct CoilParameters {
-    CoilGeometry geometry;
-    double resistance = 10.0;  ///< ohm
-    double inductance = 0.07;  ///< H
-};
-
-/// Values of one coil that differ from those of all; zero: they do not.
-struct OwnCoil {
-    double resistance = 0.0;  ///< ohm
-    double inductance = 0.0;  ///< H
-    double side = 0.0;        ///< m
-    double distance = 0.0;    ///< m
-    double turns = 0.0;
-
-    friend bool operator==(const OwnCoil&, const OwnCoil&) = default;
-};
-
-/// Table II.
-struct RobotParameters {
-    double length = 250e-6;      ///< m
-    double width = 130e-6;       ///< m
-    double height = 100e-6;      ///< m
-    double mass = 25.6e-9;       ///< kg
-    double magnetization = 5e5;  ///< A/m
-};
-
-struct ContactParameters {
-    double static_friction = 0.2;
-    double kinetic_friction = 0.145;
-    double adhesion = 0.22e-6;    ///< N
-    double adhesion_range = 0.0;  ///< m
-    double restitution = 0.0;
-    double tangential_restitution = 0.0;
-};
-
-struct DragParameters {
-    double linear = 1.0e-5;       ///< N s/m, Eq. (18)
-    double rotational = 9.0e-17;  ///< N m s^2, Eq. (19)
-};
-
-/// Parameters of the named extensions. Each is absent at zero; see parameters.cpp for their
-/// meaning.
-struct Effects {
-    // drive
-    double coil_heating_coefficient = 0.0;  ///< 1/W
-    double amplifier_limit_voltage = 0.0;   ///< V
-    double eddy_lag_time = 0.0;             ///< s
-    double sample_hold_period = 0.0;        ///< s
-    double edge_time_time = 0.0;            ///< s
-    double mutual_inductance_coupling = 0.0;
-    double gradient_scale_fraction = 0.0;
-    double field_gain_in_plane = 0.0;
-    double field_gain_clamp = 0.0;
-    // magnet
-    double misalignment_angle = 0.0;  ///< rad
-    double magnetization_scale_fraction = 0.0;
-    double ambient_field_bx = 0.0;  ///< T
-    double ambient_field_bz = 0.0;  ///< T
-    double ambient_field_by = 0.0;  ///< T
-    // contact
-    double stribeck_friction_velocity = 0.0;    ///< m/s
-    double viscous_friction_coefficient = 0.0;  ///< s/m
-    double friction_anisotropy_fraction = 0.0;
-    double angle_adhesion_strength = 0.0;
-    double adhesion_ageing_rate = 0.0;
-    double adhesion_ageing_time = 1e-3;  ///< s, has no effect at rate zero
-    double restitution_coefficient = 0.0;
-    // fluid
-    double angle_drag_strength = 0.0;
-    double quadratic_drag_coefficient = 0.0;   ///< N s^2/m^2
-    double rotational_drag_coefficient = 0.0;  ///< N m s
-    // surface
-    double surface_tilt_angle = 0.0;    ///< rad
-    double surface_tilt_azimuth = 0.0;  ///< rad, has no effect at angle zero
-    double friction_patches_amplitude = 0.0;
-    double friction_patches_period = 1e-3;  ///< m, has no effect at amplitude zero
-    // measurement
-    double length_scale_fraction = 0.0;
-    double clock_scale_fraction = 0.0;
-    double angle_offset_angle = 0.0;  ///< rad
-    // coils that are not as all, in the world's frame; see own_coils.cpp
-    PerCoilOf<OwnCoil> own_coils = {};
-    // free shapes, each absent while its knots are zero; see free_shapes.cpp
-    FreeShape free_friction_speed{FreeReach::anchored, 0.02};     ///< of m/s
-    FreeShape free_friction_angle{FreeReach::both_ways, 1.5};     ///< of rad
-    FreeShape free_friction_load{FreeReach::from_zero, 1e-6};     ///< of N
-    FreeShape free_friction_age{FreeReach::from_zero, 1.0};       ///< of s
-    FreeShape free_adhesion_angle{FreeReach::both_ways, 1.5};     ///< of rad
-    FreeShape free_adhesion_age{FreeReach::from_zero, 0.1};       ///< of s
-    FreeShape free_drag_angle{FreeReach::both_ways, 1.5};         ///< of rad
-    FreeShape free_drag_speed{FreeReach::from_zero, 0.02};        ///< of m/s
-    FreeShape free_drag_rate{FreeReach::from_zero, 500.0};        ///< of rad/s
-    FreeShape free_contact_place{FreeReach::both_ways, 1.5};      ///< of rad
-    FreeShape free_field_time{FreeReach::from_zero, 1.0};         ///< of s
-    FreeShape free_field_frequency{FreeReach::from_zero, 200.0};  ///< of Hz
-    FreeShape free_field_amplitude{FreeReach::from_zero, 2.5};    ///< of A
-};
-
-enum class Method { tsit5, arkode };
-
-struct SolverSettings {
-    Method method = Method::tsit5;
-    double rtol = 1e-8;
-    double max_step = 0.0;  ///< s, zero: no limit
-    std::int64_t max_steps = 1'000'000'000;
-};
-
-enum class RecordKind { none, events, uniform };
-
-/// Number of the columns of a `Recording`.
-inline constexpr std::size_t kColumns = 23;
-
-struct Recording;
-
-struct RecordSettings {
-    RecordKind kind = RecordKind::none;
-    double rate = 0.0;                   ///< Hz, of the uniform grid
-    double from = 0.0;                   ///< s, simulated time before which nothing is recorded
-    std::bitset<kColumns> dropped = {};  ///< columns that are not kept, see `kColumnNames`
-    /// Takes the record chunk by chunk while the run goes on, on the thread that plays it; without
-    /// it the record is kept to the end.
-    std::function<void(Recording&&)> sink = nullptr;
-};
-
-/// All that defines one simulation.
-struct Scenario {
-    Drive drive;
-    VoltageProgram program;               ///< V, world frame; used by DriveMode::program
-    CoilParameters coil;                  ///< of all five, where one has no own values
-    std::shared_ptr<const FieldMap> map;  ///< world frame; nullptr: the coils' own field
-    RobotParameters robot;
-    ContactParameters contact;
-    DragParameters drag;
-    double gravity = 9.81;  ///< m/s^2
-    Effects effects;
-    std::vector<UserSetting> user_effects;  ///< by name; see set_parameter
-    SimulationState initial;
-    /// Whether the robot moves in the whole plane though nothing above asks for it: voltages of a
-    /// run that is stepped do.
-    bool whole_plane = false;
-    /// Initial currents (A) of the run that goes on in this one, which keeps its tolerance;
-    /// no value: none comes before.
-    std::optional<PerCoil> first_current;
-    SolverSettings solver;
-    RecordSettings record;
-};
-
-}  // namespace stickslip
+/// All that a run is told; data only.
+///
+/// - scenario, state: the values
+/// - parameters, free_shapes, own_coils: every key with its unit, range and meaning
+/// - plane: whether the robot leaves the plane of motion, and which way it faces
+/// - user_effects: the registry of the user's own effects
+/// - scenario_rows: many scenarios that differ in a few keys
+namespace stickslip {}

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "stickslip/coil_set.hpp"
+#include "stickslip/field/coil_set.hpp"
 
 namespace stickslip::test {
 

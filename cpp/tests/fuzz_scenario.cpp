@@ -5,8 +5,8 @@
 #include <sstream>
 #include <string>
 
-#include "stickslip/parameters.hpp"
-#include "stickslip/simulation.hpp"
+#include "stickslip/run/simulation.hpp"
+#include "stickslip/scenario/parameters.hpp"
 
 namespace {
 

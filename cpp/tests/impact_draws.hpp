@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "stickslip/impact.hpp"
+#include "stickslip/contact/impact.hpp"
 #include "support.hpp"
 
 /// Random impacts and the conditions that any of them has to meet.

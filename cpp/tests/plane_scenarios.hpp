@@ -1,8 +1,8 @@
 #pragma once
 
-#include "stickslip/heading.hpp"
-#include "stickslip/scenario.hpp"
-#include "stickslip/summary.hpp"
+#include "stickslip/field/heading.hpp"
+#include "stickslip/run/summary.hpp"
+#include "stickslip/scenario/scenario.hpp"
 
 /// What the tests of the whole plane share.
 namespace stickslip::test {

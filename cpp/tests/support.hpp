@@ -4,8 +4,8 @@
 #include <limits>
 #include <random>
 
-#include "stickslip/assembly.hpp"
-#include "stickslip/dynamics.hpp"
+#include "stickslip/contact/dynamics.hpp"
+#include "stickslip/run/assembly.hpp"
 
 /// What several test files share.
 namespace stickslip::test {

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "stickslip/batch.hpp"
+#include "stickslip/batch/batch.hpp"
 
 using namespace stickslip;
 

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "stickslip/circuit.hpp"
+#include "stickslip/drive/circuit.hpp"
 #include "support.hpp"
 
 using namespace stickslip;

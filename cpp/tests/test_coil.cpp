@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "stickslip/coil_set.hpp"
+#include "stickslip/field/coil_set.hpp"
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "stickslip/contact.hpp"
-#include "stickslip/phases.hpp"
+#include "stickslip/contact/contact.hpp"
+#include "stickslip/contact/phases.hpp"
 #include "support.hpp"
 
 using namespace stickslip;

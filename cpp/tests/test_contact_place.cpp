@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
-#include "stickslip/contact.hpp"
-#include "stickslip/phases.hpp"
+#include "stickslip/contact/contact.hpp"
+#include "stickslip/contact/phases.hpp"
 #include "support.hpp"
 
 using namespace stickslip;

@@ -5,9 +5,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include "stickslip/assembly.hpp"
-#include "stickslip/coil_set.hpp"
-#include "stickslip/drive.hpp"
+#include "stickslip/drive/sawtooth.hpp"
+#include "stickslip/field/coil_set.hpp"
+#include "stickslip/run/assembly.hpp"
 #include "support.hpp"
 
 using namespace stickslip;

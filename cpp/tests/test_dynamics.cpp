@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "stickslip/dynamics.hpp"
+#include "stickslip/contact/dynamics.hpp"
 #include "support.hpp"
 
 using namespace stickslip;

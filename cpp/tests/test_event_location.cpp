@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-#include "stickslip/event_location.hpp"
+#include "stickslip/solver/event_location.hpp"
 
 using namespace stickslip;
 

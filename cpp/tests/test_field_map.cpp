@@ -1,4 +1,4 @@
-#include "stickslip/field_map.hpp"
+#include "stickslip/field/field_map.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,9 +9,9 @@
 #include <string>
 
 #include "fitted_map.hpp"
-#include "stickslip/local_field.hpp"
-#include "stickslip/own_coils.hpp"
-#include "stickslip/simulation.hpp"
+#include "stickslip/field/local_field.hpp"
+#include "stickslip/run/simulation.hpp"
+#include "stickslip/scenario/own_coils.hpp"
 #include "support.hpp"
 
 using namespace stickslip;

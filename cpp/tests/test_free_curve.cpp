@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "stickslip/free_curve.hpp"
+#include "stickslip/numbers/free_curve.hpp"
 #include "support.hpp"
 
 using namespace stickslip;

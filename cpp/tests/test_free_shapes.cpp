@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "stickslip/contact.hpp"
-#include "stickslip/free_shapes.hpp"
-#include "stickslip/impact.hpp"
-#include "stickslip/lanes.hpp"
-#include "stickslip/probe.hpp"
-#include "stickslip/simulation.hpp"
+#include "stickslip/batch/lanes.hpp"
+#include "stickslip/contact/contact.hpp"
+#include "stickslip/contact/impact.hpp"
+#include "stickslip/readings/probe.hpp"
+#include "stickslip/run/simulation.hpp"
+#include "stickslip/scenario/free_shapes.hpp"
 #include "support.hpp"
 
 using namespace stickslip;

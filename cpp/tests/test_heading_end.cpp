@@ -5,10 +5,10 @@
 #include <numbers>
 #include <vector>
 
-#include "stickslip/assembly.hpp"
-#include "stickslip/rollout.hpp"
-#include "stickslip/simulation.hpp"
-#include "stickslip/simulator.hpp"
+#include "stickslip/batch/rollout.hpp"
+#include "stickslip/batch/simulator.hpp"
+#include "stickslip/run/assembly.hpp"
+#include "stickslip/run/simulation.hpp"
 #include "support.hpp"
 
 using namespace stickslip;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "stickslip/phases.hpp"
-#include "stickslip/tsit5.hpp"
+#include "stickslip/contact/phases.hpp"
+#include "stickslip/solver/tsit5.hpp"
 #include "support.hpp"
 
 using namespace stickslip;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "fitted_map.hpp"
-#include "stickslip/lanes.hpp"
+#include "stickslip/batch/lanes.hpp"
 #include "support.hpp"
 
 using namespace stickslip;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "stickslip/local_field.hpp"
+#include "stickslip/field/local_field.hpp"
 #include "support.hpp"
 
 using namespace stickslip;

@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "stickslip/motion_trace.hpp"
+#include "stickslip/solver/motion_trace.hpp"
 #include "support.hpp"
 
 using namespace stickslip;

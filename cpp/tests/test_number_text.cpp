@@ -4,7 +4,7 @@
 #include <limits>
 #include <random>
 
-#include "stickslip/number_text.hpp"
+#include "stickslip/numbers/number_text.hpp"
 
 using namespace stickslip;
 

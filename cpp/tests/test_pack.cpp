@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "stickslip/elementary.hpp"
-#include "stickslip/pack.hpp"
+#include "stickslip/numbers/elementary.hpp"
+#include "stickslip/numbers/pack.hpp"
 #include "support.hpp"
 
 using namespace stickslip;

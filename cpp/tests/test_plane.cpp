@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "plane_scenarios.hpp"
-#include "stickslip/assembly.hpp"
-#include "stickslip/impact.hpp"
-#include "stickslip/rollout.hpp"
-#include "stickslip/simulation.hpp"
-#include "stickslip/simulator.hpp"
+#include "stickslip/batch/rollout.hpp"
+#include "stickslip/batch/simulator.hpp"
+#include "stickslip/contact/impact.hpp"
+#include "stickslip/run/assembly.hpp"
+#include "stickslip/run/simulation.hpp"
 #include "support.hpp"
 
 using namespace stickslip;

@@ -6,9 +6,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "stickslip/assembly.hpp"
-#include "stickslip/simulation.hpp"
-#include "stickslip/simulator.hpp"
+#include "stickslip/batch/simulator.hpp"
+#include "stickslip/run/assembly.hpp"
+#include "stickslip/run/simulation.hpp"
 
 // How a run comes into the whole plane: by its scenario, by a step, from a snapshot or a state.
 

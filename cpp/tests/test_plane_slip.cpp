@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "plane_scenarios.hpp"
-#include "stickslip/simulation.hpp"
+#include "stickslip/run/simulation.hpp"
 
 using namespace stickslip;
 using stickslip::test::alone;

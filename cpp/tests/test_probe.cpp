@@ -1,10 +1,10 @@
-#include "stickslip/probe.hpp"
+#include "stickslip/readings/probe.hpp"
 
 #include <doctest/doctest.h>
 
 #include <cmath>
 
-#include "stickslip/parameters.hpp"
+#include "stickslip/scenario/parameters.hpp"
 #include "support.hpp"
 
 using namespace stickslip;

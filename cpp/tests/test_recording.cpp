@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "stickslip/recording.hpp"
-#include "stickslip/simulation.hpp"
+#include "stickslip/run/recording.hpp"
+#include "stickslip/run/simulation.hpp"
 
 using namespace stickslip;
 

@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <numbers>
 
-#include "stickslip/dynamics.hpp"
-#include "stickslip/rectangle.hpp"
+#include "stickslip/body/rectangle.hpp"
+#include "stickslip/contact/dynamics.hpp"
 #include "support.hpp"
 
 using namespace stickslip;

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "stickslip/contact.hpp"
+#include "stickslip/contact/contact.hpp"
 #include "support.hpp"
 
 using namespace stickslip;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "stickslip/rest.hpp"
-#include "stickslip/simulation.hpp"
+#include "stickslip/contact/rest.hpp"
+#include "stickslip/run/simulation.hpp"
 #include "support.hpp"
 
 using namespace stickslip;

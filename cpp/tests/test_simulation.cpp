@@ -7,7 +7,7 @@
 #include <numbers>
 #include <string>
 
-#include "stickslip/simulation.hpp"
+#include "stickslip/run/simulation.hpp"
 #include "support.hpp"
 
 using namespace stickslip;

@@ -1,4 +1,4 @@
-#include "stickslip/simulator.hpp"
+#include "stickslip/batch/simulator.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,8 +8,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "stickslip/rollout.hpp"
-#include "stickslip/tsit5.hpp"
+#include "stickslip/batch/rollout.hpp"
+#include "stickslip/solver/tsit5.hpp"
 #include "support.hpp"
 
 using namespace stickslip;

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "stickslip/spatial_field.hpp"
+#include "stickslip/field/spatial_field.hpp"
 #include "support.hpp"
 
 using namespace stickslip;

@@ -1,4 +1,4 @@
-#include "stickslip/static_tilt.hpp"
+#include "stickslip/readings/static_tilt.hpp"
 
 #include <doctest/doctest.h>
 

@@ -7,9 +7,9 @@
 #include <thread>
 #include <vector>
 
-#include "stickslip/batch.hpp"
-#include "stickslip/parameters.hpp"
-#include "stickslip/user_effect.hpp"
+#include "stickslip/batch/batch.hpp"
+#include "stickslip/scenario/parameters.hpp"
+#include "stickslip/scenario/user_effects.hpp"
 
 using namespace stickslip;
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "stickslip/tsit5.hpp"
+#include "stickslip/solver/tsit5.hpp"
 #include "support.hpp"
 
 using namespace stickslip;

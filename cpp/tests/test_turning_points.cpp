@@ -1,4 +1,4 @@
-#include "stickslip/turning_points.hpp"
+#include "stickslip/field/turning_points.hpp"
 
 #include <doctest/doctest.h>
 

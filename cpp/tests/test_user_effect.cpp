@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "stickslip/batch.hpp"
-#include "stickslip/parameters.hpp"
-#include "stickslip/sweep.hpp"
+#include "stickslip/batch/batch.hpp"
+#include "stickslip/batch/sweep.hpp"
+#include "stickslip/scenario/parameters.hpp"
 #include "support.hpp"
 
 using namespace stickslip;

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "stickslip/voltage_program.hpp"
+#include "stickslip/drive/voltage_program.hpp"
 #include "support.hpp"
 
 using namespace stickslip;

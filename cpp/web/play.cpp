@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "stickslip/assembly.hpp"
-#include "stickslip/own_coils.hpp"
-#include "stickslip/parameters.hpp"
-#include "stickslip/simulation.hpp"
+#include "stickslip/run/assembly.hpp"
+#include "stickslip/run/simulation.hpp"
+#include "stickslip/scenario/own_coils.hpp"
+#include "stickslip/scenario/parameters.hpp"
 
 namespace stickslip {
 namespace {

@@ -40,7 +40,7 @@ class FieldMap:
         Corners of the box, x, y and z, m.
     coefficients : tuple of tuple of float
         Of the harmonics of each coil in the order of `COIL_NAMES`, T/A; l (l + 2) numbers for those
-        up to degree l, in the order of ``cpp/stickslip/field_map.hpp``.
+        up to degree l, in the order of ``cpp/stickslip/field/field_map.hpp``.
     residual : tuple of float
         Root mean square of what the fit leaves of each coil's map, T/A for each of Bx, By and Bz.
     field : tuple of float

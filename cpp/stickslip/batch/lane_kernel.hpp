@@ -1,0 +1,137 @@
+#pragma once
+
+#include "stickslip/batch/lane_numbers.hpp"
+
+/// One step of a pack of runs. Compiled once for each width of the processor's registers
+/// (lane_kernel_*.cpp), so nothing here may be shared with other translation units: all is
+/// templates over a pack of that width.
+namespace stickslip {
+
+/// The dynamics of a pack of robots without named effects or with them; see Dynamics for the
+/// meaning.
+template <class R, bool kEffects>
+class PackDynamics {
+public:
+    using Real = R;
+    using Named = std::conditional_t<kEffects, EffectNumbers<Real>, NoEffectNumbers>;
+
+    PackDynamics(const PlainDynamics<Real>& robot, const FieldStretch<Real>& field,
+                 const Named& named)
+        : robot_(&robot), field_(&field), named_(&named), far_(Real(1.0) < Real(0.0)) {}
+
+    const PlainDynamics<Real>& robot() const { return *robot_; }
+    [[gnu::always_inline]] ExpansionOf<Real> field_at(Real tau) const {
+        ExpansionOf<Real> result = field_->at(tau);
+        if constexpr (kEffects) {
+            for (const FurtherExponential<Real>& each : named_->further) {
+                if (any(each.rate > 0.0)) each.add(tau, result);
+            }
+        }
+        return result;
+    }
+    [[gnu::always_inline]] PoseOf<Real> pose(Real angle) const {
+        const Real d = angle - robot_->base.angle;
+        const Real dd = d * d;
+        far_ = far_ | !(dd < PlainDynamics<Real>::kNearSquared);
+        return robot_->turned(d, dd);
+    }
+    [[gnu::always_inline]] Real static_limit(double slip, Real x, const PoseOf<Real>&, Real,
+                                             Real) const {
+        if constexpr (kEffects) return robot_->static_friction * friction().place(slip, x);
+        return robot_->static_friction;
+    }
+    [[gnu::always_inline]] Real corner_kinetic(Real slip, Real slip_velocity, Real x,
+                                               const PoseOf<Real>&, Real, const LoadOf<Real>&,
+                                               Real) const {
+        if constexpr (kEffects) {
+            return friction().kinetic(robot_->static_friction, robot_->kinetic_friction,
+                                      slip_velocity) *
+                   friction().place(slip, x);
+        }
+        return robot_->kinetic_friction;
+    }
+    [[gnu::always_inline]] LoadOf<Real> load_near_surface(const ExpansionOf<Real>& expansion,
+                                                          Real x, Real z, const PoseOf<Real>& pose,
+                                                          Real vx, Real vz, Real omega,
+                                                          Real) const {
+        const PlanarFieldOf<Real> field = expansion(x, z);
+        const Real mx = robot_->moment_x(pose), mz = robot_->moment_z(pose);
+        LoadOf<Real> load = robot_->load(field, mx, mz, vx, vz, omega);
+        if constexpr (kEffects) {
+            const SmoothEffects<Real>& e = named_->effects;
+            const Real cosine = e.turn_cosine * pose.cosine - e.turn_sine * pose.sine;
+            const Real sine = e.turn_sine * pose.cosine + e.turn_cosine * pose.sine;
+            e.forces.add(field, mx, mz, cosine, vx, vz, load);
+            load.contact_adhesion = robot_->adhesion * e.adhesion.at_angle(sine) *
+                                    e.adhesion.aged(e.contact_age + expansion.tau);
+        }
+        return load;
+    }
+    /// Where an angle was too far from the base for the series.
+    MaskOf<Real> far() const { return far_; }
+
+private:
+    const SmoothFriction<Real>& friction() const { return named_->effects.friction; }
+
+    const PlainDynamics<Real>* robot_;
+    const FieldStretch<Real>* field_;
+    const Named* named_;
+    mutable MaskOf<Real> far_;
+};
+
+template <template <class> class PhaseOf, class Real, bool kEffects>
+LaneRound lane_step(double* memory) {
+    using D = PackDynamics<Real, kEffects>;
+    using Numbers = LaneNumbers<PhaseOf, D, kEffects>;
+    static_assert(sizeof(Numbers) ==
+                  Real::kSize * sizeof(LaneNumbers<PhaseOf, Dynamics, kEffects>));
+    Numbers& n = *reinterpret_cast<Numbers*>(memory);
+    auto& p = n.progress;
+    D dynamics(n.robot, n.field, n.named);
+    const auto phase = make_phase(n, dynamics);
+
+    const auto to_end = p.begin_step(phase);
+    p.attempt(phase);
+    const Real angle = phase.angle(p.step.last);
+    const PoseOf<Real> pose = dynamics.pose(angle);
+    const auto far = dynamics.far();
+
+    // What the caller has to see: a step that is not accepted, ends the stretch or may hold an
+    // event or a turn of the field; a base that has to be computed anew.
+    auto flagged = (!(p.error <= 1.0)) | to_end | far | (p.accepted + 1.0 >= p.most_steps) |
+                   (!(p.tau + p.step.width > p.tau)) | (n.stalled > 0.0) |
+                   (p.tau + p.step.width >= p.look);
+    for (std::size_t i = 0; i < p.samples.end.size(); ++i) {
+        const auto unarmed = n.unarmed[i] > 0.0;
+        flagged = flagged |
+                  ((!unarmed) & ((p.samples.start[i] <= 0.0) | (p.samples.end[i] <= 0.0) |
+                                 p.samples.may_dip(i))) |
+                  (unarmed & !p.samples.rises(i));
+    }
+    flagged = flagged | (n.robot.base.turns + 1.0 >= double{PlainDynamics<Real>::kMostTurns});
+    const Point<Real> centre = phase.centre(p.step.last, pose);
+    flagged = flagged | !n.workspace.holds(centre.x, centre.z);
+    flagged = flagged | (magnitude(centre.x - n.field.centre_x) > p.half_reach) |
+              (magnitude(centre.z - n.field.centre_z) > p.half_reach);
+
+    const auto done = !flagged;
+    const BasePose<Real> base = {angle, n.robot.base.turns + 1.0, pose};
+    blend<Real>(done, n.robot.base, base);
+    for (Real& unarmed : n.unarmed) unarmed = select(done, Real(0.0), unarmed);
+    p.commit(phase, done, to_end);
+    return {members(flagged), members(far), members(to_end)};
+}
+
+template <int N, bool kEffects>
+LaneKernels::Steps lane_steps() {
+    return {&lane_step<CornerStickPhaseOf, Pack<N>, kEffects>,
+            &lane_step<CornerSlipPhaseOf, Pack<N>, kEffects>,
+            &lane_step<FlightPhaseOf, Pack<N>, kEffects>};
+}
+
+template <int N>
+LaneKernels kernels_of() {
+    return {N, lane_steps<N, false>(), lane_steps<N, true>()};
+}
+
+}  // namespace stickslip

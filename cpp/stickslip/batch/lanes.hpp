@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+
+#include "stickslip/batch/lane_numbers.hpp"
+#include "stickslip/run/hybrid_loop.hpp"
+#include "stickslip/run/simulation.hpp"
+#include "stickslip/solver/tsit5.hpp"
+
+namespace stickslip {
+
+/// A scenario of a batch, and its place there.
+struct LaneTask {
+    std::size_t index = 0;
+    Scenario scenario;
+    std::optional<StopCondition> stop = std::nullopt;
+};
+
+/// A run among others, and its place in their batch.
+struct Lane {
+    using Loop = HybridLoop<Tsit5>;
+
+    Lane(std::size_t place, const Scenario& scenario, RunControl& control,
+         std::optional<StopCondition> stop = std::nullopt)
+        : index(place), loop(scenario, &control, stop) {}
+
+    std::size_t index;
+    Loop loop;
+};
+
+/// Plays the runs that `next` gives, until it gives none, up to `count` of them at a time on this
+/// thread: runs that are in phases of the same kind make their steps as a pack. What is rare,
+/// events, contacts and steps that need a closer look, is done run by run. Each has the bits that
+/// it has alone. `done` is called with a run that has nothing more to play or was interrupted.
+void play_in_lanes(const LaneKernels& kernels, std::size_t count,
+                   const std::function<Lane*()>& next, const std::function<void(Lane&)>& done,
+                   const RunControl& control);
+
+/// Simulates tasks until `next` gives none, in the same way. Each result goes to `done`.
+void simulate_in_lanes(const LaneKernels& kernels, std::size_t count,
+                       const std::function<std::optional<LaneTask>()>& next,
+                       const std::function<void(std::size_t, RunResult&&)>& done,
+                       RunControl& control);
+
+}  // namespace stickslip

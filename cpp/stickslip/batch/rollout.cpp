@@ -1,0 +1,249 @@
+#include "stickslip/batch/rollout.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "stickslip/batch/simulator.hpp"
+#include "stickslip/run/assembly.hpp"
+
+namespace stickslip {
+namespace {
+
+/// Plays lanes on threads, as many at a time as are quickest; `lane` gives none for a run that
+/// there is nothing to play of. Without `poll` one thread is this one: starting another would take
+/// longer than a step.
+void play_all(std::size_t count, int threads, RunControl& control,
+              const std::function<Lane*(std::size_t)>& lane, const std::function<void(Lane&)>& done,
+              const std::function<void()>* poll) {
+    const int workers =
+        static_cast<int>(std::min(count, static_cast<std::size_t>(std::max(threads, 1))));
+    const std::size_t lanes = lanes_a_thread(count, workers);
+    std::atomic<std::size_t> taken = 0;
+    const auto next = [&]() -> Lane* {
+        for (std::size_t index = taken++; index < count; index = taken++) {
+            if (Lane* found = lane(index)) return found;
+        }
+        return nullptr;
+    };
+    const auto work = [&] { play_in_lanes(lane_kernels(), lanes, next, done, control); };
+    if (poll == nullptr && workers == 1) {
+        work();
+    } else {
+        run_workers(
+            workers, control, work, poll ? *poll : [] {});
+    }
+}
+
+Scenario without_record(Scenario scenario) {
+    scenario.record = {};
+    return scenario;
+}
+
+void require_tsit5(const Scenario& scenario) {
+    if (scenario.solver.method != Method::tsit5) {
+        throw std::invalid_argument(
+            "solver.method = \"arkode\": allowed is \"tsit5\" where many runs are stepped "
+            "together");
+    }
+}
+
+bool is_finite(const double* row) {
+    return std::all_of(row, row + kCoilCount, [](double volts) { return std::isfinite(volts); });
+}
+
+/// The number of steps of a run up to the first whose voltages are not finite.
+std::size_t finite_steps(const ControlRows& rows, std::size_t run) {
+    const double* row = rows.voltages + run * rows.run_stride;
+    for (std::size_t k = 0; k < rows.steps; ++k, row += kCoilCount) {
+        if (!is_finite(row)) return k;
+    }
+    return rows.steps;
+}
+
+/// The number of `steps` of a run that are played in one plane: up to the first that turns its
+/// robot.
+std::size_t planar_steps(const Scenario& scenario, const ControlRows& rows, std::size_t run,
+                         std::size_t steps) {
+    if (turns(scenario)) return 0;
+    const double* row = rows.voltages + run * rows.run_stride;
+    for (std::size_t k = 0; k < steps; ++k, row += kCoilCount) {
+        PerCoil voltages;
+        std::copy_n(row, voltages.size(), voltages.begin());
+        if (turns(scenario, voltages)) return k;
+    }
+    return steps;
+}
+
+void give(Lane& lane, const ControlRows& rows, std::size_t first, std::size_t last) {
+    lane.loop.steps().give(rows.voltages + lane.index * rows.run_stride + first * kCoilCount,
+                           last - first, rows.duration, rows.linear);
+}
+
+/// The states of a run from its step `first` on go to `output`.
+void write_states(Lane& lane, const ControlRows& rows, std::size_t first,
+                  const StateOutput& output) {
+    const bool with_currents =
+        std::any_of(output.columns.begin(), output.columns.end(), is_current);
+    const std::size_t begin = (lane.index * rows.steps + first) * output.columns.size();
+    lane.loop.play_steps([&output, &lane, with_currents, to = output.values + begin]() mutable {
+        const StateRow state = row_of(with_currents ? lane.loop.state() : lane.loop.motion());
+        for (const std::size_t column : output.columns) *to++ = state[column];
+    });
+}
+
+}  // namespace
+
+std::vector<Status> rollout(std::size_t count,
+                            const std::function<std::optional<Scenario>(std::size_t)>& scenario,
+                            const ControlRows& rows, const StateOutput& output, int threads,
+                            RunControl& control, const std::function<void()>& poll) {
+    std::vector<Status> result(count, Status::interrupted);
+    if (count == 0) return result;
+    std::mutex mutex;
+    std::map<const Lane*, std::unique_ptr<Lane>> lanes;
+    const auto make_lane = [&](std::size_t index, const Scenario& own, std::size_t first) {
+        auto lane = std::make_unique<Lane>(index, own, control);
+        write_states(*lane, rows, first, output);
+        return lane;
+    };
+    std::vector<std::size_t> finite(count), planar(count);
+    const auto last_step = [&](const Lane& lane) {
+        return lane.loop.in_whole_plane() ? finite[lane.index] : planar[lane.index];
+    };
+    const auto begin = [&](std::size_t index) -> Lane* {
+        const std::optional<Scenario> given = scenario(index);
+        if (!given) {
+            result[index] = Status::not_finite;
+            return nullptr;
+        }
+        const Scenario own = without_record(*given);
+        require_tsit5(own);
+        check(own);
+        finite[index] = finite_steps(rows, index);
+        planar[index] = planar_steps(own, rows, index, finite[index]);
+        if (planar[index] < finite[index]) check(in_whole_plane(own, own.initial));
+        auto lane = make_lane(index, own, 0);
+        give(*lane, rows, 0, last_step(*lane));
+        Lane* const key = lane.get();
+        const std::lock_guard lock(mutex);
+        lanes.emplace(key, std::move(lane));
+        return key;
+    };
+    // A run that a step turns goes on in the whole plane, as that of a simulator does.
+    const auto go_on = [&](const Lane& before, std::size_t first) {
+        const PlaneHandover handover = before.loop.hand_over();
+        const Scenario own = without_record(*scenario(before.index));
+        const auto lane = make_lane(before.index, in_whole_plane(own, handover.state), first);
+        lane->loop.take_over(handover);
+        give(*lane, rows, first, finite[before.index]);
+        lane->loop.go();
+        return lane->loop.status();
+    };
+    const auto done = [&](Lane& lane) {
+        const std::size_t played = last_step(lane), steps = finite[lane.index];
+        const bool is_whole = lane.loop.status() != Status::ok || played == steps;
+        Status& status = result[lane.index];
+        status = is_whole ? lane.loop.status() : go_on(lane, played);
+        if (status == Status::ok && steps < rows.steps) status = Status::not_finite;
+        const std::lock_guard lock(mutex);
+        lanes.erase(&lane);
+    };
+    play_all(count, threads, control, begin, done, &poll);
+    return result;
+}
+
+SimulatorBatch::SimulatorBatch(const std::vector<Scenario>& scenarios) : scenarios_(scenarios) {
+    lanes_.reserve(scenarios.size());
+    for (std::size_t run = 0; run < scenarios.size(); ++run) {
+        lanes_.push_back(make_lane(run, scenarios[run]));
+    }
+}
+
+std::unique_ptr<Lane> SimulatorBatch::make_lane(std::size_t run, const Scenario& scenario) {
+    try {
+        require_tsit5(scenario);
+        check(scenario);
+    } catch (const std::invalid_argument& refusal) {
+        throw std::invalid_argument("run " + std::to_string(run) + ": " + refusal.what());
+    }
+    auto lane = std::make_unique<Lane>(run, without_record(scenario), control_);
+    lane->loop.play_steps([] {});
+    return lane;
+}
+
+void SimulatorBatch::reset(std::size_t run, const Scenario& scenario) {
+    lanes_[run] = make_lane(run, scenario);
+    scenarios_[run] = scenario;
+}
+
+RunSnapshot SimulatorBatch::snapshot(std::size_t run) const {
+    RunSnapshot result = lanes_[run]->loop.snapshot();
+    result.scenario = fingerprint(scenarios_[run]);
+    return result;
+}
+
+void SimulatorBatch::restore(std::size_t run, const RunSnapshot& snapshot) {
+    if (snapshot.scenario != fingerprint(scenarios_[run])) {
+        throw std::invalid_argument("the snapshot is of another scenario");
+    }
+    const Scenario& own = scenarios_[run];
+    lanes_[run] =
+        make_lane(run, snapshot.in_whole_plane ? in_whole_plane(own, {}) : without_start(own));
+    lanes_[run]->loop.restore(snapshot);
+}
+
+// A run that a step turns goes on in the whole plane.
+void SimulatorBatch::enter_plane(std::size_t run) {
+    const PlaneHandover handover = lanes_[run]->loop.hand_over();
+    lanes_[run] = make_lane(run, in_whole_plane(scenarios_[run], handover.state));
+    lanes_[run]->loop.take_over(handover);
+}
+
+void SimulatorBatch::step(const double* voltages, double duration, bool linear, int threads,
+                          const std::function<void()>& poll) {
+    for (std::size_t run = 0; run < lanes_.size(); ++run) {
+        if (lanes_[run]->loop.status() != Status::ok) continue;
+        const double* row = voltages + run * kCoilCount;
+        if (!is_finite(row)) {
+            lanes_[run]->loop.give_up(Status::not_finite);
+            continue;
+        }
+        PerCoil asked;
+        std::copy_n(row, asked.size(), asked.begin());
+        if (!lanes_[run]->loop.in_whole_plane() && turns(scenarios_[run], asked)) enter_plane(run);
+        Lane::Loop& loop = lanes_[run]->loop;
+        loop.reset_counts();
+        loop.steps().give(row, 1, duration, linear);
+    }
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point begin = Clock::now();
+    played_.assign(lanes_.size(), 0);
+    const auto lane = [this](std::size_t run) { return lanes_[run].get(); };
+    const auto done = [this](Lane& each) { played_[each.index] = 1; };
+    try {
+        play_all(lanes_.size(), threads, control_, lane, done,
+                 is_short(duration) ? nullptr : &poll);
+    } catch (...) {
+        for (std::size_t run = 0; run < lanes_.size(); ++run) {
+            Lane::Loop& loop = lanes_[run]->loop;
+            if (!played_[run] && loop.status() == Status::ok) loop.give_up(Status::interrupted);
+        }
+        control_.stop = false;
+        throw;
+    }
+    const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    cost_ = seconds / (duration * static_cast<double>(lanes_.size()));
+}
+
+// Whether a step as the last one is over before anybody misses a poll.
+bool SimulatorBatch::is_short(double duration) const {
+    constexpr double kLong = 0.05;  // s
+    return cost_ * duration * static_cast<double>(lanes_.size()) < kLong;
+}
+
+}  // namespace stickslip

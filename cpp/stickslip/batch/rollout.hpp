@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "stickslip/batch/batch.hpp"
+#include "stickslip/batch/lanes.hpp"
+#include "stickslip/run/run_snapshot.hpp"
+
+namespace stickslip {
+
+/// Voltages of the steps of one or many runs: rows of five (V, world's frame), each for `duration`
+/// s, held or linear from those of the row before.
+struct ControlRows {
+    const double* voltages = nullptr;
+    std::size_t steps = 0;
+    std::size_t run_stride = 0;  ///< numbers from one run's first row to the next one's; 0: shared
+    double duration = 0.0;
+    bool linear = false;
+};
+
+/// Where states go: the values of some columns of `kStateColumns`.
+struct StateOutput {
+    double* values = nullptr;  ///< runs x steps x columns
+    std::vector<std::size_t> columns;
+};
+
+/// Plays `count` runs from their scenarios' initial states through the same number of steps each,
+/// and writes the state at the end of each step; what a failed run does not reach stays as it was.
+/// A run fails (`Status::not_finite`) where `scenario` gives none, as its start is not finite, or
+/// at the first voltage that is not. Statuses in the order of the runs, bit-identical results for
+/// any number of threads.
+std::vector<Status> rollout(std::size_t count,
+                            const std::function<std::optional<Scenario>(std::size_t)>& scenario,
+                            const ControlRows& rows, const StateOutput& output, int threads,
+                            RunControl& control, const std::function<void()>& poll);
+
+/// Many runs that are stepped together.
+class SimulatorBatch {
+public:
+    /// Throws std::invalid_argument, with the run's place, for a scenario that makes no sense or
+    /// that asks for another integrator than tsit5.
+    explicit SimulatorBatch(const std::vector<Scenario>& scenarios);
+
+    std::size_t size() const { return lanes_.size(); }
+    /// One step of all runs, whose rows are those of `voltages` (size() x 5). A run that has failed
+    /// stays where it is, whatever its row is; one whose row is not finite fails before the step.
+    /// `poll` is called about every 50 ms of a step that takes long. Where it, or an effect of the
+    /// user, throws, runs that have not come to the step's end are `Status::interrupted`, and all
+    /// can be begun anew.
+    void step(const double* voltages, double duration, bool linear, int threads,
+              const std::function<void()>& poll);
+    /// Begins one run anew.
+    void reset(std::size_t run, const Scenario& scenario);
+
+    /// As of a Simulator; `restore` takes one of the run's own scenario.
+    RunSnapshot snapshot(std::size_t run) const;
+    void restore(std::size_t run, const RunSnapshot& snapshot);
+
+    StateRow state(std::size_t run) const { return row_of(lanes_[run]->loop.state()); }
+    Status status(std::size_t run) const { return lanes_[run]->loop.status(); }
+
+private:
+    std::unique_ptr<Lane> make_lane(std::size_t run, const Scenario& scenario);
+    void enter_plane(std::size_t run);
+    bool is_short(double duration) const;
+
+    std::vector<Scenario> scenarios_;
+    RunControl control_;
+    std::vector<std::unique_ptr<Lane>> lanes_;
+    std::vector<unsigned char> played_;  // whether each run is at the end of the step
+    // Of the last step, s a simulated second; none was made yet.
+    double cost_ = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace stickslip

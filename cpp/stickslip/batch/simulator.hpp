@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "stickslip/run/hybrid_loop.hpp"
+
+namespace stickslip {
+
+/// A number for all that moves the robot, of its initial state and its drive's record apart: two
+/// scenarios of one number can exchange snapshots.
+std::uint64_t fingerprint(const Scenario& scenario);
+
+/// A run that is entered and left at any instant. Its scenario's drive says how strong the fields
+/// are, to which the tolerance is relative, and how warm the coils; it is not played.
+class Simulator {
+public:
+    /// Begins at `scenario.initial`. Throws std::invalid_argument as `simulate` does.
+    explicit Simulator(const Scenario& scenario);
+    ~Simulator();
+
+    /// Plays `duration` s (above zero) with these voltages (V, world's frame), held, or linear from
+    /// `start`, to which they jump, or without it from those of the step before.
+    void step(const PerCoil& voltages, double duration, bool linear,
+              const PerCoil* start = nullptr);
+
+    double time() const;  ///< s; after a step that failed, the instant at which it did
+    SimulationState state() const;
+    /// How the last step ended; one that did not end well is the last.
+    Status status() const;
+    const std::string& message() const;
+
+    /// At the end of the last step, in the world's frame, V.
+    PerCoil voltages() const;
+
+    RunSnapshot snapshot() const;
+    /// Throws std::invalid_argument for a snapshot of another scenario.
+    void restore(const RunSnapshot& snapshot);
+
+private:
+    struct Runner;
+    template <class Integrator>
+    struct RunnerOf;
+
+    std::uint64_t fingerprint_;
+    std::unique_ptr<Runner> runner_;
+};
+
+}  // namespace stickslip

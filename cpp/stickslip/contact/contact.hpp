@@ -1,0 +1,192 @@
+#pragma once
+
+#include <limits>
+#include <type_traits>
+
+#include "stickslip/contact/dynamics.hpp"
+
+namespace stickslip {
+
+/// Below this approach speed (m/s) a touch-down does not rebound and a rocking face comes to rest;
+/// a corner that separates faster takes no impulse and leaves; a slip along a vector that slows
+/// down to it sticks if static friction can hold it.
+/// It ends the infinite sequences of ever smaller impacts; the energy it removes, m v^2/2 of a 25
+/// ug robot, is 1e-20 J, a billionth of its weight times its height.
+inline constexpr double kCaptureSpeed = 1e-6;
+
+/// What touches the surface: nothing, the quadrant's lowest corner, or the face of which that
+/// corner is the front end (at angle 0).
+enum class Touch { none, corner, face };
+
+/// The contact mode is state: for 0 < N < adhesion both contact and flight are consistent, so it is
+/// never derived again from the gap.
+struct ContactMode {
+    Touch touch = Touch::face;
+    int slip = 0;  ///< 0 sticks, +1 slips to +x, -1 to -x
+
+    friend bool operator==(const ContactMode&, const ContactMode&) = default;
+};
+
+/// Reaction at the touching corner(s). N is compressive, before adhesion; friction along +x, in N.
+template <class Real>
+struct ReactionOf {
+    Real normal = 0.0;
+    Real friction = 0.0;
+};
+using Reaction = ReactionOf<double>;
+
+/// Everything at an instant that a recording may want.
+struct Snapshot {
+    BodyState body;
+    Reaction reaction;
+    double contact_x = std::numeric_limits<double>::quiet_NaN();      ///< m, of the pivot corner
+    double slip_velocity = std::numeric_limits<double>::quiet_NaN();  ///< m/s, of the pivot corner
+    // Of a run in the whole plane: y of the pivot, friction to the left of the heading, and slip
+    // to the left, beside which the two above are along the heading.
+    double contact_y = std::numeric_limits<double>::quiet_NaN();    ///< m
+    double friction_across = 0.0;                                   ///< N
+    double slip_across = std::numeric_limits<double>::quiet_NaN();  ///< m/s
+};
+
+/// A corner that neither slips nor leaves: the paper's case 3, Eqs. (10)-(14) with P fixed.
+template <class Real>
+struct CornerStickOf {
+    Real angular_acceleration;  ///< rad/s^2
+    ReactionOf<Real> reaction;
+};
+using CornerStick = CornerStickOf<double>;
+
+/// Moment of a load about the touching corner, N m.
+template <class Real>
+[[gnu::always_inline]] inline Real moment_about_corner(const PoseOf<Real>& pose,
+                                                       const LoadOf<Real>& load) {
+    return load.torque + (pose.height * load.fx + pose.lever * load.fz);
+}
+
+/// Reaction at a corner that stays where it is while the body turns about it, alpha in rad/s^2. The
+/// normal force of a corner that slips along the surface is the same.
+template <class Real>
+[[gnu::always_inline]] inline ReactionOf<Real> pivot_reaction(const PlainDynamics<Real>& robot,
+                                                              const PoseOf<Real>& pose, Real omega,
+                                                              Real alpha,
+                                                              const LoadOf<Real>& load) {
+    const Real ww = omega * omega;
+    const Real ax = alpha * pose.height + ww * pose.lever;
+    const Real az = alpha * pose.lever - ww * (pose.height - pose.bend);
+    return {robot.mass * az - load.fz + load.contact_adhesion, robot.mass * ax - load.fx};
+}
+
+/// Inertia about the point that touches, kg m^2.
+inline double pivot_inertia(double inertia, double mass, const Pose& pose) {
+    return inertia + mass * (pose.lever * pose.lever + pose.height * pose.height);
+}
+
+/// Angular acceleration (rad/s^2) of a contact that does not slip: of one that rolls too, whose
+/// inertia about the pivot changes with the angle.
+template <class Real>
+[[gnu::always_inline]] inline Real stuck_acceleration(const PlainDynamics<Real>& robot,
+                                                      const PoseOf<Real>& pose, Real omega,
+                                                      const LoadOf<Real>& load) {
+    const Real moment = moment_about_corner(pose, load);
+    if constexpr (std::is_same_v<Real, double>) {
+        if (pose.roll != 0.0 || pose.bend != 0.0) {
+            const double turning = robot.mass * pose.lever * pose.bend * omega * omega;
+            return (moment - turning) / pivot_inertia(robot.inertia, robot.mass, pose);
+        }
+    }
+    return moment * robot.per_corner_inertia;
+}
+
+template <class Real>
+[[gnu::always_inline]] inline CornerStickOf<Real> corner_stick(const PlainDynamics<Real>& robot,
+                                                               const PoseOf<Real>& pose, Real omega,
+                                                               const LoadOf<Real>& load) {
+    const Real alpha = stuck_acceleration(robot, pose, omega, load);
+    return {alpha, pivot_reaction(robot, pose, omega, alpha, load)};
+}
+
+/// A corner that slips with friction -coefficient N, where `coefficient` carries the sign of the
+/// slip: the paper's case 2.
+template <class Real>
+struct CornerSlipOf {
+    Real angular_acceleration;  ///< rad/s^2
+    Real slip_acceleration;     ///< m/s^2, of the corner along x
+    Real normal;                ///< N
+    /// J + m lever (lever - coefficient height), kg m^2: a normal force that lifts the corner. At
+    /// or below zero sliding has no solution or two (Painleve).
+    Real effective_inertia;
+    Real coefficient;  ///< that it was asked for
+};
+using CornerSlip = CornerSlipOf<double>;
+
+template <class Real>
+inline Real painleve_inertia(const PlainDynamics<Real>& robot, const PoseOf<Real>& pose,
+                             Real coefficient) {
+    return robot.inertia + robot.mass * pose.lever * (pose.lever - coefficient * pose.height);
+}
+
+template <class Real>
+[[gnu::always_inline]] inline CornerSlipOf<Real> corner_slip(const PlainDynamics<Real>& robot,
+                                                             const PoseOf<Real>& pose, Real omega,
+                                                             const LoadOf<Real>& load,
+                                                             Real coefficient) {
+    const Real ww = omega * omega;
+    const Real adhesion = load.contact_adhesion;
+    const Real arm = pose.lever - coefficient * pose.height;
+    const Real effective = painleve_inertia(robot, pose, coefficient);
+    const Real rest = adhesion - robot.mass * ww * (pose.height - pose.bend) - load.fz;
+    const Real alpha = (load.torque + pose.lever * adhesion - arm * rest) / effective;
+    const Real normal = robot.mass * pose.lever * alpha + rest;
+    const Real ax = (load.fx - coefficient * normal) * robot.per_mass;
+    return {alpha, ax - alpha * pose.height - ww * pose.lever, normal, effective, coefficient};
+}
+
+/// A face that lies on the surface. `ahead` is its end at +half_base (the quadrant's own corner),
+/// `behind` the other.
+struct FaceReaction {
+    double ahead, behind;  ///< N, compressive
+    double friction;       ///< N, of both together
+
+    double normal() const { return ahead + behind; }
+};
+
+/// coefficient: signed as above for a slipping face; `sticks`: friction is what holds it.
+inline FaceReaction face_reaction(const Model& model, int quadrant, const Load& load, bool sticks,
+                                  double coefficient) {
+    const double normal = load.contact_adhesion - load.fz;
+    const double friction = sticks ? -load.fx : -coefficient * normal;
+    const Face face = model.face(quadrant);
+    const double tilt =
+        (load.torque - face.height * friction + face.shift * load.fz) / (2.0 * face.half_base);
+    return {0.5 * normal + tilt, 0.5 * normal - tilt, friction};
+}
+
+/// Outcome of asking which mode is consistent with the forces.
+struct Resolution {
+    ContactMode mode;
+    int quadrant = 0;      ///< a tipping face may pivot about its other end
+    bool impulse = false;  ///< sliding has no solution: the slip stops by an impulse (Painleve)
+};
+
+/// The consistent mode of what touches now, at tau seconds into the stretch, by the complementarity
+/// conditions of section IV-C. `slip_velocity` in m/s; where it is zero the contact is tried as
+/// sticking, unless `onset` (+1, -1) says which way an event has just broken it loose: there the
+/// sign of an acceleration that is zero to rounding decides nothing.
+Resolution resolve_contact(Dynamics& dynamics, double tau, const BodyState& body, Touch touch,
+                           double slip_velocity, int onset);
+
+/// Puts the slip of a touching corner to zero by an impulse at that corner (impulse without
+/// collision).
+void stop_slip_by_impulse(const Model& model, const Pose& pose, double slip_velocity,
+                          BodyState& body);
+
+/// Pivot-corner velocity along x, m/s.
+inline double corner_velocity_x(const Pose& pose, double vx, double omega) {
+    return vx - omega * pose.height;
+}
+/// Pivot-corner velocity along z, m/s.
+inline double corner_velocity_z(const Pose& pose, double vz, double omega) {
+    return vz - omega * pose.lever;
+}
+
+}  // namespace stickslip

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "stickslip/contact/hybrid_state.hpp"
+#include "stickslip/contact/impact.hpp"
+#include "stickslip/contact/plane_contact.hpp"
+
+namespace stickslip {
+
+/// Changes of the contact that a run counts and that a recording "events" holds.
+enum class EventKind {
+    slip_start,  ///< a sticking contact slips
+    stick,       ///< a slipping contact sticks
+    reversal,    ///< a slip stops and goes on the other way
+    lift_off,    ///< the last contact is lost
+    touch_down,  ///< a corner meets the surface out of flight
+    landing,     ///< a body on one corner comes to lie on a face
+    tip,         ///< a body on a face goes to one corner
+    roll_over,   ///< a body on one corner goes to the next at once, as the face between lands
+    rebound,     ///< the second corner of a body on one corner meets the surface and bounces off
+    painleve,    ///< sliding had no solution and was stopped by an impulse
+};
+inline constexpr std::size_t kEventKinds = 10;
+const char* name(EventKind kind);
+
+/// What an event makes of the state: an impact if there is one, then the mode that the forces
+/// allow.
+class ContactTransitions {
+public:
+    ContactTransitions(Dynamics& dynamics, HybridState& state)
+        : dynamics_(dynamics), state_(state) {}
+    /// From now on of a robot that moves in the whole plane; it has to outlive this.
+    void set_plane(PlaneDynamics& plane) { plane_ = &plane; }
+
+    /// From the state that is there, whose mode the forces may not allow. `touches_down`: with the
+    /// impact of a corner on the surface that approaches it.
+    void begin(bool touches_down);
+
+    /// Takes over the counts of a run that goes on.
+    void set_counts(const std::array<std::int64_t, kEventKinds>& counts) { counts_ = counts; }
+    /// An event at tau seconds into the stretch.
+    void handle(Event event, double tau);
+
+    /// Of the last event, in their order.
+    const std::vector<EventKind>& changes() const { return changes_; }
+    /// Of the whole run.
+    const std::array<std::int64_t, kEventKinds>& counts() const { return counts_; }
+
+private:
+    template <class How>
+    void change(double tau, How&& how);
+    // Velocities along the heading and across while an event is handled; the world's after it.
+    void enter_heading(double tau);
+    void leave_heading();
+    void react(Event event, double tau);
+    void land(int quadrant, Arrival arrival, double tau);
+    void touch_down(int corner_offset, double tau);
+    // onset: which way an event has broken the contact loose, 0: none has.
+    void settle(Touch touch, const Slip& slip, int onset, double tau);
+    Slip slip() const { return {state_.slip_velocity, state_.slip_y}; }
+    void move_contact(double distance) {
+        state_.contact_x += distance * heading_.cosine;
+        state_.contact_y += distance * heading_.sine;
+    }
+    void pivot_on_rear_end();
+    void place_by_contact();
+    void count(EventKind kind);
+    void count_change(const ContactMode& before);
+
+    const Model& model() const { return dynamics_.model(); }
+    Pose pose() { return dynamics_.rebase_angle(state_.body.angle); }
+
+    Dynamics& dynamics_;
+    HybridState& state_;
+    PlaneDynamics* plane_ = nullptr;
+    Heading heading_;
+    std::vector<EventKind> changes_;
+    std::array<std::int64_t, kEventKinds> counts_ = {};
+};
+
+}  // namespace stickslip

@@ -1,0 +1,369 @@
+#include "stickslip/contact/impact.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "stickslip/solver/event_location.hpp"
+
+namespace stickslip {
+namespace {
+
+struct ImpactContact {
+    double lever = 0.0;                    // m, from the centre of mass along x
+    double backward = 0.0, forward = 0.0;  // coefficients of the impulse by the way of the slip
+    double restitution = 0.0;
+    double approach = 0.0;  // m/s, normal velocity before
+    bool arriving = false;  // it meets the surface newly, and approaches it
+
+    double friction(int slip) const { return slip > 0 ? forward : backward; }
+    // Of a slip whose unit vector has the part `along` in the plane of motion: what depends on the
+    // way is linear in it (`FrictionLaw`).
+    double friction_along(double along) const {
+        return 0.5 * (forward + backward) + 0.5 * along * (forward - backward);
+    }
+};
+
+struct Impulse {
+    std::array<double, 2> normal = {};
+    double tangential = 0.0;
+    double across = 0.0;
+};
+
+struct Tangent {
+    double along = 0.0, across = 0.0;  // m/s
+};
+
+// One or two corners at one height that share their tangential velocity.
+class ImpactProblem {
+public:
+    // x, time: where and when friction is taken, m and s.
+    ImpactProblem(const Model& model, double height, double x, double time, const BodyState& before)
+        : model_(model), height_(height), before_(before) {
+        at_.x = x;
+        at_.time = time;
+        at_.normal = std::numeric_limits<double>::infinity();
+        if (model.friction.is_plain()) return;
+        at_.sine = std::sin(before.theta());
+        at_.cosine = std::cos(before.theta());
+    }
+
+    // stuck: the corner touched before and did not slip.
+    void add(double lever, bool arriving, bool stuck) {
+        const FrictionLaw& law = model_.friction;
+        ImpactContact contact{
+            lever, law.impulsive(-1, stuck, at_),      law.impulsive(1, stuck, at_),
+            0.0,   before_.vz - before_.omega * lever, arriving};
+        contact.arriving = arriving && contact.approach < 0.0;
+        if (contact.arriving && -contact.approach * model_.restitution > kCaptureSpeed) {
+            contact.restitution = model_.restitution;
+        }
+        contacts_[count_++] = contact;
+    }
+
+    // Newton's restitution, or the largest part of it with which the kinetic energy does not grow:
+    // with friction it can grow, without restitution it cannot (docs/theory/contact.md).
+    bool solve() {
+        if (!solve_newton(1.0)) return false;
+        if (!gains_energy()) return true;
+        double kept = 0.0, too_much = 1.0;
+        for (int bit = 0; bit < std::numeric_limits<double>::digits; ++bit) {
+            const double middle = 0.5 * (kept + too_much);
+            (solve_newton(middle) && !gains_energy() ? kept : too_much) = middle;
+        }
+        return solve_newton(kept);
+    }
+
+    // Stops the corners of `acting` by whatever impulse that takes, without friction where they
+    // slide: a projection, so that the kinetic energy does not grow.
+    void hold(const std::array<bool, 2>& acting, bool slides) {
+        const bool sticks = !slides && (acting[0] || acting[1]);
+        for (ImpactContact& contact : contacts_) contact.backward = contact.forward = 0.0;
+        Impulse holding = impulse(acting, sticks ? std::nullopt : std::optional(1.0));
+        if (sticks) holding.across = -model_.mass * before_.vy;
+        accept(holding, acting, sticks);
+    }
+
+    bool closed(std::size_t i) const { return acting_[i] && !(rebound(i) > 0.0); }
+    const BodyState& after() const { return after_; }
+    double slip_velocity() const { return slip_.along; }
+    double slip_across() const { return slip_.across; }
+
+private:
+    // Tries the sets of acting corners, all first, then those that arrive; the complementarity
+    // problem has one solution but for ties, where the larger set keeps what touches touching.
+    bool solve_newton(double part) {
+        part_ = part;
+        if (count_ == 1) return try_set({true, false});
+        if (try_set({true, true})) return true;
+        for (const bool arriving : {true, false}) {
+            for (std::size_t i = 0; i < 2; ++i) {
+                if (contacts_[i].arriving == arriving && try_set({i == 0, i == 1})) return true;
+            }
+        }
+        return false;
+    }
+
+    double rebound(std::size_t i) const { return part_ * contacts_[i].restitution; }
+
+    double kinetic_energy(const BodyState& body) const {
+        const double across = 0.5 * model_.mass * body.vy * body.vy;
+        return 0.5 * model_.mass * (body.vx * body.vx + body.vz * body.vz) +
+               0.5 * model_.inertia * body.omega * body.omega + across;
+    }
+    bool gains_energy() const {
+        // Of an impulse from a system whose condition is about 100.
+        constexpr double kRounding = 1e-13;
+        return kinetic_energy(after_) > kinetic_energy(before_) * (1.0 + kRounding);
+    }
+
+    // Velocities that `impulse` gives.
+    BodyState apply(const Impulse& impulse) const {
+        BodyState body = before_;
+        double normal = 0.0, turning = -height_ * impulse.tangential;
+        for (std::size_t i = 0; i < count_; ++i) {
+            normal += impulse.normal[i];
+            turning -= contacts_[i].lever * impulse.normal[i];
+        }
+        body.vx += impulse.tangential / model_.mass;
+        body.vz += normal / model_.mass;
+        body.omega += turning / model_.inertia;
+        body.vy += impulse.across / model_.mass;
+        return body;
+    }
+
+    double tangential_velocity(const BodyState& body) const {
+        return body.vx - body.omega * height_;
+    }
+
+    // Tangential velocity after the impact where friction suffices: none, unless all rebound.
+    Tangent tangential_target(const std::array<bool, 2>& acting) const {
+        if (model_.tangential_restitution == 0.0) return {};
+        for (std::size_t i = 0; i < count_; ++i) {
+            if (acting[i] && contacts_[i].restitution == 0.0) return {};
+        }
+        const double part = -part_ * model_.tangential_restitution;
+        return {part * tangential_velocity(before_), part * before_.vy};
+    }
+
+    // Unknowns: both normal impulses and the tangential one. Without a slip the tangential velocity
+    // ends at its target; else friction is at its limit, and `slip` is the part of its way that
+    // lies in the plane of motion, +-1 for one that lies there altogether.
+    Impulse impulse(const std::array<bool, 2>& acting, std::optional<double> slip) const {
+        const double per_mass = 1.0 / model_.mass, per_inertia = 1.0 / model_.inertia;
+        Eigen::Matrix3d a = Eigen::Matrix3d::Identity();
+        Eigen::Vector3d b = Eigen::Vector3d::Zero();
+        for (int i = 0; i < 2; ++i) {
+            const auto u = static_cast<std::size_t>(i);
+            if (!acting[u]) continue;
+            const double lever = contacts_[u].lever;
+            for (int j = 0; j < 2; ++j) {
+                const auto v = static_cast<std::size_t>(j);
+                a(i, j) = acting[v] ? per_mass + lever * contacts_[v].lever * per_inertia : 0.0;
+            }
+            a(i, 2) = lever * height_ * per_inertia;
+            b(i) = -(1.0 + rebound(u)) * contacts_[u].approach;
+            if (!slip) {
+                a(2, i) = lever * height_ * per_inertia;
+            } else {
+                a(2, i) = *slip * coefficient(contacts_[u], *slip);
+            }
+        }
+        if (!slip) {
+            a(2, 2) = per_mass + height_ * height_ * per_inertia;
+            // In this order: without a target the bits are those of stopping, signed zeros too.
+            b(2) = -(tangential_velocity(before_) - tangential_target(acting).along);
+        }
+        const Eigen::Vector3d p = a.partialPivLu().solve(b);
+        return {{p(0), p(1)}, p(2)};
+    }
+
+    static double coefficient(const ImpactContact& contact, double slip) {
+        if (slip == 1.0 || slip == -1.0) return contact.friction(slip > 0.0 ? 1 : -1);
+        return contact.friction_along(slip);
+    }
+
+    bool try_set(const std::array<bool, 2>& acting) {
+        return before_.vy == 0.0 ? try_set_in_plane(acting) : try_set_across(acting);
+    }
+
+    bool try_set_in_plane(const std::array<bool, 2>& acting) {
+        const Impulse stick = impulse(acting, std::nullopt);
+        const int slip = stick.tangential > 0.0 ? -1 : 1;
+        double limit = 0.0;
+        for (std::size_t i = 0; i < count_; ++i) {
+            if (acting[i]) limit += contacts_[i].friction(slip) * stick.normal[i];
+        }
+        if (admissible(stick, acting) && std::abs(stick.tangential) <= limit) {
+            accept(stick, acting, true);
+            return true;
+        }
+        const Impulse sliding = impulse(acting, slip);
+        const double beyond = tangential_velocity(apply(sliding)) - tangential_target(acting).along;
+        if (admissible(sliding, acting) && slip * beyond >= 0.0) {
+            accept(sliding, acting, false);
+            return true;
+        }
+        return false;
+    }
+
+    // Friction of the limit against a slip `angle` rad to the left of the plane of motion.
+    Impulse sliding_impulse(const std::array<bool, 2>& acting, double angle) const {
+        const double along = std::cos(angle);
+        Impulse result = impulse(acting, along);
+        for (std::size_t i = 0; i < count_; ++i) {
+            const double limit = coefficient(contacts_[i], along) * result.normal[i];
+            if (acting[i]) result.across -= std::sin(angle) * limit;
+        }
+        return result;
+    }
+
+    // How far the slip that remains after an impulse is from its target, along and across `angle`.
+    Tangent beyond_target(const std::array<bool, 2>& acting, const Impulse& impulse,
+                          double angle) const {
+        const BodyState body = apply(impulse);
+        const Tangent target = tangential_target(acting);
+        const double along = tangential_velocity(body) - target.along;
+        const double across = body.vy - target.across;
+        const double cosine = std::cos(angle), sine = std::sin(angle);
+        return {cosine * along + sine * across, cosine * across - sine * along};
+    }
+
+    // The same with friction as a vector.
+    bool try_set_across(const std::array<bool, 2>& acting) {
+        Impulse stick = impulse(acting, std::nullopt);
+        stick.across = model_.mass * (tangential_target(acting).across - before_.vy);
+        const double size = std::hypot(stick.tangential, stick.across);
+        const double way = size > 0.0 ? -stick.tangential / size : 1.0;
+        double limit = 0.0;
+        for (std::size_t i = 0; i < count_; ++i) {
+            if (acting[i]) limit += coefficient(contacts_[i], way) * stick.normal[i];
+        }
+        if (admissible(stick, acting) && size <= limit) {
+            accept(stick, acting, true);
+            return true;
+        }
+        // The way in which the slip that remains is that against which friction acted. The body
+        // turns more easily than it moves across, so it is not quite that of the sticking impulse.
+        const auto turned = [&](double angle) {
+            return beyond_target(acting, sliding_impulse(acting, angle), angle).across;
+        };
+        const double first = std::atan2(-stick.across, -stick.tangential);
+        return search_around(first, [&](double low, double high) {
+            if (turned(low) * turned(high) > 0.0) return false;
+            const double angle = find_root(low, high, turned);
+            const Impulse sliding = sliding_impulse(acting, angle);
+            const bool goes_on = beyond_target(acting, sliding, angle).along >= 0.0;
+            if (!goes_on || !admissible(sliding, acting)) return false;
+            accept(sliding, acting, false);
+            return true;
+        });
+    }
+
+    bool admissible(const Impulse& impulse, const std::array<bool, 2>& acting) const {
+        const BodyState body = apply(impulse);
+        for (std::size_t i = 0; i < count_; ++i) {
+            if (!(impulse.normal[i] >= 0.0)) return false;
+            if (acting[i]) continue;
+            const double leaving = body.vz - body.omega * contacts_[i].lever;
+            if (leaving < -rebound(i) * contacts_[i].approach) return false;
+        }
+        return true;
+    }
+
+    void accept(const Impulse& impulse, const std::array<bool, 2>& acting, bool sticks) {
+        after_ = apply(impulse);
+        acting_ = acting;
+        slip_ =
+            sticks ? tangential_target(acting) : Tangent{tangential_velocity(after_), after_.vy};
+    }
+
+    const Model& model_;
+    double height_;
+    ContactPoint at_;
+    BodyState before_;
+    std::array<ImpactContact, 2> contacts_ = {};
+    std::size_t count_ = 0;
+    double part_ = 1.0;  // of both restitutions
+    std::array<bool, 2> acting_ = {};
+    BodyState after_;
+    Tangent slip_;
+};
+
+// All velocity of a face but a slip is gone.
+ImpactResult laid_down(const BodyState& before, double slip_velocity, double slip_across) {
+    ImpactResult result{before, Touch::face, slip_velocity, slip_across};
+    result.body.vx = slip_velocity;
+    result.body.vy = slip_across;
+    result.body.vz = 0.0;
+    result.body.omega = 0.0;
+    return result;
+}
+
+// A face whose ends `ahead` and `behind` touch after the impact, or leave.
+ImpactResult touching(const Model& model, const BodyState& after, double slip_velocity,
+                      double slip_across, bool ahead, bool behind) {
+    if (ahead && behind) return laid_down(after, slip_velocity, slip_across);
+    ImpactResult result{after, Touch::none, slip_velocity, slip_across};
+    if (!ahead && !behind) return result;
+    const Face face = model.face(after.quadrant);
+    result.touch = Touch::corner;
+    if (behind) {
+        result.body.quadrant -= 1;
+        result.body.angle = kQuarterTurn;
+    }
+    const double lever = ahead ? face.half_base : -face.half_base;
+    result.body.vz = result.body.omega * (lever + face.shift);
+    result.body.vx = result.body.omega * face.height + result.slip_velocity;
+    result.body.vy = result.slip_across;
+    return result;
+}
+
+}  // namespace
+
+ImpactResult corner_impact(const Model& model, const Pose& pose, const BodyState& before,
+                           double time, double cosine) {
+    ImpactProblem problem(model, pose.height, before.x + pose.lever * cosine, time, before);
+    problem.add(pose.lever, true, false);
+    ImpactResult result{before, Touch::none};
+    if (corner_velocity_z(pose, before.vz, before.omega) > kCaptureSpeed) return result;
+    // With one corner that approaches the problem always has a solution; one that does not has
+    // arrived by rounding.
+    if (!problem.solve()) problem.hold({true, false}, true);
+    result.body = problem.after();
+    result.slip_velocity = problem.slip_velocity();
+    result.slip_across = problem.slip_across();
+    if (problem.closed(0)) {
+        result.touch = Touch::corner;
+        result.body.vy = result.slip_across;
+        result.body.vz = result.body.omega * pose.lever;
+        result.body.vx = result.body.omega * pose.height + result.slip_velocity;
+    }
+    return result;
+}
+
+ImpactResult face_impact(const Model& model, const BodyState& before, Arrival arrival,
+                         bool old_slips, double time) {
+    const Face face = model.face(before.quadrant);
+    const double front = face.half_base + face.shift, rear = -face.half_base + face.shift;
+    const bool new_ahead = arrival != Arrival::behind, new_behind = arrival != Arrival::ahead;
+    const double ahead_leaves = before.vz - before.omega * front;
+    const double behind_leaves = before.vz - before.omega * rear;
+    const bool slides = old_slips || arrival == Arrival::both;
+
+    ImpactProblem problem(model, face.height, before.x, time, before);
+    problem.add(front, new_ahead, !new_ahead && !old_slips);
+    problem.add(rear, new_behind, !new_behind && !old_slips);
+    if (std::min(ahead_leaves, behind_leaves) >= -kCaptureSpeed) {
+        problem.hold({ahead_leaves <= kCaptureSpeed, behind_leaves <= kCaptureSpeed}, slides);
+    } else if (!problem.solve()) {
+        return laid_down(before, 0.0, 0.0);
+    }
+    return touching(model, problem.after(), problem.slip_velocity(), problem.slip_across(),
+                    problem.closed(0), problem.closed(1));
+}
+
+}  // namespace stickslip

@@ -1,0 +1,47 @@
+#include "stickslip/contact/plane_dynamics.hpp"
+
+#include <cmath>
+
+namespace stickslip {
+
+PlaneDynamics::PlaneDynamics(Dynamics& upright, SpatialField field,
+                             const std::array<double, 2>& weight)
+    : upright_(&upright),
+      field_(std::move(field)),
+      weight_(weight),
+      gradient_scale_(1.0 + upright.model().gradient_excess),
+      extended_(upright.model().has_force_effects()),
+      watch_(upright.model()) {
+    if (!upright.model().field_shape.absent()) field_.set_shape(upright.model().field_shape);
+}
+
+void PlaneDynamics::begin_stretch(const CurrentSegment& segment, const Place& place) {
+    segment_ = &segment;
+    field_.begin_stretch(segment, place);
+    watched_ = field_.centre();
+    watch_.watch(horizontal(place));
+}
+
+void PlaneDynamics::watch_at(double tau, const Place& place) {
+    watched_ = field_.centre();
+    watch_.move(tau, horizontal(place));
+}
+
+HorizontalField PlaneDynamics::horizontal(const Place& place) const {
+    HorizontalField result = field_.horizontal(place);
+    result.segment = segment_;
+    return result;
+}
+
+double PlaneDynamics::correct_drag(const Pose& pose, const Slip& velocity, double vz, double omega,
+                                   Load& load) const {
+    const double upright_speed = std::hypot(velocity.along, vz);
+    const double speed = std::hypot(upright_speed, velocity.across);
+    const double drag = upright_->drag_coefficient(pose, speed, omega);
+    const double less = upright_->drag_coefficient(pose, upright_speed, omega) - drag;
+    load.fx += less * velocity.along;
+    load.fz += less * vz;
+    return drag;
+}
+
+}  // namespace stickslip

@@ -1,0 +1,145 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+
+#include "stickslip/contact/dynamics.hpp"
+#include "stickslip/contact/heading_watch.hpp"
+#include "stickslip/field/heading.hpp"
+#include "stickslip/field/spatial_field.hpp"
+
+/// A robot whose plane of motion turns with the field (docs/theory/steering.md). It faces the way
+/// of the horizontal field, so that in the upright plane of that heading the planar equations hold.
+/// What is across is a force and a velocity of the centre of mass, which friction shares: a contact
+/// slips along a vector. Roll, and what turning adds to the motion, are left out.
+namespace stickslip {
+
+/// What a robot at a place in the field feels, along its heading and across.
+struct HeadedField {
+    Heading heading;
+    PlanarField along;
+    double across_s = 0.0, across_z = 0.0;  ///< T/m, dB_s/dn and dB_z/dn
+};
+
+/// The load along, and the force to the left of the heading, N.
+struct PlaneLoad {
+    Load along;
+    double across = 0.0;
+};
+
+/// What is known of the robot between two events: the dynamics in its upright plane, and the field
+/// that turns that plane.
+class PlaneDynamics {
+public:
+    /// weight: components in the surface, N.
+    PlaneDynamics(Dynamics& upright, SpatialField field, const std::array<double, 2>& weight);
+
+    /// A copy that looks elsewhere, with the copy of its upright dynamics.
+    PlaneDynamics(const PlaneDynamics& other, Dynamics& upright) : PlaneDynamics(other) {
+        upright_ = &upright;
+    }
+
+    Dynamics& upright() const { return *upright_; }
+    SpatialField& field() { return field_; }
+    const SpatialField& field() const { return field_; }
+
+    /// The field as a robot at a place feels it, which faces the way of the horizontal field, or
+    /// as it did when that became too weak to turn it.
+    HeadedField headed(const SpatialExpansion& field, double x, double y, double z) const {
+        const SpatialFieldValue b = field(x, y, z);
+        const double horizontal = std::sqrt(b.bx * b.bx + b.by * b.by);
+        HeadedField result;
+        result.heading = horizontal > watch_.weak_field()
+                             ? Heading{b.bx / horizontal, b.by / horizontal}
+                             : watch_.held(field.tau);
+        const Heading h = result.heading;
+        const double cc = h.cosine * h.cosine, ss = h.sine * h.sine, cs = h.cosine * h.sine;
+        result.along = {h.cosine * b.bx + h.sine * b.by, b.bz,
+                        (cc * b.xx + ss * b.yy) + 2.0 * cs * b.xy, h.cosine * b.xz + h.sine * b.yz,
+                        b.zz()};
+        result.across_s = cs * (b.yy - b.xx) + (cc - ss) * b.xy;
+        result.across_z = h.cosine * b.yz - h.sine * b.xz;
+        return result;
+    }
+    /// The same of a robot whose pivot corner is on the surface at (x, y) m. The centre of mass
+    /// lies behind the corner, in the heading that is sought; the corner's own heading is within a
+    /// milliradian or two of it, so that one step from there leaves a part in a million.
+    HeadedField headed_at_corner(const SpatialExpansion& field, double x, double y,
+                                 const Pose& pose) const {
+        const Heading near = field.horizontal > watch_.weak_field() ? near_heading(field, x, y)
+                                                                    : watch_.held(field.tau);
+        const double behind = pose.lever - pose.roll;
+        return headed(field, x - behind * near.cosine, y - behind * near.sine, pose.height);
+    }
+
+    /// Forces but those of touching corners. velocity: of the centre of mass along and across, m/s.
+    /// gap: of the pivot corner, m, 0 in contact.
+    PlaneLoad load(const HeadedField& field, double tau, const Pose& pose, const Slip& velocity,
+                   double vz, double omega, double gap) const {
+        // Effects of a user, which alone ask for the place, do not come here.
+        const Load along = upright_->load_near_surface(field.along, tau, 0.0, 0.0, pose,
+                                                       velocity.along, vz, omega, gap);
+        return complete(along, field, pose, velocity, vz, omega);
+    }
+    /// The same of a body that lies on a face and slides, or does not.
+    PlaneLoad load_of_face(const HeadedField& field, double tau, const Pose& pose,
+                           const Slip& velocity) const {
+        const Load along =
+            upright_->load(field.along, tau, 0.0, 0.0, pose, velocity.along, 0.0, 0.0);
+        return complete(along, field, pose, velocity, 0.0, 0.0);
+    }
+
+    /// Begins a stretch with the robot at a place, and looks over it; the segment has to live as
+    /// long.
+    void begin_stretch(const CurrentSegment& segment, const Place& place);
+    /// Whether the robot has left the place with whose field the heading is watched.
+    bool has_moved() const {
+        const Place& now = field_.centre();
+        return now.x != watched_.x || now.y != watched_.y || now.z != watched_.z;
+    }
+    /// Watches the rest of the stretch at another place.
+    void watch_at(double tau, const Place& place);
+    HeadingWatch& watch() { return watch_; }
+    const HeadingWatch& watch() const { return watch_; }
+
+private:
+    /// Of the field at (x, y) m to first order about the middle of the expansion.
+    static Heading near_heading(const SpatialExpansion& field, double x, double y) {
+        const double dx = x - field.centre.x, dy = y - field.centre.y;
+        const auto& t = field.terms;
+        const double bx = t[0] + (t[3] * dx + t[4] * dy), by = t[1] + (t[4] * dx + t[5] * dy);
+        // One over the size, from that in the middle by one step of Newton's.
+        const double per = 1.0 / field.horizontal;
+        const double scale = per * (1.5 - 0.5 * (bx * bx + by * by) * (per * per));
+        return {bx * scale, by * scale};
+    }
+    HorizontalField horizontal(const Place& place) const;
+    /// What a load in the upright plane lacks.
+    PlaneLoad complete(const Load& along, const HeadedField& field, const Pose& pose,
+                       const Slip& velocity, double vz, double omega) const {
+        const PlainDynamics<double>& robot = upright_->robot();
+        PlaneLoad result = {along};
+        double drag = robot.drag;
+        if (extended_) drag = correct_drag(pose, velocity, vz, omega, result.along);
+        const Slip weight = field.heading.seen(weight_[0], weight_[1]);
+        result.along.fx += weight.along;
+        const double pull =
+            robot.moment_x(pose) * field.across_s + robot.moment_z(pose) * field.across_z;
+        result.across = gradient_scale_ * pull + weight.across - drag * velocity.across;
+        return result;
+    }
+    /// Of a load whose drag knows nothing of the velocity across; the drag over the velocity.
+    double correct_drag(const Pose& pose, const Slip& velocity, double vz, double omega,
+                        Load& load) const;
+
+    Dynamics* upright_;
+    SpatialField field_;
+    std::array<double, 2> weight_;
+    double gradient_scale_;
+    bool extended_;
+    HeadingWatch watch_;
+    const CurrentSegment* segment_ = nullptr;
+    Place watched_;  // centre of the field's expansion at the last look
+};
+
+}  // namespace stickslip

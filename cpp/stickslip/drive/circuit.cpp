@@ -1,0 +1,292 @@
+#include "stickslip/drive/circuit.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace stickslip {
+
+PerCoil CurrentSegment::at(const Coefficients& coefficients, double tau) const {
+    std::array<double, kMaxBasis> basis = {1.0, tau};
+    for (std::size_t j = 0; j < static_cast<std::size_t>(exponentials); ++j) {
+        basis[2 + j] = std::exp(-rate[j] * tau);
+    }
+    PerCoil result = {};
+    for (std::size_t b = 0; b < static_cast<std::size_t>(2 + exponentials); ++b) {
+        for (std::size_t k = 0; k < kCoilCount; ++k) result[k] += coefficients[b][k] * basis[b];
+    }
+    return result;
+}
+
+PerCoil squared_integrals(const CurrentSegment& segment) {
+    const double d = segment.duration;
+    const auto n = static_cast<std::size_t>(segment.exponentials);
+    std::array<double, kMaxExponentials> decay, gone;  // of each exponential over the stretch
+    std::array<std::array<double, kMaxExponentials>, kMaxExponentials> gone_both;
+    for (std::size_t j = 0; j < n; ++j) {
+        decay[j] = std::exp(-segment.rate[j] * d);
+        gone[j] = -std::expm1(-segment.rate[j] * d);
+        for (std::size_t i = 0; i < n; ++i) {
+            gone_both[j][i] = -std::expm1(-(segment.rate[j] + segment.rate[i]) * d);
+        }
+    }
+    PerCoil result;
+    for (std::size_t coil = 0; coil < kCoilCount; ++coil) {
+        const double a = segment.coil[0][coil], b = segment.coil[1][coil];
+        double sum = d * (a * a + d * (a * b + d * b * b / 3.0));
+        for (std::size_t j = 0; j < n; ++j) {
+            const double c = segment.coil[2 + j][coil], rate = segment.rate[j];
+            if (c == 0.0) continue;  // of another coil
+            sum += 2.0 * a * c * (gone[j] / rate) +
+                   2.0 * b * c * (gone[j] - rate * d * decay[j]) / (rate * rate);
+            for (std::size_t i = 0; i < n; ++i) {
+                const double other = segment.coil[2 + i][coil];
+                if (other != 0.0) sum += c * other * (gone_both[j][i] / (rate + segment.rate[i]));
+            }
+        }
+        result[coil] = sum;
+    }
+    return result;
+}
+
+Circuit::Circuit(const CircuitParameters& p)
+    : resistance_(p.resistance), is_coupled_(p.coupling != 0.0), lag_(p.lag) {
+    Vector per_root;  // R^(-1/2)
+    for (int k = 0; k < kCoilCount; ++k) {
+        per_root(k) = 1.0 / std::sqrt(p.resistance[static_cast<std::size_t>(k)]);
+    }
+    Matrix modes = Matrix::Identity();
+    if (!is_coupled_) {
+        time_constant_ =
+            Eigen::Map<const Vector>(p.inductance.data()).cwiseProduct(per_root.cwiseAbs2());
+    } else {
+        const Eigen::Map<const Vector> self(p.inductance.data());
+        const Matrix sizes = (self * self.transpose()).cwiseSqrt();
+        const Matrix inductance = sizes.cwiseProduct(mutual_inductance(p.coupling));
+        const Matrix scaled = per_root.asDiagonal() * inductance * per_root.asDiagonal();
+        const Eigen::SelfAdjointEigenSolver<Matrix> solver(scaled);
+        modes = solver.eigenvectors();
+        time_constant_ = solver.eigenvalues();
+    }
+    to_modes_ = modes.transpose() * per_root.asDiagonal();
+    from_modes_ = per_root.asDiagonal() * modes;
+
+    for (int m = 0; m < kCoilCount; ++m) {
+        // Equal time constants would need a third function, tau exp(-tau/T). A relative shift of
+        // 1e-6 of the lag is far below what it can be known to, and keeps one form for all.
+        if (std::abs(lag_ - time_constant_(m)) < 1e-6 * time_constant_(m)) {
+            lag_ = time_constant_(m) * (1.0 + 1e-6);
+        }
+        const auto u = static_cast<std::size_t>(m);
+        group_[u] = static_cast<std::size_t>(groups_);
+        for (int earlier = 0; earlier < m; ++earlier) {
+            const double difference = time_constant_(m) - time_constant_(earlier);
+            if (std::abs(difference) < 1e-12 * time_constant_(m)) {
+                group_[u] = group_[static_cast<std::size_t>(earlier)];
+                break;
+            }
+        }
+        groups_ = std::max(groups_, static_cast<int>(group_[u]) + 1);
+    }
+}
+
+PerCoil Circuit::currents() const {
+    PerCoil result;
+    Eigen::Map<Vector>(result.data()) = product(from_modes_, mode_);
+    return result;
+}
+
+PerCoil Circuit::field_lag() const {
+    PerCoil result = {};
+    if (lag_ == 0.0) return result;
+    const PerCoil coil = currents();
+    for (std::size_t k = 0; k < kCoilCount; ++k) result[k] = lagging_[k] - coil[k];
+    return result;
+}
+
+void Circuit::set_currents(const PerCoil& currents, const PerCoil& field_lag) {
+    mode_ = from_modes_.partialPivLu().solve(Eigen::Map<const Vector>(currents.data()));
+    for (std::size_t k = 0; k < kCoilCount; ++k) lagging_[k] = currents[k] + field_lag[k];
+}
+
+Circuit::Memory Circuit::memory() const {
+    Memory result;
+    Eigen::Map<Vector>(result.modes.data()) = mode_;
+    result.lagging = lagging_;
+    return result;
+}
+
+void Circuit::restore(const Memory& memory) {
+    mode_ = Eigen::Map<const Vector>(memory.modes.data());
+    lagging_ = memory.lagging;
+}
+
+// The matrices of coils that are not coupled are diagonal.
+Circuit::Vector Circuit::product(const Matrix& modes, const Vector& vector) const {
+    if (is_coupled_) return modes * vector;
+    return modes.diagonal().cwiseProduct(vector);
+}
+
+CurrentSegment Circuit::advance(const VoltageSegment& segment) {
+    CurrentSegment result;
+    result.start = segment.start;
+    result.duration = segment.end - segment.start;
+    result.exponentials = groups_;
+    const Vector first = product(to_modes_, Eigen::Map<const Vector>(segment.first.data()));
+    const Vector last = product(to_modes_, Eigen::Map<const Vector>(segment.last.data()));
+    const Vector slope = (last - first) / result.duration;
+    const Vector level = first - slope.cwiseProduct(time_constant_);
+    const Vector transient = mode_ - level;
+
+    const auto add = [&](int m, int k, std::size_t j) {
+        const auto coil = static_cast<std::size_t>(k);
+        result.coil[0][coil] += from_modes_(k, m) * level(m);
+        result.coil[1][coil] += from_modes_(k, m) * slope(m);
+        result.coil[2 + j][coil] += from_modes_(k, m) * transient(m);
+    };
+    double decay = 0.0;
+    for (int m = 0; m < kCoilCount; ++m) {
+        const std::size_t j = group_[static_cast<std::size_t>(m)];
+        result.rate[j] = 1.0 / time_constant_(m);
+        if (is_coupled_) {
+            for (int k = 0; k < kCoilCount; ++k) add(m, k, j);
+        } else {
+            add(m, m, j);
+        }
+        // Equal coils share one exponential.
+        if (m == 0 || time_constant_(m) != time_constant_(m - 1)) {
+            decay = std::exp(-result.duration / time_constant_(m));
+        }
+        mode_(m) = level(m) + slope(m) * result.duration + transient(m) * decay;
+    }
+    result.field = result.coil;
+    if (lag_ > 0.0) add_lag(result);
+    return result;
+}
+
+// The lag's own exponential comes last; each function of time passes through the lag as it must.
+void Circuit::add_lag(CurrentSegment& segment) {
+    const auto own = static_cast<std::size_t>(segment.exponentials++);
+    segment.rate[own] = 1.0 / lag_;
+    for (std::size_t k = 0; k < kCoilCount; ++k) {
+        segment.field[0][k] -= lag_ * segment.field[1][k];
+        double start = segment.field[0][k];
+        for (std::size_t j = 0; j < own; ++j) {
+            segment.field[2 + j][k] /= 1.0 - lag_ * segment.rate[j];
+            start += segment.field[2 + j][k];
+        }
+        segment.field[2 + own][k] = lagging_[k] - start;
+    }
+    lagging_ = segment.field_currents(segment.duration);
+}
+
+Eigen::Matrix<double, kCoilCount, kCoilCount> mutual_inductance(double coupling) {
+    constexpr std::array<int, kCoilCount> axis = {0, 0, 1, 1, 2};
+    constexpr std::array<double, kCoilCount> side = {1.0, -1.0, 1.0, -1.0, -1.0};
+    Eigen::Matrix<double, kCoilCount, kCoilCount> result;
+    for (int i = 0; i < kCoilCount; ++i) {
+        for (int j = 0; j < kCoilCount; ++j) {
+            const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
+            const double sign = axis[a] == axis[b] ? 1.0 : -side[a] * side[b];
+            result(i, j) = i == j ? 1.0 : sign * coupling;
+        }
+    }
+    return result;
+}
+
+PerCoil mean_square_currents(const VoltageProgram& program, const CircuitParameters& parameters) {
+    CircuitParameters without_lag = parameters;
+    without_lag.lag = 0.0;
+    Circuit circuit(without_lag);
+    const double settling = 40.0 * circuit.slowest();  // exp(-40) is below rounding
+    PerCoil sum = {};
+    for (const VoltageBlock& block : program.blocks()) {
+        const double needed = std::ceil(settling / block.duration()) + 1.0;
+        const std::int64_t played = static_cast<double>(block.repeats) < needed
+                                        ? block.repeats
+                                        : static_cast<std::int64_t>(needed);
+        for (std::int64_t repeat = 0; repeat < played; ++repeat) {
+            const double weight =
+                repeat + 1 == played ? static_cast<double>(block.repeats - repeat) : 1.0;
+            for (std::size_t i = 0; i + 1 < block.points.size(); ++i) {
+                const VoltagePoint& from = block.points[i];
+                const VoltagePoint& to = block.points[i + 1];
+                if (to.time == from.time) continue;
+                const CurrentSegment segment =
+                    circuit.advance({from.time, to.time, from.voltage, to.voltage});
+                const PerCoil squares = squared_integrals(segment);
+                for (std::size_t k = 0; k < kCoilCount; ++k) sum[k] += weight * squares[k];
+            }
+        }
+    }
+    for (double& value : sum) value /= program.duration();
+    return sum;
+}
+
+namespace {
+
+using Ratios = Eigen::Matrix<double, kCoilCount, 1>;  // R0/R of each coil
+
+PerCoil resistances(const CircuitParameters& cold, const Ratios& ratio) {
+    PerCoil result = cold.resistance;
+    for (int k = 0; k < kCoilCount; ++k) result[static_cast<std::size_t>(k)] /= ratio(k);
+    return result;
+}
+
+// R = R0 (1 + k R <I^2>) as what has to vanish coil by coil, R0/R + k R0 <I^2> - 1.
+Ratios heating_defect(const VoltageProgram& program, const CircuitParameters& cold,
+                      double coefficient, const Ratios& ratio) {
+    CircuitParameters warm = cold;
+    warm.resistance = resistances(cold, ratio);
+    const PerCoil squared = mean_square_currents(program, warm);
+    Ratios result;
+    for (int k = 0; k < kCoilCount; ++k) {
+        const auto u = static_cast<std::size_t>(k);
+        result(k) = ratio(k) - 1.0 + coefficient * cold.resistance[u] * squared[u];
+    }
+    return result;
+}
+
+}  // namespace
+
+// Newton's method with damping. There is one solution, and the Jacobian is never singular: with the
+// sensitivities J of the currents to a change r of the resistances, L dJ/dt + R J = -r I, the
+// change of the mean squares has sum_k r_k <2 I_k J_k> = -2 <J.(L dJ/dt + R J)> < 0, so that the
+// defect, as a function of the resistances, is strictly monotone.
+PerCoil warm_resistances(const VoltageProgram& program, const CircuitParameters& cold,
+                         double coefficient) {
+    constexpr int kMostSteps = 100;
+    constexpr double kDifference = 1e-6, kLastStep = 1e-9;  // the next would be their product
+    const auto defect_at = [&](const Ratios& ratio) {
+        return heating_defect(program, cold, coefficient, ratio);
+    };
+    Ratios ratio = Ratios::Ones();
+    Ratios defect = defect_at(ratio);
+    const auto idle = (defect.array() == 0.0).eval();  // no current at any resistance
+    double relative = 1.0;
+    for (int n = 0; n < kMostSteps && relative > kLastStep; ++n) {
+        Eigen::Matrix<double, kCoilCount, kCoilCount> jacobian = decltype(jacobian)::Identity();
+        for (int k = 0; k < kCoilCount; ++k) {
+            if (idle(k)) continue;
+            Ratios moved = ratio;
+            moved(k) *= 1.0 - kDifference;
+            jacobian.col(k) = (defect_at(moved) - defect) / (moved(k) - ratio(k));
+        }
+        const Ratios step = jacobian.partialPivLu().solve(defect);
+        relative = 0.0;  // where no part of the step helps, what is left is rounding
+        for (double part = 1.0; part > kDifference; part *= 0.5) {
+            const Ratios next = ratio - part * step;
+            if (!(next.minCoeff() > 0.0)) continue;
+            const Ratios left = defect_at(next);
+            if (!(left.norm() <= defect.norm())) continue;
+            relative = step.cwiseQuotient(ratio).cwiseAbs().maxCoeff();
+            ratio = next;
+            defect = left;
+            break;
+        }
+    }
+    return resistances(cold, ratio);
+}
+
+}  // namespace stickslip

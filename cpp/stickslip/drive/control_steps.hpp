@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "stickslip/drive/voltage_program.hpp"
+
+namespace stickslip {
+
+/// The voltages of a run that is stepped from outside, as the stretches that the coils get.
+class ControlSteps {
+public:
+    /// hold_period: s, of the digital-to-analogue converter; zero: none. limit: V, of the
+    /// amplifiers; zero: none. turned: whether the robot faces -x.
+    ControlSteps(double hold_period, double limit, bool turned)
+        : hold_period_(hold_period), limit_(limit), turned_(turned) {}
+
+    /// The next `count` steps of `duration` s: rows of five voltages in the world's frame (V),
+    /// which have to live until they are played. Held, or linear from the voltages before.
+    void give(const double* voltages, std::size_t count, double duration, bool linear);
+
+    /// From now on the voltages before are these, in the world's frame (V).
+    void jump(const PerCoil& voltages) {
+        memory_.last = turned_ ? stickslip::turned(voltages) : voltages;
+    }
+
+    /// Writes the next stretch, in the robot's frame, and returns true; false where all is played.
+    bool next(VoltageSegment& segment);
+
+    /// Whether the stretch that `next` wrote last is the last of its step.
+    bool ends_step() const { return pending_.empty(); }
+
+    double time() const { return memory_.origin + steps_since() * memory_.duration; }  ///< s
+    /// What goes on from step to step.
+    struct Memory {
+        double origin = 0.0;    ///< s, from where on all steps had one duration
+        double duration = 0.0;  ///< s
+        std::int64_t steps = 0;
+        std::int64_t held = 0;  ///< periods of the converter so far
+        PerCoil last = {};      ///< V, at the end of the last step
+        PerCoil held_voltage = {};
+    };
+    const Memory& memory() const { return memory_; }
+    /// The same in the world's frame.
+    Memory world_memory() const {
+        Memory result = memory_;
+        if (turned_) {
+            result.last = stickslip::turned(result.last);
+            result.held_voltage = stickslip::turned(result.held_voltage);
+        }
+        return result;
+    }
+    /// Between two steps; what a failed one left is not played.
+    void restore(const Memory& memory) {
+        memory_ = memory;
+        pending_.clear();
+        left_ = 0;
+    }
+
+private:
+    double steps_since() const { return static_cast<double>(memory_.steps); }
+    void begin_step(const double* row);
+    void add(const VoltageSegment& asked);
+    void hold(const VoltageSegment& given);
+
+    double hold_period_, limit_;
+    bool turned_;
+    Memory memory_;
+    const double* rows_ = nullptr;
+    std::size_t left_ = 0;
+    bool linear_ = false;
+    std::vector<VoltageSegment> pending_;  // of the step that is played, the next one last
+};
+
+}  // namespace stickslip

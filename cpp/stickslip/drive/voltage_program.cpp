@@ -1,0 +1,180 @@
+#include "stickslip/drive/voltage_program.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "stickslip/numbers/number_text.hpp"
+
+namespace stickslip {
+namespace {
+
+void check_block(const VoltageBlock& block, std::size_t index) {
+    const std::string where = "voltage block " + std::to_string(index + 1) + ": ";
+    if (block.points.size() < 2) throw std::invalid_argument(where + "needs at least two points");
+    if (block.repeats < 1) {
+        throw std::invalid_argument(where + "repeats = " + std::to_string(block.repeats) +
+                                    ", allowed is 1 or more");
+    }
+    if (block.points.front().time != 0.0) {
+        throw std::invalid_argument(where + "the first point is at t = " +
+                                    digits(block.points.front().time) + " s, it has to be at 0");
+    }
+    double previous = 0.0;
+    for (const VoltagePoint& point : block.points) {
+        if (!std::isfinite(point.time) || point.time < previous) {
+            throw std::invalid_argument(where + "t = " + digits(point.time) + " s follows " +
+                                        digits(previous) +
+                                        " s, times have to be finite and must not fall");
+        }
+        previous = point.time;
+        for (const double voltage : point.voltage) {
+            if (!std::isfinite(voltage)) {
+                throw std::invalid_argument(where + "a voltage at t = " + digits(point.time) +
+                                            " s is not finite");
+            }
+        }
+    }
+    if (!(previous > 0.0)) throw std::invalid_argument(where + "has no duration");
+}
+
+PerCoil voltage_at(const VoltageSegment& segment, double t) {
+    const double part = (t - segment.start) / (segment.end - segment.start);
+    PerCoil result;
+    for (std::size_t k = 0; k < kCoilCount; ++k) {
+        result[k] = segment.first[k] + part * (segment.last[k] - segment.first[k]);
+    }
+    return result;
+}
+
+// Parts of a stretch, 0 to 1, at which some coil's voltage meets +-limit.
+std::vector<double> crossings(const PerCoil& from, const PerCoil& to, double limit) {
+    std::vector<double> parts;
+    for (std::size_t k = 0; k < kCoilCount; ++k) {
+        for (const double bound : {-limit, limit}) {
+            const double part = (bound - from[k]) / (to[k] - from[k]);
+            if (part > 0.0 && part < 1.0) parts.push_back(part);
+        }
+    }
+    std::sort(parts.begin(), parts.end());
+    return parts;
+}
+
+}  // namespace
+
+VoltageProgram::VoltageProgram(std::vector<VoltageBlock> blocks) : blocks_(std::move(blocks)) {
+    if (blocks_.empty()) throw std::invalid_argument("the voltage program is empty");
+    for (std::size_t index = 0; index < blocks_.size(); ++index) {
+        const VoltageBlock& block = blocks_[index];
+        check_block(block, index);
+        duration_ += block.duration() * static_cast<double>(block.repeats);
+        for (const VoltagePoint& point : block.points) {
+            for (std::size_t coil = 0; coil < kCoilCount; ++coil) {
+                largest_[coil] = std::max(largest_[coil], std::abs(point.voltage[coil]));
+            }
+        }
+    }
+}
+
+bool SegmentCursor::next(VoltageSegment& segment) {
+    const std::vector<VoltageBlock>& blocks = program_->blocks();
+    while (block_ < blocks.size()) {
+        const VoltageBlock& block = blocks[block_];
+        if (point_ + 1 == block.points.size()) {
+            point_ = 0;
+            if (++repeat_ == block.repeats) {
+                block_start_ += block.duration() * static_cast<double>(block.repeats);
+                repeat_ = 0;
+                ++block_;
+            }
+            continue;
+        }
+        const VoltagePoint& from = block.points[point_];
+        const VoltagePoint& to = block.points[point_ + 1];
+        ++point_;
+        // Too short for the voltage to matter, and for times far from zero to resolve: a jump.
+        if (to.time - from.time <= 1e-12 * block.duration()) continue;
+        // A product, not a running sum: the hundredth pulse starts as exactly as the first.
+        const double origin = block_start_ + block.duration() * static_cast<double>(repeat_);
+        segment = {origin + from.time, origin + to.time, from.voltage, to.voltage};
+        return true;
+    }
+    return false;
+}
+
+SegmentStream::SegmentStream(const VoltageProgram& program, double hold_period,
+                             std::vector<double> marks)
+    : cursor_(program),
+      duration_(program.duration()),
+      hold_period_(hold_period),
+      marks_(std::move(marks)) {
+    if (hold_period_ > 0.0) cursor_.next(programmed_);
+}
+
+bool SegmentStream::next_uncut(VoltageSegment& segment) {
+    if (hold_period_ == 0.0) return cursor_.next(segment);
+    // A sliver at the end would be rounding, not a period.
+    const double start = static_cast<double>(held_) * hold_period_;
+    if (start >= duration_ * (1.0 - 1e-12)) return false;
+    ++held_;
+    const double end = std::min(static_cast<double>(held_) * hold_period_, duration_);
+    // A period that divides the pulse meets its jumps but for rounding, and then holds what
+    // follows.
+    constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
+    const double instant = start + std::max(1e-9 * hold_period_, kRounding * start);
+    while (programmed_.end <= instant && cursor_.next(programmed_)) {
+    }
+    const PerCoil volts = voltage_at(programmed_, std::max(start, programmed_.start));
+    segment = {start, end, volts, volts};
+    return true;
+}
+
+bool SegmentStream::next(VoltageSegment& segment) {
+    if (has_rest_) {
+        segment = rest_;
+        has_rest_ = false;
+    } else if (!next_uncut(segment)) {
+        return false;
+    }
+    // Boundaries of stretches carry rounding: a mark that is as near as that is one of them.
+    const double slack = 1e-9 * duration_;
+    for (const double mark : marks_) {
+        if (mark <= segment.start + slack || mark >= segment.end - slack) continue;
+        const PerCoil volts = voltage_at(segment, mark);
+        rest_ = {mark, segment.end, volts, segment.last};
+        has_rest_ = true;
+        segment = {segment.start, mark, segment.first, volts};
+        break;
+    }
+    return true;
+}
+
+std::vector<VoltagePoint> clipped(const std::vector<VoltagePoint>& curve, double limit) {
+    std::vector<VoltagePoint> points;
+    for (const VoltagePoint& point : curve) {
+        if (!points.empty() && point.time > points.back().time) {
+            const VoltagePoint from = points.back();
+            const VoltageSegment stretch{from.time, point.time, from.voltage, point.voltage};
+            for (const double part : crossings(from.voltage, point.voltage, limit)) {
+                const double t = from.time + part * (point.time - from.time);
+                points.push_back({t, voltage_at(stretch, t)});
+            }
+        }
+        points.push_back(point);
+    }
+    for (VoltagePoint& point : points) {
+        for (double& volts : point.voltage) volts = std::clamp(volts, -limit, limit);
+    }
+    return points;
+}
+
+VoltageProgram clipped(const VoltageProgram& program, double limit) {
+    std::vector<VoltageBlock> blocks = program.blocks();
+    for (VoltageBlock& block : blocks) block.points = clipped(block.points, limit);
+    return VoltageProgram(std::move(blocks));
+}
+
+}  // namespace stickslip

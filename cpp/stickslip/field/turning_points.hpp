@@ -1,0 +1,262 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "stickslip/drive/circuit.hpp"
+#include "stickslip/numbers/elementary.hpp"
+#include "stickslip/numbers/roots.hpp"
+
+/// Where what the coils make of a stretch of voltage turns: sums of a line and exponentials.
+namespace stickslip {
+
+/// Widths of the parts of a stretch between two looks at its exponentials, which fade from its
+/// start: of the fastest one's time constant, and of the time since the start. A cubic through the
+/// values and slopes at the ends of such a part misses 1e-5 of what the exponentials change.
+inline constexpr double kTurningLook = 0.3;
+
+/// Calls `use(tau)` where each part of a stretch ends, s from its start.
+void for_each_part(const CurrentSegment& segment, auto&& use) {
+    const double fastest =
+        *std::max_element(segment.rate.begin(), segment.rate.begin() + segment.exponentials);
+    // What fades within the rounding of the stretch's times, as a rate that overflowed, is not
+    // seen.
+    const double least = std::max(1.0 / fastest, 1e-16 * segment.duration);
+    double tau = 0.0;
+    while (tau < segment.duration) {
+        tau += kTurningLook * std::max(least, tau);
+        // Not a last part that is far shorter than the others.
+        if (tau > 0.95 * segment.duration) tau = segment.duration;
+        use(tau);
+    }
+}
+
+/// Calls `use(tau)` where a sum of the functions of a stretch turns, s from the start. c: its
+/// coefficients, as of the currents.
+void for_each_turn(const CurrentSegment& segment, const std::array<double, kMaxBasis>& c,
+                   auto&& use) {
+    // The slope and its own slope, A/s and A/s^2.
+    const auto slope = [&](double tau) {
+        double sum = c[1];
+        for (std::size_t j = 0; j < static_cast<std::size_t>(segment.exponentials); ++j) {
+            const double factor = c[2 + j];
+            if (factor != 0.0)
+                sum -= factor * segment.rate[j] * exponential(-segment.rate[j] * tau);
+        }
+        return sum;
+    };
+    const auto bend = [&](double tau) {
+        double sum = 0.0;
+        for (std::size_t j = 0; j < static_cast<std::size_t>(segment.exponentials); ++j) {
+            const double factor = c[2 + j], rate = segment.rate[j];
+            if (factor != 0.0) sum += factor * rate * rate * exponential(-rate * tau);
+        }
+        return sum;
+    };
+    int count = 0;
+    std::size_t only = 0;
+    for (std::size_t j = 0; j < static_cast<std::size_t>(segment.exponentials); ++j) {
+        if (c[2 + j] != 0.0) ++count, only = j;
+    }
+    if (count == 0) return;
+    if (count == 1) {
+        const double rate = segment.rate[only], ratio = c[2 + only] * rate / c[1];
+        if (!(ratio > 1.0) || !std::isfinite(ratio)) return;
+        const double turn = std::log(ratio) / rate;
+        if (turn < segment.duration) use(turn);
+        return;
+    }
+    double from = 0.0, before = slope(0.0), bend_before = bend(0.0);
+    for_each_part(segment, [&](double to) {
+        const double after = slope(to), bend_after = bend(to);
+        if ((before > 0.0) != (after > 0.0)) {
+            use(find_root(from, to, slope));
+        } else if (before * bend_before < 0.0 && after * bend_after > 0.0) {
+            // It comes nearer to zero and goes away again: it may have been beyond.
+            const double nearest = find_root(from, to, bend);
+            if ((slope(nearest) > 0.0) != (before > 0.0)) {
+                use(find_root(from, nearest, slope));
+                use(find_root(nearest, to, slope));
+            }
+        }
+        from = to, before = after, bend_before = bend_after;
+    });
+}
+
+/// The same of the current of a coil.
+void for_each_turn(const CurrentSegment& segment, std::size_t coil, auto&& use) {
+    std::array<double, kMaxBasis> c;
+    for (std::size_t b = 0; b < c.size(); ++b) c[b] = segment.coil[b][coil];
+    for_each_turn(segment, c, use);
+}
+
+/// The field at one place in the course of a stretch, of coils that nothing else multiplies.
+struct FieldCourse {
+    using Vector = std::array<double, 3>;
+
+    const CurrentSegment* segment = nullptr;
+    std::array<Vector, kMaxBasis> basis = {};  ///< T, by the functions of the currents
+    /// T/m in the same way: dB_x/dx, dB_x/dy, dB_x/dz, dB_y/dy, dB_y/dz, dB_z/dz; the curl is zero.
+    std::array<std::array<double, 6>, kMaxBasis> gradient = {};
+};
+
+/// Where in a stretch |B| may have an extreme at a robot that moves.
+struct FieldTurn {
+    double from = 0.0, to = 0.0;  ///< s, from the start of the stretch
+    /// Where it has one at the place of the course, s, and the slope's slope of |B|^2 there,
+    /// T^2/s^2; 0: anywhere between the two times, a largest or a least one, or several.
+    double at = 0.0, curve = 0.0;
+};
+
+/// Times about which |B| may turn at a robot that moves from that place at no more than `speed`
+/// (m/s): those at which the currents change it no faster than the motion may. Calls `use(turn,
+/// least, most)` with bounds of |B| there, T. Between two such times |B| only rises or only falls.
+void for_each_field_turn(const FieldCourse& course, double speed, auto&& use) {
+    struct Look {
+        double square, slope;  // of |B|^2: T^2, T^2/s
+    };
+    const CurrentSegment& segment = *course.segment;
+    const auto count = static_cast<std::size_t>(segment.exponentials);
+    std::array<double, kMaxBasis> value = {1.0, 0.0}, change = {0.0, 1.0};
+    const auto set_time = [&](double tau) {
+        value[1] = tau;
+        for (std::size_t j = 0; j < count; ++j) {
+            value[2 + j] = exponential(-segment.rate[j] * tau);
+            change[2 + j] = -segment.rate[j] * value[2 + j];
+        }
+    };
+    const auto look = [&](double tau) {
+        set_time(tau);
+        FieldCourse::Vector b = course.basis[0], slope = course.basis[1];
+        for (std::size_t i = 0; i < b.size(); ++i) b[i] += tau * course.basis[1][i];
+        for (std::size_t j = 2; j < 2 + count; ++j) {
+            for (std::size_t i = 0; i < b.size(); ++i) {
+                b[i] += value[j] * course.basis[j][i];
+                slope[i] += change[j] * course.basis[j][i];
+            }
+        }
+        return Look{b[0] * b[0] + b[1] * b[1] + b[2] * b[2],
+                    2.0 * (b[0] * slope[0] + b[1] * slope[1] + b[2] * slope[2])};
+    };
+    const auto gradient = [&] {
+        std::array<double, 6> sum = {};
+        for (std::size_t j = 0; j < 2 + count; ++j) {
+            for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += value[j] * course.gradient[j][i];
+        }
+        return sum;
+    };
+    const auto squared_gradient = [&](double tau) {
+        set_time(tau);
+        const auto [xx, xy, xz, yy, yz, zz] = gradient();
+        return xx * xx + yy * yy + zz * zz + 2.0 * (xy * xy + xz * xz + yz * yz);
+    };
+    constexpr double kFlat = 1e-2;  // of the slope at the other end of a part; chosen
+    // The gradient between the ends of the stretch, or away from the place, may be larger.
+    constexpr double kMore = 1.5;
+    const double squares = std::max(squared_gradient(0.0), squared_gradient(segment.duration));
+    const double drift = kMore * std::sqrt(squares) * speed;  // T/s
+
+    // The first s from 0 to 1 at which a + b s + c s^2 is within `bound` of zero, or 2.
+    const auto first_within = [](double a, double b, double c, double bound) {
+        if (std::abs(a) <= bound) return 0.0;
+        const double sign = a > 0.0 ? 1.0 : -1.0;
+        const double over = sign * a - bound, rise = sign * b, bend = sign * c;
+        const double root = rise * rise - 4.0 * over * bend;
+        const double denominator = root < 0.0 ? 0.0 : std::sqrt(root) - rise;
+        const double s = denominator > 0.0 ? 2.0 * over / denominator : 2.0;
+        return s <= 1.0 ? s : 2.0;
+    };
+    // The gradient of |B| at a time, T/m.
+    const auto along = [&](double tau) {
+        set_time(tau);
+        FieldCourse::Vector b = {};
+        for (std::size_t j = 0; j < 2 + count; ++j) {
+            for (std::size_t i = 0; i < b.size(); ++i) b[i] += value[j] * course.basis[j][i];
+        }
+        const auto [xx, xy, xz, yy, yz, zz] = gradient();
+        const double x = b[0] * xx + b[1] * xy + b[2] * xz;
+        const double y = b[0] * xy + b[1] * yy + b[2] * yz;
+        const double z = b[0] * xz + b[1] * yz + b[2] * zz;
+        return std::sqrt((x * x + y * y + z * z) / (b[0] * b[0] + b[1] * b[1] + b[2] * b[2]));
+    };
+    // Improves the zero of the slope between two times of different signs, and the slope's own
+    // slope there: what the parabola misses is much where |B| is nearly zero.
+    const auto find_zero = [&](double low, double high, FieldTurn& turn) {
+        constexpr int kMost = 6;
+        constexpr double kNear = 5e-3;  // of the part: another step would be of no use
+        Look here = look(turn.at);
+        for (int k = 0; k < kMost; ++k) {
+            const double next = std::clamp(turn.at - here.slope / turn.curve, low, high);
+            const double moved = next - turn.at;
+            turn.at = next;
+            if (std::abs(moved) < kNear * (high - low)) break;
+            const Look there = look(next);
+            const double curve = (there.slope - here.slope) / moved;
+            if (curve * turn.curve > 0.0) turn.curve = curve;
+            here = there;
+        }
+        return here;
+    };
+    double from = 0.0;
+    Look before = look(0.0);
+    for_each_part(segment, [&](double to) {
+        const Look after = look(to);
+        const double width = to - from;
+        // The slope by the part's fraction s as a parabola with the same ends and the same mean.
+        const double rise = after.square - before.square;
+        const double a = before.slope * width, z = after.slope * width;
+        const double b = 6.0 * rise - 4.0 * a - 2.0 * z, c = 3.0 * (a + z) - 6.0 * rise;
+        const double larger = std::max(before.square, after.square);
+        const double bound = 2.0 * std::sqrt(larger) * drift * width;
+        const double room = drift * to;
+        const double first = first_within(a, b, c, bound);
+        double root = 2.0, least_root = 0.0;
+        if (a * z < 0.0) {
+            root = first_within(a, b, c, 0.0);
+        } else if (std::abs(a) < kFlat * std::abs(z) && b * z < 0.0) {
+            // A field that lags begins without a slope.
+            root = -b / c;
+            least_root = 0.1 * root;
+        }
+        constexpr double kSharp = 0.15;  // of a part; chosen
+        FieldTurn turn = {.at = from + root * width, .curve = b + 2.0 * root * c};
+        turn.curve /= width * width;
+        Look near = {};
+        double early = to, pull = drift;  // T/s, of the size of the field as the robot moves
+        if (root > 0.0 && root <= 1.0 && turn.curve != 0.0) {
+            near = find_zero(from + least_root * width, to, turn);
+            // Where the field is not weak, the motion changes its size by the gradient along it.
+            const double size = std::sqrt(near.square), weak = kSharp * drift * width;
+            pull = size > 10.0 * drift * to ? kMore * along(turn.at) * speed : drift;
+            early = 2.0 * (size + weak) * pull / std::abs(turn.curve);
+        }
+        if (early < kSharp * width) {
+            // The motion moves this extreme by no more than a part of the part.
+            turn.from = turn.at - early;
+            turn.to = turn.at + early;
+            const double size = std::sqrt(near.square), moved = pull * turn.at;
+            use(turn, std::max(size - moved, 0.0), size + moved);
+        } else if (first <= 1.0) {
+            const double last =
+                1.0 - std::min(first_within(z, -b - 2.0 * c, c, bound), 1.0 - first);
+            const auto square = [&](double s) {
+                return before.square + s * (a + s * (b / 2.0 + s * c / 3.0));
+            };
+            const double middle = 0.5 * (first + last);
+            const double steepest = std::max(bound, std::abs(a + middle * (b + middle * c)));
+            // Of what the cubic misses, and within the span.
+            constexpr double kMissed = 1e-4, kPad = 0.05;
+            const double more = steepest * (last - first) + kMissed * larger;
+            const double low = std::min(square(first), square(last)) - more;
+            const double high = std::max(square(first), square(last)) + more;
+            use(FieldTurn{from + std::max(first - kPad, 0.0) * width,
+                          from + std::min(last + kPad, 1.0) * width},
+                std::max(std::sqrt(std::max(low, 0.0)) - room, 0.0), std::sqrt(high) + room);
+        }
+        from = to, before = after;
+    });
+}
+
+}  // namespace stickslip

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstdint>
+
+#include "stickslip/numbers/pack.hpp"
+
+/// Exponential, logarithm and sine of a number, or of each member of a pack, by operations that
+/// have the same bits on every machine. The C library's differ between machines.
+namespace stickslip {
+
+/// Adding it rounds a number of less than 2^51 to whole ones, which then stand in its lowest bits.
+inline constexpr double kRound = 6755399441055744.0;  // 1.5 * 2^52
+
+// ln 2 in two parts, of which a multiple by less than 2^11 of the first is exact.
+inline constexpr double kLn2High = 6.93147180369123816490e-01, kLn2Low = 1.90821492927058770002e-10;
+
+/// exp(a) for a <= 0, within 2 units in the last place.
+template <class Real>
+[[gnu::always_inline]] inline Real exponential(Real a) {
+    constexpr double kLeast = -708.0;  // of a result that is a normal number
+    const Real x = greater(a, Real(kLeast));
+    const Real shifted = x * 1.4426950408889634 + kRound;
+    const Real twos = shifted - kRound;
+    const Real r = (x - twos * kLn2High) - twos * kLn2Low;
+    // Taylor's series: |r| <= 0.347, and the next term is below 5e-18.
+    const Real rr = r * r, rrrr = rr * rr;
+    const Real low = (1.0 + r) + rr * (1.0 / 2 + r * (1.0 / 6));
+    const Real middle = (1.0 / 24 + r * (1.0 / 120)) + rr * (1.0 / 720 + r * (1.0 / 5040));
+    const Real high =
+        (1.0 / 40320 + r * (1.0 / 362880)) + rr * (1.0 / 3628800 + r * (1.0 / 39916800));
+    const Real highest = 1.0 / 479001600 + r * (1.0 / 6227020800);
+    const Real p = low + rrrr * (middle + rrrr * (high + rrrr * highest));
+    return from_bits<Real>(to_bits(p) + (to_bits(shifted) << 52));
+}
+
+/// Natural logarithm of a positive normal number, within 2 units in the last place of itself or,
+/// near one, of 1e-16.
+template <class Real>
+[[gnu::always_inline]] inline Real logarithm(Real a) {
+    constexpr std::int64_t kMantissa = (std::int64_t{1} << 52) - 1;
+    constexpr std::int64_t kOne = std::int64_t{1023} << 52, kTwo52 = std::int64_t{1075} << 52;
+    constexpr double kValueTwo52 = 4503599627370496.0;
+    const Real exponent = from_bits<Real>((to_bits(a) >> 52) | kTwo52) - kValueTwo52 - 1023.0;
+    const Real mantissa = from_bits<Real>((to_bits(a) & kMantissa) | kOne);
+    const auto large = mantissa > 1.4142135623730951;
+    const Real m = select(large, 0.5 * mantissa, mantissa);
+    const Real twos = select(large, exponent + 1.0, exponent);
+    // ln m = 2 artanh s; Taylor's series: |s| <= 0.172, and the next term is below 1e-18.
+    const Real s = (m - 1.0) / (m + 1.0);
+    const Real z = s * s, zz = z * z, zzzz = zz * zz;
+    const Real low = (1.0 + z * (1.0 / 3)) + zz * (1.0 / 5 + z * (1.0 / 7));
+    const Real middle = (1.0 / 9 + z * (1.0 / 11)) + zz * (1.0 / 13 + z * (1.0 / 15));
+    const Real high = (1.0 / 17 + z * (1.0 / 19)) + zz * (1.0 / 21);
+    const Real artanh = s * (low + zzzz * (middle + zzzz * high));
+    return twos * kLn2High + (twos * kLn2Low + 2.0 * artanh);
+}
+
+/// sin(a), within 5e-16 for |a| < 3e6 and within the rounding of a beyond.
+template <class Real>
+[[gnu::always_inline]] inline Real sine(Real a) {
+    // pi in three parts, of which a multiple by less than 2^20 of the first two is exact.
+    constexpr double kPiHigh = 3.14159265346825122833e+00, kPiMiddle = 1.21542010126079319532e-10,
+                     kPiLow = 4.04453249742233291160e-21;
+    const Real shifted = a * 0.3183098861837907 + kRound;
+    const Real halves = shifted - kRound;
+    const Real r = ((a - halves * kPiHigh) - halves * kPiMiddle) - halves * kPiLow;
+    // Taylor's series: |r| <= pi/2, and the next term is below 2e-18.
+    const Real z = r * r, zz = z * z, zzzz = zz * zz;
+    const Real low = (1.0 - z * (1.0 / 6)) + zz * (1.0 / 120 - z * (1.0 / 5040));
+    const Real middle =
+        (1.0 / 362880 - z * (1.0 / 39916800)) + zz * (1.0 / 6227020800 - z * (1.0 / 1307674368000));
+    const Real high = (1.0 / 355687428096000 - z * (1.0 / 121645100408832000.0)) +
+                      zz * (1.0 / 51090942171709440000.0);
+    const Real result = r * (low + zzzz * (middle + zzzz * high));
+    // Half a turn more changes the sign.
+    return from_bits<Real>(to_bits(result) ^ (to_bits(shifted) << 63));
+}
+
+/// Logarithm to base 2 of a positive normal number, within 0.05: for the choice of a step's width.
+/// The mantissa stands for its own logarithm.
+template <class Real>
+[[gnu::always_inline]] inline Real rough_log2(Real a) {
+    constexpr std::int64_t kTwo52 = std::int64_t{1075} << 52;  // the bits of 2^52
+    constexpr double kValueTwo52 = 4503599627370496.0, kTwo32 = 4294967296.0;
+    const Real bits = from_bits<Real>((to_bits(a) >> 20) | kTwo52) - kValueTwo52;
+    return bits * (1.0 / kTwo32) - (1023.0 - 0.043);
+}
+
+/// 2 to the power a, |a| < 1000, within 1 % of itself: for the choice of a step's width.
+template <class Real>
+[[gnu::always_inline]] inline Real rough_exp2(Real a) {
+    const Real shifted = a + kRound;
+    const Real f = a - (shifted - kRound);
+    const Real p = (1.0 + f * 0.69314718) + f * f * 0.24022651;
+    return from_bits<Real>(to_bits(p) + (to_bits(shifted) << 52));
+}
+
+}  // namespace stickslip

@@ -1,0 +1,158 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+/// Roots and least values of functions of one number.
+namespace stickslip {
+
+/// Of a root, relative to a range of size one: of a step, whose dense output is far less accurate.
+inline constexpr double kRootResolution = 1e-12;
+
+/// Two places with the values there, in which a function falls through zero.
+struct Bracket {
+    double low, high, at_low, at_high;
+
+    /// A zero is a root.
+    bool holds_root() const { return at_low > 0.0 && at_high <= 0.0; }
+};
+
+/// Root of `value(x)` in the bracket, to kRootResolution: its far side; none where the bracket's
+/// ends do not have a root between them. The method is that of Chandrupatla, Advances in
+/// Engineering Software 28 (1997) 145-149. After more iterations than it ever needs it bisects,
+/// which ends whatever the function.
+[[gnu::noinline]] std::optional<double> find_root(const Bracket& bracket, auto&& value) {
+    constexpr int kUsual = 80, kMost = kUsual + 50;  // 40 halvings reach the resolution
+    if (!bracket.holds_root()) return std::nullopt;
+    double x1 = bracket.high, f1 = bracket.at_high, x2 = bracket.low, f2 = bracket.at_low;
+    if (f1 == 0.0) return x1;
+    double part = f1 / (f1 - f2);
+    for (int k = 0; k < kMost; ++k) {
+        const double x = x1 + part * (x2 - x1);
+        const double f = value(x);
+        double x3 = x1, f3 = f1;
+        if ((f > 0.0) != (f1 > 0.0)) {
+            x3 = x2, f3 = f2;
+            x2 = x1, f2 = f1;
+        }
+        x1 = x, f1 = f;
+        const double least = kRootResolution / std::abs(x2 - x1);
+        if (f1 == 0.0) return x1;
+        if (least > 0.5) return f1 > 0.0 ? x2 : x1;
+        part = 0.5;
+        if (k >= kUsual) continue;
+        const double xi = (x1 - x2) / (x3 - x2), phi = (f1 - f2) / (f3 - f2);
+        if (phi * phi < xi && (1.0 - phi) * (1.0 - phi) < 1.0 - xi) {
+            part = f1 / (f2 - f1) * f3 / (f2 - f3) +
+                   (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f3 - f2);
+        }
+        part = std::clamp(part, least, 1.0 - least);
+    }
+    return f1 > 0.0 ? x2 : x1;
+}
+
+/// Where a function that does not have one sign at `low` and `high` is zero, to 1e-12.
+double find_root(double low, double high, auto&& value) {
+    const double at_low = value(low), at_high = value(high), sign = at_low > 0.0 ? 1.0 : -1.0;
+    return find_root(Bracket{low, high, sign * at_low, sign * at_high},
+                     [&](double x) { return sign * value(x); })
+        .value_or(low);
+}
+
+/// Asks `found(low, high)` of arcs between two angles, rad, from the one about `first` on to both
+/// sides until all directions were asked for or it answers true; whether it did.
+bool search_around(double first, auto&& found) {
+    constexpr int kArcs = 32;
+    constexpr double kArc = 2.0 * std::numbers::pi / kArcs;
+    for (int n = 0; n < kArcs; ++n) {
+        const int away = (n + 1) / 2;
+        const double side = (n % 2 == 0 ? 1.0 : -1.0) * away * kArc;
+        if (found(first + side - 0.5 * kArc, first + side + 0.5 * kArc)) return true;
+    }
+    return false;
+}
+
+/// A value of a function, and where it is had.
+struct Extreme {
+    double at, value;
+};
+
+/// The least value of `f` from `low` to `high`, where it turns once in each of `parts` equal parts
+/// or less. Towards an inner one the parabolas through three values are followed, as long as the
+/// value that one promises is `worth` it.
+Extreme least_value(double low, double high, int parts, auto&& f, auto&& worth) {
+    constexpr int kMost = 40;
+    const auto least_of = [](const Extreme& a, const Extreme& b) {
+        return b.value < a.value ? b : a;
+    };
+    Extreme best = {low, f(low)};
+    Extreme left = best;
+    for (int part = 0; part < parts; ++part) {
+        const double begin = left.at, end = low + (high - low) * (part + 1) / parts;
+        const double half = 0.5 * (begin + end);
+        std::array<Extreme, 3> x = {left, {half, f(half)}, {end, f(end)}};
+        left = x[2];
+        best = least_of(best, least_of(x[1], x[2]));
+        for (int k = 0; k < kMost; ++k) {
+            // Of f = x1 + slope d + curve d^2 about the middle.
+            const double d0 = x[0].at - x[1].at, d2 = x[2].at - x[1].at;
+            if (!(d0 < 0.0 && d2 > 0.0)) break;
+            const double r0 = (x[0].value - x[1].value) / d0, r2 = (x[2].value - x[1].value) / d2;
+            const double curve = (r2 - r0) / (d2 - d0), slope = r0 - curve * d0;
+            if (!(curve > 0.0)) break;
+            double next = x[1].at - 0.5 * slope / curve;
+            if (!(next > x[0].at && next < x[2].at)) break;
+            if (!worth(x[1].value - 0.25 * slope * slope / curve)) break;
+            // Neither the middle again, nor so near to an end that the parabola stays.
+            const double margin = 1e-3 * (x[2].at - x[0].at);
+            next = std::clamp(next, x[0].at + margin, x[2].at - margin);
+            if (std::abs(next - x[1].at) < margin) {
+                next = x[1].at + (d2 > -d0 ? margin : -margin);
+            }
+            const Extreme found = {next, f(next)};
+            best = least_of(best, found);
+            const bool is_later = found.at > x[1].at;
+            if (found.value < x[1].value) {
+                x = is_later ? std::array{x[1], found, x[2]} : std::array{x[0], found, x[1]};
+            } else {
+                (is_later ? x[2] : x[0]) = found;
+            }
+        }
+    }
+    return best;
+}
+
+/// The same near `at`, where the slope's slope is about `curve`, above zero: from there the
+/// parabola is followed as long as it is `worth` it. The value that is found, or beyond `high`
+/// where the least one is to be expected.
+Extreme least_value_near(double at, double curve, double low, double high, auto&& f, auto&& worth) {
+    constexpr int kMost = 6;
+    // Of the width: between the first two values, and below which nothing changes.
+    constexpr double kApart = 0.1, kResolution = 1e-7;
+    const double apart = kApart * (high - low);
+    double x0 = std::clamp(at, low, high);
+    double x1 = x0 + apart <= high ? x0 + apart : x0 - apart;
+    double f0 = f(x0), f1 = f(x1);
+    for (int k = 0; k < kMost; ++k) {
+        if (f0 > f1) std::swap(x0, x1), std::swap(f0, f1);
+        // From the better one.
+        const double slope = (f1 - f0) / (x1 - x0) - 0.5 * curve * (x1 - x0);
+        const double next = x0 - slope / curve;
+        if (next > high) return {next, f0};
+        const bool is_there = std::abs(next - x0) < kResolution * (high - low);
+        if (!worth(f0 - 0.5 * slope * slope / curve) || is_there || next < low) break;
+        const double f2 = f(next);
+        const double twice = (f2 - f0) / (next - x0) - (f1 - f0) / (x1 - x0);
+        // Of values that are not too near to each other to tell.
+        const double found = 2.0 * twice / (next - x1);
+        if (std::abs(next - x1) > 0.01 * (high - low) && found > 0.0) curve = found;
+        x1 = next, f1 = f2;
+    }
+    return {f0 < f1 ? x0 : x1, std::min(f0, f1)};
+}
+
+}  // namespace stickslip

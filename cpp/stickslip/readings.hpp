@@ -1,0 +1,10 @@
+#pragma once
+
+#include "stickslip/readings/probe.hpp"
+#include "stickslip/readings/static_tilt.hpp"
+
+/// What a diagnosis asks of the model beside runs.
+///
+/// - static_tilt: the angle at which the robot leans at rest
+/// - probe: the field of the coils at some places
+namespace stickslip {}

@@ -1,0 +1,361 @@
+#include "stickslip/run/assembly.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+#include "stickslip/numbers/number_text.hpp"
+#include "stickslip/run/initial_state.hpp"
+#include "stickslip/scenario/own_coils.hpp"
+
+namespace stickslip {
+namespace {
+
+// Pulses after which the motion counts as steady, section VII.
+constexpr std::int64_t kSettlingPulses = 3;
+
+// Of a recording, at some 170 bytes each. What memory can take, less of them, is another limit.
+constexpr double kMostSamples = 1e9;
+
+// Of solver.max_step, s.
+constexpr double kLeastMaxStep = 1e-9;
+
+[[noreturn]] void refuse(const char* key, double value, const std::string& allowed) {
+    throw std::invalid_argument(std::string(key) + " = " + digits(value) + ": allowed is " +
+                                allowed);
+}
+
+// Two values that exclude each other; which of them is wrong only the user knows.
+[[noreturn]] void refuse_pair(const char* key, double value, const char* other, double other_value,
+                              const char* allowed) {
+    throw std::invalid_argument(std::string(key) + " = " + digits(value) + " with " + other +
+                                " = " + digits(other_value) + ": allowed is " + allowed);
+}
+
+// Pulses before the measuring window.
+std::int64_t settling_pulses(const Drive& drive) {
+    return drive.pulses > kSettlingPulses ? kSettlingPulses : 0;
+}
+
+double pulsing_time(const Drive& drive) {
+    return static_cast<double>(drive.pulses) / drive.frequency;
+}
+
+// What needs more steps than a run may have, however the robot moves.
+void check_work(const Scenario& s, double duration) {
+    const auto most = static_cast<double>(s.solver.max_steps);
+    const auto refuse_span = [&](const char* key, double value, const char* zero) {
+        const double least = duration / most;
+        if (value > 0.0 && value < least) {
+            refuse(key, value,
+                   std::string(zero) + "at least " + lowest(least) + " s in a run of " +
+                       rounded(duration) + " s with solver.max_steps = " + digits(most));
+        }
+    };
+    refuse_span("solver.max_step", s.solver.max_step, "0 (no limit) or ");
+    refuse_span("effects.sample_hold.period", s.effects.sample_hold_period, "0 (none) or ");
+    // A pulse has two straight parts at least.
+    if (s.drive.mode != DriveMode::program && 2.0 * static_cast<double>(s.drive.pulses) > most) {
+        refuse("drive.pulses", static_cast<double>(s.drive.pulses),
+               "at most " + digits(std::floor(0.5 * most)) +
+                   " with solver.max_steps = " + digits(most));
+    }
+}
+
+// A sawtooth is given as the field of two coils at the centre.
+void check_drive_of_map(const Scenario& s) {
+    for (const Coil coil : {in_plane_coil(drive_direction(s)), Coil::clamp}) {
+        const double field = world_coil_set(s).centre_field_per_ampere(coil);
+        if (field > 0.0) continue;
+        throw std::invalid_argument(
+            std::string("coil.map: coil ") + name(coil) + " has " + digits(field) +
+            " T/A along its axis at x = y = z = 0, from which the drive counts: allowed is a field "
+            "above 0");
+    }
+}
+
+FieldShape make_field_shape(const Effects& e) {
+    return {.time = FreeCurve(e.free_field_time), .amplitude = FreeCurve(e.free_field_amplitude)};
+}
+
+PerCoil field_gain_at(const Scenario& s, double factor) {
+    const double in_plane = (1.0 + s.effects.field_gain_in_plane) * factor;
+    const double clamp = (1.0 + s.effects.field_gain_clamp) * factor;
+    return {in_plane, in_plane, in_plane, in_plane, clamp};
+}
+
+}  // namespace
+
+void check(const Scenario& s) {
+    if (s.contact.kinetic_friction > s.contact.static_friction) {
+        refuse_pair("contact.kinetic_friction", s.contact.kinetic_friction,
+                    "contact.static_friction", s.contact.static_friction,
+                    "a kinetic friction that is not above the static one");
+    }
+    check_own_coils(s);
+    check_plane(s);
+    if (s.contact.restitution + s.effects.restitution_coefficient > 1.0) {
+        refuse_pair("effects.restitution.coefficient", s.effects.restitution_coefficient,
+                    "contact.restitution", s.contact.restitution, "a sum of at most 1");
+    }
+    const double side = std::min(s.robot.length, s.robot.height);
+    if (s.contact.adhesion_range > side) {
+        refuse("contact.adhesion_range", s.contact.adhesion_range,
+               "at most the robot's shorter side, " + highest(side) + " m");
+    }
+    if (s.solver.max_step > 0.0 && s.solver.max_step < kLeastMaxStep) {
+        refuse("solver.max_step", s.solver.max_step, "0 (no limit) or at least 1e-9 s");
+    }
+    if (s.map && s.drive.mode != DriveMode::program) check_drive_of_map(s);
+    if (s.drive.mode == DriveMode::program) {
+        if (s.program.blocks().empty()) {
+            throw std::invalid_argument("drive.mode = \"program\": needs drive.file or a waveform");
+        }
+    } else {
+        const double period = 1.0 / s.drive.frequency;
+        if (s.drive.peak < s.drive.base) {
+            refuse_pair("drive.peak", s.drive.peak, "drive.base", s.drive.base,
+                        "a peak that is not below the base");
+        }
+        if (s.drive.edge_time + s.effects.edge_time_time >= period) {
+            refuse_pair("drive.edge_time", s.drive.edge_time, "effects.edge_time.time",
+                        s.effects.edge_time_time,
+                        "together less than one period, 1/drive.frequency");
+        }
+    }
+    if (!(s.initial == SimulationState{})) initial_state(s, make_model(s));
+    const double longest = make_program(s).duration();  // refuses voltages that are not finite
+    check_work(s, longest);
+    const double highest_rate = kMostSamples / longest;
+    if (s.record.kind == RecordKind::uniform && s.record.rate > highest_rate) {
+        refuse("record.rate", s.record.rate,
+               "at most 1e9 samples in all, here " + highest(highest_rate) + " Hz");
+    }
+    if (s.record.from > longest * (1.0 + 1e-12)) {  // rounding of the last sample's time
+        refuse("record.from", s.record.from,
+               "from 0 to " + highest(longest) + " s, the duration of the run");
+    }
+}
+
+double duration(const Scenario& scenario) {
+    const Drive& drive = scenario.drive;
+    if (drive.mode == DriveMode::program) return scenario.program.duration();
+    return drive.ramp + pulsing_time(drive) + drive.ramp_down;
+}
+
+Model make_model(const Scenario& s) {
+    const RobotParameters& robot = s.robot;
+    const Effects& e = s.effects;
+    Model model;
+    model.shape = Rectangle(robot.length, robot.height);
+    model.width = robot.width;
+    model.mass = robot.mass;
+    model.inertia = robot.mass * (robot.length * robot.length + robot.height * robot.height) / 12.0;
+    model.moment = robot.magnetization * robot.length * robot.width * robot.height *
+                   (1.0 + e.magnetization_scale_fraction);
+    model.misalignment = e.misalignment_angle;
+    model.gradient_excess = e.gradient_scale_fraction;
+    // In the whole plane what acts along the surface has any direction, see `surface_weight`.
+    const double downhill = surface_direction(e.surface_tilt_azimuth).x;
+    const double tilt = frame_sign(s) * (downhill < 0.0 ? -1.0 : 1.0) * e.surface_tilt_angle;
+    model.gravity_x = turns(s) ? 0.0 : s.gravity * std::sin(tilt);
+    model.gravity_z = -s.gravity * std::cos(tilt);
+    model.translational_drag = s.drag.linear;
+    model.angle_drag = e.angle_drag_strength;
+    model.translational_drag_quadratic = e.quadratic_drag_coefficient;
+    model.rotational_drag_linear = e.rotational_drag_coefficient;
+    model.rotational_drag_quadratic = s.drag.rotational;
+    model.friction = {
+        s.contact.static_friction,
+        s.contact.kinetic_friction,
+        {.smooth = {.stribeck_velocity = e.stribeck_friction_velocity,
+                    .viscous = e.viscous_friction_coefficient,
+                    .anisotropy = e.friction_anisotropy_fraction,
+                    // A sine in the world's x is its negative in the turned robot's.
+                    .patch_amplitude = frame_sign(s) * e.friction_patches_amplitude,
+                    .patch_wavenumber = 2.0 * std::numbers::pi / e.friction_patches_period},
+         .speed = FreeCurve(e.free_friction_speed),
+         .angle = FreeCurve(e.free_friction_angle),
+         .load = FreeCurve(e.free_friction_load),
+         .time = FreeCurve(e.free_friction_age)}};
+    model.adhesion = {.strength = s.contact.adhesion,
+                      .range = s.contact.adhesion_range,
+                      .smooth = {.angle_loss = e.angle_adhesion_strength,
+                                 .ageing_rate = e.adhesion_ageing_rate,
+                                 .ageing_time = e.adhesion_ageing_time},
+                      .angle = FreeCurve(e.free_adhesion_angle),
+                      .age = FreeCurve(e.free_adhesion_age)};
+    model.place = ContactPlace(e.free_contact_place, model.shape.half_base(0));
+    model.drag_shape = {.angle = FreeCurve(e.free_drag_angle),
+                        .speed = FreeCurve(e.free_drag_speed),
+                        .rate = FreeCurve(e.free_drag_rate)};
+    model.field_shape = make_field_shape(e);
+    model.restitution = s.contact.restitution + e.restitution_coefficient;
+    model.tangential_restitution = s.contact.tangential_restitution;
+    model.frame_sign = frame_sign(s);
+    for (const UserSetting& each : s.user_effects) {
+        if (!each.absent()) model.user_effects.push_back(each);
+    }
+    return model;
+}
+
+Circuit make_circuit(const Scenario& s, const VoltageProgram& program) {
+    const Effects& e = s.effects;
+    CircuitParameters parameters;
+    const PerCoilOf<CoilParameters> coils = robot_coils(s);
+    for (std::size_t k = 0; k < kCoilCount; ++k) {
+        parameters.resistance[k] = coils[k].resistance;
+        parameters.inductance[k] = coils[k].inductance;
+    }
+    parameters.coupling = e.mutual_inductance_coupling;
+    parameters.lag = e.eddy_lag_time;
+    if (e.coil_heating_coefficient != 0.0) {
+        parameters.resistance = warm_resistances(program, parameters, e.coil_heating_coefficient);
+    }
+    Circuit circuit(parameters);
+    if (!(s.initial == SimulationState{})) {
+        const PerCoil& lag = s.initial.field_lag;
+        circuit.set_currents(initial_currents(s), frame_sign(s) > 0.0 ? lag : turned(lag));
+    }
+    return circuit;
+}
+
+PerCoil initial_currents(const Scenario& s) {
+    return frame_sign(s) > 0.0 ? s.initial.current : turned(s.initial.current);
+}
+
+MeasurementChain make_measurement_chain(const Scenario& s) {
+    return {s.effects.length_scale_fraction, s.effects.clock_scale_fraction,
+            s.effects.angle_offset_angle};
+}
+
+PerCoil field_gain(const Scenario& s) {
+    // The voltages of a program repeat at no frequency.
+    if (s.drive.mode == DriveMode::program) return field_gain_at(s, 1.0);
+    return field_gain_at(s, FreeCurve(s.effects.free_field_frequency).factor(s.drive.frequency));
+}
+
+PerCoil held_field_gain(const Scenario& s, const PerCoil& currents) {
+    const double still = FreeCurve(s.effects.free_field_frequency).factor(0.0);
+    return field_gain_at(s, still * make_field_shape(s.effects).factor(0.0, currents));
+}
+
+VoltageProgram asked_program(const Scenario& s) {
+    if (s.drive.mode == DriveMode::program) {
+        return frame_sign(s) > 0.0 ? s.program : turned(s.program);
+    }
+    const PerCoilOf<CoilParameters> coils = robot_coils(s);
+    const CoilSet windings = robot_coil_set(s);
+    PerCoil volts_per_tesla;
+    for (const Coil coil : kAllCoils) {
+        const auto k = static_cast<std::size_t>(coil);
+        volts_per_tesla[k] = coils[k].resistance / windings.centre_field_per_ampere(coil);
+    }
+    Drive drive = s.drive;
+    drive.edge_time += s.effects.edge_time_time;
+    // The frame of a robot that stays in one plane is its own.
+    const SurfaceDirection towards = turns(s) ? drive_direction(s) : SurfaceDirection{};
+    return sawtooth_program(drive, towards, volts_per_tesla);
+}
+
+VoltageProgram make_program(const Scenario& s) {
+    const double limit = s.effects.amplifier_limit_voltage;
+    const VoltageProgram program = asked_program(s);
+    return limit > 0.0 ? clipped(program, limit) : program;
+}
+
+namespace {
+
+// Of the coils that have current in a run.
+PerCoil driven_gain(const Scenario& scenario, const VoltageProgram& program) {
+    PerCoil gain = field_gain(scenario);
+    const PerCoil current = initial_currents(scenario);
+    const PerCoil& world = scenario.initial.field_lag;
+    const PerCoil lag = frame_sign(scenario) > 0.0 ? world : turned(world);
+    // Coupled coils all have current.
+    for (std::size_t k = 0; k < kCoilCount; ++k) {
+        const bool driven = program.largest_voltage()[k] > 0.0 || current[k] != 0.0 ||
+                            lag[k] != 0.0 || scenario.effects.mutual_inductance_coupling != 0.0;
+        if (!driven) gain[k] = 0.0;
+    }
+    return gain;
+}
+
+}  // namespace
+
+// In the whole plane the field is that of the PlaneDynamics.
+LocalField make_local_field(const Scenario& scenario, const VoltageProgram& program,
+                            const CoilSet& coils) {
+    const PerCoil gain = turns(scenario) ? PerCoil{} : driven_gain(scenario, program);
+    return LocalField(coils, gain, frame_sign(scenario) * scenario.effects.ambient_field_bx,
+                      scenario.effects.ambient_field_bz);
+}
+
+PlaneDynamics make_plane_dynamics(const Scenario& s, const VoltageProgram& program,
+                                  const CoilSet& coils, Dynamics& upright) {
+    const Effects& e = s.effects;
+    const SurfaceDirection downhill = surface_direction(e.surface_tilt_azimuth);
+    const double weight = s.robot.mass * s.gravity * std::sin(e.surface_tilt_angle);
+    PlaneDynamics plane(upright,
+                        SpatialField(coils, driven_gain(s, program),
+                                     {e.ambient_field_bx, e.ambient_field_by, e.ambient_field_bz}),
+                        {weight * downhill.x, weight * downhill.y});
+    plane.watch().set_state({.heading = start_heading(s)});
+    return plane;
+}
+
+// Natural scales: the free swing about a corner in the strongest field, under weight and adhesion.
+StepperOptions make_stepper_options(const Scenario& scenario, const Model& model,
+                                    const VoltageProgram& program, const CoilSet& coils,
+                                    const std::atomic<bool>* stop) {
+    const Effects& e = scenario.effects;
+    double field =
+        std::hypot(std::hypot(e.ambient_field_bx, e.ambient_field_by), e.ambient_field_bz);
+    const PerCoil first = scenario.first_current.value_or(scenario.initial.current);
+    const PerCoil current = frame_sign(scenario) > 0.0 ? first : turned(first);
+    const PerCoilOf<CoilParameters> own = robot_coils(scenario);
+    for (const Coil coil : kAllCoils) {
+        const auto k = static_cast<std::size_t>(coil);
+        const double held = program.largest_voltage()[k] / own[k].resistance;
+        field +=
+            std::max(held, std::abs(current[k])) * std::abs(coils.centre_field_per_ampere(coil));
+    }
+    const double radius = model.shape.radius();
+    const double weight = model.mass * scenario.gravity + model.adhesion.strength;
+    const double torque = model.moment * field + weight * radius;
+    StepperOptions result;
+    result.max_step = scenario.solver.max_step;
+    result.most_steps = scenario.solver.max_steps;
+    const double swing = std::sqrt(torque / model.corner_inertia());
+    result.swing_rate = swing > 0.0 ? swing : 1.0;
+    result.scales = {radius, radius * result.swing_rate, result.swing_rate};
+    // A motion forgets its errors as fast as it is damped; what is hardly damped adds them up. In
+    // proportion to the damping, the error of a run goes with rtol whatever the drag.
+    constexpr double kForgetting = 0.1;  // damping over swing rate, near the paper's
+    constexpr double kLeastPart = 1e-3, kLeastTolerance = 1e-13;
+    const DragShape& shape = model.drag_shape;
+    const double least_drag = model.translational_drag * std::min(1.0, 1.0 + model.angle_drag) *
+                              shape.angle.least_factor() * shape.speed.least_factor() *
+                              shape.rate.least_factor();
+    const double damping = least_drag / model.mass / result.swing_rate;
+    const double rtol = scenario.solver.rtol;
+    result.tolerance = std::max(rtol * std::clamp(damping / kForgetting, kLeastPart, 1.0),
+                                std::min(rtol, kLeastTolerance));
+    result.stop = stop;
+    return result;
+}
+
+double pulse_period(const Scenario& s) {
+    return s.drive.mode == DriveMode::program ? 0.0 : 1.0 / s.drive.frequency;
+}
+
+Window measuring_window(const Scenario& s) {
+    const Drive& drive = s.drive;
+    if (drive.mode == DriveMode::program) return {0.0, s.program.duration()};
+    return {drive.ramp + static_cast<double>(settling_pulses(drive)) / drive.frequency,
+            drive.ramp + pulsing_time(drive)};
+}
+
+}  // namespace stickslip

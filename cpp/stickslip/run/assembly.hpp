@@ -1,0 +1,72 @@
+#pragma once
+
+#include <atomic>
+
+#include "stickslip/body/model.hpp"
+#include "stickslip/contact/plane_dynamics.hpp"
+#include "stickslip/drive/circuit.hpp"
+#include "stickslip/field/local_field.hpp"
+#include "stickslip/run/measurement_chain.hpp"
+#include "stickslip/scenario/plane.hpp"
+#include "stickslip/scenario/scenario.hpp"
+#include "stickslip/solver/stepping.hpp"
+
+/// From the values of a scenario to the parts of its simulation, each effect put where it acts.
+namespace stickslip {
+
+/// Throws std::invalid_argument, naming key, value and what is allowed, for values that are each in
+/// their range but make no sense together.
+void check(const Scenario& scenario);
+
+/// Constants of motion in the robot's own frame.
+Model make_model(const Scenario& scenario);
+
+/// Currents at the start in the robot's own frame, A.
+PerCoil initial_currents(const Scenario& scenario);
+
+/// The coils' circuits for `program` (which heats them, if they do).
+Circuit make_circuit(const Scenario& scenario, const VoltageProgram& program);
+
+MeasurementChain make_measurement_chain(const Scenario& scenario);
+
+/// Field that each coil makes in a run, relative to what Eqs. (4)-(6) give for its current, but for
+/// what changes within the run (`Model::field_shape`).
+PerCoil field_gain(const Scenario& scenario);
+
+/// The same of currents (A) that are held, before a run: all of it, at time and frequency zero.
+PerCoil held_field_gain(const Scenario& scenario, const PerCoil& currents);
+
+/// Voltages that the drive asks for, in the robot's own frame.
+VoltageProgram asked_program(const Scenario& scenario);
+
+/// The same as the amplifiers give them.
+VoltageProgram make_program(const Scenario& scenario);
+
+/// The field near the robot, of the coils that have current. `coils` have to outlive it.
+LocalField make_local_field(const Scenario& scenario, const VoltageProgram& program,
+                            const CoilSet& coils);
+
+/// What turns the robot and what is across, where it moves in the whole plane. `upright` and
+/// `coils` have to outlive it.
+PlaneDynamics make_plane_dynamics(const Scenario& scenario, const VoltageProgram& program,
+                                  const CoilSet& coils, Dynamics& upright);
+
+/// How accurate the steps are to be, from the natural scales of the motion. `stop` may be nullptr.
+StepperOptions make_stepper_options(const Scenario& scenario, const Model& model,
+                                    const VoltageProgram& program, const CoilSet& coils,
+                                    const std::atomic<bool>* stop);
+
+/// Simulated time from start to end, s.
+double duration(const Scenario& scenario);
+
+/// Time from pulse to pulse, s; zero for a free program.
+double pulse_period(const Scenario& scenario);
+
+/// Times (s) between which the mean velocity is taken: from the end of the third pulse (of the
+/// ramp, with three pulses or fewer) to the end of the last (section VII); all of a free program.
+struct Window {
+    double start = 0.0, end = 0.0;
+};
+Window measuring_window(const Scenario& scenario);
+
+}  // namespace stickslip

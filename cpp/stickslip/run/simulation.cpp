@@ -1,0 +1,155 @@
+#include "stickslip/run/simulation.hpp"
+
+#include <cmath>
+#include <optional>
+#include <sstream>
+
+#include "stickslip/run/assembly.hpp"
+#include "stickslip/run/hybrid_loop.hpp"
+#include "stickslip/solver/tsit5.hpp"
+#ifdef STICKSLIP_WITH_ARKODE
+#include "stickslip/solver/arkode.hpp"
+#endif
+
+namespace stickslip {
+
+const char* name(Status status) {
+    switch (status) {
+        case Status::ok:
+            return "ok";
+        case Status::step_underflow:
+            return "step_underflow";
+        case Status::too_many_events:
+            return "too_many_events";
+        case Status::not_finite:
+            return "not_finite";
+        case Status::left_workspace:
+            return "left_workspace";
+        case Status::interrupted:
+            return "interrupted";
+        case Status::no_arkode:
+            return "no_arkode";
+        case Status::too_many_steps:
+            return "too_many_steps";
+        case Status::heading_lost:
+            return "heading_lost";
+        case Status::turns_too_fast:
+            return "turns_too_fast";
+    }
+    return "unknown";
+}
+
+namespace {
+
+// What to do about a run that cannot be integrated: the key that is to blame, if one is.
+std::string remedy(const RunResult& result, const char* otherwise) {
+    const Stiffness& stiff = result.stiffness;
+    if (!stiff.is_stiff()) return otherwise;
+    std::ostringstream text;
+    text << stiff.key << " = " << stiff.value << " makes a motion of " << stiff.rate
+         << " 1/s, which steps have to follow; take a value near " << stiff.sane;
+    return text.str();
+}
+
+// The same where the steps were all taken.
+std::string budget_remedy(const RunResult& result) {
+    const StepBound& bound = result.bound;
+    if (bound.key == nullptr) {
+        return remedy(result, "raise solver.max_steps, or simulate less time");
+    }
+    std::ostringstream text;
+    text << bound.key << " = " << bound.value << " alone takes at least " << std::floor(bound.steps)
+         << " of them; raise solver.max_steps, or take a value near " << bound.sane;
+    return text.str();
+}
+
+}  // namespace
+
+std::string message(const RunResult& result) {
+    std::ostringstream text;
+    text << "at t = " << result.summary.simulated_time << " s ";
+    switch (result.status) {
+        case Status::ok:
+            if (!result.stopped) return "the run reached its end";
+            text << "the run met its condition";
+            break;
+        case Status::step_underflow:
+            text << "the step fell below the resolution of time; "
+                 << remedy(result,
+                           "loosen solver.rtol, or look at the scenario for a force that grows "
+                           "without bound");
+            break;
+        case Status::too_many_events:
+            text << "contact events followed each other without end; "
+                 << remedy(result, "change solver.rtol, or look at friction and restitution");
+            break;
+        case Status::too_many_steps:
+            text << "the run had taken as many steps as solver.max_steps = " << result.most_steps
+                 << " allows; " << budget_remedy(result);
+            break;
+        case Status::not_finite:
+            if (!result.effect.empty()) {
+                text << "the function of effect " << result.effect
+                     << " gave a force or torque that is not a finite number";
+                break;
+            }
+            text << "a force or a coordinate was not a number; "
+                 << remedy(result, "look for extreme values in the scenario");
+            break;
+        case Status::left_workspace:
+            if (result.map) {
+                const auto& [low, high] = result.map->box();
+                text << "the robot left coil.map, which has the field from x = " << low.x()
+                     << " to " << high.x() << " m and from z = " << low.z() << " to " << high.z()
+                     << " m; give fewer pulses or less field, or a map that reaches farther";
+                break;
+            }
+            if (result.summary.simulated_time == 0.0) {
+                text << "the robot was beyond the coils; begin nearer to the centre (initial.x, "
+                        "initial.y)";
+                break;
+            }
+            text << "the robot reached the coils; give fewer pulses or less field, or look at "
+                    "effects.surface_tilt and friction";
+            break;
+        case Status::heading_lost:
+            text << "the horizontal field had been too weak to hold the robot's heading and came "
+                    "back from another side, so that nobody knows where the robot faces; turn the "
+                    "field without letting it fade, or keep it stronger than an ambient field "
+                    "across "
+                    "it (drive.base, the voltages)";
+            break;
+        case Status::turns_too_fast:
+            text << "the horizontal field turned at " << result.heading_end.rate
+                 << " rad/s, faster than the robot can follow in a field of that size, "
+                 << result.heading_end.limit << " rad/s; turn it more slowly, or make it stronger";
+            break;
+        case Status::interrupted:
+            text << "the run was stopped";
+            break;
+        case Status::no_arkode:
+            return "this build has no arkode; use solver.method = \"tsit5\", or install SUNDIALS "
+                   "and build again";
+    }
+    return text.str();
+}
+
+RunResult simulate(const Scenario& scenario, RunControl* control,
+                   std::optional<StopCondition> stop) {
+    check(scenario);
+    switch (scenario.solver.method) {
+        case Method::tsit5:
+            return HybridLoop<Tsit5>(scenario, control, stop).run();
+        case Method::arkode:
+#ifdef STICKSLIP_WITH_ARKODE
+            return HybridLoop<Arkode>(scenario, control, stop).run();
+#else
+            break;
+#endif
+    }
+    RunResult result;
+    result.status = Status::no_arkode;
+    return result;
+}
+
+}  // namespace stickslip

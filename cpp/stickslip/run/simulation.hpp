@@ -1,0 +1,53 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "stickslip/contact/heading_watch.hpp"
+#include "stickslip/run/recording.hpp"
+#include "stickslip/run/stiffness.hpp"
+#include "stickslip/run/stop_condition.hpp"
+#include "stickslip/run/summary.hpp"
+#include "stickslip/scenario/scenario.hpp"
+#include "stickslip/solver/stepping.hpp"
+
+namespace stickslip {
+
+struct RunResult {
+    Status status = Status::ok;
+    Summary summary;
+    StepCounts steps;
+    Recording recording;
+    BodyState final_body;         ///< robot's own frame
+    SimulationState final_state;  ///< where the run ended
+    bool stopped = false;         ///< where its stop condition was met
+    std::string effect;           ///< of the user, that gave what is not finite and ended the run
+    Stiffness stiffness;          ///< what made steps short, for the message
+    StepBound bound;              ///< the same, whatever moved
+    HeadingEnd heading_end;       ///< what ended the heading, for the message
+    std::int64_t most_steps = 0;  ///< solver.max_steps, for the message
+    std::shared_ptr<const FieldMap> map;  ///< of the scenario, for the message
+};
+
+/// "ok", "step_underflow", ...
+const char* name(Status status);
+
+/// What happened and what to do about it, in a sentence.
+std::string message(const RunResult& result);
+
+/// What a simulation shares with the thread that waits for it.
+struct RunControl {
+    std::atomic<bool> stop = false;
+    std::atomic<double> simulated_time = 0.0;  ///< s, done so far by all runs together
+};
+
+/// Simulates one scenario from its initial state to the end of its drive, or to where `stop` is
+/// met. Throws std::invalid_argument for a scenario that makes no sense (see `check`); everything
+/// that happens later is a status.
+RunResult simulate(const Scenario& scenario, RunControl* control = nullptr,
+                   std::optional<StopCondition> stop = std::nullopt);
+
+}  // namespace stickslip

@@ -1,0 +1,176 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "stickslip/run/recording.hpp"
+#include "stickslip/solver/stepping.hpp"
+
+namespace stickslip {
+
+/// What a run comes to, in the world's frame. Velocities, angles and the flown part are taken over
+/// the measuring window; counts over the whole run.
+struct Summary {
+    static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();  // not measured
+
+    double mean_velocity = kNone;  ///< m/s, section VII
+    /// Pulses of the window that were finished, which are all of them in a run to its end, and the
+    /// mean velocity over these, m/s. None for a free program.
+    std::int64_t finished_pulses = 0;
+    double finished_velocity = kNone;
+    // Of a run in the whole plane, where what is above is along x: along y, m/s.
+    double mean_velocity_y = kNone;
+    double finished_velocity_y = kNone;
+    /// How fast the heading's turning to and fro swings an edge about the centre of mass, over the
+    /// window, m/s. The model leaves that out of the slip.
+    double turning_speed = kNone;
+    double theta_min = kNone;  ///< rad
+    double theta_max = kNone;  ///< rad
+    // Slip of the contact along x or, of a run in the whole plane, along the robot's front.
+    double slip_up = kNone;    ///< m/s, while theta rises, over the window's span
+    double slip_down = kNone;  ///< m/s, the same while theta falls
+    double slip_flat = kNone;  ///< m/s, the same of a face
+    double airborne_fraction = kNone;
+    /// Least growth of the speed from a quarter of the window's pulses to the next, over the
+    /// largest speed of a quarter. Zero for a free program, and with fewer than four pulses.
+    double velocity_growth = kNone;
+    /// Largest pull of the in-plane coils' gradient on the robot, lying flat, over what friction
+    /// holds of weight and adhesion; zero where that is nothing.
+    double pull_ratio = kNone;
+    /// How much the field of steady currents by the largest voltages differs between the places
+    /// where the run ends and begins, over the size of the latter; zero without one.
+    double field_change = kNone;
+    double field_max = 0.0;       ///< T, |B| at the robot, of the whole run
+    double field_min = kNone;     ///< T, the same, least over the window
+    double current_max = 0.0;     ///< A, of any coil, of the whole run
+    double voltage_max = 0.0;     ///< V, the same
+    double power_mean = kNone;    ///< W, in all coils, over the window
+    double simulated_time = 0.0;  ///< s
+    std::array<std::int64_t, kEventKinds> events = {};
+};
+
+/// Gathers a summary phase by phase, in memory that does not grow.
+class SummaryObserver {
+public:
+    /// period: s, from pulse to pulse; zero without pulses.
+    explicit SummaryObserver(double period) : period_(period) {}
+
+    /// end: s, of the window.
+    void open(double t, double end, const BodyState& body) {
+        open_ = true;
+        if (period_ > 0.0) {
+            const double quarter = 0.25 * std::round((end - t) / period_);
+            for (std::size_t i = 0; i < marks_.size(); ++i) {
+                marks_[i].pulses = std::llround(static_cast<double>(i) * quarter);
+            }
+        }
+        marks_[0] = {0, t, body.x, body.y};
+        passed_ = 1;
+        start_ = t;
+        start_x_ = body.x;
+        start_y_ = body.y;
+    }
+    /// Where a stretch of voltage ends within the window; a pulse ends with a stretch.
+    void pass(double t, const BodyState& body) {
+        if (!(period_ > 0.0)) return;
+        // Ends of stretches carry rounding.
+        const auto pulses =
+            static_cast<std::int64_t>(std::floor((t - start_) / period_ + kRounding));
+        if (pulses <= pulses_) return;
+        pulses_ = pulses;
+        pulses_end_ = t;
+        pulses_x_ = body.x;
+        pulses_y_ = body.y;
+        if (passed_ < marks_.size() && pulses >= marks_[passed_].pulses) {
+            marks_[passed_] = {pulses, t, body.x, body.y};
+            ++passed_;
+        }
+    }
+    void close(double t, const BodyState& body, double frame_sign, Summary& summary) {
+        pass(t, body);
+        open_ = false;
+        const double span = t - start_;
+        if (!(span > 0.0)) return;
+        summary.mean_velocity = frame_sign * (body.x - start_x_) / span;
+        summary.mean_velocity_y = (body.y - start_y_) / span;
+        summary.theta_min = lowest_;
+        summary.theta_max = highest_;
+        summary.slip_up = frame_sign * rising_ / span;
+        summary.slip_down = frame_sign * falling_ / span;
+        summary.slip_flat = frame_sign * flat_ / span;
+        summary.airborne_fraction = airborne_ / span;
+        summary.velocity_growth = passed_ == marks_.size() ? growth() : 0.0;
+    }
+    /// What is known without the window's end, which a run that fails does not come to.
+    void write(double frame_sign, Summary& summary) const {
+        if (pulses_ == 0) return;
+        summary.finished_pulses = pulses_;
+        summary.finished_velocity = frame_sign * (pulses_x_ - start_x_) / (pulses_end_ - start_);
+        summary.finished_velocity_y = (pulses_y_ - start_y_) / (pulses_end_ - start_);
+    }
+    bool is_open() const { return open_; }
+    double start() const { return start_; }  ///< s
+
+    /// Rest at an angle of quadrant pi/2.
+    void rest(double theta) {
+        if (open_) see(theta);
+    }
+
+    /// A phase, or its part within a stretch of voltage, that took `duration` s.
+    template <class Phase>
+    void phase(const Phase& phase, const PhaseEnd<Phase>& end, double duration, int quadrant) {
+        if (!open_) return;
+        const double offset = quadrant * kQuarterTurn;
+        see(offset + end.trace.lowest);
+        see(offset + end.trace.highest);
+        if constexpr (Phase::kSlips) {
+            rising_ += end.trace.rising;
+            falling_ += end.trace.falling;
+            add_slip(phase.omega(end.y), slip_place(phase, end.y) - end.trace.slip_x);
+        }
+        if constexpr (Phase::kFlies) airborne_ += duration;
+    }
+
+private:
+    void see(double theta) {
+        lowest_ = std::min(lowest_, theta);
+        highest_ = std::max(highest_, theta);
+    }
+    void add_slip(double omega, double distance) {
+        (omega > 0.0 ? rising_ : omega < 0.0 ? falling_ : flat_) += distance;
+    }
+    double growth() const {
+        std::array<double, 4> speed;
+        for (std::size_t i = 0; i < speed.size(); ++i) {
+            const Mark &from = marks_[i], &to = marks_[i + 1];
+            speed[i] = std::hypot(to.x - from.x, to.y - from.y) / (to.t - from.t);
+        }
+        const double least =
+            std::min({speed[1] - speed[0], speed[2] - speed[1], speed[3] - speed[2]});
+        const double largest = *std::max_element(speed.begin(), speed.end());
+        return largest > 0.0 ? least / largest : 0.0;
+    }
+
+    static constexpr double kRounding = 1e-6;  // part of a pulse; chosen
+
+    double period_;
+    bool open_ = false;
+    std::int64_t pulses_ = 0;
+    double pulses_end_ = 0.0, pulses_x_ = 0.0, pulses_y_ = 0.0;
+    /// Where a quarter of the window's pulses ends, or the first begins.
+    struct Mark {
+        std::int64_t pulses = 0;
+        double t = 0.0, x = 0.0, y = 0.0;
+    };
+    std::array<Mark, 5> marks_ = {};
+    std::size_t passed_ = 0;
+    double start_ = 0.0, start_x_ = 0.0, start_y_ = 0.0;
+    double lowest_ = std::numeric_limits<double>::infinity();
+    double highest_ = -std::numeric_limits<double>::infinity();
+    double rising_ = 0.0, falling_ = 0.0, flat_ = 0.0, airborne_ = 0.0;
+};
+
+}  // namespace stickslip

@@ -1,0 +1,368 @@
+#include "stickslip/scenario/parameters.hpp"
+
+#include <limits>
+
+#include "stickslip/scenario/free_shapes.hpp"
+#include "stickslip/scenario/own_coils.hpp"
+
+namespace stickslip {
+namespace {
+
+constexpr double kAny = std::numeric_limits<double>::infinity();
+
+// A table: clang-format would give each member of a row a line of its own.
+// clang-format off
+// The two accessors of a member, from one expression.
+#define STICKSLIP_MEMBER(path)                                                      \
+    .get = [](const Scenario& s) -> double { return static_cast<double>(s.path); }, \
+    .set = [](Scenario& s, double value) { s.path = static_cast<decltype(s.path)>(value); }
+
+std::vector<Parameter> make_parameters() {
+    return {
+        {.key = "drive.frequency", .unit = "Hz", .low = 1e-6, .high = 1e5,
+         .meaning = "pulses a second", STICKSLIP_MEMBER(drive.frequency)},
+        {.key = "drive.peak", .unit = "T", .low = 0, .high = 1,
+         .meaning = "top of the sawtooth, as the field at the centre if its voltage were held for "
+                    "ever", STICKSLIP_MEMBER(drive.peak)},
+        {.key = "drive.base", .unit = "T", .low = -1, .high = 1,
+         .meaning = "bottom of the sawtooth, same meaning", STICKSLIP_MEMBER(drive.base)},
+        {.key = "drive.hold", .unit = "T", .low = 0, .high = 1,
+         .meaning = "field of the holding coil, same meaning", STICKSLIP_MEMBER(drive.hold)},
+        {.key = "drive.edge_time", .unit = "s", .low = 0, .high = kAny,
+         .meaning = "duration of the sudden edge", STICKSLIP_MEMBER(drive.edge_time)},
+        {.key = "drive.heading", .unit = "rad", .low = -6.3, .high = 6.3,
+         .meaning = "where the robot is driven, from drive.direction to the left",
+         STICKSLIP_MEMBER(drive.heading)},
+        {.key = "drive.ramp", .unit = "s", .low = 0, .high = 1e4,
+         .meaning = "rise of both coils from zero before the first pulse",
+         STICKSLIP_MEMBER(drive.ramp)},
+        {.key = "drive.pulses", .unit = "-", .low = 1, .high = 1e12, .integer = true,
+         .meaning = "number of pulses", STICKSLIP_MEMBER(drive.pulses)},
+        {.key = "drive.ramp_down", .unit = "s", .low = 0, .high = 1e4,
+         .meaning = "fall of the in-plane coil to zero after the last pulse",
+         STICKSLIP_MEMBER(drive.ramp_down)},
+        {.key = "coil.resistance", .unit = "ohm", .low = 0, .high = 1e9, .low_allowed = false,
+         .meaning = "resistance of one coil, Table I", STICKSLIP_MEMBER(coil.resistance)},
+        {.key = "coil.inductance", .unit = "H", .low = 0, .high = 1e3, .low_allowed = false,
+         .meaning = "inductance of one coil, Table I", STICKSLIP_MEMBER(coil.inductance)},
+        {.key = "coil.side", .unit = "m", .low = 1e-6, .high = 100,
+         .meaning = "effective length of a coil's side, Table I",
+         STICKSLIP_MEMBER(coil.geometry.side)},
+        {.key = "coil.distance", .unit = "m", .low = 1e-3, .high = 100,
+         .meaning = "distance of each coil's plane from the centre, Table I",
+         STICKSLIP_MEMBER(coil.geometry.distance)},
+        {.key = "coil.turns", .unit = "-", .low = 1e-3, .high = 1e6,
+         .meaning = "turns of one coil, Table I", STICKSLIP_MEMBER(coil.geometry.turns)},
+        {.key = "robot.length", .unit = "m", .low = 1e-6, .high = 0.2,
+         .meaning = "length along the magnetization, Table II", STICKSLIP_MEMBER(robot.length)},
+        {.key = "robot.width", .unit = "m", .low = 1e-6, .high = 0.2,
+         .meaning = "width, across the plane of motion, Table II", STICKSLIP_MEMBER(robot.width)},
+        {.key = "robot.height", .unit = "m", .low = 1e-6, .high = 0.2,
+         .meaning = "height, Table II", STICKSLIP_MEMBER(robot.height)},
+        {.key = "robot.mass", .unit = "kg", .low = 1e-18, .high = 1,
+         .meaning = "mass, Table II read as micrograms", STICKSLIP_MEMBER(robot.mass)},
+        {.key = "robot.magnetization", .unit = "A/m", .low = 0, .high = 1e7,
+         .meaning = "magnetization along the length, Table II",
+         STICKSLIP_MEMBER(robot.magnetization)},
+        {.key = "contact.static_friction", .unit = "-", .low = 0, .high = 100,
+         .meaning = "Coulomb coefficient of a contact that sticks",
+         STICKSLIP_MEMBER(contact.static_friction)},
+        {.key = "contact.kinetic_friction", .unit = "-", .low = 0, .high = 100,
+         .meaning = "Coulomb coefficient of a contact that slips",
+         STICKSLIP_MEMBER(contact.kinetic_friction)},
+        {.key = "contact.adhesion", .unit = "N", .low = 0, .high = 1,
+         .meaning = "pull of the surface on the touching corners together",
+         STICKSLIP_MEMBER(contact.adhesion)},
+        {.key = "contact.adhesion_range", .unit = "m", .low = 0, .high = 0.2,
+         .meaning = "gap at which adhesion has faded to nothing; 0: at contact only",
+         STICKSLIP_MEMBER(contact.adhesion_range)},
+        {.key = "contact.restitution", .unit = "-", .low = 0, .high = 1,
+         .meaning = "Newton restitution of a touch-down", STICKSLIP_MEMBER(contact.restitution)},
+        {.key = "contact.tangential_restitution", .unit = "-", .low = 0, .high = 1,
+         .meaning = "part of its slip that a corner which rebounds reverses, as far as friction "
+                    "can", STICKSLIP_MEMBER(contact.tangential_restitution)},
+        {.key = "drag.linear", .unit = "N s/m", .low = 0, .high = 1e3,
+         .meaning = "drag force by velocity at the centre of mass, Eq. (18)",
+         STICKSLIP_MEMBER(drag.linear)},
+        {.key = "drag.rotational", .unit = "N m s^2", .low = 0, .high = 1,
+         .meaning = "drag torque by the square of the angular rate, Eq. (19)",
+         STICKSLIP_MEMBER(drag.rotational)},
+        {.key = "environment.gravity", .unit = "m/s^2", .low = 0, .high = 1e3,
+         .meaning = "acceleration of gravity", STICKSLIP_MEMBER(gravity)},
+        {.key = "solver.rtol", .unit = "-", .low = 1e-13, .high = 1e-2,
+         .meaning = "local error a step, relative to the natural scales of the motion",
+         STICKSLIP_MEMBER(solver.rtol)},
+        {.key = "solver.max_step", .unit = "s", .low = 0, .high = kAny,
+         .meaning = "longest step; 0: no limit", STICKSLIP_MEMBER(solver.max_step)},
+        {.key = "solver.max_steps", .unit = "-", .low = 1, .high = 1e15, .integer = true,
+         .meaning = "most steps of a run; one that needs more ends with a status that says why",
+         STICKSLIP_MEMBER(solver.max_steps)},
+        {.key = "initial.x", .unit = "m", .low = -100, .high = 100,
+         .meaning = "position along the surface at the start", STICKSLIP_MEMBER(initial.x)},
+        {.key = "initial.z", .unit = "m", .low = 0, .high = 100,
+         .meaning = "height of the centre of mass at the start; 0: the lowest corner is on the "
+                    "surface", STICKSLIP_MEMBER(initial.z)},
+        {.key = "initial.theta", .unit = "rad", .low = -1e6, .high = 1e6,
+         .meaning = "tilt at the start, nose-down positive", STICKSLIP_MEMBER(initial.theta)},
+        {.key = "initial.vx", .unit = "m/s", .low = -1000, .high = 1000,
+         .meaning = "velocity along the surface at the start", STICKSLIP_MEMBER(initial.vx)},
+        {.key = "initial.vz", .unit = "m/s", .low = -1000, .high = 1000,
+         .meaning = "velocity away from the surface at the start", STICKSLIP_MEMBER(initial.vz)},
+        {.key = "initial.omega", .unit = "rad/s", .low = -1e7, .high = 1e7,
+         .meaning = "rate of the tilt at the start", STICKSLIP_MEMBER(initial.omega)},
+        {.key = "initial.current_xp", .unit = "A", .low = -1e6, .high = 1e6,
+         .meaning = "current of the coil xp at the start", STICKSLIP_MEMBER(initial.current[0])},
+        {.key = "initial.current_xm", .unit = "A", .low = -1e6, .high = 1e6,
+         .meaning = "current of the coil xm at the start", STICKSLIP_MEMBER(initial.current[1])},
+        {.key = "initial.current_yp", .unit = "A", .low = -1e6, .high = 1e6,
+         .meaning = "current of the coil yp at the start", STICKSLIP_MEMBER(initial.current[2])},
+        {.key = "initial.current_ym", .unit = "A", .low = -1e6, .high = 1e6,
+         .meaning = "current of the coil ym at the start", STICKSLIP_MEMBER(initial.current[3])},
+        {.key = "initial.current_clamp", .unit = "A", .low = -1e6, .high = 1e6,
+         .meaning = "current of the coil clamp at the start", STICKSLIP_MEMBER(initial.current[4])},
+        {.key = "initial.field_lag_xp", .unit = "A", .low = -1e6, .high = 1e6,
+         .meaning = "current of the field of xp beyond that of the coil at the start, "
+                    "with effects.eddy_lag", STICKSLIP_MEMBER(initial.field_lag[0])},
+        {.key = "initial.field_lag_xm", .unit = "A", .low = -1e6, .high = 1e6,
+         .meaning = "current of the field of xm beyond that of the coil at the start, "
+                    "with effects.eddy_lag", STICKSLIP_MEMBER(initial.field_lag[1])},
+        {.key = "initial.field_lag_yp", .unit = "A", .low = -1e6, .high = 1e6,
+         .meaning = "current of the field of yp beyond that of the coil at the start, "
+                    "with effects.eddy_lag", STICKSLIP_MEMBER(initial.field_lag[2])},
+        {.key = "initial.field_lag_ym", .unit = "A", .low = -1e6, .high = 1e6,
+         .meaning = "current of the field of ym beyond that of the coil at the start, "
+                    "with effects.eddy_lag", STICKSLIP_MEMBER(initial.field_lag[3])},
+        {.key = "initial.field_lag_clamp", .unit = "A", .low = -1e6, .high = 1e6,
+         .meaning = "current of the field of clamp beyond that of the coil at the start, "
+                    "with effects.eddy_lag", STICKSLIP_MEMBER(initial.field_lag[4])},
+        {.key = "initial.contact_age", .unit = "s", .low = 0, .high = 1e9,
+         .meaning = "time since the last touch-down at the start", STICKSLIP_MEMBER(initial.contact_age)},
+        {.key = "initial.y", .unit = "m", .low = -100, .high = 100,
+         .meaning = "position across the x axis at the start", STICKSLIP_MEMBER(initial.y)},
+        {.key = "initial.vy", .unit = "m/s", .low = -1000, .high = 1000,
+         .meaning = "velocity across the x axis at the start", STICKSLIP_MEMBER(initial.vy)},
+        {.key = "initial.heading", .unit = "rad", .low = -6.3, .high = 6.3,
+         .meaning = "way that the robot faces at the start, where the field is too weak to say",
+         STICKSLIP_MEMBER(initial.heading)},
+        {.key = "effects.coil_heating.coefficient", .unit = "1/W", .low = 0, .high = 1000,
+         .meaning = "growth of a coil's resistance by its mean power",
+         STICKSLIP_MEMBER(effects.coil_heating_coefficient)},
+        {.key = "effects.amplifier_limit.voltage", .unit = "V", .low = 0, .high = 1e6,
+         .meaning = "largest voltage that the amplifiers give; 0: no limit",
+         STICKSLIP_MEMBER(effects.amplifier_limit_voltage)},
+        {.key = "effects.eddy_lag.time", .unit = "s", .low = 0, .high = 10,
+         .meaning = "time constant with which the field follows the currents",
+         STICKSLIP_MEMBER(effects.eddy_lag_time)},
+        {.key = "effects.sample_hold.period", .unit = "s", .low = 0, .high = 1,
+         .meaning = "period over which the controller holds its output; 0: none",
+         STICKSLIP_MEMBER(effects.sample_hold_period)},
+        {.key = "effects.edge_time.time", .unit = "s", .low = 0, .high = 1,
+         .meaning = "duration of the sawtooth's sudden edge beyond drive.edge_time",
+         STICKSLIP_MEMBER(effects.edge_time_time)},
+        {.key = "effects.mutual_inductance.coupling", .unit = "-", .low = -0.9, .high = 0.24,
+         .meaning = "mutual over self inductance of each pair of coils",
+         STICKSLIP_MEMBER(effects.mutual_inductance_coupling)},
+        {.key = "effects.gradient_scale.fraction", .unit = "-", .low = -1, .high = 10,
+         .meaning = "part by which the field's gradient is larger than computed",
+         STICKSLIP_MEMBER(effects.gradient_scale_fraction)},
+        {.key = "effects.field_gain.in_plane", .unit = "-", .low = -1, .high = 10,
+         .meaning = "part by which the field of the in-plane coils is larger than computed",
+         STICKSLIP_MEMBER(effects.field_gain_in_plane)},
+        {.key = "effects.field_gain.clamp", .unit = "-", .low = -1, .high = 10,
+         .meaning = "part by which the field of the clamp coil is larger than computed",
+         STICKSLIP_MEMBER(effects.field_gain_clamp)},
+        {.key = "effects.misalignment.angle", .unit = "rad", .low = -3.2, .high = 3.2,
+         .meaning = "angle from the body's long axis to its moment, nose-down positive",
+         STICKSLIP_MEMBER(effects.misalignment_angle)},
+        {.key = "effects.magnetization_scale.fraction", .unit = "-", .low = -1, .high = 10,
+         .meaning = "part by which the moment is larger than stated",
+         STICKSLIP_MEMBER(effects.magnetization_scale_fraction)},
+        {.key = "effects.ambient_field.Bx", .unit = "T", .low = -0.1, .high = 0.1,
+         .meaning = "uniform field along +x of the world",
+         STICKSLIP_MEMBER(effects.ambient_field_bx)},
+        {.key = "effects.ambient_field.Bz", .unit = "T", .low = -0.1, .high = 0.1,
+         .meaning = "uniform field along +z", STICKSLIP_MEMBER(effects.ambient_field_bz)},
+        {.key = "effects.ambient_field.By", .unit = "T", .low = -0.1, .high = 0.1,
+         .meaning = "uniform field along +y of the world",
+         STICKSLIP_MEMBER(effects.ambient_field_by)},
+        {.key = "effects.stribeck_friction.velocity", .unit = "m/s", .low = 0, .high = 100,
+         .meaning = "v_s in: mu(v) = mu_k + (mu_s - mu_k) exp(-(v/v_s)^2) while slipping",
+         STICKSLIP_MEMBER(effects.stribeck_friction_velocity)},
+        {.key = "effects.viscous_friction.coefficient", .unit = "s/m", .low = 0, .high = 1e4,
+         .meaning = "growth of the kinetic coefficient by slip velocity",
+         STICKSLIP_MEMBER(effects.viscous_friction_coefficient)},
+        {.key = "effects.friction_anisotropy.fraction", .unit = "-", .low = -1, .high = 1,
+         .meaning = "part by which friction is higher for slip to the robot's front, and lower to "
+                    "its rear", STICKSLIP_MEMBER(effects.friction_anisotropy_fraction)},
+        {.key = "effects.angle_adhesion.strength", .unit = "-", .low = -10, .high = 1,
+         .meaning = "k in: adhesion times (1 - k sin^2 theta)",
+         STICKSLIP_MEMBER(effects.angle_adhesion_strength)},
+        {.key = "effects.adhesion_ageing.rate", .unit = "-", .low = 0, .high = 100,
+         .meaning = "k in: adhesion times (1 + k ln(1 + age/time)), age since touch-down",
+         STICKSLIP_MEMBER(effects.adhesion_ageing_rate)},
+        {.key = "effects.adhesion_ageing.time", .unit = "s", .low = 1e-9, .high = 1e4,
+         .meaning = "time in the same", STICKSLIP_MEMBER(effects.adhesion_ageing_time)},
+        {.key = "effects.restitution.coefficient", .unit = "-", .low = 0, .high = 1,
+         .meaning = "restitution beyond contact.restitution",
+         STICKSLIP_MEMBER(effects.restitution_coefficient)},
+        {.key = "effects.angle_drag.strength", .unit = "-", .low = -0.99, .high = 1000,
+         .meaning = "k in: linear drag times (1 + k cos^2 theta)",
+         STICKSLIP_MEMBER(effects.angle_drag_strength)},
+        {.key = "effects.quadratic_drag.coefficient", .unit = "N s^2/m^2", .low = 0, .high = 1000,
+         .meaning = "drag force by the square of the velocity",
+         STICKSLIP_MEMBER(effects.quadratic_drag_coefficient)},
+        {.key = "effects.rotational_drag.coefficient", .unit = "N m s", .low = 0, .high = 1,
+         .meaning = "drag torque by angular rate",
+         STICKSLIP_MEMBER(effects.rotational_drag_coefficient)},
+        {.key = "effects.surface_tilt.angle", .unit = "rad", .low = -1.5, .high = 1.5,
+         .meaning = "tilt of the surface; positive: downhill towards +x of the world, or towards "
+                    "the azimuth",
+         STICKSLIP_MEMBER(effects.surface_tilt_angle)},
+        {.key = "effects.surface_tilt.azimuth", .unit = "rad", .low = -6.3, .high = 6.3,
+         .meaning = "from +x of the world to the way that is downhill",
+         STICKSLIP_MEMBER(effects.surface_tilt_azimuth)},
+        {.key = "effects.friction_patches.amplitude", .unit = "-", .low = -1, .high = 1,
+         .meaning = "a in: friction times (1 + a sin(2 pi x / period)), x in the world of the "
+                    "touching corner, or of the middle of a face",
+         STICKSLIP_MEMBER(effects.friction_patches_amplitude)},
+        {.key = "effects.friction_patches.period", .unit = "m", .low = 1e-6, .high = 1,
+         .meaning = "period in the same", STICKSLIP_MEMBER(effects.friction_patches_period)},
+        {.key = "effects.length_scale.fraction", .unit = "-", .low = -0.9, .high = 10,
+         .meaning = "part by which lengths are read too long",
+         STICKSLIP_MEMBER(effects.length_scale_fraction)},
+        {.key = "effects.clock_scale.fraction", .unit = "-", .low = -0.9, .high = 10,
+         .meaning = "part by which times are read too long",
+         STICKSLIP_MEMBER(effects.clock_scale_fraction)},
+        {.key = "effects.angle_offset.angle", .unit = "rad", .low = -3.2, .high = 3.2,
+         .meaning = "added to every angle that is read",
+         STICKSLIP_MEMBER(effects.angle_offset_angle)},
+    };
+}
+
+#undef STICKSLIP_MEMBER
+
+template <class Enum>
+std::string word(const char* key, Enum value) {
+    return find_choice(key)->allowed[static_cast<std::size_t>(value)];
+}
+
+// The words stand in the order of the enumerators.
+#define STICKSLIP_CHOICE(key, path)                             \
+    .get = [](const Scenario& s) { return word(key, s.path); }, \
+    .set = [](Scenario& s, std::size_t index) { s.path = static_cast<decltype(s.path)>(index); }
+
+std::vector<Choice> make_choices() {
+    return {
+        {.key = "drive.mode", .allowed = {"IPP", "OPP", "program"},
+         .meaning = "which coil pulses, or voltages from a file",
+         STICKSLIP_CHOICE("drive.mode", drive.mode)},
+        {.key = "drive.clamp", .allowed = {"down", "up"},
+         .meaning = "sign of the clamp coil's field; down: B_z < 0, nose-down",
+         STICKSLIP_CHOICE("drive.clamp", drive.clamp)},
+        {.key = "drive.edge", .allowed = {"rise", "fall"},
+         .meaning = "where the sawtooth is sudden", STICKSLIP_CHOICE("drive.edge", drive.edge)},
+        {.key = "drive.direction", .allowed = {"+x", "-x"},
+         .meaning = "where the robot faces and is driven",
+         STICKSLIP_CHOICE("drive.direction", drive.direction)},
+        {.key = "drive.coils", .allowed = {"single", "pairs"},
+         .meaning = "which coils of an axis make its part of the field in the surface: the one "
+                    "ahead, or both alike", STICKSLIP_CHOICE("drive.coils", drive.coils)},
+        {.key = "initial.contact",
+         .allowed = {"from_motion", "flight", "corner_stick", "corner_slip_forward",
+                     "corner_slip_backward", "face_stick", "face_slip_forward",
+                     "face_slip_backward"},
+         .meaning = "mode of the contact at the start; from_motion: what touches is what lies on "
+                    "the surface and does not leave it",
+         STICKSLIP_CHOICE("initial.contact", initial.contact)},
+        {.key = "solver.method", .allowed = {"tsit5", "arkode"}, .meaning = "integrator",
+         STICKSLIP_CHOICE("solver.method", solver.method)},
+    };
+}
+
+#undef STICKSLIP_CHOICE
+
+std::vector<EffectDescription> make_effects() {
+    return {
+        {.name = "coil_heating",
+         .meaning = "warm coils have more resistance, so less current and a shorter time constant",
+         .source = "Ohm's law with a temperature coefficient"},
+        {.name = "amplifier_limit", .meaning = "the amplifiers clip the voltage",
+         .source = "saturation of the output stage"},
+        {.name = "eddy_lag", .meaning = "eddy currents delay the field behind the coil currents",
+         .source = "first-order lag of a conducting shell"},
+        {.name = "sample_hold", .meaning = "the controller gives its voltages in steps",
+         .source = "control bandwidth of 1 kHz, section II"},
+        {.name = "edge_time", .meaning = "the sudden edge of the sawtooth takes time",
+         .source = "slew rate of the amplifiers"},
+        {.name = "mutual_inductance",
+         .meaning = "the coils couple, so a pulse in one drives the others",
+         .source = "Eq. (1) with a full inductance matrix"},
+        {.name = "gradient_scale",
+         .meaning = "the field's gradient is not what the filament model gives",
+         .source = "Table I states 149 mT/m where the model gives 121"},
+        {.name = "field_gain",
+         .meaning = "the coils' fields are not what the filament model gives for their currents",
+         .source = "calibration of the amplifiers and windings"},
+        {.name = "misalignment", .meaning = "the moment is not along the robot's long axis",
+         .source = "rotation of M in Eqs. (8)-(9); laser cutting, section III"},
+        {.name = "magnetization_scale",
+         .meaning = "the moment is not what the volume and the magnetization give",
+         .source = "demagnetization by laser heating, section III"},
+        {.name = "ambient_field",
+         .meaning = "a uniform field that no coil makes, such as the Earth's",
+         .source = "superposition in Eqs. (8)-(9)"},
+        {.name = "stribeck_friction",
+         .meaning = "friction falls from the static to the kinetic coefficient over a range of "
+                    "slip velocities",
+         .source = "Stribeck curve in the Gaussian form of Bo and Pavelescu (1982)"},
+        {.name = "viscous_friction", .meaning = "friction grows with slip velocity",
+         .source = "Coulomb-viscous friction"},
+        {.name = "friction_anisotropy",
+         .meaning = "friction differs between slip to the front and to the rear",
+         .source = "direction-dependent Coulomb friction"},
+        {.name = "angle_adhesion", .meaning = "adhesion falls as the robot stands up on an edge",
+         .source = "contact area of a tilted face"},
+        {.name = "adhesion_ageing", .meaning = "adhesion grows while a contact lasts",
+         .source = "logarithmic ageing of capillary bridges"},
+        {.name = "restitution", .meaning = "touch-downs rebound",
+         .source = "Newton's law of impact"},
+        {.name = "angle_drag", .meaning = "the fluid's drag depends on the angle of the body",
+         .source = "suspected in section VI-C"},
+        {.name = "quadratic_drag", .meaning = "drag grows with the square of the velocity",
+         .source = "form drag"},
+        {.name = "rotational_drag", .meaning = "drag torque proportional to the angular rate",
+         .source = "Stokes drag, Eq. (19) in the limit of slow flow"},
+        {.name = "surface_tilt",
+         .meaning = "the surface is not level: a part of the weight acts along it",
+         .source = "rigid-body statics; cf. the tilted wafer of Eq. (15)"},
+        {.name = "friction_patches", .meaning = "friction varies along the surface",
+         .source = "periodic Coulomb coefficient"},
+        {.name = "length_scale", .meaning = "the camera's scale is off",
+         .source = "microns per pixel, section VII"},
+        {.name = "clock_scale", .meaning = "the camera's clock is off", .source = "frame rate"},
+        {.name = "angle_offset", .meaning = "the camera is turned against the surface",
+         .source = "side view of section II"},
+    };
+}
+
+// clang-format on
+
+}  // namespace
+
+const std::vector<Parameter>& parameters() {
+    static const std::vector<Parameter> table = with_free_shapes(with_own_coils(make_parameters()));
+    return table;
+}
+
+const std::vector<Choice>& choices() {
+    static const std::vector<Choice> table = make_choices();
+    return table;
+}
+
+const std::vector<EffectDescription>& effects() {
+    static const std::vector<EffectDescription> table =
+        with_free_shapes(with_own_coils(make_effects()));
+    return table;
+}
+
+}  // namespace stickslip

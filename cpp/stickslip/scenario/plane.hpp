@@ -1,0 +1,39 @@
+#pragma once
+
+#include "stickslip/drive/sawtooth.hpp"
+#include "stickslip/field/heading.hpp"
+#include "stickslip/scenario/scenario.hpp"
+
+/// Whether the robot of a scenario moves in the whole plane of the surface, and which way.
+namespace stickslip {
+
+/// +1, or -1 for a robot that is turned to face -x and stays in the plane y = 0: world x = frame
+/// sign times the robot's x.
+double frame_sign(const Scenario& scenario);
+
+/// Throws std::invalid_argument for what has no meaning in the whole plane.
+void check_plane(const Scenario& scenario);
+
+/// Where the drive sends the robot. A program, whose voltages do that themselves, has a direction
+/// alone: where the robot faces before.
+SurfaceDirection drive_direction(const Scenario& scenario);
+
+/// Whether the robot moves in the whole plane of the surface, and not along x alone: something
+/// turns it, or pushes it across.
+bool turns(const Scenario& scenario);
+
+/// Whether held voltages, or currents, turn the scenario's robot, or push it across.
+bool turns(const Scenario& scenario, const PerCoil& of_coils);
+
+/// The scenario of a run that goes on from `state` in the whole plane, as accurately as that of
+/// `scenario`.
+Scenario in_whole_plane(const Scenario& scenario, const SimulationState& state);
+
+/// The same without its initial state, which is yet to come.
+Scenario without_start(const Scenario& scenario);
+
+/// Where the robot of a run in the whole plane faces at the start, as long as the field is too weak
+/// to say: as its initial state says, or else where the drive sends it.
+Heading start_heading(const Scenario& scenario);
+
+}  // namespace stickslip

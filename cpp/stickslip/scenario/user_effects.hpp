@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "stickslip/body/user_effect.hpp"
+
+namespace stickslip {
+
+/// Makes an effect known to all of this process. Throws std::invalid_argument, naming the effect,
+/// for a name that is taken or not a word, no parameter, or a range that does not hold its absent
+/// value.
+void register_user_effect(UserEffect effect);
+
+/// Throws std::invalid_argument if there is none of that name.
+void unregister_user_effect(std::string_view name);
+
+/// All that are registered, in the order in which they were.
+std::vector<UserEffectHandle> user_effects();
+
+/// One parameter of a registered effect.
+struct UserKey {
+    UserEffectHandle effect;
+    std::size_t parameter = 0;
+};
+std::optional<UserKey> find_user_key(std::string_view key);
+
+}  // namespace stickslip

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "stickslip/solver/event_location.hpp"
+#include "stickslip/solver/motion_trace.hpp"
+#include "stickslip/solver/progress_watch.hpp"
+#include "stickslip/solver/stepping.hpp"
+#include "stickslip/solver/tsit5.hpp"
+
+/// Adaptive steps up to an event. What is integrated is a phase, of which the solver knows its
+/// coordinates, rates and event functions alone (contact/phases.hpp says what a phase offers).
+///
+/// - stepping: what ends a phase, options, counts; progress_watch: whether time goes on
+/// - event_location: the first event within a step, dips included
+/// - tsit5, tsit5_step: the method of order 5; arkode: SUNDIALS, the independent check
+/// - motion_trace: extremes and strokes of a phase
+namespace stickslip {}
