@@ -242,6 +242,7 @@ def test_the_examples_do_what_their_names_say(opened):
     ("fragment", "words"),
     [
         ("drive.hold=0", "It stays where it is: the holding field is 0 mT"),
+        ("drive.base=0.00145", "It stays where it is: base and peak differ by 0.05 mT"),
         ("drive.peak=0&drive.base=0", "It stays where it is: base and peak are equal"),
         ("robot.magnetization=0", "It stays where it is: it has no magnetic moment"),
         ("contact.static_friction=0&contact.kinetic_friction=0", "It is pulled along"),

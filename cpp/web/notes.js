@@ -89,6 +89,7 @@ function whyItStays(changes, run) {
     "drive.hold": factor * settingOf(changes, "drive.hold"),
   });
   const friction = settingOf(changes, "contact.static_friction"), hold = settingOf(changes, "drive.hold");
+  const base = changes["drive.base"], peak = changes["drive.peak"], lower = Number((peak / 3).toPrecision(2));
   const trials = [
     [{ "contact.adhesion": usual("contact.adhesion") }, settingOf(changes, "contact.adhesion") > 2 * usual("contact.adhesion"),
       `adhesion of ${numberOf(settingOf(changes, "contact.adhesion") * 1e9)} nN holds the edge against every stroke. With ${numberOf(usual("contact.adhesion") * 1e9)} nN it walks.`],
@@ -96,6 +97,8 @@ function whyItStays(changes, run) {
       `the magnet is too weak. The field turns it with at most ${numberOf(momentOf(changes) * run.field_max * 1e9, 2)} nN m, too little to shake the edge loose. With ${numberOf(usual("robot.magnetization") / 1e3)} kA/m it walks.`],
     [{ "drive.hold": usual("drive.hold") }, hold < 0.5 * usual("drive.hold"),
       `the holding field is ${numberOf(hold * 1e3)} mT, so the pulses change the field's size and hardly its direction, and do not rock the magnet. With ${numberOf(usual("drive.hold") * 1e3)} mT it walks.`],
+    [{ "drive.base": lower }, base > 0.5 * peak,
+      `base and peak differ by ${numberOf((peak - base) * 1e3)} mT, so the pulses are too small to break the edge loose. With a base field of ${numberOf(lower * 1e3)} mT it walks.`],
     [{ "contact.static_friction": 0.25 * friction, "contact.kinetic_friction": 0.25 * settingOf(changes, "contact.kinetic_friction") }, true,
       `friction holds the edge (coefficient ${numberOf(friction)}). With a quarter of the friction it walks.`],
     [stronger(2), true, "the field rocks it too little. With twice the field it walks."],
