@@ -81,6 +81,7 @@ const PRESETS = [
   ["Tips over", { "drive.base": 0, "drive.peak": 2.5e-3 }],
   ["Stays: weak magnet", { "robot.magnetization": 2e4 }],
   ["Stays: steady field", { "drive.base": 1.5e-3 }],
+  ["Stays: adhesion", { "contact.adhesion": 3e-6 }],
 ];
 
 /** Settings of which the first may not exceed the second. */
