@@ -131,7 +131,7 @@ MUTATIONS = (
         "rolled out",
         "misalignment",
         "rollout.cpp",
-        "        const Scenario own = without_record(*given);\n",
+        "        Scenario own = without_record(*given);\n",
         "        Scenario own = without_record(*given);\n"
         "        own.effects.misalignment_angle = 0.0;\n",
     ),

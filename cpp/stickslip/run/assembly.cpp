@@ -313,8 +313,7 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
     const Effects& e = scenario.effects;
     double field =
         std::hypot(std::hypot(e.ambient_field_bx, e.ambient_field_by), e.ambient_field_bz);
-    const PerCoil first = scenario.first_current.value_or(scenario.initial.current);
-    const PerCoil current = frame_sign(scenario) > 0.0 ? first : turned(first);
+    const PerCoil current = initial_currents(scenario);
     const PerCoilOf<CoilParameters> own = robot_coils(scenario);
     for (const Coil coil : kAllCoils) {
         const auto k = static_cast<std::size_t>(coil);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 #include "stickslip/scenario/own_coils.hpp"
 
@@ -101,11 +102,6 @@ bool HybridRun::next_segment() {
 
 void HybridRun::end_stretch() {
     stretch_is_open_ = false;
-    if (planar_watch_) {
-        HorizontalField field = dynamics_.field().horizontal(state_.body.x, state_.body.z);
-        field.segment = &segment_;
-        planar_watch_->watch(field);
-    }
     // A run that is stepped has no summary.
     if (!source_.is_stepped()) observe_stretch(segment_);
 }
@@ -259,29 +255,13 @@ SimulationState HybridRun::state() const {
     return result;
 }
 
-PlaneHandover HybridRun::hand_over() const {
-    PlaneHandover result = {state(), source_.steps().world_memory(), planar_watch_->state()};
-    HeadingWatch::State& heading = result.heading;
-    heading.lost = heading.lost || heading.heading.cosine < 0.0;
-    heading.heading.cosine *= sign_;
-    return result;
-}
-
-void HybridRun::take_over(const PlaneHandover& handover) {
-    source_.restore(handover.steps);
-    plane_->watch().set_state(handover.heading);
-    if (!handover.heading.lost) return;
-    result_.status = Status::heading_lost;
-    result_.summary.simulated_time = source_.steps().time();
-}
-
 RunSnapshot HybridRun::snapshot() const {
     RunSnapshot result;
     result.state = state_;
     result.contact_age = dynamics_.contact_age() + tau_;
     result.circuit = circuit_.memory();
     result.steps = source_.steps().memory();
-    result.heading = plane_ ? plane_->watch().state() : planar_watch_->state();
+    if (plane_) result.heading = plane_->watch().state();
     result.gain = plane_ ? plane_->field().gain() : dynamics_.field().gain();
     result.begun = begun_;
     result.touches_down = touches_down_;
@@ -292,13 +272,20 @@ RunSnapshot HybridRun::snapshot() const {
 }
 
 void HybridRun::restore(const RunSnapshot& snapshot) {
+    if (snapshot.in_whole_plane != in_whole_plane()) {
+        throw std::invalid_argument(in_whole_plane()
+                                        ? "the snapshot is of a run in one plane, and this one is "
+                                          "in the whole plane"
+                                        : "the snapshot is of a run in the whole plane, and this "
+                                          "one is in one plane");
+    }
     state_ = snapshot.state;
     dynamics_.set_quadrant(state_.body.quadrant);
     dynamics_.set_contact_age(snapshot.contact_age);
     circuit_.restore(snapshot.circuit);
     source_.restore(snapshot.steps);
-    (plane_ ? plane_->watch() : *planar_watch_).set_state(snapshot.heading);
     if (plane_) {
+        plane_->watch().set_state(snapshot.heading);
         plane_->field().set_gain(snapshot.gain);
     } else {
         dynamics_.field().set_gain(snapshot.gain);

@@ -24,13 +24,6 @@
 
 namespace stickslip {
 
-/// What a run that is stepped in one plane hands over to one that goes on in the whole plane.
-struct PlaneHandover {
-    SimulationState state;
-    ControlSteps::Memory steps;   ///< world's frame
-    HeadingWatch::State heading;  ///< the same
-};
-
 /// A run apart from its integrator: the stretches of voltage, rests, events, and what is recorded
 /// and measured of them. Between these lie the phases, which a HybridLoop integrates.
 class HybridRun {
@@ -45,16 +38,10 @@ public:
     /// how strong the fields are. `on_step` is called at the end of each step.
     void play_steps(std::function<void()> on_step) {
         source_.play_steps({hold_period_, amplifier_limit_, sign_ < 0.0}, std::move(on_step));
-        if (!plane_) planar_watch_.emplace(model_);
     }
     ControlSteps& steps() { return source_.steps(); }
     const ControlSteps& steps() const { return source_.steps(); }
     bool in_whole_plane() const { return plane_.has_value(); }
-    /// Between two steps of a run in one plane; and what one in the whole plane makes of it, which
-    /// has begun at its state. The heading is lost where the field was reversed, or weak and came
-    /// back reversed: in its one plane the robot has then gone over its back.
-    PlaneHandover hand_over() const;
-    void take_over(const PlaneHandover& handover);
     /// Between two steps, or where one has failed; without the scenario's fingerprint and message.
     RunSnapshot snapshot() const;
     void restore(const RunSnapshot& snapshot);
@@ -187,7 +174,6 @@ private:
     Dynamics dynamics_;
     const StepperOptions options_;
     std::optional<PlaneDynamics> plane_;        // of a robot that moves in the whole plane
-    std::optional<HeadingWatch> planar_watch_;  // of one that a later step may turn
     Recorder recorder_;
     SummaryObserver observer_;
     DriveObserver drive_;

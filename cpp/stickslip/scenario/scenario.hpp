@@ -154,11 +154,8 @@ struct Scenario {
     std::vector<UserSetting> user_effects;  ///< by name; see set_parameter
     SimulationState initial;
     /// Whether the robot moves in the whole plane though nothing above asks for it: voltages of a
-    /// run that is stepped do.
+    /// run that is stepped may.
     bool whole_plane = false;
-    /// Initial currents (A) of the run that goes on in this one, which keeps its tolerance;
-    /// no value: none comes before.
-    std::optional<PerCoil> first_current;
     SolverSettings solver;
     RecordSettings record;
 };
