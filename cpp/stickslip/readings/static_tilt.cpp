@@ -41,8 +41,7 @@ public:
     double moment(int quadrant, double angle) {
         dynamics_.set_quadrant(quadrant);
         const Pose pose = dynamics_.rebase_angle(angle);
-        const Load load =
-            dynamics_.load_near_surface(field_, 0.0, pose.height, pose, 0.0, 0.0, 0.0, 0.0);
+        const Load load = dynamics_.load(field_, 0.0, pose.height, pose, 0.0, 0.0, 0.0);
         return moment_about_corner(pose, load);
     }
 

@@ -100,11 +100,6 @@ void check(const Scenario& s) {
         refuse_pair("effects.restitution.coefficient", s.effects.restitution_coefficient,
                     "contact.restitution", s.contact.restitution, "a sum of at most 1");
     }
-    const double side = std::min(s.robot.length, s.robot.height);
-    if (s.contact.adhesion_range > side) {
-        refuse("contact.adhesion_range", s.contact.adhesion_range,
-               "at most the robot's shorter side, " + highest(side) + " m");
-    }
     if (s.solver.max_step > 0.0 && s.solver.max_step < kLeastMaxStep) {
         refuse("solver.max_step", s.solver.max_step, "0 (no limit) or at least 1e-9 s");
     }
@@ -181,7 +176,6 @@ Model make_model(const Scenario& s) {
          .load = FreeCurve(e.free_friction_load),
          .time = FreeCurve(e.free_friction_age)}};
     model.adhesion = {.strength = s.contact.adhesion,
-                      .range = s.contact.adhesion_range,
                       .smooth = {.angle_loss = e.angle_adhesion_strength,
                                  .ageing_rate = e.adhesion_ageing_rate,
                                  .ageing_time = e.adhesion_ageing_time},
