@@ -143,7 +143,6 @@ def _wild(draw: Draw) -> Scenario:
         "contact.static_friction": static,
         "contact.kinetic_friction": static * draw.corner(1.0, draw.random.random()),
         "contact.adhesion": draw.corner(0.0, draw.decades(1e-9, 1e-5)),
-        "contact.adhesion_range": draw.corner(0.0, draw.decades(1e-9, 4e-5), 0.8),
         "contact.restitution": draw.corner(0.0, draw.corner(1.0, draw.random.random(), 0.1), 0.5),
         "drag.linear": draw.corner(0.0, draw.decades(1e-8, 1e-3)),
         "drag.rotational": draw.corner(0.0, draw.decades(1e-19, 1e-12)),
@@ -306,7 +305,6 @@ def _allowed_together(keys: Keys) -> Keys:
     limit("contact.kinetic_friction", get("contact.static_friction"))
     if get("contact.kinetic_friction") > get("contact.static_friction"):
         result["contact.kinetic_friction"] = get("contact.static_friction")
-    limit("contact.adhesion_range", min(get("robot.length"), get("robot.height")))
     limit("effects.restitution.coefficient", 1.0 - get("contact.restitution"))
     if get("drive.mode") == "program":
         return result

@@ -8,7 +8,6 @@
 #include "stickslip/run/recording.hpp"
 #include "stickslip/run/run_snapshot.hpp"
 #include "stickslip/run/simulation.hpp"
-#include "stickslip/run/stiffness.hpp"
 #include "stickslip/run/stop_condition.hpp"
 #include "stickslip/run/summary.hpp"
 
@@ -19,6 +18,5 @@
 /// - hybrid_run, hybrid_loop: stretch after stretch, phase after phase
 /// - recording, summary, drive_observer, measurement_chain: what is kept of it
 /// - run_snapshot: where it stands between two steps
-/// - simulation: a run from start to end, with its status and message; stiffness: why steps are
-///   short
+/// - simulation: a run from start to end, with its status and message
 namespace stickslip {}

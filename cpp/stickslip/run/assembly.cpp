@@ -100,11 +100,6 @@ void check(const Scenario& s) {
         refuse_pair("effects.restitution.coefficient", s.effects.restitution_coefficient,
                     "contact.restitution", s.contact.restitution, "a sum of at most 1");
     }
-    const double side = std::min(s.robot.length, s.robot.height);
-    if (s.contact.adhesion_range > side) {
-        refuse("contact.adhesion_range", s.contact.adhesion_range,
-               "at most the robot's shorter side, " + highest(side) + " m");
-    }
     if (s.solver.max_step > 0.0 && s.solver.max_step < kLeastMaxStep) {
         refuse("solver.max_step", s.solver.max_step, "0 (no limit) or at least 1e-9 s");
     }
@@ -181,7 +176,6 @@ Model make_model(const Scenario& s) {
          .load = FreeCurve(e.free_friction_load),
          .time = FreeCurve(e.free_friction_age)}};
     model.adhesion = {.strength = s.contact.adhesion,
-                      .range = s.contact.adhesion_range,
                       .smooth = {.angle_loss = e.angle_adhesion_strength,
                                  .ageing_rate = e.adhesion_ageing_rate,
                                  .ageing_time = e.adhesion_ageing_time},
@@ -344,6 +338,39 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
                                 std::min(rtol, kLeastTolerance));
     result.stop = stop;
     return result;
+}
+
+Decay fastest_decay(const Scenario& s, const Model& model, double swing_rate) {
+    const Effects& e = s.effects;
+    const double load = model.mass * s.gravity + model.adhesion.strength;
+    const double speed = model.shape.radius() * swing_rate;
+    const FreeShape& friction = e.free_friction_speed;
+    double steepest = 0.0, last = 0.0;  // between two knots, over a span of one
+    for (const double knot : friction.knots) {
+        steepest = std::max(steepest, std::abs(knot - last) * static_cast<double>(kKnots));
+        last = knot;
+    }
+    const double friction_slope =
+        friction.span > 0.0 ? steepest * model.friction.kinetic_coefficient / friction.span : 0.0;
+    const Decay decays[] = {
+        {"drag.linear", s.drag.linear, s.drag.linear / model.mass},
+        {"drag.rotational", s.drag.rotational, s.drag.rotational * swing_rate / model.inertia},
+        // Of a body that lies; a negative strength takes from the drag.
+        {"effects.angle_drag.strength", e.angle_drag_strength,
+         e.angle_drag_strength * s.drag.linear / model.mass},
+        {"effects.rotational_drag.coefficient", e.rotational_drag_coefficient,
+         e.rotational_drag_coefficient / model.inertia},
+        {"effects.quadratic_drag.coefficient", e.quadratic_drag_coefficient,
+         e.quadratic_drag_coefficient * speed / model.mass},
+        {"effects.viscous_friction.coefficient", e.viscous_friction_coefficient,
+         e.viscous_friction_coefficient * load / model.mass},
+        {"effects.free_friction_speed.span", friction.span, friction_slope * load / model.mass},
+    };
+    Decay fastest;
+    for (const Decay& each : decays) {
+        if (each.rate > fastest.rate) fastest = each;
+    }
+    return fastest;
 }
 
 double pulse_period(const Scenario& s) {

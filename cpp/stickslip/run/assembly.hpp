@@ -56,6 +56,16 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
                                     const VoltageProgram& program, const CoilSet& coils,
                                     const std::atomic<bool>* stop);
 
+/// The key that damps a motion fastest: steps have to be about as short, even where all of it has
+/// died away.
+struct Decay {
+    const char* key = nullptr;  ///< nullptr: nothing damps
+    double value = 0.0;
+    double rate = 0.0;  ///< 1/s
+};
+/// swing_rate: rad/s, of the free swing.
+Decay fastest_decay(const Scenario& scenario, const Model& model, double swing_rate);
+
 /// Simulated time from start to end, s.
 double duration(const Scenario& scenario);
 

@@ -39,9 +39,10 @@ HybridRun::HybridRun(const Scenario& scenario, RunControl* control,
       source_(program_, hold_period_, marks()),
       transitions_(dynamics_, state_),
       // Fifty free swings.
-      watch_(50.0 * 2.0 * std::numbers::pi / options_.swing_rate),
-      demand_(scenario, model_, options_.swing_rate, program_.duration()) {
+      watch_(50.0 * 2.0 * std::numbers::pi / options_.swing_rate) {
     result_.most_steps = scenario.solver.max_steps;
+    result_.swing_rate = options_.swing_rate;
+    result_.decay = fastest_decay(scenario, model_, options_.swing_rate);
     result_.map = scenario.map;
     if (turns(scenario)) {
         plane_ = make_plane_dynamics(scenario, program_, coils_, dynamics_);
@@ -86,7 +87,6 @@ bool HybridRun::next_segment() {
     if (stretch_is_open_) end_stretch();
     if (!source_.next(voltages_)) return false;
     if (++segment_count_ > options_.most_steps) {
-        effort_.stretches = segment_count_;
         result_.status = Status::too_many_steps;
         return false;
     }
@@ -435,9 +435,6 @@ RunResult HybridRun::take_result(const StepCounts& counts) {
     result_.recording = recorder_.take();
     result_.final_body = state_.body;
     result_.final_state = state();
-    effort_.steps = static_cast<double>(result_.steps.accepted + result_.steps.rejected);
-    result_.stiffness = demand_.stiffness(effort_);
-    result_.bound = demand_.bound(effort_);
     RunResult taken = std::move(result_);
     result_.map = taken.map;  // a restored run may fail again
     return taken;

@@ -201,8 +201,6 @@ private:
     HybridState state_;
     ContactTransitions transitions_;
     ProgressWatch watch_;
-    const StepDemand demand_;
-    Effort effort_;
     PhaseMemory memory_;
     RunResult result_;
     std::int64_t segment_count_ = 0;
@@ -311,8 +309,6 @@ double HybridRun::find_stop(const auto& rest, double tau) const {
 template <class Phase>
 void HybridRun::end_phase(Phase& phase, const PhaseEnd<Phase>& end, std::int64_t accepted) {
     observer_.phase(phase, end, end.tau - tau_, state_.body.quadrant);
-    effort_.moving_time += end.tau - tau_;
-    if (end.event == Event::none) ++effort_.stretches;
     pass_to(end.tau);
     result_.status = end.status;
     state_.body = phase.body(end.tau, end.y);

@@ -45,8 +45,7 @@ struct RobotParameters {
 struct ContactParameters {
     double static_friction = 0.2;
     double kinetic_friction = 0.145;
-    double adhesion = 0.22e-6;    ///< N
-    double adhesion_range = 0.0;  ///< m
+    double adhesion = 0.22e-6;  ///< N
     double restitution = 0.0;
     double tangential_restitution = 0.0;
 };
