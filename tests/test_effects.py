@@ -50,9 +50,6 @@ PARAMETERS = {
     "adhesion_ageing.rate": 0.5,
     "quadratic_drag.coefficient": 1e-3,
     "friction_patches.amplitude": 0.5,
-    "length_scale.fraction": 0.05,
-    "clock_scale.fraction": 0.05,
-    "angle_offset.angle": 0.05,
 }
 # What shapes an extension that another parameter makes present.
 SHAPES = {"adhesion_ageing.time", "friction_patches.period"}

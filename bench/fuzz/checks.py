@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from fuzz import balances, contact_laws
-from fuzz.record import moving_alone, recorded, recorded_together
+from fuzz.record import recorded, recorded_together
 from fuzz.scenarios import Identity, scenario
 from stickslip import Run, Scenario, Solver, _core, simulate, simulate_batch
 
@@ -138,13 +138,13 @@ def check_invariants(identity: Identity) -> Found:
 
 def check_tolerance(identity: Identity) -> Found:
     """The default tolerance against a tight one."""
-    given = moving_alone(scenario(identity))
+    given = scenario(identity)
     return _compared(given.replace({"solver.rtol": Solver().rtol}), _tight(given))
 
 
 def check_integrators(identity: Identity) -> Found:
     """Both integrators at a tight tolerance."""
-    given = _tight(moving_alone(scenario(identity)))
+    given = _tight(scenario(identity))
     return _compared(given.replace({"solver.method": "arkode"}), given)
 
 

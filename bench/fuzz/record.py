@@ -17,9 +17,6 @@ from stickslip import Coils, Run, Scenario, simulate_batch
 
 Array = NDArray[np.float64]
 
-MEASURING = ("length_scale.fraction", "clock_scale.fraction", "angle_offset.angle")
-"""Extensions that change what is reported, not the motion; a record is made without."""
-
 # Angle in rad that the fastest free swing goes through between two samples: wanted, and the most
 # at which the trapezium rule still says something.
 _WANTED_PHASE, _MOST_PHASE = 0.03, 0.2
@@ -138,11 +135,6 @@ def at_events(record: Record) -> Record:
     return replace(record, **kept)
 
 
-def moving_alone(scenario: Scenario) -> Scenario:
-    """The scenario without what only its instruments do."""
-    return scenario.replace({f"effects.{key}": 0.0 for key in MEASURING})
-
-
 def natural_swing(scenario: Scenario, run: Run) -> float:
     """rad/s, in the strongest field at an event, under weight and adhesion."""
     robot = scenario.robot
@@ -174,7 +166,6 @@ def recorded_together(
     scenarios: list[Scenario], rtol: float | None = None
 ) -> list[tuple[Record | None, Run]]:
     """What `recorded` gives of each; `rtol` is a limit on its own tolerance."""
-    scenarios = [moving_alone(scenario) for scenario in scenarios]
     if rtol is not None:
         scenarios = [s.replace({"solver.rtol": min(rtol, s.solver.rtol)}) for s in scenarios]
     at_events = [scenario.replace({"record.rate": "events"}) for scenario in scenarios]

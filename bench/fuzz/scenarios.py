@@ -237,9 +237,6 @@ _EFFECTS = {
     "rotational_drag": lambda d: {"coefficient": d.decades(1e-16, 1e-11)},
     "surface_tilt": lambda d: {"angle": d.uniform(-0.5, 0.5)},
     "friction_patches": lambda d: {"amplitude": d.uniform(-1, 1), "period": d.decades(1e-5, 1e-3)},
-    "length_scale": lambda d: {"fraction": d.uniform(-0.1, 0.1)},
-    "clock_scale": lambda d: {"fraction": d.uniform(-0.1, 0.1)},
-    "angle_offset": lambda d: {"angle": d.uniform(-0.1, 0.1)},
 }
 
 

@@ -25,7 +25,7 @@ std::vector<Recording> chunks_of(std::int64_t samples) {
     RecordSettings settings;
     settings.kind = RecordKind::events;
     settings.sink = [&](Recording&& chunk) { chunks.push_back(std::move(chunk)); };
-    Recorder recorder(settings, MeasurementChain{}, 1.0, false);
+    Recorder recorder(settings, 1.0, false);
     for (std::int64_t k = 0; k < samples; ++k) {
         add(recorder, static_cast<double>(k), static_cast<double>(k));
         recorder.add_event(static_cast<EventKind>(k % 7));
@@ -65,7 +65,7 @@ TEST_CASE("recording: the grid begins with its first sample that is not before `
             settings.kind = RecordKind::uniform;
             settings.rate = rate;
             settings.from = from;
-            const double first = Recorder(settings, MeasurementChain{}, 1.0, false).next_time();
+            const double first = Recorder(settings, 1.0, false).next_time();
             const double number = std::round(first * rate);
             CHECK(first == number / rate);
             CHECK(first >= from);
@@ -74,12 +74,9 @@ TEST_CASE("recording: the grid begins with its first sample that is not before `
     }
 }
 
-TEST_CASE(
-    "recording: what a sink gets are the bits of a record in memory, as instruments read it") {
+TEST_CASE("recording: what a sink gets are the bits of a record in memory") {
     Scenario scenario;
     scenario.drive.pulses = 4;
-    scenario.effects.clock_scale_fraction = 1e-3;
-    scenario.effects.angle_offset_angle = 0.01;
     scenario.record.kind = RecordKind::uniform;
     scenario.record.rate = 1e6;  // 90 000 samples: two chunks
     const Recording whole = simulate(scenario).recording;

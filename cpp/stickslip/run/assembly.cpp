@@ -226,11 +226,6 @@ PerCoil initial_currents(const Scenario& s) {
     return frame_sign(s) > 0.0 ? s.initial.current : turned(s.initial.current);
 }
 
-MeasurementChain make_measurement_chain(const Scenario& s) {
-    return {s.effects.length_scale_fraction, s.effects.clock_scale_fraction,
-            s.effects.angle_offset_angle};
-}
-
 PerCoil field_gain(const Scenario& s) {
     // The voltages of a program repeat at no frequency.
     if (s.drive.mode == DriveMode::program) return field_gain_at(s, 1.0);

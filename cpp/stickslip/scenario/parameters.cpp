@@ -227,15 +227,6 @@ std::vector<Parameter> make_parameters() {
          STICKSLIP_MEMBER(effects.friction_patches_amplitude)},
         {.key = "effects.friction_patches.period", .unit = "m", .low = 1e-6, .high = 1,
          .meaning = "period in the same", STICKSLIP_MEMBER(effects.friction_patches_period)},
-        {.key = "effects.length_scale.fraction", .unit = "-", .low = -0.9, .high = 10,
-         .meaning = "part by which lengths are read too long",
-         STICKSLIP_MEMBER(effects.length_scale_fraction)},
-        {.key = "effects.clock_scale.fraction", .unit = "-", .low = -0.9, .high = 10,
-         .meaning = "part by which times are read too long",
-         STICKSLIP_MEMBER(effects.clock_scale_fraction)},
-        {.key = "effects.angle_offset.angle", .unit = "rad", .low = -3.2, .high = 3.2,
-         .meaning = "added to every angle that is read",
-         STICKSLIP_MEMBER(effects.angle_offset_angle)},
     };
 }
 
@@ -337,11 +328,6 @@ std::vector<EffectDescription> make_effects() {
          .source = "rigid-body statics; cf. the tilted wafer of Eq. (15)"},
         {.name = "friction_patches", .meaning = "friction varies along the surface",
          .source = "periodic Coulomb coefficient"},
-        {.name = "length_scale", .meaning = "the camera's scale is off",
-         .source = "microns per pixel, section VII"},
-        {.name = "clock_scale", .meaning = "the camera's clock is off", .source = "frame rate"},
-        {.name = "angle_offset", .meaning = "the camera is turned against the surface",
-         .source = "side view of section II"},
     };
 }
 

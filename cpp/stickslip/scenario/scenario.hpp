@@ -93,9 +93,6 @@ struct Effects {
     double friction_patches_amplitude = 0.0;
     double friction_patches_period = 1e-3;  ///< m, has no effect at amplitude zero
     // measurement
-    double length_scale_fraction = 0.0;
-    double clock_scale_fraction = 0.0;
-    double angle_offset_angle = 0.0;  ///< rad
     // coils that are not as all, in the world's frame; see own_coils.cpp
     PerCoilOf<OwnCoil> own_coils = {};
     // free shapes, each absent while its knots are zero; see free_shapes.cpp

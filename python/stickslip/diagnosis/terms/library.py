@@ -41,9 +41,6 @@ _SIZES = {
     "rotational_drag.coefficient": (1e-13, 0.0, 1e-12),
     "surface_tilt.angle": (0.025, -0.3, 0.3),
     "friction_patches.amplitude": (0.2, 0.0, 0.9),
-    "length_scale.fraction": (0.03, -0.3, 0.4),
-    "clock_scale.fraction": (0.03, -0.3, 0.4),
-    "angle_offset.angle": (0.03, -0.3, 0.3),
 }
 """Size that would not surprise, and lowest and highest value of the search, in SI units."""
 
