@@ -53,7 +53,6 @@ SIZES = {
 }
 # Where the unit does not tell the size.
 CHOSEN: dict[str, float | None] = {
-    "effects.restitution.coefficient": 0.5,
     "effects.angle_adhesion.strength": 0.9,
     "effects.angle_drag.strength": 20.0,
     "effects.gradient_scale.fraction": 1.0,

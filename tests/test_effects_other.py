@@ -89,30 +89,7 @@ def test_quadratic_drag_of_a_thrown_block_is_against_its_velocity(angle_drag):
     assert coefficient * np.abs(path[2]).max() > DRAG
 
 
-@pytest.mark.parametrize("fraction", [1.0, -0.5])
-def test_magnetization_scale_by_a_power_of_two_is_that_magnetization(fraction):
-    scaled = run({"effects.magnetization_scale.fraction": fraction}, rate=2e3, **DRIVE)
-    same = run({"robot.magnetization": 5e5 * (1.0 + fraction)}, rate=2e3, **DRIVE)
-    for name in MOTION + UNTOUCHED:
-        assert np.array_equal(getattr(scaled, name), getattr(same, name), equal_nan=True), name
-    assert scaled.summary() == same.summary()
-
-
-def test_magnetization_scale_by_any_part_is_that_magnetization_to_rounding():
-    # Tipping, at a corner that sticks: rounding of the moment is not amplified there.
-    final = volts(2.5e-3, -2.5e-3)
-    keys = [
-        program(Waveform.ramp(0.1, final)),
-        {"contact.static_friction": 50.0, "effects.rotational_drag.coefficient": 1e-12},
-    ]
-    scaled = run(*keys, {"effects.magnetization_scale.fraction": 0.1}, rate=1e3)
-    same = run(*keys, {"robot.magnetization": 5.5e5}, rate=1e3)
-    plain = run(*keys, rate=1e3)
-    assert scaled.theta == pytest.approx(same.theta, abs=1e-9)
-    assert np.abs(scaled.theta - plain.theta).max() > 1e-3
-
-
 def test_demagnetized_block_does_not_move():
-    of = run({"effects.magnetization_scale.fraction": -1.0}, rate=1e3, **DRIVE)
+    of = run({"robot.magnetization": 0.0}, rate=1e3, **DRIVE)
     assert np.all(of.x == 0.0)
     assert of.normal_force == pytest.approx(WEIGHT + ADHESION, rel=1e-12)

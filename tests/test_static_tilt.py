@@ -108,7 +108,7 @@ def test_what_has_no_effect_on_an_angle_at_rest(key):
 CASES = [
     (3e-3, -1e-3, {}),
     (2e-3, 1.5e-3, {"effects.misalignment.angle": 0.15}),
-    (1e-3, 2e-3, {"effects.misalignment.angle": -0.4, "effects.magnetization_scale.fraction": 0.3}),
+    (1e-3, 2e-3, {"effects.misalignment.angle": -0.4, "robot.magnetization": 6.5e5}),
     (1e-3, -0.8e-3, {"effects.surface_tilt.angle": 0.1, "robot.magnetization": 4e5}),
     (1e-3, -0.8e-3, {"effects.surface_tilt.angle": -0.1, "drive.direction": "-x"}),
     (0.0, -2e-3, {"effects.misalignment.angle": 0.2, "effects.ambient_field.Bx": 3e-4}),

@@ -108,15 +108,11 @@ def _status_failures(identity: Identity, run: Run) -> list[str]:
         ]
     elif run.status.startswith("too_many_") and "take a value near" in run.message:
         pass  # it is stiff, and the key is named
-    elif run.status == "too_many_events" and _restitution(run.scenario) >= _ELASTIC:
+    elif run.status == "too_many_events" and run.scenario.contact.restitution >= _ELASTIC:
         pass  # bounces that lose nothing are ever smaller where the fluid damps them
     elif run.status not in _FINE and identity.population != "extreme":
         failures.append(f"status {run.status}: {run.message}")
     return failures
-
-
-def _restitution(given: Scenario) -> float:
-    return float(given.get("contact.restitution") + given.get("effects.restitution.coefficient"))
 
 
 def check_invariants(identity: Identity) -> Found:

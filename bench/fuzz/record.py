@@ -105,7 +105,7 @@ class Record:
         """A m^2."""
         robot = self.scenario.robot
         volume = robot.length * robot.width * robot.height
-        return volume * robot.magnetization * (1.0 + self.effect("magnetization_scale.fraction"))
+        return volume * robot.magnetization
 
     @property
     def pace(self) -> Array:
@@ -141,7 +141,6 @@ def natural_swing(scenario: Scenario, run: Run) -> float:
     radius = 0.5 * np.hypot(robot.length, robot.height)
     inertia = robot.mass * (robot.length**2 + robot.height**2) / 12.0 + robot.mass * radius**2
     moment = robot.length * robot.width * robot.height * robot.magnetization
-    moment *= 1.0 + scenario.get("effects.magnetization_scale.fraction")
     field = np.max(np.hypot(run.bx, run.bz), initial=0.0)
     weight = robot.mass * scenario.environment.gravity + scenario.contact.adhesion
     return float(np.sqrt((moment * field + weight * radius) / inertia))

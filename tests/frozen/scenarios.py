@@ -42,7 +42,10 @@ COUNTS = {
 }
 # Effects that are gone stay among the names that are drawn, so that no other draw changes; a
 # scenario that draws one is left out.
-GONE = ("angle_offset", "clock_scale", "length_scale")
+GONE = (
+    *("angle_offset", "clock_scale", "edge_time", "length_scale"),
+    *("magnetization_scale", "restitution"),
+)
 
 OWN_NAME = "frozen_wrench"
 

@@ -96,10 +96,6 @@ void check(const Scenario& s) {
     }
     check_own_coils(s);
     check_plane(s);
-    if (s.contact.restitution + s.effects.restitution_coefficient > 1.0) {
-        refuse_pair("effects.restitution.coefficient", s.effects.restitution_coefficient,
-                    "contact.restitution", s.contact.restitution, "a sum of at most 1");
-    }
     const double side = std::min(s.robot.length, s.robot.height);
     if (s.contact.adhesion_range > side) {
         refuse("contact.adhesion_range", s.contact.adhesion_range,
@@ -119,10 +115,9 @@ void check(const Scenario& s) {
             refuse_pair("drive.peak", s.drive.peak, "drive.base", s.drive.base,
                         "a peak that is not below the base");
         }
-        if (s.drive.edge_time + s.effects.edge_time_time >= period) {
-            refuse_pair("drive.edge_time", s.drive.edge_time, "effects.edge_time.time",
-                        s.effects.edge_time_time,
-                        "together less than one period, 1/drive.frequency");
+        if (s.drive.edge_time >= period) {
+            refuse_pair("drive.edge_time", s.drive.edge_time, "drive.frequency", s.drive.frequency,
+                        "less than one period, 1/drive.frequency");
         }
     }
     if (!(s.initial == SimulationState{})) initial_state(s, make_model(s));
@@ -153,8 +148,7 @@ Model make_model(const Scenario& s) {
     model.width = robot.width;
     model.mass = robot.mass;
     model.inertia = robot.mass * (robot.length * robot.length + robot.height * robot.height) / 12.0;
-    model.moment = robot.magnetization * robot.length * robot.width * robot.height *
-                   (1.0 + e.magnetization_scale_fraction);
+    model.moment = robot.magnetization * robot.length * robot.width * robot.height;
     model.misalignment = e.misalignment_angle;
     model.gradient_excess = e.gradient_scale_fraction;
     // In the whole plane what acts along the surface has any direction, see `surface_weight`.
@@ -192,7 +186,7 @@ Model make_model(const Scenario& s) {
                         .speed = FreeCurve(e.free_drag_speed),
                         .rate = FreeCurve(e.free_drag_rate)};
     model.field_shape = make_field_shape(e);
-    model.restitution = s.contact.restitution + e.restitution_coefficient;
+    model.restitution = s.contact.restitution;
     model.tangential_restitution = s.contact.tangential_restitution;
     model.frame_sign = frame_sign(s);
     for (const UserSetting& each : s.user_effects) {
@@ -248,11 +242,9 @@ VoltageProgram asked_program(const Scenario& s) {
         const auto k = static_cast<std::size_t>(coil);
         volts_per_tesla[k] = coils[k].resistance / windings.centre_field_per_ampere(coil);
     }
-    Drive drive = s.drive;
-    drive.edge_time += s.effects.edge_time_time;
     // The frame of a robot that stays in one plane is its own.
     const SurfaceDirection towards = turns(s) ? drive_direction(s) : SurfaceDirection{};
-    return sawtooth_program(drive, towards, volts_per_tesla);
+    return sawtooth_program(s.drive, towards, volts_per_tesla);
 }
 
 VoltageProgram make_program(const Scenario& s) {

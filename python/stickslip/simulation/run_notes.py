@@ -324,8 +324,7 @@ def _in_words(changes: Mapping[str, Any]) -> str:
 def _moment(scenario: Scenario) -> float:
     """A m^2."""
     robot = scenario.robot
-    scale = 1.0 + float(scenario.get("effects.magnetization_scale.fraction"))
-    return scale * robot.magnetization * robot.length * robot.width * robot.height
+    return robot.magnetization * robot.length * robot.width * robot.height
 
 
 def _holding_torque(scenario: Scenario, summary: Mapping[str, Any]) -> float:
