@@ -98,12 +98,9 @@ def _status_failures(identity: Identity, run: Run) -> list[str]:
     if not run.message.strip():
         failures.append(f"status {run.status} has no message")
     if run.ok:
-        summary = run.summary()
-        if not summary["finished_pulses"]:  # a program has none
-            del summary["finished_velocity"], summary["finished_velocity_y"]
         failures += [
             f"{name} is not finite"
-            for name, value in summary.items()
+            for name, value in run.summary().items()
             if isinstance(value, float) and not math.isfinite(value)
         ]
     elif run.status.startswith("too_many_") and "take a value near" in run.message:

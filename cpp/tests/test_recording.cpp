@@ -120,31 +120,3 @@ TEST_CASE("recording: events before `from` are counted, but not recorded") {
     CHECK(part.recording.event.size() == part.recording.t.size());
     CHECK(part.summary.events == whole.summary.events);
 }
-
-TEST_CASE("simulation: a run that ends early has the mean velocity of its finished pulses") {
-    Scenario scenario;
-    scenario.drive.base = 0.5e-3;
-    scenario.drive.pulses = 12;
-    const RunResult whole = simulate(scenario);
-    CHECK(whole.summary.finished_pulses == 9);  // the window begins after the third
-    CHECK(whole.summary.finished_velocity == whole.summary.mean_velocity);
-
-    // The same motion, ended by its budget of steps somewhere within a pulse.
-    scenario.record.kind = RecordKind::uniform;
-    scenario.record.rate = 1e3;
-    const Recording path = simulate(scenario).recording;
-    scenario.solver.max_steps = whole.steps.accepted * 2 / 3;
-    const RunResult part = simulate(scenario);
-    REQUIRE(part.status == Status::too_many_steps);
-    CHECK(std::isnan(part.summary.mean_velocity));
-    const std::int64_t pulses = part.summary.finished_pulses;
-    REQUIRE(pulses > 0);
-    REQUIRE(pulses < 9);
-    // At 1 kHz: the ramp has 50 samples, a pulse 10.
-    const auto at = [&](std::int64_t pulse) {
-        return path.x[static_cast<std::size_t>(50 + 10 * pulse)];
-    };
-    const double velocity = (at(3 + pulses) - at(3)) / (0.01 * static_cast<double>(pulses));
-    CHECK(part.summary.finished_velocity == doctest::Approx(velocity).epsilon(1e-9));
-    CHECK(part.summary.simulated_time < 0.05 + 0.01 * static_cast<double>(4 + pulses));
-}

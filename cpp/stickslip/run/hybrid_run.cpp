@@ -442,7 +442,6 @@ RunResult HybridRun::take_result(const StepCounts& counts) {
     if (begun_) write_pull_and_change();
     result_.steps = counts;
     result_.summary.events = transitions_.counts();
-    observer_.write(sign_, result_.summary);
     result_.recording = recorder_.take();
     result_.final_body = state_.body;
     result_.final_state = state();
