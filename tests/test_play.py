@@ -175,7 +175,7 @@ def test_keys_change_a_slider_and_stop_the_film(opened):
         "drive.frequency=1e4",
         "drive.base=0.003",  # above the peak
         "effects.friction_patches.amplitude=0.5&effects.friction_patches.period=5",
-        "effects.eddy_lag.time=0.001&effects.edge_time.time=0.001",
+        "effects.eddy_lag.time=0.001&drive.edge_time=0.001",
         "guess=some",
         "%",
     ],
@@ -207,11 +207,11 @@ def test_narrow_and_wide_light_and_dark(opened, fragment):
 
 @needs_chromium
 def test_copied_scenarios_give_the_number_of_the_page(opened, tmp_path, capsys):
-    page = opened("drive.frequency=80&drive.mode=OPP&drive.edge=fall&effects.edge_time.time=0.002")
+    page = opened("drive.frequency=80&drive.mode=OPP&drive.edge=fall&drive.edge_time=0.002")
     velocity = page.evaluate("run.mean_velocity")
     file = tmp_path / "copied.toml"
     file.write_text(page.evaluate("toml(scenarioChanges())"))
-    assert load(file).get("effects.edge_time.time") == 0.002
+    assert load(file).get("drive.edge_time") == 0.002
     assert simulate(load(file)).mean_velocity == pytest.approx(velocity, rel=1e-9)
     exec(page.evaluate("python(scenarioChanges())"), {})
     assert float(capsys.readouterr().out) == pytest.approx(velocity, rel=1e-9)

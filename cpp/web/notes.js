@@ -123,5 +123,5 @@ function walksWith(changes) {
 /** Magnetic moment, A m². */
 function momentOf(changes) {
   const volume = settingOf(changes, "robot.length") * settingOf(changes, "robot.height") * settingOf(changes, "robot.width");
-  return volume * settingOf(changes, "robot.magnetization") * (1 + settingOf(changes, "effects.magnetization_scale.fraction"));
+  return volume * settingOf(changes, "robot.magnetization");
 }

@@ -46,8 +46,6 @@ class _Steps(TypedDict):
 
 class _Summary(TypedDict):
     mean_velocity: float
-    finished_pulses: int
-    finished_velocity: float
     theta_min: float
     theta_max: float
     slip_up: float

@@ -116,7 +116,7 @@ std::vector<double> static_tilts(const Scenario& base, const std::vector<std::st
             const double bx = sign * (fields[2 * j] + effects.ambient_field_bx);
             const double bz = fields[2 * j + 1] + effects.ambient_field_bz;
             try {
-                readings[i * count + j] = tilt(model, coils, bx, bz) + effects.angle_offset_angle;
+                readings[i * count + j] = tilt(model, coils, bx, bz);
             } catch (const WrenchNotFinite&) {
                 continue;
             }

@@ -96,10 +96,6 @@ void check(const Scenario& s) {
     }
     check_own_coils(s);
     check_plane(s);
-    if (s.contact.restitution + s.effects.restitution_coefficient > 1.0) {
-        refuse_pair("effects.restitution.coefficient", s.effects.restitution_coefficient,
-                    "contact.restitution", s.contact.restitution, "a sum of at most 1");
-    }
     if (s.solver.max_step > 0.0 && s.solver.max_step < kLeastMaxStep) {
         refuse("solver.max_step", s.solver.max_step, "0 (no limit) or at least 1e-9 s");
     }
@@ -114,10 +110,9 @@ void check(const Scenario& s) {
             refuse_pair("drive.peak", s.drive.peak, "drive.base", s.drive.base,
                         "a peak that is not below the base");
         }
-        if (s.drive.edge_time + s.effects.edge_time_time >= period) {
-            refuse_pair("drive.edge_time", s.drive.edge_time, "effects.edge_time.time",
-                        s.effects.edge_time_time,
-                        "together less than one period, 1/drive.frequency");
+        if (s.drive.edge_time >= period) {
+            refuse_pair("drive.edge_time", s.drive.edge_time, "drive.frequency", s.drive.frequency,
+                        "less than one period, 1/drive.frequency");
         }
     }
     if (!(s.initial == SimulationState{})) initial_state(s, make_model(s));
@@ -148,8 +143,7 @@ Model make_model(const Scenario& s) {
     model.width = robot.width;
     model.mass = robot.mass;
     model.inertia = robot.mass * (robot.length * robot.length + robot.height * robot.height) / 12.0;
-    model.moment = robot.magnetization * robot.length * robot.width * robot.height *
-                   (1.0 + e.magnetization_scale_fraction);
+    model.moment = robot.magnetization * robot.length * robot.width * robot.height;
     model.misalignment = e.misalignment_angle;
     model.gradient_excess = e.gradient_scale_fraction;
     // In the whole plane what acts along the surface has any direction, see `surface_weight`.
@@ -186,7 +180,7 @@ Model make_model(const Scenario& s) {
                         .speed = FreeCurve(e.free_drag_speed),
                         .rate = FreeCurve(e.free_drag_rate)};
     model.field_shape = make_field_shape(e);
-    model.restitution = s.contact.restitution + e.restitution_coefficient;
+    model.restitution = s.contact.restitution;
     model.tangential_restitution = s.contact.tangential_restitution;
     model.frame_sign = frame_sign(s);
     for (const UserSetting& each : s.user_effects) {
@@ -220,11 +214,6 @@ PerCoil initial_currents(const Scenario& s) {
     return frame_sign(s) > 0.0 ? s.initial.current : turned(s.initial.current);
 }
 
-MeasurementChain make_measurement_chain(const Scenario& s) {
-    return {s.effects.length_scale_fraction, s.effects.clock_scale_fraction,
-            s.effects.angle_offset_angle};
-}
-
 PerCoil field_gain(const Scenario& s) {
     // The voltages of a program repeat at no frequency.
     if (s.drive.mode == DriveMode::program) return field_gain_at(s, 1.0);
@@ -247,11 +236,9 @@ VoltageProgram asked_program(const Scenario& s) {
         const auto k = static_cast<std::size_t>(coil);
         volts_per_tesla[k] = coils[k].resistance / windings.centre_field_per_ampere(coil);
     }
-    Drive drive = s.drive;
-    drive.edge_time += s.effects.edge_time_time;
     // The frame of a robot that stays in one plane is its own.
     const SurfaceDirection towards = turns(s) ? drive_direction(s) : SurfaceDirection{};
-    return sawtooth_program(drive, towards, volts_per_tesla);
+    return sawtooth_program(s.drive, towards, volts_per_tesla);
 }
 
 VoltageProgram make_program(const Scenario& s) {

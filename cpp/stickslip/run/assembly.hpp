@@ -6,7 +6,6 @@
 #include "stickslip/contact/plane_dynamics.hpp"
 #include "stickslip/drive/circuit.hpp"
 #include "stickslip/field/local_field.hpp"
-#include "stickslip/run/measurement_chain.hpp"
 #include "stickslip/scenario/plane.hpp"
 #include "stickslip/scenario/scenario.hpp"
 #include "stickslip/solver/stepping.hpp"
@@ -26,8 +25,6 @@ PerCoil initial_currents(const Scenario& scenario);
 
 /// The coils' circuits for `program` (which heats them, if they do).
 Circuit make_circuit(const Scenario& scenario, const VoltageProgram& program);
-
-MeasurementChain make_measurement_chain(const Scenario& scenario);
 
 /// Field that each coil makes in a run, relative to what Eqs. (4)-(6) give for its current, but for
 /// what changes within the run (`Model::field_shape`).

@@ -23,14 +23,13 @@ HybridRun::HybridRun(const Scenario& scenario, RunControl* control,
       hold_period_(scenario.effects.sample_hold_period),
       amplifier_limit_(scenario.effects.amplifier_limit_voltage),
       field_gain_(stickslip::field_gain(scenario)),
-      chain_(make_measurement_chain(scenario)),
       coils_(robot_coil_set(scenario)),
       model_(make_model(scenario)),
       circuit_(make_circuit(scenario, program_)),
       dynamics_(model_, make_local_field(scenario, program_, coils_)),
       options_(make_stepper_options(scenario, model_, program_, coils_,
                                     control ? &control->stop : nullptr)),
-      recorder_(scenario.record, chain_, sign_, turns(scenario)),
+      recorder_(scenario.record, sign_, turns(scenario)),
       observer_(pulse_period(scenario)),
       drive_(circuit_),
       control_(control),
@@ -430,8 +429,6 @@ RunResult HybridRun::take_result(const StepCounts& counts) {
     if (begun_) write_pull_and_change();
     result_.steps = counts;
     result_.summary.events = transitions_.counts();
-    observer_.write(sign_, result_.summary);
-    chain_.apply(result_.summary);
     result_.recording = recorder_.take();
     result_.final_body = state_.body;
     result_.final_state = state();

@@ -167,7 +167,6 @@ private:
     const double hold_period_;      // s, effect `sample_hold`
     const double amplifier_limit_;  // V, effect of that name
     const PerCoil field_gain_;
-    const MeasurementChain chain_;
     const CoilSet coils_;
     const Model model_;
     Circuit circuit_;

@@ -63,17 +63,15 @@ struct Effects {
     double amplifier_limit_voltage = 0.0;   ///< V
     double eddy_lag_time = 0.0;             ///< s
     double sample_hold_period = 0.0;        ///< s
-    double edge_time_time = 0.0;            ///< s
     double mutual_inductance_coupling = 0.0;
     double gradient_scale_fraction = 0.0;
     double field_gain_in_plane = 0.0;
     double field_gain_clamp = 0.0;
     // magnet
     double misalignment_angle = 0.0;  ///< rad
-    double magnetization_scale_fraction = 0.0;
-    double ambient_field_bx = 0.0;  ///< T
-    double ambient_field_bz = 0.0;  ///< T
-    double ambient_field_by = 0.0;  ///< T
+    double ambient_field_bx = 0.0;    ///< T
+    double ambient_field_bz = 0.0;    ///< T
+    double ambient_field_by = 0.0;    ///< T
     // contact
     double stribeck_friction_velocity = 0.0;    ///< m/s
     double viscous_friction_coefficient = 0.0;  ///< s/m
@@ -81,7 +79,6 @@ struct Effects {
     double angle_adhesion_strength = 0.0;
     double adhesion_ageing_rate = 0.0;
     double adhesion_ageing_time = 1e-3;  ///< s, has no effect at rate zero
-    double restitution_coefficient = 0.0;
     // fluid
     double angle_drag_strength = 0.0;
     double quadratic_drag_coefficient = 0.0;   ///< N s^2/m^2
@@ -92,9 +89,6 @@ struct Effects {
     double friction_patches_amplitude = 0.0;
     double friction_patches_period = 1e-3;  ///< m, has no effect at amplitude zero
     // measurement
-    double length_scale_fraction = 0.0;
-    double clock_scale_fraction = 0.0;
-    double angle_offset_angle = 0.0;  ///< rad
     // coils that are not as all, in the world's frame; see own_coils.cpp
     PerCoilOf<OwnCoil> own_coils = {};
     // free shapes, each absent while its knots are zero; see free_shapes.cpp
