@@ -69,10 +69,18 @@ struct LaneKernels {
     Steps extended = {};  ///< of runs with them
 };
 
+/// For the registers of one kind of processor, which has to be this one's (lane_kernel.cpp).
+template <int N>
+LaneKernels lane_kernels_of();
+template <>
+LaneKernels lane_kernels_of<4>();
+template <>
+LaneKernels lane_kernels_of<8>();
+
 /// The widest that this processor has and that the environment variable STICKSLIP_LANES, a means of
-/// measurement that is read once, allows: 2, 4 or 8; at 1 every run goes alone.
+/// measurement that is read once, allows: 4 or 8; at 1 every run goes alone.
 const LaneKernels& lane_kernels();
-/// All that it has, narrowest first: all give the same bits.
+/// All that it has, narrowest first, perhaps none: all give the same bits.
 const std::vector<LaneKernels>& all_lane_kernels();
 
 }  // namespace stickslip

@@ -28,7 +28,7 @@
 ///   begin(body), body(tau, y)  to coordinates and back
 ///   scale()            the size of each coordinate, for the error norm
 /// The formulas, rates and what they use, are written for any D: Dynamics, or the dynamics of a
-/// pack of robots (lane_kernel.hpp), whose numbers D::Real are packs. The rest is of one robot.
+/// pack of robots (lane_kernel.cpp), whose numbers D::Real are packs. The rest is of one robot.
 namespace stickslip {
 
 template <class Real>

@@ -179,7 +179,7 @@ struct WidthControl {
 };
 
 /// Where the integration of a phase stands. All members are numbers, so that a pack of phases has
-/// the same members as packs (lane_kernel.hpp); phase_pack.hpp copies ranges of them, in this
+/// the same members as packs (lane_kernel.cpp); phase_pack.hpp copies ranges of them, in this
 /// order.
 template <class Phase>
 struct Tsit5Progress {

@@ -1,10 +1,8 @@
-#pragma once
-
 #include "stickslip/batch/lane_numbers.hpp"
 
-/// One step of a pack of runs. Compiled once for each width of the processor's registers
-/// (lane_kernel_*.cpp), so nothing here may be shared with other translation units: all is
-/// templates over a pack of that width.
+// One step of a pack of runs. Compiled once for each width of the processor's registers
+// (STICKSLIP_LANE_WIDTH), so nothing here may be shared with other translation units: all is
+// templates over a pack of that width.
 namespace stickslip {
 
 /// The dynamics of a pack of robots without named effects or with them; see Dynamics for the
@@ -122,16 +120,17 @@ LaneRound lane_step(double* memory) {
     return {members(flagged), members(far), members(to_end)};
 }
 
-template <int N, bool kEffects>
+template <class Real, bool kEffects>
 LaneKernels::Steps lane_steps() {
-    return {&lane_step<CornerStickPhaseOf, Pack<N>, kEffects>,
-            &lane_step<CornerSlipPhaseOf, Pack<N>, kEffects>,
-            &lane_step<FlightPhaseOf, Pack<N>, kEffects>};
+    return {&lane_step<CornerStickPhaseOf, Real, kEffects>,
+            &lane_step<CornerSlipPhaseOf, Real, kEffects>,
+            &lane_step<FlightPhaseOf, Real, kEffects>};
 }
 
-template <int N>
-LaneKernels kernels_of() {
-    return {N, lane_steps<N, false>(), lane_steps<N, true>()};
+template <>
+LaneKernels lane_kernels_of<STICKSLIP_LANE_WIDTH>() {
+    using Real = Pack<STICKSLIP_LANE_WIDTH>;
+    return {Real::kSize, lane_steps<Real, false>(), lane_steps<Real, true>()};
 }
 
 }  // namespace stickslip
