@@ -53,7 +53,6 @@ template <template <class> class PhaseOf, class D, bool kEffects>
 /// done; for the others the caller has to finish the attempt.
 struct LaneRound {
     unsigned flagged = 0;
-    unsigned far = 0;     ///< too far from a base for its series: the attempt is void
     unsigned to_end = 0;  ///< the attempt goes to the end of its stretch
 };
 

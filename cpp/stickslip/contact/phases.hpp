@@ -21,7 +21,7 @@
 ///   event(i, tau, y)   one event function; y is a State, or has its coordinates one by one
 ///   speed(y)           bound on the speed of the centre of mass
 ///   longest_step(y, rates)     of a slip in the whole plane, s
-///   rebase(y)          the base of the next step (see Dynamics)
+///   rebase(y)          centres the field's expansion for the next step
 ///   centre(y, pose)    the centre of mass
 ///   angle, omega, contact_x(y)   what the summary watches
 ///   event_rounding()   see PhaseBase
@@ -54,7 +54,7 @@ public:
     double event_rounding() const { return 0.0; }
     D& dynamics() const { return *dynamics_; }
 
-    /// The bases and the field's expansion, to look elsewhere and come back.
+    /// With the field's expansion, to look elsewhere and come back.
     Dynamics state() const { return *dynamics_; }
     void restore(const Dynamics& state) { *dynamics_ = state; }
 
@@ -66,7 +66,7 @@ protected:
     template <class Phase>
     static void rebase_to(const Phase& phase, const typename Phase::State& y) {
         Dynamics& dynamics = phase.dynamics();
-        const Point<double> at = phase.centre(y, dynamics.rebase_angle(phase.angle(y)));
+        const Point<double> at = phase.centre(y, dynamics.pose(phase.angle(y)));
         dynamics.rebase_field(at.x, at.z);
     }
 
@@ -251,9 +251,8 @@ private:
 using CornerSlipPhase = CornerSlipPhaseOf<Dynamics>;
 
 /// A touch-down is a gap that rounding cannot make, over the body's radius, since a corner that has
-/// just left has none. The gap is the difference of two heights of the body's size, of which one
-/// comes from a pose that has been turned on some times since its last sine and cosine.
-inline constexpr double kFlightRounding = 64.0 * std::numeric_limits<double>::epsilon();
+/// just left has none. The gap is the difference of two heights of the body's size.
+inline constexpr double kFlightRounding = 16.0 * std::numeric_limits<double>::epsilon();
 
 /// Gaps (m) of the pivot, the corners behind and ahead of it, and the one opposite, where that of
 /// the pivot is `gap`; each with room for rounding.

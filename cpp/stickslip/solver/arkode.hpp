@@ -22,8 +22,8 @@ struct ArkodeStep {
     State dense(double s) const {
         if (s == 0.0) return first;
         if (s == 1.0) return last;
-        // The interpolant asks for rates of its own, which must not move the bases of the steps to
-        // come: a recording would change the motion.
+        // The interpolant asks for rates of its own, which must not move the expansion of the field
+        // for the steps to come: a recording would change the motion.
         const auto state = phase->state();
         State y;
         session->interpolate(start + s * width, y.data());
