@@ -223,7 +223,6 @@ public:
     Real omega(const State& y) const { return y[3]; }
     Real contact_x(const State& y) const { return y[0]; }
     Real slip_velocity(const State& y) const { return y[2]; }
-    Real slip_acceleration(const State&, const State& rates) const { return rates[2]; }
     /// Whether a step that could not be made small enough may be laid to sliding about to jam.
     bool nearly_jams(double tau, const State& y) const {
         return solve(Base::field_at(tau), y).effective_inertia < kNearlyJammed * model().inertia;
