@@ -74,14 +74,14 @@ MUTATIONS = (
     Mutation(
         "packs",
         "adhesion_ageing",
-        "lane_kernel.hpp",
+        "lane_kernel.cpp",
         "e.adhesion.aged(e.contact_age + expansion.tau);",
         "Real(1.0);",
     ),
     Mutation(
         "packs",
         "friction_patches",
-        "lane_kernel.hpp",
+        "lane_kernel.cpp",
         "return robot_->static_friction * friction().place(slip, x);",
         "return robot_->static_friction;",
     ),

@@ -39,15 +39,15 @@ def unlimited():
     return done.stdout
 
 
-@pytest.mark.parametrize("width", ["1", "2", "4", "8"])
+@pytest.mark.parametrize("width", ["1", "4", "8"])
 def test_a_sweep_has_the_same_bits_at_any_width(width, unlimited):
     done = swept(width)
     assert done.returncode == 0, done.stderr
     assert done.stdout == unlimited
 
 
-@pytest.mark.parametrize("width", ["3", "02"])
+@pytest.mark.parametrize("width", ["2", "04"])
 def test_a_width_that_does_not_exist_is_named(width):
     done = swept(width)
     assert done.returncode == 1
-    assert f"STICKSLIP_LANES = {width}: allowed is 1, 2, 4 or 8" in done.stderr
+    assert f"STICKSLIP_LANES = {width}: allowed is 1, 4 or 8" in done.stderr

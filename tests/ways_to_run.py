@@ -337,7 +337,7 @@ def _apart(run: Run, other: Run, sign: float, scale: float, tolerance: float = T
 
 WAYS: dict[str, Way] = {
     "batch": batch,
-    **{f"packs of {width}": functools.partial(packs, width=width) for width in (1, 2, 4, 8)},
+    **{f"packs of {width}": functools.partial(packs, width=width) for width in (1, 4, 8)},
     "recorded": recorded,
     "swept": swept,
     "stepped": stepped,

@@ -115,7 +115,7 @@ TEST_CASE("contact place: motions satisfy Newton's and Euler's equations") {
         dynamics.set_quadrant(quadrant);
         const double angle = random.between(0.0, kQuarterTurn);
         const double omega = random.between(-3000.0, 3000.0);
-        const Pose pose = dynamics.rebase_angle(angle);
+        const Pose pose = dynamics.pose(angle);
         const Load load = {random.between(-1e-6, 1e-6), random.between(-1e-6, 1e-6),
                            random.between(-1e-10, 1e-10), random.between(0.0, 0.5e-6)};
         const double m = model.mass, ww = omega * omega;

@@ -32,7 +32,7 @@ Model magnet() {
 Load load_at(Dynamics& dynamics, const BodyState& body) {
     dynamics.set_quadrant(body.quadrant);
     dynamics.rebase_field(body.x, body.z);
-    const Pose pose = dynamics.rebase_angle(body.angle);
+    const Pose pose = dynamics.pose(body.angle);
     return dynamics.load(dynamics.field_at(0.0), body.x, body.z, pose, body.vx, body.vz,
                          body.omega);
 }
@@ -177,23 +177,28 @@ TEST_CASE("angle drag: larger by the factor 1 + k cos^2 theta, in every quadrant
     }
 }
 
-TEST_CASE("pose: by series near the base angle and in full far from it") {
+TEST_CASE("pose: that of the C library but for rounding, in every quadrant and turns beyond") {
     const Model model = paper_model();
     Dynamics dynamics = in_uniform_field(model, 0.0, 0.0);
-    for (const double base : {0.0, 0.4, 1.2}) {
-        dynamics.rebase_angle(base);
-        for (const double offset :
-             {-0.6, -0.12501, -0.12499, -0.05, 0.0, 1e-9, 0.03, 0.1249, 0.13}) {
-            const Pose pose = dynamics.pose(base + offset);
-            const Pose direct =
-                model.shape.pose(0, std::cos(base + offset), std::sin(base + offset));
-            // The first term left out is 0.125^10 / 10! = 2.6e-16; then four roundings.
-            const double tolerance = 2.6e-16 + 4.0 * kRounding;
+    for (const int quadrant : {0, 1, -6}) {
+        dynamics.set_quadrant(quadrant);
+        for (const double angle :
+             {-0.1, 0.0, 1e-9, 0.4, 0.785, 1.2, kQuarterTurn, 1.68, 1.69, -0.12, 3.0, -40.0}) {
+            const Pose pose = dynamics.pose(angle);
+            const Pose direct = model.pose(quadrant, angle);
+            // That of `cosine_and_sine`, and what an angle of 40 loses; then two roundings.
+            const double tolerance = (4.0 + std::abs(angle)) * kRounding;
             CHECK(std::abs(pose.cosine - direct.cosine) < tolerance);
             CHECK(std::abs(pose.sine - direct.sine) < tolerance);
-            CHECK(std::abs(pose.lever - direct.lever) < tolerance * model.shape.radius());
-            CHECK(std::abs(pose.height - direct.height) < tolerance * model.shape.radius());
+            CHECK(std::abs(pose.lever - direct.lever) < 2.0 * tolerance * model.shape.radius());
+            CHECK(std::abs(pose.height - direct.height) < 2.0 * tolerance * model.shape.radius());
+            CHECK(pose.angle == angle);
         }
+        // Where a face lies flat.
+        CHECK(dynamics.pose(0.0).cosine == 1.0);
+        CHECK(dynamics.pose(0.0).sine == 0.0);
+        CHECK(dynamics.pose(kQuarterTurn).cosine == 0.0);
+        CHECK(dynamics.pose(kQuarterTurn).sine == 1.0);
     }
 }
 
@@ -203,7 +208,7 @@ TEST_CASE("adhesion pulls at contact, and is no force on the centre of mass") {
     model.adhesion = {.strength = kStrength};
     Dynamics dynamics = in_uniform_field(model, 0.0, 0.0);
     dynamics.rebase_field(0.0, 1e-4);
-    const Pose pose = dynamics.rebase_angle(0.3);
+    const Pose pose = dynamics.pose(0.3);
     const Load load = dynamics.load(dynamics.field_at(0.0), 0.0, pose.height, pose, 0.0, 0.0, 0.0);
     CHECK(load.contact_adhesion == kStrength);
     CHECK(load.fz == 0.0);

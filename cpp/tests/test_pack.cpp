@@ -54,6 +54,17 @@ TEST_CASE("pack: logarithm and sine are those of the C library but for rounding"
     CHECK(sine(0.0) == 0.0);
 }
 
+TEST_CASE("pack: cosine and sine are right to rounding, near zero and far from it") {
+    for (int n = -1000; n <= 1000; ++n) {
+        const double a = n == 1000 ? 1e6 : 2e-3 * n;
+        const CosineAndSine<double> at = cosine_and_sine(a);
+        const double allowed = 2.5e-16 + (std::abs(a) > 0.888 ? std::abs(a) * kRounding : 0.0);
+        CHECK(std::abs(at.cosine - std::cos(a)) < allowed);
+        CHECK(std::abs(at.sine - std::sin(a)) < allowed);
+    }
+    CHECK(std::isnan(cosine_and_sine(std::nan("")).sine));
+}
+
 TEST_CASE("pack: the rough logarithm and power are good enough for the width of a step") {
     Random random(2);
     for (int n = 0; n < 20000; ++n) {
@@ -82,6 +93,8 @@ TEST_CASE("pack: each member has the bits of the double") {
             CHECK(same(exponential(-magnitude(p)).v[i], exponential(-std::abs(a[u]))));
             CHECK(same(logarithm(magnitude(p)).v[i], logarithm(std::abs(a[u]))));
             CHECK(same(sine(40.0 * q).v[i], sine(40.0 * b[u])));
+            CHECK(same(cosine_and_sine(q).cosine.v[i], cosine_and_sine(b[u]).cosine));
+            CHECK(same(cosine_and_sine(q).sine.v[i], cosine_and_sine(b[u]).sine));
             CHECK(same(root(magnitude(q)).v[i], std::sqrt(std::abs(b[u]))));
             CHECK(same(rough_log2(magnitude(p)).v[i], rough_log2(std::abs(a[u]))));
             CHECK(same(rough_exp2(q).v[i], rough_exp2(b[u])));

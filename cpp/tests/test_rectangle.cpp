@@ -97,22 +97,6 @@ TEST_CASE("rectangle: the end of a quadrant and the beginning of the next are on
     }
 }
 
-TEST_CASE("rectangle: a pose turned on is the pose of the sum") {
-    const Rectangle shape(kLength, kHeight);
-    Random random(3);
-    for (int n = 0; n < 200; ++n) {
-        const int quadrant = random.integer(-3, 3);
-        const double a = random.between(0.0, kQuarterTurn), b = random.between(-0.5, 0.5);
-        const Pose direct = shape.pose(quadrant, std::cos(a + b), std::sin(a + b));
-        const Pose turned =
-            shape.pose(quadrant, std::cos(a), std::sin(a)).turned(std::cos(b), std::sin(b));
-        CHECK(std::abs(turned.cosine - direct.cosine) < 4.0 * kRounding);
-        CHECK(std::abs(turned.sine - direct.sine) < 4.0 * kRounding);
-        CHECK(std::abs(turned.lever - direct.lever) < 4.0 * kRounding * shape.radius());
-        CHECK(std::abs(turned.height - direct.height) < 4.0 * kRounding * shape.radius());
-    }
-}
-
 TEST_CASE("quarter turns: exact sines and cosines, also of negative turns") {
     for (int quadrant = -9; quadrant <= 9; ++quadrant) {
         const QuarterTurns turn(quadrant);

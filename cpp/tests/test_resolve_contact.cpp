@@ -81,8 +81,8 @@ struct Draw {
     bool lifts(Dynamics& robot) const {
         robot.set_quadrant(body.quadrant);
         robot.rebase_field(body.x, body.z);
-        const Load load = robot.load(robot.field_at(0.0), body.x, body.z,
-                                     robot.rebase_angle(body.angle), body.vx, body.vz, body.omega);
+        const Load load = robot.load(robot.field_at(0.0), body.x, body.z, robot.pose(body.angle),
+                                     body.vx, body.vz, body.omega);
         return load.fz > load.contact_adhesion;
     }
     double force_scale(const Load& load) const {
@@ -109,7 +109,7 @@ void check_consistent(const Draw& draw, Dynamics& dynamics, Touch touch, const R
     }
     dynamics.set_quadrant(found.quadrant);
     dynamics.rebase_field(body.x, body.z);
-    const Pose pose = dynamics.rebase_angle(angle);
+    const Pose pose = dynamics.pose(angle);
     const Load load =
         dynamics.load(dynamics.field_at(0.0), body.x, body.z, pose, body.vx, body.vz, body.omega);
     const double adhesion = model.adhesion.strength;

@@ -197,7 +197,7 @@ TEST_CASE("user effect: position, velocity and field as the wrench's own argumen
                 dynamics.set_start(10.0);
                 dynamics.set_quadrant(quadrant);
                 dynamics.rebase_field(1e-5, 6e-5);
-                const Pose pose = dynamics.rebase_angle(angle);
+                const Pose pose = dynamics.pose(angle);
                 return dynamics.load(dynamics.field_at(0.25), 1e-5, 6e-5, pose, 1e-3, 2e-3, 5.0);
             };
             const Load a = load(with), b = load(without);

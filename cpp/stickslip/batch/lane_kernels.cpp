@@ -1,4 +1,5 @@
 #include <cstdlib>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -7,18 +8,14 @@
 
 namespace stickslip {
 
-LaneKernels lane_kernels_of_2();
-LaneKernels lane_kernels_of_4();
-LaneKernels lane_kernels_of_8();
-
 const std::vector<LaneKernels>& all_lane_kernels() {
     static const std::vector<LaneKernels> all = [] {
-        std::vector<LaneKernels> result = {lane_kernels_of_2()};
+        std::vector<LaneKernels> result;
 #ifdef STICKSLIP_X86_KERNELS
-        if (__builtin_cpu_supports("avx2")) result.push_back(lane_kernels_of_4());
+        if (__builtin_cpu_supports("avx2")) result.push_back(lane_kernels_of<4>());
         if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
             __builtin_cpu_supports("avx512vl")) {
-            result.push_back(lane_kernels_of_8());
+            result.push_back(lane_kernels_of<8>());
         }
 #endif
         return result;
@@ -31,12 +28,12 @@ namespace {
 /// The widest pack that the environment variable STICKSLIP_LANES allows.
 int widest_allowed() {
     const char* text = std::getenv("STICKSLIP_LANES");
-    if (text == nullptr) return all_lane_kernels().back().size;
-    for (const int width : {1, 2, 4, 8}) {
+    if (text == nullptr) return std::numeric_limits<int>::max();
+    for (const int width : {1, 4, 8}) {
         if (text == std::to_string(width)) return width;
     }
     throw std::invalid_argument("STICKSLIP_LANES = " + std::string(text) +
-                                ": allowed is 1, 2, 4 or 8");
+                                ": allowed is 1, 4 or 8");
 }
 
 }  // namespace

@@ -53,7 +53,6 @@ template <template <class> class PhaseOf, class D, bool kEffects>
 /// done; for the others the caller has to finish the attempt.
 struct LaneRound {
     unsigned flagged = 0;
-    unsigned far = 0;     ///< too far from a base for its series: the attempt is void
     unsigned to_end = 0;  ///< the attempt goes to the end of its stretch
 };
 
@@ -69,10 +68,18 @@ struct LaneKernels {
     Steps extended = {};  ///< of runs with them
 };
 
+/// For the registers of one kind of processor, which has to be this one's (lane_kernel.cpp).
+template <int N>
+LaneKernels lane_kernels_of();
+template <>
+LaneKernels lane_kernels_of<4>();
+template <>
+LaneKernels lane_kernels_of<8>();
+
 /// The widest that this processor has and that the environment variable STICKSLIP_LANES, a means of
-/// measurement that is read once, allows: 2, 4 or 8; at 1 every run goes alone.
+/// measurement that is read once, allows: 4 or 8; at 1 every run goes alone.
 const LaneKernels& lane_kernels();
-/// All that it has, narrowest first: all give the same bits.
+/// All that it has, narrowest first, perhaps none: all give the same bits.
 const std::vector<LaneKernels>& all_lane_kernels();
 
 }  // namespace stickslip

@@ -35,8 +35,7 @@ public:
         for (std::size_t place = 0; place < size_; ++place) {
             if (!(round.flagged >> place & 1u) || places_[place] == nullptr) continue;
             Lane& lane = *places_[place];
-            const bool far = round.far >> place & 1u, to_end = round.to_end >> place & 1u;
-            const Finish found = finish(lane, place, far, to_end);
+            const Finish found = finish(lane, place, round.to_end >> place & 1u);
             if (found == Finish::step) continue;
             const bool same = stay && found == Finish::stretch;
             const bool over = same && !lane.loop.next_phase();
@@ -75,8 +74,7 @@ private:
     // What changes as a phase goes on over the next stretch.
     static constexpr Range kBegin =
         between(0, offsetof(N, progress.step.slope) + sizeof(typename Phase::State));
-    static constexpr Range kOnward = between(offsetof(N, robot.base), sizeof(N));
-    static constexpr Range kBase = between(offsetof(N, robot.base), offsetof(N, field));
+    static constexpr Range kOnward = between(offsetof(N, field), sizeof(N));
     static constexpr Range kCentre = between(offsetof(N, field.centre_x), offsetof(N, field.rate));
     static constexpr Range kField = between(offsetof(N, field), offsetof(N, contact_x));
     static constexpr Range kUnarmed = between(offsetof(N, unarmed), sizeof(N));
@@ -132,17 +130,15 @@ private:
     enum class Finish { step, stretch, phase };
 
     // What only one run can do: accepts the attempt or not, looks for events.
-    Finish finish(Lane& lane, std::size_t place, bool far, bool to_end) {
+    Finish finish(Lane& lane, std::size_t place, bool to_end) {
         Loop& loop = lane.loop;
-        N numbers = read(place, {kProgress, kBase, kCentre, kUnarmed});
-        loop.dynamics().set_base(numbers.robot.base);
+        N numbers = read(place, {kProgress, kCentre, kUnarmed});
         for (std::size_t i = 0; i < Phase::kEvents; ++i) {
             loop.memory().armed[i] = numbers.unarmed[i] == 0.0;
         }
         Finish found = Finish::step;
         loop.with_phase([&](auto phase) {
             if constexpr (std::is_same_v<decltype(phase), Phase>) {
-                if (far) numbers.progress.attempt(phase);
                 PhaseEnd<Phase> end;
                 if (!loop.integrator().finish(phase, loop.memory(), numbers.progress, to_end,
                                               loop.observer(phase), end)) {
@@ -160,9 +156,8 @@ private:
     void go_on(Loop& loop, N& numbers, std::size_t place) {
         const FieldStretch<double>& field = loop.dynamics().field().stretch();
         numbers.progress.look = loop.next_look();
-        numbers.robot.base = loop.dynamics().robot().base;
         set_memory(numbers, loop.memory());
-        write(numbers, place, {kState, kStart, kStartEvents, kBase, kUnarmed});
+        write(numbers, place, {kState, kStart, kStartEvents, kUnarmed});
         if (field.centre_x != numbers.field.centre_x || field.centre_z != numbers.field.centre_z) {
             set_field(numbers, loop.dynamics());
             write(numbers, place, {kField});

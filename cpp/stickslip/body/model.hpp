@@ -87,17 +87,19 @@ struct Model {
 
     /// The pivot at an angle in a quadrant, where it touches.
     Pose pose(int quadrant, double angle) const {
-        return placed(shape.pose(quadrant, std::cos(angle), std::sin(angle)), quadrant, angle);
+        Pose result = shape.pose(quadrant, std::cos(angle), std::sin(angle));
+        place_contact(quadrant, angle, result);
+        return result;
     }
-    /// A pose of the rectangle with its contact where it is.
-    Pose placed(Pose pose, int quadrant, double angle) const {
-        if (place.absent()) return pose;
+    /// Puts the contact of a pose of the rectangle where it is.
+    void place_contact(int quadrant, double angle, Pose& pose) const {
+        pose.angle = angle;
+        if (place.absent()) return;
         const PlaceShift shift = place.at(quadrant * kQuarterTurn + angle);
         pose.lever += shift.lever;
         pose.height += shift.height;
         pose.roll = shift.roll;
         pose.bend = shift.bend;
-        return pose;
     }
     Face face(int quadrant) const {
         const PlaceShift shift = place.at(quadrant * kQuarterTurn);

@@ -15,14 +15,9 @@ struct PoseOf {
     Real lever = 0.0;   ///< m, horizontal distance from the centre of mass to the pivot, signed
     Real height = 0.0;  ///< m, height of the centre of mass above the pivot
     // Zero where the pivot is the rectangle's corner; see ContactPlace.
-    Real roll = 0.0;  ///< m, of the pivot from the point that stays where it is while it sticks
-    Real bend = 0.0;  ///< m, radius of curvature of what touches
-
-    /// Turned on by an angle with cosine c and sine s.
-    PoseOf turned(Real c, Real s) const {
-        return {cosine * c - sine * s, sine * c + cosine * s, lever * c - height * s,
-                height * c + lever * s};
-    }
+    Real roll = 0.0;   ///< m, of the pivot from the point that stays where it is while it sticks
+    Real bend = 0.0;   ///< m, radius of curvature of what touches
+    Real angle = 0.0;  ///< rad, within the quadrant
 };
 using Pose = PoseOf<double>;
 

@@ -5,7 +5,7 @@
 
 /// The named effects on forces, adhesion and friction that have one formula for all runs, in which
 /// an absent one has zeros. They are written for a number or a pack of numbers, so that runs with
-/// different effects go on together (lane_kernel.hpp). A zero leaves the bits of a result as they
+/// different effects go on together (lane_kernel.cpp). A zero leaves the bits of a result as they
 /// are, so what takes long is left out where no member has it.
 namespace stickslip {
 

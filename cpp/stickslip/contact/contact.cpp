@@ -68,7 +68,7 @@ private:
     Pose pose_at(int quadrant, double angle) {
         dynamics_.set_quadrant(quadrant);
         dynamics_.rebase_field(body_.x, body_.z);
-        return dynamics_.rebase_angle(angle);
+        return dynamics_.pose(angle);
     }
 
     Resolution sliding(int quadrant, const Pose& pose, const Load& load, double slip_velocity) {

@@ -71,7 +71,7 @@ private:
     void count_change(const ContactMode& before);
 
     const Model& model() const { return dynamics_.model(); }
-    Pose pose() { return dynamics_.rebase_angle(state_.body.angle); }
+    Pose pose() const { return dynamics_.pose(state_.body.angle); }
 
     Dynamics& dynamics_;
     HybridState& state_;

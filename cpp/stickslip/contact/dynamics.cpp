@@ -6,12 +6,6 @@
 
 namespace stickslip {
 
-namespace {
-
-constexpr double kStale = 1000.0;  // turns of a base pose that is of another quadrant
-
-}  // namespace
-
 Dynamics::Dynamics(const Model& model, const LocalField& field)
     : model_(&model),
       field_(field),
@@ -42,9 +36,11 @@ void Dynamics::set_quadrant(int quadrant) {
     turn_ = QuarterTurns(quadrant);
     const Model& m = *model_;
     const double c = std::cos(m.misalignment), s = std::sin(m.misalignment);
-    robot_.base.turns = kStale;
     robot_.half_base = m.shape.half_base(quadrant);
     robot_.half_rise = m.shape.half_rise(quadrant);
+    const Pose middle = m.shape.pose(quadrant, std::sqrt(0.5), std::sqrt(0.5));
+    robot_.middle_lever = middle.lever;
+    robot_.middle_height = middle.height;
     robot_.moment_cosine = m.moment * (turn_.cosine * c - turn_.sine * s);
     robot_.moment_sine = m.moment * (turn_.sine * c + turn_.cosine * s);
 }
@@ -144,14 +140,9 @@ void Dynamics::add_user_effects(double tau, const PlanarField& field, double x, 
                                 const Pose& pose, double vx, double vz, double omega,
                                 Load& load) const {
     const double sign = model_->frame_sign;
-    // The pose has lost its whole turns, which a body in flight may have made within its quadrant.
-    constexpr double kTurn = 4.0 * kQuarterTurn;
-    double angle = std::atan2(pose.sine, pose.cosine);
-    const double off = robot_.base.angle - angle;
-    if (std::abs(off) > 0.5 * kTurn) angle += kTurn * std::round(off / kTurn);
     const std::array<double, WrenchState::kSize> state = {
-        start_ + tau, sign * x,        z,       angle + quadrant_ * kQuarterTurn, sign * vx, vz,
-        omega,        sign * field.bx, field.bz};
+        start_ + tau,    sign * x, z, pose.angle + quadrant_ * kQuarterTurn, sign * vx, vz, omega,
+        sign * field.bx, field.bz};
     for (const UserSetting& each : model_->user_effects) {
         std::array<double, 3> wrench = {};
         each.effect->function(state.data(), each.values.data(), wrench.data());

@@ -31,16 +31,7 @@ struct LoadOf {
 };
 using Load = LoadOf<double>;
 
-/// A pose from which others are turned on by small angles.
-template <class Real>
-struct BasePose {
-    Real angle = 0.0;
-    Real turns;  ///< since it was last computed by sine and cosine
-    PoseOf<Real> pose;
-};
-
-/// A robot in one quadrant, without named effects: its constants, and a base angle to which others
-/// are relative, so that the inner stages need no sine and cosine.
+/// The constants of a robot in one quadrant, without named effects.
 template <class Real>
 struct PlainDynamics {
     Real mass, per_mass;                        ///< kg, 1/kg
@@ -52,26 +43,18 @@ struct PlainDynamics {
     Real adhesion;                              ///< N
     Real static_friction, kinetic_friction;
     Real radius, half_base, half_rise;  ///< m
+    Real middle_lever, middle_height;   ///< m, of the pose in the middle of the quadrant
     // Of the magnetic moment along the body's axes, A m^2.
     Real moment_cosine = 0.0, moment_sine = 0.0;
 
-    BasePose<Real> base;
-
-    /// Angle from the base (rad) up to which the series of `turned` are exact to rounding.
-    static constexpr double kNear = 0.125, kNearSquared = kNear * kNear;
-    /// Turning the last base on is quicker than sine and cosine; rounding adds up over few turns,
-    /// to 1e-14.
-    static constexpr int kMostTurns = 128;
-
-    /// The base pose turned by a small angle d, with dd = d^2. Series whose next terms are below
-    /// 3e-16 at |d| = 1/8, summed in pairs for the processor to overlap.
-    [[gnu::always_inline]] PoseOf<Real> turned(Real d, Real dd) const {
-        const Real dddd = dd * dd;
-        const Real c =
-            (1.0 - dd * (1.0 / 2)) + dddd * ((1.0 / 24 - dd * (1.0 / 720)) + dddd * (1.0 / 40320));
-        const Real s = d * ((1.0 - dd * (1.0 / 6)) +
-                            dddd * ((1.0 / 120 - dd * (1.0 / 5040)) + dddd * (1.0 / 362880)));
-        return base.pose.turned(c, s);
+    /// By that in the middle of the quadrant, turned on. Its ends are exact with the cosine rounded
+    /// so.
+    [[gnu::always_inline]] PoseOf<Real> pose(Real angle) const {
+        constexpr double kEighthTurn = 0.5 * kQuarterTurn, kCosineEighth = 0.7071067811865475;
+        const CosineAndSine<Real> on = cosine_and_sine(angle - kEighthTurn);
+        return {kCosineEighth * (on.cosine - on.sine), kCosineEighth * (on.cosine + on.sine),
+                middle_lever * on.cosine - middle_height * on.sine,
+                middle_height * on.cosine + middle_lever * on.sine};
     }
 
     /// Magnet, weight and drag, Eqs. (8)-(12), (18), (19).
@@ -111,28 +94,13 @@ public:
 
     void set_quadrant(int quadrant);
 
-    /// Begins a stretch of voltage with the centre of mass at (x, z) m. Field and pose are computed
+    /// Begins a stretch of voltage with the centre of mass at (x, z) m. The field is computed
     /// there; nothing is kept of the stretch before.
     void begin_stretch(const CurrentSegment& segment, double x, double z) {
         start_ = segment.start;
-        robot_.base.turns = PlainDynamics<double>::kMostTurns;
         field_.begin_stretch(segment, x, z);
     }
 
-    /// Takes `angle` as the base of the next step; the robot's pose there.
-    Pose rebase_angle(double angle) {
-        BasePose<double>& base = robot_.base;
-        base.turns += 1.0;
-        if (base.turns < PlainDynamics<double>::kMostTurns &&
-            std::abs(angle - base.angle) < PlainDynamics<double>::kNear) {
-            base.pose = corner_pose(angle);
-        } else {
-            base.pose = model_->shape.pose(quadrant_, std::cos(angle), std::sin(angle));
-            base.turns = 0.0;
-        }
-        base.angle = angle;
-        return model_->placed(base.pose, quadrant_, angle);
-    }
     void rebase_field(double x, double z) { field_.rebase(x, z); }
 
     /// Whether the formulas of a PlainDynamics are all there is to it.
@@ -145,8 +113,6 @@ public:
             forces_, model_->adhesion.smooth, model_->friction.smooth(), turn_.sine, turn_.cosine,
             age_};
     }
-    /// Takes over the base that a pack has moved on.
-    void set_base(const BasePose<double>& base) { robot_.base = base; }
 
     /// Time (s) since the start of the run at which the stretch begins.
     void set_start(double time) { start_ = time; }
@@ -157,16 +123,9 @@ public:
     double contact_age() const { return age_; }
 
     [[gnu::always_inline]] Pose pose(double angle) const {
-        return model_->placed(corner_pose(angle), quadrant_, angle);
-    }
-    /// The same of the rectangle, wherever the contact lies.
-    [[gnu::always_inline]] Pose corner_pose(double angle) const {
-        const double d = angle - robot_.base.angle;
-        const double dd = d * d;
-        if (!(dd < PlainDynamics<double>::kNearSquared)) {
-            return robot_.base.pose.turned(std::cos(d), std::sin(d));
-        }
-        return robot_.turned(d, dd);
+        Pose result = robot_.pose(angle);
+        model_->place_contact(quadrant_, angle, result);
+        return result;
     }
 
     /// Coefficient up to which a contact sticks that presses with `normal` N at x (m); `tau`: s,

@@ -50,7 +50,6 @@ public:
         return y[0] + (face_.half_base + face_.shift - face_.roll);
     }
     double slip_velocity(const State& y) const { return y[1]; }
-    double slip_acceleration(const State&, const State& rates) const { return rates[1]; }
 
 private:
     double height() const { return face_.height; }

@@ -58,8 +58,8 @@ void with_plane_phase(PlaneDynamics& plane, const HybridState& state, auto&& use
     }
 }
 
-/// What a recording sees at `tau`. The dynamics are a copy: looking must not move the bases of the
-/// steps to come.
+/// What a recording sees at `tau`. The dynamics are a copy: looking must not move the
+/// field's expansion of the steps to come.
 inline Snapshot snapshot(Dynamics dynamics, const HybridState& state, double tau) {
     dynamics.set_quadrant(state.body.quadrant);
     if (state.rests()) return FaceRest(dynamics, state.body).snapshot(tau);

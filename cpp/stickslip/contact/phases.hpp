@@ -21,14 +21,14 @@
 ///   event(i, tau, y)   one event function; y is a State, or has its coordinates one by one
 ///   speed(y)           bound on the speed of the centre of mass
 ///   longest_step(y, rates)     of a slip in the whole plane, s
-///   rebase(y)          the base of the next step (see Dynamics)
+///   rebase(y)          centres the field's expansion for the next step
 ///   centre(y, pose)    the centre of mass
 ///   angle, omega, contact_x(y)   what the summary watches
 ///   event_rounding()   see PhaseBase
 ///   begin(body), body(tau, y)  to coordinates and back
 ///   scale()            the size of each coordinate, for the error norm
 /// The formulas, rates and what they use, are written for any D: Dynamics, or the dynamics of a
-/// pack of robots (lane_kernel.hpp), whose numbers D::Real are packs. The rest is of one robot.
+/// pack of robots (lane_kernel.cpp), whose numbers D::Real are packs. The rest is of one robot.
 namespace stickslip {
 
 template <class Real>
@@ -54,7 +54,7 @@ public:
     double event_rounding() const { return 0.0; }
     D& dynamics() const { return *dynamics_; }
 
-    /// The bases and the field's expansion, to look elsewhere and come back.
+    /// With the field's expansion, to look elsewhere and come back.
     Dynamics state() const { return *dynamics_; }
     void restore(const Dynamics& state) { *dynamics_ = state; }
 
@@ -66,7 +66,7 @@ protected:
     template <class Phase>
     static void rebase_to(const Phase& phase, const typename Phase::State& y) {
         Dynamics& dynamics = phase.dynamics();
-        const Point<double> at = phase.centre(y, dynamics.rebase_angle(phase.angle(y)));
+        const Point<double> at = phase.centre(y, dynamics.pose(phase.angle(y)));
         dynamics.rebase_field(at.x, at.z);
     }
 
@@ -223,7 +223,6 @@ public:
     Real omega(const State& y) const { return y[3]; }
     Real contact_x(const State& y) const { return y[0]; }
     Real slip_velocity(const State& y) const { return y[2]; }
-    Real slip_acceleration(const State&, const State& rates) const { return rates[2]; }
     /// Whether a step that could not be made small enough may be laid to sliding about to jam.
     bool nearly_jams(double tau, const State& y) const {
         return solve(Base::field_at(tau), y).effective_inertia < kNearlyJammed * model().inertia;
@@ -251,9 +250,8 @@ private:
 using CornerSlipPhase = CornerSlipPhaseOf<Dynamics>;
 
 /// A touch-down is a gap that rounding cannot make, over the body's radius, since a corner that has
-/// just left has none. The gap is the difference of two heights of the body's size, of which one
-/// comes from a pose that has been turned on some times since its last sine and cosine.
-inline constexpr double kFlightRounding = 64.0 * std::numeric_limits<double>::epsilon();
+/// just left has none. The gap is the difference of two heights of the body's size.
+inline constexpr double kFlightRounding = 16.0 * std::numeric_limits<double>::epsilon();
 
 /// Gaps (m) of the pivot, the corners behind and ahead of it, and the one opposite, where that of
 /// the pivot is `gap`; each with room for rounding.

@@ -75,7 +75,7 @@ private:
     void pose_at(int quadrant, double angle) {
         upright_.set_quadrant(quadrant);
         plane_.field().rebase({body_.x, body_.y, body_.z});
-        pose_ = upright_.rebase_angle(angle);
+        pose_ = upright_.pose(angle);
         field_ = plane_.headed(plane_.field().at(tau_), body_.x, body_.y, body_.z);
     }
 

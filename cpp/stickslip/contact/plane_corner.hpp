@@ -168,9 +168,6 @@ public:
     double slip_velocity(const State& y) const { return y[3]; }
     double slip_y(const State& y) const { return y[4]; }
     double slip_along(const State& y) const { return along_front(y[3], y[4]); }
-    double slip_acceleration(const State&, const State& rates) const {
-        return along_front(rates[3], rates[4]);
-    }
     bool nearly_jams(double tau, const State& y) const {
         return solve(field_at(tau), y).upright.effective_inertia < kNearlyJammed * model().inertia;
     }

@@ -77,9 +77,6 @@ public:
     double slip_velocity(const State& y) const { return y[2]; }
     double slip_y(const State& y) const { return y[3]; }
     double slip_along(const State& y) const { return along_front(y[2], y[3]); }
-    double slip_acceleration(const State&, const State& rates) const {
-        return along_front(rates[2], rates[3]);
-    }
 
 private:
     // Along the heading and across.

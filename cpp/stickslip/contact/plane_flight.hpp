@@ -45,10 +45,7 @@ public:
         const Pose pose = upright().pose(y[3]);
         return gaps(y[2] - pose.height, pose)[i];
     }
-    void rebase(const State& y) {
-        upright().rebase_angle(y[3]);
-        plane_->field().rebase({y[0], y[1], y[2]});
-    }
+    void rebase(const State& y) { plane_->field().rebase({y[0], y[1], y[2]}); }
     State begin(const BodyState& body) const {
         return {body.x, body.y, body.z, body.angle, body.vx, body.vy, body.vz, body.omega};
     }

@@ -79,7 +79,7 @@ public:
     double min_time_constant() const { return plane_->field().min_time_constant(); }
     double event_rounding() const { return 0.0; }
 
-    /// The bases and the field's expansion, to look elsewhere and come back.
+    /// With the field's expansion, to look elsewhere and come back.
     struct Bases {
         Dynamics upright;
         SpatialField field;
@@ -97,14 +97,14 @@ protected:
     int quadrant() const { return upright().quadrant(); }
     /// (x, y): of the pivot corner.
     void rebase_to_corner(double angle, double x, double y) {
-        const Pose pose = upright().rebase_angle(angle);
+        const Pose pose = upright().pose(angle);
         const Heading& h = plane_->watch().first();
         plane_->field().rebase({x - (pose.lever - pose.roll) * h.cosine,
                                 y - (pose.lever - pose.roll) * h.sine, pose.height});
     }
     /// (x, y): of the middle of a face.
     void rebase_to_face(double x, double y) {
-        plane_->field().rebase({x, y, upright().rebase_angle(0.0).height});
+        plane_->field().rebase({x, y, upright().pose(0.0).height});
     }
     template <class Phase>
     static double event_by_rates(const Phase& phase, std::size_t i, double tau,

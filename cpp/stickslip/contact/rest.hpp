@@ -23,7 +23,6 @@ public:
     using Values = std::array<double, kEvents>;
 
     FaceRest(Dynamics& dynamics, const BodyState& body) : dynamics_(&dynamics), body_(body) {
-        dynamics_->rebase_angle(0.0);
         dynamics_->rebase_field(body.x, body.z);
     }
 

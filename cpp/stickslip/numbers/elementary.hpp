@@ -4,8 +4,8 @@
 
 #include "stickslip/numbers/pack.hpp"
 
-/// Exponential, logarithm and sine of a number, or of each member of a pack, by operations that
-/// have the same bits on every machine. The C library's differ between machines.
+/// Exponential, logarithm, sine and cosine of a number, or of each member of a pack, by operations
+/// that have the same bits on every machine. The C library's differ between machines.
 namespace stickslip {
 
 /// Adding it rounds a number of less than 2^51 to whole ones, which then stand in its lowest bits.
@@ -74,6 +74,53 @@ template <class Real>
     const Real result = r * (low + zzzz * (middle + zzzz * high));
     // Half a turn more changes the sign.
     return from_bits<Real>(to_bits(result) ^ (to_bits(shifted) << 63));
+}
+
+template <class Real>
+struct CosineAndSine {
+    Real cosine, sine;
+};
+
+/// Of an angle anywhere. Apart, so that a small one pays one test.
+template <class Real>
+[[gnu::noinline, gnu::cold]] CosineAndSine<Real> far_cosine_and_sine(Real a) {
+    return {sine(a + 1.5707963267948966), sine(a)};
+}
+
+/// Within 2e-16 for |a| < 0.888, by series; beyond by `sine`.
+template <class Real>
+[[gnu::always_inline]] inline CosineAndSine<Real> cosine_and_sine(Real a) {
+    // Taylor's in a^2 up to Chebyshev's polynomial of degree 8 over this range: left out is 1e-19.
+    constexpr double kRange = 0.79;  // of a^2
+    constexpr double kCosine[] = {1.0,
+                                  -0.49999999999999994,
+                                  0.04166666666666572,
+                                  -0.0013888888888793365,
+                                  2.480158725406432e-05,
+                                  -2.7557306382838617e-07,
+                                  2.0874834007145035e-09,
+                                  -1.132064266155941e-11};
+    constexpr double kSine[] = {1.0,
+                                -0.16666666666666666,
+                                0.008333333333333278,
+                                -0.0001984126984121359,
+                                2.7557319196002105e-06,
+                                -2.5052100824458378e-08,
+                                1.6057911691506006e-10,
+                                -7.558810571848394e-13};
+    const Real z = a * a, zz = z * z, zzzz = zz * zz;
+    const auto sum = [&](const auto& k) __attribute__((always_inline)) {
+        return ((k[0] + z * k[1]) + zz * (k[2] + z * k[3])) +
+               zzzz * ((k[4] + z * k[5]) + zz * (k[6] + z * k[7]));
+    };
+    CosineAndSine<Real> result = {sum(kCosine), a * sum(kSine)};
+    const auto far = !(z < kRange);
+    if (any(far)) [[unlikely]] {
+        const CosineAndSine<Real> there = far_cosine_and_sine(a);
+        result.cosine = select(far, there.cosine, result.cosine);
+        result.sine = select(far, there.sine, result.sine);
+    }
+    return result;
 }
 
 /// Logarithm to base 2 of a positive normal number, within 0.05: for the choice of a step's width.

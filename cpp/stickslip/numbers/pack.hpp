@@ -7,7 +7,7 @@
 #include <cstring>
 #include <type_traits>
 
-#if defined(__SSE2__)
+#if defined(__AVX2__)
 #include <immintrin.h>
 #endif
 
@@ -103,11 +103,6 @@ inline bool any(bool mask) {
 /// Bit i set where the condition holds for member i.
 template <class Mask, int N = Mask::kSize>
 [[gnu::always_inline]] inline unsigned members(Mask mask) {
-#if defined(__SSE2__)
-    if constexpr (N == 2) {
-        return static_cast<unsigned>(_mm_movemask_pd(std::bit_cast<__m128d>(mask.bits)));
-    }
-#endif
 #if defined(__AVX2__)
     if constexpr (N == 4) {
         return static_cast<unsigned>(_mm256_movemask_pd(std::bit_cast<__m256d>(mask.bits)));
@@ -177,9 +172,6 @@ inline double root(double a) {
 }
 template <int N>
 [[gnu::always_inline]] inline Pack<N> root(Pack<N> a) {
-#if defined(__SSE2__)
-    if constexpr (N == 2) return Pack<N>(std::bit_cast<typename Pack<N>::Vector>(_mm_sqrt_pd(a.v)));
-#endif
 #if defined(__AVX2__)
     if constexpr (N == 4) {
         return Pack<N>(std::bit_cast<typename Pack<N>::Vector>(_mm256_sqrt_pd(a.v)));

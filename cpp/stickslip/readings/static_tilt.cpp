@@ -30,7 +30,7 @@ public:
     /// +1 if the face at the start of `quadrant` tips about its end ahead, -1 about the one behind.
     int tips(int quadrant) {
         dynamics_.set_quadrant(quadrant);
-        const Pose pose = dynamics_.rebase_angle(0.0);
+        const Pose pose = dynamics_.pose(0.0);
         const Load load = dynamics_.load(field_, 0.0, pose.height, pose, 0.0, 0.0, 0.0);
         const FaceReaction reaction = face_reaction(model_, quadrant, load, true, 0.0);
         if (reaction.behind < 0.0 && reaction.behind <= reaction.ahead) return 1;
@@ -40,7 +40,7 @@ public:
     /// Moment about the lowest corner, N m.
     double moment(int quadrant, double angle) {
         dynamics_.set_quadrant(quadrant);
-        const Pose pose = dynamics_.rebase_angle(angle);
+        const Pose pose = dynamics_.pose(angle);
         const Load load = dynamics_.load(field_, 0.0, pose.height, pose, 0.0, 0.0, 0.0);
         return moment_about_corner(pose, load);
     }

@@ -22,8 +22,8 @@ struct ArkodeStep {
     State dense(double s) const {
         if (s == 0.0) return first;
         if (s == 1.0) return last;
-        // The interpolant asks for rates of its own, which must not move the bases of the steps to
-        // come: a recording would change the motion.
+        // The interpolant asks for rates of its own, which must not move the expansion of the field
+        // for the steps to come: a recording would change the motion.
         const auto state = phase->state();
         State y;
         session->interpolate(start + s * width, y.data());
@@ -64,17 +64,15 @@ private:
     std::int64_t begun_ = 0;  // steps
 };
 
-/// Rates and event functions somewhere.
+/// Event functions somewhere.
 template <class Phase>
-struct ArkodeLook {
-    typename Phase::State rates;
+typename Phase::Values event_values(Phase& phase, double tau, const typename Phase::State& y) {
+    typename Phase::State unused;
     typename Phase::Values events;
-
-    ArkodeLook(Phase& phase, double tau, const typename Phase::State& y) {
-        phase.rebase(y);
-        phase.rates(phase.field_at(tau), y, rates, events);
-    }
-};
+    phase.rebase(y);
+    phase.rates(phase.field_at(tau), y, unused, events);
+    return events;
+}
 
 template <class Phase>
 ArkodeSession Arkode::begin(Phase& phase, bool stalled, double tau, double tau_end,
@@ -105,7 +103,7 @@ EventHit Arkode::find_event(Phase& phase, PhaseMemory& memory, const ArkodeStep<
                             typename Phase::Values& at_start) {
     using Finder = EventFinder<Phase::kEvents>;
     const auto values = [&](double s) {
-        return ArkodeLook<Phase>(phase, step.start + s * step.width, step.dense(s)).events;
+        return event_values(phase, step.start + s * step.width, step.dense(s));
     };
     EventSamples<Phase::kEvents> samples;
     samples.start = samples.lowest = at_start;
@@ -124,8 +122,7 @@ EventHit Arkode::find_event(Phase& phase, PhaseMemory& memory, const ArkodeStep<
 template <class Phase, class Observer>
 PhaseEnd<Phase> Arkode::advance(Phase& phase, PhaseMemory& memory, double tau, double tau_end,
                                 typename Phase::State y, Observer&& observe) {
-    ArkodeLook<Phase> look(phase, tau, y);
-    typename Phase::Values g = look.events;
+    typename Phase::Values g = event_values(phase, tau, y);
     memory.begin(g, phase.event_rounding());
     ArkodeSession session = begin(phase, memory.stalled, tau, tau_end, y);
     ArkodeStep<Phase> step;
@@ -159,9 +156,8 @@ PhaseEnd<Phase> Arkode::advance(Phase& phase, PhaseMemory& memory, double tau, d
         const double s = stops ? stop : hit.s;
         end.tau = hit || stops ? step.start + s * step.width : tau;
         end.y = step.dense(s);
-        const ArkodeLook<Phase> before = look;
-        look = ArkodeLook<Phase>(phase, end.tau, end.y);
-        end.trace.step(phase, end.tau - step.start, step.first, before.rates, end.y, look.rates);
+        phase.rebase(end.y);
+        end.trace.step(phase, end.tau - step.start, step.first, end.y);
         if (stops) break;
         if (hit) {
             end.event = Phase::kEvent[static_cast<std::size_t>(hit.index)];

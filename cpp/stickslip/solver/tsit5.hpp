@@ -131,11 +131,7 @@ bool Tsit5::finish(Phase& phase, PhaseMemory& memory, Tsit5Progress<Phase>& p, b
         const double s = stops ? stop : hit.s;
         const double tau = p.tau + s * step.width;
         const typename Phase::State last = s == 0.0 ? step.first : step.dense(s);
-        typename Phase::State rates;
-        typename Phase::Values unused;
-        phase.rates(phase.field_at(tau), last, rates, unused);
-        ++counts_.evaluations;
-        p.trace.step(phase, s * step.width, step.first, step.slope[0], last, rates);
+        p.trace.step(phase, s * step.width, step.first, last);
         p.accepted += 1.0;
         const Event event =
             stops ? Event::none : Phase::kEvent[static_cast<std::size_t>(hit.index)];

@@ -179,7 +179,7 @@ struct WidthControl {
 };
 
 /// Where the integration of a phase stands. All members are numbers, so that a pack of phases has
-/// the same members as packs (lane_kernel.hpp); phase_pack.hpp copies ranges of them, in this
+/// the same members as packs (lane_kernel.cpp); phase_pack.hpp copies ranges of them, in this
 /// order.
 template <class Phase>
 struct Tsit5Progress {
@@ -228,7 +228,7 @@ struct Tsit5Progress {
         next_control.accept(step.width, error, cut);
         blend<Real>(done, control, next_control);
         MotionTrace<Real> longer = trace;
-        longer.step(phase, step.width, step.first, step.slope[0], step.last, step.slope[6]);
+        longer.step(phase, step.width, step.first, step.last);
         blend<Real>(done, trace, longer);
         accepted = select(done, accepted + 1.0, accepted);
         tau = select(done, select(cut, tau_end, tau + step.width), tau);

@@ -1,10 +1,8 @@
-#pragma once
-
 #include "stickslip/batch/lane_numbers.hpp"
 
-/// One step of a pack of runs. Compiled once for each width of the processor's registers
-/// (lane_kernel_*.cpp), so nothing here may be shared with other translation units: all is
-/// templates over a pack of that width.
+// One step of a pack of runs. Compiled once for each width of the processor's registers
+// (STICKSLIP_LANE_WIDTH), so nothing here may be shared with other translation units: all is
+// templates over a pack of that width.
 namespace stickslip {
 
 /// The dynamics of a pack of robots without named effects or with them; see Dynamics for the
@@ -17,7 +15,7 @@ public:
 
     PackDynamics(const PlainDynamics<Real>& robot, const FieldStretch<Real>& field,
                  const Named& named)
-        : robot_(&robot), field_(&field), named_(&named), far_(Real(1.0) < Real(0.0)) {}
+        : robot_(&robot), field_(&field), named_(&named) {}
 
     const PlainDynamics<Real>& robot() const { return *robot_; }
     [[gnu::always_inline]] ExpansionOf<Real> field_at(Real tau) const {
@@ -29,12 +27,7 @@ public:
         }
         return result;
     }
-    [[gnu::always_inline]] PoseOf<Real> pose(Real angle) const {
-        const Real d = angle - robot_->base.angle;
-        const Real dd = d * d;
-        far_ = far_ | !(dd < PlainDynamics<Real>::kNearSquared);
-        return robot_->turned(d, dd);
-    }
+    [[gnu::always_inline]] PoseOf<Real> pose(Real angle) const { return robot_->pose(angle); }
     [[gnu::always_inline]] Real static_limit(double slip, Real x, const PoseOf<Real>&, Real,
                                              Real) const {
         if constexpr (kEffects) return robot_->static_friction * friction().place(slip, x);
@@ -66,8 +59,6 @@ public:
         }
         return load;
     }
-    /// Where an angle was too far from the base for the series.
-    MaskOf<Real> far() const { return far_; }
 
 private:
     const SmoothFriction<Real>& friction() const { return named_->effects.friction; }
@@ -75,7 +66,6 @@ private:
     const PlainDynamics<Real>* robot_;
     const FieldStretch<Real>* field_;
     const Named* named_;
-    mutable MaskOf<Real> far_;
 };
 
 template <template <class> class PhaseOf, class Real, bool kEffects>
@@ -91,13 +81,10 @@ LaneRound lane_step(double* memory) {
 
     const auto to_end = p.begin_step(phase);
     p.attempt(phase);
-    const Real angle = phase.angle(p.step.last);
-    const PoseOf<Real> pose = dynamics.pose(angle);
-    const auto far = dynamics.far();
 
     // What the caller has to see: a step that is not accepted, ends the stretch or may hold an
-    // event or a turn of the field; a base that has to be computed anew.
-    auto flagged = (!(p.error <= 1.0)) | to_end | far | (p.accepted + 1.0 >= p.most_steps) |
+    // event or a turn of the field; a robot that leaves the middle of the field's expansion.
+    auto flagged = (!(p.error <= 1.0)) | to_end | (p.accepted + 1.0 >= p.most_steps) |
                    (!(p.tau + p.step.width > p.tau)) | (n.stalled > 0.0) |
                    (p.tau + p.step.width >= p.look);
     for (std::size_t i = 0; i < p.samples.end.size(); ++i) {
@@ -107,30 +94,28 @@ LaneRound lane_step(double* memory) {
                                  p.samples.may_dip(i))) |
                   (unarmed & !p.samples.rises(i));
     }
-    flagged = flagged | (n.robot.base.turns + 1.0 >= double{PlainDynamics<Real>::kMostTurns});
-    const Point<Real> centre = phase.centre(p.step.last, pose);
+    const Point<Real> centre = phase.centre(p.step.last, dynamics.pose(phase.angle(p.step.last)));
     flagged = flagged | !n.workspace.holds(centre.x, centre.z);
     flagged = flagged | (magnitude(centre.x - n.field.centre_x) > p.half_reach) |
               (magnitude(centre.z - n.field.centre_z) > p.half_reach);
 
     const auto done = !flagged;
-    const BasePose<Real> base = {angle, n.robot.base.turns + 1.0, pose};
-    blend<Real>(done, n.robot.base, base);
     for (Real& unarmed : n.unarmed) unarmed = select(done, Real(0.0), unarmed);
     p.commit(phase, done, to_end);
-    return {members(flagged), members(far), members(to_end)};
+    return {members(flagged), members(to_end)};
 }
 
-template <int N, bool kEffects>
+template <class Real, bool kEffects>
 LaneKernels::Steps lane_steps() {
-    return {&lane_step<CornerStickPhaseOf, Pack<N>, kEffects>,
-            &lane_step<CornerSlipPhaseOf, Pack<N>, kEffects>,
-            &lane_step<FlightPhaseOf, Pack<N>, kEffects>};
+    return {&lane_step<CornerStickPhaseOf, Real, kEffects>,
+            &lane_step<CornerSlipPhaseOf, Real, kEffects>,
+            &lane_step<FlightPhaseOf, Real, kEffects>};
 }
 
-template <int N>
-LaneKernels kernels_of() {
-    return {N, lane_steps<N, false>(), lane_steps<N, true>()};
+template <>
+LaneKernels lane_kernels_of<STICKSLIP_LANE_WIDTH>() {
+    using Real = Pack<STICKSLIP_LANE_WIDTH>;
+    return {Real::kSize, lane_steps<Real, false>(), lane_steps<Real, true>()};
 }
 
 }  // namespace stickslip
