@@ -1,8 +1,6 @@
 #include "stickslip/batch/lanes.hpp"
 
 #include <algorithm>
-#include <map>
-#include <memory>
 #include <type_traits>
 #include <vector>
 
@@ -97,12 +95,13 @@ private:
     void play(Lane& lane) {
         while (lane.loop.next_phase()) {
             bool added = false;
-            lane.loop.with_phase([&](auto phase) {
+            lane.loop.player().with_phase([&](auto phase) {
                 using Phase = decltype(phase);
                 Lane::Loop& loop = lane.loop;
-                constexpr bool kNever = std::is_same_v<Phase, FaceSlidePhase> || Phase::kTurns;
+                constexpr bool kNever = std::is_same_v<Phase, FaceSlidePhase> ||
+                                        std::is_same_v<Phase, FaceRestPhase> || Phase::kTurns;
                 if (kNever || is_few()) {
-                    loop.play(phase);
+                    loop.play_phase();
                 } else if constexpr (!kNever) {
                     loop.is_plain() ? plain_.add(phase, lane) : extended_.add(phase, lane);
                     added = true;
@@ -153,31 +152,6 @@ void play_in_lanes(const LaneKernels& kernels, std::size_t count,
         }
     }
     group.interrupt();
-}
-
-void simulate_in_lanes(const LaneKernels& kernels, std::size_t count,
-                       const std::function<std::optional<LaneTask>()>& next,
-                       const std::function<void(std::size_t, RunResult&&)>& done,
-                       RunControl& control) {
-    std::map<const Lane*, std::unique_ptr<Lane>> lanes;
-    const auto next_lane = [&]() -> Lane* {
-        while (const auto task = next()) {
-            if (task->scenario.solver.method == Method::tsit5) {
-                auto lane =
-                    std::make_unique<Lane>(task->index, task->scenario, control, task->stop);
-                Lane* const key = lane.get();
-                lanes.emplace(key, std::move(lane));
-                return key;
-            }
-            done(task->index, simulate(task->scenario, &control, task->stop));
-        }
-        return nullptr;
-    };
-    const auto ended = [&](Lane& lane) {
-        done(lane.index, lane.loop.take_result());
-        lanes.erase(&lane);
-    };
-    play_in_lanes(kernels, count, next_lane, ended, control);
 }
 
 }  // namespace stickslip

@@ -93,18 +93,19 @@ private:
     // Writes the ranges of the numbers that its next phase begins with.
     void enter(Lane& lane, std::size_t place, std::initializer_list<Range> ranges) {
         Loop& loop = lane.loop;
-        loop.with_phase([&](auto phase) {
+        loop.player().with_phase([&](auto phase) {
             if constexpr (std::is_same_v<decltype(phase), Phase>) {
                 N numbers;
-                numbers.progress = loop.integrator().begin(
-                    phase, loop.memory(), loop.tau(), loop.tau_end(), phase.begin(loop.body()));
+                numbers.progress = loop.tsit5().begin(
+                    phase, loop.player().memory(), loop.player().tau(),
+                    loop.player().segment().duration, phase.begin(loop.player().body()));
                 numbers.progress.look = loop.next_look();
-                numbers.robot = loop.dynamics().robot();
-                set_field(numbers, loop.dynamics());
+                numbers.robot = loop.player().dynamics().robot();
+                set_field(numbers, loop.player().dynamics());
                 numbers.contact_x = phase.contact_x(numbers.progress.step.first);
-                numbers.slip = loop.slip();
-                numbers.workspace = loop.dynamics().field().workspace();
-                set_memory(numbers, loop.memory());
+                numbers.slip = loop.player().state().mode.slip;
+                numbers.workspace = loop.player().dynamics().field().workspace();
+                set_memory(numbers, loop.player().memory());
                 write(numbers, place, ranges);
             }
         });
@@ -134,14 +135,14 @@ private:
         Loop& loop = lane.loop;
         N numbers = read(place, {kProgress, kCentre, kUnarmed});
         for (std::size_t i = 0; i < Phase::kEvents; ++i) {
-            loop.memory().armed[i] = numbers.unarmed[i] == 0.0;
+            loop.player().memory().armed[i] = numbers.unarmed[i] == 0.0;
         }
         Finish found = Finish::step;
-        loop.with_phase([&](auto phase) {
+        loop.player().with_phase([&](auto phase) {
             if constexpr (std::is_same_v<decltype(phase), Phase>) {
                 PhaseEnd<Phase> end;
-                if (!loop.integrator().finish(phase, loop.memory(), numbers.progress, to_end,
-                                              loop.observer(phase), end)) {
+                if (!loop.tsit5().finish(phase, loop.player().memory(), numbers.progress, to_end,
+                                         loop.observer(phase), end)) {
                     go_on(loop, numbers, place);
                     return;
                 }
@@ -154,12 +155,12 @@ private:
     }
 
     void go_on(Loop& loop, N& numbers, std::size_t place) {
-        const FieldStretch<double>& field = loop.dynamics().field().stretch();
+        const FieldStretch<double>& field = loop.player().dynamics().field().stretch();
         numbers.progress.look = loop.next_look();
-        set_memory(numbers, loop.memory());
+        set_memory(numbers, loop.player().memory());
         write(numbers, place, {kState, kStart, kStartEvents, kUnarmed});
         if (field.centre_x != numbers.field.centre_x || field.centre_z != numbers.field.centre_z) {
-            set_field(numbers, loop.dynamics());
+            set_field(numbers, loop.player().dynamics());
             write(numbers, place, {kField});
         }
     }

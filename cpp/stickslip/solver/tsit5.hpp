@@ -96,6 +96,9 @@ Tsit5Progress<Phase> Tsit5::begin(Phase& phase, PhaseMemory& memory, double tau,
     progress.most_steps = static_cast<double>(options_.most_steps - counts_.accepted);
     progress.max_step =
         options_.max_step > 0.0 ? options_.max_step : std::numeric_limits<double>::infinity();
+    if constexpr (requires { Phase::kRests; }) {
+        progress.max_step = std::min(progress.max_step, options_.longest_rest);
+    }
     progress.min_time_constant = phase.min_time_constant();
     progress.half_reach = 0.5 * phase.reach();
     return progress;
