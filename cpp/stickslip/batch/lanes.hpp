@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include "stickslip/batch/lane_numbers.hpp"
 #include "stickslip/run/hybrid_loop.hpp"
@@ -10,6 +11,12 @@
 #include "stickslip/solver/tsit5.hpp"
 
 namespace stickslip {
+
+/// The widest that this processor has and that the environment variable STICKSLIP_LANES, a means of
+/// measurement that is read once, allows: 4 or 8; at 1 every run goes alone.
+const LaneKernels& lane_kernels();
+/// All that it has, narrowest first, perhaps none: all give the same bits.
+const std::vector<LaneKernels>& all_lane_kernels();
 
 /// A scenario of a batch, and its place there.
 struct LaneTask {

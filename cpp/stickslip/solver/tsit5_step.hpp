@@ -29,6 +29,10 @@ struct Tsit5Step {
     Real start;  ///< s
     Real width;  ///< s
 
+    [[gnu::always_inline]] auto members() {
+        return std::tie(weight, first, slope, last, start, width);
+    }
+
     /// Coordinates at a fraction of the step, each had where it is asked for: most event functions
     /// need one or two.
     class At {
@@ -153,6 +157,8 @@ struct WidthControl {
     Real log_error;  ///< base 2, of the last accepted step
     Real rejected;   ///< 1 after a step that was not accepted, else 0
 
+    [[gnu::always_inline]] auto members() { return std::tie(proposal, log_error, rejected); }
+
     /// An error below 1e-4 of the tolerance is taken for that.
     static constexpr double kLeastLogError = -13.3;
 
@@ -179,8 +185,7 @@ struct WidthControl {
 };
 
 /// Where the integration of a phase stands. All members are numbers, so that a pack of phases has
-/// the same members as packs (lane_kernel.cpp); phase_pack.hpp copies ranges of them, in this
-/// order.
+/// the same members as packs (lane_kernel.cpp).
 template <class Phase>
 struct Tsit5Progress {
     using Real = typename Phase::Real;
@@ -199,6 +204,11 @@ struct Tsit5Progress {
     Tsit5Step<Phase> step;  ///< the last attempt, `first` and the first slope of the next one
     EventSamples<Phase::kEvents, Real> samples;  ///< of the last attempt, `start` of the next one
     Real error;                                  ///< of the last attempt, squared
+
+    [[gnu::always_inline]] auto members() {
+        return std::tie(tau_end, most_steps, max_step, min_time_constant, half_reach, tau, look,
+                        accepted, control, trace, step, samples, error);
+    }
 
     /// Chooses the next attempt's width; true where it goes to the end of the stretch.
     [[gnu::always_inline]] MaskOf<Real> begin_step(const Phase& phase) {
