@@ -120,8 +120,7 @@ LaneRound PackOf<PhaseOf, Real, kEffects>::step(void* pack) {
     PackDynamics<Real, kEffects> dynamics(n.robot, n.field, n.named);
     const auto phase = make_phase(n, dynamics);
 
-    const auto to_end = p.begin_step(phase);
-    p.attempt(phase);
+    const auto to_end = p.attempt(phase);
 
     // What the caller has to see: a step that is not accepted, ends the stretch or may hold an
     // event or a turn of the field; a robot that leaves the middle of the field's expansion.

@@ -6,7 +6,7 @@
 #include <type_traits>
 
 #include "stickslip/contact/phases.hpp"
-#include "stickslip/solver/tsit5_step.hpp"
+#include "stickslip/solver/tsit5.hpp"
 
 namespace stickslip {
 

@@ -83,7 +83,7 @@ public:
             stickslip::with_phase(dynamics_, state_, use);
         }
     }
-    /// What is called for each step of a phase, see Tsit5::advance.
+    /// What is called for each step of a phase, see StepLoop::advance.
     template <class Phase>
     auto observer(Phase& phase);
     /// Ends the run where it is.
