@@ -86,20 +86,6 @@ MUTATIONS = (
         "return robot_->static_friction;",
     ),
     Mutation(
-        "recorded",
-        "angle_offset",
-        "measurement_chain.cpp",
-        "for (double& theta : recording.theta) theta += angle_offset;",
-        "",
-    ),
-    Mutation(
-        "recorded",
-        "clock_scale",
-        "measurement_chain.cpp",
-        "scale(recording.t, time);",
-        "",
-    ),
-    Mutation(
         "stepped",
         "sample_hold",
         "control_steps.cpp",
@@ -131,7 +117,7 @@ MUTATIONS = (
         "rolled out",
         "misalignment",
         "rollout.cpp",
-        "        const Scenario own = without_record(*given);\n",
+        "        Scenario own = without_record(*given);\n",
         "        Scenario own = without_record(*given);\n"
         "        own.effects.misalignment_angle = 0.0;\n",
     ),

@@ -64,15 +64,20 @@ def readme_commands() -> list[str]:
     return _COMMAND.findall(README.read_text(encoding="utf-8"))
 
 
+def run_commands(commands: list[str], folder: Path) -> None:
+    """Run commands of the README in an empty folder, where its examples are put."""
+    shutil.copytree(EXAMPLES, folder, dirs_exist_ok=True)
+    for command in commands:
+        words = shlex.split(command)
+        start = ["-m", "stickslip"] if words[0] == "stickslip" else []
+        subprocess.run([sys.executable, *start, *words[1:]], cwd=folder, check=True)
+
+
 def make_readme() -> None:
-    """Run the commands of the README where its examples are."""
+    """Keep what the commands of the README write."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        shutil.copytree(EXAMPLES, folder, dirs_exist_ok=True)
-        for command in readme_commands():
-            words = shlex.split(command)
-            start = ["-m", "stickslip"] if words[0] == "stickslip" else []
-            subprocess.run([sys.executable, *start, *words[1:]], cwd=folder, check=True)
+        run_commands(readme_commands(), folder)
         _photograph(folder / "found" / "report.html", folder / "diagnosis.png")
         for picture in linked(README):
             if (folder / picture.name).is_file():

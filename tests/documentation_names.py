@@ -15,6 +15,7 @@ _BEGINNINGS = (
     ROOT,
     ROOT / "python" / "stickslip",
     ROOT / "python" / "stickslip" / "diagnosis",
+    ROOT / "cpp",
     ROOT / "cpp" / "stickslip",
     ROOT / "cpp" / "bindings",
     ROOT / "tests",
@@ -48,8 +49,7 @@ def _sources() -> dict[str, list[Path]]:
 def _paths(name: str) -> list[Path]:
     """Where a file or folder of this name is; one without a folder may be anywhere."""
     whole = [start / name for start in _BEGINNINGS if (start / name).exists()]
-    bare = name.rstrip("/")
-    return whole or ([] if "/" in bare else _sources().get(name, []))
+    return whole if "/" in name.rstrip("/") else whole + _sources().get(name, [])
 
 
 @functools.cache

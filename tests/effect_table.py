@@ -53,7 +53,6 @@ SIZES = {
 }
 # Where the unit does not tell the size.
 CHOSEN: dict[str, float | None] = {
-    "effects.restitution.coefficient": 0.5,
     "effects.angle_adhesion.strength": 0.9,
     "effects.angle_drag.strength": 20.0,
     "effects.gradient_scale.fraction": 1.0,
@@ -73,12 +72,6 @@ ACROSS = {
 # Of a free shape, neither symmetric nor monotonic, and not zero where the argument is.
 KNOTS = {"knot_1": 0.15, "knot_2": -0.1, "knot_3": 0.05, "knot_4": 0.2, "knot_5": -0.15}
 OWN_COIL = 0.9  # values of one coil over those of all
-
-# Readings of a camera: factors of lengths and times, and what is added to angles. The motion and
-# its states have none of them.
-LENGTH, CLOCK = "effects.length_scale.fraction", "effects.clock_scale.fraction"
-ANGLE = "effects.angle_offset.angle"
-INSTRUMENTS = ("length_scale", "clock_scale", "angle_offset")
 
 OWN = ("own_compiled", "own_python")
 

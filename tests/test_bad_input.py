@@ -63,10 +63,6 @@ SCENARIOS = {
     ),
     "sawtooth upside down": (HEAD + "base = 3e-3\n", ["drive.peak", "drive.base"]),
     "edge too long": (HEAD + "edge_time = 0.01\n", ["drive.edge_time = 0.01", "period"]),
-    "restitution": (
-        HEAD + "[contact]\nrestitution = 0.6\n[effects.restitution]\ncoefficient = 0.6\n",
-        ["effects.restitution.coefficient = 0.6", "at most 1"],
-    ),
     "zero rate": (HEAD + "[record]\nrate = 0\n", ["record.rate = 0", "above 0"]),
     "nan rate": (HEAD + "[record]\nrate = nan\n", ["record.rate = nan", "above 0"]),
     "rate as word": (HEAD + '[record]\nrate = "all"\n', ['record.rate = "all"', '"events"']),

@@ -21,7 +21,7 @@ from helpers import (
     still_for,
     volts,
 )
-from stickslip import Scenario, Waveform
+from stickslip import Waveform
 from stickslip.scenario.named_effects import is_lawful
 
 # One value at which each parameter counts.
@@ -30,7 +30,6 @@ PARAMETERS = {
     "ambient_field.Bx": 2e-4,
     "ambient_field.Bz": -2e-4,
     "misalignment.angle": 0.2,
-    "restitution.coefficient": 0.5,
     "angle_drag.strength": 20.0,
     "rotational_drag.coefficient": 1e-13,
     "stribeck_friction.velocity": 2e-3,
@@ -38,25 +37,20 @@ PARAMETERS = {
     "coil_heating.coefficient": 1.0,
     "amplifier_limit.voltage": 15.0,
     "sample_hold.period": 1.1e-3,
-    "edge_time.time": 2e-3,
     "mutual_inductance.coupling": 0.1,
     "gradient_scale.fraction": 2.0,
     "field_gain.in_plane": 0.1,
     "field_gain.clamp": 0.1,
-    "magnetization_scale.fraction": 0.1,
     "viscous_friction.coefficient": 20.0,
     "friction_anisotropy.fraction": 0.2,
     "angle_adhesion.strength": 0.9,
     "adhesion_ageing.rate": 0.5,
     "quadratic_drag.coefficient": 1e-3,
     "friction_patches.amplitude": 0.5,
-    "length_scale.fraction": 0.05,
-    "clock_scale.fraction": 0.05,
-    "angle_offset.angle": 0.05,
 }
 # What shapes an extension that another parameter makes present.
 SHAPES = {"adhesion_ageing.time", "friction_patches.period"}
-# OPP with hops, so that restitution has something to act on.
+# OPP with hops.
 DRIVE = {"mode": "OPP", "hold": 2.5e-3, "base": 0.0, "pulses": 8}
 ARRAYS = ("t", "x", "z", "theta", "vx", "vz", "omega", "normal_force", "friction_force", "current")
 
@@ -135,14 +129,6 @@ def test_misaligned_moment_is_turned_by_its_angle(angle):
     assert swing.contact[-1] == FLIGHT
     # Within 50 ms the drag damps by exp(-2e-13 / (2 J) 50 ms) = e^-32.
     assert swing.theta[-1] == pytest.approx(-angle, abs=1e-5)
-
-
-def test_restitution_adds_to_that_of_the_contact():
-    both = run({"contact.restitution": 0.2, "effects.restitution.coefficient": 0.3}, **DRIVE)
-    one = run({"contact.restitution": 0.5}, **DRIVE)
-    assert both.mean_velocity == one.mean_velocity
-    with pytest.raises(stickslip.ScenarioError, match="at most 1"):
-        Scenario().replace({"contact.restitution": 0.6, "effects.restitution.coefficient": 0.5})
 
 
 @pytest.mark.parametrize("strength", [4.0, -0.5])

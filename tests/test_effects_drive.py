@@ -232,18 +232,6 @@ def test_mean_velocity_of_a_held_output_is_over_the_same_window(period, ramp_dow
     assert of.mean_velocity > 1e-4
 
 
-@pytest.mark.parametrize("edge", ["rise", "fall"])
-def test_edge_time_is_that_of_the_drive_to_the_last_bit(edge):
-    drive = {"mode": "OPP", "edge": edge, "base": 0.0, "hold": 2.5e-3, "pulses": 6}
-    effect = run({"effects.edge_time.time": 1.5e-3}, rate=2e3, **drive)
-    same = run(edge_time=1.5e-3, rate=2e3, **drive)
-    both = run({"effects.edge_time.time": 1.0e-3}, edge_time=0.5e-3, rate=2e3, **drive)
-    for other in (effect, both):
-        assert np.array_equal(other.current, same.current)
-        assert np.array_equal(other.x, same.x)
-        assert other.summary() == same.summary()
-
-
 @pytest.mark.parametrize("coupling", [0.2, -0.15])
 @pytest.mark.parametrize("driven", [XP, CLAMP])
 def test_coupled_coils_share_the_current_of_a_step(driven, coupling):

@@ -5,7 +5,7 @@ import functools
 import pytest
 
 import effect_table
-from effect_table import INSTRUMENTS, OWN, Case, Table, rows
+from effect_table import OWN, Case, Table, rows
 from stickslip import unregister_effect
 from ways_to_run import TWO_PROGRAMS, WAYS
 
@@ -67,15 +67,6 @@ def test_what_acts_in_one_plane_acts_in_the_whole_plane_too():
 def test_every_run_of_the_table_comes_to_its_end(choice):
     runs = table_of(choice).alone
     assert {str(case): run.status for case, run in runs.items() if not run.ok} == {}
-
-
-def test_an_instrument_changes_no_state():
-    """What a camera reads wrongly moves nothing: the steps of a `Simulator` know none of it."""
-    table = table_of("singles")
-    for case in table.cases:
-        if case.effects and case.effects[0] in INSTRUMENTS:
-            plain = table.alone[Case((), case.drive, case.push)]
-            assert table.alone[case].final_state == plain.final_state
 
 
 def acts(table, case):

@@ -17,7 +17,6 @@ from helpers import (
     QUICK_COILS,
     STICKING,
     check_energy_balance,
-    corner_offsets,
     energy,
     is_mode,
     program,
@@ -47,7 +46,6 @@ KEYS = {
     "equal friction": {"contact.static_friction": 0.3, "contact.kinetic_friction": 0.3},
     "low friction": {"contact.static_friction": 0.05, "contact.kinetic_friction": 0.035},
     "rebound": {"contact.restitution": 0.5},
-    "ranged adhesion": {"contact.adhesion_range": 2e-6},
     "tilt": {"effects.surface_tilt.angle": -0.1},
     "stribeck": {"effects.stribeck_friction.velocity": 1e-3},
 }
@@ -150,34 +148,13 @@ def risen(of):
     return height(of.theta) - height(0.0)
 
 
-def adhesion_energy(of):
-    """Potential energy of adhesion with a finite range, J: the pulls f of the corners make
-    f.w - f.f/2 as large as they can, with weights w = 1 - gap/range; they add up to at most 1.
-    """
-    contact = of.scenario.contact
-    gaps = of.z + corner_offsets(of)[1] - risen(of)
-    weights = np.sort(np.clip(1.0 - gaps / contact.adhesion_range, 0.0, 1.0), axis=0)[::-1]
-    # With the n nearest corners the pulls are w less what brings their sum down to 1; the n for
-    # which none is negative.
-    best = np.zeros(len(of.t))
-    for n in range(1, 5):
-        near = weights[:n]
-        pulls = near - np.maximum(0.0, (near.sum(axis=0) - 1.0) / n)
-        value = (pulls * (near - 0.5 * pulls)).sum(axis=0)
-        best = np.where(np.all(pulls >= 0.0, axis=0), np.maximum(best, value), best)
-    return -contact.adhesion * contact.adhesion_range * best
-
-
-@pytest.mark.parametrize("reach", [0.0, 2e-5])
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 0.9, 1.0])
 @pytest.mark.parametrize("friction", [0.0, 0.2, 1.0])
 @pytest.mark.parametrize("drag", [0.0, 1e-5])
-def test_energy_never_grows_in_constant_currents(drag, friction, restitution, reach):
-    # Adhesion without range does no work: it holds what does not rise, is gone the moment that this
-    # leaves, and acts again only on what has landed. With a range it has a potential. What is left
-    # are conservative forces and losses.
+def test_energy_never_grows_in_constant_currents(drag, friction, restitution):
+    # Adhesion does no work: it holds what does not rise, is gone the moment that this leaves, and
+    # acts again only on what has landed. What is left are conservative forces and losses.
     keys = {
-        "contact.adhesion_range": reach,
         "contact.static_friction": friction,
         "contact.kinetic_friction": 0.7 * friction,
         "contact.restitution": restitution,
@@ -187,10 +164,9 @@ def test_energy_never_grows_in_constant_currents(drag, friction, restitution, re
         **QUICK_COILS,
     }
     moving = run(keys, program(_steps(STEPS)), rate=1e5)
-    content = energy(moving) + (adhesion_energy(moving) if reach else 0.0)
     scale = MOMENT * 2.5e-3
     inside = (moving.t % 0.02 > 2e-5) & (moving.t % 0.02 < 0.02 - 1.5e-5)
-    gain = np.diff(content)[inside[1:] & inside[:-1]]
+    gain = np.diff(energy(moving))[inside[1:] & inside[:-1]]
     assert gain.max() < 1e-9 * scale
     if drag or (friction and restitution < 0.9):
         assert gain.sum() < -1e-3 * scale
@@ -201,14 +177,12 @@ def test_energy_never_grows_in_constant_currents(drag, friction, restitution, re
         assert np.abs(gain).max() < 1e-9 * scale
 
 
-@pytest.mark.parametrize("reach", [0.0, 2e-5])
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
 @pytest.mark.parametrize("friction", [0.0, 0.2])
-def test_energy_never_grows_with_a_contact_beside_the_corner(friction, restitution, reach):
+def test_energy_never_grows_with_a_contact_beside_the_corner(friction, restitution):
     # The same where what touches rolls: in flight, impacts and slips, on corners and faces.
     keys = {
         **shaped("free_contact_place", (0.2, -0.15, 0.1, 0.2, -0.1)),
-        "contact.adhesion_range": reach,
         "contact.static_friction": friction,
         "contact.kinetic_friction": 0.7 * friction,
         "contact.restitution": restitution,
@@ -219,10 +193,9 @@ def test_energy_never_grows_with_a_contact_beside_the_corner(friction, restituti
     }
     moving = run(keys, program(_steps(STEPS)), rate=1e5)
     assert np.ptp(risen(moving)) > 1e-6
-    content = energy(moving) + (adhesion_energy(moving) if reach else 0.0)
     scale = MOMENT * 2.5e-3
     inside = (moving.t % 0.02 > 2e-5) & (moving.t % 0.02 < 0.02 - 1.5e-5)
-    gain = np.diff(content)[inside[1:] & inside[:-1]]
+    gain = np.diff(energy(moving))[inside[1:] & inside[:-1]]
     assert gain.max() < 1e-9 * scale
     if not friction and restitution == 1.0:
         assert np.mean(moving.contact == FLIGHT) > 0.1

@@ -13,14 +13,8 @@ import xarray
 from command_line import COMMAND, stickslip, stickslip_process
 from recorded_runs import COARSE, DENSE, ENDLESS, assert_same_record
 from stickslip import (
-    Contact,
-    Drag,
-    Drive,
     EffectParameter,
-    Record,
-    Scenario,
     ScenarioError,
-    Waveform,
     open_run,
     register_effect,
     simulate,
@@ -203,42 +197,6 @@ def test_an_interrupted_command_says_what_it_kept(tmp_path):
     assert last.endswith(f"run.nc has the record up to {run.recorded_until:.6g} s")
     assert len(run.t) >= BLOCK
     assert [each.name for each in out.iterdir()] == ["run.nc"]
-
-
-def test_a_run_that_leaves_has_the_velocity_of_the_pulses_that_were_finished(tmp_path):
-    # Down a slope to the coils, some 0.15 s; the record shows how far each pulse took it.
-    scenario = Scenario(
-        contact=Contact(static_friction=0.0, kinetic_friction=0.0),
-        drag=Drag(linear=0.0),
-        effects={"surface_tilt": {"angle": 1.4}},
-        record=Record(rate=1000.0),
-    )
-    run = simulate(scenario, out=tmp_path / "run.nc")
-    assert (run.status, run.complete) == ("left_workspace", False)
-    assert np.isnan(run.mean_velocity)
-    summary = run.summary()
-    finished = summary["finished_pulses"]
-    # From the end of the third pulse at 80 ms, 10 ms each.
-    assert finished == int((summary["simulated_time"] - 0.08) / 0.01) > 3
-    velocity = (run.x[80 + 10 * finished] - run.x[80]) / (0.01 * finished)
-    assert summary["finished_velocity"] == pytest.approx(velocity, rel=1e-9)
-    (note,) = [str(note) for note in run.notes if note.code == "pulses-unfinished"]
-    assert f"after {finished} of the 97 pulses of the measuring window" in note
-    assert f"{velocity * 1e3:.5g} mm/s" in note
-    again = open_run(tmp_path / "run.nc")
-    assert repr(again.summary()) == repr(summary)
-    assert json.loads(xarray.open_dataset(tmp_path / "run.nc").attrs["notes"]) == summary["notes"]
-
-
-def test_a_run_to_its_end_has_finished_all_pulses(dense):
-    summary = dense.summary()
-    assert summary["finished_pulses"] == 9
-    assert summary["finished_velocity"] == dense.mean_velocity
-    half = simulate(COARSE, until="time >= 0.123")
-    # The window of a run that is ended by its condition ends there, within the fifth pulse.
-    assert half.summary()["finished_pulses"] == 4
-    program = Scenario(drive=Drive(mode="program", program=Waveform.hold(0.02, {"xp": 5.0})))
-    assert simulate(program).summary()["finished_pulses"] == 0
 
 
 # Room for one block of 65 536 samples of 169 bytes and a margin, not for two.

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from check_run import MEAN_VELOCITY, TOLERANCE
 from play import browser as chromium
 from stickslip import Scenario, ScenarioError, load, simulate
 
@@ -70,6 +71,12 @@ def test_ten_velocities_are_those_of_the_native_core():
     native = [native_velocity(each) for each in TEN]
     assert len({round(v, 6) for v in native}) == len(TEN)
     assert found == pytest.approx(native, rel=1e-9), "make play builds the page"
+
+
+@needs_node
+def test_the_page_has_the_number_of_the_check_run():
+    (run,) = in_node([{"drive.base": 0.5e-3, "drive.pulses": 20}])
+    assert run["mean_velocity"] == pytest.approx(MEAN_VELOCITY, rel=TOLERANCE)
 
 
 @needs_node
@@ -168,7 +175,7 @@ def test_keys_change_a_slider_and_stop_the_film(opened):
         "drive.frequency=1e4",
         "drive.base=0.003",  # above the peak
         "effects.friction_patches.amplitude=0.5&effects.friction_patches.period=5",
-        "effects.eddy_lag.time=0.001&effects.edge_time.time=0.001",
+        "effects.eddy_lag.time=0.001&drive.edge_time=0.001",
         "guess=some",
         "%",
     ],
@@ -200,11 +207,11 @@ def test_narrow_and_wide_light_and_dark(opened, fragment):
 
 @needs_chromium
 def test_copied_scenarios_give_the_number_of_the_page(opened, tmp_path, capsys):
-    page = opened("drive.frequency=80&drive.mode=OPP&drive.edge=fall&effects.edge_time.time=0.002")
+    page = opened("drive.frequency=80&drive.mode=OPP&drive.edge=fall&drive.edge_time=0.002")
     velocity = page.evaluate("run.mean_velocity")
     file = tmp_path / "copied.toml"
     file.write_text(page.evaluate("toml(scenarioChanges())"))
-    assert load(file).get("effects.edge_time.time") == 0.002
+    assert load(file).get("drive.edge_time") == 0.002
     assert simulate(load(file)).mean_velocity == pytest.approx(velocity, rel=1e-9)
     exec(page.evaluate("python(scenarioChanges())"), {})
     assert float(capsys.readouterr().out) == pytest.approx(velocity, rel=1e-9)
@@ -227,6 +234,26 @@ def test_the_examples_do_what_their_names_say(opened):
     assert found["Tips over"]["rolls"] > 2
     assert "magnet is too weak" in found["Stays: weak magnet"]["story"]
     assert "steady field" in found["Stays: steady field"]["story"]
+    assert "adhesion of 3000 nN holds the edge" in found["Stays: adhesion"]["story"]
+
+
+@needs_chromium
+@pytest.mark.parametrize(
+    ("fragment", "words"),
+    [
+        ("drive.hold=0", "It stays where it is: the holding field is 0 mT"),
+        ("drive.base=0.00145", "It stays where it is: base and peak differ by 0.05 mT"),
+        ("drive.peak=0&drive.base=0", "It stays where it is: base and peak are equal"),
+        ("robot.magnetization=0", "It stays where it is: it has no magnetic moment"),
+        ("contact.static_friction=0&contact.kinetic_friction=0", "It is pulled along"),
+    ],
+)
+def test_a_reader_is_told_why_a_robot_does_not_walk(opened, fragment, words):
+    page = opened(fragment)
+    assert page.evaluate("document.getElementById('story').textContent").startswith(words)
+    notes = page.evaluate("document.getElementById('notes').textContent")
+    assert "tipped over" not in notes  # it does, but only while the field comes up
+    assert ("no walk" in notes) is words.startswith("It is pulled")
 
 
 @needs_chromium

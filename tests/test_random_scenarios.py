@@ -61,7 +61,6 @@ def scenarios(draw, restitution):
         "contact.static_friction": static,
         "contact.kinetic_friction": static * draw(number(0.0, 1.0)),
         "contact.adhesion": draw(number(0.0, 1e-6)),
-        "contact.adhesion_range": draw(often(0.0, decades(1e-8, 5e-5))),
         "contact.restitution": draw(restitution),
         "effects.surface_tilt.angle": draw(often(0.0, number(-0.5, 0.5))),
     }

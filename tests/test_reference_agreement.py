@@ -94,12 +94,14 @@ BASES = {
     "IPP": {"mode": "IPP", "edge": "fall", "base": 0.5e-3, "hold": 1e-3},
     "OPP": {"mode": "OPP", "edge": "rise", "base": 0.0, "hold": 2e-3},
 }
-# name: product's parameters, reference's parameters
+# name: product's parameters, reference's parameters; a constant of the product has its key
 EFFECTS = {
     "surface_tilt": ({"angle": 0.06}, {"angle": 0.06}),
     "ambient_field": ({"Bx": 2e-4, "Bz": -1e-4}, {"Bx": 2e-4, "Bz": -1e-4}),
     "misalignment": ({"angle": 0.3}, {"angle": 0.3}),
-    "restitution": ({"coefficient": 0.4}, {"coefficient": 0.4}),
+    "restitution": ({"contact.restitution": 0.4}, {"coefficient": 0.4}),
+    "edge_time": ({"drive.edge_time": 1e-3}, {"time": 1e-3}),
+    "magnetization_scale": ({"robot.magnetization": 6e5}, {"fraction": 0.2}),
     "angle_drag": ({"strength": 20.0}, {"amplitude": 20.0, "power": 2}),
     "rotational_drag": ({"coefficient": 2e-13}, {"coefficient": 2e-13}),
     "stribeck_friction": ({"velocity": 2e-3}, {"speed": 2e-3, "form": "gaussian"}),
@@ -110,11 +112,9 @@ EFFECTS = {
             "coil_heating": {"coefficient": 0.02},
             "amplifier_limit": {"voltage": 22.0},
             "sample_hold": {"period": 1e-3},
-            "edge_time": {"time": 1e-3},
             "mutual_inductance": {"coupling": 0.05},
             "gradient_scale": {"fraction": 1.0},
             "field_gain": {"in_plane": 0.1, "clamp": -0.1},
-            "magnetization_scale": {"fraction": 0.2},
             "viscous_friction": {"coefficient": 10.0},
             "friction_anisotropy": {"fraction": 0.2},
             "angle_adhesion": {"strength": -1.0},
@@ -132,7 +132,7 @@ def test_mean_velocity_with_an_effect(effect, mode):
     # Steady from the third pulse on, so that three more show as much as nine.
     drive = {**BASES[mode], "frequency": 60.0, "pulses": 6}
     mine, others = EFFECTS[effect]
-    keys = {f"effects.{effect}.{key}": value for key, value in mine.items()}
+    keys = {key if "." in key else f"effects.{effect}.{key}": each for key, each in mine.items()}
     velocity = run(keys, **drive).mean_velocity
     reference = simulate_reference(drive, effects={effect: others}, dt=STEP / 2)
     # An effect may all but stop the robot, and then its own velocity is no measure.

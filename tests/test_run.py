@@ -229,10 +229,6 @@ def test_a_record_of_events_as_csv_has_the_names_of_events(tmp_path):
             ["0.6 has no effect", "contact.restitution is 0"],
         ),
         ({"contact.tangential_restitution": 0.6, "contact.restitution": 0.1}, []),
-        (
-            {"contact.tangential_restitution": 0.6, "effects.restitution.coefficient": 0.1},
-            [],
-        ),
     ],
 )
 def test_notes_report_unusual_results_of_a_run(changes, notes):

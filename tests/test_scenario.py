@@ -40,7 +40,6 @@ def every_key_changed():
             "drive.base": -1e-4,
             "drive.edge_time": 1e-4,
             "drive.ramp_down": 0.013,
-            "contact.adhesion_range": 1e-6,
             "contact.restitution": 0.25,
             "contact.tangential_restitution": 0.3,
             "solver.method": "arkode",

@@ -62,10 +62,20 @@ def test_a_sawtooth_is_stepped_tooth_by_tooth(direction):
         state = sim.step({"xp": 5.0}, STEP, "linear", start=high)
     assert state == simulate(scenario).final_state
     assert sim.voltages == {"xp": 5.0, "xm": 0.0, "yp": 0.0, "ym": 0.0, "clamp": -10.0}
-    # A jump across takes the motion into the whole plane, where the end of the step alone does not.
-    across = Simulator(Scenario())
+    # A jump across turns the robot, though the step ends without a voltage across.
+    across = Simulator(Scenario(), whole_plane=True)
     across.step({"xp": 15.0, "clamp": -10.0}, 0.02)
     assert across.step({"yp": 0.0}, 0.02, "linear", start={"yp": 8.0}).heading > 0.0
+
+
+def test_a_voltage_across_needs_a_simulator_in_the_whole_plane():
+    sim = Simulator(Scenario())
+    sim.step({"xp": 15.0, "clamp": -10.0}, 0.02)
+    before = (sim.time, sim.state, sim.voltages)
+    for step in ({"voltages": {"yp": 2.0}}, {"voltages": {}, "start": {"yp": 2.0}}):
+        with pytest.raises(ScenarioError, match=r"^voltages: yp = 2, ym = 0 make .* whole_plane"):
+            sim.step(**step, duration=STEP, hold="linear")
+    assert (sim.time, sim.state, sim.voltages) == before
 
 
 def test_a_run_that_begins_where_another_was_cut_goes_on_within_the_tolerance():
@@ -175,8 +185,7 @@ def test_a_run_that_fails_in_a_rollout_is_a_status_and_no_number():
 @pytest.mark.parametrize("threads", [1, 2])
 def test_a_row_that_is_not_finite_fails_alone(threads):
     # Thirteen robots, which are stepped as packs: one that an earlier rollout left as a failure,
-    # one of whose state one number is missing, and two whose voltages end, of which one turns
-    # before.
+    # one of whose state one number is missing, and two whose voltages end, of which one turns.
     rows = np.stack([random_rows(seed) for seed in range(13)])
     states = np.stack([Scenario().initial.row] * 13)
     states[3], states[5, 2] = np.nan, np.inf
@@ -188,7 +197,9 @@ def test_a_row_that_is_not_finite_fails_alone(threads):
         end = failed.get(run, len(rows[run]))
         assert found.status_names[found.status[run]] == ("not_finite" if run in failed else "ok")
         assert np.isnan(found.states[run, end:]).all()
-        expected = [state.row for state in stepped(Scenario(), rows[run, :end])]
+        expected = [
+            state.row for state in stepped(Scenario(), rows[run, :end], whole_plane=run == 9)
+        ]
         assert found.states[run, :end].tolist() == [list(row) for row in expected]
     # The next one goes on with those that are left.
     again = rollout(Scenario(), found.states[:, -1], rows[:, :5], STEP, threads=threads)
@@ -213,7 +224,7 @@ def batch_states(batch, count):
 @pytest.mark.parametrize("threads", [1, 2])
 def test_a_batch_goes_on_with_those_whose_voltages_are_finite(threads):
     rows = np.stack([random_rows(seed) for seed in range(9)])
-    batch = _core.SimulatorBatch([Scenario().to_core()] * 9)
+    batch = _core.SimulatorBatch([Scenario().to_core()] * 9, whole_plane=False)
     for step in range(20):
         volts = rows[:, step].copy()
         if step >= 7:
@@ -243,7 +254,9 @@ def test_a_batch_is_usable_after_an_effect_that_raised(threads):
     try:
         one = Scenario().replace({"effects.raises_once.k": 1.0})
         away = one.replace({"initial.x": 1e-3})  # the only one that raises
-        batch = _core.SimulatorBatch([one.to_core(), away.to_core(), one.to_core()])
+        batch = _core.SimulatorBatch(
+            [one.to_core(), away.to_core(), one.to_core()], whole_plane=False
+        )
         volts = np.tile([10.0, 0.0, 0.0, 0.0, -10.0], (3, 1))
         batch.step(volts, STEP, False, threads)
         raises["now"] = True
@@ -254,7 +267,7 @@ def test_a_batch_is_usable_after_an_effect_that_raised(threads):
         assert names[1] == "interrupted"
         assert set(names) <= {"ok", "interrupted"}
         # Those that came to the end of the step are there, and go on.
-        twin = _core.SimulatorBatch([one.to_core()])
+        twin = _core.SimulatorBatch([one.to_core()], whole_plane=False)
         for _ in range(2):
             twin.step(volts[:1], STEP, False, 1)
         done = [run for run in (0, 2) if names[run] == "ok"]
@@ -274,7 +287,7 @@ def test_a_batch_is_usable_after_an_effect_that_raised(threads):
 
 @pytest.mark.parametrize("threads", [1, 2])
 def test_ctrl_c_ends_a_long_step_of_a_batch_and_leaves_it_usable(threads):
-    batch = _core.SimulatorBatch([Scenario().to_core()] * 3)
+    batch = _core.SimulatorBatch([Scenario().to_core()] * 3, whole_plane=False)
     volts = np.tile([10.0, 0.0, 0.0, 0.0, -10.0], (3, 1))
     slow = Scenario().replace({"solver.max_step": 1e-6, "solver.max_steps": 10**9})
     batch.reset(1, slow.to_core())

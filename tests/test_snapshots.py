@@ -87,9 +87,9 @@ COPIES = {
 
 @pytest.mark.parametrize("made", COPIES.values(), ids=COPIES)
 def test_a_copy_is_an_independent_simulator(made):
-    # A step has turned it into the whole plane, which a copy has to take over too.
+    # It is in the whole plane, which a copy has to take over too.
     first, *later = random_rows(5, 6)
-    sim = Simulator(Scenario())
+    sim = Simulator(Scenario(), whole_plane=True)
     sim.step({"xp": 20.0, "clamp": first[4]}, STEP)
     sim.step({"yp": 5.0}, STEP)
     other = made(sim)
@@ -103,7 +103,7 @@ def test_a_copy_is_an_independent_simulator(made):
 
 @pytest.mark.parametrize("made", COPIES.values(), ids=COPIES)
 def test_a_copy_of_a_failed_simulator_has_failed(made):
-    sim = Simulator(Scenario())
+    sim = Simulator(Scenario(), whole_plane=True)
     sim.step({"xp": 20.0, "yp": 0.01, "clamp": -10.0}, 5e-3)
     with pytest.raises(SimulationError):
         sim.step({"xp": -20.0}, 50e-3)

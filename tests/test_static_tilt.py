@@ -67,11 +67,6 @@ def test_without_weight_and_adhesion_it_aligns_with_any_field():
     assert found == pytest.approx(angle, abs=1e-10)
 
 
-def test_an_offset_is_added_to_what_is_read():
-    fields = [[1e-3, -1e-3], [1e-3, 0.0]]
-    assert tilts(fields, angle_offset__angle=0.1) == pytest.approx(tilts(fields) + 0.1, abs=1e-14)
-
-
 def test_a_turned_robot_mirrors_what_is_not_fixed_to_the_world():
     turned = Scenario().replace({"drive.direction": "-x"}).to_core()
     fields = np.array([[1e-3, -1e-3], [2e-3, 1.5e-3]])
@@ -113,11 +108,11 @@ def test_what_has_no_effect_on_an_angle_at_rest(key):
 CASES = [
     (3e-3, -1e-3, {}),
     (2e-3, 1.5e-3, {"effects.misalignment.angle": 0.15}),
-    (1e-3, 2e-3, {"effects.misalignment.angle": -0.4, "effects.magnetization_scale.fraction": 0.3}),
+    (1e-3, 2e-3, {"effects.misalignment.angle": -0.4, "robot.magnetization": 6.5e5}),
     (1e-3, -0.8e-3, {"effects.surface_tilt.angle": 0.1, "robot.magnetization": 4e5}),
     (1e-3, -0.8e-3, {"effects.surface_tilt.angle": -0.1, "drive.direction": "-x"}),
     (0.0, -2e-3, {"effects.misalignment.angle": 0.2, "effects.ambient_field.Bx": 3e-4}),
-    (0.0, 2e-3, {"effects.misalignment.angle": 0.2, "effects.angle_offset.angle": 0.07}),
+    (0.0, 2e-3, {"effects.misalignment.angle": 0.2}),
     (1e-3, -0.2e-3, {"effects.ambient_field.Bx": 1e-4}),
     (2e-3, -1e-3, {"robot.length": 300e-6, "robot.height": 80e-6, "environment.gravity": 5.0}),
     (0.0, -3e-3, {"contact.adhesion": 0.0}),

@@ -190,7 +190,7 @@ def test_a_lost_heading_ends_the_run_and_its_record_at_its_instant():
     assert 0.15 < summary["simulated_time"] < 0.151
     assert run.t[-1] <= summary["simulated_time"]
     assert np.max(np.abs(np.diff(run.heading[1:]))) < 0.01
-    for name in ("mean_velocity_y", "finished_velocity_y", "turning_speed"):
+    for name in ("mean_velocity_y", "turning_speed"):
         assert math.isnan(summary[name])
 
 

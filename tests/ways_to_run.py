@@ -21,10 +21,7 @@ from typing import Any
 import numpy as np
 
 from effect_table import (
-    ANGLE,
     BOX,
-    CLOCK,
-    LENGTH,
     OWN,
     SLICE,
     STEP,
@@ -96,7 +93,7 @@ ROUNDING = 1e-12
 
 
 def recorded(table: Table) -> Iterator[str]:
-    """With a record on a grid, and with one of events; the record is what the instruments read."""
+    """With a record on a grid, and with one of events."""
     for rate in (RATE, "events"):
         asked = [case.scenario.replace({"record.rate": rate}) for case in table.cases]
         runs = simulate_batch(asked, threads=1)
@@ -111,14 +108,13 @@ def recorded(table: Table) -> Iterator[str]:
 
 def _misread(run: Run, scale: float) -> str:
     """What the last samples and the window of a record have to do with state and velocity."""
-    length, clock = 1.0 + run.scenario.get(LENGTH), 1.0 + run.scenario.get(CLOCK)
     start, end = run.scenario.to_core().window
-    first, last = (int(np.argmin(np.abs(run.t / clock - at))) for at in (start, end))
+    first, last = (int(np.argmin(np.abs(run.t - at))) for at in (start, end))
     velocity = (run.x[last] - run.x[first]) / (run.t[last] - run.t[first])
     expected = {
-        "t": (run.t[-1], clock * run.scenario.to_core().duration),
-        "x": (run.x[-1], length * run.final_state.x),
-        "theta": (run.theta[-1], run.final_state.theta + run.scenario.get(ANGLE)),
+        "t": (run.t[-1], run.scenario.to_core().duration),
+        "x": (run.x[-1], run.final_state.x),
+        "theta": (run.theta[-1], run.final_state.theta),
     }
     for name, (value, other) in expected.items():
         if abs(value - other) > ROUNDING * (abs(other) + 1.0):
@@ -197,8 +193,7 @@ def _stepped_otherwise(case: Case, run: Run, scale: float) -> str:
             at_start = simulator.state
         state = simulator.step(last, duration, "linear", first)
     span = simulator.time - start
-    reading = (1.0 + scenario.get(LENGTH)) / (1.0 + scenario.get(CLOCK))
-    velocity = reading * (state.x - at_start.x) / span
+    velocity = (state.x - at_start.x) / span
     exact = not set(NOT_TO_THE_BIT) & set(case.effects)
     if exact and state != run.final_state:
         names = (n for n in STATE_COLUMNS if getattr(state, n) != getattr(run.final_state, n))

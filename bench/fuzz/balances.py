@@ -11,7 +11,6 @@ taken over displacements, which have no jump where velocities do.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fuzz.record import Array, Record, at_events, magnetic_load
 
@@ -43,8 +42,7 @@ def gained(record: Record) -> list[str]:
     """Energy that no field has given, across an event; the last part of `violations`."""
     if not record.fine or record.scenario.turns:
         return []
-    if record.scenario.contact.adhesion_range == 0.0:
-        record = at_events(record)
+    record = at_events(record)
     energy, load = kinetic_and_weight(record), magnetic_load(record)
     line = _gained(record, energy, load, _natural_energy(record))
     return [line] if line else []
@@ -77,11 +75,7 @@ def _gravity(record: Record) -> tuple[float, float]:
 
 
 def _adhesion_is_known(record: Record) -> bool:
-    return not (
-        record.scenario.contact.adhesion_range
-        or record.effect("angle_adhesion.strength")
-        or record.effect("adhesion_ageing.rate")
-    )
+    return not (record.effect("angle_adhesion.strength") or record.effect("adhesion_ageing.rate"))
 
 
 def _momenta(record: Record, load: tuple[Array, Array, Array]) -> list[str]:
@@ -118,14 +112,12 @@ def _energies(record: Record, load: tuple[Array, Array, Array]) -> list[str]:
     scale = _natural_energy(record)
     if scale == 0.0:
         return []
-    found = []
-    if record.scenario.contact.adhesion_range == 0.0:
-        drag, turning = _drag(record)
-        power = load[0] * record.vx + load[1] * record.vz + load[2] * record.omega
-        power -= drag * (record.vx**2 + record.vz**2) + turning * record.omega**2
-        power += record.friction * np.nan_to_num(record.slip)
-        found.append(_unbalanced("energy", record, energy, power, scale))
-    return [*found, _gained(record, energy, load, scale)]
+    drag, turning = _drag(record)
+    power = load[0] * record.vx + load[1] * record.vz + load[2] * record.omega
+    power -= drag * (record.vx**2 + record.vz**2) + turning * record.omega**2
+    power += record.friction * np.nan_to_num(record.slip)
+    unbalanced = _unbalanced("energy", record, energy, power, scale)
+    return [unbalanced, _gained(record, energy, load, scale)]
 
 
 def _natural_energy(record: Record) -> float:
@@ -178,34 +170,14 @@ def _gained(record: Record, energy: Array, load: tuple[Array, Array, Array], sca
         fastest = np.maximum(np.abs(rate[1:]), np.abs(rate[:-1]))
         change = np.abs(np.diff(force)) if record.follows_currents else np.max(np.abs(force))
         error += 0.5 * change * np.maximum(np.abs(step), fastest * np.diff(record.t))
-    ledger = np.append(0.0, np.cumsum(np.diff(energy) - work))
     # What a torque does that turns within the step.
     natural = record.scenario.robot.mass * record.fastest
     error = 3.0 * error + natural * record.fastest * np.abs(np.diff(record.theta)) ** 3 / 12.0
     pace = np.maximum(record.pace[1:], record.pace[:-1])
     floor = _relative(record) * natural * (pace + _SLOW * record.fastest)
     floor += 3.0 * _CAPTURE * record.scenario.robot.mass * pace
-    if record.scenario.contact.adhesion_range > 0.0:
-        # Adhesion gives back what it took only where the body lies as it lay.
-        doubt = np.append(0.0, np.cumsum(error + floor))
-        return _gained_between_faces(record, ledger, doubt, scale)
-    gain = np.diff(ledger) - error - floor
+    gain = np.diff(energy) - work - error - floor
     return _gain_line(record, np.where(record.after_event[1:], gain, -1.0), scale)
-
-
-def _gained_between_faces(record: Record, ledger: Array, doubt: Array, scale: float) -> str:
-    quarter = np.round(record.theta / (0.5 * np.pi)).astype(int) % 2
-    for kind in (0, 1):
-        lying: NDArray[np.int64] = np.flatnonzero(record.on_face & (quarter == kind))
-        gain = np.diff(ledger[lying]) - np.diff(doubt[lying])
-        if len(gain) and gain.max() > 0.0:
-            worst = int(np.argmax(gain))
-            first, last = record.t[lying[worst : worst + 2]].tolist()
-            return (
-                f"energy is gained between two times on one face, t = {first!r} and {last!r}: "
-                f"{gain[worst] / scale:.3g} of the natural size"
-            )
-    return ""
 
 
 def _gain_line(record: Record, gain: Array, scale: float) -> str:

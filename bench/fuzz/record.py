@@ -17,9 +17,6 @@ from stickslip import Coils, Run, Scenario, simulate_batch
 
 Array = NDArray[np.float64]
 
-MEASURING = ("length_scale.fraction", "clock_scale.fraction", "angle_offset.angle")
-"""Extensions that change what is reported, not the motion; a record is made without."""
-
 # Angle in rad that the fastest free swing goes through between two samples: wanted, and the most
 # at which the trapezium rule still says something.
 _WANTED_PHASE, _MOST_PHASE = 0.03, 0.2
@@ -108,7 +105,7 @@ class Record:
         """A m^2."""
         robot = self.scenario.robot
         volume = robot.length * robot.width * robot.height
-        return volume * robot.magnetization * (1.0 + self.effect("magnetization_scale.fraction"))
+        return volume * robot.magnetization
 
     @property
     def pace(self) -> Array:
@@ -138,18 +135,12 @@ def at_events(record: Record) -> Record:
     return replace(record, **kept)
 
 
-def moving_alone(scenario: Scenario) -> Scenario:
-    """The scenario without what only its instruments do."""
-    return scenario.replace({f"effects.{key}": 0.0 for key in MEASURING})
-
-
 def natural_swing(scenario: Scenario, run: Run) -> float:
     """rad/s, in the strongest field at an event, under weight and adhesion."""
     robot = scenario.robot
     radius = 0.5 * np.hypot(robot.length, robot.height)
     inertia = robot.mass * (robot.length**2 + robot.height**2) / 12.0 + robot.mass * radius**2
     moment = robot.length * robot.width * robot.height * robot.magnetization
-    moment *= 1.0 + scenario.get("effects.magnetization_scale.fraction")
     field = np.max(np.hypot(run.bx, run.bz), initial=0.0)
     weight = robot.mass * scenario.environment.gravity + scenario.contact.adhesion
     return float(np.sqrt((moment * field + weight * radius) / inertia))
@@ -174,7 +165,6 @@ def recorded_together(
     scenarios: list[Scenario], rtol: float | None = None
 ) -> list[tuple[Record | None, Run]]:
     """What `recorded` gives of each; `rtol` is a limit on its own tolerance."""
-    scenarios = [moving_alone(scenario) for scenario in scenarios]
     if rtol is not None:
         scenarios = [s.replace({"solver.rtol": min(rtol, s.solver.rtol)}) for s in scenarios]
     at_events = [scenario.replace({"record.rate": "events"}) for scenario in scenarios]

@@ -143,7 +143,6 @@ def _wild(draw: Draw) -> Scenario:
         "contact.static_friction": static,
         "contact.kinetic_friction": static * draw.corner(1.0, draw.random.random()),
         "contact.adhesion": draw.corner(0.0, draw.decades(1e-9, 1e-5)),
-        "contact.adhesion_range": draw.corner(0.0, draw.decades(1e-9, 4e-5), 0.8),
         "contact.restitution": draw.corner(0.0, draw.corner(1.0, draw.random.random(), 0.1), 0.5),
         "drag.linear": draw.corner(0.0, draw.decades(1e-8, 1e-3)),
         "drag.rotational": draw.corner(0.0, draw.decades(1e-19, 1e-12)),
@@ -219,27 +218,21 @@ _EFFECTS = {
     "amplifier_limit": lambda d: {"voltage": d.decades(1.0, 100.0)},
     "eddy_lag": lambda d: {"time": d.decades(1e-6, 0.1)},
     "sample_hold": lambda d: {"period": d.decades(1e-4, 1e-2)},
-    "edge_time": lambda d: {"time": d.decades(1e-5, 5e-4)},
     "mutual_inductance": lambda d: {"coupling": d.uniform(-0.24, 0.24)},
     "gradient_scale": lambda d: {"fraction": d.uniform(-0.5, 1.0)},
     "field_gain": lambda d: {"in_plane": d.uniform(-0.3, 0.3), "clamp": d.uniform(-0.3, 0.3)},
     "misalignment": lambda d: {"angle": d.uniform(-1.0, 1.0)},
-    "magnetization_scale": lambda d: {"fraction": d.uniform(-0.5, 0.5)},
     "ambient_field": lambda d: {"Bx": d.uniform(-1e-3, 1e-3), "Bz": d.uniform(-1e-3, 1e-3)},
     "stribeck_friction": lambda d: {"velocity": d.decades(1e-5, 1e-1)},
     "viscous_friction": lambda d: {"coefficient": d.decades(1e-2, 1e2)},
     "friction_anisotropy": lambda d: {"fraction": d.uniform(-1.0, 1.0)},
     "angle_adhesion": lambda d: {"strength": d.uniform(-2.0, 1.0)},
     "adhesion_ageing": lambda d: {"rate": d.decades(1e-2, 2.0), "time": d.decades(1e-5, 1e-1)},
-    "restitution": lambda d: {"coefficient": d.uniform(0.0, 0.9)},
     "angle_drag": lambda d: {"strength": d.uniform(-0.9, 5.0)},
     "quadratic_drag": lambda d: {"coefficient": d.decades(1e-7, 1e-3)},
     "rotational_drag": lambda d: {"coefficient": d.decades(1e-16, 1e-11)},
     "surface_tilt": lambda d: {"angle": d.uniform(-0.5, 0.5)},
     "friction_patches": lambda d: {"amplitude": d.uniform(-1, 1), "period": d.decades(1e-5, 1e-3)},
-    "length_scale": lambda d: {"fraction": d.uniform(-0.1, 0.1)},
-    "clock_scale": lambda d: {"fraction": d.uniform(-0.1, 0.1)},
-    "angle_offset": lambda d: {"angle": d.uniform(-0.1, 0.1)},
 }
 
 
@@ -306,15 +299,12 @@ def _allowed_together(keys: Keys) -> Keys:
     limit("contact.kinetic_friction", get("contact.static_friction"))
     if get("contact.kinetic_friction") > get("contact.static_friction"):
         result["contact.kinetic_friction"] = get("contact.static_friction")
-    limit("contact.adhesion_range", min(get("robot.length"), get("robot.height")))
-    limit("effects.restitution.coefficient", 1.0 - get("contact.restitution"))
     if get("drive.mode") == "program":
         return result
     if get("drive.peak") < get("drive.base"):
         result["drive.peak"], result["drive.base"] = max(get("drive.base"), 0.0), get("drive.peak")
     period = 1.0 / get("drive.frequency")
     limit("drive.edge_time", 0.5 * period)
-    limit("effects.edge_time.time", 0.4 * period)
     if 0.0 < get("solver.max_step") < 1e-9:
         result["solver.max_step"] = 1e-9
     return result

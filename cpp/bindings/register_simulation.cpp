@@ -62,10 +62,7 @@ py::dict summary_dict(const RunResult& run) {
     const Summary& s = run.summary;
     py::dict result;
     result["mean_velocity"] = s.mean_velocity;
-    result["finished_pulses"] = s.finished_pulses;
-    result["finished_velocity"] = s.finished_velocity;
     result["mean_velocity_y"] = s.mean_velocity_y;
-    result["finished_velocity_y"] = s.finished_velocity_y;
     result["turning_speed"] = s.turning_speed;
     result["theta_min"] = s.theta_min;
     result["theta_max"] = s.theta_max;

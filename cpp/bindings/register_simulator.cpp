@@ -6,6 +6,8 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "register.hpp"
 #include "report_progress.hpp"
@@ -62,9 +64,15 @@ std::string shape_of(const py::array& array) {
     return text + ")";
 }
 
+Scenario placed(Scenario scenario, bool whole_plane) {
+    scenario.whole_plane = scenario.whole_plane || whole_plane;
+    return scenario;
+}
+
 /// Steps whose voltages are named.
 struct Stepper {
-    explicit Stepper(const Scenario& scenario) : simulator(scenario) {}
+    Stepper(const Scenario& scenario, bool whole_plane)
+        : simulator(placed(scenario, whole_plane)) {}
 
     py::dict step(const py::dict& changes, double seconds, bool linear,
                   const std::optional<py::dict>& jump) {
@@ -175,7 +183,10 @@ py::array_t<std::int8_t> rollout_into(const std::vector<Scenario>& scenarios, st
 
 /// Many runs and their states as arrays.
 struct Steppers {
-    explicit Steppers(const std::vector<Scenario>& scenarios) : batch(scenarios) {}
+    Steppers(std::vector<Scenario> scenarios, bool whole) : whole_plane(whole), batch([&] {
+        for (Scenario& each : scenarios) each = placed(std::move(each), whole);
+        return scenarios;
+    }()) {}
 
     void step(const Array& voltages, double seconds, bool linear, int threads) {
         const double duration = duration_of(seconds);
@@ -210,6 +221,7 @@ struct Steppers {
         return run;
     }
 
+    bool whole_plane;
     SimulatorBatch batch;
 };
 
@@ -222,7 +234,7 @@ void register_simulator(py::module_& module) {
                     [](const py::bytes& bytes) { return RunSnapshot::from_bytes(bytes); });
 
     py::class_<Stepper>(module, "Simulator")
-        .def(py::init<const Scenario&>())
+        .def(py::init<const Scenario&, bool>(), py::arg("scenario"), py::arg("whole_plane"))
         .def("step", &Stepper::step, py::arg("voltages"), py::arg("duration"), py::arg("linear"),
              py::arg("start") = py::none())
         .def_property_readonly("time", [](const Stepper& self) { return self.simulator.time(); })
@@ -238,7 +250,8 @@ void register_simulator(py::module_& module) {
              [](Stepper& self, const RunSnapshot& snapshot) { self.simulator.restore(snapshot); });
 
     py::class_<Steppers>(module, "SimulatorBatch")
-        .def(py::init<const std::vector<Scenario>&>())
+        .def(py::init<const std::vector<Scenario>&, bool>(), py::arg("scenarios"),
+             py::arg("whole_plane"))
         .def("step", &Steppers::step)
         .def("states", &Steppers::states, py::arg("out").noconvert())
         .def("statuses", &Steppers::statuses)
@@ -249,7 +262,7 @@ void register_simulator(py::module_& module) {
                  self.batch.restore(self.checked(run), snapshot);
              })
         .def("reset", [](Steppers& self, std::size_t run, const Scenario& scenario) {
-            self.batch.reset(self.checked(run), scenario);
+            self.batch.reset(self.checked(run), placed(scenario, self.whole_plane));
         });
 
     module.def("rollout", &rollout_into, py::arg("scenarios"), py::arg("runs"), py::arg("states"),

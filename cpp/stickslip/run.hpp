@@ -4,11 +4,9 @@
 #include "stickslip/run/drive_observer.hpp"
 #include "stickslip/run/hybrid_loop.hpp"
 #include "stickslip/run/initial_state.hpp"
-#include "stickslip/run/measurement_chain.hpp"
 #include "stickslip/run/recording.hpp"
 #include "stickslip/run/run_snapshot.hpp"
 #include "stickslip/run/simulation.hpp"
-#include "stickslip/run/stiffness.hpp"
 #include "stickslip/run/stop_condition.hpp"
 #include "stickslip/run/summary.hpp"
 
@@ -17,8 +15,7 @@
 /// - assembly: from a scenario to the parts of its run, each effect put where it acts
 /// - initial_state: from a state to a contact; stop_condition: until when
 /// - hybrid_run, hybrid_loop: stretch after stretch, phase after phase
-/// - recording, summary, drive_observer, measurement_chain: what is kept of it
+/// - recording, summary, drive_observer: what is kept of it
 /// - run_snapshot: where it stands between two steps
-/// - simulation: a run from start to end, with its status and message; stiffness: why steps are
-///   short
+/// - simulation: a run from start to end, with its status and message
 namespace stickslip {}

@@ -191,12 +191,13 @@ VoltageProgram played(std::vector<VoltagePoint> points, std::int64_t repeats = 1
 // |R/R0 - 1 - k P| of the coil where it is largest, over R/R0; P from the currents of warm coils.
 double heating_error(const VoltageProgram& program, CircuitParameters parameters,
                      double coefficient) {
+    const PerCoil cold = parameters.resistance;
     const PerCoil warm = warm_resistances(program, parameters, coefficient);
     parameters.resistance = warm;
     const PerCoil squared = mean_square_currents(program, parameters);
     double worst = 0.0;
     for (std::size_t k = 0; k < kCoilCount; ++k) {
-        const double ratio = warm[k] / kResistance;
+        const double ratio = warm[k] / cold[k];
         const double error = ratio - 1.0 - coefficient * warm[k] * squared[k];
         worst = std::max(worst, std::abs(error) / ratio);
     }
@@ -232,8 +233,11 @@ TEST_CASE("heated coils: the power is that of the warm coils, pulsed, coupled or
                 CAPTURE(period);
                 CAPTURE(coupling);
                 CAPTURE(coefficient);
-                CHECK(heating_error(program, table_one(kInductance, coupling), coefficient) <
-                      1e-12);
+                CircuitParameters parameters = table_one(kInductance, coupling);
+                CHECK(heating_error(program, parameters, coefficient) < 1e-12);
+                parameters.resistance = {8.0, 12.0, 10.0, 3.0, 40.0};
+                parameters.inductance = {0.07, 0.02, 0.1, 0.07, 0.05};
+                CHECK(heating_error(program, parameters, coefficient) < 1e-12);
             }
         }
     }

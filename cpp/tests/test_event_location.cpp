@@ -62,8 +62,8 @@ Function parabola(double bottom, double depth) {
     return [=](double s) { return (s - bottom) * (s - bottom) - depth; };
 }
 
-double locate(const EventFinder<1>::Bracket& bracket, auto&& value) {
-    const std::optional<double> root = EventFinder<1>::locate(0, bracket, value);
+double locate(const Bracket& bracket, auto&& value) {
+    const std::optional<double> root = find_root(bracket, value);
     REQUIRE(root);
     return *root;
 }
@@ -73,7 +73,7 @@ double locate(const EventFinder<1>::Bracket& bracket, auto&& value) {
 void check_hit(const EventHit& hit, int index, double root, const Function& function) {
     REQUIRE(hit);
     CHECK(hit.index == index);
-    CHECK(std::abs(hit.s - root) <= 2.0 * EventFinder<1>::kResolution);
+    CHECK(std::abs(hit.s - root) <= 2.0 * kRootResolution);
     CHECK(function(hit.s) <= 0.0);
 }
 
@@ -199,7 +199,7 @@ TEST_CASE("events: just before and just after the end of a step") {
     Step<1> step = single(before);
     const EventHit hit = step.find();
     REQUIRE(hit);
-    CHECK(hit.s >= 1.0 - 2.0 * EventFinder<1>::kResolution);
+    CHECK(hit.s >= 1.0 - 2.0 * kRootResolution);
     CHECK(before(hit.s) <= 0.0);
     Step<1> beyond = single([](double s) { return (1.0 + 1e-14) - s; });
     CHECK_FALSE(beyond.find());
@@ -302,7 +302,7 @@ TEST_CASE("events: what rises through zero does not fire") {
     CHECK(step.armed[0]);
 }
 
-TEST_CASE("locate: returns the far side, at any shape, in few evaluations") {
+TEST_CASE("find_root: returns the far side, at any shape, in few evaluations") {
     const std::array<std::pair<Function, double>, 6> cases = {{
         {[](double s) { return 0.3 - s; }, 0.3},
         {[](double s) { return std::tanh(200.0 * (0.7 - s)); }, 0.7},
@@ -314,27 +314,27 @@ TEST_CASE("locate: returns the far side, at any shape, in few evaluations") {
     for (const auto& [function, root] : cases) {
         CAPTURE(root);
         int evaluations = 0;
-        const auto value = [&](std::size_t, double s) {
+        const auto value = [&](double s) {
             ++evaluations;
             return function(s);
         };
         const double s = locate({0.0, 1.0, function(0.0), function(1.0)}, value);
         CHECK(function(s) <= 0.0);
         // The fifth power is below 1e-80 in the last 1e-16: no flatter root is told apart.
-        CHECK(std::abs(s - root) <= 2.0 * EventFinder<1>::kResolution);
+        CHECK(std::abs(s - root) <= 2.0 * kRootResolution);
         CHECK(evaluations <= 2 * 40);  // bisection would take log2(1e12) = 40
     }
 }
 
-TEST_CASE("locate: where the dense output ends short of a zero that the step has passed") {
+TEST_CASE("find_root: where the dense output ends short of a zero that the step has passed") {
     // By rounding: the bracket's far end is known to be past zero, the interpolant is not.
-    const auto value = [](std::size_t, double s) { return 1.0 + 1e-15 - s; };
+    const auto value = [](double s) { return 1.0 + 1e-15 - s; };
     const double s = locate({0.0, 1.0, 1.0, -1e-16}, value);
-    CHECK(s >= 1.0 - EventFinder<1>::kResolution);
+    CHECK(s >= 1.0 - kRootResolution);
     CHECK(s <= 1.0);
 }
 
-TEST_CASE("locate: refuses a bracket without a change of sign") {
+TEST_CASE("find_root: refuses a bracket without a change of sign") {
     constexpr double none = std::numeric_limits<double>::quiet_NaN();
     for (const auto& [low, high] : std::initializer_list<std::pair<double, double>>{{-1.0, -2.0},
                                                                                     {-1.0, 2.0},
@@ -346,21 +346,21 @@ TEST_CASE("locate: refuses a bracket without a change of sign") {
         CAPTURE(low);
         CAPTURE(high);
         int evaluations = 0;
-        const auto value = [&](std::size_t, double s) {
+        const auto value = [&](double s) {
             ++evaluations;
             return low + s * (high - low);
         };
-        CHECK_FALSE(EventFinder<1>::locate(0, {0.0, 1.0, low, high}, value));
+        CHECK_FALSE(find_root(Bracket{0.0, 1.0, low, high}, value));
         CHECK(evaluations == 0);
     }
 }
 
-TEST_CASE("locate: ends whatever the function does") {
+TEST_CASE("find_root: ends whatever the function does") {
     for (const double odd : {0.0, 1.0, -1.0, std::numeric_limits<double>::quiet_NaN(),
                              std::numeric_limits<double>::infinity()}) {
         CAPTURE(odd);
         int evaluations = 0;
-        const auto value = [&](std::size_t, double s) {
+        const auto value = [&](double s) {
             ++evaluations;
             return evaluations % 3 == 0 ? 1e-300 * s : odd;
         };

@@ -54,7 +54,6 @@ Scenario random_scenario(Random& random, int number) {
         if (some()) e.eddy_lag_time = random.between(1e-5, 1e-3);
         if (some()) e.coil_heating_coefficient = random.between(0.0, 0.3);
     }
-    if (number % 17 == 4) s.contact.adhesion_range = 1e-6;
     if (number % 17 == 9) e.free_drag_speed.knots = {0.1, 0.2, 0.3, 0.2, 0.1};
     if (number % 13 == 2) s.solver.max_steps = 500;
     // A map that some leave, and one that none does.

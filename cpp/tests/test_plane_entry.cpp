@@ -1,16 +1,17 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
-#include <memory>
 #include <numbers>
 #include <stdexcept>
-#include <string>
 
+#include "stickslip/batch/rollout.hpp"
 #include "stickslip/batch/simulator.hpp"
 #include "stickslip/run/assembly.hpp"
 #include "stickslip/run/simulation.hpp"
 
-// How a run comes into the whole plane: by its scenario, by a step, from a snapshot or a state.
+// How a run comes into the whole plane: by its scenario or by its state.
 
 using namespace stickslip;
 
@@ -55,15 +56,17 @@ TEST_CASE("plane: the heading of a drive is not that of a program") {
 
 TEST_CASE("plane: coils of y that are unlike turn a stepped robot by voltages that cancel") {
     constexpr PerCoil kCancelling = {10.0, 0.0, 25.0, -25.0, -10.0};
-    Scenario scenario;
-    const auto stepped = [&] {
+    const auto stepped = [&](const Scenario& scenario) {
         Simulator simulator(scenario);
         for (int n = 0; n < 20; ++n) simulator.step(kCancelling, kStep, false);
-        return simulator.snapshot().in_whole_plane ? simulator.state().heading : 0.0;
+        return simulator.state().heading;
     };
-    CHECK(stepped() == 0.0);
+    Scenario scenario;
+    CHECK(stepped(scenario) == 0.0);
     scenario.effects.own_coils[2].distance = 1e-3;
-    const double heading = stepped();
+    CHECK_THROWS_AS(stepped(scenario), std::invalid_argument);
+    scenario.whole_plane = true;
+    const double heading = stepped(scenario);
     CHECK(heading != 0.0);
     const RunResult at_once = [&] {
         Scenario whole = program_of(kCancelling, 20 * kStep);
@@ -72,70 +75,42 @@ TEST_CASE("plane: coils of y that are unlike turn a stepped robot by voltages th
     }();
     CHECK(heading == doctest::Approx(at_once.final_state.heading).epsilon(1e-6));
     // So do currents that are there as the run begins.
+    scenario.whole_plane = false;
     scenario.initial.current = {0.0, 0.0, 1.0, -1.0, 0.0};
     CHECK(turns(scenario));
 }
 
-TEST_CASE("plane: a snapshot in one plane goes on as such where only the initial state turns") {
-    constexpr PerCoil kAhead = {25.0, 0.0, 0.0, 0.0, -10.0}, kFading = {0.0, 0.0, 0.0, 0.0, -10.0};
-    Scenario scenario;
-    Simulator one(scenario);
-    for (int n = 0; n < 10; ++n) one.step(kAhead, kStep, false);
-    scenario.initial.y = 1e-9;
-    Simulator other(scenario);
-    other.restore(one.snapshot());
-    for (Simulator* each : {&one, &other}) each->step(kFading, 0.5 * kStep, false);
-    check_same(other.state(), one.state());
-    // What turns it besides is another scenario.
-    scenario.whole_plane = true;
-    CHECK_THROWS_AS(Simulator(scenario).restore(one.snapshot()), std::invalid_argument);
-}
-
-TEST_CASE("plane: a snapshot keeps the tolerance of the run that came into the plane") {
-    // Currents far above those of the scenario's drive.
-    constexpr PerCoil kStrong = {60.0, 0.0, 0.0, 0.0, -60.0},
-                      kTurned = {60.0, 0.0, 4.0, 0.0, -60.0};
-    const Scenario scenario;
-    Simulator one(scenario);
-    for (int n = 0; n < 5; ++n) one.step(kStrong, kStep, false);
-    one.step(kTurned, kStep, false);
-    Simulator other(scenario);
-    other.restore(one.snapshot());
-    for (Simulator* each : {&one, &other}) each->step(kTurned, 5e-3, false);
-    REQUIRE(one.status() == Status::ok);
-    check_same(other.state(), one.state());
-}
-
-TEST_CASE("plane: a step that would turn a robot with an effect of one's own is refused") {
-    const auto force = [](const double*, const double* parameters, double* wrench) {
-        wrench[0] = parameters[0];
-    };
-    const UserEffectHandle push = std::make_shared<const UserEffect>(
-        UserEffect{"push", "", "", {{"force", "N", -1.0, 1.0, 0.0, ""}}, force});
-    Scenario scenario;
-    scenario.user_effects = {{push, {5e-8}}};
-    Simulator simulator(scenario), untouched(scenario);
-    constexpr PerCoil kAhead = {20.0, 0.0, 0.0, 0.0, -10.0}, kAside = {20.0, 0.0, 10.0, 0.0, -10.0};
+TEST_CASE("plane: voltages that would turn a robot in one plane are refused, and nothing moves") {
+    constexpr PerCoil kAhead = {25.0, 0.0, 0.0, 0.0, -10.0}, kAside = {25.0, 0.0, 4.0, 0.0, -10.0};
+    Simulator one(Scenario{}), untouched(Scenario{});
+    SimulatorBatch many({Scenario{}, Scenario{}});
     const auto go = [&] {
-        for (Simulator* each : {&simulator, &untouched}) each->step(kAhead, kStep, false);
-        check_same(simulator.state(), untouched.state());
+        for (Simulator* each : {&one, &untouched}) each->step(kAhead, kStep, false);
+        check_same(one.state(), untouched.state());
+        CHECK(one.time() == untouched.time());
     };
     go();
-    const std::string expected = [&] {
-        Scenario whole = scenario;
-        whole.whole_plane = true;
-        try {
-            check(whole);
-        } catch (const std::invalid_argument& refusal) {
-            return std::string(refusal.what());
-        }
-        return std::string();
-    }();
-    REQUIRE_FALSE(expected.empty());
-    CHECK_THROWS_WITH_AS(simulator.step(kAside, kStep, false), expected.c_str(),
+    CHECK_THROWS_WITH_AS(one.step(kAside, kStep, false),
+                         "voltages: yp = 4, ym = 0 make a field across, which turns the robot: "
+                         "allowed is whole_plane = True from the start, or yp = -ym of equal coils",
                          std::invalid_argument);
-    CHECK(simulator.time() == untouched.time());
+    CHECK_THROWS_AS(one.step(kAhead, kStep, true, &kAside), std::invalid_argument);
     go();
+    std::array<double, 2 * kCoilCount> rows = {};
+    std::copy(kAside.begin(), kAside.end(), rows.begin() + kCoilCount);
+    const StateRow before = many.state(0);
+    CHECK_THROWS_AS(many.step(rows.data(), kStep, false, 1, [] {}), std::invalid_argument);
+    CHECK(many.state(0) == before);
+    CHECK(many.status(1) == Status::ok);
+}
+
+TEST_CASE("plane: a run takes no snapshot of the other kind of run") {
+    Scenario scenario;
+    Simulator planar(scenario);
+    scenario.whole_plane = true;
+    Simulator turning(scenario);
+    CHECK_THROWS_AS(planar.restore(turning.snapshot()), std::invalid_argument);
+    CHECK_THROWS_AS(turning.restore(planar.snapshot()), std::invalid_argument);
 }
 
 TEST_CASE("plane: the contact of a state slips forward or backward along the heading") {

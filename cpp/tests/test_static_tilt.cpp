@@ -83,10 +83,12 @@ TEST_CASE("readings of many points") {
     const Scenario base;
     const std::vector<double> fields = {1e-3, -1e-3, 2e-3, 1e-3};
     const auto found =
-        static_tilts(base, {"effects.angle_offset.angle"}, {0.0, 0.1, 100.0}, fields);
+        static_tilts(base, {"effects.misalignment.angle"}, {0.0, 0.1, 100.0}, fields);
     REQUIRE(found.size() == 6);
     CHECK(found[0] == static_tilt(paper_model(), 1e-3, -1e-3));
-    CHECK(found[3] == found[1] + 0.1);
+    Model turned = paper_model();
+    turned.misalignment = 0.1;
+    CHECK(found[3] == static_tilt(turned, 2e-3, 1e-3));
     CHECK(std::isnan(found[4]));
     CHECK_THROWS_AS(static_tilts(base, {"drag.linea"}, {0.0}, fields), std::invalid_argument);
     CHECK_THROWS_AS(static_tilts(base, {"drag.linear"}, {1.0}, {1e-3}), std::invalid_argument);

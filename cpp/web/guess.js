@@ -9,8 +9,8 @@ const signed = (random, low, high) => (random() < 0.5 ? -1 : 1) * between(random
 const CAUSES = [
   { key: "effects.surface_tilt.angle", name: "The surface is tilted", draw: (r) => signed(r, 3, 7) * DEGREE, hint: "Faster downhill than uphill, whichever coil pulses." },
   { key: "effects.ambient_field.Bx", name: "A field from outside", draw: (r) => signed(r, 0.1, 0.25) * 1e-3, hint: "The two ways differ when the coil ahead pulses (IPP), hardly when the coil below does (OPP)." },
-  { key: "effects.magnetization_scale.fraction", name: "A weaker magnet", draw: (r) => -between(r, 0.4, 0.55), hint: "Slow pulses walk as stated; fast ones fall short." },
-  { key: "effects.edge_time.time", name: "A slow edge of the pulse", draw: (r) => between(r, 2e-3, 4e-3), hint: "Slower everywhere; OPP at low frequency loses most." },
+  { key: "robot.magnetization", name: "A weaker magnet", draw: (r) => between(r, 0.45, 0.6) * 5e5, hint: "Slow pulses walk as stated; fast ones fall short." },
+  { key: "drive.edge_time", name: "A slow edge of the pulse", draw: (r) => between(r, 2e-3, 4e-3), hint: "Slower everywhere; OPP at low frequency loses most." },
   { key: "effects.friction_anisotropy.fraction", name: "Friction by direction", draw: (r) => -between(r, 0.3, 0.6), hint: "All velocities grow by much the same factor, both ways." },
   { key: "effects.angle_drag.strength", name: "Drag by angle", draw: (r) => between(r, 6, 15), hint: "The velocity stops growing with frequency." },
 ];

@@ -44,9 +44,8 @@ const GROUPS = [
 const EFFECTS = [
   ["Ambient field along the surface", slider("effects.ambient_field.Bx", "Field", "mT", 1e-3, -1, 1, 0.01), 0.15e-3],
   ["Ambient field from above", slider("effects.ambient_field.Bz", "Field", "mT", 1e-3, -1, 1, 0.01), 0.15e-3],
-  ["Weaker or stronger magnet", slider("effects.magnetization_scale.fraction", "More moment", "%", 0.01, -90, 100, 1), -0.4],
   ["Tilted magnetization", slider("effects.misalignment.angle", "Angle to the long axis", "°", DEGREE, -30, 30, 0.5), 10 * DEGREE],
-  ["Slow edge of the pulse", slider("effects.edge_time.time", "Duration", "ms", 1e-3, 0, 10, 0.1), 3e-3],
+  ["Slow edge of the pulse", slider("drive.edge_time", "Duration", "ms", 1e-3, 0, 10, 0.1), 3e-3],
   ["Eddy currents", slider("effects.eddy_lag.time", "Lag of the field", "ms", 1e-3, 0, 10, 0.1), 2e-3],
   ["Controller in steps", slider("effects.sample_hold.period", "Period", "ms", 1e-3, 0, 5, 0.1), 2e-3],
   ["Amplifiers that clip", slider("effects.amplifier_limit.voltage", "Largest voltage (0: no limit)", "V", 1, 0, 40, 0.5), 10],
@@ -81,6 +80,7 @@ const PRESETS = [
   ["Tips over", { "drive.base": 0, "drive.peak": 2.5e-3 }],
   ["Stays: weak magnet", { "robot.magnetization": 2e4 }],
   ["Stays: steady field", { "drive.base": 1.5e-3 }],
+  ["Stays: adhesion", { "contact.adhesion": 3e-6 }],
 ];
 
 /** Settings of which the first may not exceed the second. */

@@ -33,7 +33,7 @@ function storyOf(changes, run) {
   parts.push(...slips);
   if (run.shares.flight > 0.01) parts.push(`is in the air for ${ms(run.shares.flight * period)}${Math.abs(flown) > 0.04 * Math.abs(forward * period) ? `, which moves it ${um(Math.abs(flown))} ${flown > 0 ? "forward" : "backward"}` : ""}`);
   const list = parts.length > 1 ? parts.slice(0, -1).join(", ") + " and " + parts[parts.length - 1] : parts[0];
-  const verb = run.events.roll_over ? "It tips over" : forward < 0 ? "It slides back" : run.shares.flight > 0.2 ? "It hops" : "It walks";
+  const verb = isFrictionless(changes) ? "It is pulled along" : run.events.roll_over ? "It tips over" : forward < 0 ? "It slides back" : run.shares.flight > 0.2 ? "It hops" : "It walks";
   return `${verb}: ${mm(Math.abs(forward))} ${way}, ${um(Math.abs(forward) * period)} a pulse. In each pulse of ${ms(period)} ${list}.`;
 }
 
@@ -51,7 +51,10 @@ function notesOf(changes, run) {
   if (run.shares.flight > 0.2) {
     notes.push(`It is in the air for ${numberOf(100 * run.shares.flight, 2)} % of the time: it hops rather than walks, and its velocity depends on how it lands. A base field nearer to the peak keeps it down.`);
   }
-  if (run.events.roll_over) {
+  if (moves && isFrictionless(changes)) {
+    notes.push("Without friction nothing holds the edge: it goes where the pull of the field or a tilt of the surface takes it, which is no walk.");
+  }
+  if (moves && run.events.roll_over) {
     notes.push(`It tipped over: ${run.events.roll_over} times it went from one edge over a face to the next.` + (changes["drive.base"] === 0 ? " At base field 0 the holding field alone stands it up on end; a base field keeps it lying." : ""));
   }
   if (Math.max(run.theta_max, -run.theta_min) > Math.PI / 2) notes.push("It tilted beyond upright.");
@@ -62,6 +65,10 @@ function notesOf(changes, run) {
     notes.push(`The field is stronger near the coil and pulls the robot along, with up to ${numberOf(100 * run.pull_ratio, 2)} % of what friction can hold: a part of its velocity is no walk.`);
   }
   return notes;
+}
+
+function isFrictionless(changes) {
+  return settingOf(changes, "contact.static_friction") === 0;
 }
 
 function settingWord(changes, key) {
@@ -81,12 +88,17 @@ function whyItStays(changes, run) {
     "drive.base": factor * changes["drive.base"],
     "drive.hold": factor * settingOf(changes, "drive.hold"),
   });
-  const friction = settingOf(changes, "contact.static_friction");
+  const friction = settingOf(changes, "contact.static_friction"), hold = settingOf(changes, "drive.hold");
+  const base = changes["drive.base"], peak = changes["drive.peak"], lower = Number((peak / 3).toPrecision(2));
   const trials = [
     [{ "contact.adhesion": usual("contact.adhesion") }, settingOf(changes, "contact.adhesion") > 2 * usual("contact.adhesion"),
       `adhesion of ${numberOf(settingOf(changes, "contact.adhesion") * 1e9)} nN holds the edge against every stroke. With ${numberOf(usual("contact.adhesion") * 1e9)} nN it walks.`],
     [{ "robot.magnetization": usual("robot.magnetization") }, settingOf(changes, "robot.magnetization") < 0.5 * usual("robot.magnetization"),
       `the magnet is too weak. The field turns it with at most ${numberOf(momentOf(changes) * run.field_max * 1e9, 2)} nN m, too little to shake the edge loose. With ${numberOf(usual("robot.magnetization") / 1e3)} kA/m it walks.`],
+    [{ "drive.hold": usual("drive.hold") }, hold < 0.5 * usual("drive.hold"),
+      `the holding field is ${numberOf(hold * 1e3)} mT, so the pulses change the field's size and hardly its direction, and do not rock the magnet. With ${numberOf(usual("drive.hold") * 1e3)} mT it walks.`],
+    [{ "drive.base": lower }, base > 0.5 * peak,
+      `base and peak differ by ${numberOf((peak - base) * 1e3)} mT, so the pulses are too small to break the edge loose. With a base field of ${numberOf(lower * 1e3)} mT it walks.`],
     [{ "contact.static_friction": 0.25 * friction, "contact.kinetic_friction": 0.25 * settingOf(changes, "contact.kinetic_friction") }, true,
       `friction holds the edge (coefficient ${numberOf(friction)}). With a quarter of the friction it walks.`],
     [stronger(2), true, "the field rocks it too little. With twice the field it walks."],
@@ -111,5 +123,5 @@ function walksWith(changes) {
 /** Magnetic moment, A m². */
 function momentOf(changes) {
   const volume = settingOf(changes, "robot.length") * settingOf(changes, "robot.height") * settingOf(changes, "robot.width");
-  return volume * settingOf(changes, "robot.magnetization") * (1 + settingOf(changes, "effects.magnetization_scale.fraction"));
+  return volume * settingOf(changes, "robot.magnetization");
 }

@@ -64,7 +64,7 @@ def follow(robot: Scenario, path: Path, random: Random) -> tuple[Array, Array]:
 
     `random` makes the noise of the camera.
     """
-    sim, follower = Simulator(robot), Follower(path)
+    sim, follower = Simulator(robot, whole_plane=True), Follower(path)
     film = Film(CAMERA, STEP, pose_of(sim.state))
     states, played = [], []
     voltages = heading_voltages(follower.heading, STANDS, CLAMP)

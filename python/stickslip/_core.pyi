@@ -46,8 +46,6 @@ class _Steps(TypedDict):
 
 class _Summary(TypedDict):
     mean_velocity: float
-    finished_pulses: int
-    finished_velocity: float
     theta_min: float
     theta_max: float
     slip_up: float
@@ -216,7 +214,7 @@ class Snapshot:
     def from_bytes(data: bytes) -> Snapshot: ...
 
 class Simulator:
-    def __init__(self, scenario: Scenario) -> None: ...
+    def __init__(self, scenario: Scenario, whole_plane: bool) -> None: ...
     def step(
         self,
         voltages: Mapping[str, float],
@@ -237,7 +235,7 @@ class Simulator:
     def message(self) -> str: ...
 
 class SimulatorBatch:
-    def __init__(self, scenarios: Sequence[Scenario]) -> None: ...
+    def __init__(self, scenarios: Sequence[Scenario], whole_plane: bool) -> None: ...
     def step(
         self, voltages: NDArray[float64], duration: float, linear: bool, threads: int
     ) -> None: ...

@@ -43,13 +43,13 @@ def measured(seed, repeats=1, noise=DEGREE):
 
 def test_predictions_are_those_of_the_core_read_by_the_suspects():
     found = measured(0, repeats=2)
-    names = ["angle_scale.error", "effects.angle_offset.angle", "drag.linear",
+    names = ["angle_scale.error", "angle_offset.angle", "drag.linear",
              "effects.misalignment.angle", "angle_clipping.limit"]  # fmt: skip
     values = np.array([[0.0, 0.0, 1e-5, 0.0, 0.0], [0.1, 0.1, 1e-4, 0.2, 0.8]])
     plain, changed = found.predict(names, values)
     assert plain == pytest.approx(angles({}, found.fields), abs=1e-14)
-    effects = {"effects.angle_offset.angle": 0.1, "effects.misalignment.angle": 0.2}
-    read = np.clip(1.1 * angles(effects, found.fields), -0.8, 0.8)
+    turned = angles({"effects.misalignment.angle": 0.2}, found.fields)
+    read = np.clip(1.1 * (turned + 0.1), -0.8, 0.8)
     assert changed == pytest.approx(read, abs=1e-14)
 
 

@@ -98,15 +98,31 @@ def motion(changes, rate=None):
     return next(record(SCENARIO, list(changes), values, rate or recording_rate(SCENARIO), 1))
 
 
-def test_scales_and_offsets_of_the_core_are_not_applied_twice():
-    length, clock, turn = 0.03, 0.02, 0.05
-    effects = {"effects.length_scale.fraction": length, "effects.clock_scale.fraction": clock,
-               "effects.angle_offset.angle": turn}  # fmt: skip
-    times = np.arange(0.0, 0.15, 1e-3)
-    plain = Camera(4e-4).frames(motion({}), times)
-    read = Camera(4e-4 * (1 + clock)).frames(motion(effects), times * (1 + clock))
-    assert np.allclose(read["x"], plain["x"] * (1 + length), rtol=0, atol=1e-14)
-    assert np.allclose(read["theta"], plain["theta"] + turn, rtol=0, atol=1e-12)
+def test_scales_of_length_and_clock_are_on_all_that_is_read():
+    length, clock = 0.03, 0.02
+    times, names = np.arange(0.0, 0.15, 1e-3), ("x", "z", "theta", "current_x")
+    plain = Camera(4e-4, marker_along=2e-5).frames(motion({}), times, names)
+    camera = Camera(4e-4 * (1 + clock), length_scale=length, clock_scale=clock, marker_along=2e-5)
+    read = camera.frames(motion({}), times * (1 + clock), names)
+    for name in names:
+        scale = 1 + length if name in ("x", "z") else 1
+        assert np.allclose(read[name], plain[name] * scale, rtol=1e-12, atol=1e-14), name
+
+
+def test_what_films_have_alike_is_read_by_the_camera():
+    run = tracking_run({}, 500.0, 0)
+    table = FilmTable(run)
+    shared = [each.name for cause in table.suspects for each in cause.parameters]
+    scales = {"length_scale.fraction": 0.03, "clock_scale.fraction": 0.02}
+    assert scales.keys() | {"angle_offset.angle"} <= set(shared)
+    plain, read = table.predict([*NAMES, *scales], np.vstack(
+        [np.r_[VALUES[0], 0.0, 0.0], np.r_[VALUES[0], 0.03, 0.0]]))  # fmt: skip
+    along = table.settings["column"] == "x"
+    assert read[along] == pytest.approx(1.03 * plain[along], rel=1e-12)
+    assert np.array_equal(read[~along], plain[~along])
+    turned = table.predict([*NAMES, "angle_offset.angle"], np.c_[VALUES, [0.02]])
+    own = table.predict([*NAMES, "tracking.1.angle_offset"], np.c_[VALUES, [0.02]])
+    assert np.array_equal(turned, own)
 
 
 def test_the_recording_rate_is_fine_enough_and_meets_the_edges():

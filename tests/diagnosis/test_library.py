@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip import Scenario, simulate
-from stickslip.diagnosis.terms.library import _OTHER_NAMES, _SHAPES, _SIZES, library
+from stickslip.diagnosis.terms.library import _ALIKE, _SHAPES, _SIZES, CONSTANTS, library
 from stickslip.scenario.named_effects import effects
 from stickslip.scenario.priors import Prior
 
@@ -27,6 +27,7 @@ def test_every_extension_of_a_known_law_is_a_cause_that_starts_absent():
     known = parameters(causes)
     # Each has a size of its own: else it would be guessed from a range as wide as physics allows.
     own = {f"effects.{name}" for name in [*_SIZES, *_SHAPES, "amplifier_limit.voltage"]}
+    own |= {key for key, _ in CONSTANTS.values()}
     assert set(known) == own
     absent = {name: float(each.value(np.zeros(1))[0]) for name, each in known.items()}
     assert simulate(SHORT.replace(absent)).mean_velocity == simulate(SHORT).mean_velocity
@@ -53,6 +54,23 @@ def test_coordinates_give_known_sizes(name, at_one, far, unit):
     np.testing.assert_allclose(parameter.value(np.array([1.0, -3.0])), [at_one, far], rtol=2e-4)
 
 
+@pytest.mark.parametrize(
+    ("key", "stated", "at_one", "range"),
+    [
+        ("robot.magnetization", 4e5, 4.4e5, (1.6e5, 8e5)),
+        ("drive.edge_time", 1e-3, 1.4e-3, (1e-3, 5e-3)),
+        ("contact.restitution", 0.4, 0.55, (0.4, 1.0)),
+    ],
+)
+def test_a_constant_is_a_cause_about_what_is_stated(key, stated, at_one, range):
+    known = parameters(library(SHORT.replace({key: stated}), (), VOLTS))[key]
+    assert known.value(np.array([0.0, 1.0])) == pytest.approx([stated, at_one])
+    assert (known.low, known.high) == pytest.approx(range)
+    at_its_end = {"robot.magnetization": 0.0, "contact.restitution": 1.0}
+    if key in at_its_end:
+        assert key not in parameters(library(SHORT.replace({key: at_its_end[key]}), (), VOLTS))
+
+
 def test_a_fast_controller_has_no_steps_and_a_slow_one_a_fine_scan():
     period = parameters(library(SHORT, {}, VOLTS))["effects.sample_hold.period"]
     just = math.asinh(1e-4 / 4e-4 * math.sinh(1.0))
@@ -70,8 +88,8 @@ def test_what_the_model_has_already_is_no_cause():
     assert every - names(SHORT.replace({"effects.surface_tilt.angle": 0.01})) == {"surface_tilt"}
     assert every - names(effects__misalignment__angle=1) == {"misalignment"}
     # Nor is another name of an uncertain constant.
-    assert set(_OTHER_NAMES) <= every
-    for name, constant in _OTHER_NAMES.items():
+    assert set(_ALIKE) <= every
+    for name, constant in _ALIKE.items():
         assert every - names(**{constant: 1}) == {name}
     assert names(contact__kinetic_friction=1) == every
 

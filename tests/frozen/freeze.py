@@ -33,7 +33,7 @@ from stickslip import Run, Scenario, _core, simulate_batch
 FILE = Path(__file__).with_name("summaries.jsonl")
 
 NUMBERS = (
-    *("mean_velocity", "mean_velocity_y", "finished_velocity", "theta_min", "theta_max"),
+    *("mean_velocity", "mean_velocity_y", "theta_min", "theta_max"),
     *("slip_up", "slip_down", "slip_flat", "airborne_fraction", "field_max", "field_min"),
     *("current_max", "voltage_max", "power_mean", "simulated_time"),
 )

@@ -43,10 +43,9 @@ public:
         }
         return robot_->kinetic_friction;
     }
-    [[gnu::always_inline]] LoadOf<Real> load_near_surface(const ExpansionOf<Real>& expansion,
-                                                          Real x, Real z, const PoseOf<Real>& pose,
-                                                          Real vx, Real vz, Real omega,
-                                                          Real) const {
+    [[gnu::always_inline]] LoadOf<Real> load(const ExpansionOf<Real>& expansion, Real x, Real z,
+                                             const PoseOf<Real>& pose, Real vx, Real vz,
+                                             Real omega) const {
         const PlanarFieldOf<Real> field = expansion(x, z);
         const Real mx = robot_->moment_x(pose), mz = robot_->moment_z(pose);
         LoadOf<Real> load = robot_->load(field, mx, mz, vx, vz, omega);

@@ -52,6 +52,12 @@ void require_tsit5(const Scenario& scenario) {
     }
 }
 
+PerCoil per_coil(const double* row) {
+    PerCoil result;
+    std::copy_n(row, result.size(), result.begin());
+    return result;
+}
+
 bool is_finite(const double* row) {
     return std::all_of(row, row + kCoilCount, [](double volts) { return std::isfinite(volts); });
 }
@@ -65,31 +71,21 @@ std::size_t finite_steps(const ControlRows& rows, std::size_t run) {
     return rows.steps;
 }
 
-/// The number of `steps` of a run that are played in one plane: up to the first that turns its
-/// robot.
-std::size_t planar_steps(const Scenario& scenario, const ControlRows& rows, std::size_t run,
-                         std::size_t steps) {
-    if (turns(scenario)) return 0;
+/// Whether one of the first `steps` of a run turns its robot.
+bool any_turns(const Scenario& scenario, const ControlRows& rows, std::size_t run,
+               std::size_t steps) {
     const double* row = rows.voltages + run * rows.run_stride;
     for (std::size_t k = 0; k < steps; ++k, row += kCoilCount) {
-        PerCoil voltages;
-        std::copy_n(row, voltages.size(), voltages.begin());
-        if (turns(scenario, voltages)) return k;
+        if (turns(scenario, per_coil(row))) return true;
     }
-    return steps;
+    return false;
 }
 
-void give(Lane& lane, const ControlRows& rows, std::size_t first, std::size_t last) {
-    lane.loop.steps().give(rows.voltages + lane.index * rows.run_stride + first * kCoilCount,
-                           last - first, rows.duration, rows.linear);
-}
-
-/// The states of a run from its step `first` on go to `output`.
-void write_states(Lane& lane, const ControlRows& rows, std::size_t first,
-                  const StateOutput& output) {
+/// The states of a run at the end of its steps go to `output`.
+void write_states(Lane& lane, const ControlRows& rows, const StateOutput& output) {
     const bool with_currents =
         std::any_of(output.columns.begin(), output.columns.end(), is_current);
-    const std::size_t begin = (lane.index * rows.steps + first) * output.columns.size();
+    const std::size_t begin = lane.index * rows.steps * output.columns.size();
     lane.loop.play_steps([&output, &lane, with_currents, to = output.values + begin]() mutable {
         const StateRow state = row_of(with_currents ? lane.loop.state() : lane.loop.motion());
         for (const std::size_t column : output.columns) *to++ = state[column];
@@ -106,50 +102,31 @@ std::vector<Status> rollout(std::size_t count,
     if (count == 0) return result;
     std::mutex mutex;
     std::map<const Lane*, std::unique_ptr<Lane>> lanes;
-    const auto make_lane = [&](std::size_t index, const Scenario& own, std::size_t first) {
-        auto lane = std::make_unique<Lane>(index, own, control);
-        write_states(*lane, rows, first, output);
-        return lane;
-    };
-    std::vector<std::size_t> finite(count), planar(count);
-    const auto last_step = [&](const Lane& lane) {
-        return lane.loop.in_whole_plane() ? finite[lane.index] : planar[lane.index];
-    };
+    std::vector<std::size_t> finite(count);
     const auto begin = [&](std::size_t index) -> Lane* {
         const std::optional<Scenario> given = scenario(index);
         if (!given) {
             result[index] = Status::not_finite;
             return nullptr;
         }
-        const Scenario own = without_record(*given);
+        Scenario own = without_record(*given);
         require_tsit5(own);
-        check(own);
         finite[index] = finite_steps(rows, index);
-        planar[index] = planar_steps(own, rows, index, finite[index]);
-        if (planar[index] < finite[index]) check(in_whole_plane(own, own.initial));
-        auto lane = make_lane(index, own, 0);
-        give(*lane, rows, 0, last_step(*lane));
+        own.whole_plane = own.whole_plane || any_turns(own, rows, index, finite[index]);
+        check(own);
+        auto lane = std::make_unique<Lane>(index, own, control);
+        write_states(*lane, rows, output);
+        lane->loop.steps().give(rows.voltages + index * rows.run_stride, finite[index],
+                                rows.duration, rows.linear);
         Lane* const key = lane.get();
         const std::lock_guard lock(mutex);
         lanes.emplace(key, std::move(lane));
         return key;
     };
-    // A run that a step turns goes on in the whole plane, as that of a simulator does.
-    const auto go_on = [&](const Lane& before, std::size_t first) {
-        const PlaneHandover handover = before.loop.hand_over();
-        const Scenario own = without_record(*scenario(before.index));
-        const auto lane = make_lane(before.index, in_whole_plane(own, handover.state), first);
-        lane->loop.take_over(handover);
-        give(*lane, rows, first, finite[before.index]);
-        lane->loop.go();
-        return lane->loop.status();
-    };
     const auto done = [&](Lane& lane) {
-        const std::size_t played = last_step(lane), steps = finite[lane.index];
-        const bool is_whole = lane.loop.status() != Status::ok || played == steps;
         Status& status = result[lane.index];
-        status = is_whole ? lane.loop.status() : go_on(lane, played);
-        if (status == Status::ok && steps < rows.steps) status = Status::not_finite;
+        status = lane.loop.status();
+        if (status == Status::ok && finite[lane.index] < rows.steps) status = Status::not_finite;
         const std::lock_guard lock(mutex);
         lanes.erase(&lane);
     };
@@ -191,32 +168,35 @@ void SimulatorBatch::restore(std::size_t run, const RunSnapshot& snapshot) {
     if (snapshot.scenario != fingerprint(scenarios_[run])) {
         throw std::invalid_argument("the snapshot is of another scenario");
     }
-    const Scenario& own = scenarios_[run];
-    lanes_[run] =
-        make_lane(run, snapshot.in_whole_plane ? in_whole_plane(own, {}) : without_start(own));
+    lanes_[run] = make_lane(run, scenarios_[run]);
     lanes_[run]->loop.restore(snapshot);
 }
 
-// A run that a step turns goes on in the whole plane.
-void SimulatorBatch::enter_plane(std::size_t run) {
-    const PlaneHandover handover = lanes_[run]->loop.hand_over();
-    lanes_[run] = make_lane(run, in_whole_plane(scenarios_[run], handover.state));
-    lanes_[run]->loop.take_over(handover);
+// Before any run moves.
+void SimulatorBatch::check_planar_steps(const double* voltages) const {
+    for (std::size_t run = 0; run < lanes_.size(); ++run) {
+        const Lane::Loop& loop = lanes_[run]->loop;
+        const double* row = voltages + run * kCoilCount;
+        if (loop.in_whole_plane() || loop.status() != Status::ok || !is_finite(row)) continue;
+        try {
+            check_planar_step(scenarios_[run], per_coil(row));
+        } catch (const std::invalid_argument& refusal) {
+            throw std::invalid_argument("run " + std::to_string(run) + ": " + refusal.what());
+        }
+    }
 }
 
 void SimulatorBatch::step(const double* voltages, double duration, bool linear, int threads,
                           const std::function<void()>& poll) {
+    check_planar_steps(voltages);
     for (std::size_t run = 0; run < lanes_.size(); ++run) {
-        if (lanes_[run]->loop.status() != Status::ok) continue;
+        Lane::Loop& loop = lanes_[run]->loop;
+        if (loop.status() != Status::ok) continue;
         const double* row = voltages + run * kCoilCount;
         if (!is_finite(row)) {
-            lanes_[run]->loop.give_up(Status::not_finite);
+            loop.give_up(Status::not_finite);
             continue;
         }
-        PerCoil asked;
-        std::copy_n(row, asked.size(), asked.begin());
-        if (!lanes_[run]->loop.in_whole_plane() && turns(scenarios_[run], asked)) enter_plane(run);
-        Lane::Loop& loop = lanes_[run]->loop;
         loop.reset_counts();
         loop.steps().give(row, 1, duration, linear);
     }

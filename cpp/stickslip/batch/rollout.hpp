@@ -33,7 +33,8 @@ struct StateOutput {
 /// Plays `count` runs from their scenarios' initial states through the same number of steps each,
 /// and writes the state at the end of each step; what a failed run does not reach stays as it was.
 /// A run fails (`Status::not_finite`) where `scenario` gives none, as its start is not finite, or
-/// at the first voltage that is not. Statuses in the order of the runs, bit-identical results for
+/// at the first voltage that is not. It is in the whole plane if one of its rows turns the robot.
+/// Statuses in the order of the runs, bit-identical results for
 /// any number of threads.
 std::vector<Status> rollout(std::size_t count,
                             const std::function<std::optional<Scenario>(std::size_t)>& scenario,
@@ -50,6 +51,8 @@ public:
     std::size_t size() const { return lanes_.size(); }
     /// One step of all runs, whose rows are those of `voltages` (size() x 5). A run that has failed
     /// stays where it is, whatever its row is; one whose row is not finite fails before the step.
+    /// Throws std::invalid_argument, and moves none, for a row that turns a robot whose scenario
+    /// keeps it in one plane.
     /// `poll` is called about every 50 ms of a step that takes long. Where it, or an effect of the
     /// user, throws, runs that have not come to the step's end are `Status::interrupted`, and all
     /// can be begun anew.
@@ -67,7 +70,7 @@ public:
 
 private:
     std::unique_ptr<Lane> make_lane(std::size_t run, const Scenario& scenario);
-    void enter_plane(std::size_t run);
+    void check_planar_steps(const double* voltages) const;
     bool is_short(double duration) const;
 
     std::vector<Scenario> scenarios_;

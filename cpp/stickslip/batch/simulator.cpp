@@ -1,6 +1,5 @@
 #include "stickslip/batch/simulator.hpp"
 
-#include <optional>
 #include <stdexcept>
 
 #include "stickslip/field/field_map.hpp"
@@ -44,7 +43,6 @@ std::uint64_t fingerprint(const Scenario& scenario) {
             for (const double coefficient : coil) hash.add(coefficient);
         }
     }
-    hash.add(turns(without_start(scenario)) ? 1.0 : 0.0);
     return hash.value();
 }
 
@@ -65,49 +63,36 @@ struct Simulator::Runner {
 
 template <class Integrator>
 struct Simulator::RunnerOf : Simulator::Runner {
-    explicit RunnerOf(const Scenario& given) : scenario(given) { begin(given); }
-
-    void begin(const Scenario& from) {
-        loop.emplace(from, nullptr);
-        loop->play_steps([] {});
+    explicit RunnerOf(const Scenario& given) : scenario(given), loop(given, nullptr) {
+        loop.play_steps([] {});
     }
     void step(const PerCoil& voltages, double duration, bool linear,
               const PerCoil* start) override {
-        const bool turning = turns(scenario, voltages) || (start && turns(scenario, *start));
-        if (!loop->in_whole_plane() && turning) {
-            const PlaneHandover handover = loop->hand_over();
-            const Scenario next = in_whole_plane(scenario, handover.state);
-            check(next);  // before the loop that is there is given up
-            begin(next);
-            loop->take_over(handover);
+        if (!loop.in_whole_plane()) {
+            check_planar_step(scenario, voltages);
+            if (start) check_planar_step(scenario, *start);
         }
-        const RunSnapshot before = loop->snapshot();
-        loop->reset_counts();
-        if (start) loop->steps().jump(*start);
-        loop->steps().give(voltages.data(), 1, duration, linear);
+        const RunSnapshot before = loop.snapshot();
+        loop.reset_counts();
+        if (start) loop.steps().jump(*start);
+        loop.steps().give(voltages.data(), 1, duration, linear);
         try {
-            loop->go();
+            loop.go();
         } catch (...) {  // of an effect of the user
-            loop->restore(before);
+            loop.restore(before);
             throw;
         }
-        if (loop->status() != Status::ok) failure = stickslip::message(loop->take_result());
+        if (loop.status() != Status::ok) failure = stickslip::message(loop.take_result());
     }
-    double time() override { return status() == Status::ok ? loop->steps().time() : loop->time(); }
-    SimulationState state() const override { return loop->state(); }
-    Status status() const override { return loop->status(); }
-    PerCoil voltages() const override { return loop->steps().world_memory().last; }
-    RunSnapshot snapshot() const override { return loop->snapshot(); }
-    void restore(const RunSnapshot& snapshot) override {
-        if (snapshot.in_whole_plane != loop->in_whole_plane()) {
-            // One plane may be left by the initial state alone, which a snapshot replaces.
-            begin(snapshot.in_whole_plane ? in_whole_plane(scenario, {}) : without_start(scenario));
-        }
-        loop->restore(snapshot);
-    }
+    double time() override { return status() == Status::ok ? loop.steps().time() : loop.time(); }
+    SimulationState state() const override { return loop.state(); }
+    Status status() const override { return loop.status(); }
+    PerCoil voltages() const override { return loop.steps().world_memory().last; }
+    RunSnapshot snapshot() const override { return loop.snapshot(); }
+    void restore(const RunSnapshot& snapshot) override { loop.restore(snapshot); }
 
     Scenario scenario;
-    std::optional<HybridLoop<Integrator>> loop;
+    HybridLoop<Integrator> loop;
 };
 
 Simulator::~Simulator() = default;

@@ -22,7 +22,9 @@ public:
     ~Simulator();
 
     /// Plays `duration` s (above zero) with these voltages (V, world's frame), held, or linear from
-    /// `start`, to which they jump, or without it from those of the step before.
+    /// `start`, to which they jump, or without it from those of the step before. Throws
+    /// std::invalid_argument, and moves nothing, for voltages that turn a robot whose scenario keeps
+    /// it in one plane.
     void step(const PerCoil& voltages, double duration, bool linear,
               const PerCoil* start = nullptr);
 
@@ -36,7 +38,8 @@ public:
     PerCoil voltages() const;
 
     RunSnapshot snapshot() const;
-    /// Throws std::invalid_argument for a snapshot of another scenario.
+    /// Throws std::invalid_argument for a snapshot of another scenario, or of a run in the whole
+    /// plane for one in one plane.
     void restore(const RunSnapshot& snapshot);
 
 private:

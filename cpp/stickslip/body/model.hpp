@@ -68,9 +68,8 @@ struct Model {
 
     /// Whether the named effects between events are all among the SmoothEffects.
     bool is_smooth() const {
-        return adhesion.range == 0.0 && !adhesion.has_free_shape() && !friction.has_free_shape() &&
-               drag_shape.absent() && field_shape.absent() && place.absent() &&
-               user_effects.empty();
+        return !adhesion.has_free_shape() && !friction.has_free_shape() && drag_shape.absent() &&
+               field_shape.absent() && place.absent() && user_effects.empty();
     }
 
     /// Shortest time (s) over which a free shape may change the forces while nothing moves.

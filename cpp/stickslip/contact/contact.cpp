@@ -16,8 +16,8 @@ public:
 
     Resolution corner(int quadrant, double angle, double slip_velocity, int onset) {
         const Pose pose = pose_at(quadrant, angle);
-        const Load load = dynamics_.load_near_surface(dynamics_.field_at(tau_), body_.x, body_.z,
-                                                      pose, body_.vx, body_.vz, body_.omega, 0.0);
+        const Load load = dynamics_.load(dynamics_.field_at(tau_), body_.x, body_.z, pose, body_.vx,
+                                         body_.vz, body_.omega);
         if (slip_velocity != 0.0) return sliding(quadrant, pose, load, slip_velocity);
         if (onset != 0) return breaking_loose(quadrant, pose, load, onset);
 

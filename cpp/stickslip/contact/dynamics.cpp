@@ -155,32 +155,4 @@ void Dynamics::add_user_effects(double tau, const PlanarField& field, double x, 
     }
 }
 
-void Dynamics::add_ranged_adhesion(double tau, const Pose& pose, double gap, Load& load) const {
-    const Adhesion& adhesion = model_->adhesion;
-    const double base = 2.0 * model_->shape.half_base(quadrant_);
-    const double rise = 2.0 * model_->shape.half_rise(quadrant_);
-    // Gap and lever of the pivot, the corners behind and ahead of it, and the one opposite.
-    const double along_base = base * pose.cosine, up_base = base * pose.sine;
-    const double along_rise = rise * pose.sine, up_rise = rise * pose.cosine;
-    const std::array<double, 4> gaps = {gap, gap + up_base, gap + up_rise, gap + up_base + up_rise};
-    const std::array<double, 4> levers = {pose.lever, pose.lever - along_base,
-                                          pose.lever + along_rise,
-                                          pose.lever - along_base + along_rise};
-    std::array<double, 4> weights;
-    for (std::size_t i = 0; i < 4; ++i) weights[i] = adhesion.weight(gaps[i]);
-    const Adhesion::Shares shares = Adhesion::shares(weights);
-
-    const bool flies = gap > 0.0;
-    const double age = flies ? 0.0 : age_ + tau;  // what is not in contact does not age
-    const double sine = sine_of_tilt(pose), cosine = cosine_of_tilt(pose);
-    const double strength = adhesion.of_contact(sine, cosine, age);
-    load.contact_adhesion = flies ? 0.0 : strength * shares.pull[0];
-    for (std::size_t i = flies ? 0 : 1; i < 4; ++i) {
-        const double pull = strength * shares.pull[i];
-        load.fz -= pull;
-        load.torque += levers[i] * pull;
-    }
-    load.torque += adhesion.slope_of_contact(sine, cosine, age) * adhesion.range * shares.energy;
-}
-
 }  // namespace stickslip

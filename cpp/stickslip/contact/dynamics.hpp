@@ -168,21 +168,6 @@ public:
                                             double z, const Pose& pose, double vx, double vz,
                                             double omega) const;
 
-    /// The same with the adhesion of corners that are near but do not touch, where it has a range.
-    /// `gap`: height of the pivot corner above the surface in m, 0 in contact.
-    [[gnu::always_inline]] Load load_near_surface(const Expansion& field, double x, double z,
-                                                  const Pose& pose, double vx, double vz,
-                                                  double omega, double gap) const {
-        return load_near_surface(field(x, z), field.tau, x, z, pose, vx, vz, omega, gap);
-    }
-    [[gnu::always_inline]] Load load_near_surface(const PlanarField& field, double tau, double x,
-                                                  double z, const Pose& pose, double vx, double vz,
-                                                  double omega, double gap) const {
-        Load result = load(field, tau, x, z, pose, vx, vz, omega);
-        if (model_->adhesion.range > 0.0) add_ranged_adhesion(tau, pose, gap, result);
-        return result;
-    }
-
     /// Drag force over the velocity, N s/m, of a body that moves at `speed` m/s.
     double drag_coefficient(const Pose& pose, double speed, double omega) const;
 
@@ -195,7 +180,6 @@ private:
     /// The same of a user's effects; throws WrenchNotFinite.
     void add_user_effects(double tau, const PlanarField& field, double x, double z,
                           const Pose& pose, double vx, double vz, double omega, Load& load) const;
-    void add_ranged_adhesion(double tau, const Pose& pose, double gap, Load& load) const;
     // Of friction that is not plain; apart for the same reason.
     double extended_static_limit(double slip, double x, const Pose& pose, double normal,
                                  double tau) const;

@@ -152,8 +152,8 @@ private:
     [[gnu::always_inline]] CornerStickOf<Real> solve(const ExpansionOf<Real>& field, const State& y,
                                                      const PoseOf<Real>& pose) const {
         const LoadOf<Real> load =
-            dynamics_->load_near_surface(field, contact_x_ - (pose.lever - pose.roll), pose.height,
-                                         pose, y[1] * pose.height, y[1] * pose.lever, y[1], 0.0);
+            dynamics_->load(field, contact_x_ - (pose.lever - pose.roll), pose.height, pose,
+                            y[1] * pose.height, y[1] * pose.lever, y[1]);
         return corner_stick(robot(), pose, y[1], load);
     }
 
@@ -238,8 +238,8 @@ private:
                                                     const State& y) const {
         const PoseOf<Real> pose = dynamics_->pose(y[1]);
         const LoadOf<Real> load =
-            dynamics_->load_near_surface(field, y[0] - (pose.lever - pose.roll), pose.height, pose,
-                                         y[2] + y[3] * pose.height, y[3] * pose.lever, y[3], 0.0);
+            dynamics_->load(field, y[0] - (pose.lever - pose.roll), pose.height, pose,
+                            y[2] + y[3] * pose.height, y[3] * pose.lever, y[3]);
         const Real coefficient =
             dynamics_->corner_kinetic(slip_, y[2], y[0] + pose.roll, pose, y[3], load, field.tau);
         return corner_slip(robot(), pose, y[3], load, slip_ * coefficient);
@@ -286,18 +286,14 @@ public:
     [[gnu::always_inline]] void rates(const ExpansionOf<Real>& field, const State& y, State& dydt,
                                       Values& g) const {
         const PoseOf<Real> pose = dynamics_->pose(y[2]);
-        const Real gap = y[1] - pose.height;
-        // In flight a corner at gap zero pulls no more: adhesion without range is lost at lift-off.
-        const LoadOf<Real> load =
-            dynamics_->load_near_surface(field, y[0], y[1], pose, y[3], y[4], y[5],
-                                         greater(gap, Real(std::numeric_limits<double>::min())));
+        const LoadOf<Real> load = dynamics_->load(field, y[0], y[1], pose, y[3], y[4], y[5]);
         dydt = {y[3],
                 y[4],
                 y[5],
                 load.fx * robot().per_mass,
                 load.fz * robot().per_mass,
                 load.torque * robot().per_inertia};
-        g = gaps(gap, pose);
+        g = gaps(y[1] - pose.height, pose);
     }
     double event(std::size_t i, double, const auto& y) const {
         const Pose pose = dynamics_->pose(y[2]);

@@ -21,7 +21,7 @@ public:
     PlaneResolution corner(int quadrant, double angle, const Slip& slip, bool is_loose) {
         pose_at(quadrant, angle);
         const PlaneLoad load =
-            plane_.load(field_, tau_, pose_, {body_.vx, body_.vy}, body_.vz, body_.omega, 0.0);
+            plane_.load(field_, tau_, pose_, {body_.vx, body_.vy}, body_.vz, body_.omega);
         if (!is_slow(slip)) return sliding(quadrant, load, slip);
         const CornerStick stick = corner_stick(upright_.robot(), pose_, body_.omega, load.along);
         // Friction that would hold it; it would slip the other way.

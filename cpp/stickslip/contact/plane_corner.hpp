@@ -70,7 +70,7 @@ private:
         const Pose pose = upright().pose(y[0]);
         const HeadedField headed = plane_->headed_at_corner(field, contact_x_, contact_y_, pose);
         const PlaneLoad load = plane_->load(headed, field.tau, pose, {y[1] * pose.height, 0.0},
-                                            y[1] * pose.lever, y[1], 0.0);
+                                            y[1] * pose.lever, y[1]);
         const CornerStick stick = corner_stick(robot(), pose, y[1], load.along);
         const Slip friction = {stick.reaction.friction, -load.across};
         const double size = friction.size();
@@ -194,7 +194,7 @@ private:
         motion.slip = headed.heading.seen(y[3], y[4]);
         const PlaneLoad load = plane_->load(
             headed, field.tau, pose, {motion.slip.along + y[5] * pose.height, motion.slip.across},
-            y[5] * pose.lever, y[5], 0.0);
+            y[5] * pose.lever, y[5]);
         const double touch_x = y[0] + pose.roll * headed.heading.cosine;
         const double coefficient = upright().corner_kinetic(way.along, motion.slip.size(), touch_x,
                                                             pose, y[5], load.along, field.tau);

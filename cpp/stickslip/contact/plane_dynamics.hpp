@@ -73,12 +73,11 @@ public:
     }
 
     /// Forces but those of touching corners. velocity: of the centre of mass along and across, m/s.
-    /// gap: of the pivot corner, m, 0 in contact.
     PlaneLoad load(const HeadedField& field, double tau, const Pose& pose, const Slip& velocity,
-                   double vz, double omega, double gap) const {
+                   double vz, double omega) const {
         // Effects of a user, which alone ask for the place, do not come here.
-        const Load along = upright_->load_near_surface(field.along, tau, 0.0, 0.0, pose,
-                                                       velocity.along, vz, omega, gap);
+        const Load along =
+            upright_->load(field.along, tau, 0.0, 0.0, pose, velocity.along, vz, omega);
         return complete(along, field, pose, velocity, vz, omega);
     }
     /// The same of a body that lies on a face and slides, or does not.

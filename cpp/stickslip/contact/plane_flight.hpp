@@ -25,11 +25,10 @@ public:
 
     void rates(const SpatialExpansion& field, const State& y, State& dydt, Values& g) const {
         const Pose pose = upright().pose(y[3]);
-        const double gap = y[2] - pose.height;
         const HeadedField headed = plane_->headed(field, y[0], y[1], y[2]);
         const Heading& h = headed.heading;
-        const PlaneLoad load = plane_->load(headed, field.tau, pose, h.seen(y[4], y[5]), y[6], y[7],
-                                            std::max(gap, std::numeric_limits<double>::min()));
+        const PlaneLoad load =
+            plane_->load(headed, field.tau, pose, h.seen(y[4], y[5]), y[6], y[7]);
         const Slip acceleration = {load.along.fx * robot().per_mass,
                                    load.across * robot().per_mass};
         dydt = {y[4],
@@ -40,7 +39,7 @@ public:
                 h.y(acceleration),
                 load.along.fz * robot().per_mass,
                 load.along.torque * robot().per_inertia};
-        g = gaps(gap, pose);
+        g = gaps(y[2] - pose.height, pose);
     }
     double event(std::size_t i, double, const auto& y) const {
         const Pose pose = upright().pose(y[3]);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "stickslip/contact/contact.hpp"
 #include "stickslip/solver/event_location.hpp"
 #include "stickslip/solver/stepping.hpp"
 

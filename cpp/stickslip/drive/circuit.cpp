@@ -224,69 +224,42 @@ PerCoil mean_square_currents(const VoltageProgram& program, const CircuitParamet
     return sum;
 }
 
-namespace {
-
-using Ratios = Eigen::Matrix<double, kCoilCount, 1>;  // R0/R of each coil
-
-PerCoil resistances(const CircuitParameters& cold, const Ratios& ratio) {
-    PerCoil result = cold.resistance;
-    for (int k = 0; k < kCoilCount; ++k) result[static_cast<std::size_t>(k)] /= ratio(k);
-    return result;
-}
-
-// R = R0 (1 + k R <I^2>) as what has to vanish coil by coil, R0/R + k R0 <I^2> - 1.
-Ratios heating_defect(const VoltageProgram& program, const CircuitParameters& cold,
-                      double coefficient, const Ratios& ratio) {
-    CircuitParameters warm = cold;
-    warm.resistance = resistances(cold, ratio);
-    const PerCoil squared = mean_square_currents(program, warm);
-    Ratios result;
-    for (int k = 0; k < kCoilCount; ++k) {
-        const auto u = static_cast<std::size_t>(k);
-        result(k) = ratio(k) - 1.0 + coefficient * cold.resistance[u] * squared[u];
-    }
-    return result;
-}
-
-}  // namespace
-
-// Newton's method with damping. There is one solution, and the Jacobian is never singular: with the
-// sensitivities J of the currents to a change r of the resistances, L dJ/dt + R J = -r I, the
-// change of the mean squares has sum_k r_k <2 I_k J_k> = -2 <J.(L dJ/dt + R J)> < 0, so that the
-// defect, as a function of the resistances, is strictly monotone.
+// R = R0 (1 + k R <I^2>) as a fixed point in the logarithm of R. Currents fall no faster than 1/R,
+// so that with p = -d ln <I^2> / d ln R between 0 (an inductance alone) and 2 (a resistance alone)
+// a coil's slope there, (1 - R0/R)(1 - p), is below one in size. Two steps give that slope, and
+// with it the end of their geometric series (Aitken), which leaves the coupling of the coils alone
+// to further steps.
 PerCoil warm_resistances(const VoltageProgram& program, const CircuitParameters& cold,
                          double coefficient) {
     constexpr int kMostSteps = 100;
-    constexpr double kDifference = 1e-6, kLastStep = 1e-9;  // the next would be their product
-    const auto defect_at = [&](const Ratios& ratio) {
-        return heating_defect(program, cold, coefficient, ratio);
+    constexpr double kRounding = 1e-13;
+    using Logarithms = Eigen::Array<double, kCoilCount, 1>;
+    CircuitParameters warm = cold;
+    const auto set = [&](const Logarithms& log) {
+        for (std::size_t k = 0; k < kCoilCount; ++k) {
+            warm.resistance[k] = cold.resistance[k] * std::exp(log(static_cast<Eigen::Index>(k)));
+        }
     };
-    Ratios ratio = Ratios::Ones();
-    Ratios defect = defect_at(ratio);
-    const auto idle = (defect.array() == 0.0).eval();  // no current at any resistance
-    double relative = 1.0;
-    for (int n = 0; n < kMostSteps && relative > kLastStep; ++n) {
-        Eigen::Matrix<double, kCoilCount, kCoilCount> jacobian = decltype(jacobian)::Identity();
-        for (int k = 0; k < kCoilCount; ++k) {
-            if (idle(k)) continue;
-            Ratios moved = ratio;
-            moved(k) *= 1.0 - kDifference;
-            jacobian.col(k) = (defect_at(moved) - defect) / (moved(k) - ratio(k));
+    const auto heated = [&](const Logarithms& log) {
+        set(log);
+        const PerCoil squares = mean_square_currents(program, warm);
+        Logarithms result;
+        for (std::size_t k = 0; k < kCoilCount; ++k) {
+            const double power = warm.resistance[k] * squares[k];
+            result(static_cast<Eigen::Index>(k)) = std::log1p(coefficient * power);
         }
-        const Ratios step = jacobian.partialPivLu().solve(defect);
-        relative = 0.0;  // where no part of the step helps, what is left is rounding
-        for (double part = 1.0; part > kDifference; part *= 0.5) {
-            const Ratios next = ratio - part * step;
-            if (!(next.minCoeff() > 0.0)) continue;
-            const Ratios left = defect_at(next);
-            if (!(left.norm() <= defect.norm())) continue;
-            relative = step.cwiseQuotient(ratio).cwiseAbs().maxCoeff();
-            ratio = next;
-            defect = left;
-            break;
-        }
+        return result;
+    };
+    Logarithms log = Logarithms::Zero();
+    for (int n = 0; n < kMostSteps; ++n) {
+        const Logarithms once = heated(log);
+        if (((once - log).abs() <= kRounding).all()) break;
+        const Logarithms twice = heated(once);
+        const Logarithms slope = (twice - once) / (once - log);  // not a number without current
+        log = (slope.abs() < 1.0).select(twice + (twice - once) * slope / (1.0 - slope), twice);
     }
-    return resistances(cold, ratio);
+    set(log);
+    return warm.resistance;
 }
 
 }  // namespace stickslip

@@ -2,10 +2,10 @@
 
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <stdexcept>
 
 #include "stickslip/contact/contact.hpp"
+#include "stickslip/numbers/roots.hpp"
 #include "stickslip/run/assembly.hpp"
 #include "stickslip/scenario/scenario_rows.hpp"
 
@@ -17,8 +17,6 @@ constexpr int kQuadrants = 4;
 // With weight and magnet alone the moment is one sinusoid and changes sign once in a quadrant at
 // most; what else may act is looked for on this many intervals.
 constexpr int kIntervals = 16;
-constexpr double kTolerance = 1e-12;  // rad
-constexpr int kMostIterations = 200;
 
 /// The robot at rest in one field.
 class AtRest {
@@ -43,8 +41,7 @@ public:
     double moment(int quadrant, double angle) {
         dynamics_.set_quadrant(quadrant);
         const Pose pose = dynamics_.pose(angle);
-        const Load load =
-            dynamics_.load_near_surface(field_, 0.0, pose.height, pose, 0.0, 0.0, 0.0, 0.0);
+        const Load load = dynamics_.load(field_, 0.0, pose.height, pose, 0.0, 0.0, 0.0);
         return moment_about_corner(pose, load);
     }
 
@@ -57,7 +54,11 @@ public:
         for (int k = 1; k <= kIntervals; ++k) {
             const double far = from + k * step;
             const double there = sense * moment(quadrant, far);
-            if (there <= 0.0) return zero_between(quadrant, sense, near, turning, far, there);
+            if (there <= 0.0) {
+                return find_root(Bracket{near, far, turning, there},
+                                 [&](double angle) { return sense * moment(quadrant, angle); })
+                    .value_or(far);
+            }
             near = far;
             turning = there;
         }
@@ -65,33 +66,6 @@ public:
     }
 
 private:
-    /// Zero of the moment, positive at `near` and not at `far`, by the Illinois rule, which needs
-    /// some ten iterations; a moment that jumps may make it creep.
-    double zero_between(int quadrant, int sense, double near, double turning, double far,
-                        double holding) {
-        double last = far;
-        int side = 0;
-        for (int k = 0; k < kMostIterations && holding < 0.0; ++k) {
-            const double middle = (near * holding - far * turning) / (holding - turning);
-            if (std::abs(middle - last) < kTolerance) return middle;
-            last = middle;
-            const double value = sense * moment(quadrant, middle);
-            if (value > 0.0) {
-                near = middle;
-                turning = value;
-                if (side == 1) holding *= 0.5;
-                side = 1;
-            } else {
-                if (value == 0.0) return middle;
-                far = middle;
-                holding = value;
-                if (side == -1) turning *= 0.5;
-                side = -1;
-            }
-        }
-        return far;
-    }
-
     const Model& model_;
     Dynamics dynamics_;
     Expansion field_ = {};
@@ -129,16 +103,20 @@ std::vector<double> static_tilts(const Scenario& base, const std::vector<std::st
     const std::size_t count = fields.size() / 2;
     std::vector<double> readings(points * count, std::numeric_limits<double>::quiet_NaN());
     for (std::size_t i = 0; i < points; ++i) {
-        const std::optional<Scenario> scenario = rows[i];
-        if (!scenario) continue;
-        const Model model = make_model(*scenario);
-        const Effects& effects = scenario->effects;
-        const double sign = frame_sign(*scenario);
+        Scenario scenario;
+        try {
+            scenario = rows[i];
+        } catch (const std::invalid_argument&) {
+            continue;
+        }
+        const Model model = make_model(scenario);
+        const Effects& effects = scenario.effects;
+        const double sign = frame_sign(scenario);
         for (std::size_t j = 0; j < count; ++j) {
             const double bx = sign * (fields[2 * j] + effects.ambient_field_bx);
             const double bz = fields[2 * j + 1] + effects.ambient_field_bz;
             try {
-                readings[i * count + j] = tilt(model, coils, bx, bz) + effects.angle_offset_angle;
+                readings[i * count + j] = tilt(model, coils, bx, bz);
             } catch (const WrenchNotFinite&) {
                 continue;
             }

@@ -15,7 +15,7 @@ namespace stickslip {
 /// on the next face. The pivot is taken as pinned. NaN where nothing holds it within a full turn.
 double static_tilt(const Model& model, double bx, double bz);
 
-/// Readings of static tilts (rad): `angle_offset` is added. `values` holds a row for each point, a
+/// Static tilts (rad). `values` holds a row for each point, a
 /// column for each numeric key, as in `sweep`; `fields` holds Bx and Bz (T, world) of the coils at
 /// the robot, to which `ambient_field` is added. One row of readings a point, one after another;
 /// NaN in a row whose values make no scenario. Throws std::invalid_argument for an unknown key or a

@@ -96,15 +96,6 @@ void check(const Scenario& s) {
     }
     check_own_coils(s);
     check_plane(s);
-    if (s.contact.restitution + s.effects.restitution_coefficient > 1.0) {
-        refuse_pair("effects.restitution.coefficient", s.effects.restitution_coefficient,
-                    "contact.restitution", s.contact.restitution, "a sum of at most 1");
-    }
-    const double side = std::min(s.robot.length, s.robot.height);
-    if (s.contact.adhesion_range > side) {
-        refuse("contact.adhesion_range", s.contact.adhesion_range,
-               "at most the robot's shorter side, " + highest(side) + " m");
-    }
     if (s.solver.max_step > 0.0 && s.solver.max_step < kLeastMaxStep) {
         refuse("solver.max_step", s.solver.max_step, "0 (no limit) or at least 1e-9 s");
     }
@@ -119,10 +110,9 @@ void check(const Scenario& s) {
             refuse_pair("drive.peak", s.drive.peak, "drive.base", s.drive.base,
                         "a peak that is not below the base");
         }
-        if (s.drive.edge_time + s.effects.edge_time_time >= period) {
-            refuse_pair("drive.edge_time", s.drive.edge_time, "effects.edge_time.time",
-                        s.effects.edge_time_time,
-                        "together less than one period, 1/drive.frequency");
+        if (s.drive.edge_time >= period) {
+            refuse_pair("drive.edge_time", s.drive.edge_time, "drive.frequency", s.drive.frequency,
+                        "less than one period, 1/drive.frequency");
         }
     }
     if (!(s.initial == SimulationState{})) initial_state(s, make_model(s));
@@ -153,8 +143,7 @@ Model make_model(const Scenario& s) {
     model.width = robot.width;
     model.mass = robot.mass;
     model.inertia = robot.mass * (robot.length * robot.length + robot.height * robot.height) / 12.0;
-    model.moment = robot.magnetization * robot.length * robot.width * robot.height *
-                   (1.0 + e.magnetization_scale_fraction);
+    model.moment = robot.magnetization * robot.length * robot.width * robot.height;
     model.misalignment = e.misalignment_angle;
     model.gradient_excess = e.gradient_scale_fraction;
     // In the whole plane what acts along the surface has any direction, see `surface_weight`.
@@ -181,7 +170,6 @@ Model make_model(const Scenario& s) {
          .load = FreeCurve(e.free_friction_load),
          .time = FreeCurve(e.free_friction_age)}};
     model.adhesion = {.strength = s.contact.adhesion,
-                      .range = s.contact.adhesion_range,
                       .smooth = {.angle_loss = e.angle_adhesion_strength,
                                  .ageing_rate = e.adhesion_ageing_rate,
                                  .ageing_time = e.adhesion_ageing_time},
@@ -192,7 +180,7 @@ Model make_model(const Scenario& s) {
                         .speed = FreeCurve(e.free_drag_speed),
                         .rate = FreeCurve(e.free_drag_rate)};
     model.field_shape = make_field_shape(e);
-    model.restitution = s.contact.restitution + e.restitution_coefficient;
+    model.restitution = s.contact.restitution;
     model.tangential_restitution = s.contact.tangential_restitution;
     model.frame_sign = frame_sign(s);
     for (const UserSetting& each : s.user_effects) {
@@ -226,11 +214,6 @@ PerCoil initial_currents(const Scenario& s) {
     return frame_sign(s) > 0.0 ? s.initial.current : turned(s.initial.current);
 }
 
-MeasurementChain make_measurement_chain(const Scenario& s) {
-    return {s.effects.length_scale_fraction, s.effects.clock_scale_fraction,
-            s.effects.angle_offset_angle};
-}
-
 PerCoil field_gain(const Scenario& s) {
     // The voltages of a program repeat at no frequency.
     if (s.drive.mode == DriveMode::program) return field_gain_at(s, 1.0);
@@ -253,11 +236,9 @@ VoltageProgram asked_program(const Scenario& s) {
         const auto k = static_cast<std::size_t>(coil);
         volts_per_tesla[k] = coils[k].resistance / windings.centre_field_per_ampere(coil);
     }
-    Drive drive = s.drive;
-    drive.edge_time += s.effects.edge_time_time;
     // The frame of a robot that stays in one plane is its own.
     const SurfaceDirection towards = turns(s) ? drive_direction(s) : SurfaceDirection{};
-    return sawtooth_program(drive, towards, volts_per_tesla);
+    return sawtooth_program(s.drive, towards, volts_per_tesla);
 }
 
 VoltageProgram make_program(const Scenario& s) {
@@ -313,8 +294,7 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
     const Effects& e = scenario.effects;
     double field =
         std::hypot(std::hypot(e.ambient_field_bx, e.ambient_field_by), e.ambient_field_bz);
-    const PerCoil first = scenario.first_current.value_or(scenario.initial.current);
-    const PerCoil current = frame_sign(scenario) > 0.0 ? first : turned(first);
+    const PerCoil current = initial_currents(scenario);
     const PerCoilOf<CoilParameters> own = robot_coils(scenario);
     for (const Coil coil : kAllCoils) {
         const auto k = static_cast<std::size_t>(coil);
@@ -345,6 +325,39 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
                                 std::min(rtol, kLeastTolerance));
     result.stop = stop;
     return result;
+}
+
+Decay fastest_decay(const Scenario& s, const Model& model, double swing_rate) {
+    const Effects& e = s.effects;
+    const double load = model.mass * s.gravity + model.adhesion.strength;
+    const double speed = model.shape.radius() * swing_rate;
+    const FreeShape& friction = e.free_friction_speed;
+    double steepest = 0.0, last = 0.0;  // between two knots, over a span of one
+    for (const double knot : friction.knots) {
+        steepest = std::max(steepest, std::abs(knot - last) * static_cast<double>(kKnots));
+        last = knot;
+    }
+    const double friction_slope =
+        friction.span > 0.0 ? steepest * model.friction.kinetic_coefficient / friction.span : 0.0;
+    const Decay decays[] = {
+        {"drag.linear", s.drag.linear, s.drag.linear / model.mass},
+        {"drag.rotational", s.drag.rotational, s.drag.rotational * swing_rate / model.inertia},
+        // Of a body that lies; a negative strength takes from the drag.
+        {"effects.angle_drag.strength", e.angle_drag_strength,
+         e.angle_drag_strength * s.drag.linear / model.mass},
+        {"effects.rotational_drag.coefficient", e.rotational_drag_coefficient,
+         e.rotational_drag_coefficient / model.inertia},
+        {"effects.quadratic_drag.coefficient", e.quadratic_drag_coefficient,
+         e.quadratic_drag_coefficient * speed / model.mass},
+        {"effects.viscous_friction.coefficient", e.viscous_friction_coefficient,
+         e.viscous_friction_coefficient * load / model.mass},
+        {"effects.free_friction_speed.span", friction.span, friction_slope * load / model.mass},
+    };
+    Decay fastest;
+    for (const Decay& each : decays) {
+        if (each.rate > fastest.rate) fastest = each;
+    }
+    return fastest;
 }
 
 double pulse_period(const Scenario& s) {

@@ -6,7 +6,6 @@
 #include "stickslip/contact/plane_dynamics.hpp"
 #include "stickslip/drive/circuit.hpp"
 #include "stickslip/field/local_field.hpp"
-#include "stickslip/run/measurement_chain.hpp"
 #include "stickslip/scenario/plane.hpp"
 #include "stickslip/scenario/scenario.hpp"
 #include "stickslip/solver/stepping.hpp"
@@ -26,8 +25,6 @@ PerCoil initial_currents(const Scenario& scenario);
 
 /// The coils' circuits for `program` (which heats them, if they do).
 Circuit make_circuit(const Scenario& scenario, const VoltageProgram& program);
-
-MeasurementChain make_measurement_chain(const Scenario& scenario);
 
 /// Field that each coil makes in a run, relative to what Eqs. (4)-(6) give for its current, but for
 /// what changes within the run (`Model::field_shape`).
@@ -55,6 +52,16 @@ PlaneDynamics make_plane_dynamics(const Scenario& scenario, const VoltageProgram
 StepperOptions make_stepper_options(const Scenario& scenario, const Model& model,
                                     const VoltageProgram& program, const CoilSet& coils,
                                     const std::atomic<bool>* stop);
+
+/// The key that damps a motion fastest: steps have to be about as short, even where all of it has
+/// died away.
+struct Decay {
+    const char* key = nullptr;  ///< nullptr: nothing damps
+    double value = 0.0;
+    double rate = 0.0;  ///< 1/s
+};
+/// swing_rate: rad/s, of the free swing.
+Decay fastest_decay(const Scenario& scenario, const Model& model, double swing_rate);
 
 /// Simulated time from start to end, s.
 double duration(const Scenario& scenario);

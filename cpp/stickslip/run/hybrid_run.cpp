@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 #include "stickslip/scenario/own_coils.hpp"
 
@@ -22,14 +23,13 @@ HybridRun::HybridRun(const Scenario& scenario, RunControl* control,
       hold_period_(scenario.effects.sample_hold_period),
       amplifier_limit_(scenario.effects.amplifier_limit_voltage),
       field_gain_(stickslip::field_gain(scenario)),
-      chain_(make_measurement_chain(scenario)),
       coils_(robot_coil_set(scenario)),
       model_(make_model(scenario)),
       circuit_(make_circuit(scenario, program_)),
       dynamics_(model_, make_local_field(scenario, program_, coils_)),
       options_(make_stepper_options(scenario, model_, program_, coils_,
                                     control ? &control->stop : nullptr)),
-      recorder_(scenario.record, chain_, sign_, turns(scenario)),
+      recorder_(scenario.record, sign_, turns(scenario)),
       observer_(pulse_period(scenario)),
       drive_(circuit_),
       control_(control),
@@ -38,9 +38,10 @@ HybridRun::HybridRun(const Scenario& scenario, RunControl* control,
       source_(program_, hold_period_, marks()),
       transitions_(dynamics_, state_),
       // Fifty free swings.
-      watch_(50.0 * 2.0 * std::numbers::pi / options_.swing_rate),
-      demand_(scenario, model_, options_.swing_rate, program_.duration()) {
+      watch_(50.0 * 2.0 * std::numbers::pi / options_.swing_rate) {
     result_.most_steps = scenario.solver.max_steps;
+    result_.swing_rate = options_.swing_rate;
+    result_.decay = fastest_decay(scenario, model_, options_.swing_rate);
     result_.map = scenario.map;
     if (turns(scenario)) {
         plane_ = make_plane_dynamics(scenario, program_, coils_, dynamics_);
@@ -85,7 +86,6 @@ bool HybridRun::next_segment() {
     if (stretch_is_open_) end_stretch();
     if (!source_.next(voltages_)) return false;
     if (++segment_count_ > options_.most_steps) {
-        effort_.stretches = segment_count_;
         result_.status = Status::too_many_steps;
         return false;
     }
@@ -101,11 +101,6 @@ bool HybridRun::next_segment() {
 
 void HybridRun::end_stretch() {
     stretch_is_open_ = false;
-    if (planar_watch_) {
-        HorizontalField field = dynamics_.field().horizontal(state_.body.x, state_.body.z);
-        field.segment = &segment_;
-        planar_watch_->watch(field);
-    }
     // A run that is stepped has no summary.
     if (!source_.is_stepped()) observe_stretch(segment_);
 }
@@ -259,29 +254,13 @@ SimulationState HybridRun::state() const {
     return result;
 }
 
-PlaneHandover HybridRun::hand_over() const {
-    PlaneHandover result = {state(), source_.steps().world_memory(), planar_watch_->state()};
-    HeadingWatch::State& heading = result.heading;
-    heading.lost = heading.lost || heading.heading.cosine < 0.0;
-    heading.heading.cosine *= sign_;
-    return result;
-}
-
-void HybridRun::take_over(const PlaneHandover& handover) {
-    source_.restore(handover.steps);
-    plane_->watch().set_state(handover.heading);
-    if (!handover.heading.lost) return;
-    result_.status = Status::heading_lost;
-    result_.summary.simulated_time = source_.steps().time();
-}
-
 RunSnapshot HybridRun::snapshot() const {
     RunSnapshot result;
     result.state = state_;
     result.contact_age = dynamics_.contact_age() + tau_;
     result.circuit = circuit_.memory();
     result.steps = source_.steps().memory();
-    result.heading = plane_ ? plane_->watch().state() : planar_watch_->state();
+    if (plane_) result.heading = plane_->watch().state();
     result.gain = plane_ ? plane_->field().gain() : dynamics_.field().gain();
     result.begun = begun_;
     result.touches_down = touches_down_;
@@ -292,13 +271,20 @@ RunSnapshot HybridRun::snapshot() const {
 }
 
 void HybridRun::restore(const RunSnapshot& snapshot) {
+    if (snapshot.in_whole_plane != in_whole_plane()) {
+        throw std::invalid_argument(in_whole_plane()
+                                        ? "the snapshot is of a run in one plane, and this one is "
+                                          "in the whole plane"
+                                        : "the snapshot is of a run in the whole plane, and this "
+                                          "one is in one plane");
+    }
     state_ = snapshot.state;
     dynamics_.set_quadrant(state_.body.quadrant);
     dynamics_.set_contact_age(snapshot.contact_age);
     circuit_.restore(snapshot.circuit);
     source_.restore(snapshot.steps);
-    (plane_ ? plane_->watch() : *planar_watch_).set_state(snapshot.heading);
     if (plane_) {
+        plane_->watch().set_state(snapshot.heading);
         plane_->field().set_gain(snapshot.gain);
     } else {
         dynamics_.field().set_gain(snapshot.gain);
@@ -443,14 +429,9 @@ RunResult HybridRun::take_result(const StepCounts& counts) {
     if (begun_) write_pull_and_change();
     result_.steps = counts;
     result_.summary.events = transitions_.counts();
-    observer_.write(sign_, result_.summary);
-    chain_.apply(result_.summary);
     result_.recording = recorder_.take();
     result_.final_body = state_.body;
     result_.final_state = state();
-    effort_.steps = static_cast<double>(result_.steps.accepted + result_.steps.rejected);
-    result_.stiffness = demand_.stiffness(effort_);
-    result_.bound = demand_.bound(effort_);
     RunResult taken = std::move(result_);
     result_.map = taken.map;  // a restored run may fail again
     return taken;

@@ -24,13 +24,6 @@
 
 namespace stickslip {
 
-/// What a run that is stepped in one plane hands over to one that goes on in the whole plane.
-struct PlaneHandover {
-    SimulationState state;
-    ControlSteps::Memory steps;   ///< world's frame
-    HeadingWatch::State heading;  ///< the same
-};
-
 /// A run apart from its integrator: the stretches of voltage, rests, events, and what is recorded
 /// and measured of them. Between these lie the phases, which a HybridLoop integrates.
 class HybridRun {
@@ -45,16 +38,10 @@ public:
     /// how strong the fields are. `on_step` is called at the end of each step.
     void play_steps(std::function<void()> on_step) {
         source_.play_steps({hold_period_, amplifier_limit_, sign_ < 0.0}, std::move(on_step));
-        if (!plane_) planar_watch_.emplace(model_);
     }
     ControlSteps& steps() { return source_.steps(); }
     const ControlSteps& steps() const { return source_.steps(); }
     bool in_whole_plane() const { return plane_.has_value(); }
-    /// Between two steps of a run in one plane; and what one in the whole plane makes of it, which
-    /// has begun at its state. The heading is lost where the field was reversed, or weak and came
-    /// back reversed: in its one plane the robot has then gone over its back.
-    PlaneHandover hand_over() const;
-    void take_over(const PlaneHandover& handover);
     /// Between two steps, or where one has failed; without the scenario's fingerprint and message.
     RunSnapshot snapshot() const;
     void restore(const RunSnapshot& snapshot);
@@ -180,14 +167,12 @@ private:
     const double hold_period_;      // s, effect `sample_hold`
     const double amplifier_limit_;  // V, effect of that name
     const PerCoil field_gain_;
-    const MeasurementChain chain_;
     const CoilSet coils_;
     const Model model_;
     Circuit circuit_;
     Dynamics dynamics_;
     const StepperOptions options_;
     std::optional<PlaneDynamics> plane_;        // of a robot that moves in the whole plane
-    std::optional<HeadingWatch> planar_watch_;  // of one that a later step may turn
     Recorder recorder_;
     SummaryObserver observer_;
     DriveObserver drive_;
@@ -215,8 +200,6 @@ private:
     HybridState state_;
     ContactTransitions transitions_;
     ProgressWatch watch_;
-    const StepDemand demand_;
-    Effort effort_;
     PhaseMemory memory_;
     RunResult result_;
     std::int64_t segment_count_ = 0;
@@ -325,8 +308,6 @@ double HybridRun::find_stop(const auto& rest, double tau) const {
 template <class Phase>
 void HybridRun::end_phase(Phase& phase, const PhaseEnd<Phase>& end, std::int64_t accepted) {
     observer_.phase(phase, end, end.tau - tau_, state_.body.quadrant);
-    effort_.moving_time += end.tau - tau_;
-    if (end.event == Event::none) ++effort_.stretches;
     pass_to(end.tau);
     result_.status = end.status;
     state_.body = phase.body(end.tau, end.y);

@@ -15,9 +15,8 @@ ContactMode seen_along(ContactMode mode, double along) {
     return mode;
 }
 
-Recorder::Recorder(const RecordSettings& settings, const MeasurementChain& chain, double frame_sign,
-                   bool turns)
-    : settings_(settings), chain_(chain), sign_(frame_sign), turns_(turns) {
+Recorder::Recorder(const RecordSettings& settings, double frame_sign, bool turns)
+    : settings_(settings), sign_(frame_sign), turns_(turns) {
     for (std::size_t k = kEventColumn + 1; k < kColumns && !turns; ++k) settings_.dropped.set(k);
     if (!on_grid()) return;
     // The product is rounded: the first sample is not before `from`, and none is left out.
@@ -26,7 +25,6 @@ Recorder::Recorder(const RecordSettings& settings, const MeasurementChain& chain
 }
 
 void Recorder::hand_over() {
-    chain_.apply(recording_);
     settings_.sink(std::exchange(recording_, {}));
 }
 
@@ -35,7 +33,6 @@ Recording Recorder::take() {
         if (!recording_.t.empty()) hand_over();
         return {};
     }
-    chain_.apply(recording_);
     return std::move(recording_);
 }
 

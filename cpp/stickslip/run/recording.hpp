@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "stickslip/contact/contact_transitions.hpp"
-#include "stickslip/run/measurement_chain.hpp"
 #include "stickslip/scenario/scenario.hpp"
 
 namespace stickslip {
@@ -71,15 +70,14 @@ struct Recording {
     }
 };
 
-/// Writes samples on a uniform grid or at events, as the instruments of `chain` read them.
+/// Writes samples on a uniform grid or at events.
 class Recorder {
 public:
     /// Samples that a sink gets at a time: 11 MB, and enough for a chunk to compress well.
     static constexpr std::size_t kChunk = 65536;
 
     /// turns: whether the run is one in the whole plane.
-    Recorder(const RecordSettings& settings, const MeasurementChain& chain, double frame_sign,
-             bool turns);
+    Recorder(const RecordSettings& settings, double frame_sign, bool turns);
 
     /// Whether an event at `t`, s, is recorded.
     bool at_event(double t) const {
@@ -107,7 +105,6 @@ private:
     void hand_over();
 
     RecordSettings settings_;
-    MeasurementChain chain_;
     double sign_;
     bool turns_;
     std::int64_t count_ = 0;  // of the grid's samples, those before `from` among them

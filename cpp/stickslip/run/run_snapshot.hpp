@@ -22,7 +22,7 @@ struct RunSnapshot {
     PerCoil gain = {};            ///< of the coils that had current
     bool begun = false;           ///< whether the first stretch was
     bool touches_down = false;    ///< whether it begins with an impact
-    bool in_whole_plane = false;  ///< whether a step has turned the robot
+    bool in_whole_plane = false;
     Status status = Status::ok;
     double end = 0.0;     ///< s, of a run that failed
     std::string message;  ///< the same

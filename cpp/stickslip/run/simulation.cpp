@@ -1,6 +1,6 @@
 #include "stickslip/run/simulation.hpp"
 
-#include <cmath>
+#include <numbers>
 #include <optional>
 #include <sstream>
 
@@ -41,25 +41,21 @@ const char* name(Status status) {
 
 namespace {
 
-// What to do about a run that cannot be integrated: the key that is to blame, if one is.
-std::string remedy(const RunResult& result, const char* otherwise) {
-    const Stiffness& stiff = result.stiffness;
-    if (!stiff.is_stiff()) return otherwise;
+// What the steps had to follow: a wrong unit shows in these times.
+std::string times(const RunResult& result) {
     std::ostringstream text;
-    text << stiff.key << " = " << stiff.value << " makes a motion of " << stiff.rate
-         << " 1/s, which steps have to follow; take a value near " << stiff.sane;
-    return text.str();
-}
-
-// The same where the steps were all taken.
-std::string budget_remedy(const RunResult& result) {
-    const StepBound& bound = result.bound;
-    if (bound.key == nullptr) {
-        return remedy(result, "raise solver.max_steps, or simulate less time");
+    const StepCounts& steps = result.steps;
+    if (steps.accepted > 0) {
+        text << "its steps took "
+             << result.summary.simulated_time / static_cast<double>(steps.accepted)
+             << " s in the mean, ";
     }
-    std::ostringstream text;
-    text << bound.key << " = " << bound.value << " alone takes at least " << std::floor(bound.steps)
-         << " of them; raise solver.max_steps, or take a value near " << bound.sane;
+    text << "a free swing takes " << 2.0 * std::numbers::pi / result.swing_rate << " s";
+    const Decay& decay = result.decay;
+    if (decay.key != nullptr) {
+        text << ", " << decay.key << " = " << decay.value << " damps a motion in "
+             << 1.0 / decay.rate << " s";
+    }
     return text.str();
 }
 
@@ -74,18 +70,19 @@ std::string message(const RunResult& result) {
             text << "the run met its condition";
             break;
         case Status::step_underflow:
-            text << "the step fell below the resolution of time; "
-                 << remedy(result,
-                           "loosen solver.rtol, or look at the scenario for a force that grows "
-                           "without bound");
+            text << "the step fell below the resolution of time: " << times(result)
+                 << "; loosen solver.rtol, or look for a force that grows without bound";
             break;
         case Status::too_many_events:
-            text << "contact events followed each other without end; "
-                 << remedy(result, "change solver.rtol, or look at friction and restitution");
+            text
+                << "contact events followed each other without end; change solver.rtol, or look at "
+                   "friction and restitution";
             break;
         case Status::too_many_steps:
             text << "the run had taken as many steps as solver.max_steps = " << result.most_steps
-                 << " allows; " << budget_remedy(result);
+                 << " allows: " << times(result)
+                 << "; look for a value in a wrong unit, raise solver.max_steps, or simulate less "
+                    "time";
             break;
         case Status::not_finite:
             if (!result.effect.empty()) {
@@ -93,8 +90,8 @@ std::string message(const RunResult& result) {
                      << " gave a force or torque that is not a finite number";
                 break;
             }
-            text << "a force or a coordinate was not a number; "
-                 << remedy(result, "look for extreme values in the scenario");
+            text << "a force or a coordinate was not a number: " << times(result)
+                 << "; look for extreme values in the scenario";
             break;
         case Status::left_workspace:
             if (result.map) {

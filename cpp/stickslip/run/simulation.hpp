@@ -7,8 +7,8 @@
 #include <string>
 
 #include "stickslip/contact/heading_watch.hpp"
+#include "stickslip/run/assembly.hpp"
 #include "stickslip/run/recording.hpp"
-#include "stickslip/run/stiffness.hpp"
 #include "stickslip/run/stop_condition.hpp"
 #include "stickslip/run/summary.hpp"
 #include "stickslip/scenario/scenario.hpp"
@@ -25,8 +25,8 @@ struct RunResult {
     SimulationState final_state;  ///< where the run ended
     bool stopped = false;         ///< where its stop condition was met
     std::string effect;           ///< of the user, that gave what is not finite and ended the run
-    Stiffness stiffness;          ///< what made steps short, for the message
-    StepBound bound;              ///< the same, whatever moved
+    double swing_rate = 0.0;      ///< rad/s, of the free swing, for the message
+    Decay decay;                  ///< the fastest, for the message
     HeadingEnd heading_end;       ///< what ended the heading, for the message
     std::int64_t most_steps = 0;  ///< solver.max_steps, for the message
     std::shared_ptr<const FieldMap> map;  ///< of the scenario, for the message

@@ -17,13 +17,8 @@ struct Summary {
     static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();  // not measured
 
     double mean_velocity = kNone;  ///< m/s, section VII
-    /// Pulses of the window that were finished, which are all of them in a run to its end, and the
-    /// mean velocity over these, m/s. None for a free program.
-    std::int64_t finished_pulses = 0;
-    double finished_velocity = kNone;
     // Of a run in the whole plane, where what is above is along x: along y, m/s.
     double mean_velocity_y = kNone;
-    double finished_velocity_y = kNone;
     /// How fast the heading's turning to and fro swings an edge about the centre of mass, over the
     /// window, m/s. The model leaves that out of the slip.
     double turning_speed = kNone;
@@ -81,9 +76,6 @@ public:
             static_cast<std::int64_t>(std::floor((t - start_) / period_ + kRounding));
         if (pulses <= pulses_) return;
         pulses_ = pulses;
-        pulses_end_ = t;
-        pulses_x_ = body.x;
-        pulses_y_ = body.y;
         if (passed_ < marks_.size() && pulses >= marks_[passed_].pulses) {
             marks_[passed_] = {pulses, t, body.x, body.y};
             ++passed_;
@@ -103,13 +95,6 @@ public:
         summary.slip_flat = frame_sign * flat_ / span;
         summary.airborne_fraction = airborne_ / span;
         summary.velocity_growth = passed_ == marks_.size() ? growth() : 0.0;
-    }
-    /// What is known without the window's end, which a run that fails does not come to.
-    void write(double frame_sign, Summary& summary) const {
-        if (pulses_ == 0) return;
-        summary.finished_pulses = pulses_;
-        summary.finished_velocity = frame_sign * (pulses_x_ - start_x_) / (pulses_end_ - start_);
-        summary.finished_velocity_y = (pulses_y_ - start_y_) / (pulses_end_ - start_);
     }
     bool is_open() const { return open_; }
     double start() const { return start_; }  ///< s
@@ -159,7 +144,6 @@ private:
     double period_;
     bool open_ = false;
     std::int64_t pulses_ = 0;
-    double pulses_end_ = 0.0, pulses_x_ = 0.0, pulses_y_ = 0.0;
     /// Where a quarter of the window's pulses ends, or the first begins.
     struct Mark {
         std::int64_t pulses = 0;

@@ -3,8 +3,10 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <string>
 
 #include "stickslip/field/field_map.hpp"
+#include "stickslip/numbers/number_text.hpp"
 
 namespace stickslip {
 namespace {
@@ -47,18 +49,12 @@ bool turns(const Scenario& s, const PerCoil& of_coils) {
     return std::abs(plus + minus) > kRounding * (std::abs(plus) + std::abs(minus));
 }
 
-Scenario in_whole_plane(const Scenario& scenario, const SimulationState& state) {
-    Scenario result = without_start(scenario);
-    result.initial = state;
-    result.whole_plane = true;
-    return result;
-}
-
-Scenario without_start(const Scenario& scenario) {
-    Scenario result = scenario;
-    result.first_current = scenario.initial.current;
-    result.initial = {};
-    return result;
+void check_planar_step(const Scenario& scenario, const PerCoil& voltages) {
+    if (!turns(scenario, voltages)) return;
+    throw std::invalid_argument(
+        "voltages: yp = " + digits(voltages[2]) + ", ym = " + digits(voltages[3]) +
+        " make a field across, which turns the robot: allowed is whole_plane = True from the "
+        "start, or yp = -ym of equal coils");
 }
 
 double frame_sign(const Scenario& s) {

@@ -25,12 +25,9 @@ bool turns(const Scenario& scenario);
 /// Whether held voltages, or currents, turn the scenario's robot, or push it across.
 bool turns(const Scenario& scenario, const PerCoil& of_coils);
 
-/// The scenario of a run that goes on from `state` in the whole plane, as accurately as that of
-/// `scenario`.
-Scenario in_whole_plane(const Scenario& scenario, const SimulationState& state);
-
-/// The same without its initial state, which is yet to come.
-Scenario without_start(const Scenario& scenario);
+/// Throws std::invalid_argument for voltages (V) that would turn a robot whose stepped run stays in
+/// one plane.
+void check_planar_step(const Scenario& scenario, const PerCoil& voltages);
 
 /// Where the robot of a run in the whole plane faces at the start, as long as the field is too weak
 /// to say: as its initial state says, or else where the drive sends it.

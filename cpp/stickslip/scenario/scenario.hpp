@@ -45,8 +45,7 @@ struct RobotParameters {
 struct ContactParameters {
     double static_friction = 0.2;
     double kinetic_friction = 0.145;
-    double adhesion = 0.22e-6;    ///< N
-    double adhesion_range = 0.0;  ///< m
+    double adhesion = 0.22e-6;  ///< N
     double restitution = 0.0;
     double tangential_restitution = 0.0;
 };
@@ -64,17 +63,15 @@ struct Effects {
     double amplifier_limit_voltage = 0.0;   ///< V
     double eddy_lag_time = 0.0;             ///< s
     double sample_hold_period = 0.0;        ///< s
-    double edge_time_time = 0.0;            ///< s
     double mutual_inductance_coupling = 0.0;
     double gradient_scale_fraction = 0.0;
     double field_gain_in_plane = 0.0;
     double field_gain_clamp = 0.0;
     // magnet
     double misalignment_angle = 0.0;  ///< rad
-    double magnetization_scale_fraction = 0.0;
-    double ambient_field_bx = 0.0;  ///< T
-    double ambient_field_bz = 0.0;  ///< T
-    double ambient_field_by = 0.0;  ///< T
+    double ambient_field_bx = 0.0;    ///< T
+    double ambient_field_bz = 0.0;    ///< T
+    double ambient_field_by = 0.0;    ///< T
     // contact
     double stribeck_friction_velocity = 0.0;    ///< m/s
     double viscous_friction_coefficient = 0.0;  ///< s/m
@@ -82,7 +79,6 @@ struct Effects {
     double angle_adhesion_strength = 0.0;
     double adhesion_ageing_rate = 0.0;
     double adhesion_ageing_time = 1e-3;  ///< s, has no effect at rate zero
-    double restitution_coefficient = 0.0;
     // fluid
     double angle_drag_strength = 0.0;
     double quadratic_drag_coefficient = 0.0;   ///< N s^2/m^2
@@ -93,9 +89,6 @@ struct Effects {
     double friction_patches_amplitude = 0.0;
     double friction_patches_period = 1e-3;  ///< m, has no effect at amplitude zero
     // measurement
-    double length_scale_fraction = 0.0;
-    double clock_scale_fraction = 0.0;
-    double angle_offset_angle = 0.0;  ///< rad
     // coils that are not as all, in the world's frame; see own_coils.cpp
     PerCoilOf<OwnCoil> own_coils = {};
     // free shapes, each absent while its knots are zero; see free_shapes.cpp
@@ -154,11 +147,8 @@ struct Scenario {
     std::vector<UserSetting> user_effects;  ///< by name; see set_parameter
     SimulationState initial;
     /// Whether the robot moves in the whole plane though nothing above asks for it: voltages of a
-    /// run that is stepped do.
+    /// run that is stepped may.
     bool whole_plane = false;
-    /// Initial currents (A) of the run that goes on in this one, which keeps its tolerance;
-    /// no value: none comes before.
-    std::optional<PerCoil> first_current;
     SolverSettings solver;
     RecordSettings record;
 };

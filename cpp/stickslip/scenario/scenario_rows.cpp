@@ -2,34 +2,49 @@
 
 #include <stdexcept>
 
-#include "stickslip/scenario/parameters.hpp"
-
 namespace stickslip {
 
 ScenarioRows::ScenarioRows(const Scenario& base, const std::vector<std::string>& keys,
                            const std::vector<double>& values)
-    : base_(base),
-      keys_(keys),
-      values_(values),
-      size_(keys.empty() ? 1 : values.size() / keys.size()) {
+    : base_(base), values_(values), size_(keys.empty() ? 1 : values.size() / keys.size()) {
     for (const std::string& key : keys) {
-        if (find_parameter(key) == nullptr && !find_user_key(key)) {
-            throw std::invalid_argument(key + ": there is no such numeric key");
+        Column column = {key, find_choice(key), std::nullopt};
+        if (column.choice == nullptr && find_parameter(key) == nullptr) {
+            column.own = find_user_key(key);
+            if (!column.own) {
+                const bool effect = key.starts_with("effects.");
+                throw std::invalid_argument(
+                    key + ": there is no such key" +
+                    (effect ? "; an effect of your own has to be registered in this process too"
+                            : ""));
+            }
         }
+        columns_.push_back(std::move(column));
     }
     if (values.size() != size_ * keys.size()) {
         throw std::invalid_argument("each row needs a value for each key");
     }
 }
 
-std::optional<Scenario> ScenarioRows::operator[](std::size_t row) const {
+void ScenarioRows::Column::set(Scenario& scenario, double value) const {
+    if (own) {
+        set_parameter(scenario, *own, value);
+        return;
+    }
+    if (choice == nullptr) {
+        set_parameter(scenario, key, value);
+        return;
+    }
+    if (!(value >= 0.0 && value < static_cast<double>(choice->allowed.size()))) {
+        throw std::invalid_argument(key + ": there is no word with this index");
+    }
+    choice->set(scenario, static_cast<std::size_t>(value));
+}
+
+Scenario ScenarioRows::operator[](std::size_t row) const {
     Scenario scenario = base_;
-    try {
-        for (std::size_t k = 0; k < keys_.size(); ++k) {
-            set_parameter(scenario, keys_[k], values_[row * keys_.size() + k]);
-        }
-    } catch (const std::invalid_argument&) {
-        return std::nullopt;
+    for (std::size_t k = 0; k < columns_.size(); ++k) {
+        columns_[k].set(scenario, values_[row * columns_.size() + k]);
     }
     return scenario;
 }

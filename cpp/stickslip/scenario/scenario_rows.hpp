@@ -4,12 +4,13 @@
 #include <string>
 #include <vector>
 
-#include "stickslip/scenario/scenario.hpp"
+#include "stickslip/scenario/parameters.hpp"
 
 namespace stickslip {
 
-/// A scenario with other values of some numeric keys, a row of `values` for each point; without
-/// keys it is one point, the scenario itself. All that is given has to outlive it.
+/// A scenario with other values of some keys, a row of `values` for each point; without keys it is
+/// one point, the scenario itself. A key that takes words has the index of the word. Scenario and
+/// values have to outlive it.
 class ScenarioRows {
 public:
     /// Throws std::invalid_argument for an unknown key or a size that does not fit.
@@ -18,13 +19,22 @@ public:
 
     std::size_t size() const { return size_; }
 
-    /// The scenario of a row; nothing where a value is out of its range.
-    std::optional<Scenario> operator[](std::size_t row) const;
+    /// The scenario of a row. Throws std::invalid_argument where a value is out of its range.
+    Scenario operator[](std::size_t row) const;
 
 private:
+    // Found once for all rows: they must not meet different effects of one name.
+    struct Column {
+        std::string key;
+        const Choice* choice = nullptr;
+        std::optional<UserKey> own;
+
+        void set(Scenario& scenario, double value) const;
+    };
+
     const Scenario& base_;
-    const std::vector<std::string>& keys_;
     const std::vector<double>& values_;
+    std::vector<Column> columns_;
     std::size_t size_;
 };
 

@@ -172,7 +172,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         self.action_space = batched(self.single_action_space, num_envs)
         self._random = [np.random.default_rng() for _ in range(num_envs)]
         self._robots = [self.scenario] * num_envs  # each with its draw of what is uncertain
-        self._batch = _core.SimulatorBatch([self.scenario.to_core()] * num_envs)
+        self._batch = _core.SimulatorBatch([self.scenario.to_core()] * num_envs, in_plane)
         self._states = np.zeros((num_envs, len(STATE_COLUMNS)))
         self._heading = np.zeros(num_envs)  # of the field along the surface, rad
         self._steps = np.zeros(num_envs, dtype=np.int64)
@@ -187,7 +187,8 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
-        self._batch = _core.SimulatorBatch([robot.to_core() for robot in self._robots])
+        robots = [robot.to_core() for robot in self._robots]
+        self._batch = _core.SimulatorBatch(robots, self.task.in_plane)
         for i, snapshot in enumerate(state["_batch"]):
             self._batch.restore(i, _core.Snapshot.from_bytes(snapshot))
 

@@ -73,8 +73,12 @@ def pose(measurement: Measurement, threads: int = 1, seed: int = 0) -> Problem:
         Parameter(key, prior, keys[key].unit) for key, prior in measurement.uncertain.items()
     ]
     constants += [each for table in tables for each in table.nuisance]
-    volts = max(max(peak_voltages(each).values()) for each in _driven(measurement))
-    effects = library(scenario, dict(measurement.uncertain), volts)
+    driven = _driven(measurement)
+    volts = max(max(peak_voltages(each).values()) for each in driven)
+    settled = {*measurement.uncertain}
+    if any(each.drive.edge_time != scenario.drive.edge_time for each in driven):
+        settled.add("drive.edge_time")
+    effects = library(scenario, settled, volts)
     # Tables of one kind share suspects: that of the widest readings stands for all, as a limit may
     # lie anywhere below them.
     every = [each for table in tables for each in table.suspects]

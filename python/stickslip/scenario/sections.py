@@ -227,8 +227,6 @@ class Contact(Section):
         Coulomb coefficients of a contact that sticks and of one that slips.
     adhesion : float
         Pull of the surface on the touching corners together, N.
-    adhesion_range : float
-        Gap at which adhesion has faded to nothing, m; 0: at contact only.
     restitution : float
         Newton restitution of a touch-down, 0 to 1.
     tangential_restitution : float
@@ -239,7 +237,6 @@ class Contact(Section):
     static_friction: float = 0.2
     kinetic_friction: float = 0.145
     adhesion: float = 0.22e-6
-    adhesion_range: float = 0.0
     restitution: float = 0.0
     tangential_restitution: float = 0.0
 

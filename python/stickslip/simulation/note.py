@@ -14,7 +14,7 @@ MOST_SHOWN = 4
 
 CODES = (
     # What was not simulated or measured whole.
-    "record-cut", "condition-not-met", "pulses-unfinished", "window-cut",
+    "record-cut", "condition-not-met", "window-cut",
     # Values in another unit, as far as can be seen.
     "unit-map", "unit-map-background", "unit-time", "unit-length", "unit-mass",
     "unit-inductance",

@@ -315,10 +315,8 @@ class Run:
             `turning_speed` (m/s, mean of the heading's rate times the lever of the contact, which
             the model leaves out; 0 in the plane y = 0),
             `events` (counts by kind), `painleve_events`, `simulated_time` (s) and `steps` (of the
-            integrator). What was never measured is NaN. A run that ends before the window does has
-            no mean velocity, but `finished_velocity` (m/s, and `finished_velocity_y`), that over
-            the `finished_pulses` (a
-            count) of the window's pulses that were finished; in other runs these are all of them.
+            integrator). What was never measured is NaN, such as the mean velocity of a run that
+            ends before its window does.
         """
         core: dict[str, Any] = {**self._summary}
         core["events"] = dict(core["events"])

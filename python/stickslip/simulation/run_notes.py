@@ -129,7 +129,7 @@ def run_notes(
     """Notes of a run, the most serious first; none for most runs."""
     return by_seriousness(
         [
-            *(_of_condition if condition_met else _of_end)(scenario, summary),
+            *(_of_condition(scenario, summary) if condition_met else []),
             *_of_motion(scenario, summary, status == "ok"),
             *_of_limits(scenario, summary),
             *_of_turning(summary),
@@ -158,19 +158,6 @@ def _of_condition(scenario: Scenario, summary: Mapping[str, Any]) -> list[Note]:
         before if ended <= start else f"velocity and angles are measured {over}"
     )
     return [Note("window-cut", text, ended)]
-
-
-def _of_end(scenario: Scenario, summary: Mapping[str, Any]) -> list[Note]:
-    finished = summary["finished_pulses"]
-    pulses = _window_pulses(scenario)
-    if not finished or finished == pulses:
-        return []
-    text = (
-        f"the run ended after {finished} of the {pulses} pulses of the measuring window: there is "
-        "no mean_velocity; over the pulses that were finished it is "
-        f"{summary['finished_velocity'] * 1e3:.5g} mm/s (finished_velocity)"
-    )
-    return [Note("pulses-unfinished", text, float(finished))]
 
 
 def _of_limits(scenario: Scenario, summary: Mapping[str, Any]) -> list[Note]:
@@ -324,8 +311,7 @@ def _in_words(changes: Mapping[str, Any]) -> str:
 def _moment(scenario: Scenario) -> float:
     """A m^2."""
     robot = scenario.robot
-    scale = 1.0 + float(scenario.get("effects.magnetization_scale.fraction"))
-    return scale * robot.magnetization * robot.length * robot.width * robot.height
+    return robot.magnetization * robot.length * robot.width * robot.height
 
 
 def _holding_torque(scenario: Scenario, summary: Mapping[str, Any]) -> float:

@@ -200,7 +200,7 @@ def _of_contact(scenario: Scenario) -> list[Note]:
         text = f"contact.adhesion = {contact.adhesion:g} N {much}"
         notes.append(Note("adhesion", text, contact.adhesion))
     back = contact.tangential_restitution
-    if back and not (contact.restitution or scenario.get("effects.restitution.coefficient")):
+    if back and not contact.restitution:
         text = (
             f"contact.tangential_restitution = {back:g} has no effect while contact.restitution is "
             "0: only a corner that rebounds gives slip back"

@@ -85,6 +85,10 @@ class Simulator:
     scenario : Scenario
     state : State, optional
         Where to begin; `scenario.initial`, if not given.
+    whole_plane : bool, optional
+        Whether the robot may turn and move in the whole plane of the surface. Needed for voltages of
+        the y coils; a step takes about three times as long. A scenario that leaves the plane by
+        itself (`drive.heading`, a field across) has it in any case.
 
     Raises
     ------
@@ -102,13 +106,19 @@ class Simulator:
     'corner_stick'
     """
 
-    def __init__(self, scenario: Scenario, state: State | None = None) -> None:
+    def __init__(
+        self, scenario: Scenario, state: State | None = None, *, whole_plane: bool = False
+    ) -> None:
         check_kind("scenario", scenario, Scenario)
         if state is not None:
             scenario = scenario.with_state(state)
         self.scenario = scenario
+        self._whole_plane = bool(whole_plane)
         with prefixed("", ValueError):
-            self._core = _core.Simulator(scenario.to_core())
+            self._core = self._begun()
+
+    def _begun(self) -> _core.Simulator:
+        return _core.Simulator(self.scenario.to_core(), self._whole_plane)
 
     def step(
         self,
@@ -142,7 +152,8 @@ class Simulator:
         Raises
         ------
         ScenarioError
-            If a coil, a voltage or the duration is none, or if `start` is given to a constant step.
+            If a coil, a voltage or the duration is none, if `start` is given to a constant step, or
+            if the voltages turn a robot without ``whole_plane``.
         SimulationError
             If the motion cannot be simulated on; `state` is then where it stopped.
         """
@@ -195,7 +206,7 @@ class Simulator:
         Raises
         ------
         ScenarioError
-            If `snapshot` is none, or of another scenario.
+            If `snapshot` is none, of another scenario, or of a run with another ``whole_plane``.
         """
         check_kind("snapshot", snapshot, Snapshot)
         with prefixed("", ValueError):
@@ -206,7 +217,7 @@ class Simulator:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
-        self._core = _core.Simulator(self.scenario.to_core())
+        self._core = self._begun()
         self.restore(state["_core"])
 
     def __repr__(self) -> str:

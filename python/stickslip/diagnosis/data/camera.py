@@ -1,8 +1,7 @@
 """What a camera makes of a motion: frames that are late, blurred, turned, scaled and few.
 
 A rocking at 421 Hz that 200 frames a second alias to 21 Hz is aliased here too: nothing is filtered
-out. The named effects of length scale, clock and angle are in the core's recordings already; here
-is what belongs to one film alone.
+out.
 """
 
 from __future__ import annotations
@@ -47,7 +46,8 @@ class Camera:
     `trigger`, s, later than its time says. theta is read as ``angle_scale * theta + angle_offset``,
     1 and rad, up to `angle_limit` on either side, if there is one; `current_scale` is that of both
     currents. The tracked point lies `marker_along` the body towards its front and `marker_across`
-    it upwards, m, from the centre of mass; the front is ahead at a `facing` of 1.
+    it upwards, m, from the centre of mass; the front is ahead at a `facing` of 1. Lengths are read
+    too long by the part `length_scale`, times by `clock_scale`.
     """
 
     exposure: float = 0.0
@@ -55,6 +55,8 @@ class Camera:
     angle_offset: float = 0.0
     angle_scale: float = 1.0
     current_scale: float = 1.0
+    length_scale: float = 0.0
+    clock_scale: float = 0.0
     angle_limit: float = 0.0
     marker_along: float = 0.0
     marker_across: float = 0.0
@@ -69,9 +71,12 @@ class Camera:
         it the robot rests where it begins, and after it where it ends. A current is read at the
         frame's time, not over its exposure.
         """
-        true = times + self.trigger
+        read = times + self.trigger
         nodes, weights = _nodes(self.exposure)
-        exposed, sharp = _Grid(motion["t"], true[:, None] + nodes), _Grid(motion["t"], true)
+        exposed, sharp = (
+            _Grid(motion["t"], each / (1.0 + self.clock_scale))
+            for each in (read[:, None] + nodes, read)
+        )
         result = {
             name: exposed.cubic(motion[name], motion[_RATES[name]]) @ weights
             if name in _RATES
@@ -84,6 +89,8 @@ class Camera:
             for name, shift in (("x", self.facing * ahead), ("z", above)):
                 if name in result:
                     result[name] = result[name] + shift @ weights
+        for name in {"x", "z"} & result.keys():
+            result[name] = result[name] * (1.0 + self.length_scale)
         if "theta" in result:
             result["theta"] = self.angle_scale * result["theta"] + self.angle_offset
             if self.angle_limit > 0.0:

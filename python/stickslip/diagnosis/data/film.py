@@ -162,9 +162,15 @@ class FilmTable(Table):
         p = p or {}
         start = f"{self.name}."
         own = {key.removeprefix(start): each for key, each in p.items() if key.startswith(start)}
-        own["trigger"] = own.get("trigger", 0.0) + p.get("film_delay.time", 0.0)
+        for name, common in (
+            ("trigger", "film_delay.time"),
+            ("angle_offset", "angle_offset.angle"),
+        ):
+            own[name] = own.get(name, 0.0) + p.get(common, 0.0)
         camera = Camera(
             self.film.exposure, **own, facing=self.film.scenario.drive.facing,
+            length_scale=p.get("length_scale.fraction", 0.0),
+            clock_scale=p.get("clock_scale.fraction", 0.0),
             angle_limit=p.get("film_clipping.limit", 0.0),
             marker_along=p.get("marker_place.along", 0.0),
             marker_across=p.get("marker_place.across", 0.0),

@@ -19,8 +19,7 @@ table : str
 name : str
     Of the cause; its parameters are ``<name>.<word>``.
 
-Each raises a ScenarioError if a value is not allowed. The simulator has its own `length_scale`,
-`clock_scale` and `angle_offset` among the named effects.
+Each raises a ScenarioError if a value is not allowed.
 """
 
 from __future__ import annotations
@@ -37,7 +36,7 @@ from stickslip._util.arrays import Array
 from stickslip._util.root_mean_square import root_mean_square
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import Table
-from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.cause import Cause, Read
 from stickslip.diagnosis.terms.parameter import LARGEST_ERROR, Parameter
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import refuse
@@ -54,6 +53,10 @@ _TURN_OF_PROBE, _LARGEST_TURN = 0.03, 0.5  # rad
 _LATE, _MARKER = 1e-3, 2e-5  # s and m: a frame of 1 kHz, a tenth of a robot
 # Where a limit begins to act and its usual distance below, in the largest reading.
 _ABOVE_ALL, _SIZE_OF_CLIP = 1.2, 0.12
+# Of a camera: microns per pixel, frame rate, and how it is turned against the surface.
+_LENGTH = Parameter("length_scale.fraction", low=-0.3, high=0.4, size=0.03)
+_CLOCK = Parameter("clock_scale.fraction", low=-0.3, high=0.4, size=0.03)
+_TURN = Parameter("angle_offset.angle", unit="rad", low=-0.3, high=0.3, size=0.03)
 # Share of a film's angles that count for the largest. Chosen: a few wild frames of a hundred would
 # put the limit where it cuts nothing off.
 _SOUND = 0.98
@@ -367,20 +370,51 @@ def read_by(
     return readings
 
 
+def _length_scale(read: Read | None = None, table: str | None = None) -> Cause:
+    return Cause("length_scale", (_LENGTH,), "the camera's scale is off", read=read, table=table)
+
+
+def _clock_scale(read: Read | None = None, table: str | None = None) -> Cause:
+    return Cause("clock_scale", (_CLOCK,), "the camera's clock is off", read=read, table=table)
+
+
+def _angle_offset(read: Read | None = None, table: str | None = None) -> Cause:
+    meaning = "the camera is turned against the surface"
+    return Cause("angle_offset", (_TURN,), meaning, read=read, table=table)
+
+
 def of_velocities(measured: Array) -> tuple[Cause, ...]:
-    """A wrong zero and a limit of measured velocities, m/s, shape (n,); none where all are 0."""
+    """A wrong camera, zero or limit of measured velocities, m/s, shape (n,); none where all are 0.
+
+    Lengths and times that are read too long by parts l and c make velocities (1 + l) / (1 + c)
+    times what they are.
+    """
     if not np.any(measured):
         return ()
     size = _ZERO_OF_VELOCITY * root_mean_square(measured)
+
+    def longer(readings: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
+        return readings * (1.0 + p[_LENGTH.name])
+
+    def slower(readings: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
+        return readings / (1.0 + p[_CLOCK.name])
+
     return (
+        _length_scale(longer, "velocity"),
+        _clock_scale(slower, "velocity"),
         offset("m/s", size, table="velocity", name="velocity_offset"),
         *_limit("velocity_clipping", "m/s", measured, "velocity"),
     )
 
 
 def of_angles(theta: Array) -> tuple[Cause, ...]:
-    """A wrong scale and a limit of angles, rad, shape (n,)."""
+    """A turned camera, a wrong scale and a limit of angles, rad, shape (n,)."""
+
+    def turned(readings: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
+        return readings + p[_TURN.name]
+
     return (
+        _angle_offset(turned, "angle"),
         scale(_SCALE_OF_ANGLES, table="angle", name="angle_scale"),
         *_limit("angle_clipping", "rad", theta, "angle"),
     )
@@ -413,6 +447,9 @@ def of_films(theta: Array) -> tuple[Cause, ...]:
         _either_way(f"marker_place.{word}", "m", _MARKER) for word in ("along", "across")
     )
     return (
+        _length_scale(),
+        _clock_scale(),
+        _angle_offset(),
         Cause("film_delay", (late,), "frames are taken later than their times say"),
         *(Cause(each.name, each.parameters, each.meaning) for each in limits),
         Cause("marker_place", places, "the tracked point is not the centre of mass"),

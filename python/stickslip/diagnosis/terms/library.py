@@ -7,11 +7,13 @@ surprise: rough orders of what the paper's apparatus could hide, which are the w
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection
+
+import numpy as np
 
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
-from stickslip.scenario.keys import Key
+from stickslip.scenario.keys import Key, known_keys
 from stickslip.scenario.named_effects import PREFIX, effects, is_lawful
 from stickslip.scenario.priors import Prior
 from stickslip.scenario.scenario import Scenario
@@ -20,13 +22,11 @@ _SIZES = {
     "coil_heating.coefficient": (1e-3, 0.0, 0.02),
     "eddy_lag.time": (3e-4, 0.0, 5e-3),
     "sample_hold.period": (4e-4, 0.0, 4e-3),
-    "edge_time.time": (4e-4, 0.0, 4e-3),
     "mutual_inductance.coupling": (0.05, -0.19, 0.3),
     "gradient_scale.fraction": (0.3, -0.9, 3.0),
     "field_gain.in_plane": (0.05, -0.5, 0.6),
     "field_gain.clamp": (0.05, -0.5, 0.6),
     "misalignment.angle": (0.08, -1.5, 1.5),
-    "magnetization_scale.fraction": (0.1, -0.6, 1.0),
     "ambient_field.Bx": (5e-5, -5e-4, 5e-4),
     "ambient_field.Bz": (5e-5, -5e-4, 5e-4),
     "stribeck_friction.velocity": (4e-3, 0.0, 0.1),
@@ -34,16 +34,12 @@ _SIZES = {
     "friction_anisotropy.fraction": (0.12, -0.8, 0.8),
     "angle_adhesion.strength": (0.5, -4.0, 1.0),
     "adhesion_ageing.rate": (0.2, 0.0, 5.0),
-    "restitution.coefficient": (0.15, 0.0, 0.8),
     "angle_drag.strength": (1.0, -0.9, 20.0),
     "quadratic_drag.coefficient": (1e-3, 0.0, 0.05),
     # About that of a sphere of the magnet's size in water, 8 pi times viscosity times radius cubed.
     "rotational_drag.coefficient": (1e-13, 0.0, 1e-12),
     "surface_tilt.angle": (0.025, -0.3, 0.3),
     "friction_patches.amplitude": (0.2, 0.0, 0.9),
-    "length_scale.fraction": (0.03, -0.3, 0.4),
-    "clock_scale.fraction": (0.03, -0.3, 0.4),
-    "angle_offset.angle": (0.03, -0.3, 0.3),
 }
 """Size that would not surprise, and lowest and highest value of the search, in SI units."""
 
@@ -69,20 +65,26 @@ surprise where nothing else is known, as of a user's own effect."""
 _ACROSS = {"effects.ambient_field.By", "effects.surface_tilt.azimuth"}
 """What pushes or turns a robot out of the plane y = 0 of the data."""
 
-_OTHER_NAMES = {
-    # The model multiplies the one by 1 + the other.
-    "magnetization_scale": "robot.magnetization",
-    # The model uses their sum.
-    "restitution": "contact.restitution",
+CONSTANTS = {
+    "edge_time": ("drive.edge_time", (4e-4, 0.0, 4e-3)),
+    "magnetization_scale": ("robot.magnetization", (0.1, -0.6, 1.0)),
+    "restitution": ("contact.restitution", (0.15, 0.0, 0.8)),
+}
+"""Causes that are a constant which is other than stated, and its change: size, lowest, highest.
+
+Those of the magnetization are parts of it."""
+
+_ALIKE = {
+    **{name: key for name, (key, _) in CONSTANTS.items()},
     # Torques against turning by the rate and by its square: over drives of the paper's range a
     # change of one changes the velocities as a change of the other does, to a cosine of 0.99.
     "rotational_drag": "drag.rotational",
 }
-"""Causes that are another name of a constant: not offered where that is uncertain."""
+"""Causes that look like a constant: not offered where that is uncertain."""
 
 
-def library(scenario: Scenario, uncertain: Mapping[str, Prior], volts: float) -> tuple[Cause, ...]:
-    """All extensions with a known law that the model does not have yet.
+def library(scenario: Scenario, uncertain: Collection[str], volts: float) -> tuple[Cause, ...]:
+    """All extensions with a known law that the model does not have yet, and `CONSTANTS`.
 
     Curves of a free shape are in `laws`. Values of single coils are measured, and `field_gain`
     stands for them.
@@ -91,15 +93,16 @@ def library(scenario: Scenario, uncertain: Mapping[str, Prior], volts: float) ->
     ----------
     scenario : Scenario
         Its own extensions are part of the model, and no causes.
-    uncertain : mapping of Prior
-        Uncertain constants by dotted key. An extension with an uncertain parameter is part of the
-        model too.
+    uncertain : collection of str
+        Dotted keys of constants that are uncertain, or that conditions state on their own. An
+        extension with an uncertain parameter is part of the model too.
     volts : float
         Largest voltage of the drives, V, where the amplifiers' limit begins to act.
     """
     own = {key.split(".")[1] for key in uncertain if key.startswith(PREFIX)}
-    same = {name for name, constant in _OTHER_NAMES.items() if constant in uncertain}
-    return tuple(
+    same = {name for name, constant in _ALIKE.items() if constant in uncertain}
+    constants = [_constant(name, scenario) for name in CONSTANTS if name not in same]
+    return tuple(filter(None, constants)) + tuple(
         Cause(
             each.name,
             tuple(_parameter(key, volts) for key in each.parameters if key.name not in _ACROSS),
@@ -110,6 +113,18 @@ def library(scenario: Scenario, uncertain: Mapping[str, Prior], volts: float) ->
         and each.name not in {*scenario.effects, *own, *same}
         and is_lawful(each.name)
     )
+
+
+def _constant(name: str, scenario: Scenario) -> Cause | None:
+    """A constant that is other than stated; None where it is at the end of its range."""
+    key, changes = CONSTANTS[name]
+    known, stated = known_keys()[key], float(scenario.get(key))
+    size, low, high = np.array(changes) * (stated if key == "robot.magnetization" else 1.0)
+    low, high = max(known.low, stated + low), min(known.high, stated + high)
+    if not low < high:
+        return None
+    own = Parameter(key, unit=known.unit, low=low, high=high, size=size, absent=stated)
+    return Cause(name, (own,), f"{key} is other than stated")
 
 
 def _parameter(key: Key, volts: float) -> Parameter:
