@@ -10,5 +10,5 @@
 ///
 /// - batch, sweep: runs from start to end; their points as columns
 /// - simulator, rollout: runs that are entered and left step by step, alone or many
-/// - lanes, phase_pack, lane_kernel: runs whose steps are taken together, as packs
+/// - lanes, lane_kernel: runs whose steps are taken together, as packs
 namespace stickslip {}

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "stickslip/solver/event_location.hpp"
+#include "stickslip/solver/loop.hpp"
 #include "stickslip/solver/motion_trace.hpp"
 #include "stickslip/solver/progress_watch.hpp"
 #include "stickslip/solver/stepping.hpp"
@@ -11,6 +12,8 @@
 ///
 /// - stepping: what ends a phase, options, counts; progress_watch: whether time goes on
 /// - event_location: the first event within a step, dips included
-/// - tsit5, tsit5_step: the method of order 5; arkode: SUNDIALS, the independent check
+/// - loop: steps up to an event by a method; tsit5: that of order 5; arkode: SUNDIALS, the
+/// independent
+///   check
 /// - motion_trace: extremes and strokes of a phase
 namespace stickslip {}

@@ -68,19 +68,58 @@ private:
     const Named* named_;
 };
 
+/// The phase of these numbers.
+template <class Phase, bool kEffects>
+[[gnu::always_inline]] inline Phase make_phase(const LaneNumbers<Phase, kEffects>& numbers,
+                                               auto& dynamics) {
+    if constexpr (Phase::kFlies) {
+        return Phase(dynamics);
+    } else if constexpr (Phase::kSlips) {
+        return Phase(dynamics, numbers.contact_x, numbers.slip, 0.0);
+    } else {
+        return Phase(dynamics, numbers.contact_x);
+    }
+}
+
 template <template <class> class PhaseOf, class Real, bool kEffects>
-LaneRound lane_step(double* memory) {
-    using D = PackDynamics<Real, kEffects>;
-    using Numbers = LaneNumbers<PhaseOf, D, kEffects>;
-    static_assert(sizeof(Numbers) ==
-                  Real::kSize * sizeof(LaneNumbers<PhaseOf, Dynamics, kEffects>));
-    Numbers& n = *reinterpret_cast<Numbers*>(memory);
+struct PackOf {
+    using Numbers = LaneNumbers<PhaseOf<PackDynamics<Real, kEffects>>, kEffects>;
+    using One = LaneNumbers<PhaseOf<Dynamics>, kEffects>;
+    static_assert(sizeof(Numbers) == Real::kSize * sizeof(One));
+    // Every number of an attempt is listed.
+    static_assert(number_count<decltype(One::progress)>() * sizeof(double) ==
+                  sizeof(One::progress));
+
+    static Numbers& of(void* pack) { return *static_cast<Numbers*>(pack); }
+    template <auto kList>
+    static void put(void* pack, std::size_t place, One& one) {
+        const auto copy = [place](Real & to, const double& from) __attribute__((always_inline)) {
+            to.v[place] = from;
+        };
+        visit_numbers(copy, kList(of(pack)), kList(one));
+    }
+    static void take_attempt(void* pack, std::size_t place, One& one) {
+        const auto copy = [place](double& to, const Real& from) __attribute__((always_inline)) {
+            to = from.v[place];
+        };
+        visit_numbers(copy, one.attempt(), of(pack).attempt());
+    }
+    static LaneRound step(void* pack);
+    static LaneKernel<PhaseOf<Dynamics>, kEffects> kernel() {
+        return {&step, &put<[](auto& numbers) { return numbers.beginning(); }>,
+                &put<[](auto& numbers) { return numbers.going_on(); }>,
+                &put<[](auto& numbers) { return numbers.around(); }>, &take_attempt};
+    }
+};
+
+template <template <class> class PhaseOf, class Real, bool kEffects>
+LaneRound PackOf<PhaseOf, Real, kEffects>::step(void* pack) {
+    Numbers& n = of(pack);
     auto& p = n.progress;
-    D dynamics(n.robot, n.field, n.named);
+    PackDynamics<Real, kEffects> dynamics(n.robot, n.field, n.named);
     const auto phase = make_phase(n, dynamics);
 
-    const auto to_end = p.begin_step(phase);
-    p.attempt(phase);
+    const auto to_end = p.attempt(phase);
 
     // What the caller has to see: a step that is not accepted, ends the stretch or may hold an
     // event or a turn of the field; a robot that leaves the middle of the field's expansion.
@@ -106,16 +145,16 @@ LaneRound lane_step(double* memory) {
 }
 
 template <class Real, bool kEffects>
-LaneKernels::Steps lane_steps() {
-    return {&lane_step<CornerStickPhaseOf, Real, kEffects>,
-            &lane_step<CornerSlipPhaseOf, Real, kEffects>,
-            &lane_step<FlightPhaseOf, Real, kEffects>};
+LaneKernels::Phases<kEffects> kernels_of_phases() {
+    return {PackOf<CornerStickPhaseOf, Real, kEffects>::kernel(),
+            PackOf<CornerSlipPhaseOf, Real, kEffects>::kernel(),
+            PackOf<FlightPhaseOf, Real, kEffects>::kernel()};
 }
 
 template <>
 LaneKernels lane_kernels_of<STICKSLIP_LANE_WIDTH>() {
     using Real = Pack<STICKSLIP_LANE_WIDTH>;
-    return {Real::kSize, lane_steps<Real, false>(), lane_steps<Real, true>()};
+    return {Real::kSize, kernels_of_phases<Real, false>(), kernels_of_phases<Real, true>()};
 }
 
 }  // namespace stickslip

@@ -1,49 +1,221 @@
 #include "stickslip/batch/lanes.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdlib>
+#include <deque>
+#include <limits>
+#include <stdexcept>
+#include <string>
 #include <type_traits>
-#include <vector>
+#include <utility>
 
-#include "stickslip/batch/phase_pack.hpp"
 #include "stickslip/contact/face_slide.hpp"
 
 namespace stickslip {
+
+const std::vector<LaneKernels>& all_lane_kernels() {
+    static const std::vector<LaneKernels> all = [] {
+        std::vector<LaneKernels> result;
+#ifdef STICKSLIP_X86_KERNELS
+        if (__builtin_cpu_supports("avx2")) result.push_back(lane_kernels_of<4>());
+        if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+            __builtin_cpu_supports("avx512vl")) {
+            result.push_back(lane_kernels_of<8>());
+        }
+#endif
+        return result;
+    }();
+    return all;
+}
+
 namespace {
+
+/// The widest pack that the environment variable STICKSLIP_LANES allows.
+int widest_allowed() {
+    const char* text = std::getenv("STICKSLIP_LANES");
+    if (text == nullptr) return std::numeric_limits<int>::max();
+    for (const int width : {1, 4, 8}) {
+        if (text == std::to_string(width)) return width;
+    }
+    throw std::invalid_argument("STICKSLIP_LANES = " + std::string(text) +
+                                ": allowed is 1, 4 or 8");
+}
+
+}  // namespace
+
+const LaneKernels& lane_kernels() {
+    static const LaneKernels chosen = [] {
+        const int widest = widest_allowed();
+        LaneKernels result = {1};
+        for (const LaneKernels& each : all_lane_kernels()) {
+            if (each.size <= widest) result = each;
+        }
+        return result;
+    }();
+    return chosen;
+}
+
+namespace {
+
+/// The pack of the runs that are in one kind of phase, all with named effects or all without, and
+/// those that wait for a place in it.
+template <class Phase, bool kEffects>
+class PhasePack {
+public:
+    PhasePack(int size, const LaneKernel<Phase, kEffects>& kernel)
+        : size_(static_cast<std::size_t>(size)), kernel_(kernel) {}
+
+    std::size_t count() const { return filled_ + waiting_.size(); }
+    void add(Lane& lane) { waiting_.push_back(&lane); }
+
+    /// One step of all runs of the pack. `leave(lane)` is called for a run whose phase has ended,
+    /// `end(lane)` for one that is over. With `stay`, a run keeps its place where only the stretch
+    /// of voltage has ended.
+    void step(const auto& leave, const auto& end, bool stay) {
+        fill();
+        const LaneRound round = kernel_.step(memory_.data());
+        for (std::size_t place = 0; place < size_; ++place) {
+            if (!(round.flagged >> place & 1u) || places_[place] == nullptr) continue;
+            Lane& lane = *places_[place];
+            const Finish found = finish(lane, place, round.to_end >> place & 1u);
+            if (found == Finish::step) continue;
+            const bool same = stay && found == Finish::stretch;
+            const bool over = same && !lane.loop.next_phase();
+            if (same && !over) {
+                enter(lane, place);
+                continue;
+            }
+            places_[place] = nullptr;
+            --filled_;
+            over ? end(lane) : leave(lane);
+        }
+    }
+
+private:
+    using Loop = Lane::Loop;
+    using Numbers = LaneNumbers<Phase, kEffects>;
+    static constexpr std::size_t kMostPlaces = 8;
+
+    void fill() {
+        for (std::size_t place = 0; place < size_ && !waiting_.empty(); ++place) {
+            if (places_[place] != nullptr) continue;
+            places_[place] = waiting_.front();
+            waiting_.pop_front();
+            ++filled_;
+            enter(*places_[place], place);
+        }
+    }
+
+    // Puts what its next phase begins with into the place.
+    void enter(Lane& lane, std::size_t place) {
+        Loop& loop = lane.loop;
+        loop.player().with_phase([&](auto phase) {
+            if constexpr (std::is_same_v<decltype(phase), Phase>) {
+                Numbers numbers;
+                numbers.progress = loop.tsit5().begin(
+                    phase, loop.player().memory(), loop.player().tau(),
+                    loop.player().segment().duration, phase.begin(loop.player().body()));
+                numbers.progress.look = loop.next_look();
+                numbers.robot = loop.player().dynamics().robot();
+                set_around(numbers, loop.player().dynamics());
+                numbers.contact_x = phase.contact_x(numbers.progress.step.first);
+                numbers.slip = loop.player().state().mode.slip;
+                numbers.workspace = loop.player().dynamics().field().workspace();
+                set_memory(numbers, loop.player().memory());
+                kernel_.put_beginning(memory_.data(), place, numbers);
+            }
+        });
+    }
+
+    static void set_around(Numbers& numbers, const Dynamics& dynamics) {
+        const LocalField& field = dynamics.field();
+        numbers.field = field.stretch();
+        if constexpr (kEffects) {
+            numbers.named = {{field.further(1), field.further(2)}, dynamics.smooth_effects()};
+        }
+    }
+
+    static void set_memory(Numbers& numbers, const PhaseMemory& memory) {
+        for (std::size_t i = 0; i < Phase::kEvents; ++i) {
+            numbers.unarmed[i] = memory.armed[i] ? 0.0 : 1.0;
+        }
+        numbers.stalled = memory.stalled ? 1.0 : 0.0;
+    }
+
+    // What an attempt comes to; after a stretch of voltage the phase goes on.
+    enum class Finish { step, stretch, phase };
+
+    // What only one run can do: accepts the attempt or not, looks for events.
+    Finish finish(Lane& lane, std::size_t place, bool to_end) {
+        Loop& loop = lane.loop;
+        Numbers numbers;
+        kernel_.take_attempt(memory_.data(), place, numbers);
+        for (std::size_t i = 0; i < Phase::kEvents; ++i) {
+            loop.player().memory().armed[i] = numbers.unarmed[i] == 0.0;
+        }
+        const auto centre = [&] {
+            const FieldStretch<double>& field = loop.player().dynamics().field().stretch();
+            return std::pair(field.centre_x, field.centre_z);
+        };
+        const auto before = centre();
+        Finish found = Finish::step;
+        loop.player().with_phase([&](auto phase) {
+            if constexpr (std::is_same_v<decltype(phase), Phase>) {
+                PhaseEnd<Phase> end;
+                if (!loop.tsit5().finish(phase, loop.player().memory(), numbers.progress, to_end,
+                                         loop.observer(phase), end)) {
+                    return;
+                }
+                const bool goes_on = end.status == Status::ok && end.event == Event::none;
+                found = goes_on ? Finish::stretch : Finish::phase;
+                loop.end_phase(phase, end, loop.tsit5().counts().accepted);
+            }
+        });
+        if (found == Finish::step) {
+            numbers.progress.look = loop.next_look();
+            set_memory(numbers, loop.player().memory());
+            kernel_.put_going_on(memory_.data(), place, numbers);
+            if (centre() != before) {
+                set_around(numbers, loop.player().dynamics());
+                kernel_.put_around(memory_.data(), place, numbers);
+            }
+        }
+        return found;
+    }
+
+    std::size_t size_;
+    LaneKernel<Phase, kEffects> kernel_;
+    std::array<Lane*, kMostPlaces> places_ = {};
+    std::size_t filled_ = 0;
+    std::deque<Lane*> waiting_;
+    // Zero where nothing was written yet: an empty place computes too, and nobody looks.
+    alignas(64) std::array<std::byte, kMostPlaces * sizeof(Numbers)> memory_ = {};
+};
 
 /// The packs of runs with named effects, or of those without.
 template <bool kEffects>
 class PhasePacks {
 public:
-    PhasePacks(int size, const LaneKernels::Steps& steps)
-        : stick_(size, steps.corner_stick),
-          slip_(size, steps.corner_slip),
-          flight_(size, steps.flight) {}
+    PhasePacks(int size, const LaneKernels::Phases<kEffects>& kernels)
+        : stick_(size, kernels.corner_stick),
+          slip_(size, kernels.corner_slip),
+          flight_(size, kernels.flight) {}
 
-    void add(const CornerStickPhase&, Lane& lane) { stick_.add(lane); }
-    void add(const CornerSlipPhase&, Lane& lane) { slip_.add(lane); }
-    void add(const FlightPhase&, Lane& lane) { flight_.add(lane); }
-
-    /// Runs of the fullest pack.
-    std::size_t fullest() const {
-        return std::max({stick_.count(), slip_.count(), flight_.count()});
-    }
-    /// One step of the fullest, see PhasePack::step.
-    void step(const std::function<void(Lane&)>& leave, const std::function<void(Lane&)>& end,
-              bool stay) {
-        const std::size_t most = fullest();
-        if (stick_.count() == most) {
-            stick_.step(leave, end, stay);
-        } else if (slip_.count() == most) {
-            slip_.step(leave, end, stay);
-        } else {
-            flight_.step(leave, end, stay);
-        }
+    auto& of(const CornerStickPhase&) { return stick_; }
+    auto& of(const CornerSlipPhase&) { return slip_; }
+    auto& of(const FlightPhase&) { return flight_; }
+    void each(const auto& use) {
+        use(stick_);
+        use(slip_);
+        use(flight_);
     }
 
 private:
-    PhasePack<CornerStickPhaseOf, kEffects> stick_;
-    PhasePack<CornerSlipPhaseOf, kEffects> slip_;
-    PhasePack<FlightPhaseOf, kEffects> flight_;
+    PhasePack<CornerStickPhase, kEffects> stick_;
+    PhasePack<CornerSlipPhase, kEffects> slip_;
+    PhasePack<FlightPhase, kEffects> flight_;
 };
 
 /// The runs of a thread, each in the pack of its phase.
@@ -82,12 +254,18 @@ public:
     void step() {
         const auto leave = [this](Lane& lane) { play(lane); };
         const auto end = [this](Lane& lane) { this->end(lane); };
-        const bool stay = !is_few();
-        if (plain_.fullest() >= extended_.fullest()) {
-            plain_.step(leave, end, stay);
-        } else {
-            extended_.step(leave, end, stay);
-        }
+        std::size_t most = 0;
+        const auto each_pack = [this](const auto& use) {
+            plain_.each(use);
+            extended_.each(use);
+        };
+        each_pack([&](auto& pack) { most = std::max(most, pack.count()); });
+        bool found = false;
+        each_pack([&](auto& pack) {
+            if (found || pack.count() < most) return;
+            found = true;
+            pack.step(leave, end, !is_few());
+        });
     }
 
 private:
@@ -97,13 +275,13 @@ private:
             bool added = false;
             lane.loop.player().with_phase([&](auto phase) {
                 using Phase = decltype(phase);
-                Lane::Loop& loop = lane.loop;
                 constexpr bool kNever = std::is_same_v<Phase, FaceSlidePhase> ||
                                         std::is_same_v<Phase, FaceRestPhase> || Phase::kTurns;
                 if (kNever || is_few()) {
-                    loop.play_phase();
+                    lane.loop.play_phase();
                 } else if constexpr (!kNever) {
-                    loop.is_plain() ? plain_.add(phase, lane) : extended_.add(phase, lane);
+                    lane.loop.is_plain() ? plain_.of(phase).add(lane)
+                                         : extended_.of(phase).add(lane);
                     added = true;
                 }
             });

@@ -3,12 +3,19 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include "stickslip/batch/lane_numbers.hpp"
 #include "stickslip/run/run.hpp"
 #include "stickslip/run/simulation.hpp"
 
 namespace stickslip {
+
+/// The widest that this processor has and that the environment variable STICKSLIP_LANES, a means of
+/// measurement that is read once, allows: 4 or 8; at 1 every run goes alone.
+const LaneKernels& lane_kernels();
+/// All that it has, narrowest first, perhaps none: all give the same bits.
+const std::vector<LaneKernels>& all_lane_kernels();
 
 /// A run among others, and its place in their batch.
 struct Lane {

@@ -16,6 +16,9 @@ struct SmoothForces {
     Real angle_drag = 0.0;       ///< N s/m, times cos^2 theta
     Real quadratic_drag = 0.0;   ///< N s^2/m^2
 
+    [[gnu::always_inline]] auto members() {
+        return std::tie(gradient_excess, angle_drag, quadratic_drag);
+    }
     /// Adds them to a load of the moment (mx, mz) at the cosine of theta; the drag that they have
     /// beyond the linear one, N s/m.
     [[gnu::always_inline]] Real add(const auto& field, Real mx, Real mz, Real cosine, Real vx,
@@ -35,6 +38,7 @@ struct SmoothAdhesion {
     Real ageing_rate = 0.0;  ///< -
     Real ageing_time = 1.0;  ///< s
 
+    [[gnu::always_inline]] auto members() { return std::tie(angle_loss, ageing_rate, ageing_time); }
     /// Factor at the sine of theta.
     [[gnu::always_inline]] Real at_angle(Real sine) const { return 1.0 - angle_loss * sine * sine; }
     /// Factor of a contact that was made `seconds` ago.
@@ -54,6 +58,9 @@ struct SmoothFriction {
     Real patch_amplitude = 0.0;    ///< -
     Real patch_wavenumber = 0.0;   ///< 1/m
 
+    [[gnu::always_inline]] auto members() {
+        return std::tie(stribeck_velocity, viscous, anisotropy, patch_amplitude, patch_wavenumber);
+    }
     /// Of one run.
     bool absent() const {
         return stribeck_velocity == 0.0 && viscous == 0.0 && anisotropy == 0.0 &&
@@ -92,6 +99,10 @@ struct SmoothEffects {
     SmoothFriction<Real> friction;
     Real turn_sine = 0.0, turn_cosine = 1.0;  ///< of the quadrant
     Real contact_age = 0.0;                   ///< s, at the start of the stretch
+
+    [[gnu::always_inline]] auto members() {
+        return std::tie(forces, adhesion, friction, turn_sine, turn_cosine, contact_age);
+    }
 };
 
 }  // namespace stickslip

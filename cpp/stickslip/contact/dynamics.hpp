@@ -47,6 +47,13 @@ struct PlainDynamics {
     // Of the magnetic moment along the body's axes, A m^2.
     Real moment_cosine = 0.0, moment_sine = 0.0;
 
+    [[gnu::always_inline]] auto members() {
+        return std::tie(mass, per_mass, inertia, per_inertia, per_corner_inertia, weight_x,
+                        weight_z, drag, turning_drag, turning_drag_quadratic, adhesion,
+                        static_friction, kinetic_friction, radius, half_base, half_rise,
+                        middle_lever, middle_height, moment_cosine, moment_sine);
+    }
+
     /// By that in the middle of the quadrant, turned on. Its ends are exact with the cosine rounded
     /// so.
     [[gnu::always_inline]] PoseOf<Real> pose(Real angle) const {

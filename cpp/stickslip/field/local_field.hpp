@@ -47,6 +47,8 @@ struct FieldStretch {
     Real centre_x, centre_z;
     Real rate;  ///< 1/s
 
+    [[gnu::always_inline]] auto members() { return std::tie(basis, centre_x, centre_z, rate); }
+
     [[gnu::always_inline]] ExpansionOf<Real> at(Real tau) const {
         ExpansionOf<Real> result;
         result.centre_x = centre_x;
@@ -77,6 +79,8 @@ struct FurtherExponential {
     Terms basis;
     Real rate;  ///< 1/s
 
+    [[gnu::always_inline]] auto members() { return std::tie(basis, rate); }
+
     /// Where there is no such exponential the terms are minus zero, which leaves the bits of a sum.
     static constexpr double kNothing = -0.0;
 
@@ -92,6 +96,8 @@ struct FurtherExponential {
 template <class Real>
 struct WorkspaceOf {
     Real x_low, x_high, z_low, z_high;
+
+    [[gnu::always_inline]] auto members() { return std::tie(x_low, x_high, z_low, z_high); }
 
     /// Not a place with a coordinate that is NaN.
     [[gnu::always_inline]] auto holds(Real x, Real z) const {

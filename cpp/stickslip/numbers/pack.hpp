@@ -1,11 +1,14 @@
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <tuple>
 #include <type_traits>
+#include <utility>
 
 #if defined(__AVX2__)
 #include <immintrin.h>
@@ -130,19 +133,55 @@ template <int N>
     return Pack<N>(where.bits ? yes.v : no.v);
 }
 
+/// How many numbers a struct of numbers has. It says what they are by members(), a tuple of
+/// references to numbers, to arrays of them, and to such structs.
+template <class Struct>
+constexpr std::size_t number_count() {
+    if constexpr (requires(Struct & s) { s.members(); }) {
+        return number_count<decltype(std::declval<Struct&>().members())>();
+    } else if constexpr (requires { std::tuple_size<Struct>::value; }) {
+        return []<std::size_t... I>(std::index_sequence<I...>) {
+            using std::tuple_element_t, std::remove_reference_t;
+            return (std::size_t{0} + ... +
+                    number_count<remove_reference_t<tuple_element_t<I, Struct>>>());
+        }
+        (std::make_index_sequence<std::tuple_size_v<Struct>>());
+    } else {
+        return 1;
+    }
+}
+
+/// Calls `visit` with each number of such a struct, or with those of several that are alike, as of
+/// a pack and of one run.
+template <class First, class... More>
+[[gnu::always_inline]] inline void visit_numbers(const auto& visit, First&& first, More&&... more) {
+    using Struct = std::remove_cvref_t<First>;
+    if constexpr (requires { first.members(); }) {
+        visit_numbers(visit, first.members(), more.members()...);
+    } else if constexpr (requires { std::tuple_size<Struct>::value; }) {
+        [[maybe_unused]] const auto at = [&]<std::size_t I>(std::integral_constant<std::size_t, I>)
+            __attribute__((always_inline)) {
+            visit_numbers(visit, std::get<I>(first), std::get<I>(more)...);
+        };
+        [&]<std::size_t... I>(std::index_sequence<I...>) __attribute__((always_inline)) {
+            (at(std::integral_constant<std::size_t, I>()), ...);
+        }
+        (std::make_index_sequence<std::tuple_size_v<Struct>>());
+    } else {
+        visit(first, more...);
+    }
+}
+
 /// `target` becomes `source` where `where` holds; both are numbers of the type Real throughout.
 template <class Real, class Numbers>
-[[gnu::always_inline]] inline void blend(MaskOf<Real> where, Numbers& target,
-                                         const Numbers& source) {
+[[gnu::always_inline]] inline void blend(MaskOf<Real> where, Numbers& target, Numbers& source) {
     if constexpr (std::is_same_v<Real, double>) {
         if (where) target = source;
     } else {
-        static_assert(sizeof(Numbers) % sizeof(Real) == 0);
-        auto* to = reinterpret_cast<Real*>(&target);
-        const auto* from = reinterpret_cast<const Real*>(&source);
-        for (std::size_t k = 0; k < sizeof(Numbers) / sizeof(Real); ++k) {
-            to[k] = select(where, from[k], to[k]);
-        }
+        const auto choose = [&](Real & to, const Real& from) __attribute__((always_inline)) {
+            to = select(where, from, to);
+        };
+        visit_numbers(choose, target, source);
     }
 }
 

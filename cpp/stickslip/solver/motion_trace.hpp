@@ -52,6 +52,10 @@ struct MotionTrace {
     Real slip_x;                   ///< m, `slip_place` at the last turning point, or at the start
     Real rising = 0, falling = 0;  ///< m, slip up to there while the angle rose and fell
 
+    [[gnu::always_inline]] auto members() {
+        return std::tie(lowest, highest, slip_x, rising, falling);
+    }
+
     /// A step of `width` s between two states.
     template <class Phase, class State>
     [[gnu::always_inline]] void step(const Phase& phase, Real width, const State& first,

@@ -1,0 +1,126 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "stickslip/solver/event_location.hpp"
+#include "stickslip/solver/stepping.hpp"
+
+namespace stickslip {
+
+/// Adaptive integration of a phase, with events located on the dense output of its steps. How steps
+/// are made is the Method's, which has a
+///   start(options, phase, memory, rates, progress)   of a phase, whose rates it begins with
+///   Progress<Phase>   where the integration of a phase stands, with
+///     tau, tau_end, accepted, most_steps, trace
+///     step              the last attempt: start, width, first, last, dense(s); `first` of the next
+///     samples           event functions of the last attempt, `start` of the next one
+///     attempt(phase)    makes a step; true where it goes to the end of the stretch
+///     is_accepted(), reject(counts)   the second says why there can be no other attempt, or ok
+///     event(phase, i, s)   event function i at a fraction of the step
+///     commit(phase, true, to_end)   moves on to the end of the step
+///     leave(phase, y, counts)       ends the phase there
+template <class Method>
+class StepLoop {
+public:
+    template <class Phase>
+    using Progress = typename Method::template Progress<Phase>;
+
+    explicit StepLoop(const StepperOptions& options) : options_(options), method_(options) {}
+
+    const StepperOptions& options() const { return options_; }
+    const StepCounts& counts() const { return counts_; }
+    /// Goes on from other counts, and with that from what they leave of options().most_steps.
+    void set_counts(const StepCounts& counts) { counts_ = counts; }
+
+    /// Integrates from `tau` to `tau_end` or the first event. `observe(step, s)` is called
+    /// for the steps on the way, with the fraction s that belongs to the phase; it answers at which
+    /// fraction the run is to stop, or kGoesOn.
+    template <class Phase, class Observer>
+    PhaseEnd<Phase> advance(Phase& phase, PhaseMemory& memory, double tau, double tau_end,
+                            const typename Phase::State& y, Observer&& observe) {
+        Progress<Phase> progress = begin(phase, memory, tau, tau_end, y);
+        PhaseEnd<Phase> end;
+        do {
+            if (options_.stop && options_.stop->load(std::memory_order_relaxed)) {
+                return leave(phase, progress, Status::interrupted);
+            }
+        } while (!finish(phase, memory, progress, progress.attempt(phase), observe, end));
+        return end;
+    }
+
+    // The parts of `advance`, for lanes.
+
+    template <class Phase>
+    Progress<Phase> begin(Phase& phase, PhaseMemory& memory, double tau, double tau_end,
+                          const typename Phase::State& y) {
+        Progress<Phase> progress = {};
+        typename Phase::State rates;
+        phase.rebase(y);
+        phase.rates(phase.field_at(tau), y, rates, progress.samples.start);
+        ++counts_.evaluations;
+        progress.tau = tau;
+        progress.tau_end = tau_end;
+        progress.most_steps = static_cast<double>(options_.most_steps - counts_.accepted);
+        progress.step.first = y;
+        progress.trace = {phase.angle(y), phase.angle(y), slip_place(phase, y)};
+        method_.start(options_, phase, memory, rates, progress);
+        memory.begin(progress.samples.start, phase.event_rounding());
+        return progress;
+    }
+
+    /// What follows an attempt: accepts the step or not, looks for events; true if the phase, or
+    /// the stretch, has ended.
+    template <class Phase, class Observer>
+    bool finish(Phase& phase, PhaseMemory& memory, Progress<Phase>& p, bool to_end,
+                Observer&& observe, PhaseEnd<Phase>& end) {
+        const auto& step = p.step;
+        const auto ended = [&](Status status) {
+            end = leave(phase, p, status);
+            return true;
+        };
+        if (!(p.tau + step.width > p.tau)) return ended(Status::step_underflow);
+        if (!p.is_accepted()) {
+            const Status status = p.reject(counts_);
+            return status != Status::ok && ended(status);
+        }
+        const auto value = [&](std::size_t i, double s) {
+            ++counts_.evaluations;
+            return p.event(phase, i, s);
+        };
+        const EventHit hit =
+            EventFinder<Phase::kEvents>::find(p.samples, memory.armed, memory.stalled, value);
+        memory.stalled = false;
+        const double stop = observe(step, hit.s);
+        const bool stops = hit ? stop < hit.s : stop <= 1.0;
+        if (hit || stops) {
+            const double s = stops ? stop : hit.s;
+            const typename Phase::State last = s == 0.0 ? step.first : step.dense(s);
+            p.trace.step(phase, s * step.width, step.first, last);
+            p.accepted += 1.0;
+            const Event event =
+                stops ? Event::none : Phase::kEvent[static_cast<std::size_t>(hit.index)];
+            end = {Status::ok, event, p.tau + s * step.width, last, p.trace};
+            p.leave(phase, last, counts_);
+            return true;
+        }
+        p.commit(phase, true, to_end);
+        phase.rebase(step.first);
+        if (phase.outside()) return ended(Status::left_workspace);
+        if (to_end) return ended(Status::ok);
+        return p.accepted >= p.most_steps && ended(Status::too_many_steps);
+    }
+
+private:
+    template <class Phase>
+    PhaseEnd<Phase> leave(Phase& phase, Progress<Phase>& p, Status status) {
+        p.leave(phase, p.step.first, counts_);
+        return {status, Event::none, p.tau, p.step.first, p.trace};
+    }
+
+    StepperOptions options_;
+    StepCounts counts_;
+    Method method_;
+};
+
+}  // namespace stickslip
