@@ -62,12 +62,12 @@ TEST_CASE("plane: coils of y that are unlike turn a stepped robot by voltages th
         return simulator.snapshot().in_whole_plane ? simulator.state().heading : 0.0;
     };
     CHECK(stepped() == 0.0);
-    scenario.effects.own_coils[2].distance = 1e-3;
+    scenario.coils[2].distance = 1e-3;
     const double heading = stepped();
     CHECK(heading != 0.0);
     const RunResult at_once = [&] {
         Scenario whole = program_of(kCancelling, 20 * kStep);
-        whole.effects = scenario.effects;
+        whole.coils = scenario.coils;
         return simulate(whole);
     }();
     CHECK(heading == doctest::Approx(at_once.final_state.heading).epsilon(1e-6));

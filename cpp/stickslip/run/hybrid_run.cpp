@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "stickslip/scenario/own_coils.hpp"
+#include "stickslip/scenario/coils.hpp"
 
 namespace stickslip {
 namespace {
