@@ -4,7 +4,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "stickslip/scenario/own_coils.hpp"
+#include "stickslip/scenario/coils.hpp"
 
 namespace stickslip {
 
