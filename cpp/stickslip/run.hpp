@@ -2,9 +2,11 @@
 
 #include "stickslip/run/assembly.hpp"
 #include "stickslip/run/drive_observer.hpp"
-#include "stickslip/run/hybrid_loop.hpp"
 #include "stickslip/run/initial_state.hpp"
+#include "stickslip/run/measurement.hpp"
+#include "stickslip/run/player.hpp"
 #include "stickslip/run/recording.hpp"
+#include "stickslip/run/run.hpp"
 #include "stickslip/run/run_snapshot.hpp"
 #include "stickslip/run/simulation.hpp"
 #include "stickslip/run/stop_condition.hpp"
@@ -14,8 +16,8 @@
 ///
 /// - assembly: from a scenario to the parts of its run, each effect put where it acts
 /// - initial_state: from a state to a contact; stop_condition: until when
-/// - hybrid_run, hybrid_loop: stretch after stretch, phase after phase
-/// - recording, summary, drive_observer: what is kept of it
-/// - run_snapshot: where it stands between two steps
+/// - player: the motion, stretch after stretch, phase after phase
+/// - recording: samples of it; measurement, with summary and drive_observer: what it comes to
+/// - run: the three together, to the end or step by step; run_snapshot: where it stands
 /// - simulation: a run from start to end, with its status and message
 namespace stickslip {}

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "stickslip/batch/lanes.hpp"
+#include "lane_runs.hpp"
 #include "stickslip/contact/contact.hpp"
 #include "stickslip/contact/impact.hpp"
 #include "stickslip/readings/probe.hpp"
@@ -308,17 +308,8 @@ TEST_CASE("free shapes: a run in a pack has the bits that it has alone") {
         set_knots(scenario, name, {0.3, -0.3, 0.3, -0.3, 0.3});
         scenarios.push_back(scenario);
     }
-    std::vector<RunResult> results(scenarios.size());
-    std::size_t next = 0;
-    RunControl control;
-    simulate_in_lanes(
-        lane_kernels(), scenarios.size(),
-        [&]() -> std::optional<LaneTask> {
-            if (next == scenarios.size()) return std::nullopt;
-            const std::size_t index = next++;
-            return LaneTask{index, scenarios[index]};
-        },
-        [&](std::size_t index, RunResult&& run) { results[index] = std::move(run); }, control);
+    const std::vector<RunResult> results =
+        test::simulate_in_lanes(lane_kernels(), scenarios.size(), scenarios);
     for (std::size_t i = 0; i < scenarios.size(); ++i) {
         CAPTURE(i);
         check_same_bits(results[i], simulate(scenarios[i]));

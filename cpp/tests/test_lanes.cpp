@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "fitted_map.hpp"
-#include "stickslip/batch/lanes.hpp"
+#include "lane_runs.hpp"
 #include "support.hpp"
 
 using namespace stickslip;
@@ -104,18 +104,8 @@ TEST_CASE("lanes: every run has the bits that it has alone, in packs of any widt
     CHECK(ok > 115);
     for (const LaneKernels& kernels : all_lane_kernels()) {
         for (const std::size_t count : {1, 3, 40}) {
-            std::vector<RunResult> results(kRuns);
-            std::size_t next = 0;
-            RunControl control;
-            simulate_in_lanes(
-                kernels, count,
-                [&]() -> std::optional<LaneTask> {
-                    if (next == kRuns) return std::nullopt;
-                    const std::size_t index = next++;
-                    return LaneTask{index, scenarios[index]};
-                },
-                [&](std::size_t index, RunResult&& run) { results[index] = std::move(run); },
-                control);
+            const std::vector<RunResult> results =
+                test::simulate_in_lanes(kernels, count, scenarios);
             for (std::size_t i = 0; i < kRuns; ++i) {
                 CAPTURE(kernels.size);
                 CAPTURE(i);
@@ -135,15 +125,17 @@ TEST_CASE("lanes: a stop ends them all") {
     endless.drive.pulses = 100'000'000;
     RunControl control;
     int taken = 0, ended = 0;
-    simulate_in_lanes(
+    LaneStore lanes;
+    play_in_lanes(
         lane_kernels(), 8,
-        [&]() -> std::optional<LaneTask> {
+        [&] {
             if (++taken == 8) control.stop = true;
-            return LaneTask{0, endless};
+            return lanes.make(0, endless, control);
         },
-        [&](std::size_t, RunResult&& run) {
-            CHECK(run.status == Status::interrupted);
+        [&](Lane& lane) {
+            CHECK(lane.loop.status() == Status::interrupted);
             ++ended;
+            lanes.erase(lane);
         },
         control);
     CHECK(taken == 8);

@@ -16,8 +16,8 @@ using namespace stickslip;
 using stickslip::test::Random;
 
 static_assert(!std::is_copy_constructible_v<Simulator> && !std::is_copy_assignable_v<Simulator>);
-static_assert(!std::is_move_constructible_v<HybridLoop<Tsit5>>);
-static_assert(!std::is_copy_assignable_v<HybridLoop<Tsit5>>);
+static_assert(!std::is_move_constructible_v<Run>);
+static_assert(!std::is_copy_assignable_v<Run>);
 
 namespace {
 
@@ -305,7 +305,7 @@ TEST_CASE("stop condition: the run ends where it is met") {
     const StopCondition flat = {StopCondition::Quantity::theta, false, 0.0};
     const RunResult fallen = simulate(tilted, nullptr, flat);
     CHECK(fallen.stopped);
-    CHECK(fallen.final_state.theta == 0.0);
+    CHECK(std::abs(fallen.final_state.theta) < 1e-12);  // the landing, or its root
     CHECK(fallen.summary.simulated_time < 0.05);  // before the first pulse
     const RunResult at_once = simulate(s, nullptr, until(StopCondition::Quantity::x, -1.0));
     CHECK(at_once.stopped);

@@ -4,10 +4,8 @@
 #include <chrono>
 #include <condition_variable>
 #include <exception>
-#include <mutex>
 #include <thread>
 
-#include "stickslip/batch/lanes.hpp"
 #include "stickslip/run/assembly.hpp"
 
 namespace stickslip {
@@ -84,32 +82,68 @@ void run_workers(int threads, RunControl& control, const std::function<void()>& 
     if (failure) std::rethrow_exception(failure);
 }
 
-std::size_t lanes_a_thread(std::size_t count, int threads) {
-    // Four packs of runs keep the packs of all kinds of phases full, and fit into the cache.
+Lane* LaneStore::make(std::size_t index, const Scenario& scenario, RunControl& control,
+                      std::optional<StopCondition> stop) {
+    auto lane = std::make_unique<Lane>(index, scenario, control, stop);
+    Lane* const key = lane.get();
+    const std::lock_guard lock(mutex_);
+    lanes_.emplace(key, std::move(lane));
+    return key;
+}
+
+void LaneStore::erase(const Lane& lane) {
+    const std::lock_guard lock(mutex_);
+    lanes_.erase(&lane);
+}
+
+void play_all(std::size_t count, int threads, RunControl& control,
+              const std::function<Lane*(std::size_t)>& lane, const std::function<void(Lane&)>& done,
+              const std::function<void()>* poll) {
+    if (count == 0) return;
+    const int workers =
+        static_cast<int>(std::min(count, static_cast<std::size_t>(std::max(threads, 1))));
+    const LaneKernels& kernels = lane_kernels();
+    // Four packs of runs keep the packs of all kinds of phases full, and fit into the cache. No
+    // thread takes so many at once that another has nothing to do.
     constexpr std::size_t kLanesAPlace = 4;
-    // No thread takes so many at once that another has nothing to do.
-    return std::clamp<std::size_t>(count / static_cast<std::size_t>(threads), 1,
-                                   kLanesAPlace * static_cast<std::size_t>(lane_kernels().size));
+    const std::size_t lanes =
+        std::clamp<std::size_t>(count / static_cast<std::size_t>(workers), 1,
+                                kLanesAPlace * static_cast<std::size_t>(kernels.size));
+    std::atomic<std::size_t> taken = 0;
+    const auto next = [&]() -> Lane* {
+        for (std::size_t index = taken++; index < count; index = taken++) {
+            if (Lane* found = lane(index)) return found;
+        }
+        return nullptr;
+    };
+    const auto work = [&] { play_in_lanes(kernels, lanes, next, done, control); };
+    if (poll == nullptr && workers == 1) {
+        work();
+    } else {
+        run_workers(
+            workers, control, work, poll ? *poll : [] {});
+    }
 }
 
 void simulate_tasks(std::size_t count, int threads, RunControl& control,
                     const std::function<std::optional<Scenario>(std::size_t)>& scenario,
                     const std::function<void(std::size_t, RunResult&&)>& done,
                     const std::function<void()>& poll, std::optional<StopCondition> stop) {
-    const LaneKernels& kernels = lane_kernels();
-    if (count == 0) return;
-    const int workers =
-        static_cast<int>(std::min(count, static_cast<std::size_t>(std::max(threads, 1))));
-    const std::size_t lanes = lanes_a_thread(count, workers);
-    std::atomic<std::size_t> taken = 0;
-    const auto next = [&]() -> std::optional<LaneTask> {
-        for (std::size_t index = taken++; index < count; index = taken++) {
-            if (auto found = scenario(index)) return LaneTask{index, std::move(*found), stop};
+    LaneStore lanes;
+    const auto lane = [&](std::size_t index) -> Lane* {
+        const std::optional<Scenario> found = scenario(index);
+        if (!found) return nullptr;
+        if (!has_method(found->solver.method)) {
+            done(index, simulate(*found, &control, stop));
+            return nullptr;
         }
-        return std::nullopt;
+        return lanes.make(index, *found, control, stop);
     };
-    run_workers(
-        workers, control, [&] { simulate_in_lanes(kernels, lanes, next, done, control); }, poll);
+    const auto ended = [&](Lane& each) {
+        done(each.index, each.loop.take_result());
+        lanes.erase(each);
+    };
+    play_all(count, threads, control, lane, ended, &poll);
 }
 
 std::vector<RunResult> simulate_batch(const std::vector<Scenario>& scenarios, int threads,

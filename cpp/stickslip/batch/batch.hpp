@@ -2,10 +2,13 @@
 
 #include <cstddef>
 #include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <vector>
 
-#include "stickslip/run/simulation.hpp"
+#include "stickslip/batch/lanes.hpp"
 
 namespace stickslip {
 
@@ -16,18 +19,34 @@ namespace stickslip {
 void run_workers(int threads, RunControl& control, const std::function<void()>& work,
                  const std::function<void()>& poll);
 
-/// Simulates the tasks 0 ... count-1 on `threads` threads, in lanes. `scenario(index)` makes a
-/// task's scenario, or none for one that is refused; `done(index, result)` takes its result. Both
-/// are called on any of the threads, once for each task that was begun; which thread that is has no
-/// influence on a result. `poll` and exceptions as above.
+/// The runs of a batch while they are played. Any thread makes and erases its own.
+class LaneStore {
+public:
+    Lane* make(std::size_t index, const Scenario& scenario, RunControl& control,
+               std::optional<StopCondition> stop = std::nullopt);
+    void erase(const Lane& lane);
+
+private:
+    std::mutex mutex_;
+    std::map<const Lane*, std::unique_ptr<Lane>> lanes_;
+};
+
+/// Plays the runs 0 ... count-1 on `threads` threads, as many at a time as are quickest.
+/// `lane(index)` gives a run, or none where there is nothing to play; `done(lane)` takes one that
+/// is over. Both are called on any of the threads, which has no influence on a result. `poll` and
+/// exceptions as above; without `poll` one thread is this one: starting another would take longer
+/// than a step.
+void play_all(std::size_t count, int threads, RunControl& control,
+              const std::function<Lane*(std::size_t)>& lane, const std::function<void(Lane&)>& done,
+              const std::function<void()>* poll);
+
+/// Simulates the tasks 0 ... count-1. `scenario(index)` makes a task's scenario, or none for one
+/// that is refused; `done(index, result)` takes its result. Both as in `play_all`.
 void simulate_tasks(std::size_t count, int threads, RunControl& control,
                     const std::function<std::optional<Scenario>(std::size_t)>& scenario,
                     const std::function<void(std::size_t, RunResult&&)>& done,
                     const std::function<void()>& poll,
                     std::optional<StopCondition> stop = std::nullopt);
-
-/// How many runs a thread plays at a time, of `count` in all.
-std::size_t lanes_a_thread(std::size_t count, int threads);
 
 /// Simulates all scenarios; results in their order, bit-identical for any number of threads. Throws
 /// std::invalid_argument before any run if a scenario makes no sense.

@@ -6,8 +6,6 @@
 #include <cstdlib>
 #include <deque>
 #include <limits>
-#include <map>
-#include <memory>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -96,7 +94,6 @@ public:
     }
 
 private:
-    using Loop = Lane::Loop;
     using Numbers = LaneNumbers<Phase, kEffects>;
     static constexpr std::size_t kMostPlaces = 8;
 
@@ -112,19 +109,20 @@ private:
 
     // Puts what its next phase begins with into the place.
     void enter(Lane& lane, std::size_t place) {
-        Loop& loop = lane.loop;
-        loop.with_phase([&](auto phase) {
+        auto& player = lane.loop.player();
+        player.with_phase([&](auto phase) {
             if constexpr (std::is_same_v<decltype(phase), Phase>) {
                 Numbers numbers;
-                numbers.progress = loop.integrator().begin(
-                    phase, loop.memory(), loop.tau(), loop.tau_end(), phase.begin(loop.body()));
-                numbers.progress.look = loop.next_look();
-                numbers.robot = loop.dynamics().robot();
-                set_around(numbers, loop.dynamics());
+                numbers.progress =
+                    lane.loop.tsit5().begin(phase, player.memory(), player.tau(),
+                                            player.segment().duration, phase.begin(player.body()));
+                numbers.progress.look = lane.loop.next_look();
+                numbers.robot = player.dynamics().robot();
+                set_around(numbers, player.dynamics());
                 numbers.contact_x = phase.contact_x(numbers.progress.step.first);
-                numbers.slip = loop.slip();
-                numbers.workspace = loop.dynamics().field().workspace();
-                set_memory(numbers, loop.memory());
+                numbers.slip = player.state().mode.slip;
+                numbers.workspace = player.dynamics().field().workspace();
+                set_memory(numbers, player.memory());
                 kernel_.put_beginning(memory_.data(), place, numbers);
             }
         });
@@ -150,23 +148,24 @@ private:
 
     // What only one run can do: accepts the attempt or not, looks for events.
     Finish finish(Lane& lane, std::size_t place, bool to_end) {
-        Loop& loop = lane.loop;
+        Lane::Loop& loop = lane.loop;
+        auto& player = loop.player();
         Numbers numbers;
         kernel_.take_attempt(memory_.data(), place, numbers);
         for (std::size_t i = 0; i < Phase::kEvents; ++i) {
-            loop.memory().armed[i] = numbers.unarmed[i] == 0.0;
+            player.memory().armed[i] = numbers.unarmed[i] == 0.0;
         }
         const auto centre = [&] {
-            const FieldStretch<double>& field = loop.dynamics().field().stretch();
+            const FieldStretch<double>& field = player.dynamics().field().stretch();
             return std::pair(field.centre_x, field.centre_z);
         };
         const auto before = centre();
         Finish found = Finish::step;
-        loop.with_phase([&](auto phase) {
+        player.with_phase([&](auto phase) {
             if constexpr (std::is_same_v<decltype(phase), Phase>) {
                 PhaseEnd<Phase> end;
-                if (!loop.integrator().finish(phase, loop.memory(), numbers.progress, to_end,
-                                              loop.observer(phase), end)) {
+                if (!loop.tsit5().finish(phase, player.memory(), numbers.progress, to_end,
+                                         loop.observer(phase), end)) {
                     return;
                 }
                 const bool goes_on = end.status == Status::ok && end.event == Event::none;
@@ -176,10 +175,10 @@ private:
         });
         if (found == Finish::step) {
             numbers.progress.look = loop.next_look();
-            set_memory(numbers, loop.memory());
+            set_memory(numbers, player.memory());
             kernel_.put_going_on(memory_.data(), place, numbers);
             if (centre() != before) {
-                set_around(numbers, loop.dynamics());
+                set_around(numbers, player.dynamics());
                 kernel_.put_around(memory_.data(), place, numbers);
             }
         }
@@ -274,11 +273,12 @@ private:
     void play(Lane& lane) {
         while (lane.loop.next_phase()) {
             bool added = false;
-            lane.loop.with_phase([&](auto phase) {
+            lane.loop.player().with_phase([&](auto phase) {
                 using Phase = decltype(phase);
-                constexpr bool kNever = std::is_same_v<Phase, FaceSlidePhase> || Phase::kTurns;
+                constexpr bool kNever = std::is_same_v<Phase, FaceSlidePhase> ||
+                                        std::is_same_v<Phase, FaceRestPhase> || Phase::kTurns;
                 if (kNever || is_few()) {
-                    lane.loop.play(phase);
+                    lane.loop.play_phase();
                 } else if constexpr (!kNever) {
                     lane.loop.is_plain() ? plain_.of(phase).add(lane)
                                          : extended_.of(phase).add(lane);
@@ -330,31 +330,6 @@ void play_in_lanes(const LaneKernels& kernels, std::size_t count,
         }
     }
     group.interrupt();
-}
-
-void simulate_in_lanes(const LaneKernels& kernels, std::size_t count,
-                       const std::function<std::optional<LaneTask>()>& next,
-                       const std::function<void(std::size_t, RunResult&&)>& done,
-                       RunControl& control) {
-    std::map<const Lane*, std::unique_ptr<Lane>> lanes;
-    const auto next_lane = [&]() -> Lane* {
-        while (const auto task = next()) {
-            if (task->scenario.solver.method == Method::tsit5) {
-                auto lane =
-                    std::make_unique<Lane>(task->index, task->scenario, control, task->stop);
-                Lane* const key = lane.get();
-                lanes.emplace(key, std::move(lane));
-                return key;
-            }
-            done(task->index, simulate(task->scenario, &control, task->stop));
-        }
-        return nullptr;
-    };
-    const auto ended = [&](Lane& lane) {
-        done(lane.index, lane.loop.take_result());
-        lanes.erase(&lane);
-    };
-    play_in_lanes(kernels, count, next_lane, ended, control);
 }
 
 }  // namespace stickslip

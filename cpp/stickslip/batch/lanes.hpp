@@ -6,9 +6,8 @@
 #include <vector>
 
 #include "stickslip/batch/lane_numbers.hpp"
-#include "stickslip/run/hybrid_loop.hpp"
+#include "stickslip/run/run.hpp"
 #include "stickslip/run/simulation.hpp"
-#include "stickslip/solver/tsit5.hpp"
 
 namespace stickslip {
 
@@ -18,16 +17,9 @@ const LaneKernels& lane_kernels();
 /// All that it has, narrowest first, perhaps none: all give the same bits.
 const std::vector<LaneKernels>& all_lane_kernels();
 
-/// A scenario of a batch, and its place there.
-struct LaneTask {
-    std::size_t index = 0;
-    Scenario scenario;
-    std::optional<StopCondition> stop = std::nullopt;
-};
-
 /// A run among others, and its place in their batch.
 struct Lane {
-    using Loop = HybridLoop<Tsit5>;
+    using Loop = Run;
 
     Lane(std::size_t place, const Scenario& scenario, RunControl& control,
          std::optional<StopCondition> stop = std::nullopt)
@@ -44,11 +36,5 @@ struct Lane {
 void play_in_lanes(const LaneKernels& kernels, std::size_t count,
                    const std::function<Lane*()>& next, const std::function<void(Lane&)>& done,
                    const RunControl& control);
-
-/// Simulates tasks until `next` gives none, in the same way. Each result goes to `done`.
-void simulate_in_lanes(const LaneKernels& kernels, std::size_t count,
-                       const std::function<std::optional<LaneTask>()>& next,
-                       const std::function<void(std::size_t, RunResult&&)>& done,
-                       RunControl& control);
 
 }  // namespace stickslip

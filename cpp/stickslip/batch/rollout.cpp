@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <map>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -13,31 +12,6 @@
 
 namespace stickslip {
 namespace {
-
-/// Plays lanes on threads, as many at a time as are quickest; `lane` gives none for a run that
-/// there is nothing to play of. Without `poll` one thread is this one: starting another would take
-/// longer than a step.
-void play_all(std::size_t count, int threads, RunControl& control,
-              const std::function<Lane*(std::size_t)>& lane, const std::function<void(Lane&)>& done,
-              const std::function<void()>* poll) {
-    const int workers =
-        static_cast<int>(std::min(count, static_cast<std::size_t>(std::max(threads, 1))));
-    const std::size_t lanes = lanes_a_thread(count, workers);
-    std::atomic<std::size_t> taken = 0;
-    const auto next = [&]() -> Lane* {
-        for (std::size_t index = taken++; index < count; index = taken++) {
-            if (Lane* found = lane(index)) return found;
-        }
-        return nullptr;
-    };
-    const auto work = [&] { play_in_lanes(lane_kernels(), lanes, next, done, control); };
-    if (poll == nullptr && workers == 1) {
-        work();
-    } else {
-        run_workers(
-            workers, control, work, poll ? *poll : [] {});
-    }
-}
 
 Scenario without_record(Scenario scenario) {
     scenario.record = {};
@@ -87,7 +61,8 @@ void write_states(Lane& lane, const ControlRows& rows, const StateOutput& output
         std::any_of(output.columns.begin(), output.columns.end(), is_current);
     const std::size_t begin = lane.index * rows.steps * output.columns.size();
     lane.loop.play_steps([&output, &lane, with_currents, to = output.values + begin]() mutable {
-        const StateRow state = row_of(with_currents ? lane.loop.state() : lane.loop.motion());
+        const StateRow state =
+            row_of(with_currents ? lane.loop.player().world() : lane.loop.player().motion());
         for (const std::size_t column : output.columns) *to++ = state[column];
     });
 }
@@ -99,9 +74,7 @@ std::vector<Status> rollout(std::size_t count,
                             const ControlRows& rows, const StateOutput& output, int threads,
                             RunControl& control, const std::function<void()>& poll) {
     std::vector<Status> result(count, Status::interrupted);
-    if (count == 0) return result;
-    std::mutex mutex;
-    std::map<const Lane*, std::unique_ptr<Lane>> lanes;
+    LaneStore lanes;
     std::vector<std::size_t> finite(count);
     const auto begin = [&](std::size_t index) -> Lane* {
         const std::optional<Scenario> given = scenario(index);
@@ -114,21 +87,17 @@ std::vector<Status> rollout(std::size_t count,
         finite[index] = finite_steps(rows, index);
         own.whole_plane = own.whole_plane || any_turns(own, rows, index, finite[index]);
         check(own);
-        auto lane = std::make_unique<Lane>(index, own, control);
+        Lane* const lane = lanes.make(index, own, control);
         write_states(*lane, rows, output);
         lane->loop.steps().give(rows.voltages + index * rows.run_stride, finite[index],
                                 rows.duration, rows.linear);
-        Lane* const key = lane.get();
-        const std::lock_guard lock(mutex);
-        lanes.emplace(key, std::move(lane));
-        return key;
+        return lane;
     };
     const auto done = [&](Lane& lane) {
         Status& status = result[lane.index];
         status = lane.loop.status();
         if (status == Status::ok && finite[lane.index] < rows.steps) status = Status::not_finite;
-        const std::lock_guard lock(mutex);
-        lanes.erase(&lane);
+        lanes.erase(lane);
     };
     play_all(count, threads, control, begin, done, &poll);
     return result;
@@ -177,7 +146,8 @@ void SimulatorBatch::check_planar_steps(const double* voltages) const {
     for (std::size_t run = 0; run < lanes_.size(); ++run) {
         const Lane::Loop& loop = lanes_[run]->loop;
         const double* row = voltages + run * kCoilCount;
-        if (loop.in_whole_plane() || loop.status() != Status::ok || !is_finite(row)) continue;
+        if (loop.player().in_whole_plane() || loop.status() != Status::ok || !is_finite(row))
+            continue;
         try {
             check_planar_step(scenarios_[run], per_coil(row));
         } catch (const std::invalid_argument& refusal) {

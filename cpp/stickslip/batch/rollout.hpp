@@ -65,7 +65,7 @@ public:
     RunSnapshot snapshot(std::size_t run) const;
     void restore(std::size_t run, const RunSnapshot& snapshot);
 
-    StateRow state(std::size_t run) const { return row_of(lanes_[run]->loop.state()); }
+    StateRow state(std::size_t run) const { return row_of(lanes_[run]->loop.player().world()); }
     Status status(std::size_t run) const { return lanes_[run]->loop.status(); }
 
 private:

@@ -6,10 +6,6 @@
 #include "stickslip/numbers/hash.hpp"
 #include "stickslip/run/assembly.hpp"
 #include "stickslip/scenario/parameters.hpp"
-#include "stickslip/solver/tsit5.hpp"
-#ifdef STICKSLIP_WITH_ARKODE
-#include "stickslip/solver/arkode.hpp"
-#endif
 
 namespace stickslip {
 std::uint64_t fingerprint(const Scenario& scenario) {
@@ -46,98 +42,42 @@ std::uint64_t fingerprint(const Scenario& scenario) {
     return hash.value();
 }
 
-/// Either integrator's loop.
-struct Simulator::Runner {
-    virtual ~Runner() = default;
-    virtual void step(const PerCoil& voltages, double duration, bool linear,
-                      const PerCoil* start) = 0;
-    virtual double time() = 0;
-    virtual SimulationState state() const = 0;
-    virtual Status status() const = 0;
-    virtual PerCoil voltages() const = 0;
-    virtual RunSnapshot snapshot() const = 0;
-    virtual void restore(const RunSnapshot& snapshot) = 0;
-
-    std::string failure;  // what to do about the last step, if it failed
-};
-
-template <class Integrator>
-struct Simulator::RunnerOf : Simulator::Runner {
-    explicit RunnerOf(const Scenario& given) : scenario(given), loop(given, nullptr) {
-        loop.play_steps([] {});
-    }
-    void step(const PerCoil& voltages, double duration, bool linear,
-              const PerCoil* start) override {
-        if (!loop.in_whole_plane()) {
-            check_planar_step(scenario, voltages);
-            if (start) check_planar_step(scenario, *start);
-        }
-        const RunSnapshot before = loop.snapshot();
-        loop.reset_counts();
-        if (start) loop.steps().jump(*start);
-        loop.steps().give(voltages.data(), 1, duration, linear);
-        try {
-            loop.go();
-        } catch (...) {  // of an effect of the user
-            loop.restore(before);
-            throw;
-        }
-        if (loop.status() != Status::ok) failure = stickslip::message(loop.take_result());
-    }
-    double time() override { return status() == Status::ok ? loop.steps().time() : loop.time(); }
-    SimulationState state() const override { return loop.state(); }
-    Status status() const override { return loop.status(); }
-    PerCoil voltages() const override { return loop.steps().world_memory().last; }
-    RunSnapshot snapshot() const override { return loop.snapshot(); }
-    void restore(const RunSnapshot& snapshot) override { loop.restore(snapshot); }
-
-    Scenario scenario;
-    HybridLoop<Integrator> loop;
-};
-
-Simulator::~Simulator() = default;
-
-Simulator::Simulator(const Scenario& scenario) : fingerprint_(fingerprint(scenario)) {
-    check(scenario);
-    Scenario bare = scenario;
-    bare.record = {};
-    if (scenario.solver.method == Method::tsit5) {
-        runner_ = std::make_unique<RunnerOf<Tsit5>>(bare);
-        return;
-    }
-#ifdef STICKSLIP_WITH_ARKODE
-    runner_ = std::make_unique<RunnerOf<Arkode>>(bare);
-#else
-    RunResult none;
-    none.status = Status::no_arkode;
-    throw std::invalid_argument(stickslip::message(none));
-#endif
+Simulator::Simulator(const Scenario& scenario)
+    : scenario_(scenario), fingerprint_(fingerprint(scenario)), run_([&]() -> const Scenario& {
+          check(scenario);
+          scenario_.record = {};
+          return scenario_;
+      }()) {
+    run_.play_steps([] {});
 }
 
 void Simulator::step(const PerCoil& voltages, double duration, bool linear, const PerCoil* start) {
-    if (status() != Status::ok) throw std::logic_error(message());
-    runner_->step(voltages, duration, linear, start);
+    if (status() != Status::ok) throw std::logic_error(failure_);
+    if (!run_.player().in_whole_plane()) {
+        check_planar_step(scenario_, voltages);
+        if (start) check_planar_step(scenario_, *start);
+    }
+    const RunSnapshot before = run_.snapshot();
+    run_.reset_counts();
+    if (start) run_.steps().jump(*start);
+    run_.steps().give(voltages.data(), 1, duration, linear);
+    try {
+        run_.go();
+    } catch (...) {  // of an effect of the user
+        run_.restore(before);
+        throw;
+    }
+    if (status() != Status::ok) failure_ = stickslip::message(run_.take_result());
 }
 
 double Simulator::time() const {
-    return runner_->time();
+    return status() == Status::ok ? run_.steps().time() : run_.time();
 }
-SimulationState Simulator::state() const {
-    return runner_->state();
-}
-Status Simulator::status() const {
-    return runner_->status();
-}
-const std::string& Simulator::message() const {
-    return runner_->failure;
-}
-PerCoil Simulator::voltages() const {
-    return runner_->voltages();
-}
+
 RunSnapshot Simulator::snapshot() const {
-    RunSnapshot result = runner_->snapshot();
+    RunSnapshot result = run_.snapshot();
     result.scenario = fingerprint_;
-    result.message = message();
+    result.message = failure_;
     return result;
 }
 
@@ -145,8 +85,8 @@ void Simulator::restore(const RunSnapshot& snapshot) {
     if (snapshot.scenario != fingerprint_) {
         throw std::invalid_argument("the snapshot is of another scenario");
     }
-    runner_->restore(snapshot);
-    runner_->failure = snapshot.message;
+    run_.restore(snapshot);
+    failure_ = snapshot.message;
 }
 
 }  // namespace stickslip

@@ -1,11 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "stickslip/run/hybrid_loop.hpp"
+#include "stickslip/run/run.hpp"
 
 namespace stickslip {
 
@@ -19,23 +18,22 @@ class Simulator {
 public:
     /// Begins at `scenario.initial`. Throws std::invalid_argument as `simulate` does.
     explicit Simulator(const Scenario& scenario);
-    ~Simulator();
 
     /// Plays `duration` s (above zero) with these voltages (V, world's frame), held, or linear from
     /// `start`, to which they jump, or without it from those of the step before. Throws
-    /// std::invalid_argument, and moves nothing, for voltages that turn a robot whose scenario keeps
-    /// it in one plane.
+    /// std::invalid_argument, and moves nothing, for voltages that turn a robot whose scenario
+    /// keeps it in one plane.
     void step(const PerCoil& voltages, double duration, bool linear,
               const PerCoil* start = nullptr);
 
     double time() const;  ///< s; after a step that failed, the instant at which it did
-    SimulationState state() const;
+    SimulationState state() const { return run_.player().world(); }
     /// How the last step ended; one that did not end well is the last.
-    Status status() const;
-    const std::string& message() const;
+    Status status() const { return run_.status(); }
+    const std::string& message() const { return failure_; }
 
     /// At the end of the last step, in the world's frame, V.
-    PerCoil voltages() const;
+    PerCoil voltages() const { return run_.steps().world_memory().last; }
 
     RunSnapshot snapshot() const;
     /// Throws std::invalid_argument for a snapshot of another scenario, or of a run in the whole
@@ -43,12 +41,10 @@ public:
     void restore(const RunSnapshot& snapshot);
 
 private:
-    struct Runner;
-    template <class Integrator>
-    struct RunnerOf;
-
+    Scenario scenario_;
     std::uint64_t fingerprint_;
-    std::unique_ptr<Runner> runner_;
+    Run run_;
+    std::string failure_;  // what to do about the last step, if it failed
 };
 
 }  // namespace stickslip

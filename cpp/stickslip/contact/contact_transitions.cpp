@@ -80,6 +80,7 @@ void ContactTransitions::react(Event event, double tau) {
     switch (event) {
         case Event::none:
         case Event::slip_quickens:
+        case Event::heading:  // the contact does not know of it
             break;
         case Event::slip_slows:
             settle(state_.mode.touch, slip(), 0, tau);

@@ -24,11 +24,13 @@ struct HybridState {
     bool rests() const { return mode.touch == Touch::face && mode.slip == 0; }
 };
 
-/// Calls `use` with the phase of a state that does not rest.
+/// Calls `use` with the phase of a state.
 void with_phase(Dynamics& dynamics, const HybridState& state, auto&& use) {
     const int slip = state.mode.slip;
     if (state.mode.touch == Touch::none) {
         use(FlightPhase(dynamics));
+    } else if (state.rests()) {
+        use(FaceRestPhase(dynamics));
     } else if (state.mode.touch == Touch::face) {
         use(FaceSlidePhase(dynamics, slip));
     } else if (slip == 0) {
@@ -42,7 +44,9 @@ void with_phase(Dynamics& dynamics, const HybridState& state, auto&& use) {
 void with_plane_phase(PlaneDynamics& plane, const HybridState& state, auto&& use) {
     if (state.mode.touch == Touch::none) {
         use(PlaneFlight(plane));
-    } else if (state.mode.touch == Touch::corner && state.mode.slip == 0) {
+    } else if (state.rests()) {
+        use(PlaneFaceRest(plane));
+    } else if (state.mode.slip == 0) {
         use(PlaneCornerStick(plane, state.contact_x, state.contact_y));
     } else {
         const Slip slip = {state.slip_velocity, state.slip_y};
@@ -62,7 +66,6 @@ void with_plane_phase(PlaneDynamics& plane, const HybridState& state, auto&& use
 /// field's expansion of the steps to come.
 inline Snapshot snapshot(Dynamics dynamics, const HybridState& state, double tau) {
     dynamics.set_quadrant(state.body.quadrant);
-    if (state.rests()) return FaceRest(dynamics, state.body).snapshot(tau);
     Snapshot result;
     with_phase(dynamics, state, [&](auto phase) {
         const auto y = phase.begin(state.body);
@@ -75,7 +78,6 @@ inline Snapshot snapshot(const PlaneDynamics& now, const HybridState& state, dou
     Dynamics upright = now.upright();
     PlaneDynamics plane(now, upright);
     upright.set_quadrant(state.body.quadrant);
-    if (state.rests()) return PlaneFaceRest(plane, state.body).snapshot(tau);
     Snapshot result;
     with_plane_phase(plane, state, [&](auto phase) {
         const auto y = phase.begin(state.body);

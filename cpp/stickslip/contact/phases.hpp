@@ -8,8 +8,8 @@
 #include "stickslip/contact/contact.hpp"
 #include "stickslip/solver/stepping.hpp"
 
-/// Between two events the robot moves smoothly in one of four phases (a face that slides:
-/// face_slide.hpp; one that sticks does not move at all: rest.hpp). Each phase has the fewest
+/// Between two events the robot moves smoothly in one of five phases (a face that slides:
+/// face_slide.hpp; one that lies still: rest.hpp). Each phase has the fewest
 /// coordinates that its contact leaves free, so a sticking corner cannot creep and a touching one
 /// cannot penetrate. A phase offers
 ///   kDim, kEvents      number of coordinates and of event functions
@@ -20,6 +20,7 @@
 ///   rates(field, y, dydt, g)   rates and event functions
 ///   event(i, tau, y)   one event function; y is a State, or has its coordinates one by one
 ///   speed(y)           bound on the speed of the centre of mass
+///   kRests             of a body that lies still: no error tells how long its steps may be
 ///   longest_step(y, rates)     of a slip in the whole plane, s
 ///   rebase(y)          centres the field's expansion for the next step
 ///   centre(y, pose)    the centre of mass

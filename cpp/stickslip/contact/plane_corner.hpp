@@ -12,13 +12,14 @@ namespace stickslip {
 class PlaneCornerStick : public PlanePhase {
 public:
     static constexpr int kDim = 2;
-    static constexpr int kEvents = 4;
+    static constexpr int kEvents = 5;
     static constexpr bool kSlips = false;
     static constexpr bool kFlies = false;
     using State = std::array<double, kDim>;
     using Values = std::array<double, kEvents>;
     static constexpr std::array<Event, kEvents> kEvent = {Event::lift_off, Event::breaks_loose,
-                                                          Event::behind_lands, Event::ahead_lands};
+                                                          Event::behind_lands, Event::ahead_lands,
+                                                          Event::heading};
 
     PlaneCornerStick(PlaneDynamics& plane, double contact_x, double contact_y)
         : PlanePhase(plane), contact_x_(contact_x), contact_y_(contact_y) {}
@@ -27,7 +28,7 @@ public:
         const Motion motion = solve(field, y);
         dydt = {y[1], motion.alpha};
         g = {motion.normal, motion.limit * motion.normal - motion.friction.size(), y[0],
-             kQuarterTurn - y[0]};
+             kQuarterTurn - y[0], plane_->watch().left(motion.horizontal)};
     }
     double event(std::size_t i, double tau, const auto& y) const {
         if (i == 2) return y[0];
@@ -62,6 +63,7 @@ public:
 private:
     struct Motion {
         Heading heading;
+        double horizontal;  // T
         double alpha, normal;
         Slip friction;  // N
         double limit;   // coefficient
@@ -76,7 +78,11 @@ private:
         const double size = friction.size();
         // The contact would slip against its friction.
         const double way = size > 0.0 ? -friction.along / size : 1.0;
-        return {headed.heading, stick.angular_acceleration, stick.reaction.normal, friction,
+        return {headed.heading,
+                headed.horizontal,
+                stick.angular_acceleration,
+                stick.reaction.normal,
+                friction,
                 upright().static_limit(way, contact_x_ + pose.roll * headed.heading.cosine, pose,
                                        stick.reaction.normal, field.tau)};
     }
@@ -90,16 +96,16 @@ template <bool kSlow>
 class PlaneCornerSlip : public PlanePhase {
 public:
     static constexpr int kDim = 6;
-    static constexpr int kEvents = kSlow ? 6 : 5;
+    static constexpr int kEvents = kSlow ? 7 : 6;
     static constexpr bool kSlips = true;
     static constexpr bool kFlies = false;
     using State = std::array<double, kDim>;
     using Values = std::array<double, kEvents>;
     static constexpr std::array<Event, kEvents> kEvent = [] {
-        std::array<Event, kEvents> result = {Event::lift_off, VectorSlip<kSlow>::kEnds,
+        std::array<Event, kEvents> result = {Event::lift_off,     VectorSlip<kSlow>::kEnds,
                                              Event::behind_lands, Event::ahead_lands,
-                                             Event::sliding_jams};
-        if constexpr (kSlow) result[5] = Event::slip_quickens;
+                                             Event::sliding_jams, Event::heading};
+        if constexpr (kSlow) result[6] = Event::slip_quickens;
         return result;
     }();
 
@@ -121,13 +127,14 @@ public:
         g[2] = y[2];
         g[3] = kQuarterTurn - y[2];
         g[4] = motion.upright.effective_inertia - kJammed * robot().inertia;
-        if constexpr (kSlow) g[5] = slip_.lacking(slip_of(y));
+        g[5] = plane_->watch().left(motion.horizontal);
+        if constexpr (kSlow) g[6] = slip_.lacking(slip_of(y));
     }
     double event(std::size_t i, double tau, const auto& y) const {
         if (i == 1) return slip_.left(slip_of(y));
         if (i == 2) return y[2];
         if (i == 3) return kQuarterTurn - y[2];
-        if (i == 5) return slip_.lacking(slip_of(y));
+        if (i == 6) return slip_.lacking(slip_of(y));
         return event_by_rates(*this, i, tau, y);
     }
     void rebase(const State& y) { rebase_to_corner(y[2], y[0], y[1]); }
@@ -179,6 +186,7 @@ private:
     // Along the heading and across.
     struct Motion {
         Heading heading;
+        double horizontal;  // T
         Slip slip;          // m/s
         Slip friction;      // N
         Slip acceleration;  // m/s^2, of the contact
@@ -191,6 +199,7 @@ private:
         const Slip way = headed.heading.seen(front.cosine, front.sine);
         Motion motion;
         motion.heading = headed.heading;
+        motion.horizontal = headed.horizontal;
         motion.slip = headed.heading.seen(y[3], y[4]);
         const PlaneLoad load = plane_->load(
             headed, field.tau, pose, {motion.slip.along + y[5] * pose.height, motion.slip.across},

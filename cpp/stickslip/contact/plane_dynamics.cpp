@@ -15,24 +15,6 @@ PlaneDynamics::PlaneDynamics(Dynamics& upright, SpatialField field,
     if (!upright.model().field_shape.absent()) field_.set_shape(upright.model().field_shape);
 }
 
-void PlaneDynamics::begin_stretch(const CurrentSegment& segment, const Place& place) {
-    segment_ = &segment;
-    field_.begin_stretch(segment, place);
-    watched_ = field_.centre();
-    watch_.watch(horizontal(place));
-}
-
-void PlaneDynamics::watch_at(double tau, const Place& place) {
-    watched_ = field_.centre();
-    watch_.move(tau, horizontal(place));
-}
-
-HorizontalField PlaneDynamics::horizontal(const Place& place) const {
-    HorizontalField result = field_.horizontal(place);
-    result.segment = segment_;
-    return result;
-}
-
 double PlaneDynamics::correct_drag(const Pose& pose, const Slip& velocity, double vz, double omega,
                                    Load& load) const {
     const double upright_speed = std::hypot(velocity.along, vz);

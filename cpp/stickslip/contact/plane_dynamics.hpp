@@ -17,6 +17,7 @@ namespace stickslip {
 /// What a robot at a place in the field feels, along its heading and across.
 struct HeadedField {
     Heading heading;
+    double horizontal = 0.0;  ///< T
     PlanarField along;
     double across_s = 0.0, across_z = 0.0;  ///< T/m, dB_s/dn and dB_z/dn
 };
@@ -44,14 +45,12 @@ public:
     const SpatialField& field() const { return field_; }
 
     /// The field as a robot at a place feels it, which faces the way of the horizontal field, or
-    /// as it did when that became too weak to turn it.
+    /// while that is too weak to turn it as it did before.
     HeadedField headed(const SpatialExpansion& field, double x, double y, double z) const {
         const SpatialFieldValue b = field(x, y, z);
-        const double horizontal = std::sqrt(b.bx * b.bx + b.by * b.by);
         HeadedField result;
-        result.heading = horizontal > watch_.weak_field()
-                             ? Heading{b.bx / horizontal, b.by / horizontal}
-                             : watch_.held(field.tau);
+        result.horizontal = std::sqrt(b.bx * b.bx + b.by * b.by);
+        result.heading = heading_in(b, result.horizontal);
         const Heading h = result.heading;
         const double cc = h.cosine * h.cosine, ss = h.sine * h.sine, cs = h.cosine * h.sine;
         result.along = {h.cosine * b.bx + h.sine * b.by, b.bz,
@@ -66,8 +65,9 @@ public:
     /// milliradian or two of it, so that one step from there leaves a part in a million.
     HeadedField headed_at_corner(const SpatialExpansion& field, double x, double y,
                                  const Pose& pose) const {
-        const Heading near = field.horizontal > watch_.weak_field() ? near_heading(field, x, y)
-                                                                    : watch_.held(field.tau);
+        // Also of a trial state beyond the event at which the field becomes weak.
+        const bool is_held = watch_.state().is_weak || !(field.horizontal > watch_.weak_field());
+        const Heading near = is_held ? watch_.state().heading : near_heading(field, x, y);
         const double behind = pose.lever - pose.roll;
         return headed(field, x - behind * near.cosine, y - behind * near.sine, pose.height);
     }
@@ -88,16 +88,13 @@ public:
         return complete(along, field, pose, velocity, 0.0, 0.0);
     }
 
-    /// Begins a stretch with the robot at a place, and looks over it; the segment has to live as
-    /// long.
-    void begin_stretch(const CurrentSegment& segment, const Place& place);
-    /// Whether the robot has left the place with whose field the heading is watched.
-    bool has_moved() const {
-        const Place& now = field_.centre();
-        return now.x != watched_.x || now.y != watched_.y || now.z != watched_.z;
+    /// The way of the field at a place.
+    Facing facing(const SpatialExpansion& field, const Place& at) const {
+        const SpatialFieldValue b = field(at.x, at.y, at.z);
+        const double horizontal = std::sqrt(b.bx * b.bx + b.by * b.by);
+        if (!(horizontal > 0.0)) return {watch_.state().heading, 0.0};
+        return {{b.bx / horizontal, b.by / horizontal}, horizontal};
     }
-    /// Watches the rest of the stretch at another place.
-    void watch_at(double tau, const Place& place);
     HeadingWatch& watch() { return watch_; }
     const HeadingWatch& watch() const { return watch_; }
 
@@ -112,7 +109,10 @@ private:
         const double scale = per * (1.5 - 0.5 * (bx * bx + by * by) * (per * per));
         return {bx * scale, by * scale};
     }
-    HorizontalField horizontal(const Place& place) const;
+    Heading heading_in(const SpatialFieldValue& b, double horizontal) const {
+        if (watch_.state().is_weak || !(horizontal > 0.0)) return watch_.state().heading;
+        return {b.bx / horizontal, b.by / horizontal};
+    }
     /// What a load in the upright plane lacks.
     PlaneLoad complete(const Load& along, const HeadedField& field, const Pose& pose,
                        const Slip& velocity, double vz, double omega) const {
@@ -137,8 +137,6 @@ private:
     double gradient_scale_;
     bool extended_;
     HeadingWatch watch_;
-    const CurrentSegment* segment_ = nullptr;
-    Place watched_;  // centre of the field's expansion at the last look
 };
 
 }  // namespace stickslip

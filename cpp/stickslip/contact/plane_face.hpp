@@ -14,15 +14,15 @@ template <bool kSlow>
 class PlaneFaceSlide : public PlanePhase {
 public:
     static constexpr int kDim = 4;
-    static constexpr int kEvents = kSlow ? 4 : 3;
+    static constexpr int kEvents = kSlow ? 5 : 4;
     static constexpr bool kSlips = true;
     static constexpr bool kFlies = false;
     using State = std::array<double, kDim>;
     using Values = std::array<double, kEvents>;
     static constexpr std::array<Event, kEvents> kEvent = [] {
         std::array<Event, kEvents> result = {Event::ahead_lifts, Event::behind_lifts,
-                                             VectorSlip<kSlow>::kEnds};
-        if constexpr (kSlow) result[3] = Event::slip_quickens;
+                                             VectorSlip<kSlow>::kEnds, Event::heading};
+        if constexpr (kSlow) result[4] = Event::slip_quickens;
         return result;
     }();
 
@@ -36,11 +36,12 @@ public:
         g[0] = motion.reaction.ahead;
         g[1] = motion.reaction.behind;
         g[2] = slip_.left(slip_of(y));
-        if constexpr (kSlow) g[3] = slip_.lacking(slip_of(y));
+        g[3] = plane_->watch().left(motion.horizontal);
+        if constexpr (kSlow) g[4] = slip_.lacking(slip_of(y));
     }
     double event(std::size_t i, double tau, const auto& y) const {
         if (i == 2) return slip_.left(slip_of(y));
-        if (i == 3) return slip_.lacking(slip_of(y));
+        if (i == 4) return slip_.lacking(slip_of(y));
         return event_by_rates(*this, i, tau, y);
     }
     void rebase(const State& y) { rebase_to_face(y[0], y[1]); }
@@ -82,6 +83,7 @@ private:
     // Along the heading and across.
     struct Motion {
         Heading heading;
+        double horizontal;  // T
         Slip slip;          // m/s
         Slip friction;      // N
         Slip acceleration;  // m/s^2
@@ -95,6 +97,7 @@ private:
         const Slip way = headed.heading.seen(front.cosine, front.sine);
         Motion motion;
         motion.heading = headed.heading;
+        motion.horizontal = headed.horizontal;
         motion.slip = headed.heading.seen(y[2], y[3]);
         const PlaneLoad load = plane_->load_of_face(headed, field.tau, pose, motion.slip);
         const double normal = load.along.contact_adhesion - load.along.fz;
@@ -112,58 +115,73 @@ private:
     VectorSlip<kSlow> slip_;
 };
 
-/// A face that lies still: its middle stays where it is, also when the heading turns.
+/// A face that lies still: y = (x and y of the centre of mass), which stay where they are, also
+/// when the heading turns.
 class PlaneFaceRest : public PlanePhase {
 public:
-    static constexpr int kEvents = 3;
-    static constexpr std::array<Event, kEvents> kEvent = {Event::ahead_lifts, Event::behind_lifts,
-                                                          Event::breaks_loose};
+    static constexpr int kDim = 2;
+    static constexpr int kEvents = 4;
+    static constexpr bool kSlips = false;
+    static constexpr bool kFlies = false;
+    static constexpr bool kRests = true;
+    using State = std::array<double, kDim>;
     using Values = std::array<double, kEvents>;
+    static constexpr std::array<Event, kEvents> kEvent = {Event::ahead_lifts, Event::behind_lifts,
+                                                          Event::breaks_loose, Event::heading};
 
-    PlaneFaceRest(PlaneDynamics& plane, const BodyState& body) : PlanePhase(plane), body_(body) {
-        rebase_to_face(body.x, body.y);
-    }
+    using PlanePhase::PlanePhase;
 
-    Values values(double tau) const {
-        const Motion motion = solve(tau);
+    void rates(const SpatialExpansion& field, const State& y, State& dydt, Values& g) const {
+        const Motion motion = solve(field, y);
         const double normal = motion.reaction.normal(), size = motion.friction.size();
         const double way = size > 0.0 ? -motion.friction.along / size : 1.0;
         const double limit =
-            upright().static_limit(way, body_.x, upright().pose(0.0), normal, tau) * normal;
-        return {motion.reaction.ahead, motion.reaction.behind, limit - size};
+            upright().static_limit(way, y[0], upright().pose(0.0), normal, field.tau) * normal;
+        dydt = {0.0, 0.0};
+        g = {motion.reaction.ahead, motion.reaction.behind, limit - size,
+             plane_->watch().left(motion.horizontal)};
     }
-    BodyState body(double tau) const {
-        BodyState result = body_;
-        result.heading = solve(tau).heading.angle();
-        return result;
+    double event(std::size_t i, double tau, const auto& y) const {
+        return event_by_rates(*this, i, tau, y);
     }
-    Snapshot snapshot(double tau) const {
-        const Motion motion = solve(tau);
-        const Face face = model().face(body_.quadrant);
+    void rebase(const State& y) { rebase_to_face(y[0], y[1]); }
+    State begin(const BodyState& body) const { return {body.x, body.y}; }
+    BodyState body(double tau, const State& y) const {
+        const Heading h = plane_->headed(field_at(tau), y[0], y[1], height()).heading;
+        return {y[0], height(), 0.0, 0.0, 0.0, 0.0, quadrant(), y[1], 0.0, h.angle()};
+    }
+    Snapshot snapshot(double tau, const State& y) const {
+        const Motion motion = solve(field_at(tau), y);
+        const Face face = model().face(quadrant());
         const double base = face.half_base + face.shift;
-        return {body(tau),
+        return {body(tau, y),
                 {motion.reaction.normal(), motion.friction.along},
-                body_.x + base * motion.heading.cosine,
+                y[0] + base * motion.heading.cosine,
                 0.0,
-                body_.y + base * motion.heading.sine,
+                y[1] + base * motion.heading.sine,
                 motion.friction.across,
                 0.0};
     }
+    State scale(const Scales& s) const { return {s.length, s.length}; }
+    double speed(const State&) const { return 0.0; }
+    double angle(const State&) const { return 0.0; }
+    double omega(const State&) const { return 0.0; }
+    double place_along(const State& y) const { return along_front(y[0], y[1]); }
 
 private:
     struct Motion {
         Heading heading;
-        Slip friction;  // N
+        double horizontal;  // T
+        Slip friction;      // N
         FaceReaction reaction;
     };
-    Motion solve(double tau) const {
-        const HeadedField headed = plane_->headed(field_at(tau), body_.x, body_.y, body_.z);
-        const PlaneLoad load = plane_->load_of_face(headed, tau, upright().pose(0.0), {});
-        const FaceReaction reaction = face_reaction(model(), body_.quadrant, load.along, true, 0.0);
-        return {headed.heading, {reaction.friction, -load.across}, reaction};
+    double height() const { return model().face(quadrant()).height; }
+    Motion solve(const SpatialExpansion& field, const State& y) const {
+        const HeadedField headed = plane_->headed(field, y[0], y[1], height());
+        const PlaneLoad load = plane_->load_of_face(headed, field.tau, upright().pose(0.0), {});
+        const FaceReaction reaction = face_reaction(model(), quadrant(), load.along, true, 0.0);
+        return {headed.heading, headed.horizontal, {reaction.friction, -load.across}, reaction};
     }
-
-    BodyState body_;
 };
 
 }  // namespace stickslip

@@ -13,13 +13,14 @@ namespace stickslip {
 class PlaneFlight : public PlanePhase {
 public:
     static constexpr int kDim = 8;
-    static constexpr int kEvents = 4;
+    static constexpr int kEvents = 5;
     static constexpr bool kSlips = false;
     static constexpr bool kFlies = true;
     using State = std::array<double, kDim>;
     using Values = std::array<double, kEvents>;
-    static constexpr std::array<Event, kEvents> kEvent = {
-        Event::pivot_touches, Event::behind_lands, Event::ahead_lands, Event::opposite_touches};
+    static constexpr std::array<Event, kEvents> kEvent = {Event::pivot_touches, Event::behind_lands,
+                                                          Event::ahead_lands,
+                                                          Event::opposite_touches, Event::heading};
 
     using PlanePhase::PlanePhase;
 
@@ -39,11 +40,13 @@ public:
                 h.y(acceleration),
                 load.along.fz * robot().per_mass,
                 load.along.torque * robot().per_inertia};
-        g = gaps(y[2] - pose.height, pose);
+        const auto gaps = corner_gaps(robot(), y[2] - pose.height, pose);
+        g = {gaps[0], gaps[1], gaps[2], gaps[3], plane_->watch().left(headed.horizontal)};
     }
-    double event(std::size_t i, double, const auto& y) const {
+    double event(std::size_t i, double tau, const auto& y) const {
+        if (i == 4) return event_by_rates(*this, i, tau, y);
         const Pose pose = upright().pose(y[3]);
-        return gaps(y[2] - pose.height, pose)[i];
+        return corner_gaps(robot(), y[2] - pose.height, pose)[i];
     }
     void rebase(const State& y) { plane_->field().rebase({y[0], y[1], y[2]}); }
     State begin(const BodyState& body) const {
@@ -66,9 +69,6 @@ public:
     double omega(const State& y) const { return y[7]; }
     double place_along(const State& y) const { return along_front(y[0], y[1]); }
     double event_rounding() const { return 2.0 * kFlightRounding * robot().radius; }
-
-private:
-    Values gaps(double gap, const Pose& pose) const { return corner_gaps(robot(), gap, pose); }
 };
 
 }  // namespace stickslip

@@ -98,7 +98,7 @@ protected:
     /// (x, y): of the pivot corner.
     void rebase_to_corner(double angle, double x, double y) {
         const Pose pose = upright().pose(angle);
-        const Heading& h = plane_->watch().first();
+        const Heading& h = plane_->watch().state().heading;
         plane_->field().rebase({x - (pose.lever - pose.roll) * h.cosine,
                                 y - (pose.lever - pose.roll) * h.sine, pose.height});
     }

@@ -310,6 +310,12 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
     result.most_steps = scenario.solver.max_steps;
     const double swing = std::sqrt(torque / model.corner_inertia());
     result.swing_rate = swing > 0.0 ? swing : 1.0;
+    // A free shape changes with time over the distance of its knots. A user's force may too, and
+    // nothing is known of how fast: it is looked at as often as a phase's first step would.
+    result.longest_rest = 0.125 * model.least_time();
+    if (!model.user_effects.empty()) {
+        result.longest_rest = std::min(result.longest_rest, 0.25 / result.swing_rate);
+    }
     result.scales = {radius, radius * result.swing_rate, result.swing_rate};
     // A motion forgets its errors as fast as it is damped; what is hardly damped adds them up. In
     // proportion to the damping, the error of a run goes with rtol whatever the drag.

@@ -44,9 +44,8 @@ void for_each_number(Snapshot& s, auto&& visit) {
     visit_all(s.steps.held_voltage);
     visit(s.heading.heading.cosine);
     visit(s.heading.heading.sine);
-    visit(s.heading.was_weak);
+    visit(s.heading.is_weak);
     visit(s.heading.was_settled);
-    visit(s.heading.lost);
     visit(s.heading.turned);
     visit_all(s.gain);
     visit(s.begun);

@@ -19,9 +19,9 @@ struct RunSnapshot {
     Circuit::Memory circuit;
     ControlSteps::Memory steps;
     HeadingWatch::State heading;
-    PerCoil gain = {};            ///< of the coils that had current
-    bool begun = false;           ///< whether the first stretch was
-    bool touches_down = false;    ///< whether it begins with an impact
+    PerCoil gain = {};          ///< of the coils that had current
+    bool begun = false;         ///< whether the first stretch was
+    bool touches_down = false;  ///< whether it begins with an impact
     bool in_whole_plane = false;
     Status status = Status::ok;
     double end = 0.0;     ///< s, of a run that failed

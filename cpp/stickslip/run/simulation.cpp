@@ -5,11 +5,7 @@
 #include <sstream>
 
 #include "stickslip/run/assembly.hpp"
-#include "stickslip/run/hybrid_loop.hpp"
-#include "stickslip/solver/tsit5.hpp"
-#ifdef STICKSLIP_WITH_ARKODE
-#include "stickslip/solver/arkode.hpp"
-#endif
+#include "stickslip/run/run.hpp"
 
 namespace stickslip {
 
@@ -131,22 +127,31 @@ std::string message(const RunResult& result) {
     return text.str();
 }
 
+bool has_method(Method method) {
+#ifdef STICKSLIP_WITH_ARKODE
+    constexpr bool kHasArkode = true;
+#else
+    constexpr bool kHasArkode = false;
+#endif
+    return method == Method::tsit5 || kHasArkode;
+}
+
 RunResult simulate(const Scenario& scenario, RunControl* control,
                    std::optional<StopCondition> stop) {
     check(scenario);
-    switch (scenario.solver.method) {
-        case Method::tsit5:
-            return HybridLoop<Tsit5>(scenario, control, stop).run();
-        case Method::arkode:
-#ifdef STICKSLIP_WITH_ARKODE
-            return HybridLoop<Arkode>(scenario, control, stop).run();
-#else
-            break;
-#endif
+    if (!has_method(scenario.solver.method)) {
+        RunResult result;
+        result.status = Status::no_arkode;
+        return result;
     }
-    RunResult result;
-    result.status = Status::no_arkode;
-    return result;
+    Run run(scenario, control, stop);
+    try {
+        run.go();
+    } catch (...) {  // of an effect of the user
+        run.hand_over_record();
+        throw;
+    }
+    return run.take_result();
 }
 
 }  // namespace stickslip

@@ -44,6 +44,9 @@ struct RunControl {
     std::atomic<double> simulated_time = 0.0;  ///< s, done so far by all runs together
 };
 
+/// Whether a method is in this build.
+bool has_method(Method method);
+
 /// Simulates one scenario from its initial state to the end of its drive, or to where `stop` is
 /// met. Throws std::invalid_argument for a scenario that makes no sense (see `check`); everything
 /// that happens later is a status.

@@ -29,6 +29,7 @@ enum class Event {
     breaks_loose,   ///< friction holds no more, whichever way
     slip_slows,     ///< a slip slows down to the capture speed
     slip_quickens,  ///< a slow slip has left the capture speed behind
+    heading,        ///< the horizontal field becomes too weak to turn the robot, or strong again
 };
 
 /// Sizes that make the tolerances relative: a length, and velocities of the free swing.
@@ -55,6 +56,7 @@ enum class Status {
 struct StepperOptions {
     double tolerance = 1e-8;  ///< local error a step, relative to the scales of a phase
     double max_step = 0.0;    ///< s, zero: no limit
+    double longest_rest = std::numeric_limits<double>::infinity();  ///< s, of a step at rest
     std::int64_t most_steps = std::numeric_limits<std::int64_t>::max();
     Scales scales;
     double swing_rate = 1.0;  ///< rad/s, of the fastest free swing: gives the first step of a phase

@@ -298,6 +298,9 @@ public:
         p.control = {width, WidthControl<double>::kLeastLogError, 0.0};
         p.look = kNone;
         p.max_step = options.max_step > 0.0 ? options.max_step : kNone;
+        if constexpr (requires { Phase::kRests; }) {
+            p.max_step = std::min(p.max_step, options.longest_rest);
+        }
         p.min_time_constant = phase.min_time_constant();
         p.half_reach = 0.5 * phase.reach();
     }

@@ -1,0 +1,95 @@
+#include "stickslip/run/measurement.hpp"
+
+#include <cmath>
+
+namespace stickslip {
+namespace {
+
+// Of the velocity scale, at which a robot swings freely by a radian: what it hardly exceeds while
+// the field turns. Twice as much changes no extreme of tests/test_extremes.py by 1e-6.
+constexpr double kUsualSpeed = 0.1;
+
+}  // namespace
+
+void Measurement::watch_window(double time) {
+    const double slack = 1e-9 * player_.duration();
+    if (!has_opened_ && time >= window_.start - slack) {
+        observer_.open(time, window_.end, player_.body());
+        has_opened_ = true;
+        turned_before_ = player_.turned();
+    }
+    if (observer_.is_open()) observer_.pass(time, player_.body());
+    if (observer_.is_open() && time >= window_.end - slack) close_window(time);
+}
+
+void Measurement::close_window(double time) {
+    observer_.close(time, player_.body(), player_.sign(), of_window_);
+    const double span = time - observer_.start();
+    drive_.close(span, of_window_);
+    if (!(span > 0.0)) return;
+    const double radius = player_.model().shape.radius();
+    of_window_.turning_speed = (player_.turned() - turned_before_) * radius / span;
+}
+
+// The field is looked at within the steps, at the robot's place: in the course of a stretch it
+// moves through a gradient.
+void Measurement::plan_looks() {
+    looks_.clear();
+    const bool in_window = observer_.is_open();
+    // The field goes on from the last stretch, but for the first of the run or of the window.
+    if (!drive_.has_seen_field(in_window)) {
+        drive_.see_field(squared_field(0.0, player_.body()), in_window);
+    }
+    if (player_.has_field_shape()) {
+        looks_.push_back({{0.0, player_.segment().duration}, true, in_window});
+    } else {
+        const double speed = kUsualSpeed * player_.options().scales.velocity;
+        for_each_field_turn(
+            player_.field_course(), speed, [&](const FieldTurn& turn, double least, double most) {
+                const bool for_most = turn.curve <= 0.0 && drive_.would_be_most(most * most);
+                const bool for_least =
+                    in_window && turn.curve >= 0.0 && drive_.would_be_least(least * least);
+                if (for_most || for_least) looks_.push_back({turn, for_most, for_least});
+            });
+        std::reverse(looks_.begin(), looks_.end());
+    }
+    next_look_ = looks_.empty() ? kNoLook : looks_.back().turn.from;
+}
+
+void Measurement::end_look() {
+    looks_.pop_back();
+    next_look_ = looks_.empty() ? kNoLook : looks_.back().turn.from;
+}
+
+void Measurement::stretch(double duration) {
+    if (!player_.is_open() || !(duration > 0.0)) return;
+    CurrentSegment played = player_.segment();
+    played.duration = duration;
+    const bool in_window = observer_.is_open();
+    drive_.stretch(player_.voltages(), played, in_window);
+    drive_.see_field(squared_field(duration, player_.body()), in_window);
+    drive_.pull(player_.field_of_coils(), played,
+                [this](double tau) { return player_.dynamics().field().factor(tau); });
+}
+
+void Measurement::write(Summary& summary) const {
+    const double time = summary.simulated_time;
+    summary = of_window_;
+    summary.simulated_time = time;
+    summary.events = player_.counts();
+    drive_.write(summary);
+    if (!player_.has_begun()) return;
+    const Model& model = player_.model();
+    const double held =
+        model.friction.static_coefficient *
+        (player_.dynamics().robot().adhesion + model.mass * std::abs(model.gravity_z));
+    const double moment = std::abs(model.moment * (1.0 + model.gradient_excess));
+    summary.pull_ratio = held > 0.0 ? moment * drive_.slope_max() / held : 0.0;
+    const std::array<double, 3> before = drive_.steady_field(start_fields_),
+                                now = drive_.steady_field(player_.field_of_coils());
+    const double size = std::hypot(before[0], before[1], before[2]);
+    const double change = std::hypot(now[0] - before[0], now[1] - before[1], now[2] - before[2]);
+    summary.field_change = size > 0.0 ? change / size : 0.0;
+}
+
+}  // namespace stickslip

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <vector>
+
+#include "stickslip/numbers/roots.hpp"
+#include "stickslip/run/drive_observer.hpp"
+#include "stickslip/run/player.hpp"
+#include "stickslip/run/summary.hpp"
+
+namespace stickslip {
+
+/// What a run comes to: gathers the summary from the motion of a Player, over the measuring window
+/// and over the whole run.
+class Measurement {
+public:
+    /// The player has to outlive this.
+    Measurement(const Scenario& scenario, const Player& player)
+        : player_(player),
+          window_(measuring_window(scenario)),
+          observer_(pulse_period(scenario)),
+          drive_(player.circuit()) {}
+
+    /// Where a stretch begins or the run ends, `time` s: opens and closes the window. Boundaries of
+    /// stretches carry rounding; the window's ends are some of them.
+    void watch_window(double time);
+    /// Where a run stops before its window ends, or at the end.
+    void close(double time) {
+        if (observer_.is_open()) close_window(time);
+    }
+    /// The run begins.
+    void begin() { start_fields_ = player_.field_of_coils(); }
+    /// Where the field may turn in the stretch that has begun, of which the robot is at its start.
+    void plan_looks();
+    /// From when on the field has to be looked at within steps, s in the stretch.
+    double next_look() const { return next_look_; }
+    /// The field in what has been played from one time of the stretch to another, where it may
+    /// turn. `body_at(tau)` is had at any time of it.
+    void look_at_field(double from, double to, auto&& body_at);
+    /// A phase, or its part within a stretch, that took `duration` s.
+    template <class Phase>
+    void phase(const Phase& phase, const PhaseEnd<Phase>& end, double duration) {
+        observer_.phase(phase, end, duration, player_.body().quadrant);
+    }
+    /// A stretch that has ended, or its first `duration` s.
+    void stretch(double duration);
+    /// What was not written where the window closed.
+    void write(Summary& summary) const;
+
+private:
+    void close_window(double time);
+    void end_look();
+    double squared_field(double tau, const BodyState& body) const {
+        const std::array<double, 3> b = player_.field(tau, body);
+        return b[0] * b[0] + b[1] * b[1] + b[2] * b[2];
+    }
+
+    static constexpr double kNoLook = std::numeric_limits<double>::infinity();
+
+    const Player& player_;
+    const Window window_;
+    SummaryObserver observer_;
+    DriveObserver drive_;
+    bool has_opened_ = false;
+    // Where the field may turn in what is left of the stretch, the next such time last.
+    struct FieldLook {
+        FieldTurn turn;
+        bool for_most, for_least;
+    };
+    std::vector<FieldLook> looks_;
+    double next_look_ = kNoLook;  // s
+    PerCoilOf<CoilField> start_fields_ = {};
+    double turned_before_ = 0.0;  // rad, of the heading before the window
+    Summary of_window_;
+};
+
+void Measurement::look_at_field(double from, double to, auto&& body_at) {
+    const bool in_window = observer_.is_open();
+    const auto square = [&](double tau) {
+        const double value = squared_field(tau, body_at(tau));
+        drive_.see_field(value, in_window);
+        return value;
+    };
+    const auto worth = [this](double value) { return drive_.would_be_least(value); };
+    const auto negative = [&](double tau) { return -square(tau); };
+    const auto worth_negative = [this](double value) { return drive_.would_be_most(-value); };
+    while (next_look_ <= to) {
+        FieldLook& look = looks_.back();
+        const FieldTurn& turn = look.turn;
+        if (turn.curve != 0.0) {
+            const double at =
+                look.for_least
+                    ? least_value_near(turn.at, turn.curve, from, to, square, worth).at
+                    : least_value_near(turn.at, -turn.curve, from, to, negative, worth_negative).at;
+            if (at > to && turn.to > to) {  // it is in one of the next steps
+                look.turn.at = at;
+                next_look_ = to;
+                break;
+            }
+        } else {
+            const double begin = std::max(turn.from, from), end = std::min(turn.to, to);
+            const int parts = end - begin > 0.5 * (to - from) ? 2 : 1;
+            if (look.for_least) least_value(begin, end, parts, square, worth);
+            if (look.for_most) least_value(begin, end, parts, negative, worth_negative);
+            if (turn.to > to) break;  // it goes on after these
+        }
+        end_look();
+    }
+}
+
+}  // namespace stickslip

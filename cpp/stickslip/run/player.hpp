@@ -1,0 +1,180 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <functional>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "stickslip/contact/contact_transitions.hpp"
+#include "stickslip/contact/hybrid_state.hpp"
+#include "stickslip/drive/stretch_source.hpp"
+#include "stickslip/field/turning_points.hpp"
+#include "stickslip/run/assembly.hpp"
+#include "stickslip/run/initial_state.hpp"
+#include "stickslip/run/run_snapshot.hpp"
+#include "stickslip/solver/progress_watch.hpp"
+#include "stickslip/solver/stepping.hpp"
+
+namespace stickslip {
+
+/// The motion of a run: stretches of voltage one after another, the phases between events, and what
+/// each event makes of the state. It knows of no method, and not what becomes of the motion.
+class Player {
+public:
+    /// marks: s, where stretches have to end besides. stop: ends the motion from outside; or
+    /// nullptr.
+    Player(const Scenario& scenario, const std::vector<double>& marks,
+           const std::atomic<bool>* stop);
+    // Members point to members.
+    Player(const Player&) = delete;
+    Player& operator=(const Player&) = delete;
+
+    /// Plays the steps of `steps()` from now on, and not the drive of the scenario, which says only
+    /// how strong the fields are. `on_step` is called at the end of each step.
+    void play_steps(std::function<void()> on_step) {
+        source_.play_steps({hold_period_, amplifier_limit_, sign_ < 0.0}, std::move(on_step));
+    }
+    bool is_stepped() const { return source_.is_stepped(); }
+    ControlSteps& steps() { return source_.steps(); }
+    const ControlSteps& steps() const { return source_.steps(); }
+
+    bool in_whole_plane() const { return plane_.has_value(); }
+    double sign() const { return sign_; }
+    double duration() const { return program_.duration(); }  ///< s, of the scenario's drive
+    const Model& model() const { return model_; }
+    const Circuit& circuit() const { return circuit_; }
+    const StepperOptions& options() const { return options_; }
+
+    // Stretches.
+
+    /// Takes the next stretch and returns true; false where all is played.
+    bool take_stretch() { return source_.next(voltages_); }
+    void begin_stretch();
+    void end_stretch() { is_open_ = false; }
+    /// Whether a stretch is played, or was and is not ended.
+    bool is_open() const { return is_open_; }
+    bool is_at_end() const { return tau_ >= segment_.duration; }
+    const VoltageSegment& voltages() const { return voltages_; }
+    const CurrentSegment& segment() const { return segment_; }
+    double tau() const { return tau_; }  ///< s, in the stretch
+    double absolute(double tau) const { return segment_.start + tau; }
+    double time() const { return absolute(tau_); }
+    /// The motion ends within the stretch: the currents are from now on those of that instant.
+    void stay_there();
+
+    // Phases.
+
+    /// Calls `use` with the phase of the state.
+    void with_phase(auto&& use) {
+        dynamics_.set_quadrant(state_.body.quadrant);
+        if (plane_) {
+            with_plane_phase(*plane_, state_, [&](auto phase) {
+                phase.set_front(state_.body.heading);
+                use(phase);
+            });
+        } else {
+            stickslip::with_phase(dynamics_, state_, use);
+        }
+    }
+    /// The motion begins: with the mode that the forces allow.
+    void begin();
+    bool has_begun() const { return has_begun_; }
+    /// Goes on from where a phase has ended.
+    template <class Phase>
+    void end_phase(Phase& phase, const PhaseEnd<Phase>& end);
+    /// What an event, where the last phase ended, makes of the state; ok, or why the motion ends.
+    Status handle(Event event);
+    /// Changes of the contact by the last event.
+    const std::vector<EventKind>& changes() const { return transitions_.changes(); }
+    const std::array<std::int64_t, kEventKinds>& counts() const { return transitions_.counts(); }
+
+    Dynamics& dynamics() { return dynamics_; }
+    const Dynamics& dynamics() const { return dynamics_; }
+    PlaneDynamics& plane() { return *plane_; }
+    const PlaneDynamics& plane() const { return *plane_; }
+    PhaseMemory& memory() { return memory_; }
+    const HybridState& state() const { return state_; }
+    const BodyState& body() const { return state_.body; }
+
+    // What is there.
+
+    /// Whether the robot has left the place where the field is known.
+    bool is_outside() const {
+        return plane_ ? plane_->field().outside() : dynamics_.field().outside();
+    }
+    /// At the robot's place, `tau` seconds into the stretch, T.
+    std::array<double, 3> field(double tau, const BodyState& body) const;
+    /// What each coil makes there.
+    PerCoilOf<CoilField> field_of_coils() const;
+    /// Whether a free shape may turn the field anywhere; else its course over the stretch.
+    bool has_field_shape() const {
+        return plane_ ? plane_->field().has_shape() : dynamics_.field().has_shape();
+    }
+    FieldCourse field_course() const;
+    /// Everything at `tau` seconds into the stretch.
+    Snapshot snapshot(double tau) const {
+        return plane_ ? stickslip::snapshot(*plane_, state_, tau)
+                      : stickslip::snapshot(dynamics_, state_, tau);
+    }
+    /// By which the heading has turned to and fro, rad.
+    double turned() const { return plane_ ? plane_->watch().state().turned : 0.0; }
+
+    /// As others see it, without currents.
+    SimulationState motion() const {
+        return world_state(state_, dynamics_.contact_age() + tau_, sign_, in_whole_plane());
+    }
+    SimulationState world() const;
+    /// Between two steps, or where one has failed; without what a Run knows of its end.
+    RunSnapshot snapshot() const;
+    /// Throws std::invalid_argument for a snapshot of a run in another plane.
+    void restore(const RunSnapshot& snapshot);
+
+private:
+    static Place place(const BodyState& body) { return {body.x, body.y, body.z}; }
+    // In the robot's own frame, or back.
+    PerCoil own(const PerCoil& world) const {
+        return sign_ > 0.0 ? world : stickslip::turned(world);
+    }
+    void drive_further_coils();
+
+    const double sign_;
+    const VoltageProgram program_;
+    const double hold_period_;      // s, effect `sample_hold`
+    const double amplifier_limit_;  // V, effect of that name
+    const PerCoil field_gain_;
+    const CoilSet coils_;
+    const Model model_;
+    Circuit circuit_;
+    Dynamics dynamics_;
+    const StepperOptions options_;
+    std::optional<PlaneDynamics> plane_;  // of a robot that moves in the whole plane
+
+    StretchSource source_;
+    VoltageSegment voltages_;
+    CurrentSegment segment_;
+    double tau_ = 0.0;
+    bool is_open_ = false, has_begun_ = false;
+    bool touches_down_ = false;  // as the motion begins
+    HybridState state_;
+    ContactTransitions transitions_;
+    ProgressWatch watch_;
+    PhaseMemory memory_;
+};
+
+template <class Phase>
+void Player::end_phase(Phase& phase, const PhaseEnd<Phase>& end) {
+    tau_ = end.tau;
+    state_.body = phase.body(end.tau, end.y);
+    if constexpr (Phase::kSlips) {
+        state_.contact_x = phase.contact_x(end.y);
+        state_.slip_velocity = phase.slip_velocity(end.y);
+        if constexpr (Phase::kTurns) {
+            state_.contact_y = phase.contact_y(end.y);
+            state_.slip_y = phase.slip_y(end.y);
+        }
+    }
+}
+
+}  // namespace stickslip

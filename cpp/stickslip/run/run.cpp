@@ -1,0 +1,217 @@
+#include "stickslip/run/run.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <vector>
+
+namespace stickslip {
+namespace {
+
+std::vector<double> marks(const Scenario& scenario, const std::optional<StopCondition>& stop) {
+    const Window window = measuring_window(scenario);
+    std::vector<double> result = {window.start, window.end};
+    if (stop && stop->quantity == StopCondition::Quantity::time) {
+        result.push_back(stop->value);
+        std::sort(result.begin(), result.end());
+    }
+    return result;
+}
+
+}  // namespace
+
+Run::Run(const Scenario& scenario, RunControl* control, std::optional<StopCondition> stop)
+    : player_(scenario, marks(scenario, stop), control ? &control->stop : nullptr),
+      measurement_(scenario, player_),
+      recorder_(scenario.record, player_.sign(), player_.in_whole_plane()),
+      tsit5_(player_.options()),
+      control_(control),
+      stop_(stop) {
+    if (scenario.solver.method == Method::arkode) {
+#ifdef STICKSLIP_WITH_ARKODE
+        arkode_.emplace(player_.options());
+#else
+        result_.status = Status::no_arkode;
+        throw std::invalid_argument(message(result_));
+#endif
+    }
+    result_.most_steps = scenario.solver.max_steps;
+    result_.map = scenario.map;
+    result_.swing_rate = player_.options().swing_rate;
+    result_.decay = fastest_decay(scenario, player_.model(), player_.options().swing_rate);
+}
+
+void Run::go() {
+    try {
+        while (next_phase()) play_phase();
+    } catch (const WrenchNotFinite& failure) {
+        fail(failure);
+    }
+}
+
+bool Run::next_phase() {
+    while (goes_on()) {
+        if (!player_.is_at_end()) return true;
+        if (!next_stretch()) break;
+    }
+    const bool failed = result_.status != Status::ok;
+    if (player_.is_stepped()) {
+        if (failed) player_.stay_there();
+    } else if (failed) {
+        measurement_.stretch(player_.tau());
+    } else {
+        finish();
+    }
+    return false;
+}
+
+bool Run::next_stretch() {
+    if (is_interrupted()) {
+        result_.status = Status::interrupted;
+        return false;
+    }
+    const bool is_stepped = player_.is_stepped();  // such a run has no summary
+    if (player_.is_open()) {
+        if (!is_stepped) measurement_.stretch(player_.segment().duration);
+        player_.end_stretch();
+    }
+    if (!player_.take_stretch()) return false;
+    if (++stretches_ > player_.options().most_steps) {
+        result_.status = Status::too_many_steps;
+        return false;
+    }
+    if (!is_stepped) {
+        const double time = player_.voltages().start;
+        measurement_.watch_window(time);
+        if (stop_ && stop_->quantity == StopCondition::Quantity::time) {
+            const double slack = 1e-9 * player_.duration();  // boundaries carry rounding
+            result_.stopped = distance(time + slack, player_.body()) <= 0.0;
+        }
+        if (result_.stopped) return false;
+    }
+    player_.begin_stretch();
+    if (player_.is_outside()) {
+        result_.status = Status::left_workspace;
+        return false;
+    }
+    if (!is_stepped) measurement_.plan_looks();
+    if (!player_.has_begun()) begin();
+    return goes_on();
+}
+
+void Run::begin() {
+    player_.begin();
+    measurement_.begin();
+    after_event();
+}
+
+void Run::play_phase() {
+    player_.with_phase([this](auto phase) {
+        const auto advance = [&](auto& method) {
+            end_phase(phase, method.advance(phase, player_.memory(), player_.tau(),
+                                            player_.segment().duration, phase.begin(player_.body()),
+                                            observer(phase)));
+        };
+#ifdef STICKSLIP_WITH_ARKODE
+        // A body at rest has no error that would tell ARKODE how far to step.
+        if constexpr (!requires { phase.kRests; }) {
+            if (arkode_) {
+                advance(*arkode_);
+                return;
+            }
+        }
+#endif
+        advance(tsit5_);
+    });
+}
+
+void Run::finish() {
+    if (result_.stopped) {
+        measurement_.stretch(player_.tau());
+        measurement_.close(player_.time());
+        return;
+    }
+    // The grid's last sample may lie beyond the end by rounding.
+    sample_until(player_.duration() * (1.0 + 1e-12), player_.absolute(0.0),
+                 [&](double) { return player_.snapshot(player_.segment().duration); });
+    measurement_.close(player_.duration());
+}
+
+void Run::record(double t, double tau, const Snapshot& snapshot) {
+    recorder_.add(t, snapshot, player_.state().mode, player_.field(tau, snapshot.body),
+                  player_.segment().currents(tau));
+}
+
+void Run::handle(Event event) {
+    const Status status = player_.handle(event);
+    if (status != Status::ok) result_.status = status;
+    after_event();
+}
+
+void Run::after_event() {
+    const double tau = player_.tau(), time = player_.time();
+    if (stop_ && distance(time, player_.body()) <= 0.0) result_.stopped = true;
+    if (!recorder_.at_event(time)) return;
+    // One sample for each change at this instant, with the state after all of them.
+    for (const EventKind kind : player_.changes()) {
+        record(time, tau, player_.snapshot(tau));
+        recorder_.add_event(kind);
+    }
+}
+
+void Run::reset_counts() {
+    stretches_ = 0;
+    tsit5_.reset_counts();
+#ifdef STICKSLIP_WITH_ARKODE
+    if (arkode_) arkode_->reset_counts();
+#endif
+}
+
+StepCounts Run::counts() const {
+    StepCounts result = tsit5_.counts();
+#ifdef STICKSLIP_WITH_ARKODE
+    if (arkode_) {
+        result.accepted += arkode_->counts().accepted;
+        result.rejected += arkode_->counts().rejected;
+        result.evaluations += arkode_->counts().evaluations;
+    }
+#endif
+    return result;
+}
+
+RunSnapshot Run::snapshot() const {
+    RunSnapshot result = player_.snapshot();
+    result.status = result_.status;
+    result.end = result_.summary.simulated_time;
+    return result;
+}
+
+void Run::restore(const RunSnapshot& snapshot) {
+    player_.restore(snapshot);
+    result_.status = snapshot.status;
+    result_.heading_end = {};
+    result_.summary.simulated_time = snapshot.end;
+}
+
+void Run::fail(const WrenchNotFinite& failure) {
+    result_.status = Status::not_finite;
+    result_.effect = failure.effect;
+    result_.summary.simulated_time = failure.time;
+    if (player_.is_stepped()) {
+        player_.stay_there();
+    } else {
+        measurement_.stretch(failure.time - player_.segment().start);
+    }
+}
+
+RunResult Run::take_result() {
+    measurement_.write(result_.summary);
+    result_.steps = counts();
+    result_.recording = recorder_.take();
+    result_.final_body = player_.body();
+    result_.final_state = player_.world();
+    RunResult taken = std::move(result_);
+    result_.map = taken.map;  // a restored run may fail again
+    return taken;
+}
+
+}  // namespace stickslip
