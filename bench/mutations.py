@@ -158,7 +158,7 @@ MUTATIONS = (
     Mutation(
         "map towards -x",
         "nothing",
-        "own_coils.cpp",
+        "coils.cpp",
         "std::make_shared<const FieldMap>(scenario.map->turned())",
         "scenario.map",
     ),

@@ -32,6 +32,7 @@ from stickslip import (
     simulate_batch,
 )
 from stickslip.scenario.keys import Key, known_keys, until_registration
+from stickslip.scenario.named_effects import is_free_shape
 
 Keys = Mapping[str, Any]
 
@@ -87,9 +88,6 @@ def size_of(key: Key) -> float | None:
         return KNOTS[name]
     if key.default != 0.0:
         return None
-    common = known_keys().get(f"coil.{name}")
-    if effect.startswith("coil_") and common is not None:
-        return OWN_COIL * float(common.default)
     return float(np.clip(SIZES[key.unit], key.low, key.high))
 
 
@@ -104,8 +102,22 @@ def rows() -> dict[str, dict[str, float]]:
             sizes = {key.name: size_of(key) for key in effect.parameters}
             acting = {name: size for name, size in sizes.items() if size is not None}
             (own if effect.name in OWN else result)[effect.name] = acting
+    free = {name: row for name, row in result.items() if is_free_shape(name)}
+    named = {name: row for name, row in result.items() if name not in free}
     # Last, so that all else is the same in a process that does not know them.
-    return {**result, **ACROSS, **own}
+    return {**named, **_coils(), **free, **ACROSS, **own}
+
+
+def _coils() -> dict[str, dict[str, float]]:
+    """Each coil with other values than all; named as the frozen runs are."""
+    return {
+        f"coil_{coil}": {
+            key.name: OWN_COIL * float(key.default)
+            for key in known_keys().values()
+            if key.section == f"coil.{coil}"
+        }
+        for coil in COIL_NAMES
+    }
 
 
 def register_own_effects() -> None:
@@ -144,11 +156,11 @@ PULSED = {"drive.frequency": 128.0, "drive.ramp": 2.0**-4, "drive.pulses": 7}
 IPP = {**PULSED, "drive.mode": "IPP", "drive.base": 0.5e-3}
 OPP = {**PULSED, "drive.mode": "OPP", "drive.base": 0.0, "drive.hold": 2.5e-3}
 UNEQUAL = {
-    "effects.coil_xp.turns": 480.0,
-    "effects.coil_xm.turns": 400.0,
-    "effects.coil_xm.resistance": 9.0,
-    "effects.coil_yp.distance": 0.11,
-    "effects.coil_clamp.inductance": 0.08,
+    "coil.xp.turns": 480.0,
+    "coil.xm.turns": 400.0,
+    "coil.xm.resistance": 9.0,
+    "coil.yp.distance": 0.11,
+    "coil.clamp.inductance": 0.08,
 }
 BACK = {"drive.direction": "-x"}
 STEP = 2.0**-7  # s, of the program

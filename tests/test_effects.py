@@ -21,8 +21,8 @@ from helpers import (
     still_for,
     volts,
 )
-from stickslip import Waveform
-from stickslip.scenario.named_effects import is_lawful
+from stickslip import Scenario, Waveform
+from stickslip.scenario.named_effects import is_free_shape
 
 # One value at which each parameter counts.
 PARAMETERS = {
@@ -60,7 +60,7 @@ def test_every_extension_of_a_known_law_is_tested_here():
     # the plane y = 0: cpp/tests/test_plane.cpp.
     listed = {f"{effect.name}.{key.name.rpartition('.')[2]}"
               for effect in stickslip.effects()
-              if is_lawful(effect.name)
+              if not is_free_shape(effect.name)
               for key in effect.parameters}  # fmt: skip
     across = {"ambient_field.By", "surface_tilt.azimuth"}
     assert listed == set(PARAMETERS) | SHAPES | across

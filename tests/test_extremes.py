@@ -14,15 +14,15 @@ ENOUGH = 1e-6
 # velocity by some 0.1 m/s in a gradient of some 0.03 T/m.
 KINK = 0.03 * 0.1 / RATE
 UNEQUAL = {
-    "effects.coil_xm.inductance": 0.12,
-    "effects.coil_xm.turns": 430.0,
-    "effects.coil_clamp.resistance": 14.0,
-    "effects.coil_clamp.inductance": 0.03,
-    "effects.coil_yp.inductance": 0.05,
-    "effects.coil_ym.inductance": 0.05,
+    "coil.xm.inductance": 0.12,
+    "coil.xm.turns": 430.0,
+    "coil.clamp.resistance": 14.0,
+    "coil.clamp.inductance": 0.03,
+    "coil.yp.inductance": 0.05,
+    "coil.ym.inductance": 0.05,
     "effects.mutual_inductance.coupling": 0.15,
 }
-STEADY = {"effects.coil_yp.inductance": 0.0, "effects.coil_ym.inductance": 0.0}
+STEADY = {"coil.yp.inductance": 0.07, "coil.ym.inductance": 0.07}
 
 
 def random_program(seed, in_plane):

@@ -134,7 +134,7 @@ def test_unequal_coils_are_the_same_as_a_map_whichever_way_the_robot_faces(
         pulses = pulses.turned() if direction == "-x" else pulses
         drive = Drive(mode="program", program=pulses, direction=direction)
     own = Scenario(drive=drive).replace(
-        {f"effects.coil_{name}.turns": n for name, n in zip(COIL_NAMES, UNEQUAL, strict=True)}
+        {f"coil.{name}.turns": n for name, n in zip(COIL_NAMES, UNEQUAL, strict=True)}
     )
     expected = simulate(own)
     found = simulate(Scenario(drive=drive, coil=made))
@@ -243,7 +243,7 @@ def test_a_clamp_coil_that_is_nearer_is_as_with_values_of_its_own():
     nearer = {"clamp": by(0.0, 0.0, 5e-3)}
     made = FieldMap.from_points(grid(), wire_fields(grid(), **nearer))
     found = simulate(with_map(made))
-    own = Scenario().replace({**RUNS["IPP"], "effects.coil_clamp.distance": 0.094})
+    own = Scenario().replace({**RUNS["IPP"], "coil.clamp.distance": 0.094})
     assert found.mean_velocity == pytest.approx(simulate(own).mean_velocity, rel=1e-4)
 
 
@@ -326,9 +326,9 @@ def test_outside_of_the_map_there_is_no_field(exact):
 
 def test_a_map_takes_the_place_of_the_geometry(exact):
     base = with_map(exact)
-    same = base.replace({"coil.resistance": 12.0, "effects.coil_xp.inductance": 0.05})
+    same = base.replace({"coil.resistance": 12.0, "coil.xp.inductance": 0.05})
     assert simulate(same).ok
-    for key, value in (("coil.turns", 400.0), ("effects.coil_clamp.side", 0.1)):
+    for key, value in (("coil.turns", 400.0), ("coil.clamp.side", 0.1)):
         with pytest.raises(ScenarioError, match="allowed beside coil"):
             base.replace({key: value})
     with pytest.raises(ScenarioError, match=r"coil\.side: cannot be uncertain beside coil.map"):

@@ -62,7 +62,7 @@ def test_samples_are_of_five_coils():
         FieldMap.from_coils([])
 
 
-@pytest.mark.parametrize("key", ["coil.turns", "effects.coil_clamp.distance"])
+@pytest.mark.parametrize("key", ["coil.turns", "coil.clamp.distance"])
 def test_the_geometry_beside_a_map_is_not_uncertain(field_map, key):
     with pytest.raises(ScenarioError, match=rf"{key}: cannot be uncertain beside coil\.map"):
         Scenario(coil=Coil(map=field_map)).with_uncertain({key: {"mean": 0.1, "sd": 0.01}})

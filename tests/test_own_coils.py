@@ -5,15 +5,28 @@ import math
 import numpy as np
 import pytest
 
-from stickslip import Coils, Drive, Scenario, ScenarioError, Waveform, effects, simulate
+from stickslip import (
+    COIL_NAMES,
+    Coil,
+    Coils,
+    Drive,
+    Scenario,
+    ScenarioError,
+    Waveform,
+    load,
+    simulate,
+    sweep,
+)
+from stickslip.cli.settings import read_with
 from stickslip.diagnosis.terms.library import library
+from stickslip.scenario.sections import OneCoil
 
 OWN = {
-    "effects.coil_clamp.side": 0.11,
-    "effects.coil_clamp.distance": 0.08,
-    "effects.coil_clamp.turns": 400.0,
-    "effects.coil_clamp.resistance": 7.0,
-    "effects.coil_clamp.inductance": 0.03,
+    "coil.clamp.side": 0.11,
+    "coil.clamp.distance": 0.08,
+    "coil.clamp.turns": 400.0,
+    "coil.clamp.resistance": 7.0,
+    "coil.clamp.inductance": 0.03,
 }
 
 
@@ -37,7 +50,7 @@ def test_each_coil_has_the_field_of_its_own_winding():
 
 def test_own_values_that_are_those_of_all_change_no_bit():
     same = {
-        f"effects.coil_{name}.{key}": getattr(Scenario().coil, key)
+        f"coil.{name}.{key}": getattr(Scenario().coil, key)
         for name in ("xp", "xm", "yp", "ym", "clamp")
         for key in ("resistance", "inductance", "side", "distance", "turns")
     }
@@ -60,7 +73,7 @@ def test_the_current_of_each_coil_follows_its_own_time_constant():
 @pytest.mark.parametrize("mode", ["IPP", "OPP"])
 def test_the_peak_of_the_drive_is_reached_with_each_winding(mode):
     # Held for 60 time constants, base and hold are steady.
-    own = {**OWN, "effects.coil_xp.turns": 300.0, "effects.coil_xp.side": 0.2}
+    own = {**OWN, "coil.xp.turns": 300.0, "coil.xp.side": 0.2}
     drive = Drive(mode=mode, base=0.4e-3, peak=0.4e-3, hold=0.7e-3, frequency=1.0, pulses=1)
     changes = {**own, "record.rate": 10.0, "robot.magnetization": 1.0}
     run = simulate(Scenario(drive=drive).replace(changes))
@@ -73,11 +86,9 @@ def test_the_peak_of_the_drive_is_reached_with_each_winding(mode):
 def test_a_robot_that_faces_the_other_way_sees_the_mirrored_coils():
     own = {"turns": 450.0, "side": 0.15, "distance": 0.09, "resistance": 9.0, "inductance": 0.05}
     base = Scenario(drive=Drive(base=0.5e-3, pulses=6))
-    ahead = simulate(base.replace({f"effects.coil_xp.{k}": v for k, v in own.items()}))
+    ahead = simulate(base.replace({f"coil.xp.{k}": v for k, v in own.items()}))
     back = simulate(
-        base.replace(
-            {f"effects.coil_xm.{k}": v for k, v in own.items()} | {"drive.direction": "-x"}
-        )
+        base.replace({f"coil.xm.{k}": v for k, v in own.items()} | {"drive.direction": "-x"})
     )
     assert back.mean_velocity == -ahead.mean_velocity
     assert ahead.mean_velocity != simulate(base).mean_velocity
@@ -85,18 +96,78 @@ def test_a_robot_that_faces_the_other_way_sees_the_mirrored_coils():
 
 def test_what_is_not_allowed():
     for key, value, allowed in [
-        ("side", 1e-9, "0 (coil.side) or a number from 1e-06 to 100 m"),
-        ("distance", 1e-6, "0 (coil.distance) or a number from 0.001 to 100 m"),
-        ("resistance", -1.0, "a number from 0 to 1e+09 ohm"),
+        ("side", 1e-9, "a number from 1e-06 to 100 m"),
+        ("distance", 1e-6, "a number from 0.001 to 100 m"),
+        ("resistance", -1.0, "a number above 0 up to 1e+09 ohm"),
     ]:
         with pytest.raises(ScenarioError) as caught:
-            Scenario().replace({f"effects.coil_xm.{key}": value})
-        assert f"effects.coil_xm.{key} = " in str(caught.value)
+            Scenario().replace({f"coil.xm.{key}": value})
+        assert f"coil.xm.{key} = " in str(caught.value)
         assert allowed in str(caught.value)
 
 
+@pytest.mark.parametrize("turned_round", [False, True])
+def test_a_key_of_all_coils_sets_those_that_no_key_of_one_does(turned_round):
+    keys = ["coil.turns", "coil.yp.turns"]
+    changes = {"coil.turns": 300.0, "coil.yp.turns": 450.0}
+    if turned_round:
+        keys.reverse()
+        changes = dict(reversed(changes.items()))
+    scenario = Scenario().replace({"coil.clamp.turns": 7.0}).replace(changes)
+    assert scenario.get("coil.yp.turns") == scenario.coil.yp.turns == 450.0
+    for name in ("xp", "xm", "ym", "clamp"):
+        assert scenario.get(f"coil.{name}.turns") == 300.0
+    assert scenario == Scenario(coil=Coil(turns=300.0, yp={"turns": 450.0}))
+    base = Scenario(drive=Drive(mode="OPP", base=0.5e-3, pulses=4)).replace({"coil.xp.turns": 9.0})
+    found = sweep(base, {key: [changes[key]] for key in keys})
+    expected = simulate(base.replace(changes)).mean_velocity
+    assert found["mean_velocity"].values.item() == expected
+
+
+def test_a_key_of_all_coils_reads_as_the_value_of_most():
+    assert Scenario().replace({"coil.xp.turns": 9.0}).coil.turns == 510.0
+    four = {f"coil.{name}.turns": 9.0 for name in ("xp", "xm", "ym", "clamp")}
+    assert Scenario().replace(four).coil.turns == 9.0
+    all_differ = {f"coil.{name}.turns": 9.0 + k for k, name in enumerate(COIL_NAMES)}
+    assert Scenario().replace(all_differ).get("coil.turns") == 9.0
+
+
+def test_single_coils_in_a_file(tmp_path):
+    path = tmp_path / "s.toml"
+    path.write_text(
+        "stickslip = 1\n[drive]\n[coil]\nresistance = 9\n[coil.xp]\nresistance = 10.5\n"
+    )
+    scenario = load(path)
+    expected = Scenario(coil=Coil(resistance=9.0, xp={"resistance": 10.5}))
+    assert scenario == expected
+    assert hash(scenario) == hash(expected)
+    assert eval(repr(scenario.coil), {"Coil": Coil, "OneCoil": OneCoil}) == scenario.coil
+    text = scenario.to_toml(path)
+    assert "[coil.xp]\nresistance = 10.5  # ohm\n" in text
+    assert "[coil.xm]" not in text
+    assert load(path) == scenario
+    # A value of all coils that is set is of all coils.
+    assert read_with(path, ["coil.resistance=8"]) == Scenario(coil=Coil(resistance=8.0))
+    assert read_with(path, ["coil.ym.turns=9"]) == scenario.replace({"coil.ym.turns": 9.0})
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("xp = 3", "coil.xp = 3: allowed is a table [coil.xp]"),
+        ("[coil.xq]\nturns = 3", "coil.xq = { turns = 3 }: there is no such key; did you mean"),
+        ("[coil.xp]\nturn = 3", 'coil.xp.turn = 3: there is no such key; did you mean "coil.xp.tu'),
+        ("[coil.xp]\nturns = -3", "coil.xp.turns = -3: allowed is a number from 0.001 to 1e+06"),
+    ],
+)
+def test_what_a_file_may_not_say_of_a_coil(tmp_path, line, words):
+    path = tmp_path / "s.toml"
+    path.write_text(f"stickslip = 1\n[drive]\n[coil]\n{line}\n")
+    with pytest.raises(ScenarioError) as caught:
+        load(path)
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
 def test_measured_windings_are_no_suspects():
-    assert {f"coil_{name}" for name in ("xp", "xm", "yp", "ym", "clamp")} <= {
-        each.name for each in effects()
-    }
-    assert not any(cause.name.startswith("coil_x") for cause in library(Scenario(), {}, 70.0))
+    assert not any("coil_x" in cause.name for cause in library(Scenario(), {}, 70.0))

@@ -75,11 +75,11 @@ def test_currents_are_those_of_the_top_of_the_sawtooth(direction):
 
 def test_coils_of_ones_own_are_drawn_where_they_are():
     own = {"resistance": 20.0, "side": 0.1, "distance": 0.12}
-    axes = plot.coils(Scenario(effects={"coil_xp": own})).axes[0]
+    axes = plot.coils(Scenario(coil=Coil(xp=own))).axes[0]
     places = {tuple(np.round(line.get_xydata()[0], 6)) for line in axes.get_lines()}
     assert {(120.0, 50.0), (120.0, -50.0), (-99.0, 69.25), (-99.0, -69.25)} <= places
     program = Waveform.hold(0.1, {"xp": 8.0})
-    scenario = Scenario(drive=Drive(mode="program", program=program), effects={"coil_xp": own})
+    scenario = Scenario(drive=Drive(mode="program", program=program), coil=Coil(xp=own))
     assert "xp: 0.4 A" in words(plot.coils(scenario).axes[0])
 
 

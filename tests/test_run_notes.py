@@ -54,7 +54,7 @@ def slope_of_in_plane_coils(run, step=1e-5):
         {**FIRST, "drive.mode": "OPP", "drive.direction": "-x"},
         {**FIRST, "drive.heading": 0.6},
         {**FIRST, "effects.gradient_scale.fraction": 0.5},
-        {**FIRST, "effects.mutual_inductance.coupling": 0.1, "effects.coil_xp.inductance": 0.1},
+        {**FIRST, "effects.mutual_inductance.coupling": 0.1, "coil.xp.inductance": 0.1},
     ],
 )
 def test_the_pull_is_that_of_the_gradient_over_what_friction_holds(changes):

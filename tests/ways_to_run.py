@@ -288,9 +288,9 @@ def turned(scenario: Scenario) -> Scenario:
         changes[key] = -float(scenario.get(key))
     for coil, other in TURNED_COILS.items():
         for key in known_keys().values():
-            if key.section == f"effects.coil_{coil}":
+            if key.section == f"coil.{coil}":
                 name = key.name.rpartition(".")[2]
-                changes[f"effects.coil_{other}.{name}"] = scenario.get(key.name)
+                changes[f"coil.{other}.{name}"] = scenario.get(key.name)
     changes["drive.direction"] = "+x" if scenario.drive.direction == "-x" else "-x"
     if scenario.drive.program is not None:
         changes["drive.program"] = scenario.drive.program.turned()

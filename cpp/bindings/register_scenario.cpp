@@ -12,8 +12,8 @@
 #include "register.hpp"
 #include "stickslip/run/assembly.hpp"
 #include "stickslip/run/recording.hpp"
+#include "stickslip/scenario/coils.hpp"
 #include "stickslip/scenario/free_shapes.hpp"
-#include "stickslip/scenario/own_coils.hpp"
 #include "stickslip/scenario/parameters.hpp"
 
 namespace py = pybind11;
@@ -205,9 +205,10 @@ void register_scenario(py::module_& module) {
         .def("coils", [](const Scenario& self) { return world_coil_set(self); })
         .def("resistances",
              [](const Scenario& self) {
-                 const PerCoilOf<CoilParameters> coils = world_coils(self);
                  PerCoil result;
-                 for (std::size_t k = 0; k < kCoilCount; ++k) result[k] = coils[k].resistance;
+                 for (std::size_t k = 0; k < kCoilCount; ++k) {
+                     result[k] = self.coils[k].resistance;
+                 }
                  return result;
              })
         .def("program", [](const Scenario& self) { return blocks_of(world_program(self)); })

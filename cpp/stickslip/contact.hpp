@@ -15,7 +15,8 @@
 /// What a contact does: sticks, slips, flies, meets the surface.
 ///
 /// - dynamics: force and torque on the body; plane_dynamics: the same along a heading
-/// - contact, plane_contact: reactions, and the mode that the forces allow
+/// - contact, plane_contact: reactions, and the mode that the forces allow; hybrid_state: what goes
+///   on from phase to phase
 /// - phases, face_slide, rest: the motion between two events; plane_*: in the whole plane
 /// - impact: touch-down; contact_transitions: what an event makes of the state
 /// - heading_watch: whether the heading is known

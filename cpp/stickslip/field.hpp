@@ -13,7 +13,8 @@
 /// From currents to the field.
 ///
 /// - square_coil: the field of four straight wires, Eqs. (2)-(7), with its derivatives
-/// - coil_set, field_map: the field of all coils, by the formula or as it was measured
+/// - coil_set, field_map: the field of all coils, by the formula or as it was measured;
+///   field_shape: what a free curve makes of it
 /// - local_field, spatial_field: its series about a place near the robot, in the plane of motion
 ///   and in space, over a stretch of voltage
 /// - horizontal_field, heading: what turns a robot on the surface, and where it faces

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "stickslip/scenario/coils.hpp"
 #include "stickslip/scenario/free_shapes.hpp"
-#include "stickslip/scenario/own_coils.hpp"
 #include "stickslip/scenario/parameters.hpp"
 #include "stickslip/scenario/plane.hpp"
 #include "stickslip/scenario/scenario.hpp"
@@ -12,7 +12,7 @@
 /// All that a run is told; data only.
 ///
 /// - scenario, state: the values
-/// - parameters, free_shapes, own_coils: every key with its unit, range and meaning
+/// - parameters, free_shapes, coils: every key with its unit, range and meaning
 /// - plane: whether the robot leaves the plane of motion, and which way it faces
 /// - user_effects: the registry of the user's own effects
 /// - scenario_rows: many scenarios that differ in a few keys

@@ -176,7 +176,8 @@ TEST_CASE("turned: turned twice is as it was, to the last bit") {
 TEST_CASE("the voltages that a drive asks for are not those that an amplifier gives") {
     Scenario scenario;
     scenario.effects.amplifier_limit_voltage = 1.0;
-    const double volts_per_tesla = scenario.coil.resistance / CoilSet().centre_field_per_ampere();
+    const double volts_per_tesla =
+        scenario.coils[0].resistance / CoilSet().centre_field_per_ampere();
     const PerCoil asked = asked_program(scenario).largest_voltage();
     CHECK(asked[0] == doctest::Approx(scenario.drive.peak * volts_per_tesla).epsilon(1e-15));
     CHECK(asked[4] == doctest::Approx(scenario.drive.hold * volts_per_tesla).epsilon(1e-15));

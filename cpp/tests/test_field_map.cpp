@@ -11,7 +11,7 @@
 #include "fitted_map.hpp"
 #include "stickslip/field/local_field.hpp"
 #include "stickslip/run/simulation.hpp"
-#include "stickslip/scenario/own_coils.hpp"
+#include "stickslip/scenario/coils.hpp"
 #include "support.hpp"
 
 using namespace stickslip;
@@ -216,19 +216,19 @@ TEST_CASE("field map: a scenario with a map has no geometry of coils") {
     Scenario scenario;
     scenario.map = paper_map();
     CHECK_NOTHROW(check(scenario));
-    scenario.coil.resistance = 12.0;
-    scenario.effects.own_coils[1].inductance = 0.05;
+    scenario.coils[0].resistance = 12.0;
+    scenario.coils[1].inductance = 0.05;
     CHECK_NOTHROW(check(scenario));
-    scenario.coil.geometry.side = 0.1;
+    for (CoilParameters& coil : scenario.coils) coil.side = 0.1;
     CHECK_THROWS_WITH_AS(check(scenario),
                          "coil.side = 0.1: allowed beside coil.map, which has the field of the "
                          "coils, is 0.1385 only",
                          std::invalid_argument);
-    scenario.coil = {};
-    scenario.effects.own_coils[4].turns = 300.0;
+    scenario.coils = {};
+    scenario.coils[4].turns = 300.0;
     CHECK_THROWS_WITH_AS(check(scenario),
-                         "effects.coil_clamp.turns = 300: allowed beside coil.map, which has the "
-                         "field of the coils, is 0 only",
+                         "coil.clamp.turns = 300: allowed beside coil.map, which has the field of "
+                         "the coils, is 510 only",
                          std::invalid_argument);
 }
 

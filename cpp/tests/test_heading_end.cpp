@@ -70,7 +70,7 @@ TEST_CASE("heading: a run ends at the instant when its heading is lost, also wit
 TEST_CASE("heading: a run ends at the instant when the field turns too fast") {
     Scenario scenario;
     scenario.drive.mode = DriveMode::program;
-    const PerCoil ahead = {26.0, 0.0, 0.0, 0.0, -10.0}, back = {0.0, -26.0, 0.5, 0.0, -10.0};
+    const PerCoil ahead = {26.0, 0.0, 0.0, 0.0, -10.0}, back = {0.0, -26.0, 1.5, 0.0, -10.0};
     scenario.program =
         VoltageProgram({{{{0.0, ahead}, {0.05, ahead}, {0.05, back}, {2.0, back}}, 1}});
     const RunResult run = simulate(scenario);

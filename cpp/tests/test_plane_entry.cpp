@@ -63,14 +63,14 @@ TEST_CASE("plane: coils of y that are unlike turn a stepped robot by voltages th
     };
     Scenario scenario;
     CHECK(stepped(scenario) == 0.0);
-    scenario.effects.own_coils[2].distance = 1e-3;
+    scenario.coils[2].distance = 1e-3;
     CHECK_THROWS_AS(stepped(scenario), std::invalid_argument);
     scenario.whole_plane = true;
     const double heading = stepped(scenario);
     CHECK(heading != 0.0);
     const RunResult at_once = [&] {
         Scenario whole = program_of(kCancelling, 20 * kStep);
-        whole.effects = scenario.effects;
+        whole.coils = scenario.coils;
         return simulate(whole);
     }();
     CHECK(heading == doctest::Approx(at_once.final_state.heading).epsilon(1e-6));

@@ -288,7 +288,7 @@ TEST_CASE("simulation: coils without delay") {
         Scenario scenario;
         scenario.drive.base = 0.5e-3;
         scenario.drive.pulses = 20;
-        scenario.coil.inductance = inductance;
+        for (CoilParameters& coil : scenario.coils) coil.inductance = inductance;
         const RunResult result = simulate(scenario);
         CHECK(result.status == Status::ok);
         CHECK(result.steps.accepted < 100000);

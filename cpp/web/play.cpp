@@ -9,7 +9,7 @@
 
 #include "stickslip/run/assembly.hpp"
 #include "stickslip/run/simulation.hpp"
-#include "stickslip/scenario/own_coils.hpp"
+#include "stickslip/scenario/coils.hpp"
 #include "stickslip/scenario/parameters.hpp"
 
 namespace stickslip {

@@ -198,7 +198,7 @@ def _program(draw: Draw) -> Scenario:
 def _of_map(draw: Draw) -> Scenario:
     across = draw.chance(0.6)
     keys = _played(draw, across) if draw.chance(0.3) else {**_drive(draw), "drive.base": 0.4e-3}
-    keys |= {k: v for k, v in _effects(draw, 1).items() if not k.startswith("effects.coil_")}
+    keys |= {k: v for k, v in _effects(draw, 1).items() if not k.startswith("coil.")}
     return Scenario(coil=Coil(map=_map(across))).replace(keys)
 
 

@@ -170,7 +170,7 @@ private:
                 }
                 const bool goes_on = end.status == Status::ok && end.event == Event::none;
                 found = goes_on ? Finish::stretch : Finish::phase;
-                loop.end_phase(phase, end);
+                loop.end_phase(phase, end, loop.tsit5().counts().accepted);
             }
         });
         if (found == Finish::step) {

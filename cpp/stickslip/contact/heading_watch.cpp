@@ -1,5 +1,7 @@
 #include "stickslip/contact/heading_watch.hpp"
 
+#include <numbers>
+
 namespace stickslip {
 namespace {
 
@@ -32,13 +34,32 @@ HeadingWatch::HeadingWatch(const Model& model)
       yaw_(model.moment > 0.0 ? std::sqrt(model.moment / yaw_inertia(model))
                               : std::numeric_limits<double>::infinity()) {}
 
-Status HeadingWatch::pass(const Facing& now) {
+Status HeadingWatch::pass(const Facing& now, double time) {
     state_.is_weak = !state_.is_weak;
     if (state_.is_weak) return Status::ok;
     const bool is_off = std::abs(state_.heading.angle_to(now.heading)) > kMostLag;
     if (state_.was_settled && is_off) return Status::heading_lost;
     state_.heading = now.heading;
+    state_.since = time;
+    state_.turned_then = state_.turned;
     return Status::ok;
+}
+
+// The rate over no less than the time that the robot itself takes to yaw: within that, a field that
+// fades while it turns leaves the robot behind, and is another matter.
+HeadingEnd HeadingWatch::judge(double start, double tau, double horizontal) {
+    const double own = yaw_ * std::sqrt(horizontal), time = start + tau - state_.since;
+    if (!(own * time >= 1.0)) return {};
+    const double limit = kMostTurning * own, rate = (state_.turned - state_.turned_then) / time;
+    // The robot stands up while the coils' field first outgrows one that could not hold it, by
+    // which the sum turns by less than half a turn.
+    if (rate > limit && (state_.was_settled || state_.turned > std::numbers::pi)) {
+        return {Status::turns_too_fast, tau, rate, limit};
+    }
+    state_.was_settled = state_.was_settled || rate <= limit;
+    state_.since = start + tau;
+    state_.turned_then = state_.turned;
+    return {};
 }
 
 }  // namespace stickslip

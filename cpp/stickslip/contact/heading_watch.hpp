@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "stickslip/body/model.hpp"
 #include "stickslip/field/heading.hpp"
@@ -36,6 +35,8 @@ public:
         bool is_weak = true;       ///< the field
         bool was_settled = false;  ///< ever strong and slow
         double turned = 0.0;       ///< rad, by which the heading has turned to and fro
+        double since = 0.0;        ///< s, since when its rate of turning is measured
+        double turned_then = 0.0;  ///< rad, `turned` at that time
     };
     const State& state() const { return state_; }
     void set_state(const State& state) { state_ = state; }
@@ -44,20 +45,23 @@ public:
 
     /// As a run begins. A robot that is held from its first instant has turned before.
     void begin(const Facing& now) {
-        if (now.horizontal > weak_field_) state_ = {now.heading, false, true, state_.turned};
+        if (now.horizontal > weak_field_)
+            state_ = {.heading = now.heading, .is_weak = false, .was_settled = true};
     }
-    /// The event function: what is left, T, before a strong field becomes weak, or a weak one
-    /// strong.
+    /// The event function: what is left, T^2, before a strong field becomes weak, or a weak one
+    /// strong. Of squares, as the size of a field that goes through zero has a corner there.
     double left(double horizontal) const {
-        return state_.is_weak ? weak_field_ - horizontal : horizontal - weak_field_;
+        const double over = horizontal * horizontal - weak_field_ * weak_field_;
+        return state_.is_weak ? -over : over;
     }
-    /// Where the event is. A field that comes back more than two degrees from where it was leaves
-    /// the heading unknown.
-    Status pass(const Facing& now);
-    /// Follows a strong field over a part of a stretch, from where it was last seen; `facing(tau)`
-    /// is had at any time of it. Says where it turns too fast, if it does.
-    HeadingEnd follow(double from, double to, auto&& facing) {
-        return state_.is_weak || !(to > from) ? HeadingEnd{} : see(from, to, facing(to), facing);
+    /// Where the event is, `time` s. A field that comes back more than two degrees from where it
+    /// was leaves the heading unknown.
+    Status pass(const Facing& now, double time);
+    /// Follows a strong field over a part of a stretch that began at `start` s, from where it was
+    /// last seen; `facing(tau)` is had at any time of it. Says where it turns too fast, if it does.
+    HeadingEnd follow(double start, double from, double to, auto&& facing) {
+        if (state_.is_weak || !(to > from)) return {};
+        return see(start, from, to, facing(to), facing);
     }
 
     /// Of the angle by which the heading lags behind the field, in the linear motion of yaw that
@@ -66,34 +70,28 @@ public:
     static constexpr double kMostTurning = 0.2;
 
 private:
-    HeadingEnd see(double from, double to, const Facing& now, auto&& facing);
+    HeadingEnd see(double start, double from, double to, const Facing& now, auto&& facing);
+    HeadingEnd judge(double start, double tau, double horizontal);
 
     double weak_field_;  // T
     double yaw_;  // rad/s over the root of the horizontal field in T, the yaw's own frequency
     State state_;
 };
 
-HeadingEnd HeadingWatch::see(double from, double to, const Facing& now, auto&& facing) {
+HeadingEnd HeadingWatch::see(double start, double from, double to, const Facing& now,
+                             auto&& facing) {
     // The angle within a step beyond which its halves are looked at, and the time below which they
     // are not: a field that goes through zero is then far below a weak one on the way.
     constexpr double kFar = 0.1, kShort = 1e-8;
-    const double angle = std::abs(state_.heading.angle_to(now.heading)), time = to - from;
-    if (angle > kFar && time > kShort) {
+    const double angle = std::abs(state_.heading.angle_to(now.heading));
+    if (angle > kFar && to - from > kShort) {
         const double middle = 0.5 * (from + to);
-        const HeadingEnd end = see(from, middle, facing(middle), facing);
-        return end.status == Status::ok ? see(middle, to, now, facing) : end;
+        const HeadingEnd end = see(start, from, middle, facing(middle), facing);
+        return end.status == Status::ok ? see(start, middle, to, now, facing) : end;
     }
-    const double limit = kMostTurning * yaw_ * std::sqrt(now.horizontal);
-    const bool too_fast = angle > limit * time;
     state_.turned += angle;
-    // The robot stands up while the coils' field first outgrows one that could not hold it, by
-    // which the sum turns by less than half a turn.
-    if (too_fast && (state_.was_settled || state_.turned > std::numbers::pi)) {
-        return {Status::turns_too_fast, to, angle / time, limit};
-    }
-    state_.was_settled = state_.was_settled || !too_fast;
     state_.heading = now.heading;
-    return {};
+    return judge(start, to, now.horizontal);
 }
 
 }  // namespace stickslip

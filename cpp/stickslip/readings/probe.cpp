@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "stickslip/run/assembly.hpp"
-#include "stickslip/scenario/own_coils.hpp"
+#include "stickslip/scenario/coils.hpp"
 #include "stickslip/scenario/scenario_rows.hpp"
 
 namespace stickslip {

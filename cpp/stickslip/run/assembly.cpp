@@ -8,7 +8,7 @@
 
 #include "stickslip/numbers/number_text.hpp"
 #include "stickslip/run/initial_state.hpp"
-#include "stickslip/scenario/own_coils.hpp"
+#include "stickslip/scenario/coils.hpp"
 
 namespace stickslip {
 namespace {
@@ -94,7 +94,7 @@ void check(const Scenario& s) {
                     "contact.static_friction", s.contact.static_friction,
                     "a kinetic friction that is not above the static one");
     }
-    check_own_coils(s);
+    check_coils(s);
     check_plane(s);
     if (s.solver.max_step > 0.0 && s.solver.max_step < kLeastMaxStep) {
         refuse("solver.max_step", s.solver.max_step, "0 (no limit) or at least 1e-9 s");

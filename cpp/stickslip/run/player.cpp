@@ -4,7 +4,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "stickslip/scenario/own_coils.hpp"
+#include "stickslip/scenario/coils.hpp"
 
 namespace stickslip {
 
@@ -75,7 +75,7 @@ Status Player::handle(Event event) {
     watch_.event(time());
     if (event == Event::heading) {
         const Facing now = plane_->facing(plane_->field().at(tau_), place(state_.body));
-        const Status status = plane_->watch().pass(now);
+        const Status status = plane_->watch().pass(now, time());
         if (status != Status::ok) return status;
     }
     transitions_.handle(event, tau_);

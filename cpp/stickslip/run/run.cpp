@@ -107,15 +107,18 @@ void Run::begin() {
 void Run::play_phase() {
     player_.with_phase([this](auto phase) {
         const auto advance = [&](auto& method) {
-            end_phase(phase, method.advance(phase, player_.memory(), player_.tau(),
-                                            player_.segment().duration, phase.begin(player_.body()),
-                                            observer(phase)));
+            const auto end =
+                method.advance(phase, player_.memory(), player_.tau(), player_.segment().duration,
+                               phase.begin(player_.body()), observer(phase));
+            end_phase(phase, end, method.counts().accepted);
         };
 #ifdef STICKSLIP_WITH_ARKODE
         // A body at rest has no error that would tell ARKODE how far to step.
         if constexpr (!requires { phase.kRests; }) {
             if (arkode_) {
+                arkode_->set_counts(tsit5_.counts());
                 advance(*arkode_);
+                tsit5_.set_counts(arkode_->counts());
                 return;
             }
         }
@@ -160,22 +163,7 @@ void Run::after_event() {
 
 void Run::reset_counts() {
     stretches_ = 0;
-    tsit5_.reset_counts();
-#ifdef STICKSLIP_WITH_ARKODE
-    if (arkode_) arkode_->reset_counts();
-#endif
-}
-
-StepCounts Run::counts() const {
-    StepCounts result = tsit5_.counts();
-#ifdef STICKSLIP_WITH_ARKODE
-    if (arkode_) {
-        result.accepted += arkode_->counts().accepted;
-        result.rejected += arkode_->counts().rejected;
-        result.evaluations += arkode_->counts().evaluations;
-    }
-#endif
-    return result;
+    tsit5_.set_counts({});
 }
 
 RunSnapshot Run::snapshot() const {
@@ -205,7 +193,7 @@ void Run::fail(const WrenchNotFinite& failure) {
 
 RunResult Run::take_result() {
     measurement_.write(result_.summary);
-    result_.steps = counts();
+    result_.steps = tsit5_.counts();
     result_.recording = recorder_.take();
     result_.final_body = player_.body();
     result_.final_state = player_.world();

@@ -58,9 +58,9 @@ public:
     /// What is called for each step of a phase, see StepLoop::advance.
     template <class Phase>
     auto observer(Phase& phase);
-    /// Goes on from where a phase has ended.
+    /// Goes on from where a phase has ended, after so many steps of the run.
     template <class Phase>
-    void end_phase(Phase& phase, const PhaseEnd<Phase>& end);
+    void end_phase(Phase& phase, const PhaseEnd<Phase>& end, std::int64_t steps_taken);
     /// Ends the run where it is.
     void give_up(Status status) {
         result_.status = status;
@@ -104,7 +104,6 @@ private:
     }
     double find_stop(auto& phase, const auto& step, double s) const;
     void fail(const WrenchNotFinite& failure);
-    StepCounts counts() const;
 
     Player player_;
     Measurement measurement_;
@@ -142,8 +141,8 @@ auto Run::observer(Phase& phase) {
                 const BodyState body = body_at(tau);
                 return plane.facing(phase.field_at(tau), {body.x, body.y, body.z});
             };
-            const HeadingEnd end =
-                plane.watch().follow(step.start, step.start + s * step.width, facing);
+            const HeadingEnd end = plane.watch().follow(player_.absolute(0.0), step.start,
+                                                        step.start + s * step.width, facing);
             if (end.status != Status::ok) {
                 result_.heading_end = end;
                 s = stop = (end.tau - step.start) / step.width;
@@ -181,7 +180,7 @@ double Run::find_stop(auto& phase, const auto& step, double s) const {
 }
 
 template <class Phase>
-void Run::end_phase(Phase& phase, const PhaseEnd<Phase>& end) {
+void Run::end_phase(Phase& phase, const PhaseEnd<Phase>& end, std::int64_t steps_taken) {
     const double duration = end.tau - player_.tau();
     measurement_.phase(phase, end, duration);
     player_.end_phase(phase, end);
@@ -203,7 +202,7 @@ void Run::end_phase(Phase& phase, const PhaseEnd<Phase>& end) {
     }
     if (end.status == Status::ok && end.event != Event::none) handle(end.event);
     // A phase that ends in its first step does not look at the budget.
-    const bool spent = counts().accepted > player_.options().most_steps;
+    const bool spent = steps_taken > player_.options().most_steps;
     if (result_.status == Status::ok && spent) result_.status = Status::too_many_steps;
 }
 

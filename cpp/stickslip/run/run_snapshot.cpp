@@ -47,6 +47,8 @@ void for_each_number(Snapshot& s, auto&& visit) {
     visit(s.heading.is_weak);
     visit(s.heading.was_settled);
     visit(s.heading.turned);
+    visit(s.heading.since);
+    visit(s.heading.turned_then);
     visit_all(s.gain);
     visit(s.begun);
     visit(s.touches_down);

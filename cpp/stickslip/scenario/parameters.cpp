@@ -1,9 +1,12 @@
 #include "stickslip/scenario/parameters.hpp"
 
+#include <algorithm>
 #include <limits>
+#include <string_view>
+#include <utility>
 
+#include "stickslip/scenario/coils.hpp"
 #include "stickslip/scenario/free_shapes.hpp"
-#include "stickslip/scenario/own_coils.hpp"
 
 namespace stickslip {
 namespace {
@@ -41,18 +44,6 @@ std::vector<Parameter> make_parameters() {
         {.key = "drive.ramp_down", .unit = "s", .low = 0, .high = 1e4,
          .meaning = "fall of the in-plane coil to zero after the last pulse",
          STICKSLIP_MEMBER(drive.ramp_down)},
-        {.key = "coil.resistance", .unit = "ohm", .low = 0, .high = 1e9, .low_allowed = false,
-         .meaning = "resistance of one coil, Table I", STICKSLIP_MEMBER(coil.resistance)},
-        {.key = "coil.inductance", .unit = "H", .low = 0, .high = 1e3, .low_allowed = false,
-         .meaning = "inductance of one coil, Table I", STICKSLIP_MEMBER(coil.inductance)},
-        {.key = "coil.side", .unit = "m", .low = 1e-6, .high = 100,
-         .meaning = "effective length of a coil's side, Table I",
-         STICKSLIP_MEMBER(coil.geometry.side)},
-        {.key = "coil.distance", .unit = "m", .low = 1e-3, .high = 100,
-         .meaning = "distance of each coil's plane from the centre, Table I",
-         STICKSLIP_MEMBER(coil.geometry.distance)},
-        {.key = "coil.turns", .unit = "-", .low = 1e-3, .high = 1e6,
-         .meaning = "turns of one coil, Table I", STICKSLIP_MEMBER(coil.geometry.turns)},
         {.key = "robot.length", .unit = "m", .low = 1e-6, .high = 0.2,
          .meaning = "length along the magnetization, Table II", STICKSLIP_MEMBER(robot.length)},
         {.key = "robot.width", .unit = "m", .low = 1e-6, .high = 0.2,
@@ -317,7 +308,15 @@ std::vector<EffectDescription> make_effects() {
 }  // namespace
 
 const std::vector<Parameter>& parameters() {
-    static const std::vector<Parameter> table = with_free_shapes(with_own_coils(make_parameters()));
+    static const std::vector<Parameter> table = [] {
+        std::vector<Parameter> rows = make_parameters();
+        const std::vector<Parameter> coils = coil_rows();
+        const auto robot = std::find_if(rows.begin(), rows.end(), [](const Parameter& row) {
+            return std::string_view(row.key).starts_with("robot.");
+        });
+        rows.insert(robot, coils.begin(), coils.end());
+        return with_free_shapes(std::move(rows));
+    }();
     return table;
 }
 
@@ -327,8 +326,7 @@ const std::vector<Choice>& choices() {
 }
 
 const std::vector<EffectDescription>& effects() {
-    static const std::vector<EffectDescription> table =
-        with_free_shapes(with_own_coils(make_effects()));
+    static const std::vector<EffectDescription> table = with_free_shapes(make_effects());
     return table;
 }
 

@@ -12,7 +12,7 @@ namespace stickslip {
 namespace {
 
 bool has_equal_coils_of_y(const Scenario& s) {
-    return s.effects.own_coils[2] == s.effects.own_coils[3];
+    return s.coils[2] == s.coils[3];
 }
 
 }  // namespace

@@ -16,21 +16,11 @@
 namespace stickslip {
 
 /// One coil, Table I.
-struct CoilParameters {
-    CoilGeometry geometry;
+struct CoilParameters : CoilGeometry {
     double resistance = 10.0;  ///< ohm
     double inductance = 0.07;  ///< H
-};
 
-/// Values of one coil that differ from those of all; zero: they do not.
-struct OwnCoil {
-    double resistance = 0.0;  ///< ohm
-    double inductance = 0.0;  ///< H
-    double side = 0.0;        ///< m
-    double distance = 0.0;    ///< m
-    double turns = 0.0;
-
-    friend bool operator==(const OwnCoil&, const OwnCoil&) = default;
+    friend bool operator==(const CoilParameters&, const CoilParameters&) = default;
 };
 
 /// Table II.
@@ -88,9 +78,6 @@ struct Effects {
     double surface_tilt_azimuth = 0.0;  ///< rad, has no effect at angle zero
     double friction_patches_amplitude = 0.0;
     double friction_patches_period = 1e-3;  ///< m, has no effect at amplitude zero
-    // measurement
-    // coils that are not as all, in the world's frame; see own_coils.cpp
-    PerCoilOf<OwnCoil> own_coils = {};
     // free shapes, each absent while its knots are zero; see free_shapes.cpp
     FreeShape free_friction_speed{FreeReach::anchored, 0.02};     ///< of m/s
     FreeShape free_friction_angle{FreeReach::both_ways, 1.5};     ///< of rad
@@ -137,7 +124,7 @@ struct RecordSettings {
 struct Scenario {
     Drive drive;
     VoltageProgram program;               ///< V, world frame; used by DriveMode::program
-    CoilParameters coil;                  ///< of all five, where one has no own values
+    PerCoilOf<CoilParameters> coils;      ///< world frame
     std::shared_ptr<const FieldMap> map;  ///< world frame; nullptr: the coils' own field
     RobotParameters robot;
     ContactParameters contact;

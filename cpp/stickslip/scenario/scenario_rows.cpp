@@ -2,13 +2,15 @@
 
 #include <stdexcept>
 
+#include "stickslip/scenario/coils.hpp"
+
 namespace stickslip {
 
 ScenarioRows::ScenarioRows(const Scenario& base, const std::vector<std::string>& keys,
                            const std::vector<double>& values)
     : base_(base), values_(values), size_(keys.empty() ? 1 : values.size() / keys.size()) {
     for (const std::string& key : keys) {
-        Column column = {key, find_choice(key), std::nullopt};
+        Column column = {key, find_choice(key), std::nullopt, is_of_one_coil(key)};
         if (column.choice == nullptr && find_parameter(key) == nullptr) {
             column.own = find_user_key(key);
             if (!column.own) {
@@ -43,8 +45,11 @@ void ScenarioRows::Column::set(Scenario& scenario, double value) const {
 
 Scenario ScenarioRows::operator[](std::size_t row) const {
     Scenario scenario = base_;
-    for (std::size_t k = 0; k < columns_.size(); ++k) {
-        columns_[k].set(scenario, values_[row * columns_.size() + k]);
+    for (const bool of_one_coil : {false, true}) {
+        for (std::size_t k = 0; k < columns_.size(); ++k) {
+            if (columns_[k].of_one_coil != of_one_coil) continue;
+            columns_[k].set(scenario, values_[row * columns_.size() + k]);
+        }
     }
     return scenario;
 }

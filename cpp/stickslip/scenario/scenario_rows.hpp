@@ -9,8 +9,8 @@
 namespace stickslip {
 
 /// A scenario with other values of some keys, a row of `values` for each point; without keys it is
-/// one point, the scenario itself. A key that takes words has the index of the word. Scenario and
-/// values have to outlive it.
+/// one point, the scenario itself. A key that takes words has the index of the word; keys of single
+/// coils come after those of all coils. Scenario and values have to outlive it.
 class ScenarioRows {
 public:
     /// Throws std::invalid_argument for an unknown key or a size that does not fit.
@@ -28,6 +28,7 @@ private:
         std::string key;
         const Choice* choice = nullptr;
         std::optional<UserKey> own;
+        bool of_one_coil = false;
 
         void set(Scenario& scenario, double value) const;
     };

@@ -30,8 +30,8 @@ public:
 
     const StepperOptions& options() const { return options_; }
     const StepCounts& counts() const { return counts_; }
-    /// Counts anew, and with that what is left of options().most_steps.
-    void reset_counts() { counts_ = {}; }
+    /// Goes on from other counts, and with that from what they leave of options().most_steps.
+    void set_counts(const StepCounts& counts) { counts_ = counts; }
 
     /// Integrates from `tau` to `tau_end` or the first event. `observe(step, s)` is called
     /// for the steps on the way, with the fraction s that belongs to the phase; it answers at which

@@ -284,6 +284,11 @@ def full_name(name: str) -> str:
     return f"effects.{name}" if name not in keys and f"effects.{name}" in keys else name
 
 
+def is_of_one_coil(key: str) -> bool:
+    """Whether a key is of a single coil, such as ``coil.xp.turns``."""
+    return key.startswith("coil.") and key.count(".") > 1
+
+
 def find_key(name: str, *value: object) -> Key:
     """The key of that name, or an error that names the nearest one, and the value if there is."""
     keys = known_keys()

@@ -78,16 +78,6 @@ def is_free_shape(name: str) -> bool:
     return name.startswith("free_") and f"{PREFIX}{name}.knot_1" in known_keys()
 
 
-def is_own_coil(name: str) -> bool:
-    """Whether the extension `name` gives one coil values of its own."""
-    return name in {f"coil_{coil}" for coil in _core.coil_names}
-
-
-def is_lawful(name: str) -> bool:
-    """Whether the extension `name` is a law that a diagnosis may find by itself."""
-    return not is_free_shape(name) and not is_own_coil(name)
-
-
 def suggested_effect(name: str, others: Iterable[str] = ()) -> str:
     """Which extension `name` was probably meant to be, or all that could have been.
 

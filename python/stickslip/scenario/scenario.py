@@ -22,6 +22,7 @@ from stickslip.scenario.keys import (
     field_of,
     find_key,
     full_name,
+    is_of_one_coil,
     known_keys,
 )
 from stickslip.scenario.named_effects import PREFIX, EffectSettings
@@ -184,7 +185,8 @@ class Scenario:
         if key.startswith(PREFIX):
             _, name, parameter = key.split(".", 2)
             return self.effects.get(name, {}).get(parameter, known.default)
-        value: Value = getattr(getattr(self, known.section), field_of(key))
+        section = functools.reduce(getattr, known.section.split("."), self)
+        value: Value = getattr(section, field_of(key))
         return value
 
     def replace(self, changes: Mapping[str, Any]) -> Scenario:
@@ -193,7 +195,8 @@ class Scenario:
         Parameters
         ----------
         changes : mapping
-            New values by dotted key, of effects also by short name. ``"drive.program"`` takes a
+            New values by dotted key, of effects also by short name. ``"coil.turns"`` sets all five
+            coils, ``"coil.xp.turns"`` one. ``"drive.program"`` takes a
             `Waveform` or None, and ``"coil.map"`` a `FieldMap` or None. With a change of
             ``"drive.mode"`` to ``"program"`` the keys of the sawtooth get their defaults.
 
@@ -207,6 +210,8 @@ class Scenario:
             If a key is unknown or a value not allowed.
         """
         changes = {full_name(key): value for key, value in changes.items()}
+        # A key of all coils would undo one of a single coil that came before it.
+        changes = dict(sorted(changes.items(), key=lambda change: is_of_one_coil(change[0])))
         for key, value in changes.items():
             if key not in OBJECTS:
                 find_key(key, value)
@@ -223,7 +228,7 @@ class Scenario:
         for key, value in changes.items():
             section, name = key.split(".", 1)
             given = value if key in OBJECTS else checked(key, value, core)
-            own = name if section == "effects" else field_of(key)
+            own = name if section in ("effects", "coil") else field_of(key)
             by_section.setdefault(section, {})[own] = given
         parts = {section: self._changed(section, values) for section, values in by_section.items()}
         made = object.__new__(type(self))
@@ -284,6 +289,9 @@ class Scenario:
         before = getattr(self, section)
         if section == "effects":
             return before.with_values(values)
+        if section == "coil":
+            kept = {"map": values.pop("map", before.map)}
+            return dataclasses.replace(before.with_values(values), **kept)
         if any(f"{section}.{name}" in OBJECTS for name in values):
             return dataclasses.replace(before, **values)
         after = object.__new__(type(before))
@@ -333,6 +341,8 @@ class Scenario:
         core = _core.Scenario()
         for key, section, name in _core_keys():
             core.set(key, getattr(getattr(self, section), name))
+        for key, value in self.coil.own_values().items():
+            core.set(key, value)
         assert isinstance(self.effects, EffectSettings)
         for key, value in self.effects.flat().items():
             checked(key, value, core)  # an effect of the user may be gone
@@ -356,5 +366,5 @@ def _core_keys() -> tuple[tuple[str, str, str], ...]:
     return tuple(
         (key, *key.split(".", 1))  # type: ignore[misc]
         for key in known_keys()
-        if not key.startswith(("record.", PREFIX))
+        if not key.startswith(("record.", PREFIX)) and not is_of_one_coil(key)
     )

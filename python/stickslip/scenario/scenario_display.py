@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from stickslip._util.html_table import html_table
 from stickslip._util.units import handy
-from stickslip.scenario.keys import Key, Value, known_keys
+from stickslip.scenario.keys import Key, Value, is_of_one_coil, known_keys
 from stickslip.scenario.path_keys import COIL_MAP, PROGRAM
 
 if TYPE_CHECKING:
@@ -19,8 +19,11 @@ def scenario_html(scenario: Scenario) -> str:
     rows = [(PROGRAM, repr(program))] if program is not None else []
     if scenario.coil.map is not None:
         rows.append((COIL_MAP, str(scenario.coil.map)))
+    own = scenario.coil.own_values()
     for name, key in known_keys().items():
         value = scenario.get(name)
+        if is_of_one_coil(name) and name not in own:
+            continue
         if (key.section == "drive" and program is None) or value != key.default:
             rows.append((name, _shown(key, value)))
     if scenario.uncertain is not None:

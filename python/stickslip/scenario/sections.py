@@ -6,12 +6,19 @@ import dataclasses
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast
 
 from stickslip import _core
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import checked, field_of, find_key, recorded_fields, refuse
-from stickslip.scenario.path_keys import COIL_MAP, FILE, MAP_HINT, OBJECTS, PROGRAM, PROGRAM_HINT
+from stickslip.scenario.keys import (
+    checked,
+    field_of,
+    find_key,
+    known_keys,
+    recorded_fields,
+    refuse,
+)
+from stickslip.scenario.path_keys import COIL_MAP, FILE, MAP_HINT, PROGRAM, PROGRAM_HINT
 
 if TYPE_CHECKING:
     from stickslip.scenario.field_map import FieldMap
@@ -45,7 +52,7 @@ def refuse_sawtooth_values(mode: object, values: Mapping[str, object]) -> None:
 
 _GEOMETRY = frozenset(
     f"{part}.{name}"
-    for part in ("coil", *(f"effects.coil_{name}" for name in COIL_NAMES))
+    for part in ("coil", *(f"coil.{name}" for name in COIL_NAMES))
     for name in ("side", "distance", "turns")
 )
 
@@ -71,7 +78,7 @@ class Section:
     def __post_init__(self) -> None:
         for each in dataclasses.fields(self):  # type: ignore[arg-type]
             key = f"{self._key}.{each.name.removesuffix('_')}"
-            if key not in OBJECTS:
+            if key in known_keys():
                 value = checked(key, getattr(self, each.name))
                 object.__setattr__(self, each.name, value)
 
@@ -160,8 +167,23 @@ class Drive(Section):
 
 
 @dataclass(frozen=True, kw_only=True)
+class OneCoil:
+    """Values of one coil, as those of `Coil`."""
+
+    resistance: float
+    inductance: float
+    side: float
+    distance: float
+    turns: float
+
+
+_VALUES = tuple(each.name for each in dataclasses.fields(OneCoil))
+_LIKE_MOST = cast("OneCoil", None)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Coil(Section):
-    """One of the five equal coils, Table I.
+    """The five coils, Table I.
 
     Parameters
     ----------
@@ -178,6 +200,10 @@ class Coil(Section):
     map : FieldMap, optional
         Measured field of the five coils, in place of that of `side`, `distance` and `turns`, which
         then have their defaults.
+    xp, xm, yp, ym, clamp : mapping or OneCoil, optional
+        Values of one coil that differs, such as ``{"resistance": 10.5}``. It reads as a `OneCoil`.
+
+    Where coils differ, `resistance` and its like are those of most coils (of xp, if all differ).
     """
 
     resistance: float = 10.0
@@ -186,14 +212,65 @@ class Coil(Section):
     distance: float = 0.099
     turns: float = 510.0
     map: FieldMap | None = None
+    xp: OneCoil = _LIKE_MOST
+    xm: OneCoil = _LIKE_MOST
+    yp: OneCoil = _LIKE_MOST
+    ym: OneCoil = _LIKE_MOST
+    clamp: OneCoil = _LIKE_MOST
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        common = {name: getattr(self, name) for name in _VALUES}
+        coils = {}
+        for name in COIL_NAMES:
+            given = getattr(self, name)
+            if isinstance(given, OneCoil):
+                given = vars(given)
+            if not isinstance(given, Mapping | None):
+                refuse(f"coil.{name}", given, f"a table [coil.{name}]")
+            own = {k: checked(f"coil.{name}.{k}", v) for k, v in (given or {}).items()}
+            coils[name] = {**common, **own}
+        self._take(coils)
         if self.map is not None:
             from stickslip.scenario.field_map import FieldMap
 
             if not isinstance(self.map, FieldMap):
                 refuse(COIL_MAP, self.map, f"a path in a file or with --set; {MAP_HINT}")
+
+    def _take(self, coils: Mapping[str, Mapping[str, Any]]) -> None:
+        for name, values in coils.items():
+            object.__setattr__(self, name, OneCoil(**values))
+        for value in _VALUES:
+            each = [values[value] for values in coils.values()]
+            object.__setattr__(self, value, max(each, key=each.count))
+
+    def __repr__(self) -> str:
+        shown = [*_VALUES, "map", *dict.fromkeys(key.split(".")[1] for key in self.own_values())]
+        return f"Coil({', '.join(f'{name}={getattr(self, name)!r}' for name in shown)})"
+
+    def own_values(self) -> dict[str, float]:
+        """By dotted key, the values of single coils that differ from those of most."""
+        return {
+            f"coil.{name}.{value}": getattr(getattr(self, name), value)
+            for name in COIL_NAMES
+            for value in _VALUES
+            if getattr(getattr(self, name), value) != getattr(self, value)
+        }
+
+    def with_values(self, values: Mapping[str, Any]) -> Coil:
+        """A copy with other values, by key without ``coil.``, that are checked already.
+
+        Those of all coils are set before those of single ones.
+        """
+        coils = {name: dict(vars(getattr(self, name))) for name in COIL_NAMES}
+        for key in sorted(values, key=lambda key: "." in key):
+            name, _, value = key.rpartition(".")
+            for each in (name,) if name else COIL_NAMES:
+                coils[each][value] = values[key]
+        made = object.__new__(type(self))
+        vars(made).update(vars(self))
+        made._take(coils)
+        return made
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,10 +14,10 @@ from stickslip._util.plain_text import printable, quoted
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import Value, field_of, known_keys, refuse, shown, suggestion
 from stickslip.scenario.named_effects import PREFIX, EffectSettings
-from stickslip.scenario.path_keys import COIL_MAP, FILE, OBJECTS, PATHS, PROGRAM, PROGRAM_HINT
+from stickslip.scenario.path_keys import COIL_MAP, FILE, PATHS, PROGRAM, PROGRAM_HINT
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.section_table import SECTIONS
-from stickslip.scenario.sections import SAWTOOTH, refuse_sawtooth
+from stickslip.scenario.sections import COIL_NAMES, SAWTOOTH, Coil, refuse_sawtooth
 from stickslip.scenario.toml_text import parse_toml
 
 if TYPE_CHECKING:
@@ -125,6 +125,7 @@ def _parts(document: dict[str, Any], folder: Path, changes: Mapping[str, Any]) -
     parts: dict[str, Any] = {}
     for name, section in SECTIONS.items():
         values = dict(document.get(name, {}))
+        single = _single_coils(values) if name == "coil" else {}
         _check_fields(name, values)
         own = {key.partition(".")[2]: changes[key] for key in changes if key.startswith(f"{name}.")}
         if name == "drive":
@@ -133,6 +134,9 @@ def _parts(document: dict[str, Any], folder: Path, changes: Mapping[str, Any]) -
             file = values.pop("map")
             if "map" not in own:
                 values["map"] = _field_map(file, folder)
+        if name == "coil":
+            parts[name] = _coil(values, single, own)
+            continue
         parts[name] = section(**{field_of(key): value for key, value in (values | own).items()})
     parts["effects"] = EffectSettings(_effects(document.get("effects"), changes))
     parts["uncertain"] = document.get("uncertain")
@@ -151,6 +155,28 @@ def _drive(values: dict[str, Any], own: Mapping[str, Any], folder: Path) -> dict
         if "program" not in own:
             left["program"] = _program(file, folder)
     return left
+
+
+def _single_coils(values: dict[str, Any]) -> dict[str, Any]:
+    """The tables [coil.xp] .., which are taken out of the values of [coil]."""
+    single = {name: values.pop(name) for name in COIL_NAMES if name in values}
+    for name, table in single.items():
+        if not isinstance(table, dict):
+            refuse(f"coil.{name}", table, f"a table [coil.{name}]")
+        _check_fields(f"coil.{name}", table)
+    return single
+
+
+def _coil(values: dict[str, Any], single: dict[str, Any], own: Mapping[str, Any]) -> Coil:
+    """The coils of a file with other values, in whose place those of the file are not checked."""
+    left = {key: value for key, value in values.items() if key not in own}
+    for name, table in single.items():
+        given = {key: table[key] for key in table if not {key, f"{name}.{key}"} & own.keys()}
+        left[name] = given
+    changed = {key: value for key, value in own.items() if key != "map"}
+    if "map" in own:
+        left["map"] = own["map"]
+    return Coil(**left).with_values(changed)
 
 
 def _effects(table: Any, changes: Mapping[str, Any]) -> Any:
@@ -263,12 +289,14 @@ def scenario_text(
             name = field.name.removesuffix("_")
             key = f"{section}.{name}"
             idle = scenario.drive.mode == "program" and key in SAWTOOTH
-            if key not in OBJECTS and not idle:
+            if key in known_keys() and not idle:
                 lines.append(_line(name, scenario.get(key), known_keys()[key].unit))
         if section == "drive" and scenario.drive.program is not None:
             lines.append(_line("file", voltages, "-"))
         if section == "coil" and scenario.coil.map is not None:
             lines.append(_line("map", field_map, "-"))
+        if section == "coil":
+            lines += _lines_of_single_coils(scenario.coil)
     for name, parameters in scenario.effects.items():
         lines += ["", f"[effects.{name}]"]
         for parameter, value in parameters.items():
@@ -277,6 +305,20 @@ def scenario_text(
     if scenario.uncertain is not None:
         lines += _uncertain_lines(scenario.uncertain)
     return "\n".join(lines) + "\n"
+
+
+def _lines_of_single_coils(coil: Coil) -> list[str]:
+    lines = []
+    own = coil.own_values()
+    for name in dict.fromkeys(key.split(".")[1] for key in own):
+        start = f"coil.{name}."
+        lines += ["", f"[coil.{name}]"]
+        lines += [
+            _line(key.removeprefix(start), value, known_keys()[key].unit)
+            for key, value in own.items()
+            if key.startswith(start)
+        ]
+    return lines
 
 
 def _uncertain_lines(uncertain: JointPrior) -> list[str]:

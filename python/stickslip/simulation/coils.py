@@ -49,7 +49,7 @@ class Coils:
 
     @classmethod
     def of(cls, scenario: Scenario) -> Coils:
-        """The coils of a scenario, with what ``[effects.coil_xp]`` .. say of single ones.
+        """The coils of a scenario, with what ``[coil.xp]`` .. say of single ones.
 
         With ``coil.map`` the field is that of the map, and known in its `box` only; side, distance
         and turns then have no part in it.

@@ -59,8 +59,7 @@ def time_constants(scenario: Scenario, core: _core.Scenario) -> dict[str, float]
     """L/R of each coil, s."""
     found = {}
     for name, resistance in zip(COIL_NAMES, core.resistances(), strict=True):
-        own = float(scenario.get(f"effects.coil_{name}.inductance"))
-        found[name] = (own or scenario.coil.inductance) / resistance
+        found[name] = float(scenario.get(f"coil.{name}.inductance")) / resistance
     return found
 
 

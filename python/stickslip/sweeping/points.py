@@ -19,7 +19,14 @@ from stickslip import _core
 from stickslip._util.arrays import Array
 from stickslip._util.equal_numbers import ABSOLUTE, RELATIVE, representatives
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import Value, checked, known_keys, shown, until_registration
+from stickslip.scenario.keys import (
+    Value,
+    checked,
+    is_of_one_coil,
+    known_keys,
+    shown,
+    until_registration,
+)
 from stickslip.scenario.named_effects import PREFIX
 from stickslip.scenario.path_keys import COIL_MAP, PROGRAM
 from stickslip.scenario.scenario import Scenario
@@ -191,7 +198,7 @@ def _short_names() -> dict[str, str]:
     names = {}
     for key in keys:
         section, _, name = key.removeprefix(PREFIX).rpartition(".")
-        names[key] = name if last.count(name) == 1 else f"{section}_{name}"
+        names[key] = name if last.count(name) == 1 else f"{section.replace('.', '_')}_{name}"
     # What the user registers must neither change those names nor take the place of a result.
     taken = {*names.values(), *_RESULTS}
     for key in own:
@@ -213,7 +220,9 @@ def _changed_keys(base: Scenario, scenario: Scenario) -> dict[str, Value]:
             continue
         for key in _keys_of(section):
             value = scenario.get(key)
-            if value != base.get(key):
+            # A change of all coils is none of single ones.
+            before = base.replace(changed) if is_of_one_coil(key) else base
+            if value != before.get(key):
                 changed[key] = value
     return changed
 

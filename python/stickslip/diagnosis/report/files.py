@@ -33,7 +33,7 @@ from stickslip.diagnosis.report.pictures import Plots, drawing
 from stickslip.diagnosis.report.readings import title_of
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
-from stickslip.scenario.keys import known_keys
+from stickslip.scenario.keys import is_of_one_coil, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.toml_file import (
     files_beside,
@@ -161,7 +161,9 @@ def _comments(result: Diagnosis, measurement: Measurement, extended: Scenario) -
     changed = [
         f"{key}: {measurement.scenario.get(key):.6g} -> {extended.get(key):.6g}"
         for key, known in known_keys().items()
-        if known.kind == "real" and extended.get(key) != measurement.scenario.get(key)
+        if known.kind == "real"
+        and not (is_of_one_coil(key) and key not in extended.coil.own_values())
+        and extended.get(key) != measurement.scenario.get(key)
     ]
     drive = "[drive] is that of the scenario as it was given"
     differs = {

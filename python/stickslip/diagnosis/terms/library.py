@@ -14,7 +14,7 @@ import numpy as np
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.scenario.keys import Key, known_keys
-from stickslip.scenario.named_effects import PREFIX, effects, is_lawful
+from stickslip.scenario.named_effects import PREFIX, effects, is_free_shape
 from stickslip.scenario.priors import Prior
 from stickslip.scenario.scenario import Scenario
 
@@ -111,7 +111,7 @@ def library(scenario: Scenario, uncertain: Collection[str], volts: float) -> tup
         for each in effects()
         if each.parameters
         and each.name not in {*scenario.effects, *own, *same}
-        and is_lawful(each.name)
+        and not is_free_shape(each.name)
     )
 
 
