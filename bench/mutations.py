@@ -102,7 +102,7 @@ MUTATIONS = (
     Mutation(
         "restored",
         "adhesion_ageing",
-        "hybrid_run.cpp",
+        "player.cpp",
         "    dynamics_.set_contact_age(snapshot.contact_age);\n",
         "",
     ),

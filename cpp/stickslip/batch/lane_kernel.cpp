@@ -86,9 +86,6 @@ struct PackOf {
     using Numbers = LaneNumbers<PhaseOf<PackDynamics<Real, kEffects>>, kEffects>;
     using One = LaneNumbers<PhaseOf<Dynamics>, kEffects>;
     static_assert(sizeof(Numbers) == Real::kSize * sizeof(One));
-    // Every number of an attempt is listed.
-    static_assert(number_count<decltype(One::progress)>() * sizeof(double) ==
-                  sizeof(One::progress));
 
     static Numbers& of(void* pack) { return *static_cast<Numbers*>(pack); }
     template <auto kList>

@@ -94,7 +94,6 @@ public:
     }
 
 private:
-    using Loop = Lane::Loop;
     using Numbers = LaneNumbers<Phase, kEffects>;
     static constexpr std::size_t kMostPlaces = 8;
 
@@ -110,20 +109,20 @@ private:
 
     // Puts what its next phase begins with into the place.
     void enter(Lane& lane, std::size_t place) {
-        Loop& loop = lane.loop;
-        loop.player().with_phase([&](auto phase) {
+        auto& player = lane.loop.player();
+        player.with_phase([&](auto phase) {
             if constexpr (std::is_same_v<decltype(phase), Phase>) {
                 Numbers numbers;
-                numbers.progress = loop.tsit5().begin(
-                    phase, loop.player().memory(), loop.player().tau(),
-                    loop.player().segment().duration, phase.begin(loop.player().body()));
-                numbers.progress.look = loop.next_look();
-                numbers.robot = loop.player().dynamics().robot();
-                set_around(numbers, loop.player().dynamics());
+                numbers.progress =
+                    lane.loop.tsit5().begin(phase, player.memory(), player.tau(),
+                                            player.segment().duration, phase.begin(player.body()));
+                numbers.progress.look = lane.loop.next_look();
+                numbers.robot = player.dynamics().robot();
+                set_around(numbers, player.dynamics());
                 numbers.contact_x = phase.contact_x(numbers.progress.step.first);
-                numbers.slip = loop.player().state().mode.slip;
-                numbers.workspace = loop.player().dynamics().field().workspace();
-                set_memory(numbers, loop.player().memory());
+                numbers.slip = player.state().mode.slip;
+                numbers.workspace = player.dynamics().field().workspace();
+                set_memory(numbers, player.memory());
                 kernel_.put_beginning(memory_.data(), place, numbers);
             }
         });
@@ -149,22 +148,23 @@ private:
 
     // What only one run can do: accepts the attempt or not, looks for events.
     Finish finish(Lane& lane, std::size_t place, bool to_end) {
-        Loop& loop = lane.loop;
+        Lane::Loop& loop = lane.loop;
+        auto& player = loop.player();
         Numbers numbers;
         kernel_.take_attempt(memory_.data(), place, numbers);
         for (std::size_t i = 0; i < Phase::kEvents; ++i) {
-            loop.player().memory().armed[i] = numbers.unarmed[i] == 0.0;
+            player.memory().armed[i] = numbers.unarmed[i] == 0.0;
         }
         const auto centre = [&] {
-            const FieldStretch<double>& field = loop.player().dynamics().field().stretch();
+            const FieldStretch<double>& field = player.dynamics().field().stretch();
             return std::pair(field.centre_x, field.centre_z);
         };
         const auto before = centre();
         Finish found = Finish::step;
-        loop.player().with_phase([&](auto phase) {
+        player.with_phase([&](auto phase) {
             if constexpr (std::is_same_v<decltype(phase), Phase>) {
                 PhaseEnd<Phase> end;
-                if (!loop.tsit5().finish(phase, loop.player().memory(), numbers.progress, to_end,
+                if (!loop.tsit5().finish(phase, player.memory(), numbers.progress, to_end,
                                          loop.observer(phase), end)) {
                     return;
                 }
@@ -175,10 +175,10 @@ private:
         });
         if (found == Finish::step) {
             numbers.progress.look = loop.next_look();
-            set_memory(numbers, loop.player().memory());
+            set_memory(numbers, player.memory());
             kernel_.put_going_on(memory_.data(), place, numbers);
             if (centre() != before) {
-                set_around(numbers, loop.player().dynamics());
+                set_around(numbers, player.dynamics());
                 kernel_.put_around(memory_.data(), place, numbers);
             }
         }
