@@ -88,16 +88,16 @@ MUTATIONS = (
     Mutation(
         "stepped",
         "sample_hold",
-        "control_steps.cpp",
-        "if (hold_period_ == 0.0) {",
-        "if (hold_period_ >= 0.0) {",
+        "control_steps.hpp",
+        ": hold_(hold_period),",
+        ": hold_(0.0 * hold_period),",
     ),
     Mutation(
         "stepped",
         "amplifier_limit",
         "control_steps.cpp",
-        "if (limit_ == 0.0 || ",
-        "if (limit_ >= 0.0 || ",
+        "if (limit_ > 0.0) points",
+        "if (limit_ < 0.0) points",
     ),
     Mutation(
         "restored",
