@@ -65,13 +65,6 @@ MUTATIONS = (
         "{0.0 * weight * downhill.x, 0.0});",
     ),
     Mutation(
-        "whole plane",
-        "free_field_time",
-        "spatial_field.cpp",
-        "const double factor = shape_->factor(segment_.start + tau, segment_.field_currents(tau));",
-        "const double factor = shape_->factor(0.0, segment_.field_currents(tau));",
-    ),
-    Mutation(
         "packs",
         "adhesion_ageing",
         "lane_kernel.cpp",
