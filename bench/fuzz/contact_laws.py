@@ -133,7 +133,7 @@ def _wrong_field(record: Record) -> list[str]:
         return []
     some = slice(None, None, max(1, len(record.t) // 500))
     s = record.scenario
-    coils = Coils(s.coil.side, s.coil.distance, s.coil.turns)
+    coils = Coils.of(s)
     points = np.column_stack([record.sign * record.x, np.zeros_like(record.x), record.z])[some]
     field = coils.field(points, record.current[some] * gains(record))
     expected = field[:, 0] + record.effect("ambient_field.Bx")

@@ -237,7 +237,7 @@ def _lagging(grid: Run, t: Array, lag: float) -> Array:
 def magnetic_load(record: Record) -> tuple[Array, Array, Array]:
     """Force along x and z (N), torque about +y (N m) of the field on the moment, Eqs. (8)-(9)."""
     s = record.scenario
-    coils = Coils(s.coil.side, s.coil.distance, s.coil.turns)
+    coils = Coils.of(s)
     points = np.column_stack([record.sign * record.x, np.zeros_like(record.x), record.z])
     slope = coils.gradient(points, record.current * gains(record))
     angle = record.theta + record.effect("misalignment.angle")

@@ -5,7 +5,6 @@
 #include "stickslip/field/field_map.hpp"
 #include "stickslip/field/field_shape.hpp"
 #include "stickslip/field/heading.hpp"
-#include "stickslip/field/horizontal_field.hpp"
 #include "stickslip/field/square_coil.hpp"
 #include "stickslip/field/turning_points.hpp"
 
@@ -16,6 +15,6 @@
 /// - expansion: its series about a place near the robot, in the plane of motion or in space, over a
 ///   stretch of voltage
 /// - field_shape: what multiplies it in the course of a run
-/// - horizontal_field, heading: what turns a robot on the surface, and where it faces
+/// - heading: where a robot on the surface faces
 /// - turning_points: where currents and |B| turn within a stretch
 namespace stickslip {}

@@ -306,7 +306,7 @@ TEST_CASE("stop condition: the run ends where it is met") {
     const RunResult fallen = simulate(tilted, nullptr, flat);
     CHECK(fallen.stopped);
     CHECK(std::abs(fallen.final_state.theta) < 1e-12);  // the landing, or its root
-    CHECK(fallen.summary.simulated_time < 0.05);  // before the first pulse
+    CHECK(fallen.summary.simulated_time < 0.05);        // before the first pulse
     const RunResult at_once = simulate(s, nullptr, until(StopCondition::Quantity::x, -1.0));
     CHECK(at_once.stopped);
     CHECK(at_once.summary.simulated_time == 0.0);

@@ -20,10 +20,10 @@ def parameters(causes):
 
 def test_every_extension_of_a_known_law_is_a_cause_that_starts_absent():
     causes = library(SHORT, {}, VOLTS)
-    # The 13 curves of free shape and the own values of 5 coils are none.
+    # The 13 curves of free shape are none.
     left_out = {each.name for each in effects()} - {each.name for each in causes}
-    assert len(left_out) == 13 + 5
-    assert all(name.startswith(("free_", "coil_")) for name in left_out)
+    assert len(left_out) == 13
+    assert all(name.startswith("free_") for name in left_out)
     known = parameters(causes)
     # Each has a size of its own: else it would be guessed from a range as wide as physics allows.
     own = {f"effects.{name}" for name in [*_SIZES, *_SHAPES, "amplifier_limit.voltage"]}

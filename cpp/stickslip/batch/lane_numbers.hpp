@@ -65,7 +65,7 @@ template <class Struct>
 inline constexpr bool kListsAll = number_count<Struct>() * sizeof(double) == sizeof(Struct);
 static_assert(kListsAll<Tsit5Progress<CornerStickPhase>> && kListsAll<PlainDynamics<double>> &&
               kListsAll<FieldStretch<double>> && kListsAll<EffectNumbers<double>> &&
-              kListsAll<Workspace>);
+              kListsAll<WorkspaceOf<double>>);
 
 /// What came of a step of a pack; bit i is of run i. The steps of runs that are not flagged are
 /// done; for the others the caller has to finish the attempt.

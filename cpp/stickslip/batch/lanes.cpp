@@ -155,10 +155,7 @@ private:
         for (std::size_t i = 0; i < Phase::kEvents; ++i) {
             player.memory().armed[i] = numbers.unarmed[i] == 0.0;
         }
-        const auto centre = [&] {
-            const FieldStretch<double>& field = player.dynamics().field().stretch();
-            return std::pair(field.centre_x, field.centre_z);
-        };
+        const auto centre = [&] { return player.dynamics().field().centre(); };
         const auto before = centre();
         Finish found = Finish::step;
         player.with_phase([&](auto phase) {

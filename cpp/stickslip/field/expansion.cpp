@@ -229,20 +229,6 @@ void LocalFieldOf<D>::rebase(const Centre& place) {
 }
 
 template <int D>
-HorizontalField LocalFieldOf<D>::horizontal(const Centre& place) const {
-    HorizontalField result;
-    result.shape = shape_;
-    const HorizontalField::Vector ambient = {ambient_[0], D == 3 ? ambient_[1] : 0.0};
-    for (std::size_t b = 0; b < static_cast<std::size_t>(2 + segment_.exponentials); ++b) {
-        const auto part = field_of(value(basis(b), place));
-        result.basis[b] = {part[0], part[1]};
-    }
-    result.ambient = ambient;
-    for (std::size_t i = 0; i < 2; ++i) result.basis[0][i] -= ambient[i];
-    return result;
-}
-
-template <int D>
 FieldCourse LocalFieldOf<D>::course(const Centre& place) const {
     FieldCourse result;
     for (std::size_t b = 0; b < static_cast<std::size_t>(2 + segment_.exponentials); ++b) {

@@ -10,7 +10,6 @@
 #include "stickslip/drive/circuit.hpp"
 #include "stickslip/field/coil_set.hpp"
 #include "stickslip/field/field_shape.hpp"
-#include "stickslip/field/horizontal_field.hpp"
 #include "stickslip/field/turning_points.hpp"
 #include "stickslip/numbers/elementary.hpp"
 #include "stickslip/numbers/pack.hpp"
@@ -225,8 +224,6 @@ public:
     /// an integrator can have it ready before a stage begins.
     ExpansionOf<double, D> at(double tau) const { return sum_at(tau); }
 
-    /// The horizontal field at a place in the course of the stretch, but for its segment.
-    HorizontalField horizontal(const Centre& place) const;
     /// The field there, where no shape multiplies it, but for its segment.
     FieldCourse course(const Centre& place) const;
     /// What each coil makes there of a robot with that heading, with its gain.

@@ -187,7 +187,7 @@ std::vector<Parameter> make_effect_parameters() {
 #undef STICKSLIP_MEMBER
 
 std::vector<Parameter> all_parameters() {
-    std::vector<Parameter> rows = all_parameters();
+    std::vector<Parameter> rows = make_parameters();
     [&]<std::size_t... K>(std::index_sequence<K...>) {
         (add_state<K>(rows), ...);
     }(std::make_index_sequence<kStateColumns.size()>());

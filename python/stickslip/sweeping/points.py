@@ -31,7 +31,12 @@ from stickslip.scenario.named_effects import PREFIX
 from stickslip.scenario.path_keys import COIL_MAP, PROGRAM
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.section_table import SECTIONS
-from stickslip.scenario.sections import SAWTOOTH, refuse_sawtooth, refuse_sawtooth_values
+from stickslip.scenario.sections import (
+    COIL_NAMES,
+    SAWTOOTH,
+    refuse_sawtooth,
+    refuse_sawtooth_values,
+)
 from stickslip.simulation.columns import NUMBERS
 from stickslip.simulation.seen_from_drive import VELOCITIES
 
@@ -159,6 +164,10 @@ def from_changes(scenario: Scenario, rows: Sequence[Mapping[str, Value]]) -> Poi
     """One point for each of `rows`: the scenario with those values changed."""
     if not rows:
         raise ScenarioError("a sweep needs a point: the list is empty")
+    for key in {key: None for row in rows for key in row}:
+        _check_key(key)
+    if scenario.coil.own_values() or any(is_of_one_coil(key) for row in rows for key in row):
+        rows = [_by_single_coils(row) for row in rows]
     keys = list(dict.fromkeys(key for row in rows for key in row))
     for row in rows:
         sawtooth = {key: row[key] for key in SAWTOOTH if key in row}
@@ -166,10 +175,18 @@ def from_changes(scenario: Scenario, rows: Sequence[Mapping[str, Value]]) -> Poi
     columns: dict[str, list[Value]] = {}
     # A list may change nothing, but its points need a coordinate.
     for key in keys or ["drive.frequency"]:
-        _check_key(key)
         own = scenario.get(key)
         columns[key] = [checked(key, row[key]) if key in row else own for row in rows]
     return Points(scenario, "list", columns)
+
+
+def _by_single_coils(row: Mapping[str, Value]) -> dict[str, Value]:
+    """The same without keys of all coils: where coils differ, none leaves the others alone."""
+    of_all = {key for key in row if key.startswith("coil.") and not is_of_one_coil(key)}
+    single = {
+        key.replace("coil.", f"coil.{name}."): row[key] for key in of_all for name in COIL_NAMES
+    }
+    return single | {key: value for key, value in row.items() if key not in of_all}
 
 
 def from_scenarios(scenarios: Sequence[Scenario]) -> Points:
