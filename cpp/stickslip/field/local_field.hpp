@@ -47,7 +47,9 @@ struct FieldStretch {
     Real centre_x, centre_z;
     Real rate;  ///< 1/s
 
-    [[gnu::always_inline]] auto members() { return std::tie(basis, centre_x, centre_z, rate); }
+    [[gnu::always_inline]] constexpr auto members() {
+        return std::tie(basis, centre_x, centre_z, rate);
+    }
 
     [[gnu::always_inline]] ExpansionOf<Real> at(Real tau) const {
         ExpansionOf<Real> result;
@@ -79,7 +81,7 @@ struct FurtherExponential {
     Terms basis;
     Real rate;  ///< 1/s
 
-    [[gnu::always_inline]] auto members() { return std::tie(basis, rate); }
+    [[gnu::always_inline]] constexpr auto members() { return std::tie(basis, rate); }
 
     /// Where there is no such exponential the terms are minus zero, which leaves the bits of a sum.
     static constexpr double kNothing = -0.0;
@@ -97,7 +99,9 @@ template <class Real>
 struct WorkspaceOf {
     Real x_low, x_high, z_low, z_high;
 
-    [[gnu::always_inline]] auto members() { return std::tie(x_low, x_high, z_low, z_high); }
+    [[gnu::always_inline]] constexpr auto members() {
+        return std::tie(x_low, x_high, z_low, z_high);
+    }
 
     /// Not a place with a coordinate that is NaN.
     [[gnu::always_inline]] auto holds(Real x, Real z) const {
