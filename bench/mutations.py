@@ -65,13 +65,6 @@ MUTATIONS = (
         "{0.0 * weight * downhill.x, 0.0});",
     ),
     Mutation(
-        "whole plane",
-        "free_field_time",
-        "spatial_field.cpp",
-        "const double factor = shape_->factor(segment_.start + tau, segment_.field_currents(tau));",
-        "const double factor = shape_->factor(0.0, segment_.field_currents(tau));",
-    ),
-    Mutation(
         "packs",
         "adhesion_ageing",
         "lane_kernel.cpp",
@@ -88,16 +81,16 @@ MUTATIONS = (
     Mutation(
         "stepped",
         "sample_hold",
-        "control_steps.cpp",
-        "if (hold_period_ == 0.0) {",
-        "if (hold_period_ >= 0.0) {",
+        "control_steps.hpp",
+        ": hold_(hold_period),",
+        ": hold_(0.0 * hold_period),",
     ),
     Mutation(
         "stepped",
         "amplifier_limit",
         "control_steps.cpp",
-        "if (limit_ == 0.0 || ",
-        "if (limit_ >= 0.0 || ",
+        "if (limit_ > 0.0) points",
+        "if (limit_ < 0.0) points",
     ),
     Mutation(
         "restored",

@@ -21,7 +21,7 @@ from helpers import (
     still_for,
     volts,
 )
-from stickslip import Scenario, Waveform
+from stickslip import Waveform
 from stickslip.scenario.named_effects import is_free_shape
 
 # One value at which each parameter counts.

@@ -5,6 +5,8 @@ import pickle
 import signal
 import threading
 import time
+from dataclasses import fields
+from typing import get_args, get_type_hints
 
 import numpy as np
 import pytest
@@ -29,6 +31,7 @@ from stickslip import (
     simulate,
     unregister_effect,
 )
+from stickslip.scenario.state import CONTACT_WORDS
 
 
 def stepped(scenario, rows, hold="constant", **begin):
@@ -128,7 +131,9 @@ def test_a_state_survives_its_file_its_bytes_and_its_row(tmp_path):
     scenario = Scenario(initial=state)
     scenario.to_toml(tmp_path / "begun.toml")
     assert Scenario.from_toml(tmp_path / "begun.toml") == scenario
-    assert list(STATE_UNITS) == list(STATE_COLUMNS)
+    # The class, for readers and type checkers, has what the core's tables have.
+    assert [each.name for each in fields(State)] == list(STATE_COLUMNS)
+    assert get_args(get_type_hints(State)["contact"]) == CONTACT_WORDS
     in_amperes = [name for name, unit in STATE_UNITS.items() if unit == "A"]
     assert in_amperes == [name for name in STATE_COLUMNS if name.startswith(("current", "field"))]
     assert (STATE_UNITS["y"], STATE_UNITS["vy"], STATE_UNITS["heading"]) == ("m", "m/s", "rad")
@@ -234,7 +239,7 @@ def test_a_batch_goes_on_with_those_whose_voltages_are_finite(threads):
     for run in range(9):
         expected = stepped(Scenario(), rows[run, : 7 if run == 2 else 20])[-1]
         assert found[run].tolist() == list(expected.row)
-    names = [_core.status_names[each] for each in batch.statuses()]
+    names = [tuple(_core.statuses)[each] for each in batch.statuses()]
     assert names == ["not_finite" if run == 2 else "ok" for run in range(9)]
     batch.reset(2, Scenario().to_core())
     batch.step(rows[:, 0], STEP, False, threads)
@@ -263,7 +268,7 @@ def test_a_batch_is_usable_after_an_effect_that_raised(threads):
         with pytest.raises(RuntimeError, match="once"):
             batch.step(volts, STEP, False, threads)
         raises["now"] = False
-        names = [_core.status_names[each] for each in batch.statuses()]
+        names = [tuple(_core.statuses)[each] for each in batch.statuses()]
         assert names[1] == "interrupted"
         assert set(names) <= {"ok", "interrupted"}
         # Those that came to the end of the step are there, and go on.
@@ -300,7 +305,7 @@ def test_ctrl_c_ends_a_long_step_of_a_batch_and_leaves_it_usable(threads):
         batch.step(volts, 100.0, False, threads)  # 1e8 steps of the second robot take minutes
     assert time.monotonic() - begun < 10.0  # a busy machine
     timer.join()
-    assert _core.status_names[batch.statuses()[1]] == "interrupted"
+    assert tuple(_core.statuses)[batch.statuses()[1]] == "interrupted"
     for run in range(3):
         batch.reset(run, Scenario().to_core())
     batch.step(volts, STEP, False, threads)

@@ -94,7 +94,7 @@ def _hundred(identity: Identity) -> tuple[list[Identity], list[Scenario]]:
 
 def _status_failures(identity: Identity, run: Run) -> list[str]:
     failures = []
-    if run.status not in _core.status_names:
+    if run.status not in _core.statuses:
         failures.append(f"unknown status {run.status!r}")
     if not run.message.strip():
         failures.append(f"status {run.status} has no message")

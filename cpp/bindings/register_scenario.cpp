@@ -136,13 +136,18 @@ PerCoil asked_voltages(const Scenario& scenario) {
                                       : turned(program).largest_voltage();
 }
 
-const std::vector<std::string> kEveryColumn(kColumnNames.begin(), kColumnNames.end());
+std::vector<std::string> every_column() {
+    std::vector<std::string> names;
+    for (const RecordColumn& column : kRecordColumns) names.emplace_back(column.name);
+    return names;
+}
 
 /// The columns that are not among `fields`, t never among them.
 std::bitset<kColumns> all_but(const std::vector<std::string>& fields) {
     std::bitset<kColumns> dropped;
     for (std::size_t k = 1; k < kColumns; ++k) {
-        dropped[k] = std::find(fields.begin(), fields.end(), kColumnNames[k]) == fields.end();
+        dropped[k] =
+            std::find(fields.begin(), fields.end(), kRecordColumns[k].name) == fields.end();
     }
     return dropped;
 }
@@ -194,13 +199,13 @@ void register_scenario(py::module_& module) {
             [](Scenario& self, double start, const std::vector<std::string>& fields) {
                 self.record = {RecordKind::events, 0.0, start, all_but(fields), {}};
             },
-            py::arg("start") = 0.0, py::arg("fields") = kEveryColumn)
+            py::arg("start") = 0.0, py::arg("fields") = every_column())
         .def(
             "record_uniform",
             [](Scenario& self, double rate, double start, const std::vector<std::string>& fields) {
                 self.record = {RecordKind::uniform, rate, start, all_but(fields), {}};
             },
-            py::arg("rate"), py::arg("start") = 0.0, py::arg("fields") = kEveryColumn)
+            py::arg("rate"), py::arg("start") = 0.0, py::arg("fields") = every_column())
         .def("check", &check)
         .def("coils", [](const Scenario& self) { return world_coil_set(self); })
         .def("resistances",

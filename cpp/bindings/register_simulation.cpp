@@ -1,8 +1,6 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
-#include <algorithm>
-#include <array>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -14,20 +12,17 @@
 #include "state_fields.hpp"
 #include "stickslip/batch/batch.hpp"
 #include "stickslip/batch/sweep.hpp"
+#include "tables.hpp"
 
 namespace py = pybind11;
 
 namespace stickslip::bindings {
 namespace {
 
-// The words stand in the order of the enumerators.
-constexpr std::array<const char*, 7> kStopQuantities = {"time",  "x",     "y",      "z",
-                                                        "theta", "turns", "heading"};
-
 StopCondition::Quantity quantity_named(const std::string& word) {
-    const auto found = std::find(kStopQuantities.begin(), kStopQuantities.end(), word);
-    if (found == kStopQuantities.end()) throw std::invalid_argument(word + ": no such quantity");
-    return static_cast<StopCondition::Quantity>(found - kStopQuantities.begin());
+    const std::size_t place = place_of(kStopQuantities, word);
+    if (place == kStopQuantities.size()) throw std::invalid_argument(word + ": no such quantity");
+    return kStopQuantities[place].code;
 }
 
 /// A numpy array that takes the vector's memory over.
@@ -52,8 +47,8 @@ py::array_t<double> as_array(std::vector<PerCoil>&& values) {
 
 py::dict recording_dict(Recording&& recording) {
     py::dict result;
-    recording.for_each_column([&](std::size_t index, auto& column) {
-        result[kColumnNames[index]] = as_array(std::move(column));
+    recording.for_each_column([&](const RecordColumn& column, auto& values) {
+        result[py::str(column.name)] = as_array(std::move(values));
     });
     return result;
 }
@@ -61,28 +56,13 @@ py::dict recording_dict(Recording&& recording) {
 py::dict summary_dict(const RunResult& run) {
     const Summary& s = run.summary;
     py::dict result;
-    result["mean_velocity"] = s.mean_velocity;
-    result["mean_velocity_y"] = s.mean_velocity_y;
-    result["turning_speed"] = s.turning_speed;
-    result["theta_min"] = s.theta_min;
-    result["theta_max"] = s.theta_max;
-    result["slip_up"] = s.slip_up;
-    result["slip_down"] = s.slip_down;
-    result["slip_flat"] = s.slip_flat;
-    result["airborne_fraction"] = s.airborne_fraction;
-    result["velocity_growth"] = s.velocity_growth;
-    result["pull_ratio"] = s.pull_ratio;
-    result["field_change"] = s.field_change;
-    result["field_max"] = s.field_max;
-    result["field_min"] = s.field_min;
-    result["current_max"] = s.current_max;
-    result["voltage_max"] = s.voltage_max;
-    result["power_mean"] = s.power_mean;
-    result["simulated_time"] = s.simulated_time;
+    for (const SummaryNumber& number : kSummaryNumbers) {
+        result[py::str(number.name)] = s.*number.member;
+    }
     py::dict events;
-    for (std::size_t k = 0; k < kEventKinds; ++k) {
-        if (static_cast<EventKind>(k) == EventKind::painleve) continue;
-        events[name(static_cast<EventKind>(k))] = s.events[k];
+    for (const auto& event : kEvents) {
+        if (event.code == EventKind::painleve) continue;
+        events[py::str(event.name)] = s.events[static_cast<std::size_t>(event.code)];
     }
     result["events"] = events;
     result["painleve_events"] = s.events[static_cast<std::size_t>(EventKind::painleve)];
@@ -154,31 +134,14 @@ py::tuple sweep_columns(
         points = sweep(base, keys, flat, threads, control, poll);
     }
     py::dict columns;
-    const auto add = [&](const char* key, double Summary::*member) {
-        columns[key] =
-            column<double>(points, [member](const SweepPoint& p) { return p.summary.*member; });
-    };
     columns["status"] = column<std::int8_t>(
         points, [](const SweepPoint& p) { return p.refused ? -1 : static_cast<int>(p.status); });
-    add("mean_velocity", &Summary::mean_velocity);
-    add("mean_velocity_y", &Summary::mean_velocity_y);
-    add("theta_min", &Summary::theta_min);
-    add("theta_max", &Summary::theta_max);
-    add("slip_up", &Summary::slip_up);
-    add("slip_down", &Summary::slip_down);
-    add("slip_flat", &Summary::slip_flat);
-    add("airborne_fraction", &Summary::airborne_fraction);
-    add("velocity_growth", &Summary::velocity_growth);
-    add("pull_ratio", &Summary::pull_ratio);
-    add("field_change", &Summary::field_change);
-    add("field_max", &Summary::field_max);
-    add("field_min", &Summary::field_min);
-    add("current_max", &Summary::current_max);
-    add("voltage_max", &Summary::voltage_max);
-    add("power_mean", &Summary::power_mean);
-    add("simulated_time", &Summary::simulated_time);
+    for (const SummaryNumber& number : kSummaryNumbers) {
+        columns[py::str(number.name)] =
+            column<double>(points, [&](const SweepPoint& p) { return p.summary.*number.member; });
+    }
     for (std::size_t k = 0; k < kEventKinds; ++k) {
-        columns[name(static_cast<EventKind>(k))] =
+        columns[py::str(kEvents[k].name)] =
             column<std::int64_t>(points, [k](const SweepPoint& p) { return p.summary.events[k]; });
     }
     py::dict messages;
@@ -193,7 +156,8 @@ py::tuple sweep_columns(
 void register_simulation(py::module_& module) {
     py::class_<RunResult>(module, "RunResult")
         .def(py::init<>())
-        .def_property_readonly("status", [](const RunResult& self) { return name(self.status); })
+        .def_property_readonly("status",
+                               [](const RunResult& self) { return row_of(self.status).name; })
         .def_property_readonly("message", &message)
         .def_property_readonly("mean_velocity",
                                [](const RunResult& self) { return self.summary.mean_velocity; })
@@ -210,21 +174,21 @@ void register_simulation(py::module_& module) {
                py::arg("progress") = py::none(), py::arg("until") = py::none());
     module.def("sweep", &sweep_columns, py::arg("base"), py::arg("keys"), py::arg("values"),
                py::arg("threads") = 1, py::arg("progress") = py::none());
-    py::list contact_names, event_names, status_names;
-    for (const char* contact : kContactNames) contact_names.append(contact);
-    for (std::size_t k = 0; k < kEventKinds; ++k) {
-        event_names.append(name(static_cast<EventKind>(k)));
+    py::dict statuses;
+    for (const StatusRow& row : kStatuses) {
+        statuses[py::str(row.name)] = py::make_tuple(row.message, row.remedy);
     }
-    for (int k = 0; k <= static_cast<int>(Status::turns_too_fast); ++k) {
-        status_names.append(name(static_cast<Status>(k)));
+    py::list plane_columns;
+    for (const RecordColumn& column : kRecordColumns) {
+        if (column.of_plane) plane_columns.append(column.name);
     }
-    module.attr("stop_quantities") = py::cast(kStopQuantities);
-    module.attr("status_names") = py::tuple(status_names);
-    module.attr("record_columns") = py::tuple(py::cast(kColumnNames));
-    module.attr("plane_columns") = py::tuple(
-        py::cast(std::vector<std::string>(kColumnNames.end() - kPlaneColumns, kColumnNames.end())));
-    module.attr("contact_names") = py::tuple(contact_names);
-    module.attr("event_names") = py::tuple(event_names);
+    module.attr("stop_quantities") = names_of(kStopQuantities);
+    module.attr("statuses") = statuses;
+    module.attr("summary_numbers") = quantities_of(kSummaryNumbers);
+    module.attr("record_columns") = quantities_of(kRecordColumns);
+    module.attr("plane_columns") = py::tuple(plane_columns);
+    module.attr("contact_words") = meanings_of(kContactWords);
+    module.attr("events") = meanings_of(kEvents);
 }
 
 }  // namespace stickslip::bindings

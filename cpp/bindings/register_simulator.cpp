@@ -16,6 +16,7 @@
 #include "stickslip/batch/simulator.hpp"
 #include "stickslip/numbers/number_text.hpp"
 #include "stickslip/scenario/parameters.hpp"
+#include "tables.hpp"
 
 namespace py = pybind11;
 
@@ -104,17 +105,16 @@ struct Stepper {
 
 void set_state(Scenario& scenario, const double* row) {
     for (std::size_t k = 0; k < kStateColumns.size(); ++k) {
-        const std::string key = std::string("initial.") + kStateColumns[k];
-        if (find_parameter(key) != nullptr) {
+        const std::string key = "initial." + std::string(kStateColumns[k].name);
+        if (k != kContactColumn) {
             set_parameter(scenario, key, row[k]);
             continue;
         }
-        const Choice* choice = find_choice(key);
-        if (!(row[k] >= 0.0 && row[k] < static_cast<double>(choice->allowed.size()))) {
+        if (!(row[k] >= 0.0 && row[k] < static_cast<double>(kContactWords.size()))) {
             throw std::invalid_argument(key + " = " + digits(row[k]) +
                                         ": there is no contact with this index");
         }
-        choice->set(scenario, static_cast<std::size_t>(row[k]));
+        kStateColumns[k].set(scenario.initial, row[k]);
     }
 }
 
@@ -241,8 +241,8 @@ void register_simulator(py::module_& module) {
         .def("state", [](const Stepper& self) { return fields(self.simulator.state()); })
         .def_property_readonly("voltages",
                                [](const Stepper& self) { return self.simulator.voltages(); })
-        .def_property_readonly("status",
-                               [](const Stepper& self) { return name(self.simulator.status()); })
+        .def_property_readonly(
+            "status", [](const Stepper& self) { return row_of(self.simulator.status()).name; })
         .def_property_readonly("message",
                                [](const Stepper& self) { return self.simulator.message(); })
         .def("snapshot", [](const Stepper& self) { return self.simulator.snapshot(); })
@@ -274,8 +274,7 @@ void register_simulator(py::module_& module) {
         }
         set_state(scenario, row.data());
     });
-    module.attr("state_columns") =
-        py::tuple(py::cast(std::vector<std::string>(kStateColumns.begin(), kStateColumns.end())));
+    module.attr("state_columns") = quantities_of(kStateColumns);
 }
 
 }  // namespace stickslip::bindings

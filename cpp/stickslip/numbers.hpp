@@ -6,6 +6,7 @@
 #include "stickslip/numbers/number_text.hpp"
 #include "stickslip/numbers/pack.hpp"
 #include "stickslip/numbers/roots.hpp"
+#include "stickslip/numbers/rows.hpp"
 
 /// Numbers without robots.
 ///
@@ -14,4 +15,5 @@
 /// - roots: roots and least values of functions of one number
 /// - free_curve: a curve through knots, for laws of another shape
 /// - number_text: numbers as an error message shows them; hash: FNV-1a
+/// - rows: tables of words and of what they mean
 namespace stickslip {}

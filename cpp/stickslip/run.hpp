@@ -9,6 +9,7 @@
 #include "stickslip/run/run.hpp"
 #include "stickslip/run/run_snapshot.hpp"
 #include "stickslip/run/simulation.hpp"
+#include "stickslip/run/status.hpp"
 #include "stickslip/run/stop_condition.hpp"
 #include "stickslip/run/summary.hpp"
 
@@ -19,5 +20,5 @@
 /// - player: the motion, stretch after stretch, phase after phase
 /// - recording: samples of it; measurement, with summary and drive_observer: what it comes to
 /// - run: the three together, to the end or step by step; run_snapshot: where it stands
-/// - simulation: a run from start to end, with its status and message
+/// - simulation: a run from start to end, with its message; status: how it ended
 namespace stickslip {}

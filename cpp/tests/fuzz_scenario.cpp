@@ -60,5 +60,5 @@ int main() {
         set(scenario, line.substr(0, equals), line.substr(equals + 1));
     }
     const RunResult result = simulate(scenario);
-    std::cout << name(result.status) << ' ' << result.summary.mean_velocity << '\n';
+    std::cout << row_of(result.status).name << ' ' << result.summary.mean_velocity << '\n';
 }

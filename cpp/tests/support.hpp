@@ -72,7 +72,7 @@ inline Circuit equal_coils(double resistance, double inductance, double lag) {
 /// A robot in a uniform field (T), without gradient. The model has to outlive it.
 inline Dynamics in_uniform_field(const Model&& model, double bx, double bz) = delete;
 inline Dynamics in_uniform_field(const Model& model, double bx, double bz) {
-    LocalField field(paper_coils(), {}, bx, bz);
+    LocalField field(paper_coils(), {}, {bx, bz});
     field.set_segment(steady({}));
     return Dynamics(model, field);
 }
@@ -85,7 +85,7 @@ inline PlainDynamics<double> plain_robot(const Model& model) {
 /// A robot in the field of steady currents (A). The model has to outlive it.
 inline Dynamics in_coil_field(const Model&& model, const PerCoil& currents) = delete;
 inline Dynamics in_coil_field(const Model& model, const PerCoil& currents) {
-    LocalField field(paper_coils(), all_driven(), 0.0, 0.0);
+    LocalField field(paper_coils(), all_driven());
     field.set_segment(steady(currents));
     return Dynamics(model, field);
 }

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "fitted_map.hpp"
-#include "stickslip/field/local_field.hpp"
+#include "stickslip/field/expansion.hpp"
 #include "stickslip/run/simulation.hpp"
 #include "stickslip/scenario/coils.hpp"
 #include "support.hpp"
@@ -146,14 +146,14 @@ TEST_CASE("field map: the field near the robot is that of the map") {
     // Fourth order in (reach + 0.1 mm) over the distance of the wires, as without a map.
     const CoilSet coils({}, paper_map());
     Random random(4);
-    LocalField field(coils, all_driven(), 0.0, 0.0);
+    LocalField field(coils, all_driven());
     CHECK(field.reach() < LocalField::kReach);  // 1 % of half the diagonal of 9.8 mm
     CHECK(field.reach() == doctest::Approx(4.9e-5).epsilon(1e-3));
     const PerCoil currents = {1.0, -0.4, 0.3, 0.8, -0.6};
     field.set_segment(steady(currents));
     for (int n = 0; n < 200; ++n) {
         const double x = random.between(-0.0039, 0.0039), z = random.between(-0.0019, 0.0019);
-        field.rebase(x, z);
+        field.rebase({x, z});
         const PlanarField found = field.at(0.5)(x, z);
         FieldAndGradient full{Vector3d::Zero(), Matrix3d::Zero()};
         for (const Coil coil : kAllCoils) {
@@ -167,7 +167,7 @@ TEST_CASE("field map: the field near the robot is that of the map") {
         CHECK(std::abs(found.dbx_dz - full.gradient(0, 2)) <= 1e-7 * kUnitField / 0.1);
     }
     CHECK_FALSE(field.outside());
-    field.rebase(0.00401, 0.0);
+    field.rebase({0.00401, 0.0});
     CHECK(field.outside());
 }
 

@@ -224,12 +224,12 @@ TEST_CASE("free field: the coils' field times the factors, and not the ambient o
     model.field_shape = {random_curve(random, FreeReach::from_zero, 2.0),
                          random_curve(random, FreeReach::from_zero, 3.0)};
     const auto field_of = [&](const FieldShape* shape, const PerCoil& gain, double tau) {
-        LocalField field(paper_coils(), gain, 1e-4, -2e-4);
+        LocalField field(paper_coils(), gain, {1e-4, -2e-4});
         if (shape) field.set_shape(*shape);
         CurrentSegment segment = stickslip::test::steady(currents);
         segment.start = 0.4;
         field.set_segment(segment);
-        field.rebase(1e-4, 1e-4);
+        field.rebase({1e-4, 1e-4});
         return field.at(tau)(1.2e-4, 0.9e-4);
     };
     for (const double tau : {0.0, 0.3, 0.9}) {

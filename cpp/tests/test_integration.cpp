@@ -53,7 +53,7 @@ private:
     static LocalField field() {
         Circuit circuit = test::equal_coils(10.0, 0.07, 0.0);
         VoltageSegment jump{0.0, 1.0, {26.0, 0.0, 0.0, 0.0, -13.0}, {26.0, 0.0, 0.0, 0.0, -13.0}};
-        LocalField result(paper_coils(), {true, false, false, false, true}, 1.0e-3, -0.6e-3);
+        LocalField result(paper_coils(), {true, false, false, false, true}, {1.0e-3, -0.6e-3});
         result.set_segment(circuit.advance(jump));
         return result;
     }

@@ -120,3 +120,20 @@ TEST_CASE("recording: events before `from` are counted, but not recorded") {
     CHECK(part.recording.event.size() == part.recording.t.size());
     CHECK(part.summary.events == whole.summary.events);
 }
+
+TEST_CASE("recording: the samples' values are in the order of the table") {
+    Scenario scenario;
+    scenario.drive.base = 0.5e-3;
+    scenario.drive.heading = 0.3;  // all columns
+    scenario.drive.pulses = 1;
+    scenario.record.kind = RecordKind::events;
+    for (std::size_t dropped = 0; dropped < kColumns; ++dropped) {
+        scenario.record.dropped.reset();
+        scenario.record.dropped.set(dropped);
+        Recording recording = simulate(scenario).recording;
+        recording.for_each_column([&](const RecordColumn& column, const auto& values) {
+            CAPTURE(column.name);
+            CHECK(values.empty() == (column.name == kRecordColumns[dropped].name));
+        });
+    }
+}

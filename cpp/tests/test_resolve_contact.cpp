@@ -73,7 +73,7 @@ struct Draw {
 
     Dynamics dynamics() const {
         // Gradients act on this robot with up to 0.2 uN, torques with 20 uN times its length.
-        LocalField field(paper_coils(), all_driven(), 0.0, 0.0);
+        LocalField field(paper_coils(), all_driven());
         field.set_segment(stickslip::test::steady(currents));
         return Dynamics(model, field);
     }

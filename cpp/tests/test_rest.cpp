@@ -55,7 +55,7 @@ struct Found {
 };
 
 Found end_of_rest(const Model& model, const CurrentSegment& segment) {
-    LocalField field(paper_coils(), all_driven(), 0.0, 0.0);
+    LocalField field(paper_coils(), all_driven());
     field.set_segment(segment);
     Dynamics dynamics(model, field);
     FaceRestPhase rest(dynamics);

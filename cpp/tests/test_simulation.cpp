@@ -235,7 +235,7 @@ TEST_CASE("status: a run that is told to stop is interrupted") {
     CHECK(result.status == Status::interrupted);
     CHECK(result.summary.simulated_time < 1.0);
     CHECK(control.simulated_time == 0.0);
-    CHECK(std::string(name(result.status)) == "interrupted");
+    CHECK(row_of(result.status).name == "interrupted");
 }
 
 TEST_CASE("status: a run that rests is told to stop") {

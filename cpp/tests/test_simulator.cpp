@@ -74,7 +74,7 @@ Scenario random_scenario(Random& random, const std::vector<PerCoil>& rows, bool 
 void check_bits(const SimulationState& a, const SimulationState& b) {
     const StateRow left = row_of(a), right = row_of(b);
     for (std::size_t k = 0; k < left.size(); ++k) {
-        CAPTURE(kStateColumns[k]);
+        CAPTURE(kStateColumns[k].name);
         CHECK(std::bit_cast<std::uint64_t>(left[k]) == std::bit_cast<std::uint64_t>(right[k]));
     }
 }

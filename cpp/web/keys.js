@@ -87,6 +87,8 @@ const PRESETS = [
 const ORDERED = [["drive.base", "drive.peak"], ["contact.kinetic_friction", "contact.static_friction"]];
 
 const effectOf = (key) => EFFECTS.find(([, setting]) => setting.key === key);
+/** What an effect, or a constant among them, does. */
+const meaningOf = (key) => (key.startsWith("effects.") ? core.effectMeaning(key.split(".")[1]) : core.describe(key).meaning);
 
 /** What `value` is in SI units, without the noise of a product. */
 const toSI = (setting, shown) => Number((shown * setting.scale).toPrecision(12));

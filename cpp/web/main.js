@@ -162,7 +162,7 @@ function showSettings() {
     state.effect = key;
     $("effect").value = key;
     $("effect-value").textContent = "";
-    $("effect-text").textContent = key ? sentence(core.effectMeaning(key.split(".")[1])) : "";
+    $("effect-text").textContent = key ? sentence(meaningOf(key)) : "";
     if (key) $("effect-value").row = addSlider($("effect-value"), found[1]);
   }
   if (key) $("effect-value").row.show();
@@ -377,7 +377,7 @@ function buildGuess() {
     puzzle.experiment(data.get("mode"), data.get("direction"), Number($("at").value));
     showPuzzle();
   });
-  const causes = CAUSES.map(({ name, key }, i) => `<label><input type="radio" name="cause" value="${i}" required><span>${name}<small>${sentence(core.effectMeaning(key.split(".")[1]))}</small></span></label>`);
+  const causes = CAUSES.map(({ name, key }, i) => `<label><input type="radio" name="cause" value="${i}" required><span>${name}<small>${sentence(meaningOf(key))}</small></span></label>`);
   const hints = CAUSES.map(({ name, hint }) => `<li>${name}: ${hint[0].toLowerCase() + hint.slice(1)}</li>`);
   $("answer").innerHTML = `<fieldset><legend>What is it?</legend>${causes.join("")}<div class="bar"><button>That is it</button></div><details><summary>Hints</summary><ul>${hints.join("")}</ul></details></fieldset>`;
   $("answer").addEventListener("submit", (event) => {

@@ -24,24 +24,15 @@ val copied(const std::vector<Number>& column) {
 }
 
 val object_of(const RunResult& run) {
-    const Summary& s = run.summary;
     val out = val::object();
-    out.set("status", std::string(name(run.status)));
+    out.set("status", std::string(row_of(run.status).name));
     out.set("message", message(run));
-    out.set("mean_velocity", s.mean_velocity);
-    out.set("theta_min", s.theta_min);
-    out.set("theta_max", s.theta_max);
-    out.set("slip_up", s.slip_up);
-    out.set("slip_down", s.slip_down);
-    out.set("slip_flat", s.slip_flat);
-    out.set("airborne_fraction", s.airborne_fraction);
-    out.set("velocity_growth", s.velocity_growth);
-    out.set("pull_ratio", s.pull_ratio);
-    out.set("field_max", s.field_max);
-    out.set("voltage_max", s.voltage_max);
+    for (const SummaryNumber& number : kSummaryNumbers) {
+        out.set(std::string(number.name), run.summary.*number.member);
+    }
     val events = val::object();
     for (std::size_t kind = 0; kind < kEventKinds; ++kind) {
-        events.set(name(static_cast<EventKind>(kind)), static_cast<double>(s.events[kind]));
+        events.set(std::string(kEvents[kind].name), static_cast<double>(run.summary.events[kind]));
     }
     out.set("events", events);
     return out;
@@ -171,7 +162,9 @@ std::string effect_meaning(const std::string& name) {
 
 /// Names of the contact modes, in the order of their codes in `contact`.
 val contact_names() {
-    return val::array(std::vector<std::string>(kContactNames.begin(), kContactNames.end()));
+    std::vector<std::string> names;
+    for (const auto& word : kContactWords) names.emplace_back(word.name);
+    return val::array(std::vector<std::string>(names.begin() + 1, names.end()));
 }
 
 }  // namespace

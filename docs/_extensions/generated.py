@@ -12,7 +12,7 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 from take_results import COMMANDS
 
-from stickslip import effects
+from stickslip import _core, effects
 from stickslip.cli.commands import stickslip
 from stickslip.scenario.keys import Key, known_keys
 
@@ -74,6 +74,26 @@ class EffectsTable(SphinxDirective):
             )
         header = ["section `[effects.…]`", "what it adds", "parameters", "source"]
         return self.parse_text_to_nodes(_markdown_table(header, rows))
+
+
+class ResultTable(SphinxDirective):
+    """A table of the core: of numbers, columns, words or statuses."""
+
+    required_arguments = 1
+
+    def run(self) -> list[nodes.Node]:
+        name = self.arguments[0]
+        table: dict[str, Any] = getattr(_core, name)
+        words = ["what it is"]
+        beside = {
+            "statuses": ["what happened", "what to do"], "events": words, "contact_words": words,
+        }  # fmt: skip
+        header = beside.get(name, ["unit", *words])
+        rows = [
+            [_code(each), *map(_plain, [row] if isinstance(row, str) else row)]
+            for each, row in table.items()
+        ]
+        return self.parse_text_to_nodes(_markdown_table(["name", *header], rows))
 
 
 class CommandHelp(SphinxDirective):
@@ -229,5 +249,6 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.add_directive("scenario-keys", ScenarioKeys)
     app.add_directive("effects-table", EffectsTable)
     app.add_directive("command-help", CommandHelp)
+    app.add_directive("result-table", ResultTable)
     app.add_directive("bench-results", BenchResults)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

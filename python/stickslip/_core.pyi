@@ -1,7 +1,7 @@
 """The compiled core. Thin and unchecked: use the package's public classes."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TypedDict
+from typing import Any, TypedDict
 
 from numpy import float64, generic, int8
 from numpy.typing import NDArray
@@ -10,13 +10,17 @@ __version__: str
 has_arkode: bool
 wire_radius: float
 coil_names: tuple[str, ...]
-contact_names: tuple[str, ...]
-event_names: tuple[str, ...]
-status_names: tuple[str, ...]
-state_columns: tuple[str, ...]
 stop_quantities: tuple[str, ...]
-record_columns: tuple[str, ...]
 plane_columns: tuple[str, ...]
+
+# Tables of the core by name, in the order of their codes and columns: unit and meaning of numbers,
+# meaning of words, message and remedy of statuses.
+summary_numbers: dict[str, tuple[str, str]]
+record_columns: dict[str, tuple[str, str]]
+state_columns: dict[str, tuple[str, str]]
+contact_words: dict[str, str]
+events: dict[str, str]
+statuses: dict[str, tuple[str, str]]
 
 class _Parameter(TypedDict):
     key: str
@@ -38,51 +42,6 @@ class _Effect(TypedDict):
     name: str
     meaning: str
     source: str
-
-class _Steps(TypedDict):
-    accepted: int
-    rejected: int
-    evaluations: int
-
-class _Summary(TypedDict):
-    mean_velocity: float
-    theta_min: float
-    theta_max: float
-    slip_up: float
-    slip_down: float
-    slip_flat: float
-    airborne_fraction: float
-    velocity_growth: float
-    pull_ratio: float
-    field_change: float
-    field_max: float
-    field_min: float
-    current_max: float
-    voltage_max: float
-    power_mean: float
-    simulated_time: float
-    events: dict[str, int]
-    painleve_events: int
-    steps: _Steps
-
-class _Recording(TypedDict):
-    t: NDArray[float64]
-    x: NDArray[float64]
-    z: NDArray[float64]
-    theta: NDArray[float64]
-    vx: NDArray[float64]
-    vz: NDArray[float64]
-    omega: NDArray[float64]
-    normal_force: NDArray[float64]
-    friction_force: NDArray[float64]
-    contact_x: NDArray[float64]
-    slip_velocity: NDArray[float64]
-    bx: NDArray[float64]
-    by: NDArray[float64]
-    bz: NDArray[float64]
-    current: NDArray[float64]
-    contact: NDArray[int8]
-    event: NDArray[int8]
 
 _Block = tuple[NDArray[float64], NDArray[float64], int]
 
@@ -108,7 +67,7 @@ def simulate_batch(
 def stream(
     result: RunResult,
     scenario: Scenario,
-    sink: Callable[[_Recording], object],
+    sink: Callable[[dict[str, NDArray[Any]]], object],
     progress: Callable[[float], object] | None = None,
     until: tuple[str, bool, float] | None = None,
 ) -> None: ...
@@ -257,5 +216,5 @@ class RunResult:
     def message(self) -> str: ...
     @property
     def mean_velocity(self) -> float: ...
-    def summary(self) -> _Summary: ...
-    def take_recording(self) -> _Recording: ...
+    def summary(self) -> dict[str, Any]: ...
+    def take_recording(self) -> dict[str, NDArray[Any]]: ...

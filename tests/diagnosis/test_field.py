@@ -54,7 +54,7 @@ def test_predictions_are_the_field_that_a_simulated_robot_sees():
     found = table(np.hstack([run.current[shown], place, field]))
     got = found.predict(list(keys), np.array([list(keys.values())])).reshape(-1, 3)
     expected = found.mean.reshape(-1, 3)
-    # The core expands the field about the robot to within 1e-9 of it (test_local_field.cpp).
+    # The core expands the field about the robot to within 1e-9 of it (test_expansion.cpp).
     assert np.abs(got - expected)[:, [0, 2]].max() < 1e-8 * np.abs(field).max()
     assert np.abs(got[:, 1]).max() < 1e-15
 

@@ -71,7 +71,7 @@ VELOCITIES = np.array([1e-3, -2e-3, 3e-3])
 
 
 def test_an_offset_and_a_limit_act_one_after_the_other_on_one_prediction():
-    offset, limit = instruments.of_velocities(VELOCITIES)
+    *_, offset, limit = instruments.of_velocities(VELOCITIES)
     names = ["velocity_clipping.limit", "drag.linear", "velocity_offset.shift"]
     asked = []
 
@@ -93,6 +93,17 @@ def test_an_offset_and_a_limit_act_one_after_the_other_on_one_prediction():
     )
     assert np.array_equal(alone[0], 2.0 * VELOCITIES)
     assert instruments.of_velocities(np.zeros(3)) == ()
+
+
+@pytest.mark.parametrize(("length", "clock"), [(0.05, 0.0), (0.0, 0.05), (-0.1, 0.2)])
+def test_scales_of_length_and_clock_are_one_factor_of_velocities(length, clock):
+    names = ["length_scale.fraction", "clock_scale.fraction"]
+    seen = instruments.read_by(
+        instruments.of_velocities(VELOCITIES), names, np.array([[length, clock], [0.0, 0.0]]),
+        lambda _, values: np.tile(VELOCITIES, (len(values), 1)), Table({}, VELOCITIES),
+    )  # fmt: skip
+    assert seen[0] == pytest.approx((1.0 + length) / (1.0 + clock) * VELOCITIES, rel=1e-15)
+    assert np.array_equal(seen[1], VELOCITIES)
 
 
 def test_a_turned_probe_reads_the_field_in_its_own_axes():

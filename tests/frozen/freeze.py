@@ -38,7 +38,7 @@ NUMBERS = (
     *("current_max", "voltage_max", "power_mean", "simulated_time"),
 )
 FINAL = ("x", "y", "z", "theta", "heading", "vx", "omega", "current_xp", "current_clamp")
-FIELDS = (*NUMBERS, *(f"final_{name}" for name in FINAL), *_core.event_names, "accepted_steps")
+FIELDS = (*NUMBERS, *(f"final_{name}" for name in FINAL), *_core.events, "accepted_steps")
 
 ELSEWHERE = 1e-9  # relative, between kinds of machine
 # Of the mass, to see how a run answers to rounding; a step's rounding is some 1e-16.
@@ -60,7 +60,7 @@ def of_run(run: Run) -> Frozen:
     values = (
         *(summary.get(name, math.nan) for name in NUMBERS),
         *(getattr(run.final_state, name) for name in FINAL),
-        *(events.get(name, 0) for name in _core.event_names),
+        *(events.get(name, 0) for name in _core.events),
         summary["steps"]["accepted"],
     )
     return Frozen(run.status, dict(zip(FIELDS, map(float, values), strict=True)), 0.0)
@@ -93,7 +93,7 @@ FLOORS = {
     for name in FIELDS
 }
 # Counts of steps and events are of the solver, not of the motion.
-COUNTS = (*_core.event_names, "accepted_steps")
+COUNTS = (*_core.events, "accepted_steps")
 
 
 def differences(found: Frozen, expected: Frozen) -> dict[str, float]:

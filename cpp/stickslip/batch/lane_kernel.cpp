@@ -131,9 +131,9 @@ LaneRound PackOf<PhaseOf, Real, kEffects>::step(void* pack) {
                   (unarmed & !p.samples.rises(i));
     }
     const Point<Real> centre = phase.centre(p.step.last, dynamics.pose(phase.angle(p.step.last)));
-    flagged = flagged | !n.workspace.holds(centre.x, centre.z);
-    flagged = flagged | (magnitude(centre.x - n.field.centre_x) > p.half_reach) |
-              (magnitude(centre.z - n.field.centre_z) > p.half_reach);
+    flagged = flagged | !n.workspace.holds({centre.x, centre.z});
+    flagged = flagged | (magnitude(centre.x - n.field.centre[0]) > p.half_reach) |
+              (magnitude(centre.z - n.field.centre[1]) > p.half_reach);
 
     const auto done = !flagged;
     for (Real& unarmed : n.unarmed) unarmed = select(done, Real(0.0), unarmed);

@@ -33,7 +33,7 @@ public:
     const std::string& message() const { return failure_; }
 
     /// At the end of the last step, in the world's frame, V.
-    PerCoil voltages() const { return run_.steps().world_memory().last; }
+    PerCoil voltages() const { return run_.steps().voltages(); }
 
     RunSnapshot snapshot() const;
     /// Throws std::invalid_argument for a snapshot of another scenario, or of a run in the whole

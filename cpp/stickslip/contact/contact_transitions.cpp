@@ -5,13 +5,6 @@
 
 namespace stickslip {
 
-const char* name(EventKind kind) {
-    static constexpr std::array<const char*, kEventKinds> names = {
-        "slip_start", "stick", "reversal",  "lift_off", "touch_down",
-        "landing",    "tip",   "roll_over", "rebound",  "painleve"};
-    return names[static_cast<std::size_t>(kind)];
-}
-
 // What throws leaves everything as it was, and not with velocities of another frame.
 template <class How>
 void ContactTransitions::change(double tau, How&& how) {

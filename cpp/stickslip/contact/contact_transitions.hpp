@@ -7,24 +7,40 @@
 #include "stickslip/contact/hybrid_state.hpp"
 #include "stickslip/contact/impact.hpp"
 #include "stickslip/contact/plane_contact.hpp"
+#include "stickslip/numbers/rows.hpp"
 
 namespace stickslip {
 
 /// Changes of the contact that a run counts and that a recording "events" holds.
 enum class EventKind {
-    slip_start,  ///< a sticking contact slips
-    stick,       ///< a slipping contact sticks
-    reversal,    ///< a slip stops and goes on the other way
-    lift_off,    ///< the last contact is lost
-    touch_down,  ///< a corner meets the surface out of flight
-    landing,     ///< a body on one corner comes to lie on a face
-    tip,         ///< a body on a face goes to one corner
-    roll_over,   ///< a body on one corner goes to the next at once, as the face between lands
-    rebound,     ///< the second corner of a body on one corner meets the surface and bounces off
-    painleve,    ///< sliding had no solution and was stopped by an impulse
+    slip_start,
+    stick,
+    reversal,
+    lift_off,
+    touch_down,
+    landing,
+    tip,
+    roll_over,
+    rebound,
+    painleve,
 };
-inline constexpr std::size_t kEventKinds = 10;
-const char* name(EventKind kind);
+
+inline constexpr auto kEvents = std::to_array<Word<EventKind>>({
+    {EventKind::slip_start, "slip_start", "a sticking contact slips"},
+    {EventKind::stick, "stick", "a slipping contact sticks"},
+    {EventKind::reversal, "reversal", "a slip stops and goes on the other way"},
+    {EventKind::lift_off, "lift_off", "the last contact is lost"},
+    {EventKind::touch_down, "touch_down", "a corner meets the surface out of flight"},
+    {EventKind::landing, "landing", "a body on one corner comes to lie on a face"},
+    {EventKind::tip, "tip", "a body on a face goes to one corner"},
+    {EventKind::roll_over, "roll_over",
+     "a body on one corner goes to the next at once, as the face between lands"},
+    {EventKind::rebound, "rebound",
+     "the second corner of a body on one corner meets the surface and bounces off"},
+    {EventKind::painleve, "painleve", "a slip had no solution and was stopped by an impulse"},
+});
+static_assert(in_order(kEvents));
+inline constexpr std::size_t kEventKinds = kEvents.size();
 
 /// What an event makes of the state: an impact if there is one, then the mode that the forces
 /// allow.

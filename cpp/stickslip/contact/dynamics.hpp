@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "stickslip/body/model.hpp"
-#include "stickslip/field/local_field.hpp"
+#include "stickslip/field/expansion.hpp"
 
 namespace stickslip {
 
@@ -105,10 +105,10 @@ public:
     /// there; nothing is kept of the stretch before.
     void begin_stretch(const CurrentSegment& segment, double x, double z) {
         start_ = segment.start;
-        field_.begin_stretch(segment, x, z);
+        field_.begin_stretch(segment, {x, z});
     }
 
-    void rebase_field(double x, double z) { field_.rebase(x, z); }
+    void rebase_field(double x, double z) { field_.rebase({x, z}); }
 
     /// Whether the formulas of a PlainDynamics are all there is to it.
     bool is_plain() const {

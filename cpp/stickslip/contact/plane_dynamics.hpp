@@ -5,8 +5,8 @@
 
 #include "stickslip/contact/dynamics.hpp"
 #include "stickslip/contact/heading_watch.hpp"
+#include "stickslip/field/expansion.hpp"
 #include "stickslip/field/heading.hpp"
-#include "stickslip/field/spatial_field.hpp"
 
 /// A robot whose plane of motion turns with the field (docs/theory/steering.md). It faces the way
 /// of the horizontal field, so that in the upright plane of that heading the planar equations hold.
@@ -65,9 +65,12 @@ public:
     /// milliradian or two of it, so that one step from there leaves a part in a million.
     HeadedField headed_at_corner(const SpatialExpansion& field, double x, double y,
                                  const Pose& pose) const {
+        const auto& t = field.terms;
+        const double horizontal = std::sqrt(t[0] * t[0] + t[1] * t[1]);
         // Also of a trial state beyond the event at which the field becomes weak.
-        const bool is_held = watch_.state().is_weak || !(field.horizontal > watch_.weak_field());
-        const Heading near = is_held ? watch_.state().heading : near_heading(field, x, y);
+        const bool is_held = watch_.state().is_weak || !(horizontal > watch_.weak_field());
+        const Heading near =
+            is_held ? watch_.state().heading : near_heading(field, 1.0 / horizontal, x, y);
         const double behind = pose.lever - pose.roll;
         return headed(field, x - behind * near.cosine, y - behind * near.sine, pose.height);
     }
@@ -90,7 +93,7 @@ public:
 
     /// The way of the field at a place.
     Facing facing(const SpatialExpansion& field, const Place& at) const {
-        const SpatialFieldValue b = field(at.x, at.y, at.z);
+        const SpatialFieldValue b = std::apply(field, at);
         const double horizontal = std::sqrt(b.bx * b.bx + b.by * b.by);
         if (!(horizontal > 0.0)) return {watch_.state().heading, 0.0};
         return {{b.bx / horizontal, b.by / horizontal}, horizontal};
@@ -99,13 +102,13 @@ public:
     const HeadingWatch& watch() const { return watch_; }
 
 private:
-    /// Of the field at (x, y) m to first order about the middle of the expansion.
-    static Heading near_heading(const SpatialExpansion& field, double x, double y) {
-        const double dx = x - field.centre.x, dy = y - field.centre.y;
+    /// Of the field at (x, y) m to first order about the middle of the expansion. per: one over the
+    /// size there of the horizontal field, 1/T.
+    static Heading near_heading(const SpatialExpansion& field, double per, double x, double y) {
+        const double dx = x - field.centre[0], dy = y - field.centre[1];
         const auto& t = field.terms;
         const double bx = t[0] + (t[3] * dx + t[4] * dy), by = t[1] + (t[4] * dx + t[5] * dy);
         // One over the size, from that in the middle by one step of Newton's.
-        const double per = 1.0 / field.horizontal;
         const double scale = per * (1.5 - 0.5 * (bx * bx + by * by) * (per * per));
         return {bx * scale, by * scale};
     }

@@ -14,7 +14,7 @@ public:
     /// hold_period: s, of the digital-to-analogue converter; zero: none. limit: V, of the
     /// amplifiers; zero: none. turned: whether the robot faces -x.
     ControlSteps(double hold_period, double limit, bool turned)
-        : hold_period_(hold_period), limit_(limit), turned_(turned) {}
+        : hold_(hold_period), limit_(limit), turned_(turned) {}
 
     /// The next `count` steps of `duration` s: rows of five voltages in the world's frame (V),
     /// which have to live until they are played. Held, or linear from the voltages before.
@@ -29,7 +29,7 @@ public:
     bool next(VoltageSegment& segment);
 
     /// Whether the stretch that `next` wrote last is the last of its step.
-    bool ends_step() const { return pending_.empty(); }
+    bool ends_step() const { return given_until_ == time(); }
 
     double time() const { return memory_.origin + steps_since() * memory_.duration; }  ///< s
     /// What goes on from step to step.
@@ -37,40 +37,37 @@ public:
         double origin = 0.0;    ///< s, from where on all steps had one duration
         double duration = 0.0;  ///< s
         std::int64_t steps = 0;
-        std::int64_t held = 0;  ///< periods of the converter so far
-        PerCoil last = {};      ///< V, at the end of the last step
-        PerCoil held_voltage = {};
+        PerCoil last = {};  ///< V, at the end of the last step
+        SampleHold::Memory hold;
     };
-    const Memory& memory() const { return memory_; }
-    /// The same in the world's frame.
-    Memory world_memory() const {
+    Memory memory() const {
         Memory result = memory_;
-        if (turned_) {
-            result.last = stickslip::turned(result.last);
-            result.held_voltage = stickslip::turned(result.held_voltage);
-        }
+        result.hold = hold_.memory();
         return result;
     }
+    /// At the end of the last step, in the world's frame, V.
+    PerCoil voltages() const { return turned_ ? stickslip::turned(memory_.last) : memory_.last; }
     /// Between two steps; what a failed one left is not played.
     void restore(const Memory& memory) {
         memory_ = memory;
-        pending_.clear();
+        hold_.restore(memory.hold, time());
+        asked_.clear();
         left_ = 0;
     }
 
 private:
     double steps_since() const { return static_cast<double>(memory_.steps); }
     void begin_step(const double* row);
-    void add(const VoltageSegment& asked);
-    void hold(const VoltageSegment& given);
 
-    double hold_period_, limit_;
+    SampleHold hold_;
+    double limit_;
     bool turned_;
-    Memory memory_;
+    Memory memory_;  // but for `hold`
     const double* rows_ = nullptr;
     std::size_t left_ = 0;
     bool linear_ = false;
-    std::vector<VoltageSegment> pending_;  // of the step that is played, the next one last
+    std::vector<VoltageSegment> asked_;  // of the step that is played, the next one last
+    double given_until_ = 0.0;           // s
 };
 
 }  // namespace stickslip

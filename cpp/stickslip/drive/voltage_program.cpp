@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -41,15 +40,6 @@ void check_block(const VoltageBlock& block, std::size_t index) {
     if (!(previous > 0.0)) throw std::invalid_argument(where + "has no duration");
 }
 
-PerCoil voltage_at(const VoltageSegment& segment, double t) {
-    const double part = (t - segment.start) / (segment.end - segment.start);
-    PerCoil result;
-    for (std::size_t k = 0; k < kCoilCount; ++k) {
-        result[k] = segment.first[k] + part * (segment.last[k] - segment.first[k]);
-    }
-    return result;
-}
-
 // Parts of a stretch, 0 to 1, at which some coil's voltage meets +-limit.
 std::vector<double> crossings(const PerCoil& from, const PerCoil& to, double limit) {
     std::vector<double> parts;
@@ -64,6 +54,15 @@ std::vector<double> crossings(const PerCoil& from, const PerCoil& to, double lim
 }
 
 }  // namespace
+
+PerCoil voltage_at(const VoltageSegment& segment, double t) {
+    const double part = (t - segment.start) / (segment.end - segment.start);
+    PerCoil result;
+    for (std::size_t k = 0; k < kCoilCount; ++k) {
+        result[k] = segment.first[k] + part * (segment.last[k] - segment.first[k]);
+    }
+    return result;
+}
 
 VoltageProgram::VoltageProgram(std::vector<VoltageBlock> blocks) : blocks_(std::move(blocks)) {
     if (blocks_.empty()) throw std::invalid_argument("the voltage program is empty");
@@ -105,38 +104,11 @@ bool SegmentCursor::next(VoltageSegment& segment) {
     return false;
 }
 
-SegmentStream::SegmentStream(const VoltageProgram& program, double hold_period,
-                             std::vector<double> marks)
-    : cursor_(program),
-      duration_(program.duration()),
-      hold_period_(hold_period),
-      marks_(std::move(marks)) {
-    if (hold_period_ > 0.0) cursor_.next(programmed_);
-}
-
-bool SegmentStream::next_uncut(VoltageSegment& segment) {
-    if (hold_period_ == 0.0) return cursor_.next(segment);
-    // A sliver at the end would be rounding, not a period.
-    const double start = static_cast<double>(held_) * hold_period_;
-    if (start >= duration_ * (1.0 - 1e-12)) return false;
-    ++held_;
-    const double end = std::min(static_cast<double>(held_) * hold_period_, duration_);
-    // A period that divides the pulse meets its jumps but for rounding, and then holds what
-    // follows.
-    constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
-    const double instant = start + std::max(1e-9 * hold_period_, kRounding * start);
-    while (programmed_.end <= instant && cursor_.next(programmed_)) {
-    }
-    const PerCoil volts = voltage_at(programmed_, std::max(start, programmed_.start));
-    segment = {start, end, volts, volts};
-    return true;
-}
-
 bool SegmentStream::next(VoltageSegment& segment) {
     if (has_rest_) {
         segment = rest_;
         has_rest_ = false;
-    } else if (!next_uncut(segment)) {
+    } else if (!hold_.next([&](VoltageSegment& asked) { return cursor_.next(asked); }, segment)) {
         return false;
     }
     // Boundaries of stretches carry rounding: a mark that is as near as that is one of them.

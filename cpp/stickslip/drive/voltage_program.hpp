@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
+#include <utility>
 #include <vector>
 
 #include "stickslip/drive/coil.hpp"
@@ -69,25 +72,79 @@ private:
     double block_start_ = 0.0;
 };
 
-/// The stretches that the coils really get: those of a program, held constant over each period of
-/// the digital-to-analogue converter if it has one (the voltage at its start), and cut at marks.
+/// Voltages at a time of a stretch, s.
+PerCoil voltage_at(const VoltageSegment& segment, double t);
+
+/// The digital-to-analogue converter: over each of its periods it holds the voltage that was asked
+/// for at the period's start.
+class SampleHold {
+public:
+    struct Memory {
+        std::int64_t held = 0;  ///< periods so far
+        PerCoil voltage = {};   ///< V
+    };
+    /// period: s, zero: the voltages are given as they are asked for.
+    explicit SampleHold(double period) : period_(period) {}
+
+    /// Writes the next stretch that is given. `asked(segment)` writes the next one that is asked
+    /// for and returns true, or false where none is for now; then what is held ends there, and
+    /// false is returned after it.
+    template <class Asked>
+    bool next(Asked&& asked, VoltageSegment& segment) {
+        if (period_ == 0.0) return asked(segment);
+        const auto hold_until = [&](double end) {
+            segment = {time_, end, memory_.voltage, memory_.voltage};
+            time_ = end;
+            return true;
+        };
+        while (true) {
+            // Ends of stretches carry rounding: a period that divides the pulse meets its jumps
+            // but for that, and then holds what follows.
+            constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
+            const double instant = static_cast<double>(memory_.held) * period_;
+            const double slack = std::max(1e-9 * period_, kRounding * instant);
+            if (instant < asked_.end - slack) {
+                if (instant > time_ + slack) return hold_until(instant);
+                memory_.voltage = voltage_at(asked_, std::max(instant, asked_.start));
+                ++memory_.held;
+            } else if (!asked(asked_)) {
+                return asked_.end > time_ && hold_until(asked_.end);
+            }
+        }
+    }
+
+    const Memory& memory() const { return memory_; }
+    /// At `time`, s, with nothing asked for.
+    void restore(const Memory& memory, double time) {
+        memory_ = memory;
+        asked_.end = time_ = time;
+    }
+
+private:
+    double period_;
+    Memory memory_;
+    VoltageSegment asked_;  // the stretch that is sampled
+    double time_ = 0.0;     // s, where the last stretch that was given ends
+};
+
+/// The stretches that the coils get of a program, cut at marks.
 class SegmentStream {
 public:
     /// hold_period in s, zero: none. marks: ascending times, s.
-    SegmentStream(const VoltageProgram& program, double hold_period, std::vector<double> marks);
+    SegmentStream(const VoltageProgram& program, double hold_period, std::vector<double> marks)
+        : cursor_(program),
+          duration_(program.duration()),
+          hold_(hold_period),
+          marks_(std::move(marks)) {}
 
     bool next(VoltageSegment& segment);
 
 private:
-    bool next_uncut(VoltageSegment& segment);
-
     SegmentCursor cursor_;
     double duration_;
-    double hold_period_;
+    SampleHold hold_;
     std::vector<double> marks_;
-    VoltageSegment programmed_;  // the stretch of the program that is sampled
-    std::int64_t held_ = 0;      // periods of the converter so far
-    VoltageSegment rest_;        // what a cut left over
+    VoltageSegment rest_;  // what a cut left over
     bool has_rest_ = false;
 };
 

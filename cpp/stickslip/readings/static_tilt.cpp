@@ -22,7 +22,7 @@ constexpr int kIntervals = 16;
 class AtRest {
 public:
     AtRest(const Model& model, const CoilSet& coils, double bx, double bz)
-        : model_(model), dynamics_(model, LocalField(coils, PerCoil{}, 0.0, 0.0)) {
+        : model_(model), dynamics_(model, LocalField(coils, PerCoil{})) {
         field_.terms[0] = bx;
         field_.terms[1] = bz;
     }

@@ -270,8 +270,9 @@ PerCoil driven_gain(const Scenario& scenario, const VoltageProgram& program) {
 LocalField make_local_field(const Scenario& scenario, const VoltageProgram& program,
                             const CoilSet& coils) {
     const PerCoil gain = turns(scenario) ? PerCoil{} : driven_gain(scenario, program);
-    return LocalField(coils, gain, frame_sign(scenario) * scenario.effects.ambient_field_bx,
-                      scenario.effects.ambient_field_bz);
+    return LocalField(coils, gain,
+                      {frame_sign(scenario) * scenario.effects.ambient_field_bx,
+                       scenario.effects.ambient_field_bz});
 }
 
 PlaneDynamics make_plane_dynamics(const Scenario& s, const VoltageProgram& program,

@@ -5,7 +5,7 @@
 #include "stickslip/body/model.hpp"
 #include "stickslip/contact/plane_dynamics.hpp"
 #include "stickslip/drive/circuit.hpp"
-#include "stickslip/field/local_field.hpp"
+#include "stickslip/field/expansion.hpp"
 #include "stickslip/scenario/plane.hpp"
 #include "stickslip/scenario/scenario.hpp"
 #include "stickslip/solver/stepping.hpp"

@@ -6,7 +6,7 @@
 
 #include "stickslip/drive/circuit.hpp"
 #include "stickslip/drive/voltage_program.hpp"
-#include "stickslip/field/local_field.hpp"
+#include "stickslip/field/expansion.hpp"
 #include "stickslip/field/turning_points.hpp"
 #include "stickslip/run/summary.hpp"
 

@@ -109,13 +109,13 @@ std::array<double, 3> Player::field(double tau, const BodyState& body) const {
 PerCoilOf<CoilField> Player::field_of_coils() const {
     const BodyState& body = state_.body;
     return plane_ ? plane_->field().of_coils(place(body), body.heading)
-                  : dynamics_.field().of_coils(body.x, body.z);
+                  : dynamics_.field().of_coils({body.x, body.z});
 }
 
 FieldCourse Player::field_course() const {
     const BodyState& body = state_.body;
     FieldCourse result =
-        plane_ ? plane_->field().course(place(body)) : dynamics_.field().course(body.x, body.z);
+        plane_ ? plane_->field().course(place(body)) : dynamics_.field().course({body.x, body.z});
     result.segment = &segment_;
     return result;
 }

@@ -17,7 +17,9 @@ ContactMode seen_along(ContactMode mode, double along) {
 
 Recorder::Recorder(const RecordSettings& settings, double frame_sign, bool turns)
     : settings_(settings), sign_(frame_sign), turns_(turns) {
-    for (std::size_t k = kEventColumn + 1; k < kColumns && !turns; ++k) settings_.dropped.set(k);
+    for (std::size_t k = 0; k < kColumns && !turns; ++k) {
+        if (kRecordColumns[k].of_plane) settings_.dropped.set(k);
+    }
     if (!on_grid()) return;
     // The product is rounded: the first sample is not before `from`, and none is left out.
     count_ = static_cast<std::int64_t>(std::floor(settings.from * settings.rate));
@@ -41,7 +43,7 @@ void Recorder::add(double t, const Snapshot& s, const ContactMode& mode,
     // Not as it fills: the event of the last sample comes after it.
     if (settings_.sink && recording_.t.size() == kChunk) hand_over();
     Recording& r = recording_;
-    std::size_t index = 0;
+    std::size_t index = 0;  // in the order of the table
     const auto put = [&](auto& column, const auto& value) {
         if (!settings_.dropped[index++]) column.push_back(value);
     };

@@ -39,9 +39,9 @@ void for_each_number(Snapshot& s, auto&& visit) {
     visit(s.steps.origin);
     visit(s.steps.duration);
     visit(s.steps.steps);
-    visit(s.steps.held);
+    visit(s.steps.hold.held);
     visit_all(s.steps.last);
-    visit_all(s.steps.held_voltage);
+    visit_all(s.steps.hold.voltage);
     visit(s.heading.heading.cosine);
     visit(s.heading.heading.sine);
     visit(s.heading.is_weak);

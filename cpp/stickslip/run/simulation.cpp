@@ -9,122 +9,85 @@
 
 namespace stickslip {
 
-const char* name(Status status) {
-    switch (status) {
-        case Status::ok:
-            return "ok";
-        case Status::step_underflow:
-            return "step_underflow";
-        case Status::too_many_events:
-            return "too_many_events";
-        case Status::not_finite:
-            return "not_finite";
-        case Status::left_workspace:
-            return "left_workspace";
-        case Status::interrupted:
-            return "interrupted";
-        case Status::no_arkode:
-            return "no_arkode";
-        case Status::too_many_steps:
-            return "too_many_steps";
-        case Status::heading_lost:
-            return "heading_lost";
-        case Status::turns_too_fast:
-            return "turns_too_fast";
-    }
-    return "unknown";
-}
-
 namespace {
+
+template <class... Parts>
+std::string joined(const Parts&... parts) {
+    std::ostringstream text;
+    (text << ... << parts);
+    return text.str();
+}
 
 // What the steps had to follow: a wrong unit shows in these times.
 std::string times(const RunResult& result) {
-    std::ostringstream text;
+    std::string text;
     const StepCounts& steps = result.steps;
     if (steps.accepted > 0) {
-        text << "its steps took "
-             << result.summary.simulated_time / static_cast<double>(steps.accepted)
-             << " s in the mean, ";
+        text = joined("its steps took ",
+                      result.summary.simulated_time / static_cast<double>(steps.accepted),
+                      " s in the mean, ");
     }
-    text << "a free swing takes " << 2.0 * std::numbers::pi / result.swing_rate << " s";
+    text += joined("a free swing takes ", 2.0 * std::numbers::pi / result.swing_rate, " s");
     const Decay& decay = result.decay;
     if (decay.key != nullptr) {
-        text << ", " << decay.key << " = " << decay.value << " damps a motion in "
-             << 1.0 / decay.rate << " s";
+        text += joined(", ", decay.key, " = ", decay.value, " damps a motion in ", 1.0 / decay.rate,
+                       " s");
     }
-    return text.str();
+    return text;
 }
 
 }  // namespace
 
 std::string message(const RunResult& result) {
-    std::ostringstream text;
-    text << "at t = " << result.summary.simulated_time << " s ";
+    const StatusRow& row = row_of(result.status);
+    std::string what = row.message, then = row.remedy;
     switch (result.status) {
         case Status::ok:
-            if (!result.stopped) return "the run reached its end";
-            text << "the run met its condition";
+            if (!result.stopped) return what;
+            what = "the run met its condition";
             break;
+        case Status::no_arkode:
+            return what + "; " + then;
         case Status::step_underflow:
-            text << "the step fell below the resolution of time: " << times(result)
-                 << "; loosen solver.rtol, or look for a force that grows without bound";
-            break;
-        case Status::too_many_events:
-            text
-                << "contact events followed each other without end; change solver.rtol, or look at "
-                   "friction and restitution";
+            what += ": " + times(result);
             break;
         case Status::too_many_steps:
-            text << "the run had taken as many steps as solver.max_steps = " << result.most_steps
-                 << " allows: " << times(result)
-                 << "; look for a value in a wrong unit, raise solver.max_steps, or simulate less "
-                    "time";
+            what =
+                joined("the run had taken as many steps as solver.max_steps = ", result.most_steps,
+                       " allows: ", times(result));
             break;
         case Status::not_finite:
+            what += ": " + times(result);
             if (!result.effect.empty()) {
-                text << "the function of effect " << result.effect
-                     << " gave a force or torque that is not a finite number";
-                break;
+                what = joined("the function of effect ", result.effect,
+                              " gave a force or torque that is not a finite number");
+                then.clear();
             }
-            text << "a force or a coordinate was not a number: " << times(result)
-                 << "; look for extreme values in the scenario";
             break;
         case Status::left_workspace:
             if (result.map) {
                 const auto& [low, high] = result.map->box();
-                text << "the robot left coil.map, which has the field from x = " << low.x()
-                     << " to " << high.x() << " m and from z = " << low.z() << " to " << high.z()
-                     << " m; give fewer pulses or less field, or a map that reaches farther";
-                break;
+                what =
+                    joined("the robot left coil.map, which has the field from x = ", low.x(),
+                           " to ", high.x(), " m and from z = ", low.z(), " to ", high.z(), " m");
+                then = "give fewer pulses or less field, or a map that reaches farther";
+            } else if (result.summary.simulated_time == 0.0) {
+                what = "the robot was beyond the coils";
+                then = "begin nearer to the centre (initial.x, initial.y)";
             }
-            if (result.summary.simulated_time == 0.0) {
-                text << "the robot was beyond the coils; begin nearer to the centre (initial.x, "
-                        "initial.y)";
-                break;
-            }
-            text << "the robot reached the coils; give fewer pulses or less field, or look at "
-                    "effects.surface_tilt and friction";
-            break;
-        case Status::heading_lost:
-            text << "the horizontal field had been too weak to hold the robot's heading and came "
-                    "back from another side, so that nobody knows where the robot faces; turn the "
-                    "field without letting it fade, or keep it stronger than an ambient field "
-                    "across "
-                    "it (drive.base, the voltages)";
             break;
         case Status::turns_too_fast:
-            text << "the horizontal field turned at " << result.heading_end.rate
-                 << " rad/s, faster than the robot can follow in a field of that size, "
-                 << result.heading_end.limit << " rad/s; turn it more slowly, or make it stronger";
+            what = joined("the horizontal field turned at ", result.heading_end.rate,
+                          " rad/s, faster than the robot can follow in a field of that size, ",
+                          result.heading_end.limit, " rad/s");
             break;
+        case Status::too_many_events:
+        case Status::heading_lost:
         case Status::interrupted:
-            text << "the run was stopped";
             break;
-        case Status::no_arkode:
-            return "this build has no arkode; use solver.method = \"tsit5\", or install SUNDIALS "
-                   "and build again";
     }
-    return text.str();
+    what = joined("at t = ", result.summary.simulated_time, " s ", what);
+    return then.empty() ? what : what + "; " + then;
 }
 
 bool has_method(Method method) {

@@ -9,6 +9,7 @@
 #include "stickslip/contact/heading_watch.hpp"
 #include "stickslip/run/assembly.hpp"
 #include "stickslip/run/recording.hpp"
+#include "stickslip/run/status.hpp"
 #include "stickslip/run/stop_condition.hpp"
 #include "stickslip/run/summary.hpp"
 #include "stickslip/scenario/scenario.hpp"
@@ -31,9 +32,6 @@ struct RunResult {
     std::int64_t most_steps = 0;  ///< solver.max_steps, for the message
     std::shared_ptr<const FieldMap> map;  ///< of the scenario, for the message
 };
-
-/// "ok", "step_underflow", ...
-const char* name(Status status);
 
 /// What happened and what to do about it, in a sentence.
 std::string message(const RunResult& result);

@@ -1,14 +1,15 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "stickslip/contact/dynamics.hpp"
+#include "stickslip/numbers/rows.hpp"
 
 namespace stickslip {
 
-/// Ends a run where a quantity comes to a value: time (s), x, y or z (m, centre of mass, world's
-/// frame), theta (rad), turns (theta over 2 pi) or heading (rad, from -pi to pi). A run in one
-/// plane has y and heading zero throughout.
+/// Ends a run where a quantity comes to a value. A run in one plane has y and heading zero
+/// throughout.
 struct StopCondition {
     enum class Quantity : std::int8_t { time, x, y, z, theta, turns, heading };
 
@@ -43,5 +44,16 @@ private:
         return 0.0;
     }
 };
+
+inline constexpr auto kStopQuantities = std::to_array<Word<StopCondition::Quantity>>({
+    {StopCondition::Quantity::time, "time", "s"},
+    {StopCondition::Quantity::x, "x", "m, centre of mass, world's frame"},
+    {StopCondition::Quantity::y, "y", "m, the same"},
+    {StopCondition::Quantity::z, "z", "m, the same"},
+    {StopCondition::Quantity::theta, "theta", "rad"},
+    {StopCondition::Quantity::turns, "turns", "theta over 2 pi"},
+    {StopCondition::Quantity::heading, "heading", "rad, from -pi to pi"},
+});
+static_assert(in_order(kStopQuantities));
 
 }  // namespace stickslip

@@ -5,47 +5,74 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <string_view>
 
 #include "stickslip/run/recording.hpp"
 #include "stickslip/solver/stepping.hpp"
 
 namespace stickslip {
 
-/// What a run comes to, in the world's frame. Velocities, angles and the flown part are taken over
-/// the measuring window; counts over the whole run.
+/// What a run comes to, in the world's frame. Units and meanings are in `kSummaryNumbers`; what was
+/// not measured is no number.
 struct Summary {
-    static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();  // not measured
+    static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-    double mean_velocity = kNone;  ///< m/s, section VII
-    // Of a run in the whole plane, where what is above is along x: along y, m/s.
-    double mean_velocity_y = kNone;
-    /// How fast the heading's turning to and fro swings an edge about the centre of mass, over the
-    /// window, m/s. The model leaves that out of the slip.
-    double turning_speed = kNone;
-    double theta_min = kNone;  ///< rad
-    double theta_max = kNone;  ///< rad
-    // Slip of the contact along x or, of a run in the whole plane, along the robot's front.
-    double slip_up = kNone;    ///< m/s, while theta rises, over the window's span
-    double slip_down = kNone;  ///< m/s, the same while theta falls
-    double slip_flat = kNone;  ///< m/s, the same of a face
-    double airborne_fraction = kNone;
-    /// Least growth of the speed from a quarter of the window's pulses to the next, over the
-    /// largest speed of a quarter. Zero for a free program, and with fewer than four pulses.
-    double velocity_growth = kNone;
-    /// Largest pull of the in-plane coils' gradient on the robot, lying flat, over what friction
-    /// holds of weight and adhesion; zero where that is nothing.
-    double pull_ratio = kNone;
-    /// How much the field of steady currents by the largest voltages differs between the places
-    /// where the run ends and begins, over the size of the latter; zero without one.
-    double field_change = kNone;
-    double field_max = 0.0;       ///< T, |B| at the robot, of the whole run
-    double field_min = kNone;     ///< T, the same, least over the window
-    double current_max = 0.0;     ///< A, of any coil, of the whole run
-    double voltage_max = 0.0;     ///< V, the same
-    double power_mean = kNone;    ///< W, in all coils, over the window
-    double simulated_time = 0.0;  ///< s
+    double mean_velocity = kNone, mean_velocity_y = kNone, turning_speed = kNone;
+    double theta_min = kNone, theta_max = kNone;
+    double slip_up = kNone, slip_down = kNone, slip_flat = kNone;
+    double airborne_fraction = kNone, velocity_growth = kNone;
+    double pull_ratio = kNone, field_change = kNone;
+    double field_max = 0.0, field_min = kNone;
+    double current_max = 0.0, voltage_max = 0.0, power_mean = kNone;
+    double simulated_time = 0.0;
     std::array<std::int64_t, kEventKinds> events = {};
 };
+
+/// A number of a summary.
+struct SummaryNumber {
+    std::string_view name;
+    const char* unit;  ///< SI, "1" for none
+    const char* meaning;
+    double Summary::*member;
+};
+
+inline constexpr auto kSummaryNumbers = std::to_array<SummaryNumber>({
+    {"mean_velocity", "m/s", "mean velocity along the surface, measuring window",
+     &Summary::mean_velocity},
+    {"mean_velocity_y", "m/s", "the same across the x axis", &Summary::mean_velocity_y},
+    {"turning_speed", "m/s",
+     "mean speed at which the heading's turning to and fro swings an edge about the "
+     "centre of mass, which the slip leaves out, measuring window",
+     &Summary::turning_speed},
+    {"theta_min", "rad", "smallest tilt angle, measuring window", &Summary::theta_min},
+    {"theta_max", "rad", "largest tilt angle, measuring window", &Summary::theta_max},
+    {"slip_up", "m/s", "slip of the contact while the tilt angle rises, over the window",
+     &Summary::slip_up},
+    {"slip_down", "m/s", "slip of the contact while the tilt angle falls, over the window",
+     &Summary::slip_down},
+    {"slip_flat", "m/s", "slip of the contact while a face lies flat, over the window",
+     &Summary::slip_flat},
+    {"airborne_fraction", "1", "part of the measuring window in flight",
+     &Summary::airborne_fraction},
+    {"velocity_growth", "1",
+     "least growth of the speed from a quarter of the pulses to the next, over the "
+     "largest speed of a quarter; 0 of a program and of fewer than four pulses",
+     &Summary::velocity_growth},
+    {"pull_ratio", "1",
+     "largest pull of the in-plane coils' gradient on the robot, lying flat, over the "
+     "friction limit of weight and adhesion",
+     &Summary::pull_ratio},
+    {"field_change", "1",
+     "change of the field of the largest voltages from the run's first place to its "
+     "last, over the first",
+     &Summary::field_change},
+    {"field_max", "T", "largest |B| at the robot in the whole run", &Summary::field_max},
+    {"field_min", "T", "least |B| at the robot, measuring window", &Summary::field_min},
+    {"current_max", "A", "largest current of any coil in the whole run", &Summary::current_max},
+    {"voltage_max", "V", "largest voltage of any coil in the whole run", &Summary::voltage_max},
+    {"power_mean", "W", "mean power in all coils, measuring window", &Summary::power_mean},
+    {"simulated_time", "s", "simulated time", &Summary::simulated_time},
+});
 
 /// Gathers a summary phase by phase, in memory that does not grow.
 class SummaryObserver {

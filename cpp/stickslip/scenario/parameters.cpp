@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -12,6 +13,22 @@ namespace stickslip {
 namespace {
 
 constexpr double kAny = std::numeric_limits<double>::infinity();
+
+// A number of the state that a scenario begins with.
+template <std::size_t K>
+void add_state(std::vector<Parameter>& rows) {
+    constexpr StateColumn column = kStateColumns[K];
+    if (K == kContactColumn) return;  // it has words
+    static const std::string key = "initial." + std::string(column.name);
+    rows.push_back(
+        {.key = key.c_str(),
+         .unit = column.unit,
+         .low = column.low,
+         .high = column.high,
+         .meaning = column.meaning,
+         .get = [](const Scenario& s) { return kStateColumns[K].get(s.initial); },
+         .set = [](Scenario& s, double value) { kStateColumns[K].set(s.initial, value); }});
+}
 
 // A table: clang-format would give each member of a row a line of its own.
 // clang-format off
@@ -85,53 +102,11 @@ std::vector<Parameter> make_parameters() {
         {.key = "solver.max_steps", .unit = "-", .low = 1, .high = 1e15, .integer = true,
          .meaning = "most steps of a run; one that needs more ends with a status that says why",
          STICKSLIP_MEMBER(solver.max_steps)},
-        {.key = "initial.x", .unit = "m", .low = -100, .high = 100,
-         .meaning = "position along the surface at the start", STICKSLIP_MEMBER(initial.x)},
-        {.key = "initial.z", .unit = "m", .low = 0, .high = 100,
-         .meaning = "height of the centre of mass at the start; 0: the lowest corner is on the "
-                    "surface", STICKSLIP_MEMBER(initial.z)},
-        {.key = "initial.theta", .unit = "rad", .low = -1e6, .high = 1e6,
-         .meaning = "tilt at the start, nose-down positive", STICKSLIP_MEMBER(initial.theta)},
-        {.key = "initial.vx", .unit = "m/s", .low = -1000, .high = 1000,
-         .meaning = "velocity along the surface at the start", STICKSLIP_MEMBER(initial.vx)},
-        {.key = "initial.vz", .unit = "m/s", .low = -1000, .high = 1000,
-         .meaning = "velocity away from the surface at the start", STICKSLIP_MEMBER(initial.vz)},
-        {.key = "initial.omega", .unit = "rad/s", .low = -1e7, .high = 1e7,
-         .meaning = "rate of the tilt at the start", STICKSLIP_MEMBER(initial.omega)},
-        {.key = "initial.current_xp", .unit = "A", .low = -1e6, .high = 1e6,
-         .meaning = "current of the coil xp at the start", STICKSLIP_MEMBER(initial.current[0])},
-        {.key = "initial.current_xm", .unit = "A", .low = -1e6, .high = 1e6,
-         .meaning = "current of the coil xm at the start", STICKSLIP_MEMBER(initial.current[1])},
-        {.key = "initial.current_yp", .unit = "A", .low = -1e6, .high = 1e6,
-         .meaning = "current of the coil yp at the start", STICKSLIP_MEMBER(initial.current[2])},
-        {.key = "initial.current_ym", .unit = "A", .low = -1e6, .high = 1e6,
-         .meaning = "current of the coil ym at the start", STICKSLIP_MEMBER(initial.current[3])},
-        {.key = "initial.current_clamp", .unit = "A", .low = -1e6, .high = 1e6,
-         .meaning = "current of the coil clamp at the start", STICKSLIP_MEMBER(initial.current[4])},
-        {.key = "initial.field_lag_xp", .unit = "A", .low = -1e6, .high = 1e6,
-         .meaning = "current of the field of xp beyond that of the coil at the start, "
-                    "with effects.eddy_lag", STICKSLIP_MEMBER(initial.field_lag[0])},
-        {.key = "initial.field_lag_xm", .unit = "A", .low = -1e6, .high = 1e6,
-         .meaning = "current of the field of xm beyond that of the coil at the start, "
-                    "with effects.eddy_lag", STICKSLIP_MEMBER(initial.field_lag[1])},
-        {.key = "initial.field_lag_yp", .unit = "A", .low = -1e6, .high = 1e6,
-         .meaning = "current of the field of yp beyond that of the coil at the start, "
-                    "with effects.eddy_lag", STICKSLIP_MEMBER(initial.field_lag[2])},
-        {.key = "initial.field_lag_ym", .unit = "A", .low = -1e6, .high = 1e6,
-         .meaning = "current of the field of ym beyond that of the coil at the start, "
-                    "with effects.eddy_lag", STICKSLIP_MEMBER(initial.field_lag[3])},
-        {.key = "initial.field_lag_clamp", .unit = "A", .low = -1e6, .high = 1e6,
-         .meaning = "current of the field of clamp beyond that of the coil at the start, "
-                    "with effects.eddy_lag", STICKSLIP_MEMBER(initial.field_lag[4])},
-        {.key = "initial.contact_age", .unit = "s", .low = 0, .high = 1e9,
-         .meaning = "time since the last touch-down at the start", STICKSLIP_MEMBER(initial.contact_age)},
-        {.key = "initial.y", .unit = "m", .low = -100, .high = 100,
-         .meaning = "position across the x axis at the start", STICKSLIP_MEMBER(initial.y)},
-        {.key = "initial.vy", .unit = "m/s", .low = -1000, .high = 1000,
-         .meaning = "velocity across the x axis at the start", STICKSLIP_MEMBER(initial.vy)},
-        {.key = "initial.heading", .unit = "rad", .low = -6.3, .high = 6.3,
-         .meaning = "way that the robot faces at the start, where the field is too weak to say",
-         STICKSLIP_MEMBER(initial.heading)},
+    };
+}
+
+std::vector<Parameter> make_effect_parameters() {
+    return {
         {.key = "effects.coil_heating.coefficient", .unit = "1/W", .low = 0, .high = 1000,
          .meaning = "growth of a coil's resistance by its mean power",
          STICKSLIP_MEMBER(effects.coil_heating_coefficient)},
@@ -211,6 +186,21 @@ std::vector<Parameter> make_parameters() {
 
 #undef STICKSLIP_MEMBER
 
+std::vector<Parameter> all_parameters() {
+    std::vector<Parameter> rows = all_parameters();
+    [&]<std::size_t... K>(std::index_sequence<K...>) {
+        (add_state<K>(rows), ...);
+    }(std::make_index_sequence<kStateColumns.size()>());
+    for (const Parameter& row : make_effect_parameters()) rows.push_back(row);
+    return rows;
+}
+
+std::vector<std::string> contact_words() {
+    std::vector<std::string> words;
+    for (const auto& word : kContactWords) words.emplace_back(word.name);
+    return words;
+}
+
 template <class Enum>
 std::string word(const char* key, Enum value) {
     return find_choice(key)->allowed[static_cast<std::size_t>(value)];
@@ -238,9 +228,7 @@ std::vector<Choice> make_choices() {
          .meaning = "which coils of an axis make its part of the field in the surface: the one "
                     "ahead, or both alike", STICKSLIP_CHOICE("drive.coils", drive.coils)},
         {.key = "initial.contact",
-         .allowed = {"from_motion", "flight", "corner_stick", "corner_slip_forward",
-                     "corner_slip_backward", "face_stick", "face_slip_forward",
-                     "face_slip_backward"},
+         .allowed = contact_words(),
          .meaning = "mode of the contact at the start; from_motion: what touches is what lies on "
                     "the surface and does not leave it",
          STICKSLIP_CHOICE("initial.contact", initial.contact)},
@@ -309,7 +297,7 @@ std::vector<EffectDescription> make_effects() {
 
 const std::vector<Parameter>& parameters() {
     static const std::vector<Parameter> table = [] {
-        std::vector<Parameter> rows = make_parameters();
+        std::vector<Parameter> rows = all_parameters();
         const std::vector<Parameter> coils = coil_rows();
         const auto robot = std::find_if(rows.begin(), rows.end(), [](const Parameter& row) {
             return std::string_view(row.key).starts_with("robot.");

@@ -114,7 +114,7 @@ struct RecordSettings {
     RecordKind kind = RecordKind::none;
     double rate = 0.0;                   ///< Hz, of the uniform grid
     double from = 0.0;                   ///< s, simulated time before which nothing is recorded
-    std::bitset<kColumns> dropped = {};  ///< columns that are not kept, see `kColumnNames`
+    std::bitset<kColumns> dropped = {};  ///< columns that are not kept, see `kRecordColumns`
     /// Takes the record chunk by chunk while the run goes on, on the thread that plays it; without
     /// it the record is kept to the end.
     std::function<void(Recording&&)> sink = nullptr;

@@ -11,10 +11,10 @@ import numpy as np
 
 from stickslip._util.units import handy
 from stickslip.scenario.keys import known_keys
+from stickslip.simulation.columns import NUMBERS
 from stickslip.simulation.note import lines_of_json, shown_lines
 from stickslip.simulation.record_blocks import turns
 from stickslip.simulation.seen_from_drive import ACROSS, ALONG, VELOCITIES, shown_velocities
-from stickslip.sweeping.results import NUMBERS
 
 if TYPE_CHECKING:
     import xarray
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from stickslip.simulation.run import Run
 
 _WORDS = {
+    "turning_speed": ", by which turning may change the velocity",
     "slip_up": ", mean slip speed while theta rises",
     "slip_down": ", mean slip speed while theta falls",
     "slip_flat": ", mean slip speed on a face",
@@ -83,11 +84,11 @@ def summary_table(run: Run) -> str:
         measured = f"over {summary['window_start']:.6g} to {summary['window_end']:.6g} s"
     rows = [("status", summary["status"], "")]
     for name, (unit, _) in columns.items():
-        if name == "mean_velocity_y" and not leaves:
+        if name in ("mean_velocity_y", "turning_speed") and not leaves:
             continue
         rows.append(_row(name, summary[name], unit, words.get(name, "")))
     if leaves:
-        rows += _rows_of_the_plane(run, summary)
+        rows += _rows_of_the_plane(run)
     rows.append(("measured", measured, ""))
     counts = {**summary["events"], "painleve": summary["painleve_events"]}
     met = ", ".join(f"{name} {count}" for name, count in counts.items() if count)
@@ -104,16 +105,10 @@ def _row(name: str, value: float, unit: str, words: str) -> tuple[str, str, str]
     return name, f"{value:.6g} {unit}".removesuffix(" 1"), handier
 
 
-def _rows_of_the_plane(run: Run, summary: dict[str, Any]) -> list[tuple[str, str, str]]:
+def _rows_of_the_plane(run: Run) -> list[tuple[str, str, str]]:
     """What else a robot does that leaves its plane."""
     end = run.final_state
     return [
-        _row(
-            "turning_speed",
-            summary["turning_speed"],
-            "m/s",
-            ", by which turning may change the velocity",
-        ),
         _row("final x", end.x, "m", ""),
         _row("final y", end.y, "m", ""),
         _row("final heading", end.heading, "rad", ", from +x to the left"),

@@ -284,7 +284,8 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         for name, values in judged.figures.items():
             info |= {name: values, f"_{name}": ~mask}
         if failed.any() or lost.any():
-            words = np.where(failed, [_core.status_names[each] for each in status], "")
+            names = tuple(_core.statuses)
+            words = np.where(failed, [names[each] for each in status], "")
             words = np.where(lost, "left_path", words)
             info |= {"failure": words, "_failure": failed | lost}
         self._over = terminations | truncations

@@ -17,10 +17,9 @@ from stickslip.control.search import Key
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import refuse, shown, suggestion
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.columns import Column
+from stickslip.simulation.columns import NUMBERS, Column
 from stickslip.simulation.seen_from_drive import VELOCITIES
 from stickslip.simulation.simulate import simulate_batch
-from stickslip.sweeping.results import NUMBERS
 
 if TYPE_CHECKING:
     from stickslip.simulation.run import Run

@@ -14,13 +14,14 @@ from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import check_kind, check_whole, shown
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.uncertain import counted_draws
+from stickslip.simulation.columns import NUMBERS
 from stickslip.simulation.note import notes_json
 from stickslip.simulation.seen_from_drive import VELOCITIES
 from stickslip.simulation.simulate import Progress
 from stickslip.sweeping.notes import notes_of_points
 from stickslip.sweeping.plane_velocities import plane_velocities
 from stickslip.sweeping.points import MOST_POINTS, Points, as_list, from_changes
-from stickslip.sweeping.results import NUMBERS, OK, Results
+from stickslip.sweeping.results import OK, Results
 from stickslip.sweeping.run_sweep import Vary, points_of, simulated
 
 if TYPE_CHECKING:

@@ -344,7 +344,7 @@ def _unit_meant(key: Key, value: object) -> str:
 def recorded_fields(fields: str) -> tuple[str, ...]:
     """The quantities that a checked value of `RECORD_FIELDS` keeps, t first."""
     if fields == ALL_FIELDS:
-        return _core.record_columns
+        return tuple(_core.record_columns)
     kept = {"t", *fields.split(", ")}
     return tuple(name for name in _core.record_columns if name in kept)
 

@@ -12,13 +12,13 @@ from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import shown
 from stickslip.scenario.sections import Section
 
-STATE_COLUMNS: tuple[str, ...] = _core.state_columns
+STATE_COLUMNS = tuple(_core.state_columns)
 """The fields of a `State` in the order of the last axis of an array of states.
 
 `contact` stands there as the index of its word in `CONTACT_WORDS`.
 """
 
-CONTACT_WORDS = ("from_motion", *_core.contact_names)
+CONTACT_WORDS = tuple(_core.contact_words)
 """What `State.contact` may be."""
 
 _MAGIC, _VERSION = b"stickslip state ", 2

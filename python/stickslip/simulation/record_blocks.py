@@ -8,7 +8,6 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from stickslip import _core
 from stickslip._util.atomic_files import NotWritten
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import recorded_fields
@@ -64,9 +63,8 @@ def recorded_names(scenario: Scenario) -> tuple[str, ...]:
     return tuple(name for name in recorded_fields(str(record.fields)) if name not in left_out)
 
 
-def kept(scenario: Scenario, recording: _core._Recording) -> dict[str, NDArray[Any]]:
+def kept(scenario: Scenario, arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     """What the core recorded, in the precision that the scenario asks for."""
-    arrays: Mapping[str, Any] = recording
     return {
         name: arrays[name].astype(scenario.record.dtype, copy=False)
         if name != "t" and arrays[name].dtype.kind == "f"

@@ -6,7 +6,7 @@ import functools
 import math
 from collections.abc import Callable
 from os import PathLike
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from stickslip import _core
 from stickslip._util.atomic_files import NotWritten, check_suffix
@@ -17,6 +17,8 @@ from stickslip.simulation.run import SUFFIXES, Outcome, Run
 from stickslip.simulation.stored_run import StoredRecord
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from stickslip.scenario.scenario import Scenario
 
 
@@ -57,7 +59,7 @@ class _Recording:
             take(self._result.take_recording())  # the columns of a record without samples
         file.finish(self.run(None))
 
-    def _take(self, file: RecordFile, recording: _core._Recording) -> None:
+    def _take(self, file: RecordFile, recording: dict[str, NDArray[Any]]) -> None:
         if self.failure is not None:  # the run goes on without
             return
         block = kept(self._scenario, recording)

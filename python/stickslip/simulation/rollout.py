@@ -18,19 +18,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
-_UNITS = {
-    "m": ("x", "y", "z"),
-    "m/s": ("vx", "vy", "vz"),
-    "rad": ("theta", "heading"),
-    "rad/s": ("omega",),
-    "s": ("contact_age",),
-    "1": ("contact",),
-}
-
-STATE_UNITS = {
-    name: next((unit for unit, names in _UNITS.items() if name in names), "A")
-    for name in STATE_COLUMNS
-}
+STATE_UNITS = {name: unit for name, (unit, _) in _core.state_columns.items()}
 """SI unit of each column of an array of states."""
 
 
@@ -56,7 +44,7 @@ class Rollout(NamedTuple):
     @property
     def status_names(self) -> tuple[str, ...]:
         """What `status` is an index of."""
-        return _core.status_names
+        return tuple(_core.statuses)
 
 
 def rollout(

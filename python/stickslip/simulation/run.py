@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from stickslip import _core
 from stickslip._util.atomic_files import NETCDF_SUFFIXES, check_suffix
 from stickslip.scenario.state import State, made_state
-from stickslip.simulation.columns import COLUMNS, PLANE_COLUMNS
+from stickslip.simulation.columns import COLUMNS, PLANE_COLUMNS, WORDS
 from stickslip.simulation.note import Note, by_seriousness
 from stickslip.simulation.record_blocks import is_csv, recorded_names, turns, write_run
 from stickslip.simulation.run_notes import run_notes
@@ -41,7 +41,7 @@ class Outcome(NamedTuple):
 
     status: str
     message: str
-    summary: Mapping[str, Any]
+    numbers: Mapping[str, Any]  # the summary without status, notes and window
     final_state: State
     condition_met: bool
     complete: bool
@@ -112,20 +112,10 @@ class Run:
         Mode of the contact, an index of `contact_names`.
     event : numpy.ndarray of int8, shape (n,)
         Kind of the event, an index of `event_names`; with ``record.rate = "events"`` only.
-
-    Notes
-    -----
-    Kinds of events: ``slip_start``, a sticking contact slips; ``stick``, a slipping contact sticks;
-    ``reversal``, a slip stops and goes on the other way; ``lift_off``, the last contact is lost;
-    ``touch_down``, a corner meets the surface out of flight; ``landing``, a body on one corner
-    comes to lie on a face; ``tip``, a body on a face goes to one corner; ``roll_over``, a body on
-    one corner goes to the next at once, as the face between lands; ``rebound``, the second corner
-    of a body on one corner meets the surface and bounces off; ``painleve``, a slip had no solution
-    and was stopped by an impulse.
     """
 
-    contact_names = _core.contact_names
-    event_names = _core.event_names
+    contact_names = WORDS["contact"]
+    event_names = WORDS["event"]
 
     scenario: Scenario
     final_state: State
@@ -133,6 +123,7 @@ class Run:
     condition: str
     status: str
     message: str
+    numbers: Mapping[str, Any]
     complete: bool
     recorded_until: float
     t: Array
@@ -166,14 +157,7 @@ class Run:
         record: Mapping[str, NDArray[Any]] | StoredRecord | None,
     ) -> None:
         self.scenario = scenario
-        self.status = outcome.status
-        self.message = outcome.message
-        self.final_state = outcome.final_state
-        self.condition_met = outcome.condition_met
-        self.complete = outcome.complete
-        self.recorded_until = outcome.recorded_until
-        self._summary = outcome.summary
-        self.condition = outcome.condition
+        vars(self).update(outcome._asdict())
         self._stored: StoredRecord | None = None
         if isinstance(record, Mapping):
             vars(self).update(record)
@@ -245,7 +229,7 @@ class Run:
 
         Of a robot that is driven another way than along x see `velocity`.
         """
-        velocity: float = self._summary["mean_velocity"]
+        velocity: float = self.numbers["mean_velocity"]
         return velocity
 
     @property
@@ -261,14 +245,9 @@ class Run:
         from stickslip.simulation.seen_from_drive import seen_from_drive
 
         drive = self.scenario.drive
-        x, y = self._summary["mean_velocity"], self._summary["mean_velocity_y"]
+        x, y = self.numbers["mean_velocity"], self.numbers["mean_velocity_y"]
         along, across = seen_from_drive(x, y, drive.mode, drive.direction, drive.heading)
         return float(along), float(across)
-
-    @property
-    def numbers(self) -> Mapping[str, Any]:
-        """The summary without status, notes and window."""
-        return self._summary
 
     @functools.cached_property
     def notes(self) -> list[Note]:
@@ -281,7 +260,7 @@ class Run:
         no pulses, lengths in another unit, pulses far shorter than the coils' time constant, or a
         loose tolerance. Why a robot rests is found by a few short simulations.
         """
-        notes = run_notes(self.scenario, self.status, self._summary, self.condition_met)
+        notes = run_notes(self.scenario, self.status, self.numbers, self.condition_met)
         if self.complete and self.condition and not self.condition_met:
             text = f"the condition {self.condition} was not met until the end of the run"
             notes.append(Note("condition-not-met", text))
@@ -299,26 +278,14 @@ class Run:
         dict
             `status`, `message` and `notes` (list of dicts, see `Run.notes`); the measuring window
             from `window_start` to `window_end` (s; where the run was ended by its condition, if
-            that was earlier), and over it `mean_velocity` (m/s; across x `mean_velocity_y`, 0
-            in the plane y = 0; of a pulsed drive in the whole plane also `velocity_along` and
-            `velocity_across`, see `velocity`), `theta_min`, `theta_max` (rad), the mean slip speeds
-            `slip_up`, `slip_down`, `slip_flat` (m/s, distance that the contact slipped along +x, of
-            a robot that turns along its own front, while theta rose, fell, or the body lay on a
-            face, over the window's duration), `airborne_fraction`, `velocity_growth` (least growth
-            of the speed from a quarter of the window's pulses to the next, over the largest speed;
-            0 of a program and of fewer than four pulses), `field_min` (T, least field at
-            the robot) and `power_mean` (W, in the coils); over the whole run `field_max` (T,
-            largest field at the robot), `current_max` (A) and `voltage_max` (V, both of any coil),
-            `pull_ratio` (largest pull of the in-plane coils' gradient on the robot, lying flat,
-            over static friction times weight and adhesion), `field_change` (by which the field of
-            the largest voltages differs where the run ends from where it begins, over the latter),
-            `turning_speed` (m/s, mean of the heading's rate times the lever of the contact, which
-            the model leaves out; 0 in the plane y = 0),
-            `events` (counts by kind), `painleve_events`, `simulated_time` (s) and `steps` (of the
-            integrator). What was never measured is NaN, such as the mean velocity of a run that
-            ends before its window does.
+            that was earlier); the numbers of the run, such as `mean_velocity` (m/s) and `theta_max`
+            (rad), which the page *What a run gives* lists with units and meanings; of a pulsed
+            drive in the whole plane also `velocity_along` and `velocity_across` (m/s, see
+            `velocity`); `events` (counts by kind), `painleve_events`, and `steps` (of the
+            integrator). What was not measured is NaN, such as the mean velocity of a run that ends
+            before its window does.
         """
-        core: dict[str, Any] = {**self._summary}
+        core: dict[str, Any] = {**self.numbers}
         core["events"] = dict(core["events"])
         core["steps"] = dict(core["steps"])
         start, end = self.scenario.window

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip._util.html_table import html_table
 from stickslip._util.units import handy
+from stickslip.simulation.columns import NUMBERS
 from stickslip.simulation.note import shown_lines
 from stickslip.simulation.record_blocks import turns
 from stickslip.simulation.seen_from_drive import FROM_AXES, FROM_DRIVE, IN_ONE_PLANE
@@ -14,11 +15,11 @@ from stickslip.simulation.seen_from_drive import FROM_AXES, FROM_DRIVE, IN_ONE_P
 if TYPE_CHECKING:
     from stickslip.simulation.run import Run
 
-_NUMBERS = {
-    "slip while the tilt rises": ("slip_up", "m/s"),
-    "slip while the tilt falls": ("slip_down", "m/s"),
-    "largest field": ("field_max", "T"),
-    "largest current": ("current_max", "A"),
+_STANDS_OUT = {
+    "slip while the tilt rises": "slip_up",
+    "slip while the tilt falls": "slip_down",
+    "largest field": "field_max",
+    "largest current": "current_max",
 }
 
 
@@ -50,9 +51,9 @@ def run_html(run: Run) -> str:
             ("in flight", f"{100.0 * summary['airborne_fraction']:.3g} % of the time"),
         ]
     rows += [
-        (name, _shown(summary[key], unit))
-        for name, (key, unit) in _NUMBERS.items()
-        if math.isfinite(summary[key])
+        (words, _shown(summary[name], NUMBERS[name].unit))
+        for words, name in _STANDS_OUT.items()
+        if math.isfinite(summary[name])
     ]
     if turns(run.scenario):
         end = run.final_state

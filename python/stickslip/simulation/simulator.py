@@ -86,8 +86,8 @@ class Simulator:
     state : State, optional
         Where to begin; `scenario.initial`, if not given.
     whole_plane : bool, optional
-        Whether the robot may turn and move in the whole plane of the surface. Needed for voltages of
-        the y coils; a step takes about three times as long. A scenario that leaves the plane by
+        Whether the robot may turn and move in the whole plane of the surface. Voltages of the y
+        coils need it. A step takes about three times as long. A scenario that leaves the plane by
         itself (`drive.heading`, a field across) has it in any case.
 
     Raises

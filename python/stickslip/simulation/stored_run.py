@@ -202,7 +202,7 @@ def _outcome(about: Mapping[str, Any]) -> Outcome:
     return Outcome(
         status=about["status"],
         message=about["message"],
-        summary=summary,
+        numbers=summary,
         final_state=State(**json.loads(about["final_state"])),
         condition_met=_YES_OR_NO[about["condition_met"]],
         complete=_YES_OR_NO[about["complete"]],

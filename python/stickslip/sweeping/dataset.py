@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from stickslip import _core
 from stickslip.scenario.keys import known_keys
+from stickslip.simulation.columns import NUMBERS
 from stickslip.simulation.note import notes_json
 from stickslip.simulation.run_attributes import origin
 from stickslip.simulation.seen_from_drive import VELOCITIES
 from stickslip.sweeping.notes import notes_of_points
 from stickslip.sweeping.plane_velocities import plane_velocities
 from stickslip.sweeping.points import LIST_DIMENSION, Points, short_name
-from stickslip.sweeping.results import EVENTS, NOT_RUN, NUMBERS, OK, STATUSES, Results
+from stickslip.sweeping.results import EVENTS, NOT_RUN, OK, STATUSES, Results
 
 
 def dataset(points: Points, results: Results) -> xarray.Dataset:

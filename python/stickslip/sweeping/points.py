@@ -32,8 +32,8 @@ from stickslip.scenario.path_keys import COIL_MAP, PROGRAM
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.section_table import SECTIONS
 from stickslip.scenario.sections import SAWTOOTH, refuse_sawtooth, refuse_sawtooth_values
+from stickslip.simulation.columns import NUMBERS
 from stickslip.simulation.seen_from_drive import VELOCITIES
-from stickslip.sweeping.results import NUMBERS
 
 MOST_POINTS = 10_000_000
 """Points of the largest sweep; their results take some 1.5 GB of memory."""

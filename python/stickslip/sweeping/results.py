@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip.simulation.columns import Column
+from stickslip.simulation.columns import NUMBERS
 from stickslip.sweeping.worker import ChunkResult
 
 NOT_RUN = -2
@@ -18,38 +18,13 @@ OK = 0
 STATUSES = {
     NOT_RUN: "not_run",
     REFUSED: "refused",
-    **dict(enumerate(_core.status_names)),
+    **dict(enumerate(_core.statuses)),
 }
 """Names of all statuses by number; `refused` is a point whose values make no scenario."""
 
 PAINLEVE = "painleve"
-EVENTS = tuple(name for name in _core.event_names if name != PAINLEVE)
+EVENTS = tuple(name for name in _core.events if name != PAINLEVE)
 """Kinds of event that are counted in `events`."""
-
-NUMBERS = {
-    "mean_velocity": Column("m/s", "mean velocity along the surface, measuring window"),
-    "mean_velocity_y": Column("m/s", "the same across the x axis"),
-    "theta_min": Column("rad", "smallest tilt angle, measuring window"),
-    "theta_max": Column("rad", "largest tilt angle, measuring window"),
-    "slip_up": Column("m/s", "slip of the contact while the tilt angle rises, over the window"),
-    "slip_down": Column("m/s", "slip of the contact while the tilt angle falls, over the window"),
-    "slip_flat": Column("m/s", "slip of the contact while a face lies flat, over the window"),
-    "airborne_fraction": Column("1", "part of the measuring window in flight"),
-    "velocity_growth": Column(
-        "1", "least growth of the speed from a quarter of the pulses to the next"
-    ),
-    "pull_ratio": Column(
-        "1", "largest pull of the in-plane coils' gradient over the friction limit"
-    ),
-    "field_change": Column("1", "change of the field from the run's first place to its last"),
-    "field_max": Column("T", "largest |B| at the robot in the whole run"),
-    "field_min": Column("T", "least |B| at the robot, measuring window"),
-    "current_max": Column("A", "largest current of any coil in the whole run"),
-    "voltage_max": Column("V", "largest voltage of any coil in the whole run"),
-    "power_mean": Column("W", "mean power in all coils, measuring window"),
-    "simulated_time": Column("s", "simulated time"),
-}
-"""The numbers of a summary that are no counts."""
 
 
 class Results:

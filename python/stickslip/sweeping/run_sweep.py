@@ -77,10 +77,8 @@ def sweep(
         ``point`` and its values along it. A key is named by its last word (``frequency``), with its
         section before it where other keys share that word (``surface_tilt_angle``).
 
-        Variables are those of `Run.summary`: `mean_velocity`, `slip_up`, `slip_down`, `slip_flat`
-        (m/s), `theta_min`, `theta_max` (rad), `airborne_fraction`, `field_max`, `field_min`
-        (T), `current_max` (A), `voltage_max` (V), `power_mean` (W), `simulated_time` (s), `events`
-        (counts, with another dimension ``event``) and `painleve_events`. `mean_velocity` is along x
+        Variables are the numbers of `Run.summary` with their units, `events` (counts, with another
+        dimension ``event``) and `painleve_events`. `mean_velocity` is along x
         and `mean_velocity_y` across it; where a pulsed drive moves a robot out of the plane y = 0,
         `velocity_along` and `velocity_across` are those along the heading of each point's drive and
         to its left (m/s), as `Run.velocity` has them. `status` is 0 for a point

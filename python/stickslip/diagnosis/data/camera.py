@@ -148,7 +148,7 @@ def record(
             if result is None or result.status != "ok":
                 yield None
                 continue
-            motion: dict[str, Array] = {**result.take_recording()}  # type: ignore[dict-item]
+            motion: dict[str, Array] = result.take_recording()
             motion["current_x"] = motion["current"][:, driving]
             motion["current_clamp"] = motion["current"][:, clamp]
             yield motion

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "stickslip/field/local_field.hpp"
+#include "stickslip/field/expansion.hpp"
 #include "support.hpp"
 
 using namespace stickslip;
@@ -65,10 +65,10 @@ TEST_CASE("local field: exact at its centre") {
     Random random(1);
     for (int n = 0; n < 200; ++n) {
         const PerCoil currents = random_currents(random);
-        LocalField field(paper_coils(), all_driven(), 0.0, 0.0);
+        LocalField field(paper_coils(), all_driven());
         field.set_segment(steady(currents));
         const double x = random.between(-0.05, 0.05), z = random.between(-0.05, 0.05);
-        field.rebase(x, z);
+        field.rebase({x, z});
         const PlanarField found = field.at(0.5)(x, z);
         const FullSum full = full_sum(currents, x, z);
         // Both add the same five products.
@@ -82,11 +82,11 @@ TEST_CASE("local field: within 1e-9 of the full sum inside its reach") {
     double worst_field = 0.0;
     for (int n = 0; n < 3000; ++n) {
         const PerCoil currents = random_currents(random);
-        LocalField field(paper_coils(), all_driven(), 0.0, 0.0);
+        LocalField field(paper_coils(), all_driven());
         field.set_segment(steady(currents));
         const double centre_x = random.between(-0.06, 0.06);
         const double centre_z = random.between(-0.06, 0.06);
-        field.rebase(centre_x, centre_z);
+        field.rebase({centre_x, centre_z});
         const double angle = random.between(0.0, 2.0 * std::numbers::pi);
         const double offset = LocalField::kReach * std::sqrt(random.between(0.0, 1.0));
         const double x = centre_x + offset * std::cos(angle);
@@ -115,10 +115,10 @@ TEST_CASE("local field: in the working volume the gradient is within 1e-8") {
     Random random(3);
     for (int n = 0; n < 1000; ++n) {
         const PerCoil currents = random_currents(random);
-        LocalField field(paper_coils(), all_driven(), 0.0, 0.0);
+        LocalField field(paper_coils(), all_driven());
         field.set_segment(steady(currents));
         const double x = random.between(-0.0125, 0.0125), z = random.between(-0.0125, 0.0125);
-        field.rebase(x, z);
+        field.rebase({x, z});
         const double step = LocalField::kReach * std::numbers::sqrt2 / 2.0;
         const FullSum full = full_sum(currents, x + step, z - step);
         const PlanarField found = field.at(0.0)(x + step, z - step);
@@ -130,25 +130,25 @@ TEST_CASE("local field: in the working volume the gradient is within 1e-8") {
 TEST_CASE("local field: follows the robot by rebase") {
     Random random(4);
     const PerCoil currents = random_currents(random);
-    LocalField field(paper_coils(), all_driven(), 0.0, 0.0);
+    LocalField field(paper_coils(), all_driven());
     field.set_segment(steady(currents));
     double x = 0.0, z = 5e-5;
-    field.rebase(x, z);
-    CHECK(field.at(0.0).centre_x == 0.0);
+    field.rebase({x, z});
+    CHECK(field.at(0.0).centre[0] == 0.0);
     for (int n = 0; n < 500; ++n) {
         x += random.between(-1e-4, 1.5e-4);
         z += random.between(-1e-4, 1e-4);
-        field.rebase(x, z);
+        field.rebase({x, z});
         const Expansion expansion = field.at(0.0);
-        CHECK(std::abs(x - expansion.centre_x) <= 0.5 * LocalField::kReach);
-        CHECK(std::abs(z - expansion.centre_z) <= 0.5 * LocalField::kReach);
+        CHECK(std::abs(x - expansion.centre[0]) <= 0.5 * LocalField::kReach);
+        CHECK(std::abs(z - expansion.centre[1]) <= 0.5 * LocalField::kReach);
         const FullSum full = full_sum(currents, x, z);
         CHECK(field_difference(expansion(x, z), full.field) < 1e-9 * full.field_size);
     }
     CHECK(std::abs(x) > 10.0 * LocalField::kReach);  // the walk has gone somewhere
     const Expansion before = field.at(0.0);
-    field.rebase(before.centre_x + 0.49 * LocalField::kReach, before.centre_z);
-    CHECK(field.at(0.0).centre_x == before.centre_x);  // not moved without need
+    field.rebase({before.centre[0] + 0.49 * LocalField::kReach, before.centre[1]});
+    CHECK(field.at(0.0).centre[0] == before.centre[0]);  // not moved without need
 }
 
 TEST_CASE("local field: currents that change, whatever the base time of the exponentials") {
@@ -160,13 +160,13 @@ TEST_CASE("local field: currents that change, whatever the base time of the expo
     for (PerCoil& row : segment.field) row = random_currents(random);
     segment.field[1] = {10.0, 20.0, -30.0, 40.0, -50.0};  // A/s
 
-    LocalField field(paper_coils(), all_driven(), 0.0, 0.0);
+    LocalField field(paper_coils(), all_driven());
     field.set_segment(segment);
     const double x = 1e-3, z = 2e-4;
-    field.rebase(x, z);
+    field.rebase({x, z});
     for (int n = 0; n < 2000; ++n) {
         const double base = random.between(0.0, 0.1);
-        field.rebase(x, z);
+        field.rebase({x, z});
         // Of either size as against 1/32 of a time constant, below which a series is used.
         const double span = random.coin() ? 1e-4 : 0.02;
         const double tau = std::clamp(base + random.between(-span, span), 0.0, 0.1);
@@ -180,10 +180,10 @@ TEST_CASE("local field: currents that change, whatever the base time of the expo
 
 TEST_CASE("local field: a new stretch of voltage takes effect at once") {
     Random random(6);
-    LocalField field(paper_coils(), all_driven(), 0.0, 0.0);
+    LocalField field(paper_coils(), all_driven());
     const double x = 3e-3, z = 1e-3;
     field.set_segment(steady(random_currents(random)));
-    field.rebase(x, z);
+    field.rebase({x, z});
     for (int n = 0; n < 20; ++n) {
         const PerCoil currents = random_currents(random);
         field.set_segment(steady(currents));
@@ -197,10 +197,10 @@ TEST_CASE("local field: an ambient field is added, and a coil that is not driven
     const PerCoil currents = {1.0, 2.0, -3.0, 4.0, -5.0};
     PerCoil driven_currents = currents;
     driven_currents[1] = driven_currents[4] = 0.0;
-    LocalField field(paper_coils(), {true, false, true, true, false}, 3e-4, -2e-4);
+    LocalField field(paper_coils(), {true, false, true, true, false}, {3e-4, -2e-4});
     field.set_segment(steady(currents));
     const double x = 2e-3, z = 1e-3;
-    field.rebase(x, z);
+    field.rebase({x, z});
     const PlanarField found = field.at(0.0)(x, z);
     FullSum full = full_sum(driven_currents, x, z);
     full.field.bx += 3e-4;
@@ -210,11 +210,11 @@ TEST_CASE("local field: an ambient field is added, and a coil that is not driven
 }
 
 TEST_CASE("local field: near the coils' planes is outside") {
-    LocalField field(paper_coils(), all_driven(), 0.0, 0.0);
+    LocalField field(paper_coils(), all_driven());
     field.set_segment(steady({1.0, 0.0, 0.0, 0.0, 0.0}));
     const double limit = 0.9 * CoilGeometry().distance;
     const auto outside = [&](double x, double z) {
-        field.rebase(x, z);
+        field.rebase({x, z});
         return field.outside();
     };
     CHECK_FALSE(outside(0.0, 0.0));
@@ -227,4 +227,84 @@ TEST_CASE("local field: near the coils' planes is outside") {
     CHECK(outside(std::numeric_limits<double>::quiet_NaN(), 0.0));
     CHECK(outside(0.0, std::numeric_limits<double>::infinity()));
     CHECK_FALSE(outside(0.01, 0.01));  // and back
+}
+
+// ----- in space -----
+
+namespace {
+
+SpatialField field_of(const PerCoil& currents, const std::array<double, 3>& ambient = {}) {
+    SpatialField field(paper_coils(), all_driven(), ambient);
+    field.set_segment(steady(currents));
+    return field;
+}
+
+std::array<double, 8> numbers(const SpatialFieldValue& b) {
+    return {b.bx, b.by, b.bz, b.xx, b.xy, b.xz, b.yy, b.yz};
+}
+
+}  // namespace
+
+// The next term of the series has the order (reach / distance to the wires)^4, 5e-12 of the sum of
+// the coils' fields, and for the gradient one order less.
+TEST_CASE("spatial field: within its reach it is the full sum of the coils") {
+    Random random(3);
+    for (int n = 0; n < 100; ++n) {
+        const PerCoil currents = random_currents(random);
+        SpatialField field = field_of(currents);
+        const Place centre = {random.between(-0.02, 0.02), random.between(-0.02, 0.02),
+                              random.between(-0.01, 0.01)};
+        field.rebase(centre);
+        const double part = 0.5 * field.reach();
+        const Eigen::Vector3d place(centre[0] + random.between(-part, part),
+                                    centre[1] + random.between(-part, part),
+                                    centre[2] + random.between(-part, part));
+        field.rebase({place.x(), place.y(), place.z()});
+        FieldAndGradient full{Eigen::Vector3d::Zero(), Eigen::Matrix3d::Zero()};
+        double size = 0.0, slope = 0.0;
+        for (const Coil coil : kAllCoils) {
+            const double current = currents[static_cast<std::size_t>(coil)];
+            const FieldAndGradient unit = paper_coils().unit_field(coil, place);
+            full.field += current * unit.field;
+            full.gradient += current * unit.gradient;
+            size += std::abs(current) * unit.field.norm();
+            slope += std::abs(current) * unit.gradient.norm();
+        }
+        const SpatialFieldValue found = field.at(0.5)(place.x(), place.y(), place.z());
+        const Eigen::Vector3d b(found.bx, found.by, found.bz);
+        Eigen::Matrix3d g;
+        g << found.xx, found.xy, found.xz, found.xy, found.yy, found.yz, found.xz, found.yz,
+            found.zz();
+        CHECK((b - full.field).norm() <= 1e-10 * size);
+        CHECK((g - full.gradient).norm() <= 1e-7 * slope);
+    }
+}
+
+TEST_CASE("spatial field: turned by a quarter turn with its coils it has the same bits") {
+    Random random(4);
+    for (int n = 0; n < 50; ++n) {
+        const PerCoil i = random_currents(random);
+        // What xp did yp does, and xm what yp did, whose positive current points the other way.
+        const PerCoil turned = {-i[3], -i[2], i[0], i[1], i[4]};
+        SpatialField field = field_of(i, {1e-5, 2e-5, 3e-5});
+        SpatialField quarter = field_of(turned, {-2e-5, 1e-5, 3e-5});
+        const double x = random.between(-0.02, 0.02), y = random.between(-0.02, 0.02);
+        field.rebase({x, y, 1e-4});
+        quarter.rebase({-y, x, 1e-4});
+        const auto a = numbers(field.at(0.1)(x + 3e-5, y - 4e-5, 1.2e-4));
+        const auto b = numbers(quarter.at(0.1)(-(y - 4e-5), x + 3e-5, 1.2e-4));
+        // bx by bz xx xy xz yy yz
+        const std::array<double, 8> expected = {-a[1], a[0], a[2], a[6], -a[4], -a[7], a[3], a[5]};
+        for (std::size_t k = 0; k < 8; ++k) CHECK(b[k] == expected[k]);
+    }
+}
+
+TEST_CASE("spatial field: outside of the coils, or nowhere, it ends") {
+    SpatialField field = field_of(all_driven());
+    field.rebase({0.0, 0.08, 0.0});
+    CHECK_FALSE(field.outside());
+    field.rebase({0.0, -0.09, 0.0});
+    CHECK(field.outside());
+    field.rebase({0.0, std::nan(""), 0.0});
+    CHECK(field.outside());
 }

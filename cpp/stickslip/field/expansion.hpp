@@ -1,0 +1,362 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+#include "stickslip/drive/circuit.hpp"
+#include "stickslip/field/coil_set.hpp"
+#include "stickslip/field/field_shape.hpp"
+#include "stickslip/field/horizontal_field.hpp"
+#include "stickslip/field/turning_points.hpp"
+#include "stickslip/numbers/elementary.hpp"
+#include "stickslip/numbers/pack.hpp"
+
+/// The field of the coils near the robot as a series about a place: in the plane of motion y = 0,
+/// of dimension D = 2, and in space, of dimension 3. A `Series` says what differs: which
+/// derivatives there are, and how they add up.
+namespace stickslip {
+
+/// Coordinates, m: x, z in the plane of motion; x, y, z in space.
+template <class Real, int D>
+using PlaceOf = std::array<Real, D>;
+using Place = PlaceOf<double, 3>;
+
+/// Field and gradient in the plane of motion. The curl is zero, so dBx/dz = dBz/dx.
+template <class Real>
+struct PlanarFieldOf {
+    Real bx = 0.0, bz = 0.0;                        ///< T
+    Real dbx_dx = 0.0, dbx_dz = 0.0, dbz_dz = 0.0;  ///< T/m
+};
+using PlanarField = PlanarFieldOf<double>;
+
+/// Field and gradient in space. Both divergence and curl are zero, so that five derivatives are all
+/// of them.
+struct SpatialFieldValue {
+    double bx, by, bz;          ///< T
+    double xx, xy, xz, yy, yz;  ///< T/m, dB_x/dx, dB_x/dy ...
+
+    double zz() const { return -(xx + yy); }
+};
+
+template <class Real, int D>
+struct Series;
+
+template <class Real>
+struct Series<Real, 2> {
+    // bx bz | gxx gxz gzz | xxx xxz xzz zzz | xxxx xxxz xxzz xzzz zzzz: derivatives of the
+    // potential.
+    using Terms = std::array<Real, 14>;
+    using Value = PlanarFieldOf<Real>;
+
+    /// At a displacement from the centre.
+    [[gnu::always_inline]] static Value at(const Terms& terms, Real dx, Real dz);
+};
+
+template <>
+struct Series<double, 3> {
+    // Derivatives of the potential, of each order those without z first, then those with one; the
+    // others follow from Laplace's equation: x y | z | xx xy yy | xz yz | xxx xxy xyy yyy | xxz xyz
+    // yyz | xxxx xxxy xxyy xyyy yyyy | xxxz xxyz xyyz yyyz
+    using Terms = std::array<double, 24>;
+    using Value = SpatialFieldValue;
+    /// Where derivatives of one order begin.
+    static constexpr std::size_t kSecond = 3, kThird = 8, kFourth = 15;
+
+    static Value at(const Terms& terms, double dx, double dy, double dz);
+};
+
+/// The field at one time as a polynomial about a centre.
+template <class Real, int D = 2>
+struct ExpansionOf {
+    using Terms = typename Series<Real, D>::Terms;
+
+    Terms terms;
+    PlaceOf<Real, D> centre;
+    Real tau;  ///< s, the time it holds for
+
+    template <class... Coordinates>
+    requires(sizeof...(Coordinates) == D) [[gnu::always_inline]] auto operator()(
+        const Coordinates&... place) const {
+        return [&]<std::size_t... I>(std::index_sequence<I...>) __attribute__((always_inline)) {
+            return Series<Real, D>::at(terms, (place - centre[I])...);
+        }
+        (std::index_sequence_for<Coordinates...>());
+    }
+};
+using Expansion = ExpansionOf<double>;
+using SpatialExpansion = ExpansionOf<double, 3>;
+
+/// The field near a centre over a stretch in which the currents are a + b tau + c exp(-rate tau).
+template <class Real, int D = 2>
+struct FieldStretch {
+    using Terms = typename ExpansionOf<Real, D>::Terms;
+
+    std::array<Terms, 3> basis;  ///< of a, b and c
+    PlaceOf<Real, D> centre;
+    Real rate;  ///< 1/s
+
+    [[gnu::always_inline]] constexpr auto members() { return std::tie(basis, centre, rate); }
+
+    [[gnu::always_inline]] ExpansionOf<Real, D> at(Real tau) const {
+        ExpansionOf<Real, D> result;
+        result.centre = centre;
+        result.tau = tau;
+        const Real fading = exponential(-rate * tau);
+        if constexpr (std::is_same_v<Real, double>) {
+            using Pair = Pack<2>;
+            for (std::size_t i = 0; i < result.terms.size(); i += 2) {
+                store(pair(&basis[0][i]) + pair(&basis[1][i]) * Pair(tau) +
+                          pair(&basis[2][i]) * Pair(fading),
+                      &result.terms[i]);
+            }
+        } else {
+            for (std::size_t i = 0; i < result.terms.size(); ++i) {
+                result.terms[i] = basis[0][i] + basis[1][i] * tau + basis[2][i] * fading;
+            }
+        }
+        return result;
+    }
+};
+
+/// What an exponential beside the first adds to the field of a stretch.
+template <class Real, int D = 2>
+struct FurtherExponential {
+    using Terms = typename ExpansionOf<Real, D>::Terms;
+
+    Terms basis;
+    Real rate;  ///< 1/s
+
+    [[gnu::always_inline]] constexpr auto members() { return std::tie(basis, rate); }
+
+    /// Where there is no such exponential the terms are minus zero, which leaves the bits of a sum.
+    static constexpr double kNothing = -0.0;
+
+    [[gnu::always_inline]] void add(Real tau, ExpansionOf<Real, D>& expansion) const {
+        const Real fading = exponential(-rate * tau);
+        for (std::size_t i = 0; i < basis.size(); ++i) {
+            expansion.terms[i] = expansion.terms[i] + basis[i] * fading;
+        }
+    }
+};
+
+/// Where the model of the set-up holds: between two corners.
+template <class Real, int D = 2>
+struct WorkspaceOf {
+    PlaceOf<Real, D> low, high;
+
+    [[gnu::always_inline]] constexpr auto members() { return std::tie(low, high); }
+
+    /// Not a place with a coordinate that is NaN.
+    [[gnu::always_inline]] auto holds(const PlaceOf<Real, D>& place) const {
+        auto result = (place[0] > low[0]) & (place[0] < high[0]);
+        for (std::size_t i = 1; i < D; ++i) {
+            result = result & ((place[i] > low[i]) & (place[i] < high[i]));
+        }
+        return result;
+    }
+};
+
+/// What one ampere in a coil makes at the robot.
+struct CoilField {
+    std::array<double, 3> field = {};  ///< T
+    /// T/m, gradient of the component along the robot's heading, along x and y.
+    std::array<double, 2> slope = {};
+};
+
+/// The field of the driven coils near the robot and over one stretch of voltage.
+///
+/// The field derives from a potential, which is expanded to fourth order about a centre near the
+/// robot; its coefficients come from the analytic field and gradient at the centre and at points
+/// about it. Inside the reach of the centre the field is then within 1e-9 of the full sum of
+/// Eqs. (4)-(6) (cpp/tests/test_expansion.cpp), at a twentieth of its
+/// cost. Coils smaller than those of Table I have a smaller reach, in proportion; with a map it is
+/// in proportion to the map.
+///
+/// In space, a setting that is turned by 90 degrees about z has the same bits: every sum is ordered
+/// so that x and y may change places.
+template <int D>
+class LocalFieldOf {
+public:
+    using Centre = PlaceOf<double, D>;
+
+    static constexpr double kReach = 1.5e-4;  ///< m, the most that the robot may be from the centre
+
+    /// gain: factor on each coil's field; a coil that never has current gets zero and costs
+    /// nothing. ambient: a uniform field along the coordinates, T.
+    LocalFieldOf(const CoilSet& coils, const PerCoil& gain, const Centre& ambient = {});
+
+    /// What multiplies the field of the coils from now on; it has to outlive this.
+    void set_shape(const FieldShape& shape) { shape_ = &shape; }
+    bool has_shape() const { return shape_ != nullptr; }
+    /// That factor, `tau` seconds into the stretch.
+    double factor(double tau) const {
+        return shape_ ? shape_->factor(segment_.start + tau, segment_.field_currents(tau)) : 1.0;
+    }
+
+    void set_segment(const CurrentSegment& segment);
+    /// Begins a stretch with the robot at a place, which alone decides the centre, a point of a
+    /// grid, so that many stretches share one expansion.
+    void begin_stretch(const CurrentSegment& segment, const Centre& place);
+
+    const PerCoil& gain() const { return gain_; }
+    /// For a coil that had none.
+    void set_gain(const PerCoil& gain);
+
+    /// Moves the centre to the robot where it has left half the reach.
+    void rebase(const Centre& place);
+    const Centre& centre() const { return stretch_.centre; }
+    /// How far from its centre an expansion holds, m.
+    double reach() const { return reach_; }
+
+    /// Half the time constant of the fastest exponential of the stretch, s.
+    double min_time_constant() const { return min_time_constant_; }
+
+    /// The robot has come so near to a coil's plane, or to the end of the map, that the model of
+    /// the set-up ends.
+    bool outside() const { return outside_; }
+    /// Where it may be; anywhere without coils that drive.
+    const WorkspaceOf<double, D>& workspace() const { return workspace_; }
+
+    /// The expansion at `tau` seconds into the stretch. It does not depend on the robot's state, so
+    /// an integrator can have it ready before a stage begins.
+    ExpansionOf<double, D> at(double tau) const { return sum_at(tau); }
+
+    /// The horizontal field at a place in the course of the stretch, but for its segment.
+    HorizontalField horizontal(const Centre& place) const;
+    /// The field there, where no shape multiplies it, but for its segment.
+    FieldCourse course(const Centre& place) const;
+    /// What each coil makes there of a robot with that heading, with its gain.
+    PerCoilOf<CoilField> of_coils(const Centre& place, double heading = 0.0) const;
+
+    /// The stretch as the formulas see it, where no shape multiplies it: its first exponential.
+    const FieldStretch<double, D>& stretch() const { return stretch_; }
+    /// What exponential j adds, counted from 0 and beginning with 1, where there is such a one.
+    const FurtherExponential<double, D>& further(std::size_t j) const { return further_[j - 1]; }
+
+private:
+    using Expansion = ExpansionOf<double, D>;
+    using Terms = typename Expansion::Terms;
+
+    [[gnu::always_inline]] Expansion sum_at(double tau) const {
+        Expansion result = stretch_.at(tau);
+        for (std::size_t j = 1; j < static_cast<std::size_t>(segment_.exponentials); ++j) {
+            further_[j - 1].add(tau, result);
+        }
+        if (shape_) multiply(tau, result);
+        return result;
+    }
+    void set_workspace();
+    void expand(const Centre& place);
+    void combine();
+    void multiply(double tau, Expansion& expansion) const;
+    /// Of terms about the centre, at a place.
+    auto value(const Terms& terms, const Centre& place) const {
+        const Expansion expansion = {terms, stretch_.centre, 0.0};
+        return std::apply(expansion, place);
+    }
+    /// Of a function of the currents.
+    const Terms& basis(std::size_t b) const {
+        return b < 3 ? stretch_.basis[b] : further_[b - 3].basis;
+    }
+
+    const CoilSet* coils_;
+    const FieldShape* shape_ = nullptr;
+    double reach_;
+    WorkspaceOf<double, D> workspace_;
+    double min_time_constant_ = 0.0;
+    PerCoil gain_;
+    Centre ambient_;
+    CurrentSegment segment_;
+    bool expanded_ = false;
+    bool outside_ = false;
+    std::array<Terms, kCoilCount> unit_ = {};  // per ampere of each coil
+    FieldStretch<double, D> stretch_ = {};
+    // Of the second exponential and those after it.
+    std::array<FurtherExponential<double, D>, kMaxExponentials - 1> further_ = {};
+};
+using LocalField = LocalFieldOf<2>;
+using SpatialField = LocalFieldOf<3>;
+
+/// In space it is too long to be in every phase.
+template <>
+SpatialExpansion SpatialField::at(double tau) const;
+
+template <class Real>
+inline PlanarFieldOf<Real> Series<Real, 2>::at(const Terms& terms, Real dx, Real dz) {
+    const Real xx = 0.5 * (dx * dx), xz = dx * dz, zz = 0.5 * (dz * dz);
+    constexpr double third = 1.0 / 3.0;
+    const Real xxx = third * dx * xx, xxz = dz * xx, xzz = dx * zz, zzz = third * dz * zz;
+    // Sums in pairs: what counts is the longest chain of dependent operations. Those of B_z and of
+    // dB_x/dz are those of B_x and dB_x/dx with each term's neighbour.
+    const auto field_of = [&](auto c, auto first) __attribute__((always_inline)) {
+        return ((first + c(2) * dx) + (c(3) * dz + c(5) * xx)) +
+               ((c(6) * xz + c(7) * zz) +
+                ((c(9) * xxx + c(10) * xxz) + (c(11) * xzz + c(12) * zzz)));
+    };
+    const auto gradient_of = [&](auto c) __attribute__((always_inline)) {
+        return (c(2) + (c(5) * dx + c(6) * dz)) + (c(9) * xx + (c(10) * xz + c(11) * zz));
+    };
+    const Real zz_gradient = (terms[4] + (terms[7] * dx + terms[8] * dz)) +
+                             (terms[11] * xx + (terms[12] * xz + terms[13] * zz));
+    if constexpr (std::is_same_v<Real, double>) {
+        const auto both = [&](std::size_t i) __attribute__((always_inline)) {
+            return pair(&terms[i]);
+        };
+        const Pack<2> field = field_of(both, both(0)), gradient = gradient_of(both);
+        return {field.v[0], field.v[1], gradient.v[0], gradient.v[1], zz_gradient};
+    } else {
+        const auto x_part = [&](std::size_t i) { return terms[i]; };
+        const auto z_part = [&](std::size_t i) { return terms[i + 1]; };
+        return {field_of(x_part, terms[0]), field_of(z_part, terms[1]), gradient_of(x_part),
+                gradient_of(z_part), zz_gradient};
+    }
+}
+
+/// The derivative of order N of the potential contracted with a displacement: one of order N - 1,
+/// in the order of the terms in space.
+template <std::size_t N, class Real>
+[[gnu::always_inline]] inline std::array<Real, 2 * N - 1> contract(const Real* t,
+                                                                   const std::array<Real, 3>& d) {
+    constexpr std::size_t kWithZ = N + 1;
+    std::array<Real, 2 * N - 1> result;
+    for (std::size_t i = 0; i < N; ++i) {
+        result[i] = (t[i] * d[0] + t[i + 1] * d[1]) + t[kWithZ + i] * d[2];
+    }
+    for (std::size_t i = 0; i + 1 < N; ++i) {
+        const Real with_zz = t[i] + t[i + 2];  // its negative
+        result[N + i] = (t[kWithZ + i] * d[0] + t[kWithZ + i + 1] * d[1]) - with_zz * d[2];
+    }
+    return result;
+}
+
+inline SpatialFieldValue Series<double, 3>::at(const Terms& terms, double dx, double dy,
+                                               double dz) {
+    using Pair = Pack<2>;  // of what the gradient needs, and of what the field does
+    const std::array<double, 3> d = {dx, dy, dz};
+    const std::array<Pair, 3> dd = {Pair(d[0]), Pair(d[1]), Pair(d[2])};
+    // Of the gradient and of the field the series are G + (T + Q d / 2) d and
+    // B + (G + (T + Q d / 3) d / 2) d.
+    const Pair per_third(Pair::Vector{1.0 / 2.0, 1.0 / 3.0});
+    const Pair per_second(Pair::Vector{1.0, 1.0 / 2.0});
+    const std::array<double, 7> of_fourth = contract<4>(&terms[kFourth], d);
+    std::array<Pair, 7> third;
+    for (std::size_t i = 0; i < third.size(); ++i) {
+        third[i] = Pair(terms[kThird + i]) + per_third * Pair(of_fourth[i]);
+    }
+    const std::array<Pair, 5> of_third = contract<3>(third.data(), dd);
+    std::array<double, 5> gradient, mean;
+    for (std::size_t i = 0; i < gradient.size(); ++i) {
+        const Pair second = Pair(terms[kSecond + i]) + per_second * of_third[i];
+        gradient[i] = second.v[0];
+        mean[i] = second.v[1];
+    }
+    const std::array<double, 3> field = contract<2>(mean.data(), d);
+    return {terms[0] + field[0], terms[1] + field[1], terms[2] + field[2], gradient[0],
+            gradient[1],         gradient[3],         gradient[2],         gradient[4]};
+}
+
+}  // namespace stickslip
