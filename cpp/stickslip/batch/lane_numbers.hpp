@@ -62,7 +62,7 @@ struct LaneNumbers {
 
 static_assert(kListsAll<Tsit5Progress<CornerStickPhase>> && kListsAll<PlainDynamics<double>> &&
               kListsAll<FieldStretch<double>> && kListsAll<EffectNumbers<double>> &&
-              kListsAll<Workspace>);
+              kListsAll<WorkspaceOf<double>>);
 
 /// What came of a step of a pack; bit i is of run i. The steps of runs that are not flagged are
 /// done; for the others the caller has to finish the attempt.
