@@ -16,10 +16,10 @@ struct EffectNumbers {
     std::array<FurtherExponential<Real>, kMostPackedExponentials - 1> further;
     SmoothEffects<Real> effects;
 
-    [[gnu::always_inline]] auto members() { return std::tie(further, effects); }
+    [[gnu::always_inline]] constexpr auto members() { return std::tie(further, effects); }
 };
 struct NoEffectNumbers {
-    [[gnu::always_inline]] auto members() { return std::tuple<>(); }
+    [[gnu::always_inline]] constexpr auto members() { return std::tuple<>(); }
 };
 
 /// All that the steps of a phase need, of one run or of a pack of runs, whose numbers are packs.
@@ -60,9 +60,6 @@ struct LaneNumbers {
     [[gnu::always_inline]] auto attempt() { return std::tie(progress, unarmed); }
 };
 
-/// Whether a struct of one run's numbers lists them all.
-template <class Struct>
-inline constexpr bool kListsAll = number_count<Struct>() * sizeof(double) == sizeof(Struct);
 static_assert(kListsAll<Tsit5Progress<CornerStickPhase>> && kListsAll<PlainDynamics<double>> &&
               kListsAll<FieldStretch<double>> && kListsAll<EffectNumbers<double>> &&
               kListsAll<WorkspaceOf<double>>);

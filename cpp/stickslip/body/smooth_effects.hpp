@@ -16,7 +16,7 @@ struct SmoothForces {
     Real angle_drag = 0.0;       ///< N s/m, times cos^2 theta
     Real quadratic_drag = 0.0;   ///< N s^2/m^2
 
-    [[gnu::always_inline]] auto members() {
+    [[gnu::always_inline]] constexpr auto members() {
         return std::tie(gradient_excess, angle_drag, quadratic_drag);
     }
     /// Adds them to a load of the moment (mx, mz) at the cosine of theta; the drag that they have
@@ -38,7 +38,9 @@ struct SmoothAdhesion {
     Real ageing_rate = 0.0;  ///< -
     Real ageing_time = 1.0;  ///< s
 
-    [[gnu::always_inline]] auto members() { return std::tie(angle_loss, ageing_rate, ageing_time); }
+    [[gnu::always_inline]] constexpr auto members() {
+        return std::tie(angle_loss, ageing_rate, ageing_time);
+    }
     /// Factor at the sine of theta.
     [[gnu::always_inline]] Real at_angle(Real sine) const { return 1.0 - angle_loss * sine * sine; }
     /// Factor of a contact that was made `seconds` ago.
@@ -58,7 +60,7 @@ struct SmoothFriction {
     Real patch_amplitude = 0.0;    ///< -
     Real patch_wavenumber = 0.0;   ///< 1/m
 
-    [[gnu::always_inline]] auto members() {
+    [[gnu::always_inline]] constexpr auto members() {
         return std::tie(stribeck_velocity, viscous, anisotropy, patch_amplitude, patch_wavenumber);
     }
     /// Of one run.
@@ -100,7 +102,7 @@ struct SmoothEffects {
     Real turn_sine = 0.0, turn_cosine = 1.0;  ///< of the quadrant
     Real contact_age = 0.0;                   ///< s, at the start of the stretch
 
-    [[gnu::always_inline]] auto members() {
+    [[gnu::always_inline]] constexpr auto members() {
         return std::tie(forces, adhesion, friction, turn_sine, turn_cosine, contact_age);
     }
 };

@@ -47,7 +47,7 @@ struct PlainDynamics {
     // Of the magnetic moment along the body's axes, A m^2.
     Real moment_cosine = 0.0, moment_sine = 0.0;
 
-    [[gnu::always_inline]] auto members() {
+    [[gnu::always_inline]] constexpr auto members() {
         return std::tie(mass, per_mass, inertia, per_inertia, per_corner_inertia, weight_x,
                         weight_z, drag, turning_drag, turning_drag_quadratic, adhesion,
                         static_friction, kinetic_friction, radius, half_base, half_rise,

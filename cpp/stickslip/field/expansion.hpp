@@ -98,7 +98,7 @@ struct FieldStretch {
     PlaceOf<Real, D> centre;
     Real rate;  ///< 1/s
 
-    [[gnu::always_inline]] auto members() { return std::tie(basis, centre, rate); }
+    [[gnu::always_inline]] constexpr auto members() { return std::tie(basis, centre, rate); }
 
     [[gnu::always_inline]] ExpansionOf<Real, D> at(Real tau) const {
         ExpansionOf<Real, D> result;
@@ -129,7 +129,7 @@ struct FurtherExponential {
     Terms basis;
     Real rate;  ///< 1/s
 
-    [[gnu::always_inline]] auto members() { return std::tie(basis, rate); }
+    [[gnu::always_inline]] constexpr auto members() { return std::tie(basis, rate); }
 
     /// Where there is no such exponential the terms are minus zero, which leaves the bits of a sum.
     static constexpr double kNothing = -0.0;
@@ -147,7 +147,7 @@ template <class Real, int D = 2>
 struct WorkspaceOf {
     PlaceOf<Real, D> low, high;
 
-    [[gnu::always_inline]] auto members() { return std::tie(low, high); }
+    [[gnu::always_inline]] constexpr auto members() { return std::tie(low, high); }
 
     /// Not a place with a coordinate that is NaN.
     [[gnu::always_inline]] auto holds(const PlaceOf<Real, D>& place) const {

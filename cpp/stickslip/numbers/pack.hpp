@@ -133,28 +133,12 @@ template <int N>
     return Pack<N>(where.bits ? yes.v : no.v);
 }
 
-/// How many numbers a struct of numbers has. It says what they are by members(), a tuple of
-/// references to numbers, to arrays of them, and to such structs.
-template <class Struct>
-constexpr std::size_t number_count() {
-    if constexpr (requires(Struct & s) { s.members(); }) {
-        return number_count<decltype(std::declval<Struct&>().members())>();
-    } else if constexpr (requires { std::tuple_size<Struct>::value; }) {
-        return []<std::size_t... I>(std::index_sequence<I...>) {
-            using std::tuple_element_t, std::remove_reference_t;
-            return (std::size_t{0} + ... +
-                    number_count<remove_reference_t<tuple_element_t<I, Struct>>>());
-        }
-        (std::make_index_sequence<std::tuple_size_v<Struct>>());
-    } else {
-        return 1;
-    }
-}
-
-/// Calls `visit` with each number of such a struct, or with those of several that are alike, as of
-/// a pack and of one run.
+/// Calls `visit` with each number of a struct of numbers, or with those of several that are alike,
+/// as of a pack and of one run. Such a struct says what it has by members(), a tuple of references
+/// to numbers, to arrays of them, and to such structs.
 template <class First, class... More>
-[[gnu::always_inline]] inline void visit_numbers(const auto& visit, First&& first, More&&... more) {
+[[gnu::always_inline]] constexpr void visit_numbers(const auto& visit, First&& first,
+                                                    More&&... more) {
     using Struct = std::remove_cvref_t<First>;
     if constexpr (requires { first.members(); }) {
         visit_numbers(visit, first.members(), more.members()...);
@@ -171,6 +155,15 @@ template <class First, class... More>
         visit(first, more...);
     }
 }
+
+/// Whether a struct of one run lists all that it has.
+template <class Struct>
+inline constexpr bool kListsAll = [] {
+    Struct numbers = {};
+    std::size_t count = 0;
+    visit_numbers([&](double&) { ++count; }, numbers);
+    return count * sizeof(double) == sizeof(Struct);
+}();
 
 /// `target` becomes `source` where `where` holds; both are numbers of the type Real throughout.
 template <class Real, class Numbers>

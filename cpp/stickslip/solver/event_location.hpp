@@ -31,7 +31,9 @@ struct EventSamples {
     std::array<Real, M> early, late;  ///< at the fractions kEarly and kLate
     std::array<Real, M> lowest;       ///< least value over all stages
 
-    [[gnu::always_inline]] auto members() { return std::tie(start, end, early, late, lowest); }
+    [[gnu::always_inline]] constexpr auto members() {
+        return std::tie(start, end, early, late, lowest);
+    }
 
     [[gnu::always_inline]] Real start_slope(std::size_t i) const {
         constexpr auto w = slope_weights(0.0, 0.0, kEarly, kLate);

@@ -52,7 +52,7 @@ struct MotionTrace {
     Real slip_x;                   ///< m, `slip_place` at the last turning point, or at the start
     Real rising = 0, falling = 0;  ///< m, slip up to there while the angle rose and fell
 
-    [[gnu::always_inline]] auto members() {
+    [[gnu::always_inline]] constexpr auto members() {
         return std::tie(lowest, highest, slip_x, rising, falling);
     }
 

@@ -31,7 +31,7 @@ struct Tsit5Step {
     Real start;  ///< s
     Real width;  ///< s
 
-    [[gnu::always_inline]] auto members() {
+    [[gnu::always_inline]] constexpr auto members() {
         return std::tie(weight, first, slope, last, start, width);
     }
 
@@ -159,7 +159,9 @@ struct WidthControl {
     Real log_error;  ///< base 2, of the last accepted step
     Real rejected;   ///< 1 after a step that was not accepted, else 0
 
-    [[gnu::always_inline]] auto members() { return std::tie(proposal, log_error, rejected); }
+    [[gnu::always_inline]] constexpr auto members() {
+        return std::tie(proposal, log_error, rejected);
+    }
 
     /// An error below 1e-4 of the tolerance is taken for that.
     static constexpr double kLeastLogError = -13.3;
@@ -207,7 +209,7 @@ struct Tsit5Progress {
     EventSamples<Phase::kEvents, Real> samples;  ///< of the last attempt, `start` of the next one
     Real error;                                  ///< of the last attempt, squared
 
-    [[gnu::always_inline]] auto members() {
+    [[gnu::always_inline]] constexpr auto members() {
         return std::tie(tau_end, most_steps, max_step, min_time_constant, half_reach, tau, look,
                         accepted, control, trace, step, samples, error);
     }
