@@ -295,7 +295,7 @@ void LocalFieldOf<D>::combine() {
 }
 
 template <>
-SpatialExpansion SpatialField::at(double tau) const {
+SpatialExpansion LocalFieldOf<3>::at(double tau) const {
     return sum_at(tau);
 }
 

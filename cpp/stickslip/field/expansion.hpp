@@ -77,13 +77,17 @@ struct ExpansionOf {
     PlaceOf<Real, D> centre;
     Real tau;  ///< s, the time it holds for
 
+    /// place: its coordinates.
     template <class... Coordinates>
-    requires(sizeof...(Coordinates) == D) [[gnu::always_inline]] auto operator()(
-        const Coordinates&... place) const {
-        return [&]<std::size_t... I>(std::index_sequence<I...>) __attribute__((always_inline)) {
-            return Series<Real, D>::at(terms, (place - centre[I])...);
-        }
-        (std::index_sequence_for<Coordinates...>());
+    [[gnu::always_inline]] auto operator()(const Coordinates&... place) const {
+        return at(std::make_index_sequence<D>(), place...);
+    }
+
+private:
+    // No loop, for which the compiler would have the coordinates as an array in memory.
+    template <std::size_t... I, class... Coordinates>
+    [[gnu::always_inline]] auto at(std::index_sequence<I...>, const Coordinates&... place) const {
+        return Series<Real, D>::at(terms, (place - centre[I])...);
     }
 };
 using Expansion = ExpansionOf<double>;
@@ -171,9 +175,8 @@ struct CoilField {
 /// The field derives from a potential, which is expanded to fourth order about a centre near the
 /// robot; its coefficients come from the analytic field and gradient at the centre and at points
 /// about it. Inside the reach of the centre the field is then within 1e-9 of the full sum of
-/// Eqs. (4)-(6) (cpp/tests/test_expansion.cpp), at a twentieth of its
-/// cost. Coils smaller than those of Table I have a smaller reach, in proportion; with a map it is
-/// in proportion to the map.
+/// Eqs. (4)-(6) (cpp/tests/test_expansion.cpp), at a twentieth of its cost. Coils smaller than
+/// those of Table I have a smaller reach, in proportion; with a map it is in proportion to the map.
 ///
 /// In space, a setting that is turned by 90 degrees about z has the same bits: every sum is ordered
 /// so that x and y may change places.
@@ -280,7 +283,7 @@ using SpatialField = LocalFieldOf<3>;
 
 /// In space it is too long to be in every phase.
 template <>
-SpatialExpansion SpatialField::at(double tau) const;
+SpatialExpansion LocalFieldOf<3>::at(double tau) const;
 
 template <class Real>
 inline PlanarFieldOf<Real> Series<Real, 2>::at(const Terms& terms, Real dx, Real dz) {
