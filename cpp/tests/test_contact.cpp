@@ -159,7 +159,7 @@ TEST_CASE("rocking: the frequency pinned at a corner and in flight") {
     };
     const double h = 1e-4;  // rad; a sine's central difference is short by h^2/6 = 2e-9
 
-    CornerStickPhase pinned(dynamics, 0.0);
+    CornerStickPhase pinned(dynamics, {0.0});
     const auto turning_on_corner = [&](double angle) {
         const CornerStickPhase::State y = {angle, 0.0};
         pinned.rebase(y);

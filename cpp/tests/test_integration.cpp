@@ -62,7 +62,7 @@ private:
 };
 
 struct Stick {
-    static CornerStickPhase phase(Dynamics& dynamics) { return {dynamics, 0.0}; }
+    static CornerStickPhase phase(Dynamics& dynamics) { return {dynamics, {0.0}}; }
     static CornerStickPhase::State start() { return {0.6, 300.0}; }
     static constexpr double kEnd = 4e-3;
 };
@@ -190,7 +190,7 @@ TEST_CASE("tsit5: a sticking corner in a steady field keeps its energy") {
                model.mass * model.gravity_z * pose.height -
                model.moment * (std::cos(y[0]) * bx - std::sin(y[0]) * bz);
     };
-    CornerStickPhase phase(dynamics, 0.0);
+    CornerStickPhase phase(dynamics, {0.0});
     Tsit5 integrator(options(1e-9, 0.0));
     PhaseMemory memory;
     const CornerStickPhase::State start = {0.9, 0.0};
@@ -212,7 +212,7 @@ TEST_CASE("tsit5: a slide that comes near the point without solution ends before
         model.friction = {mu, mu};
         for (const double slip : {0.05, 5.0}) {
             Dynamics dynamics = stickslip::test::in_uniform_field(model, 0.0, 0.0);
-            CornerSlipPhase phase(dynamics, 0.0, 1, slip);
+            CornerSlipPhase phase(dynamics, {0.0}, {1, slip});
             Tsit5 integrator(options(1e-8, 0.0));
             PhaseMemory memory;
             const CornerSlipPhase::State start = {0.0, 0.3, slip, 0.0};
@@ -248,16 +248,17 @@ TEST_CASE("tsit5: a slide that begins without solution jams at once") {
     Model model = paper_model();
     model.friction = {2.0, 2.0};
     Dynamics dynamics = stickslip::test::in_uniform_field(model, 0.0, 0.0);
-    CornerSlipPhase phase(dynamics, 0.0, 1, 0.05);
+    CornerSlipPhase phase(dynamics, {0.0}, {1, 0.05});
     const CornerSlipPhase::State start = {0.0, 0.7, 0.05, 0.0};
     phase.rebase(start);
     CHECK(phase.nearly_jams(0.0, start));
     BodyState body = phase.body(0.0, start);
-    const Resolution found = resolve_contact(dynamics, 0.0, body, Touch::corner, 0.05, 0);
+    const Resolution found =
+        resolve_contact(FixedFrame(dynamics), 0.0, body, Touch::corner, {0.05}, 0);
     CHECK(found.impulse);
     const Pose pose = model.shape.pose(0, std::cos(0.7), std::sin(0.7));
     stop_slip_by_impulse(model, pose, 0.05, body);
     CHECK(body.omega > 0.0);  // nose-down over the corner
-    const Resolution after = resolve_contact(dynamics, 0.0, body, Touch::corner, 0.0, 0);
+    const Resolution after = resolve_contact(FixedFrame(dynamics), 0.0, body, Touch::corner, {}, 0);
     CHECK_FALSE(after.impulse);
 }

@@ -33,7 +33,7 @@ double braking(const Scenario& s) {
 
 }  // namespace
 
-// The two are different programs from the field's expansion on.
+// The two differ in the field's expansion, in the frame and in what ends a slip.
 TEST_CASE("plane: a robot that nothing pushes across goes as in its one plane") {
     for (const DriveMode mode : {DriveMode::ipp, DriveMode::opp}) {
         for (const Direction direction : {Direction::plus_x, Direction::minus_x}) {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "stickslip/contact/contact.hpp"
+#include "stickslip/contact/frame.hpp"
 #include "support.hpp"
 
 using namespace stickslip;
@@ -207,7 +207,7 @@ Tally resolve_many(std::uint64_t seed, Touch touch, double most_friction, Lift l
         Dynamics dynamics = draw.dynamics();
         if (lift != Lift::any && draw.lifts(dynamics) != (lift == Lift::present)) continue;
         const Resolution found =
-            resolve_contact(dynamics, 0.0, draw.body, touch, draw.slip_velocity, 0);
+            resolve_contact(FixedFrame(dynamics), 0.0, draw.body, touch, {draw.slip_velocity}, 0);
         check_consistent(draw, dynamics, touch, found, tally);
     }
     return tally;
@@ -256,12 +256,13 @@ TEST_CASE("resolve: at the limit of friction the event says which way, not a rou
     for (const int onset : {-1, 1}) {
         BodyState body;
         body.z = model.shape.half_rise(0);
-        const Resolution on_face = resolve_contact(dynamics, 0.0, body, Touch::face, 0.0, onset);
+        const Resolution on_face =
+            resolve_contact(FixedFrame(dynamics), 0.0, body, Touch::face, {}, onset);
         CHECK(on_face.mode == ContactMode{Touch::face, onset});
         body.angle = 0.1;
         body.z = model.shape.pose(0, std::cos(0.1), std::sin(0.1)).height;
         const Resolution on_corner =
-            resolve_contact(dynamics, 0.0, body, Touch::corner, 0.0, onset);
+            resolve_contact(FixedFrame(dynamics), 0.0, body, Touch::corner, {}, onset);
         CHECK(on_corner.mode == ContactMode{Touch::corner, onset});
     }
 }
@@ -271,7 +272,7 @@ TEST_CASE("resolve: nothing that touches stays so") {
     Dynamics dynamics = stickslip::test::in_uniform_field(model, 0.0, 0.0);
     BodyState body;
     body.quadrant = -2;
-    const Resolution found = resolve_contact(dynamics, 0.0, body, Touch::none, 0.0, 0);
+    const Resolution found = resolve_contact(FixedFrame(dynamics), 0.0, body, Touch::none, {}, 0);
     CHECK(found.mode == ContactMode{Touch::none, 0});
     CHECK(found.quadrant == -2);
 }

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "stickslip/contact/rest.hpp"
+#include "stickslip/contact/face_phases.hpp"
 #include "stickslip/run/simulation.hpp"
 #include "stickslip/solver/tsit5.hpp"
 #include "support.hpp"

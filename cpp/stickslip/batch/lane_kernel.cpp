@@ -43,10 +43,9 @@ public:
         }
         return robot_->kinetic_friction;
     }
-    [[gnu::always_inline]] LoadOf<Real> load(const ExpansionOf<Real>& expansion, Real x, Real z,
+    [[gnu::always_inline]] LoadOf<Real> load(const PlanarFieldOf<Real>& field, Real tau, Real, Real,
                                              const PoseOf<Real>& pose, Real vx, Real vz,
                                              Real omega) const {
-        const PlanarFieldOf<Real> field = expansion(x, z);
         const Real mx = robot_->moment_x(pose), mz = robot_->moment_z(pose);
         LoadOf<Real> load = robot_->load(field, mx, mz, vx, vz, omega);
         if constexpr (kEffects) {
@@ -54,8 +53,8 @@ public:
             const Real cosine = e.turn_cosine * pose.cosine - e.turn_sine * pose.sine;
             const Real sine = e.turn_sine * pose.cosine + e.turn_cosine * pose.sine;
             e.forces.add(field, mx, mz, cosine, vx, vz, load);
-            load.contact_adhesion = robot_->adhesion * e.adhesion.at_angle(sine) *
-                                    e.adhesion.aged(e.contact_age + expansion.tau);
+            load.contact_adhesion =
+                robot_->adhesion * e.adhesion.at_angle(sine) * e.adhesion.aged(e.contact_age + tau);
         }
         return load;
     }
@@ -72,12 +71,13 @@ private:
 template <class Phase, bool kEffects>
 [[gnu::always_inline]] inline Phase make_phase(const LaneNumbers<Phase, kEffects>& numbers,
                                                auto& dynamics) {
+    const FixedFrame frame(dynamics);
     if constexpr (Phase::kFlies) {
-        return Phase(dynamics);
+        return Phase(frame);
     } else if constexpr (Phase::kSlips) {
-        return Phase(dynamics, numbers.contact_x, numbers.slip, 0.0);
+        return Phase(frame, {numbers.contact_x}, {numbers.slip, 0.0});
     } else {
-        return Phase(dynamics, numbers.contact_x);
+        return Phase(frame, {numbers.contact_x});
     }
 }
 
@@ -130,10 +130,10 @@ LaneRound PackOf<PhaseOf, Real, kEffects>::step(void* pack) {
                                  p.samples.may_dip(i))) |
                   (unarmed & !p.samples.rises(i));
     }
-    const Point<Real> centre = phase.centre(p.step.last, dynamics.pose(phase.angle(p.step.last)));
-    flagged = flagged | !n.workspace.holds({centre.x, centre.z});
-    flagged = flagged | (magnitude(centre.x - n.field.centre[0]) > p.half_reach) |
-              (magnitude(centre.z - n.field.centre[1]) > p.half_reach);
+    const auto centre = phase.centre(p.step.last, dynamics.pose(phase.angle(p.step.last)));
+    flagged = flagged | !n.workspace.holds(centre);
+    flagged = flagged | (magnitude(centre[0] - n.field.centre[0]) > p.half_reach) |
+              (magnitude(centre[1] - n.field.centre[1]) > p.half_reach);
 
     const auto done = !flagged;
     for (Real& unarmed : n.unarmed) unarmed = select(done, Real(0.0), unarmed);

@@ -11,7 +11,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "stickslip/contact/face_slide.hpp"
+#include "stickslip/contact/face_phases.hpp"
 
 namespace stickslip {
 
@@ -119,7 +119,7 @@ private:
                 numbers.progress.look = lane.loop.next_look();
                 numbers.robot = player.dynamics().robot();
                 set_around(numbers, player.dynamics());
-                numbers.contact_x = phase.contact_x(numbers.progress.step.first);
+                numbers.contact_x = phase.contact(numbers.progress.step.first)[0];
                 numbers.slip = player.state().mode.slip;
                 numbers.workspace = player.dynamics().field().workspace();
                 set_memory(numbers, player.memory());

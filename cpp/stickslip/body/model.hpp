@@ -31,6 +31,9 @@ struct Face {
     double shift = 0.0;      ///< m, of its middle, to +x
     double height = 0.0;     ///< m, of the centre of mass above it
     double roll = 0.0;       ///< m, as of the pose of its end
+
+    /// m, of its end ahead, to +x of the centre of mass.
+    double end() const { return half_base + shift; }
 };
 
 /// The mechanical constants of one simulation, in the robot's own frame (its x axis points the way

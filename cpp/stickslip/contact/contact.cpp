@@ -1,124 +1,157 @@
 #include "stickslip/contact/contact.hpp"
 
-#include <cmath>
+#include "stickslip/contact/turning_frame.hpp"
 
 namespace stickslip {
 namespace {
 
-int opposite_sign(double value) {
-    return value > 0.0 ? -1 : 1;
-}
-
+template <class Frame>
 class Resolver {
+    using Vector = typename Frame::Vector;
+    using Load = typename Frame::Load;
+
 public:
-    Resolver(Dynamics& dynamics, double tau, const BodyState& body)
-        : dynamics_(dynamics), model_(dynamics.model()), tau_(tau), body_(body) {}
+    Resolver(const Frame& frame, double tau, const BodyState& body)
+        : frame_(frame), dynamics_(frame.dynamics()), tau_(tau), body_(body) {}
 
-    Resolution corner(int quadrant, double angle, double slip_velocity, int onset) {
-        const Pose pose = pose_at(quadrant, angle);
-        const Load load = dynamics_.load(dynamics_.field_at(tau_), body_.x, body_.z, pose, body_.vx,
-                                         body_.vz, body_.omega);
-        if (slip_velocity != 0.0) return sliding(quadrant, pose, load, slip_velocity);
-        if (onset != 0) return breaking_loose(quadrant, pose, load, onset);
-
-        const CornerStick stick = corner_stick(dynamics_.robot(), pose, body_.omega, load);
-        const int slip = opposite_sign(stick.reaction.friction);
+    // onset: see resolve_contact.
+    Resolution corner(int quadrant, double angle, const Vector& slip, int onset) {
+        look_at(quadrant, angle);
+        const auto load = frame_.load(seen_, tau_, pose_, velocity(), body_.vz, body_.omega);
+        if (!frame_.is_slow(slip)) return sliding(load, slip);
+        const CornerStick stick = corner_stick(dynamics_.robot(), pose_, body_.omega, load);
+        // That would hold it; it would slip the other way.
+        const Vector friction = frame_.vector(stick.reaction.friction, -load.across);
         const double normal = stick.reaction.normal;
-        const double limit =
-            dynamics_.static_limit(slip, contact_x(pose), pose, normal, tau_) * normal;
-        if (normal >= 0.0 && std::abs(stick.reaction.friction) <= limit) {
-            return {{Touch::corner, 0}, quadrant};
+        if (onset == 0 && normal >= 0.0) {
+            const double way = frame_.against(friction).along;
+            const double limit =
+                dynamics_.static_limit(way, contact_x(), pose_, normal, tau_) * normal;
+            if (friction.size() <= limit) return {{Touch::corner, 0}, quadrant};
         }
-        return breaking_loose(quadrant, pose, load, slip);
+        if (frame_.has_begun(slip)) return sliding(load, slip);
+        return breaking_loose(load, friction, onset);
     }
-
-    Resolution face(int quadrant, double slip_velocity, int onset) {
-        const Pose pose = pose_at(quadrant, 0.0);
-        const Load load = dynamics_.load(dynamics_.field_at(tau_), body_.x, body_.z, pose, body_.vx,
-                                         body_.vz, body_.omega);
-        int slip = slip_velocity > 0.0 ? 1 : slip_velocity < 0.0 ? -1 : onset;
-        FaceReaction reaction = face_reaction(model_, quadrant, load, true, 0.0);
-        if (slip == 0) {
-            const int way = opposite_sign(reaction.friction);
-            const double normal = reaction.normal();
-            const double limit = dynamics_.static_limit(way, body_.x, pose, normal, tau_) * normal;
-            if (std::abs(reaction.friction) > limit) slip = way;
+    Resolution face(int quadrant, Vector slip, int onset) {
+        look_at(quadrant, 0.0);
+        const Model& model = dynamics_.model();
+        const auto load = frame_.load(seen_, tau_, pose_, velocity(), 0.0, 0.0);
+        FaceReaction reaction = face_reaction(model, quadrant, load, true, 0.0);
+        const double normal = reaction.normal();
+        const Vector friction = frame_.vector(reaction.friction, -load.across);
+        bool slips = !frame_.is_slow(slip) || onset != 0;
+        if (!slips) {
+            const double way = frame_.against(friction).along;
+            const double limit = dynamics_.static_limit(way, body_.x, pose_, normal, tau_) * normal;
+            slips = friction.size() > limit;
         }
-        if (slip != 0) {
+        int mark = 0;
+        if (slips) {
+            slip = frame_.begun(slip, frame_.against(friction));
+            const Vector way = frame_.way_of(slip, friction, onset);
             const double coefficient =
-                dynamics_.kinetic(slip, slip_velocity, body_.x, pose, reaction.normal(), tau_);
-            reaction = face_reaction(model_, quadrant, load, false, slip * coefficient);
+                dynamics_.kinetic(way.along, slip.size(), body_.x, pose_, normal, tau_);
+            reaction = face_reaction(model, quadrant, load, false, way.along * coefficient);
+            mark = frame_.mark(way);
+        } else {
+            slip = {};
         }
         if (reaction.ahead >= 0.0 && reaction.behind >= 0.0) {
-            return {{Touch::face, slip}, quadrant};
+            return {{Touch::face, mark}, quadrant, false, frame_.slip(slip)};
         }
         // The end that pulls more leaves, and the other takes its adhesion; it may turn out to hold
         // even where both pulled.
-        if (reaction.behind < reaction.ahead) return corner(quadrant, 0.0, slip_velocity, onset);
-        return corner(quadrant - 1, kQuarterTurn, slip_velocity, onset);
+        if (reaction.behind < reaction.ahead) return corner(quadrant, 0.0, slip, onset);
+        return corner(quadrant - 1, kQuarterTurn, slip, onset);
     }
 
 private:
-    double contact_x(const Pose& pose) const { return body_.x + pose.lever; }
-    double coefficient(int slip, double slip_velocity, const Pose& pose, const Load& load) const {
-        return dynamics_.corner_kinetic(slip, slip_velocity, contact_x(pose), pose, body_.omega,
-                                        load, tau_);
-    }
+    Vector velocity() const { return frame_.vector({body_.vx, body_.vy}); }
+    typename Frame::Place place() const { return frame_.place(body_.x, body_.y); }
+    double contact_x() const { return frame_.moved(place(), seen_.heading, pose_.lever)[0]; }
 
-    Pose pose_at(int quadrant, double angle) {
+    void look_at(int quadrant, double angle) {
         dynamics_.set_quadrant(quadrant);
-        dynamics_.rebase_field(body_.x, body_.z);
-        return dynamics_.pose(angle);
+        frame_.field().rebase(frame_.centre(place(), body_.z));
+        pose_ = dynamics_.pose(angle);
+        seen_ = frame_.seen_at(frame_.field_at(tau_), place(), body_.z);
     }
 
-    Resolution sliding(int quadrant, const Pose& pose, const Load& load, double slip_velocity) {
-        const int slip = slip_velocity > 0.0 ? 1 : -1;
-        const CornerSlip motion = corner_slip(dynamics_.robot(), pose, body_.omega, load,
-                                              slip * coefficient(slip, slip_velocity, pose, load));
+    // At `speed` (m/s) the way that is `way`.
+    struct Slipping {
+        double coefficient;
+        CornerSlip motion;
+    };
+    Slipping slipping(const Load& load, const Vector& way, double speed) const {
+        const double coefficient =
+            dynamics_.corner_kinetic(way.along, speed, contact_x(), pose_, body_.omega, load, tau_);
+        return {coefficient,
+                corner_slip(dynamics_.robot(), pose_, body_.omega, load, way.along * coefficient)};
+    }
+
+    Resolution sliding(const Load& load, const Vector& slip) {
+        const int quadrant = dynamics_.quadrant();
+        const Vector way = frame_.way_of(slip, {}, 0);
+        const CornerSlip motion = slipping(load, way, slip.size()).motion;
         if (motion.effective_inertia <= 0.0) {
             // A reaction that lifts presses here: the formula's N is positive where the free corner
             // rises (flight is consistent) and negative where nothing is, and the slip jams.
             const bool rises = motion.normal > 0.0;
-            return {{rises ? Touch::none : Touch::corner, 0}, quadrant, !rises};
+            const Touch touch = rises ? Touch::none : Touch::corner;
+            return {{touch, 0}, quadrant, !rises, frame_.slip(slip)};
         }
-        if (motion.normal < 0.0) return {{Touch::none, 0}, quadrant};
-        return {{Touch::corner, slip}, quadrant};
+        if (motion.normal < 0.0) return {{Touch::none, 0}, quadrant, false, frame_.slip(slip)};
+        return {{Touch::corner, frame_.mark(way)}, quadrant, false, frame_.slip(slip)};
     }
 
     // At rest but not able to stick. Without a sliding solution that has a positive effective
     // inertia the corner is free to rise: at slip velocity zero an inconsistent slip cannot occur,
     // so what is left is the indeterminate case, and of its answers flight is the one that is
     // stable.
-    Resolution breaking_loose(int quadrant, const Pose& pose, const Load& load, int slip) {
-        const CornerSlip motion = corner_slip(dynamics_.robot(), pose, body_.omega, load,
-                                              slip * coefficient(slip, 0.0, pose, load));
+    Resolution breaking_loose(const Load& load, const Vector& friction, int onset) {
+        const int quadrant = dynamics_.quadrant();
+        const auto acceleration = [&](const Vector& way) {
+            const auto [coefficient, motion] = slipping(load, way, 0.0);
+            const double across = load.across - way.across * coefficient * motion.normal;
+            return frame_.vector(motion.slip_acceleration, across * dynamics_.robot().per_mass);
+        };
+        const Vector way = frame_.way_to_slip(friction, onset, acceleration);
+        const CornerSlip motion = slipping(load, way, 0.0).motion;
         if (motion.effective_inertia <= 0.0 || motion.normal < 0.0) {
             return {{Touch::none, 0}, quadrant};
         }
-        return {{Touch::corner, slip}, quadrant};
+        return {
+            {Touch::corner, frame_.mark(way)}, quadrant, false, frame_.slip(frame_.begun({}, way))};
     }
 
+    const Frame& frame_;
     Dynamics& dynamics_;
-    const Model& model_;
     double tau_;
     const BodyState& body_;
+    Pose pose_;
+    typename Frame::Seen seen_;
 };
 
 }  // namespace
 
-Resolution resolve_contact(Dynamics& dynamics, double tau, const BodyState& body, Touch touch,
-                           double slip_velocity, int onset) {
-    Resolver resolver(dynamics, tau, body);
+template <class Frame>
+Resolution resolve_contact(const Frame& frame, double tau, const BodyState& body, Touch touch,
+                           const Slip& slip, int onset) {
+    Resolver<Frame> resolver(frame, tau, body);
     switch (touch) {
         case Touch::corner:
-            return resolver.corner(body.quadrant, body.angle, slip_velocity, onset);
+            return resolver.corner(body.quadrant, body.angle, frame.vector(slip), onset);
         case Touch::face:
-            return resolver.face(body.quadrant, slip_velocity, onset);
+            return resolver.face(body.quadrant, frame.vector(slip), onset);
         case Touch::none:
             break;
     }
-    return {{Touch::none, 0}, body.quadrant};
+    return {{Touch::none, 0}, body.quadrant, false, slip};
 }
+template Resolution resolve_contact(const FixedFrame<Dynamics>&, double, const BodyState&, Touch,
+                                    const Slip&, int);
+template Resolution resolve_contact(const TurningFrame&, double, const BodyState&, Touch,
+                                    const Slip&, int);
 
 void stop_slip_by_impulse(const Model& model, const Pose& pose, double slip_velocity,
                           BodyState& body) {

@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "stickslip/contact/dynamics.hpp"
+#include "stickslip/field/heading.hpp"
 
 namespace stickslip {
 
@@ -25,6 +26,19 @@ struct ContactMode {
     int slip = 0;  ///< 0 sticks, +1 slips to +x, -1 to -x
 
     friend bool operator==(const ContactMode&, const ContactMode&) = default;
+};
+
+/// What goes on from phase to phase.
+struct HybridState {
+    BodyState body;
+    ContactMode mode;
+    double contact_x = 0.0;      ///< m, pivot corner; kept, not derived, so that a stuck one stays
+    double slip_velocity = 0.0;  ///< m/s
+    // Of a robot that moves in the whole plane: what is above is along x, this along y.
+    double contact_y = 0.0;  ///< m
+    double slip_y = 0.0;     ///< m/s
+
+    bool rests() const { return mode.touch == Touch::face && mode.slip == 0; }
 };
 
 /// Reaction at the touching corner(s). N is compressive, before adhesion; friction along +x, in N.
@@ -166,14 +180,18 @@ struct Resolution {
     ContactMode mode;
     int quadrant = 0;      ///< a tipping face may pivot about its other end
     bool impulse = false;  ///< sliding has no solution: the slip stops by an impulse (Painleve)
+    Slip slip = {};        ///< m/s; along a vector of the least size where it has only begun
 };
 
 /// The consistent mode of what touches now, at tau seconds into the stretch, by the complementarity
-/// conditions of section IV-C. `slip_velocity` in m/s; where it is zero the contact is tried as
-/// sticking, unless `onset` (+1, -1) says which way an event has just broken it loose: there the
-/// sign of an acceleration that is zero to rounding decides nothing.
-Resolution resolve_contact(Dynamics& dynamics, double tau, const BodyState& body, Touch touch,
-                           double slip_velocity, int onset);
+/// conditions of section IV-C. `body` has the world's place and the velocities along the heading
+/// and across, as the `slip` (m/s) has. Where that is zero, or as slow as not to matter, the
+/// contact is tried as sticking, unless `onset` (+1, -1) says that an event has just broken it
+/// loose, and of a frame that is fixed which way: there the sign of an acceleration that is zero to
+/// rounding decides nothing. For both frames, see frame.hpp.
+template <class Frame>
+Resolution resolve_contact(const Frame& frame, double tau, const BodyState& body, Touch touch,
+                           const Slip& slip, int onset);
 
 /// Puts the slip of a touching corner to zero by an impulse at that corner (impulse without
 /// collision).

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "stickslip/contact/turning_frame.hpp"
+
 namespace stickslip {
 
 // What throws leaves everything as it was, and not with velocities of another frame.
@@ -54,7 +56,7 @@ void ContactTransitions::enter_heading(double tau) {
         state_.contact_x = body.x;
         state_.contact_y = body.y;
         const Face face = model().face(body.quadrant);
-        move_contact(face.half_base + face.shift - face.roll);
+        move_contact(face.end() - face.roll);
     }
 }
 
@@ -210,26 +212,22 @@ void ContactTransitions::pivot_on_rear_end() {
 // Finds the mode that the forces allow for what touches, and enters it.
 void ContactTransitions::settle(Touch touch, const Slip& slip, int onset, double tau) {
     const ContactMode before = state_.mode;
-    PlaneResolution found;
-    if (plane_) {
-        found = resolve_plane_contact(*plane_, tau, state_.body, touch, slip, onset != 0);
-    } else {
-        found.upright = resolve_contact(dynamics_, tau, state_.body, touch, slip.along, onset);
-        found.slip = slip;
-    }
-    if (found.upright.quadrant != state_.body.quadrant) pivot_on_rear_end();
+    const Resolution found =
+        plane_ ? resolve_contact(TurningFrame(*plane_), tau, state_.body, touch, slip, onset)
+               : resolve_contact(FixedFrame(dynamics_), tau, state_.body, touch, slip, onset);
+    if (found.quadrant != state_.body.quadrant) pivot_on_rear_end();
     // A slow slip that static friction holds; a jam has its impulse below.
-    const bool sticks = plane_ && !found.upright.impulse && slip.size() > 0.0 &&
-                        found.upright.mode.touch == Touch::corner && found.upright.mode.slip == 0;
+    const bool sticks = !found.impulse && slip.size() > 0.0 && found.mode.touch == Touch::corner &&
+                        found.mode.slip == 0;
     if (sticks) stop_slip_by_impulse(model(), pose(), slip.along, state_.body);
     state_.slip_velocity = found.slip.along;
     state_.slip_y = found.slip.across;
-    state_.mode = found.upright.mode;
+    state_.mode = found.mode;
     if (state_.rests()) {
         state_.body.vx = state_.body.vy = state_.body.vz = state_.body.omega = 0.0;
     }
     count_change(before);
-    if (found.upright.impulse) react(Event::sliding_jams, tau);
+    if (found.impulse) react(Event::sliding_jams, tau);
 }
 
 void ContactTransitions::count(EventKind kind) {

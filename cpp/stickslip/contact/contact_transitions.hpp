@@ -4,9 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "stickslip/contact/hybrid_state.hpp"
 #include "stickslip/contact/impact.hpp"
-#include "stickslip/contact/plane_contact.hpp"
+#include "stickslip/contact/plane_dynamics.hpp"
 #include "stickslip/numbers/rows.hpp"
 
 namespace stickslip {

@@ -5,16 +5,15 @@
 #include <cmath>
 #include <limits>
 
-#include "stickslip/contact/contact.hpp"
-#include "stickslip/solver/stepping.hpp"
+#include "stickslip/contact/frame.hpp"
 
-/// Between two events the robot moves smoothly in one of five phases (a face that slides:
-/// face_slide.hpp; one that lies still: rest.hpp). Each phase has the fewest
+/// Between two events the robot moves smoothly in one of five phases (those of a face:
+/// face_phases.hpp). Each phase has the fewest
 /// coordinates that its contact leaves free, so a sticking corner cannot creep and a touching one
 /// cannot penetrate. A phase offers
 ///   kDim, kEvents      number of coordinates and of event functions
 ///   kSlips, kFlies     whether a contact slips, whether nothing touches
-///   kTurns             whether it is of a robot that moves in the whole plane (plane_phase.hpp)
+///   kTurns             whether it is of a robot that moves in the whole plane
 ///   kEvent             what each event function is; it fires when its function falls through zero
 ///   field_at(tau)      the field's expansion, apart from the state
 ///   rates(field, y, dydt, g)   rates and event functions
@@ -24,52 +23,48 @@
 ///   longest_step(y, rates)     of a slip in the whole plane, s
 ///   rebase(y)          centres the field's expansion for the next step
 ///   centre(y, pose)    the centre of mass
-///   angle, omega, contact_x(y)   what the summary watches
+///   angle, omega, slip_place, slip_speed(y)   what the summary watches
+///   contact(y), slip(y)        place and velocity of what slips, to go on with
 ///   event_rounding()   see PhaseBase
 ///   begin(body), body(tau, y)  to coordinates and back
 ///   scale()            the size of each coordinate, for the error norm
-/// The formulas, rates and what they use, are written for any D: Dynamics, or the dynamics of a
-/// pack of robots (lane_kernel.cpp), whose numbers D::Real are packs. The rest is of one robot.
+/// They are written for any frame (frame.hpp), and the formulas, rates and what they use, for any
+/// numbers: those of a FixedFrame of a pack of robots (lane_kernel.cpp) are packs. The rest is of
+/// one robot.
 namespace stickslip {
 
-template <class Real>
-struct Point {
-    Real x, z;  ///< m
-};
-
 /// What all phases share.
-template <class D>
+template <class F>
 class PhaseBase {
 public:
-    using Real = typename D::Real;
-    static constexpr bool kTurns = false;
+    using Frame = F;
+    using Real = typename Frame::Real;
+    using Place = typename Frame::Place;
+    using Vector = typename Frame::Vector;
+    using Field = typename Frame::Field;
+    static constexpr bool kTurns = Frame::kTurns;
 
-    explicit PhaseBase(D& dynamics) : dynamics_(&dynamics) {}
+    explicit PhaseBase(const Frame& frame) : frame_(frame) {}
 
-    ExpansionOf<Real> field_at(Real tau) const { return dynamics_->field_at(tau); }
-    bool outside() const { return dynamics_->field().outside(); }
-    double reach() const { return dynamics_->field().reach(); }
-    double min_time_constant() const { return dynamics_->field().min_time_constant(); }
+    Field field_at(Real tau) const { return frame_.field_at(tau); }
+    bool outside() const { return frame_.field().outside(); }
+    double reach() const { return frame_.field().reach(); }
+    double min_time_constant() const { return frame_.field().min_time_constant(); }
     /// An event function that is born above this has risen since; others may be zero but for
     /// rounding.
     double event_rounding() const { return 0.0; }
-    D& dynamics() const { return *dynamics_; }
 
-    /// With the field's expansion, to look elsewhere and come back.
-    Dynamics state() const { return *dynamics_; }
-    void restore(const Dynamics& state) { *dynamics_ = state; }
+    /// The field's expansion, to look elsewhere and come back.
+    auto state() const { return frame_.field(); }
+    void restore(const auto& field) { frame_.field() = field; }
 
 protected:
-    const Model& model() const { return dynamics_->model(); }
-    const PlainDynamics<Real>& robot() const { return dynamics_->robot(); }
-    int quadrant() const { return dynamics_->quadrant(); }
+    static constexpr std::size_t kSurface = Frame::kSurface;
 
-    template <class Phase>
-    static void rebase_to(const Phase& phase, const typename Phase::State& y) {
-        Dynamics& dynamics = phase.dynamics();
-        const Point<double> at = phase.centre(y, dynamics.pose(phase.angle(y)));
-        dynamics.rebase_field(at.x, at.z);
-    }
+    auto& dynamics() const { return frame_.dynamics(); }
+    const Model& model() const { return dynamics().model(); }
+    const PlainDynamics<Real>& robot() const { return dynamics().robot(); }
+    int quadrant() const { return dynamics().quadrant(); }
 
     template <class Phase>
     static double event_by_rates(const Phase& phase, std::size_t i, double tau,
@@ -80,153 +75,196 @@ protected:
         return g[i];
     }
 
-    D* dynamics_;
+    Frame frame_;
+};
+
+/// What the two phases of a corner on the surface share.
+template <class Frame>
+class CornerBase : public PhaseBase<Frame> {
+protected:
+    using Base = PhaseBase<Frame>;
+    using Base::Base, Base::frame_, Base::dynamics;
+    using typename Base::Place, typename Base::Real;
+
+    auto centre_behind(const Place& corner, const PoseOf<Real>& pose) const {
+        return frame_.centre(frame_.moved(corner, frame_.last_heading(), -(pose.lever - pose.roll)),
+                             pose.height);
+    }
+    /// A body whose pivot corner is on the surface and slips.
+    BodyState body_on(double tau, const Place& corner, double angle, const Place& slip,
+                      double omega) const {
+        const Pose pose = dynamics().pose(angle);
+        const auto heading = frame_.heading_at_corner(tau, corner, pose);
+        return frame_.body(heading, frame_.moved(corner, heading, -(pose.lever - pose.roll)),
+                           pose.height, angle, frame_.moved(slip, heading, omega * pose.height),
+                           omega * pose.lever, omega);
+    }
 };
 
 /// A corner sticks: y = (angle, omega).
-template <class D>
-class CornerStickPhaseOf : public PhaseBase<D> {
-    using Base = PhaseBase<D>;
-    using Base::dynamics_, Base::model, Base::robot, Base::quadrant;
+template <class Frame>
+class CornerStickIn : public CornerBase<Frame> {
+    using Base = CornerBase<Frame>;
+    using Base::frame_, Base::dynamics, Base::robot;
 
 public:
-    using Real = typename D::Real;
+    using typename Base::Real, typename Base::Place, typename Base::Vector, typename Base::Field;
+    static constexpr std::array kEvent =
+        join(std::array{Event::lift_off}, Frame::kBreaks,
+             std::array{Event::behind_lands, Event::ahead_lands}, Frame::kOwn);
     static constexpr int kDim = 2;
-    static constexpr int kEvents = 5;
+    static constexpr int kEvents = kEvent.size();
     static constexpr bool kSlips = false;
     static constexpr bool kFlies = false;
     using State = std::array<Real, kDim>;
     using Values = std::array<Real, kEvents>;
-    static constexpr std::array<Event, kEvents> kEvent = {Event::lift_off, Event::breaks_backward,
-                                                          Event::breaks_forward,
-                                                          Event::behind_lands, Event::ahead_lands};
 
-    CornerStickPhaseOf(D& dynamics, Real contact_x) : Base(dynamics), contact_x_(contact_x) {}
+    CornerStickIn(const Frame& frame, const Place& contact) : Base(frame), contact_(contact) {}
 
-    [[gnu::always_inline]] void rates(const ExpansionOf<Real>& field, const State& y, State& dydt,
+    [[gnu::always_inline]] void rates(const Field& field, const State& y, State& dydt,
                                       Values& g) const {
-        const PoseOf<Real> pose = dynamics_->pose(y[0]);
-        const CornerStickOf<Real> stick = solve(field, y, pose);
-        dydt = {y[1], stick.angular_acceleration};
-        const Real normal = stick.reaction.normal, friction = stick.reaction.friction;
-        const Real behind = limit(-1.0, pose, normal, field.tau);
-        const Real ahead = limit(1.0, pose, normal, field.tau);
-        g = {normal, behind * normal - friction, ahead * normal + friction, y[0],
-             kQuarterTurn - y[0]};
+        const PoseOf<Real> pose = dynamics().pose(y[0]);
+        const Motion motion = solve(field, y, pose);
+        const Real normal = motion.stick.reaction.normal;
+        const Real touch_x = frame_.moved(contact_, motion.seen.heading, pose.roll)[0];
+        const auto limit = [&](double way) __attribute__((always_inline)) {
+            return dynamics().static_limit(way, touch_x, pose, normal, field.tau) * normal;
+        };
+        dydt = {y[1], motion.stick.angular_acceleration};
+        g = gather<Values>(normal, frame_.left_to_break(motion.friction, limit), y[0],
+                           kQuarterTurn - y[0], frame_.events(motion.seen));
     }
     double event(std::size_t i, double tau, const auto& y) const {
-        if (i == 3) return y[0];
-        if (i == 4) return kQuarterTurn - y[0];
-        return Base::event_by_rates(*this, i, tau, y);
+        switch (kEvent[i]) {
+            case Event::behind_lands:
+                return y[0];
+            case Event::ahead_lands:
+                return kQuarterTurn - y[0];
+            default:
+                return Base::event_by_rates(*this, i, tau, y);
+        }
     }
-    void rebase(const State& y) { Base::rebase_to(*this, y); }
-    Point<Real> centre(const State&, const PoseOf<Real>& pose) const {
-        return {contact_x_ - (pose.lever - pose.roll), pose.height};
+    auto centre(const State&, const PoseOf<Real>& pose) const {
+        return Base::centre_behind(contact_, pose);
     }
+    void rebase(const State& y) { frame_.field().rebase(centre(y, dynamics().pose(y[0]))); }
     State begin(const BodyState& body) const { return {body.angle, body.omega}; }
-    BodyState body(double, const State& y) const {
-        const Pose pose = dynamics_->pose(y[0]);
-        return {contact_x_ - (pose.lever - pose.roll),
-                pose.height,
-                y[0],
-                y[1] * pose.height,
-                y[1] * pose.lever,
-                y[1],
-                quadrant()};
+    BodyState body(double tau, const State& y) const {
+        return Base::body_on(tau, contact_, y[0], {}, y[1]);
     }
     Snapshot snapshot(double tau, const State& y) const {
-        const Pose pose = dynamics_->pose(y[0]);
-        return {body(tau, y), solve(Base::field_at(tau), y, pose).reaction, contact_x_ + pose.roll,
-                0.0};
+        const Pose pose = dynamics().pose(y[0]);
+        const Motion motion = solve(Base::field_at(tau), y, pose);
+        return frame_.snapshot(body(tau, y), motion.stick.reaction.normal, motion.friction,
+                               frame_.moved(contact_, motion.seen.heading, pose.roll), {});
     }
     State scale(const Scales& s) const { return {1.0, s.rate}; }
     Real speed(const State& y) const { return magnitude(y[1]) * robot().radius; }
     Real angle(const State& y) const { return y[0]; }
     Real omega(const State& y) const { return y[1]; }
-    Real contact_x(const State&) const { return contact_x_; }
+    Place contact(const State&) const { return contact_; }
+    Real slip_place(const State&) const { return frame_.along_front(contact_); }
 
 private:
-    [[gnu::always_inline]] Real limit(double slip, const PoseOf<Real>& pose, Real normal,
-                                      Real tau) const {
-        return dynamics_->static_limit(slip, contact_x_ + pose.roll, pose, normal, tau);
-    }
-    [[gnu::always_inline]] CornerStickOf<Real> solve(const ExpansionOf<Real>& field, const State& y,
-                                                     const PoseOf<Real>& pose) const {
-        const LoadOf<Real> load =
-            dynamics_->load(field, contact_x_ - (pose.lever - pose.roll), pose.height, pose,
-                            y[1] * pose.height, y[1] * pose.lever, y[1]);
-        return corner_stick(robot(), pose, y[1], load);
+    struct Motion {
+        typename Frame::Seen seen;
+        CornerStickOf<Real> stick;
+        Vector friction;  // N
+    };
+    [[gnu::always_inline]] Motion solve(const Field& field, const State& y,
+                                        const PoseOf<Real>& pose) const {
+        const auto seen = frame_.seen_at_corner(field, contact_, pose);
+        const auto load =
+            frame_.load(seen, field.tau, pose, Vector{y[1] * pose.height}, y[1] * pose.lever, y[1]);
+        const CornerStickOf<Real> stick = corner_stick(robot(), pose, y[1], load);
+        return {seen, stick, frame_.vector(stick.reaction.friction, -load.across)};
     }
 
-    Real contact_x_;
+    Place contact_;
 };
-using CornerStickPhase = CornerStickPhaseOf<Dynamics>;
 
-/// A corner slips to one side: y = (contact_x, angle, slip velocity, omega).
-template <class D>
-class CornerSlipPhaseOf : public PhaseBase<D> {
-    using Base = PhaseBase<D>;
-    using Base::dynamics_, Base::model, Base::robot, Base::quadrant;
+/// A corner slips: y = (its place, angle, its velocity, omega).
+template <class Slide>
+class CornerSlipIn : public CornerBase<typename Slide::Frame> {
+    using Frame = typename Slide::Frame;
+    using Base = CornerBase<Frame>;
+    using Base::frame_, Base::dynamics, Base::model, Base::robot, Base::kSurface;
+    static constexpr std::size_t kAngle = kSurface, kSlip = kAngle + 1, kOmega = kSlip + kSurface;
 
 public:
-    using Real = typename D::Real;
-    static constexpr int kDim = 4;
-    static constexpr int kEvents = 5;
+    using typename Base::Real, typename Base::Place, typename Base::Vector, typename Base::Field;
+    static constexpr std::array kEvent =
+        join(std::array{Event::lift_off, Slide::kEnds, Event::behind_lands, Event::ahead_lands,
+                        Event::sliding_jams},
+             Frame::kOwn, Slide::kOwn);
+    static constexpr int kDim = kOmega + 1;
+    static constexpr int kEvents = kEvent.size();
     static constexpr bool kSlips = true;
     static constexpr bool kFlies = false;
     using State = std::array<Real, kDim>;
     using Values = std::array<Real, kEvents>;
-    static constexpr std::array<Event, kEvents> kEvent = {Event::lift_off, Event::slip_stops,
-                                                          Event::behind_lands, Event::ahead_lands,
-                                                          Event::sliding_jams};
 
-    CornerSlipPhaseOf(D& dynamics, Real contact_x, Real slip, Real slip_velocity)
-        : Base(dynamics), contact_x_(contact_x), slip_velocity_(slip_velocity), slip_(slip) {}
+    CornerSlipIn(const Frame& frame, const Place& contact, const Slide& slide)
+        : Base(frame), contact_(contact), slide_(slide) {}
 
-    [[gnu::always_inline]] void rates(const ExpansionOf<Real>& field, const State& y, State& dydt,
+    [[gnu::always_inline]] void rates(const Field& field, const State& y, State& dydt,
                                       Values& g) const {
-        const CornerSlipOf<Real> motion = solve(field, y);
-        dydt = {y[2], y[3], motion.slip_acceleration, motion.angular_acceleration};
-        g = {motion.normal, slip_ * y[2], y[1], kQuarterTurn - y[1],
-             motion.effective_inertia - kJammed * robot().inertia};
+        const Motion motion = solve(field, y);
+        dydt = gather<State>(slip(y), y[kOmega],
+                             frame_.in_world(motion.seen.heading, motion.acceleration),
+                             motion.upright.angular_acceleration);
+        g = gather<Values>(motion.upright.normal, slide_.left(slip(y)), y[kAngle],
+                           kQuarterTurn - y[kAngle],
+                           motion.upright.effective_inertia - kJammed * robot().inertia,
+                           frame_.events(motion.seen), slide_.events(slip(y)));
     }
     double event(std::size_t i, double tau, const auto& y) const {
-        if (i == 1) return slip_ * y[2];
-        if (i == 2) return y[1];
-        if (i == 3) return kQuarterTurn - y[1];
-        return Base::event_by_rates(*this, i, tau, y);
+        switch (kEvent[i]) {
+            case Slide::kEnds:
+                return slide_.left(slip(y));
+            case Event::behind_lands:
+                return y[kAngle];
+            case Event::ahead_lands:
+                return kQuarterTurn - y[kAngle];
+            default:
+                return Base::event_by_rates(*this, i, tau, y);
+        }
     }
-    void rebase(const State& y) { Base::rebase_to(*this, y); }
-    Point<Real> centre(const State& y, const PoseOf<Real>& pose) const {
-        return {y[0] - (pose.lever - pose.roll), pose.height};
+    auto centre(const State& y, const PoseOf<Real>& pose) const {
+        return Base::centre_behind(contact(y), pose);
     }
+    void rebase(const State& y) { frame_.field().rebase(centre(y, dynamics().pose(y[kAngle]))); }
     State begin(const BodyState& body) const {
-        return {contact_x_, body.angle, slip_velocity_, body.omega};
+        return gather<State>(contact_, body.angle, slide_.begin(), body.omega);
     }
-    BodyState body(double, const State& y) const {
-        const Pose pose = dynamics_->pose(y[1]);
-        return {y[0] - (pose.lever - pose.roll),
-                pose.height,
-                y[1],
-                y[2] + y[3] * pose.height,
-                y[3] * pose.lever,
-                y[3],
-                quadrant()};
+    BodyState body(double tau, const State& y) const {
+        return Base::body_on(tau, contact(y), y[kAngle], slip(y), y[kOmega]);
     }
     Snapshot snapshot(double tau, const State& y) const {
-        const CornerSlipOf<Real> motion = solve(Base::field_at(tau), y);
-        const Reaction reaction = {motion.normal, -motion.coefficient * motion.normal};
-        return {body(tau, y), reaction, y[0] + dynamics_->pose(y[1]).roll, y[2]};
+        const Motion motion = solve(Base::field_at(tau), y);
+        const double roll = dynamics().pose(y[kAngle]).roll;
+        return frame_.snapshot(body(tau, y), motion.upright.normal, motion.friction,
+                               frame_.moved(contact(y), motion.seen.heading, roll), motion.slip);
     }
-    State scale(const Scales& s) const { return {s.length, 1.0, s.velocity, s.rate}; }
-    Real speed(const State& y) const { return magnitude(y[2]) + magnitude(y[3]) * robot().radius; }
-    Real angle(const State& y) const { return y[1]; }
-    Real omega(const State& y) const { return y[3]; }
-    Real contact_x(const State& y) const { return y[0]; }
-    Real slip_velocity(const State& y) const { return y[2]; }
+    State scale(const Scales& s) const {
+        return gather<State>(frame_.both(s.length), 1.0, frame_.both(s.velocity), s.rate);
+    }
+    Real speed(const State& y) const {
+        return frame_.size(slip(y)) + magnitude(y[kOmega]) * robot().radius;
+    }
+    double longest_step(const State& y, const State& rates) const {
+        return slide_.longest_step(slip(y), slip(rates));
+    }
+    Real angle(const State& y) const { return y[kAngle]; }
+    Real omega(const State& y) const { return y[kOmega]; }
+    Place contact(const auto& y) const { return frame_.part(y, 0); }
+    Place slip(const auto& y) const { return frame_.part(y, kSlip); }
+    Real slip_place(const State& y) const { return frame_.along_front(contact(y)); }
+    Real slip_speed(const State& y) const { return frame_.along_front(slip(y)); }
     /// Whether a step that could not be made small enough may be laid to sliding about to jam.
     bool nearly_jams(double tau, const State& y) const {
-        return solve(Base::field_at(tau), y).effective_inertia < kNearlyJammed * model().inertia;
+        return solve(Base::field_at(tau), y).upright.effective_inertia <
+               kNearlyJammed * model().inertia;
     }
 
 private:
@@ -235,78 +273,94 @@ private:
     static constexpr double kJammed = 1e-6;
     static constexpr double kNearlyJammed = 1e-2;
 
-    [[gnu::always_inline]] CornerSlipOf<Real> solve(const ExpansionOf<Real>& field,
-                                                    const State& y) const {
-        const PoseOf<Real> pose = dynamics_->pose(y[1]);
-        const LoadOf<Real> load =
-            dynamics_->load(field, y[0] - (pose.lever - pose.roll), pose.height, pose,
-                            y[2] + y[3] * pose.height, y[3] * pose.lever, y[3]);
-        const Real coefficient =
-            dynamics_->corner_kinetic(slip_, y[2], y[0] + pose.roll, pose, y[3], load, field.tau);
-        return corner_slip(robot(), pose, y[3], load, slip_ * coefficient);
+    struct Motion {
+        typename Frame::Seen seen;
+        Vector slip;          // m/s
+        Vector friction;      // N
+        Vector acceleration;  // m/s^2, of the contact
+        CornerSlipOf<Real> upright;
+    };
+    [[gnu::always_inline]] Motion solve(const Field& field, const State& y) const {
+        const PoseOf<Real> pose = dynamics().pose(y[kAngle]);
+        const Real omega = y[kOmega];
+        const auto seen = frame_.seen_at_corner(field, contact(y), pose);
+        const Vector way = slide_.way(seen.heading, slip(y));
+        const Vector slipping = frame_.in_plane(seen.heading, slip(y));
+        const auto load =
+            frame_.load(seen, field.tau, pose,
+                        frame_.vector(slipping.along + omega * pose.height, slipping.across),
+                        omega * pose.lever, omega);
+        const Real touch_x = frame_.moved(contact(y), seen.heading, pose.roll)[0];
+        const Real coefficient = dynamics().corner_kinetic(way.along, slipping.size(), touch_x,
+                                                           pose, omega, load, field.tau);
+        const CornerSlipOf<Real> upright =
+            corner_slip(robot(), pose, omega, load, way.along * coefficient);
+        const Real size = -coefficient * upright.normal;
+        const Vector friction = frame_.vector(way.along * size, way.across * size);
+        const Vector acceleration = frame_.vector(
+            upright.slip_acceleration, (load.across + friction.across) * robot().per_mass);
+        return {seen, slipping, friction, acceleration, upright};
     }
 
-    Real contact_x_, slip_velocity_, slip_;
+    Place contact_;
+    Slide slide_;
 };
-using CornerSlipPhase = CornerSlipPhaseOf<Dynamics>;
 
 /// A touch-down is a gap that rounding cannot make, over the body's radius, since a corner that has
 /// just left has none. The gap is the difference of two heights of the body's size.
 inline constexpr double kFlightRounding = 16.0 * std::numeric_limits<double>::epsilon();
 
-/// Gaps (m) of the pivot, the corners behind and ahead of it, and the one opposite, where that of
-/// the pivot is `gap`; each with room for rounding.
-template <class Real>
-[[gnu::always_inline]] inline std::array<Real, 4> corner_gaps(const PlainDynamics<Real>& robot,
-                                                              Real gap, const PoseOf<Real>& pose) {
-    const Real behind = 2.0 * robot.half_base * pose.sine;
-    const Real ahead = 2.0 * robot.half_rise * pose.cosine;
-    const Real below = gap + kFlightRounding * robot.radius;
-    return {below, below + behind, below + ahead, below + behind + ahead};
-}
-
-/// Nothing touches: y = (x, z, angle, vx, vz, omega).
-template <class D>
-class FlightPhaseOf : public PhaseBase<D> {
-    using Base = PhaseBase<D>;
-    using Base::dynamics_, Base::model, Base::robot, Base::quadrant;
+/// Nothing touches: y = (place in the surface, z, angle, velocity in the surface, vz, omega).
+template <class Frame>
+class FlightIn : public PhaseBase<Frame> {
+    using Base = PhaseBase<Frame>;
+    using Base::frame_, Base::dynamics, Base::robot, Base::kSurface;
+    static constexpr std::size_t kZ = kSurface, kAngle = kZ + 1, kVelocity = kAngle + 1,
+                                 kVz = kVelocity + kSurface, kOmega = kVz + 1;
 
 public:
-    using Real = typename D::Real;
-    static constexpr int kDim = 6;
-    static constexpr int kEvents = 4;
+    using typename Base::Real, typename Base::Place, typename Base::Vector, typename Base::Field;
+    static constexpr std::array kEvent =
+        join(std::array{Event::pivot_touches, Event::behind_lands, Event::ahead_lands,
+                        Event::opposite_touches},
+             Frame::kOwn);
+    static constexpr int kDim = kOmega + 1;
+    static constexpr int kEvents = kEvent.size();
     static constexpr bool kSlips = false;
     static constexpr bool kFlies = true;
     using State = std::array<Real, kDim>;
     using Values = std::array<Real, kEvents>;
-    static constexpr std::array<Event, kEvents> kEvent = {
-        Event::pivot_touches, Event::behind_lands, Event::ahead_lands, Event::opposite_touches};
 
     using Base::Base;
 
-    [[gnu::always_inline]] void rates(const ExpansionOf<Real>& field, const State& y, State& dydt,
+    [[gnu::always_inline]] void rates(const Field& field, const State& y, State& dydt,
                                       Values& g) const {
-        const PoseOf<Real> pose = dynamics_->pose(y[2]);
-        const LoadOf<Real> load = dynamics_->load(field, y[0], y[1], pose, y[3], y[4], y[5]);
-        dydt = {y[3],
-                y[4],
-                y[5],
-                load.fx * robot().per_mass,
-                load.fz * robot().per_mass,
-                load.torque * robot().per_inertia};
-        g = gaps(y[1] - pose.height, pose);
+        const PoseOf<Real> pose = dynamics().pose(y[kAngle]);
+        const auto seen = frame_.seen_at(field, place(y), y[kZ]);
+        const auto load = frame_.load(
+            seen, field.tau, pose, frame_.in_plane(seen.heading, velocity(y)), y[kVz], y[kOmega]);
+        const Vector acceleration =
+            frame_.vector(load.fx * robot().per_mass, load.across * robot().per_mass);
+        dydt = gather<State>(velocity(y), y[kVz], y[kOmega],
+                             frame_.in_world(seen.heading, acceleration),
+                             load.fz * robot().per_mass, load.torque * robot().per_inertia);
+        g = gather<Values>(gaps(y, pose), frame_.events(seen));
     }
-    double event(std::size_t i, double, const auto& y) const {
-        const Pose pose = dynamics_->pose(y[2]);
-        return gaps(y[1] - pose.height, pose)[i];
+    double event(std::size_t i, double tau, const auto& y) const {
+        if (kEvent[i] == Event::heading) return Base::event_by_rates(*this, i, tau, y);
+        return gaps(y, dynamics().pose(y[kAngle]))[i];
     }
-    void rebase(const State& y) { Base::rebase_to(*this, y); }
-    Point<Real> centre(const State& y, const PoseOf<Real>&) const { return {y[0], y[1]}; }
+    auto centre(const State& y, const PoseOf<Real>&) const {
+        return frame_.centre(place(y), y[kZ]);
+    }
+    void rebase(const State& y) { frame_.field().rebase(centre(y, {})); }
     State begin(const BodyState& body) const {
-        return {body.x, body.z, body.angle, body.vx, body.vz, body.omega};
+        return gather<State>(frame_.place(body.x, body.y), body.z, body.angle,
+                             frame_.place(body.vx, body.vy), body.vz, body.omega);
     }
-    BodyState body(double, const State& y) const {
-        return {y[0], y[1], y[2], y[3], y[4], y[5], quadrant()};
+    BodyState body(double tau, const State& y) const {
+        return frame_.body(frame_.heading_at(tau, place(y), y[kZ]), place(y), y[kZ], y[kAngle],
+                           velocity(y), y[kVz], y[kOmega]);
     }
     Snapshot snapshot(double tau, const State& y) const {
         Snapshot result;
@@ -314,19 +368,39 @@ public:
         return result;
     }
     State scale(const Scales& s) const {
-        return {s.length, s.length, 1.0, s.velocity, s.velocity, s.rate};
+        return gather<State>(frame_.both(s.length), s.length, 1.0, frame_.both(s.velocity),
+                             s.velocity, s.rate);
     }
-    Real speed(const State& y) const { return magnitude(y[3]) + magnitude(y[4]); }
-    Real angle(const State& y) const { return y[2]; }
-    Real omega(const State& y) const { return y[5]; }
-    Real contact_x(const State& y) const { return y[0]; }
+    Real speed(const State& y) const { return frame_.size(velocity(y)) + magnitude(y[kVz]); }
+    Real angle(const State& y) const { return y[kAngle]; }
+    Real omega(const State& y) const { return y[kOmega]; }
+    Place contact(const State& y) const { return place(y); }
+    Real slip_place(const State& y) const { return frame_.along_front(place(y)); }
     double event_rounding() const { return 2.0 * kFlightRounding * robot().radius; }
 
 private:
-    [[gnu::always_inline]] Values gaps(Real gap, const PoseOf<Real>& pose) const {
-        return corner_gaps(robot(), gap, pose);
+    Place place(const auto& y) const { return frame_.part(y, 0); }
+    Place velocity(const auto& y) const { return frame_.part(y, kVelocity); }
+    /// Gaps (m) of the pivot, the corners behind and ahead of it, and the one opposite, each with
+    /// room for rounding.
+    [[gnu::always_inline]] std::array<Real, 4> gaps(const auto& y, const PoseOf<Real>& pose) const {
+        const Real behind = 2.0 * robot().half_base * pose.sine;
+        const Real ahead = 2.0 * robot().half_rise * pose.cosine;
+        const Real below = (y[kZ] - pose.height) + kFlightRounding * robot().radius;
+        return {below, below + behind, below + ahead, below + behind + ahead};
     }
 };
+
+/// Of a robot that stays in its plane, or of a pack of such robots.
+template <class D>
+using CornerStickPhaseOf = CornerStickIn<FixedFrame<D>>;
+template <class D>
+using CornerSlipPhaseOf = CornerSlipIn<SignedSlide<D>>;
+template <class D>
+using FlightPhaseOf = FlightIn<FixedFrame<D>>;
+
+using CornerStickPhase = CornerStickPhaseOf<Dynamics>;
+using CornerSlipPhase = CornerSlipPhaseOf<Dynamics>;
 using FlightPhase = FlightPhaseOf<Dynamics>;
 
 }  // namespace stickslip

@@ -22,10 +22,9 @@ struct HeadedField {
     double across_s = 0.0, across_z = 0.0;  ///< T/m, dB_s/dn and dB_z/dn
 };
 
-/// The load along, and the force to the left of the heading, N.
-struct PlaneLoad {
-    Load along;
-    double across = 0.0;
+/// The load along the heading, and what is across.
+struct PlaneLoad : Load {
+    double across = 0.0;  ///< N, to the left
 };
 
 /// What is known of the robot between two events: the dynamics in its upright plane, and the field
@@ -83,13 +82,6 @@ public:
             upright_->load(field.along, tau, 0.0, 0.0, pose, velocity.along, vz, omega);
         return complete(along, field, pose, velocity, vz, omega);
     }
-    /// The same of a body that lies on a face and slides, or does not.
-    PlaneLoad load_of_face(const HeadedField& field, double tau, const Pose& pose,
-                           const Slip& velocity) const {
-        const Load along =
-            upright_->load(field.along, tau, 0.0, 0.0, pose, velocity.along, 0.0, 0.0);
-        return complete(along, field, pose, velocity, 0.0, 0.0);
-    }
 
     /// The way of the field at a place.
     Facing facing(const SpatialExpansion& field, const Place& at) const {
@@ -122,9 +114,9 @@ private:
         const PlainDynamics<double>& robot = upright_->robot();
         PlaneLoad result = {along};
         double drag = robot.drag;
-        if (extended_) drag = correct_drag(pose, velocity, vz, omega, result.along);
+        if (extended_) drag = correct_drag(pose, velocity, vz, omega, result);
         const Slip weight = field.heading.seen(weight_[0], weight_[1]);
-        result.along.fx += weight.along;
+        result.fx += weight.along;
         const double pull =
             robot.moment_x(pose) * field.across_s + robot.moment_z(pose) * field.across_z;
         result.across = gradient_scale_ * pull + weight.across - drag * velocity.across;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "stickslip/contact/hybrid_state.hpp"
+#include "stickslip/contact/contact.hpp"
 #include "stickslip/scenario/scenario.hpp"
 
 namespace stickslip {

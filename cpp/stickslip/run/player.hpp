@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "stickslip/contact/contact_transitions.hpp"
-#include "stickslip/contact/hybrid_state.hpp"
+#include "stickslip/contact/phase_of.hpp"
 #include "stickslip/drive/stretch_source.hpp"
 #include "stickslip/field/turning_points.hpp"
 #include "stickslip/run/assembly.hpp"
@@ -70,12 +70,9 @@ public:
     void with_phase(auto&& use) {
         dynamics_.set_quadrant(state_.body.quadrant);
         if (plane_) {
-            with_plane_phase(*plane_, state_, [&](auto phase) {
-                phase.set_front(state_.body.heading);
-                use(phase);
-            });
+            stickslip::with_phase(TurningFrame(*plane_, state_.body.heading), state_, use);
         } else {
-            stickslip::with_phase(dynamics_, state_, use);
+            stickslip::with_phase(FixedFrame(dynamics_), state_, use);
         }
     }
     /// The motion begins: with the mode that the forces allow.
@@ -168,11 +165,12 @@ void Player::end_phase(Phase& phase, const PhaseEnd<Phase>& end) {
     tau_ = end.tau;
     state_.body = phase.body(end.tau, end.y);
     if constexpr (Phase::kSlips) {
-        state_.contact_x = phase.contact_x(end.y);
-        state_.slip_velocity = phase.slip_velocity(end.y);
+        const auto contact = phase.contact(end.y), slip = phase.slip(end.y);
+        state_.contact_x = contact[0];
+        state_.slip_velocity = slip[0];
         if constexpr (Phase::kTurns) {
-            state_.contact_y = phase.contact_y(end.y);
-            state_.slip_y = phase.slip_y(end.y);
+            state_.contact_y = contact[1];
+            state_.slip_y = slip[1];
         }
     }
 }

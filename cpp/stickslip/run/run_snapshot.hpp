@@ -4,7 +4,7 @@
 #include <string>
 
 #include "stickslip/contact/heading_watch.hpp"
-#include "stickslip/contact/hybrid_state.hpp"
+#include "stickslip/contact/contact.hpp"
 #include "stickslip/drive/circuit.hpp"
 #include "stickslip/drive/control_steps.hpp"
 

@@ -141,7 +141,7 @@ public:
         if constexpr (Phase::kSlips) {
             rising_ += end.trace.rising;
             falling_ += end.trace.falling;
-            add_slip(phase.omega(end.y), slip_place(phase, end.y) - end.trace.slip_x);
+            add_slip(phase.omega(end.y), phase.slip_place(end.y) - end.trace.slip_x);
         }
         if constexpr (Phase::kFlies) airborne_ += duration;
     }

@@ -63,7 +63,7 @@ public:
         progress.tau_end = tau_end;
         progress.most_steps = static_cast<double>(options_.most_steps - counts_.accepted);
         progress.step.first = y;
-        progress.trace = {phase.angle(y), phase.angle(y), slip_place(phase, y)};
+        progress.trace = {phase.angle(y), phase.angle(y), phase.slip_place(y)};
         method_.start(options_, phase, memory, rates, progress);
         memory.begin(progress.samples.start, phase.event_rounding());
         return progress;

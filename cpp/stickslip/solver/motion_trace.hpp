@@ -26,30 +26,13 @@ private:
     Real c0_, c1_, c2_, c3_;
 };
 
-/// Of a contact's slip what the summary counts: along x or, of a robot that turns, along its front
-/// as the phase began.
-template <class Phase>
-[[gnu::always_inline]] inline auto slip_place(const Phase& phase, const auto& y) {
-    if constexpr (Phase::kTurns) {
-        return phase.place_along(y);
-    } else {
-        return phase.contact_x(y);
-    }
-}
-template <class Phase>
-[[gnu::always_inline]] inline auto slip_speed(const Phase& phase, const auto& y) {
-    if constexpr (Phase::kTurns) {
-        return phase.slip_along(y);
-    } else {
-        return phase.slip_velocity(y);
-    }
-}
-
 /// What the summary wants of the motion in a phase: numbers alone, as in Tsit5Progress.
 template <class Real>
 struct MotionTrace {
-    Real lowest, highest;          ///< rad, angles within the quadrant
-    Real slip_x;                   ///< m, `slip_place` at the last turning point, or at the start
+    Real lowest, highest;  ///< rad, angles within the quadrant
+    // m, of a contact's slip along x or, of a robot that turns, along its front as the phase began:
+    // at the last turning point, or at the start.
+    Real slip_x;
     Real rising = 0, falling = 0;  ///< m, slip up to there while the angle rose and fell
 
     [[gnu::always_inline]] constexpr auto members() {
@@ -69,8 +52,8 @@ struct MotionTrace {
         const Real s = angle.turning_point();
         see(select(turns, angle.at(s), phase.angle(last)));
         if constexpr (Phase::kSlips) {
-            const CubicHermite<Real> x(slip_place(phase, first), slip_speed(phase, first) * width,
-                                       slip_place(phase, last), slip_speed(phase, last) * width);
+            const CubicHermite<Real> x(phase.slip_place(first), phase.slip_speed(first) * width,
+                                       phase.slip_place(last), phase.slip_speed(last) * width);
             const Real turning_x = x.at(s);
             const Real slipped = turning_x - slip_x;
             const auto rises = before > 0.0;

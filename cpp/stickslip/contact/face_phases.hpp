@@ -1,0 +1,176 @@
+#pragma once
+
+#include "stickslip/contact/phases.hpp"
+
+namespace stickslip {
+
+/// A face slides: y = (place of the centre of mass, slip velocity).
+template <class Slide>
+class FaceSlideIn : public PhaseBase<typename Slide::Frame> {
+    using Frame = typename Slide::Frame;
+    using Base = PhaseBase<Frame>;
+    using Base::frame_, Base::dynamics, Base::model, Base::robot, Base::kSurface;
+
+public:
+    using typename Base::Real, typename Base::Place, typename Base::Vector, typename Base::Field;
+    static constexpr std::array kEvent =
+        join(std::array{Event::ahead_lifts, Event::behind_lifts, Slide::kEnds}, Frame::kOwn,
+             Slide::kOwn);
+    static constexpr int kDim = 2 * kSurface;
+    static constexpr int kEvents = kEvent.size();
+    static constexpr bool kSlips = true;
+    static constexpr bool kFlies = false;
+    using State = std::array<Real, kDim>;
+    using Values = std::array<Real, kEvents>;
+
+    FaceSlideIn(const Frame& frame, const Slide& slide)
+        : Base(frame), slide_(slide), face_(model().face(Base::quadrant())) {}
+
+    [[gnu::always_inline]] void rates(const Field& field, const State& y, State& dydt,
+                                      Values& g) const {
+        const Motion motion = solve(field, y);
+        dydt = gather<State>(slip(y), frame_.in_world(motion.seen.heading, motion.acceleration));
+        g = gather<Values>(motion.reaction.ahead, motion.reaction.behind, slide_.left(slip(y)),
+                           frame_.events(motion.seen), slide_.events(slip(y)));
+    }
+    double event(std::size_t i, double tau, const auto& y) const {
+        if (kEvent[i] == Slide::kEnds) return slide_.left(slip(y));
+        return Base::event_by_rates(*this, i, tau, y);
+    }
+    auto centre(const State& y, const Pose&) const {
+        return frame_.centre(middle(y), face_.height);
+    }
+    void rebase(const State& y) { frame_.field().rebase(centre(y, {})); }
+    State begin(const BodyState& body) const {
+        return gather<State>(frame_.place(body.x, body.y), slide_.begin());
+    }
+    BodyState body(double tau, const State& y) const {
+        return frame_.body(frame_.heading_at(tau, middle(y), face_.height), middle(y), face_.height,
+                           0.0, slip(y), 0.0, 0.0);
+    }
+    Snapshot snapshot(double tau, const State& y) const {
+        const Motion motion = solve(Base::field_at(tau), y);
+        return frame_.snapshot(body(tau, y), motion.reaction.normal(), motion.friction,
+                               frame_.moved(middle(y), motion.seen.heading, face_.end()),
+                               motion.slip);
+    }
+    State scale(const Scales& s) const {
+        return gather<State>(frame_.both(s.length), frame_.both(s.velocity));
+    }
+    double speed(const State& y) const { return frame_.size(slip(y)); }
+    double longest_step(const State& y, const State& rates) const {
+        return slide_.longest_step(slip(y), slip(rates));
+    }
+    double angle(const State&) const { return 0.0; }
+    double omega(const State&) const { return 0.0; }
+    Place contact(const State& y) const { return frame_.of_face(middle(y), face_); }
+    Place slip(const auto& y) const { return frame_.part(y, kSurface); }
+    double slip_place(const State& y) const { return frame_.along_front(contact(y)); }
+    double slip_speed(const State& y) const { return frame_.along_front(slip(y)); }
+
+private:
+    struct Motion {
+        typename Frame::Seen seen;
+        Vector slip;          // m/s
+        Vector friction;      // N
+        Vector acceleration;  // m/s^2
+        FaceReaction reaction;
+    };
+    Place middle(const auto& y) const { return frame_.part(y, 0); }
+    Motion solve(const Field& field, const State& y) const {
+        const Pose pose = dynamics().pose(0.0);
+        const auto seen = frame_.seen_at(field, middle(y), face_.height);
+        const Vector way = slide_.way(seen.heading, slip(y));
+        const Vector slipping = frame_.in_plane(seen.heading, slip(y));
+        const auto load = frame_.load(seen, field.tau, pose, slipping, 0.0, 0.0);
+        const double normal = load.contact_adhesion - load.fz;
+        const double coefficient =
+            dynamics().kinetic(way.along, slipping.size(), middle(y)[0], pose, normal, field.tau);
+        const FaceReaction reaction =
+            face_reaction(model(), Base::quadrant(), load, false, way.along * coefficient);
+        const Vector friction =
+            frame_.vector(reaction.friction, -way.across * coefficient * normal);
+        const Vector acceleration =
+            frame_.vector((load.fx + friction.along) * robot().per_mass,
+                          (load.across + friction.across) * robot().per_mass);
+        return {seen, slipping, friction, acceleration, reaction};
+    }
+
+    Slide slide_;
+    Face face_;
+};
+
+/// A face lies still: y = (place of the centre of mass), which no rate moves, so that it keeps its
+/// bits. What changes are the forces, with the currents, and a user's or a free shape's with time.
+template <class Frame>
+class FaceRestIn : public PhaseBase<Frame> {
+    using Base = PhaseBase<Frame>;
+    using Base::frame_, Base::dynamics, Base::model;
+
+public:
+    using typename Base::Real, typename Base::Place, typename Base::Vector, typename Base::Field;
+    static constexpr std::array kEvent =
+        join(std::array{Event::ahead_lifts, Event::behind_lifts}, Frame::kBreaks, Frame::kOwn);
+    static constexpr int kDim = Base::kSurface;
+    static constexpr int kEvents = kEvent.size();
+    static constexpr bool kSlips = false;
+    static constexpr bool kFlies = false;
+    static constexpr bool kRests = true;
+    using State = std::array<Real, kDim>;
+    using Values = std::array<Real, kEvents>;
+
+    explicit FaceRestIn(const Frame& frame) : Base(frame), face_(model().face(Base::quadrant())) {}
+
+    void rates(const Field& field, const State& y, State& dydt, Values& g) const {
+        const Motion motion = solve(field, y);
+        const Pose pose = dynamics().pose(0.0);
+        const double normal = motion.reaction.normal();
+        const auto limit = [&](double way) {
+            return dynamics().static_limit(way, y[0], pose, normal, field.tau) * normal;
+        };
+        dydt = {};
+        g = gather<Values>(motion.reaction.ahead, motion.reaction.behind,
+                           frame_.left_to_break(motion.friction, limit),
+                           frame_.events(motion.seen));
+    }
+    double event(std::size_t i, double tau, const auto& y) const {
+        return Base::event_by_rates(*this, i, tau, y);
+    }
+    auto centre(const State& y, const Pose&) const { return frame_.centre(y, face_.height); }
+    void rebase(const State& y) { frame_.field().rebase(centre(y, {})); }
+    State begin(const BodyState& body) const { return frame_.place(body.x, body.y); }
+    BodyState body(double tau, const State& y) const {
+        return frame_.body(frame_.heading_at(tau, y, face_.height), y, face_.height, 0.0, {}, 0.0,
+                           0.0);
+    }
+    Snapshot snapshot(double tau, const State& y) const {
+        const Motion motion = solve(Base::field_at(tau), y);
+        return frame_.snapshot(body(tau, y), motion.reaction.normal(), motion.friction,
+                               frame_.moved(y, motion.seen.heading, face_.end()), {});
+    }
+    State scale(const Scales& s) const { return frame_.both(s.length); }
+    double speed(const State&) const { return 0.0; }
+    double angle(const State&) const { return 0.0; }
+    double omega(const State&) const { return 0.0; }
+    double slip_place(const State& y) const { return frame_.along_front(frame_.of_face(y, face_)); }
+
+private:
+    struct Motion {
+        typename Frame::Seen seen;
+        Vector friction;  // N
+        FaceReaction reaction;
+    };
+    Motion solve(const Field& field, const State& y) const {
+        const auto seen = frame_.seen_at(field, y, face_.height);
+        const auto load = frame_.load(seen, field.tau, dynamics().pose(0.0), {}, 0.0, 0.0);
+        const FaceReaction reaction = face_reaction(model(), Base::quadrant(), load, true, 0.0);
+        return {seen, frame_.vector(reaction.friction, -load.across), reaction};
+    }
+
+    Face face_;
+};
+
+using FaceRestPhase = FaceRestIn<FixedFrame<Dynamics>>;
+using FaceSlidePhase = FaceSlideIn<SignedSlide<Dynamics>>;
+
+}  // namespace stickslip
