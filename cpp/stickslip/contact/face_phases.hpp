@@ -4,12 +4,50 @@
 
 namespace stickslip {
 
+/// What the two phases of a face on the surface share. Their first coordinates are the place of the
+/// centre of mass.
+template <class Frame>
+class FaceBase : public PhaseBase<Frame> {
+    using Base = PhaseBase<Frame>;
+
+public:
+    using typename Base::Place;
+
+    explicit FaceBase(const Frame& frame)
+        : Base(frame), face_(Base::model().face(Base::quadrant())) {}
+
+    void rebase(const auto& y) { frame_.field().rebase(frame_.centre(middle(y), face_.height)); }
+    double angle(const auto&) const { return 0.0; }
+    double omega(const auto&) const { return 0.0; }
+    Place contact(const auto& y) const { return frame_.of_face(middle(y), face_); }
+    double slip_place(const auto& y) const { return frame_.along_front(contact(y)); }
+
+protected:
+    using Base::frame_;
+
+    Place middle(const auto& y) const { return frame_.part(y, 0); }
+    auto seen_there(const typename Base::Field& field, const auto& y) const {
+        return frame_.seen_at(field, middle(y), face_.height);
+    }
+    BodyState body_on(double tau, const Place& middle, const Place& slip) const {
+        return frame_.body(frame_.heading_at(tau, middle, face_.height), middle, face_.height, 0.0,
+                           slip, 0.0, 0.0);
+    }
+    Snapshot snapshot_of(const BodyState& body, const auto& motion, const auto& slip) const {
+        const Place middle = frame_.place(body.x, body.y);
+        return frame_.snapshot(body, motion.reaction.normal(), motion.friction,
+                               frame_.moved(middle, motion.seen.heading, face_.end()), slip);
+    }
+
+    Face face_;
+};
+
 /// A face slides: y = (place of the centre of mass, slip velocity).
 template <class Slide>
-class FaceSlideIn : public PhaseBase<typename Slide::Frame> {
+class FaceSlideIn : public FaceBase<typename Slide::Frame> {
     using Frame = typename Slide::Frame;
-    using Base = PhaseBase<Frame>;
-    using Base::frame_, Base::dynamics, Base::model, Base::robot, Base::kSurface;
+    using Base = FaceBase<Frame>;
+    using Base::frame_, Base::dynamics, Base::model, Base::robot, Base::middle, Base::kSurface;
 
 public:
     using typename Base::Real, typename Base::Place, typename Base::Vector, typename Base::Field;
@@ -19,12 +57,10 @@ public:
     static constexpr int kDim = 2 * kSurface;
     static constexpr int kEvents = kEvent.size();
     static constexpr bool kSlips = true;
-    static constexpr bool kFlies = false;
     using State = std::array<Real, kDim>;
     using Values = std::array<Real, kEvents>;
 
-    FaceSlideIn(const Frame& frame, const Slide& slide)
-        : Base(frame), slide_(slide), face_(model().face(Base::quadrant())) {}
+    FaceSlideIn(const Frame& frame, const Slide& slide) : Base(frame), slide_(slide) {}
 
     [[gnu::always_inline]] void rates(const Field& field, const State& y, State& dydt,
                                       Values& g) const {
@@ -37,22 +73,15 @@ public:
         if (kEvent[i] == Slide::kEnds) return slide_.left(slip(y));
         return Base::event_by_rates(*this, i, tau, y);
     }
-    auto centre(const State& y, const Pose&) const {
-        return frame_.centre(middle(y), face_.height);
-    }
-    void rebase(const State& y) { frame_.field().rebase(centre(y, {})); }
     State begin(const BodyState& body) const {
         return gather<State>(frame_.place(body.x, body.y), slide_.begin());
     }
     BodyState body(double tau, const State& y) const {
-        return frame_.body(frame_.heading_at(tau, middle(y), face_.height), middle(y), face_.height,
-                           0.0, slip(y), 0.0, 0.0);
+        return Base::body_on(tau, middle(y), slip(y));
     }
     Snapshot snapshot(double tau, const State& y) const {
         const Motion motion = solve(Base::field_at(tau), y);
-        return frame_.snapshot(body(tau, y), motion.reaction.normal(), motion.friction,
-                               frame_.moved(middle(y), motion.seen.heading, face_.end()),
-                               motion.slip);
+        return Base::snapshot_of(body(tau, y), motion, motion.slip);
     }
     State scale(const Scales& s) const {
         return gather<State>(frame_.both(s.length), frame_.both(s.velocity));
@@ -61,11 +90,7 @@ public:
     double longest_step(const State& y, const State& rates) const {
         return slide_.longest_step(slip(y), slip(rates));
     }
-    double angle(const State&) const { return 0.0; }
-    double omega(const State&) const { return 0.0; }
-    Place contact(const State& y) const { return frame_.of_face(middle(y), face_); }
     Place slip(const auto& y) const { return frame_.part(y, kSurface); }
-    double slip_place(const State& y) const { return frame_.along_front(contact(y)); }
     double slip_speed(const State& y) const { return frame_.along_front(slip(y)); }
 
 private:
@@ -76,10 +101,9 @@ private:
         Vector acceleration;  // m/s^2
         FaceReaction reaction;
     };
-    Place middle(const auto& y) const { return frame_.part(y, 0); }
     Motion solve(const Field& field, const State& y) const {
         const Pose pose = dynamics().pose(0.0);
-        const auto seen = frame_.seen_at(field, middle(y), face_.height);
+        const auto seen = Base::seen_there(field, y);
         const Vector way = slide_.way(seen.heading, slip(y));
         const Vector slipping = frame_.in_plane(seen.heading, slip(y));
         const auto load = frame_.load(seen, field.tau, pose, slipping, 0.0, 0.0);
@@ -97,14 +121,13 @@ private:
     }
 
     Slide slide_;
-    Face face_;
 };
 
 /// A face lies still: y = (place of the centre of mass), which no rate moves, so that it keeps its
 /// bits. What changes are the forces, with the currents, and a user's or a free shape's with time.
 template <class Frame>
-class FaceRestIn : public PhaseBase<Frame> {
-    using Base = PhaseBase<Frame>;
+class FaceRestIn : public FaceBase<Frame> {
+    using Base = FaceBase<Frame>;
     using Base::frame_, Base::dynamics, Base::model;
 
 public:
@@ -113,13 +136,11 @@ public:
         join(std::array{Event::ahead_lifts, Event::behind_lifts}, Frame::kBreaks, Frame::kOwn);
     static constexpr int kDim = Base::kSurface;
     static constexpr int kEvents = kEvent.size();
-    static constexpr bool kSlips = false;
-    static constexpr bool kFlies = false;
     static constexpr bool kRests = true;
     using State = std::array<Real, kDim>;
     using Values = std::array<Real, kEvents>;
 
-    explicit FaceRestIn(const Frame& frame) : Base(frame), face_(model().face(Base::quadrant())) {}
+    using Base::Base;
 
     void rates(const Field& field, const State& y, State& dydt, Values& g) const {
         const Motion motion = solve(field, y);
@@ -136,23 +157,14 @@ public:
     double event(std::size_t i, double tau, const auto& y) const {
         return Base::event_by_rates(*this, i, tau, y);
     }
-    auto centre(const State& y, const Pose&) const { return frame_.centre(y, face_.height); }
-    void rebase(const State& y) { frame_.field().rebase(centre(y, {})); }
     State begin(const BodyState& body) const { return frame_.place(body.x, body.y); }
-    BodyState body(double tau, const State& y) const {
-        return frame_.body(frame_.heading_at(tau, y, face_.height), y, face_.height, 0.0, {}, 0.0,
-                           0.0);
-    }
+    BodyState body(double tau, const State& y) const { return Base::body_on(tau, y, {}); }
     Snapshot snapshot(double tau, const State& y) const {
         const Motion motion = solve(Base::field_at(tau), y);
-        return frame_.snapshot(body(tau, y), motion.reaction.normal(), motion.friction,
-                               frame_.moved(y, motion.seen.heading, face_.end()), {});
+        return Base::snapshot_of(body(tau, y), motion, Vector());
     }
     State scale(const Scales& s) const { return frame_.both(s.length); }
     double speed(const State&) const { return 0.0; }
-    double angle(const State&) const { return 0.0; }
-    double omega(const State&) const { return 0.0; }
-    double slip_place(const State& y) const { return frame_.along_front(frame_.of_face(y, face_)); }
 
 private:
     struct Motion {
@@ -161,13 +173,11 @@ private:
         FaceReaction reaction;
     };
     Motion solve(const Field& field, const State& y) const {
-        const auto seen = frame_.seen_at(field, y, face_.height);
+        const auto seen = Base::seen_there(field, y);
         const auto load = frame_.load(seen, field.tau, dynamics().pose(0.0), {}, 0.0, 0.0);
         const FaceReaction reaction = face_reaction(model(), Base::quadrant(), load, true, 0.0);
         return {seen, frame_.vector(reaction.friction, -load.across), reaction};
     }
-
-    Face face_;
 };
 
 using FaceRestPhase = FaceRestIn<FixedFrame<Dynamics>>;

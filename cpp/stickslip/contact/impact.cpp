@@ -33,10 +33,6 @@ struct Impulse {
     double across = 0.0;
 };
 
-struct Tangent {
-    double along = 0.0, across = 0.0;  // m/s
-};
-
 // One or two corners at one height that share their tangential velocity.
 class ImpactProblem {
 public:
@@ -140,7 +136,7 @@ private:
     }
 
     // Tangential velocity after the impact where friction suffices: none, unless all rebound.
-    Tangent tangential_target(const std::array<bool, 2>& acting) const {
+    Slip tangential_target(const std::array<bool, 2>& acting) const {
         if (model_.tangential_restitution == 0.0) return {};
         for (std::size_t i = 0; i < count_; ++i) {
             if (acting[i] && contacts_[i].restitution == 0.0) return {};
@@ -186,54 +182,25 @@ private:
         return contact.friction_along(slip);
     }
 
-    bool try_set(const std::array<bool, 2>& acting) {
-        return before_.vy == 0.0 ? try_set_in_plane(acting) : try_set_across(acting);
-    }
-
-    bool try_set_in_plane(const std::array<bool, 2>& acting) {
-        const Impulse stick = impulse(acting, std::nullopt);
-        const int slip = stick.tangential > 0.0 ? -1 : 1;
-        double limit = 0.0;
+    // Friction of the limit against a slip that way.
+    Impulse sliding_impulse(const std::array<bool, 2>& acting, const Heading& way) const {
+        Impulse result = impulse(acting, way.cosine);
         for (std::size_t i = 0; i < count_; ++i) {
-            if (acting[i]) limit += contacts_[i].friction(slip) * stick.normal[i];
-        }
-        if (admissible(stick, acting) && std::abs(stick.tangential) <= limit) {
-            accept(stick, acting, true);
-            return true;
-        }
-        const Impulse sliding = impulse(acting, slip);
-        const double beyond = tangential_velocity(apply(sliding)) - tangential_target(acting).along;
-        if (admissible(sliding, acting) && slip * beyond >= 0.0) {
-            accept(sliding, acting, false);
-            return true;
-        }
-        return false;
-    }
-
-    // Friction of the limit against a slip `angle` rad to the left of the plane of motion.
-    Impulse sliding_impulse(const std::array<bool, 2>& acting, double angle) const {
-        const double along = std::cos(angle);
-        Impulse result = impulse(acting, along);
-        for (std::size_t i = 0; i < count_; ++i) {
-            const double limit = coefficient(contacts_[i], along) * result.normal[i];
-            if (acting[i]) result.across -= std::sin(angle) * limit;
+            const double limit = coefficient(contacts_[i], way.cosine) * result.normal[i];
+            if (acting[i]) result.across -= way.sine * limit;
         }
         return result;
     }
 
-    // How far the slip that remains after an impulse is from its target, along and across `angle`.
-    Tangent beyond_target(const std::array<bool, 2>& acting, const Impulse& impulse,
-                          double angle) const {
+    // How far the slip that remains after an impulse is from its target, along and across `way`.
+    Slip beyond_target(const std::array<bool, 2>& acting, const Impulse& impulse,
+                       const Heading& way) const {
         const BodyState body = apply(impulse);
-        const Tangent target = tangential_target(acting);
-        const double along = tangential_velocity(body) - target.along;
-        const double across = body.vy - target.across;
-        const double cosine = std::cos(angle), sine = std::sin(angle);
-        return {cosine * along + sine * across, cosine * across - sine * along};
+        const Slip target = tangential_target(acting);
+        return way.seen(tangential_velocity(body) - target.along, body.vy - target.across);
     }
 
-    // The same with friction as a vector.
-    bool try_set_across(const std::array<bool, 2>& acting) {
+    bool try_set(const std::array<bool, 2>& acting) {
         Impulse stick = impulse(acting, std::nullopt);
         stick.across = model_.mass * (tangential_target(acting).across - before_.vy);
         const double size = std::hypot(stick.tangential, stick.across);
@@ -246,21 +213,25 @@ private:
             accept(stick, acting, true);
             return true;
         }
+        if (before_.vy == 0.0) return try_sliding(acting, {way, 0.0});
         // The way in which the slip that remains is that against which friction acted. The body
         // turns more easily than it moves across, so it is not quite that of the sticking impulse.
         const auto turned = [&](double angle) {
-            return beyond_target(acting, sliding_impulse(acting, angle), angle).across;
+            const Heading there = Heading::of_angle(angle);
+            return beyond_target(acting, sliding_impulse(acting, there), there).across;
         };
         const double first = std::atan2(-stick.across, -stick.tangential);
         return search_around(first, [&](double low, double high) {
             if (turned(low) * turned(high) > 0.0) return false;
-            const double angle = find_root(low, high, turned);
-            const Impulse sliding = sliding_impulse(acting, angle);
-            const bool goes_on = beyond_target(acting, sliding, angle).along >= 0.0;
-            if (!goes_on || !admissible(sliding, acting)) return false;
-            accept(sliding, acting, false);
-            return true;
+            return try_sliding(acting, Heading::of_angle(find_root(low, high, turned)));
         });
+    }
+    bool try_sliding(const std::array<bool, 2>& acting, const Heading& way) {
+        const Impulse sliding = sliding_impulse(acting, way);
+        const bool goes_on = beyond_target(acting, sliding, way).along >= 0.0;
+        if (!goes_on || !admissible(sliding, acting)) return false;
+        accept(sliding, acting, false);
+        return true;
     }
 
     bool admissible(const Impulse& impulse, const std::array<bool, 2>& acting) const {
@@ -277,8 +248,7 @@ private:
     void accept(const Impulse& impulse, const std::array<bool, 2>& acting, bool sticks) {
         after_ = apply(impulse);
         acting_ = acting;
-        slip_ =
-            sticks ? tangential_target(acting) : Tangent{tangential_velocity(after_), after_.vy};
+        slip_ = sticks ? tangential_target(acting) : Slip{tangential_velocity(after_), after_.vy};
     }
 
     const Model& model_;
@@ -290,7 +260,7 @@ private:
     double part_ = 1.0;  // of both restitutions
     std::array<bool, 2> acting_ = {};
     BodyState after_;
-    Tangent slip_;
+    Slip slip_;
 };
 
 // All velocity of a face but a slip is gone.

@@ -22,7 +22,7 @@
 ///   kRests             of a body that lies still: no error tells how long its steps may be
 ///   longest_step(y, rates)     of a slip in the whole plane, s
 ///   rebase(y)          centres the field's expansion for the next step
-///   centre(y, pose)    the centre of mass
+///   centre(y, pose)    the centre of mass, of a phase that packs have
 ///   angle, omega, slip_place, slip_speed(y)   what the summary watches
 ///   contact(y), slip(y)        place and velocity of what slips, to go on with
 ///   event_rounding()   see PhaseBase
@@ -43,6 +43,8 @@ public:
     using Vector = typename Frame::Vector;
     using Field = typename Frame::Field;
     static constexpr bool kTurns = Frame::kTurns;
+    static constexpr bool kSlips = false;
+    static constexpr bool kFlies = false;
 
     explicit PhaseBase(const Frame& frame) : frame_(frame) {}
 
@@ -114,8 +116,6 @@ public:
              std::array{Event::behind_lands, Event::ahead_lands}, Frame::kOwn);
     static constexpr int kDim = 2;
     static constexpr int kEvents = kEvent.size();
-    static constexpr bool kSlips = false;
-    static constexpr bool kFlies = false;
     using State = std::array<Real, kDim>;
     using Values = std::array<Real, kEvents>;
 
@@ -200,7 +200,6 @@ public:
     static constexpr int kDim = kOmega + 1;
     static constexpr int kEvents = kEvent.size();
     static constexpr bool kSlips = true;
-    static constexpr bool kFlies = false;
     using State = std::array<Real, kDim>;
     using Values = std::array<Real, kEvents>;
 
@@ -326,7 +325,6 @@ public:
              Frame::kOwn);
     static constexpr int kDim = kOmega + 1;
     static constexpr int kEvents = kEvent.size();
-    static constexpr bool kSlips = false;
     static constexpr bool kFlies = true;
     using State = std::array<Real, kDim>;
     using Values = std::array<Real, kEvents>;
