@@ -185,7 +185,7 @@ void Run::end_phase(Phase& phase, const PhaseEnd<Phase>& end, std::int64_t steps
     measurement_.phase(phase, end, duration);
     player_.end_phase(phase, end);
     result_.summary.simulated_time = player_.time();
-    if (control_) control_->simulated_time.fetch_add(duration, std::memory_order_relaxed);
+    if (control_) control_->add_time(duration);
     result_.status = end.status;
     if (result_.heading_end.status != Status::ok) {
         result_.status = result_.heading_end.status;
