@@ -142,7 +142,7 @@ void simulate_tasks(std::size_t count, int threads, RunControl& control,
         return lanes.make(index, *found, control, stop);
     };
     const auto ended = [&](Lane& each) {
-        done(each.index, each.loop.take_result());
+        done(each.index, each.run.take_result());
         lanes.erase(each);
     };
     play_all(count, threads, control, lane, ended, &poll);

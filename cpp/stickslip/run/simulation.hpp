@@ -21,6 +21,7 @@ struct RunResult {
     Status status = Status::ok;
     Summary summary;
     StepCounts steps;
+    double counted_from = 0.0;  ///< s, where the count of steps begins
     Recording recording;
     BodyState final_body;         ///< robot's own frame
     SimulationState final_state;  ///< where the run ended
