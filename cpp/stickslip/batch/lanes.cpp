@@ -11,7 +11,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "stickslip/contact/face_slide.hpp"
+#include "stickslip/contact/phases.hpp"
 
 namespace stickslip {
 
@@ -271,16 +271,14 @@ private:
         while (lane.run.next_phase()) {
             bool added = false;
             lane.run.player().with_phase([&](auto phase) {
-                using Phase = decltype(phase);
-                constexpr bool kNever = std::is_same_v<Phase, FaceSlidePhase> ||
-                                        std::is_same_v<Phase, FaceRestPhase> || Phase::kTurns;
-                if (kNever || is_few()) {
-                    lane.run.play_phase();
-                } else if constexpr (!kNever) {
-                    lane.run.is_plain() ? plain_.of(phase).add(lane)
-                                        : extended_.of(phase).add(lane);
-                    added = true;
+                if constexpr (requires { plain_.of(phase); }) {
+                    if (!is_few()) {
+                        lane.run.is_plain() ? plain_.of(phase).add(lane)
+                                            : extended_.of(phase).add(lane);
+                        added = true;
+                    }
                 }
+                if (!added) lane.run.play_phase();
             });
             if (added) return;
         }
