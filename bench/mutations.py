@@ -117,11 +117,11 @@ MUTATIONS = (
     Mutation(
         "swept",
         "quadratic_drag",
-        "sweep.cpp",
-        "            set_parameter(scenario, key_, value);\n",
-        '            if (key_ != "effects.quadratic_drag.coefficient") {\n'
-        "                set_parameter(scenario, key_, value);\n"
-        "            }\n",
+        "scenario_rows.cpp",
+        "        set_parameter(scenario, key, value);\n",
+        '        if (key != "effects.quadratic_drag.coefficient") {\n'
+        "            set_parameter(scenario, key, value);\n"
+        "        }\n",
     ),
     Mutation(
         "in a batch",

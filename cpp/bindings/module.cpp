@@ -1,18 +1,15 @@
 #include <pybind11/pybind11.h>
 
 #include "register.hpp"
+#include "stickslip/run/simulation.hpp"
 
 namespace py = pybind11;
-
-#ifndef STICKSLIP_WITH_ARKODE
-#define STICKSLIP_WITH_ARKODE 0
-#endif
 
 // Without the GIL runs are safe side by side: what they share is constant or has a lock of its own.
 PYBIND11_MODULE(_core, module, py::mod_gil_not_used()) {
     module.doc() = "C++ core of stickslip; the public interface is the package `stickslip`.";
     module.attr("__version__") = STICKSLIP_VERSION;
-    module.attr("has_arkode") = static_cast<bool>(STICKSLIP_WITH_ARKODE);
+    module.attr("has_arkode") = stickslip::has_method(stickslip::Method::arkode);
 
     using namespace stickslip::bindings;
     register_field(module);

@@ -11,7 +11,6 @@
 #include "report_progress.hpp"
 #include "state_fields.hpp"
 #include "stickslip/batch/batch.hpp"
-#include "stickslip/batch/sweep.hpp"
 #include "tables.hpp"
 
 namespace py = pybind11;

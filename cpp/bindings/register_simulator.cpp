@@ -183,10 +183,11 @@ py::array_t<std::int8_t> rollout_into(const std::vector<Scenario>& scenarios, st
 
 /// Many runs and their states as arrays.
 struct Steppers {
-    Steppers(std::vector<Scenario> scenarios, bool whole) : whole_plane(whole), batch([&] {
-        for (Scenario& each : scenarios) each = placed(std::move(each), whole);
-        return scenarios;
-    }()) {}
+    Steppers(std::vector<Scenario> scenarios, bool whole)
+        : whole_plane(whole), batch([&] {
+              for (Scenario& each : scenarios) each = placed(std::move(each), whole);
+              return scenarios;
+          }()) {}
 
     void step(const Array& voltages, double seconds, bool linear, int threads) {
         const double duration = duration_of(seconds);

@@ -4,11 +4,10 @@
 #include "stickslip/batch/lanes.hpp"
 #include "stickslip/batch/rollout.hpp"
 #include "stickslip/batch/simulator.hpp"
-#include "stickslip/batch/sweep.hpp"
 
 /// Many runs on several threads, with the same bits for any number of them.
 ///
-/// - batch, sweep: runs from start to end; their points as columns
+/// - batch: runs from start to end, and points of a sweep
 /// - simulator, rollout: runs that are entered and left step by step, alone or many
 /// - lanes, lane_kernel: runs whose steps are taken together, as packs
 namespace stickslip {}

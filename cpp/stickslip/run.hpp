@@ -19,6 +19,6 @@
 /// - initial_state: from a state to a contact; stop_condition: until when
 /// - player: the motion, stretch after stretch, phase after phase
 /// - recording: samples of it; measurement, with summary and drive_observer: what it comes to
-/// - run: the three together, to the end or step by step; run_snapshot: where it stands
+/// - run: the three together, and when it ends; run_snapshot: where it stands between two steps
 /// - simulation: a run from start to end, with its message; status: how it ended
 namespace stickslip {}

@@ -13,7 +13,8 @@
 ///
 /// - scenario, state: the values
 /// - parameters, free_shapes, coils: every key with its unit, range and meaning
-/// - plane: whether the robot leaves the plane of motion, and which way it faces
+/// - plane: whether the robot leaves the plane of motion, which voltages keep it there, and which
+///   way it faces
 /// - user_effects: the registry of the user's own effects
 /// - scenario_rows: many scenarios that differ in a few keys
 namespace stickslip {}

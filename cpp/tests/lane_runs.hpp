@@ -21,7 +21,7 @@ inline std::vector<RunResult> simulate_in_lanes(const LaneKernels& kernels, std:
             return lanes.make(index, scenarios[index], control);
         },
         [&](Lane& lane) {
-            results[lane.index] = lane.loop.take_result();
+            results[lane.index] = lane.run.take_result();
             lanes.erase(lane);
         },
         control);

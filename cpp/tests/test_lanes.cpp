@@ -133,7 +133,7 @@ TEST_CASE("lanes: a stop ends them all") {
             return lanes.make(0, endless, control);
         },
         [&](Lane& lane) {
-            CHECK(lane.loop.status() == Status::interrupted);
+            CHECK(lane.run.status() == Status::interrupted);
             ++ended;
             lanes.erase(lane);
         },

@@ -2,13 +2,16 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <type_traits>
 #include <vector>
 
 #include "stickslip/batch/rollout.hpp"
+#include "stickslip/run/assembly.hpp"
 #include "stickslip/solver/tsit5.hpp"
 #include "support.hpp"
 
@@ -274,6 +277,22 @@ TEST_CASE("initial state: a run that is cut and begun again is the same within t
         ++compared;
     }
     CHECK(compared == 40);
+}
+
+TEST_CASE("stop condition: voltages that come after the end do not count") {
+    Scenario s;  // whose voltages rise over 50 ms
+    const double whole = simulate(s).summary.voltage_max;
+    const StopCondition tips = {StopCondition::Quantity::theta, true, 0.01};
+    s.drive.base = s.drive.peak = 2e-3;
+    const RunResult run = simulate(s, nullptr, tips);
+    REQUIRE(run.stopped);
+    REQUIRE(run.summary.simulated_time < 0.05);
+    const VoltageProgram program = make_program(s);
+    const double risen = run.summary.simulated_time / 0.05;
+    double last = 0.0;
+    for (const double volts : program.largest_voltage()) last = std::max(last, std::abs(volts));
+    CHECK(run.summary.voltage_max == doctest::Approx(risen * last).epsilon(1e-12));
+    CHECK(run.summary.voltage_max < whole);
 }
 
 TEST_CASE("stop condition: the run ends where it is met") {

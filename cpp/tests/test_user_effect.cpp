@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "stickslip/batch/batch.hpp"
-#include "stickslip/batch/sweep.hpp"
 #include "stickslip/scenario/parameters.hpp"
 #include "support.hpp"
 

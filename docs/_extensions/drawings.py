@@ -6,7 +6,7 @@ Each is a function without arguments that gives the panels of one drawing, which
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import atan2, degrees
 
 from body_drawings import axis, clamp, contact_modes, corners, outline, robot
@@ -178,31 +178,82 @@ _WAY = (
     "11  verdict",
 )
 _SIMULATED = (4, 5, 7)  # steps that ask for predictions, from 0
+_PITCH, _TALL, _LEFT, _RIGHT = 38.0, 26.0, 8.0, 222.0  # px, of a column of steps
+
+
+def _column(steps: Sequence[str], styles: Sequence[str]) -> tuple[Sheet, list[float]]:
+    """Steps one below the other, and the height of each box's upper side."""
+    sheet = Sheet(340, _PITCH * len(steps) + 6)
+    tops = [sheet.height - 6 - _PITCH * k for k in range(len(steps))]
+    for words, style, top in zip(steps, styles, tops, strict=True):
+        low = top - _TALL
+        sheet.polygon([(_LEFT, top), (_RIGHT, top), (_RIGHT, low), (_LEFT, low)], f"{style} body")
+        sheet.text((_LEFT, top - _TALL / 2), words, "start", shift=(8, 0))
+    for top in tops[:-1]:
+        middle = (_LEFT + _RIGHT) / 2
+        sheet.arrow((middle, top - _TALL), (middle, top - _PITCH))
+    return sheet, tops
 
 
 def diagnosis() -> list[Sheet]:
     """The way of a velocity from its cell to the verdict; develop.md names the functions."""
-    pitch, height, left, right = 38.0, 26.0, 8.0, 222.0
-    sheet = Sheet(340, pitch * len(_WAY) + 6, origin=(0, 0))
-    tops = [sheet.height - 6 - pitch * k for k in range(len(_WAY))]
-    for words, top in zip(_WAY, tops, strict=True):
-        box = [(left, top), (right, top), (right, top - height), (left, top - height)]
-        sheet.polygon(box, "blue body")
-        sheet.text((left, top - height / 2), words, "start", shift=(8, 0))
-    for top in tops[:-1]:
-        middle = (left + right) / 2
-        sheet.arrow((middle, top - height), (middle, top - pitch))
+    sheet, tops = _column(_WAY, ["blue"] * len(_WAY))
     near, far = 252.0, 332.0
-    high, low = tops[_SIMULATED[0]], tops[_SIMULATED[-1]] - height
+    high, low = tops[_SIMULATED[0]], tops[_SIMULATED[-1]] - _TALL
     sheet.polygon([(near, high), (far, high), (far, low), (near, low)], "orange")
     centre = ((near + far) / 2, (high + low) / 2)
     sheet.text(centre, "12", shift=(0, 24), style="orange")
     sheet.text(centre, "simulated", shift=(0, 6), style="orange")
     sheet.text(centre, "velocities", shift=(0, -12), style="orange")
     for k in _SIMULATED:
-        at = tops[k] - height / 2
-        sheet.arrow((right, at), (near, at), style="orange", both=True)
+        at = tops[k] - _TALL / 2
+        sheet.arrow((_RIGHT, at), (near, at), style="orange", both=True)
     return [sheet]
+
+
+_STEP = (
+    ("1  a scenario is given", "green"),
+    ("2  runs go to threads", "blue"),
+    ("3  one run, to its end", "blue"),
+    ("4  next stretch of voltage", "blue"),
+    ("5  the phase of the state", "blue"),
+    ("6  steps, one after another", "blue"),
+    ("7  an attempt at a step", "orange"),
+    ("8  rates, event functions", "orange"),
+    ("9  accepted? an event in it?", "orange"),
+    ("10  record, extremes, stop", "orange"),
+    ("11  the phase has ended", "blue"),
+    ("12  what its event changes", "blue"),
+    ("13  the summary", "green"),
+)
+_BACK = (  # from and to (from 0), how far to the right (px), to the next what
+    (9, 6, 262.0, "step"),
+    (11, 4, 290.0, "phase"),
+    (11, 3, 318.0, "stretch"),
+)
+_FRICTION = (
+    ("1  key and value to the core", "green"),
+    ("2  in range: in the scenario", "blue"),
+    ("3  a constant of the model", "blue"),
+    ("4  coefficient of a contact", "orange"),
+    ("5  its sign, by the slip", "orange"),
+    ("6  forces and accelerations", "orange"),
+    ("7  six of them make a step", "orange"),
+    ("8  accepted, cut at an event", "orange"),
+    ("9  where the phase ends", "blue"),
+    ("10  mean velocity", "green"),
+)
+
+
+def step() -> list[Sheet]:
+    """The way of a step, and of a coefficient; develop.md names the functions."""
+    way, tops = _column(*zip(*_STEP, strict=True))
+    for number, (begin, end, far, words) in enumerate(_BACK):
+        low, high = tops[begin] - _TALL / 2 + 5 - 5 * number, tops[end] - _TALL / 2
+        way.line((_RIGHT, low), (far, low), (far, high), style="thin")
+        way.arrow((far, high), (_RIGHT, high), style="thin")
+        way.text((_RIGHT, high), words, "start", shift=(6, 10))
+    return [way, _column(*zip(*_FRICTION, strict=True))[0]]
 
 
 DRAWINGS: dict[str, Callable[[], list[Sheet]]] = {
@@ -213,4 +264,5 @@ DRAWINGS: dict[str, Callable[[], list[Sheet]]] = {
     "sawtooth": sawtooth,
     "contact-modes": contact_modes,
     "diagnosis": diagnosis,
+    "step": step,
 }

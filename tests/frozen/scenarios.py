@@ -7,7 +7,6 @@ fields of a map that are rounded far above the last bit.
 
 from __future__ import annotations
 
-import contextlib
 import functools
 import zlib
 from collections.abc import Callable
@@ -29,7 +28,7 @@ from stickslip import (
 
 Keys = dict[str, Any]
 
-# Beside two for each effect, in one plane and in the whole.
+# With two for each effect, in one plane and in the whole, they are three hundred.
 COUNTS = {
     "pack": 42,
     "program": 30,
@@ -38,15 +37,8 @@ COUNTS = {
     "own": 10,
     "long": 6,
     "failure": 12,
-    "mixed": 80,
+    "mixed": 92,
 }
-# Effects that are gone stay among the names that are drawn, so that no other draw changes; a
-# scenario that draws one is left out.
-GONE = (
-    *("angle_offset", "clock_scale", "edge_time", "length_scale"),
-    *("magnetization_scale", "restitution"),
-)
-
 OWN_NAME = "frozen_wrench"
 
 
@@ -102,22 +94,12 @@ def _contact(draw: Draw) -> Keys:
     }
 
 
-class _DrawsGone(Exception):
-    """A scenario would have an effect that is gone."""
-
-
 def _effects(draw: Draw, count: int) -> Keys:
     names = [name for name in effect_table.rows() if name not in effect_table.OWN]
     keys: Keys = {}
-    for name in draw.some([*names, *GONE], count):
-        if name in GONE:
-            raise _DrawsGone
+    for name in draw.some(names, count):
         share = draw.uniform(0.3, 1.0)
-        keys |= {
-            # A third of a coil's own values would be another coil.
-            key: value if name.startswith("coil_") else share * value
-            for key, value in effect_table.rows()[name].items()
-        }
+        keys |= {key: share * value for key, value in effect_table.rows()[name].items()}
     return keys
 
 
@@ -316,6 +298,5 @@ def scenarios() -> dict[str, Scenario]:
     for kind, count in COUNTS.items():
         for number in range(count):
             name = f"{kind}/{number}"
-            with contextlib.suppress(_DrawsGone):
-                result[name] = _made(name, _KINDS[kind])
+            result[name] = _made(name, _KINDS[kind])
     return result

@@ -4,9 +4,11 @@
 #include <chrono>
 #include <condition_variable>
 #include <exception>
+#include <stdexcept>
 #include <thread>
 
 #include "stickslip/run/assembly.hpp"
+#include "stickslip/scenario/scenario_rows.hpp"
 
 namespace stickslip {
 namespace {
@@ -140,7 +142,7 @@ void simulate_tasks(std::size_t count, int threads, RunControl& control,
         return lanes.make(index, *found, control, stop);
     };
     const auto ended = [&](Lane& each) {
-        done(each.index, each.loop.take_result());
+        done(each.index, each.run.take_result());
         lanes.erase(each);
     };
     play_all(count, threads, control, lane, ended, &poll);
@@ -158,6 +160,33 @@ std::vector<RunResult> simulate_batch(const std::vector<Scenario>& scenarios, in
         [&](std::size_t index, RunResult&& result) { results[index] = std::move(result); }, poll,
         stop);
     return results;
+}
+
+std::vector<SweepPoint> sweep(const Scenario& base, const std::vector<std::string>& keys,
+                              const std::vector<double>& values, int threads, RunControl& control,
+                              const std::function<void()>& poll) {
+    const ScenarioRows rows(base, keys, values);
+    std::vector<SweepPoint> points(rows.size());
+    const auto scenario_of = [&](std::size_t index) -> std::optional<Scenario> {
+        try {
+            Scenario scenario = rows[index];
+            scenario.record = {};
+            check(scenario);
+            return scenario;
+        } catch (const std::logic_error& refusal) {
+            points[index].refused = true;
+            points[index].message = refusal.what();
+            return std::nullopt;
+        }
+    };
+    const auto done = [&](std::size_t index, RunResult&& result) {
+        SweepPoint& point = points[index];
+        point.status = result.status;
+        point.summary = result.summary;
+        if (result.status != Status::ok) point.message = message(result);
+    };
+    simulate_tasks(points.size(), threads, control, scenario_of, done, poll);
+    return points;
 }
 
 }  // namespace stickslip

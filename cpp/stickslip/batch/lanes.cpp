@@ -11,7 +11,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "stickslip/contact/face_phases.hpp"
+#include "stickslip/contact/phases.hpp"
 
 namespace stickslip {
 
@@ -82,7 +82,7 @@ public:
             const Finish found = finish(lane, place, round.to_end >> place & 1u);
             if (found == Finish::step) continue;
             const bool same = stay && found == Finish::stretch;
-            const bool over = same && !lane.loop.next_phase();
+            const bool over = same && !lane.run.next_phase();
             if (same && !over) {
                 enter(lane, place);
                 continue;
@@ -109,14 +109,14 @@ private:
 
     // Puts what its next phase begins with into the place.
     void enter(Lane& lane, std::size_t place) {
-        auto& player = lane.loop.player();
+        auto& player = lane.run.player();
         player.with_phase([&](auto phase) {
             if constexpr (std::is_same_v<decltype(phase), Phase>) {
                 Numbers numbers;
                 numbers.progress =
-                    lane.loop.tsit5().begin(phase, player.memory(), player.tau(),
-                                            player.segment().duration, phase.begin(player.body()));
-                numbers.progress.look = lane.loop.next_look();
+                    lane.run.tsit5().begin(phase, player.memory(), player.tau(),
+                                           player.segment().duration, phase.begin(player.body()));
+                numbers.progress.look = lane.run.next_look();
                 numbers.robot = player.dynamics().robot();
                 set_around(numbers, player.dynamics());
                 numbers.contact_x = phase.contact(numbers.progress.step.first)[0];
@@ -148,8 +148,8 @@ private:
 
     // What only one run can do: accepts the attempt or not, looks for events.
     Finish finish(Lane& lane, std::size_t place, bool to_end) {
-        Lane::Loop& loop = lane.loop;
-        auto& player = loop.player();
+        Run& run = lane.run;
+        auto& player = run.player();
         Numbers numbers;
         kernel_.take_attempt(memory_.data(), place, numbers);
         for (std::size_t i = 0; i < Phase::kEvents; ++i) {
@@ -161,17 +161,17 @@ private:
         player.with_phase([&](auto phase) {
             if constexpr (std::is_same_v<decltype(phase), Phase>) {
                 PhaseEnd<Phase> end;
-                if (!loop.tsit5().finish(phase, player.memory(), numbers.progress, to_end,
-                                         loop.observer(phase), end)) {
+                if (!run.tsit5().finish(phase, player.memory(), numbers.progress, to_end,
+                                        run.observer(phase), end)) {
                     return;
                 }
                 const bool goes_on = end.status == Status::ok && end.event == Event::none;
                 found = goes_on ? Finish::stretch : Finish::phase;
-                loop.end_phase(phase, end, loop.tsit5().counts().accepted);
+                run.end_phase(phase, end, run.tsit5().counts().accepted);
             }
         });
         if (found == Finish::step) {
-            numbers.progress.look = loop.next_look();
+            numbers.progress.look = run.next_look();
             set_memory(numbers, player.memory());
             kernel_.put_going_on(memory_.data(), place, numbers);
             if (centre() != before) {
@@ -229,8 +229,8 @@ public:
     void set_last() { is_last_ = true; }
 
     void start(Lane& lane) {
-        if (!has_packs_ || !lane.loop.fits_packs()) {
-            lane.loop.go();
+        if (!has_packs_ || !lane.run.fits_packs()) {
+            lane.run.go();
             done_(lane);
             return;
         }
@@ -241,7 +241,7 @@ public:
     /// Ends all runs where they are.
     void interrupt() {
         for (Lane* lane : lanes_) {
-            lane->loop.give_up(Status::interrupted);
+            lane->run.give_up(Status::interrupted);
             done_(*lane);
         }
         lanes_.clear();
@@ -268,19 +268,17 @@ public:
 private:
     // Plays a run up to its next phase that a pack can have, or to its end.
     void play(Lane& lane) {
-        while (lane.loop.next_phase()) {
+        while (lane.run.next_phase()) {
             bool added = false;
-            lane.loop.player().with_phase([&](auto phase) {
-                using Phase = decltype(phase);
-                constexpr bool kNever = std::is_same_v<Phase, FaceSlidePhase> ||
-                                        std::is_same_v<Phase, FaceRestPhase> || Phase::kTurns;
-                if (kNever || is_few()) {
-                    lane.loop.play_phase();
-                } else if constexpr (!kNever) {
-                    lane.loop.is_plain() ? plain_.of(phase).add(lane)
-                                         : extended_.of(phase).add(lane);
-                    added = true;
+            lane.run.player().with_phase([&](auto phase) {
+                if constexpr (requires { plain_.of(phase); }) {
+                    if (!is_few()) {
+                        lane.run.is_plain() ? plain_.of(phase).add(lane)
+                                            : extended_.of(phase).add(lane);
+                        added = true;
+                    }
                 }
+                if (!added) lane.run.play_phase();
             });
             if (added) return;
         }

@@ -14,19 +14,17 @@ namespace stickslip {
 /// The widest that this processor has and that the environment variable STICKSLIP_LANES, a means of
 /// measurement that is read once, allows: 4 or 8; at 1 every run goes alone.
 const LaneKernels& lane_kernels();
-/// All that it has, narrowest first, perhaps none: all give the same bits.
+/// All kernels for this processor, narrowest first; may be none. All give the same bits.
 const std::vector<LaneKernels>& all_lane_kernels();
 
 /// A run among others, and its place in their batch.
 struct Lane {
-    using Loop = Run;
-
     Lane(std::size_t place, const Scenario& scenario, RunControl& control,
          std::optional<StopCondition> stop = std::nullopt)
-        : index(place), loop(scenario, &control, stop) {}
+        : index(place), run(scenario, &control, stop) {}
 
     std::size_t index;
-    Loop loop;
+    Run run;
 };
 
 /// Plays the runs that `next` gives, until it gives none, up to `count` of them at a time on this

@@ -60,9 +60,9 @@ void write_states(Lane& lane, const ControlRows& rows, const StateOutput& output
     const bool with_currents =
         std::any_of(output.columns.begin(), output.columns.end(), is_current);
     const std::size_t begin = lane.index * rows.steps * output.columns.size();
-    lane.loop.play_steps([&output, &lane, with_currents, to = output.values + begin]() mutable {
+    lane.run.play_steps([&output, &lane, with_currents, to = output.values + begin]() mutable {
         const StateRow state =
-            row_of(with_currents ? lane.loop.player().world() : lane.loop.player().motion());
+            row_of(with_currents ? lane.run.player().world() : lane.run.player().motion());
         for (const std::size_t column : output.columns) *to++ = state[column];
     });
 }
@@ -89,13 +89,13 @@ std::vector<Status> rollout(std::size_t count,
         check(own);
         Lane* const lane = lanes.make(index, own, control);
         write_states(*lane, rows, output);
-        lane->loop.steps().give(rows.voltages + index * rows.run_stride, finite[index],
-                                rows.duration, rows.linear);
+        lane->run.steps().give(rows.voltages + index * rows.run_stride, finite[index],
+                               rows.duration, rows.linear);
         return lane;
     };
     const auto done = [&](Lane& lane) {
         Status& status = result[lane.index];
-        status = lane.loop.status();
+        status = lane.run.status();
         if (status == Status::ok && finite[lane.index] < rows.steps) status = Status::not_finite;
         lanes.erase(lane);
     };
@@ -118,7 +118,7 @@ std::unique_ptr<Lane> SimulatorBatch::make_lane(std::size_t run, const Scenario&
         throw std::invalid_argument("run " + std::to_string(run) + ": " + refusal.what());
     }
     auto lane = std::make_unique<Lane>(run, without_record(scenario), control_);
-    lane->loop.play_steps([] {});
+    lane->run.play_steps([] {});
     return lane;
 }
 
@@ -128,8 +128,9 @@ void SimulatorBatch::reset(std::size_t run, const Scenario& scenario) {
 }
 
 RunSnapshot SimulatorBatch::snapshot(std::size_t run) const {
-    RunSnapshot result = lanes_[run]->loop.snapshot();
+    RunSnapshot result = lanes_[run]->run.snapshot();
     result.scenario = fingerprint(scenarios_[run]);
+    if (result.status != Status::ok) result.message = lanes_[run]->run.message();
     return result;
 }
 
@@ -137,16 +138,15 @@ void SimulatorBatch::restore(std::size_t run, const RunSnapshot& snapshot) {
     if (snapshot.scenario != fingerprint(scenarios_[run])) {
         throw std::invalid_argument("the snapshot is of another scenario");
     }
-    lanes_[run] = make_lane(run, scenarios_[run]);
-    lanes_[run]->loop.restore(snapshot);
+    lanes_[run]->run.restore(snapshot);
 }
 
 // Before any run moves.
 void SimulatorBatch::check_planar_steps(const double* voltages) const {
     for (std::size_t run = 0; run < lanes_.size(); ++run) {
-        const Lane::Loop& loop = lanes_[run]->loop;
+        const Run& own = lanes_[run]->run;
         const double* row = voltages + run * kCoilCount;
-        if (loop.player().in_whole_plane() || loop.status() != Status::ok || !is_finite(row))
+        if (own.player().in_whole_plane() || own.status() != Status::ok || !is_finite(row))
             continue;
         try {
             check_planar_step(scenarios_[run], per_coil(row));
@@ -160,15 +160,15 @@ void SimulatorBatch::step(const double* voltages, double duration, bool linear, 
                           const std::function<void()>& poll) {
     check_planar_steps(voltages);
     for (std::size_t run = 0; run < lanes_.size(); ++run) {
-        Lane::Loop& loop = lanes_[run]->loop;
-        if (loop.status() != Status::ok) continue;
+        Run& own = lanes_[run]->run;
+        if (own.status() != Status::ok) continue;
         const double* row = voltages + run * kCoilCount;
         if (!is_finite(row)) {
-            loop.give_up(Status::not_finite);
+            own.give_up(Status::not_finite);
             continue;
         }
-        loop.reset_counts();
-        loop.steps().give(row, 1, duration, linear);
+        own.reset_counts();
+        own.steps().give(row, 1, duration, linear);
     }
     using Clock = std::chrono::steady_clock;
     const Clock::time_point begin = Clock::now();
@@ -180,8 +180,8 @@ void SimulatorBatch::step(const double* voltages, double duration, bool linear, 
                  is_short(duration) ? nullptr : &poll);
     } catch (...) {
         for (std::size_t run = 0; run < lanes_.size(); ++run) {
-            Lane::Loop& loop = lanes_[run]->loop;
-            if (!played_[run] && loop.status() == Status::ok) loop.give_up(Status::interrupted);
+            Run& own = lanes_[run]->run;
+            if (!played_[run] && own.status() == Status::ok) own.give_up(Status::interrupted);
         }
         control_.stop = false;
         throw;

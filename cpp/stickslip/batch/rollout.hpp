@@ -33,9 +33,8 @@ struct StateOutput {
 /// Plays `count` runs from their scenarios' initial states through the same number of steps each,
 /// and writes the state at the end of each step; what a failed run does not reach stays as it was.
 /// A run fails (`Status::not_finite`) where `scenario` gives none, as its start is not finite, or
-/// at the first voltage that is not. It is in the whole plane if one of its rows turns the robot.
-/// Statuses in the order of the runs, bit-identical results for
-/// any number of threads.
+/// at the first voltage that is not. A run is in the whole plane if one of its rows turns its
+/// robot. Statuses in the order of the runs, bit-identical results for any number of threads.
 std::vector<Status> rollout(std::size_t count,
                             const std::function<std::optional<Scenario>(std::size_t)>& scenario,
                             const ControlRows& rows, const StateOutput& output, int threads,
@@ -65,8 +64,8 @@ public:
     RunSnapshot snapshot(std::size_t run) const;
     void restore(std::size_t run, const RunSnapshot& snapshot);
 
-    StateRow state(std::size_t run) const { return row_of(lanes_[run]->loop.player().world()); }
-    Status status(std::size_t run) const { return lanes_[run]->loop.status(); }
+    StateRow state(std::size_t run) const { return row_of(lanes_[run]->run.player().world()); }
+    Status status(std::size_t run) const { return lanes_[run]->run.status(); }
 
 private:
     std::unique_ptr<Lane> make_lane(std::size_t run, const Scenario& scenario);

@@ -10,7 +10,10 @@
 namespace stickslip {
 std::uint64_t fingerprint(const Scenario& scenario) {
     Hash hash;
-    const auto is_start = [](const std::string& key) { return key.starts_with("initial."); };
+    // Initial currents say how strong the fields are, to which the tolerance is relative.
+    const auto is_start = [](const std::string& key) {
+        return key.starts_with("initial.") && !key.starts_with("initial.current_");
+    };
     for (const Parameter& parameter : parameters()) {
         if (!is_start(parameter.key)) hash.add(parameter.get(scenario));
     }
@@ -67,7 +70,7 @@ void Simulator::step(const PerCoil& voltages, double duration, bool linear, cons
         run_.restore(before);
         throw;
     }
-    if (status() != Status::ok) failure_ = stickslip::message(run_.take_result());
+    if (status() != Status::ok) failure_ = run_.message();
 }
 
 double Simulator::time() const {

@@ -8,8 +8,8 @@
 
 namespace stickslip {
 
-/// A number for all that moves the robot, of its initial state and its drive's record apart: two
-/// scenarios of one number can exchange snapshots.
+/// A hash of all that moves the robot, without the initial state, but for its currents, and without
+/// the record: two scenarios of one hash can exchange snapshots.
 std::uint64_t fingerprint(const Scenario& scenario);
 
 /// A run that is entered and left at any instant. Its scenario's drive says how strong the fields
@@ -44,7 +44,7 @@ private:
     Scenario scenario_;
     std::uint64_t fingerprint_;
     Run run_;
-    std::string failure_;  // what to do about the last step, if it failed
+    std::string failure_;  // why the last step failed and what to do, else empty
 };
 
 }  // namespace stickslip

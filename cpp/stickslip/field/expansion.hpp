@@ -205,7 +205,7 @@ public:
     void begin_stretch(const CurrentSegment& segment, const Centre& place);
 
     const PerCoil& gain() const { return gain_; }
-    /// For a coil that had none.
+    /// For a coil that gets its first current.
     void set_gain(const PerCoil& gain);
 
     /// Moves the centre to the robot where it has left half the reach.
@@ -227,7 +227,7 @@ public:
     /// an integrator can have it ready before a stage begins.
     ExpansionOf<double, D> at(double tau) const { return sum_at(tau); }
 
-    /// The field there, where no shape multiplies it, but for its segment.
+    /// The field over the stretch at a place, without a shape; the caller sets `segment`.
     FieldCourse course(const Centre& place) const;
     /// What each coil makes there of a robot with that heading, with its gain.
     PerCoilOf<CoilField> of_coils(const Centre& place, double heading = 0.0) const;

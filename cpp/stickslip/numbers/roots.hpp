@@ -76,7 +76,7 @@ bool search_around(double first, auto&& found) {
     return false;
 }
 
-/// A value of a function, and where it is had.
+/// A value of a function, and its argument.
 struct Extreme {
     double at, value;
 };

@@ -119,6 +119,9 @@ void check(const Scenario& s) {
     const double longest = make_program(s).duration();  // refuses voltages that are not finite
     check_work(s, longest);
     const double highest_rate = kMostSamples / longest;
+    if (s.record.kind == RecordKind::uniform && !(s.record.rate > 0.0)) {
+        refuse("record.rate", s.record.rate, "above 0 Hz");
+    }
     if (s.record.kind == RecordKind::uniform && s.record.rate > highest_rate) {
         refuse("record.rate", s.record.rate,
                "at most 1e9 samples in all, here " + highest(highest_rate) + " Hz");

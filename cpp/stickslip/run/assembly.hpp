@@ -26,11 +26,11 @@ PerCoil initial_currents(const Scenario& scenario);
 /// The coils' circuits for `program` (which heats them, if they do).
 Circuit make_circuit(const Scenario& scenario, const VoltageProgram& program);
 
-/// Field that each coil makes in a run, relative to what Eqs. (4)-(6) give for its current, but for
-/// what changes within the run (`Model::field_shape`).
+/// Constant factor on the field of each coil by Eqs. (4)-(6); `Model::field_shape` varies within
+/// the run.
 PerCoil field_gain(const Scenario& scenario);
 
-/// The same of currents (A) that are held, before a run: all of it, at time and frequency zero.
+/// The whole factor for steady currents (A): free shapes at time and frequency zero.
 PerCoil held_field_gain(const Scenario& scenario, const PerCoil& currents);
 
 /// Voltages that the drive asks for, in the robot's own frame.

@@ -14,7 +14,7 @@ namespace stickslip {
 
 /// Gathers what the coils do: largest voltage, current and field of a run, and over the measuring
 /// window the least field and the power. Voltages and currents are those of whole stretches; the
-/// field is that at the robot, which moves, so that who moves it has to ask where it may turn.
+/// field is that at the moving robot, so the caller passes its extremes to `see_field`.
 class DriveObserver {
 public:
     explicit DriveObserver(const Circuit& circuit) : resistance_(circuit.resistance()) {}

@@ -164,8 +164,8 @@ private:
         const bool fits = turns_ ? wanted != 0 : wanted * along_world > 0.0;
         if (moves && !fits) {
             refuse("initial.contact", word_,
-                   (wanted == 0 ? "a state whose contact does not move, and it moves at "
-                                : "a state whose contact moves that way, and it moves at ") +
+                   (wanted == 0 ? "a state whose contact does not move; this one moves at "
+                                : "a state whose contact moves that way; this one moves at ") +
                        digits(along_world) + " m/s");
         }
         // In the whole plane a slip has a vector, and its mode no sign.

@@ -64,9 +64,14 @@ void Measurement::end_look() {
 void Measurement::stretch(double duration) {
     if (!player_.is_open() || !(duration > 0.0)) return;
     CurrentSegment played = player_.segment();
-    played.duration = duration;
+    VoltageSegment voltages = player_.voltages();
+    if (duration < played.duration) {  // the run has ended within it
+        voltages.last = voltage_at(voltages, voltages.start + duration);
+        voltages.end = voltages.start + duration;
+        played.duration = duration;
+    }
     const bool in_window = observer_.is_open();
-    drive_.stretch(player_.voltages(), played, in_window);
+    drive_.stretch(voltages, played, in_window);
     drive_.see_field(squared_field(duration, player_.body()), in_window);
     drive_.pull(player_.field_of_coils(), played,
                 [this](double tau) { return player_.dynamics().field().factor(tau); });

@@ -32,12 +32,12 @@ public:
     }
     /// The run begins.
     void begin() { start_fields_ = player_.field_of_coils(); }
-    /// Where the field may turn in the stretch that has begun, of which the robot is at its start.
+    /// Lists the times at which |B| may turn in the stretch that has just begun.
     void plan_looks();
     /// From when on the field has to be looked at within steps, s in the stretch.
     double next_look() const { return next_look_; }
     /// The field in what has been played from one time of the stretch to another, where it may
-    /// turn. `body_at(tau)` is had at any time of it.
+    /// turn. `body_at(tau)` gives the body at any time in that span.
     void look_at_field(double from, double to, auto&& body_at);
     /// A phase, or its part within a stretch, that took `duration` s.
     template <class Phase>
@@ -46,7 +46,7 @@ public:
     }
     /// A stretch that has ended, or its first `duration` s.
     void stretch(double duration);
-    /// What was not written where the window closed.
+    /// Writes all numbers of the summary; those of the window are empty unless it has closed.
     void write(Summary& summary) const;
 
 private:

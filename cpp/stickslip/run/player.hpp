@@ -20,10 +20,11 @@
 namespace stickslip {
 
 /// The motion of a run: stretches of voltage one after another, the phases between events, and what
-/// each event makes of the state. It knows of no method, and not what becomes of the motion.
+/// each event makes of the state. It depends
+/// neither on the method nor on what is recorded or measured.
 class Player {
 public:
-    /// marks: s, where stretches have to end besides. stop: ends the motion from outside; or
+    /// marks: further times (s) at which a stretch must end. stop: ends the motion from outside; or
     /// nullptr.
     Player(const Scenario& scenario, const std::vector<double>& marks,
            const std::atomic<bool>* stop);
@@ -53,7 +54,7 @@ public:
     bool take_stretch() { return source_.next(voltages_); }
     void begin_stretch();
     void end_stretch() { is_open_ = false; }
-    /// Whether a stretch is played, or was and is not ended.
+    /// Whether a stretch has begun, and `end_stretch` was not called yet.
     bool is_open() const { return is_open_; }
     bool is_at_end() const { return tau_ >= segment_.duration; }
     const VoltageSegment& voltages() const { return voltages_; }

@@ -31,7 +31,7 @@ Run::Run(const Scenario& scenario, RunControl* control, std::optional<StopCondit
         arkode_.emplace(player_.options());
 #else
         result_.status = Status::no_arkode;
-        throw std::invalid_argument(message(result_));
+        throw std::invalid_argument(stickslip::message(result_));
 #endif
     }
     result_.most_steps = scenario.solver.max_steps;
@@ -53,15 +53,20 @@ bool Run::next_phase() {
         if (!player_.is_at_end()) return true;
         if (!next_stretch()) break;
     }
-    const bool failed = result_.status != Status::ok;
-    if (player_.is_stepped()) {
-        if (failed) player_.stay_there();
-    } else if (failed) {
-        measurement_.stretch(player_.tau());
-    } else {
+    if (result_.status != Status::ok) {
+        end_here();
+    } else if (!player_.is_stepped()) {
         finish();
     }
     return false;
+}
+
+void Run::end_here() {
+    if (player_.is_stepped()) {
+        player_.stay_there();
+    } else {
+        measurement_.stretch(player_.tau());
+    }
 }
 
 bool Run::next_stretch() {
@@ -163,6 +168,7 @@ void Run::after_event() {
 
 void Run::reset_counts() {
     stretches_ = 0;
+    result_.counted_from = time();
     tsit5_.set_counts({});
 }
 
@@ -197,9 +203,13 @@ RunResult Run::take_result() {
     result_.recording = recorder_.take();
     result_.final_body = player_.body();
     result_.final_state = player_.world();
-    RunResult taken = std::move(result_);
-    result_.map = taken.map;  // a restored run may fail again
-    return taken;
+    return std::move(result_);
+}
+
+std::string Run::message() const {
+    RunResult now = result_;  // a stepped run has no record
+    now.steps = tsit5_.counts();
+    return stickslip::message(now);
 }
 
 }  // namespace stickslip

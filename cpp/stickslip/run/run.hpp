@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "stickslip/run/measurement.hpp"
@@ -30,10 +31,12 @@ public:
     /// Plays to the end; the result is then to be taken.
     void go();
     RunResult take_result();
+    /// How it ended and what to do about it; see stickslip::message.
+    std::string message() const;
     /// Gives the record's sink what there is.
     void hand_over_record() { recorder_.take(); }
 
-    /// See Player. A run that is stepped goes on after the end of its steps.
+    /// See Player. After its last step such a run can be given more.
     void play_steps(std::function<void()> on_step) { player_.play_steps(std::move(on_step)); }
     ControlSteps& steps() { return player_.steps(); }
     const ControlSteps& steps() const { return player_.steps(); }
@@ -42,7 +45,7 @@ public:
     RunSnapshot snapshot() const;
     void restore(const RunSnapshot& snapshot);
     Status status() const { return result_.status; }
-    /// Up to which it was played, s, or failed.
+    /// Time (s) that the run has reached, or at which it failed.
     double time() const { return result_.summary.simulated_time; }
     const Player& player() const { return player_; }
 
@@ -64,7 +67,7 @@ public:
     /// Ends the run where it is.
     void give_up(Status status) {
         result_.status = status;
-        if (player_.is_stepped()) player_.stay_there();
+        end_here();
     }
     /// Whether packs can have it: no effect but smooth ones, and nothing to look for within the
     /// steps.
@@ -87,6 +90,8 @@ private:
 #endif
     }
     bool next_stretch();
+    // Of a run that ends within a stretch.
+    void end_here();
     void begin();
     void finish();
     bool goes_on() const {
@@ -135,6 +140,8 @@ auto Run::observer(Phase& phase) {
             return phase.body(tau, part == 0.0 ? step.first : step.dense(part));
         };
         double stop = kGoesOn;
+        const double met = stop_ ? find_stop(phase, step, s) : kGoesOn;
+        if (met <= s) s = stop = met;
         if constexpr (Phase::kTurns) {
             PlaneDynamics& plane = player_.plane();
             const auto facing = [&](double tau) {
@@ -148,11 +155,7 @@ auto Run::observer(Phase& phase) {
                 s = stop = (end.tau - step.start) / step.width;
             }
         }
-        const double met = stop_ ? find_stop(phase, step, s) : kGoesOn;
-        if (met <= s) {
-            s = stop = met;
-            result_.stopped = true;
-        }
+        result_.stopped = met <= s && result_.heading_end.status == Status::ok;
         const double last = step.start + s * step.width;
         if (last >= measurement_.next_look()) {
             measurement_.look_at_field(step.start, last, body_at);
@@ -185,7 +188,7 @@ void Run::end_phase(Phase& phase, const PhaseEnd<Phase>& end, std::int64_t steps
     measurement_.phase(phase, end, duration);
     player_.end_phase(phase, end);
     result_.summary.simulated_time = player_.time();
-    if (control_) control_->simulated_time.fetch_add(duration, std::memory_order_relaxed);
+    if (control_) control_->add_time(duration);
     result_.status = end.status;
     if (result_.heading_end.status != Status::ok) {
         result_.status = result_.heading_end.status;

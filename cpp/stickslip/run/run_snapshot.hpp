@@ -20,12 +20,12 @@ struct RunSnapshot {
     ControlSteps::Memory steps;
     HeadingWatch::State heading;
     PerCoil gain = {};          ///< of the coils that had current
-    bool begun = false;         ///< whether the first stretch was
+    bool begun = false;         ///< whether the first stretch has begun
     bool touches_down = false;  ///< whether it begins with an impact
     bool in_whole_plane = false;
     Status status = Status::ok;
     double end = 0.0;     ///< s, of a run that failed
-    std::string message;  ///< the same
+    std::string message;  ///< why it failed, else empty
 
     /// Numbers of eight bytes with a checksum, for machines of the same byte order.
     std::string to_bytes() const;

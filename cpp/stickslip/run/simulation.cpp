@@ -24,7 +24,8 @@ std::string times(const RunResult& result) {
     const StepCounts& steps = result.steps;
     if (steps.accepted > 0) {
         text = joined("its steps took ",
-                      result.summary.simulated_time / static_cast<double>(steps.accepted),
+                      (result.summary.simulated_time - result.counted_from) /
+                          static_cast<double>(steps.accepted),
                       " s in the mean, ");
     }
     text += joined("a free swing takes ", 2.0 * std::numbers::pi / result.swing_rate, " s");

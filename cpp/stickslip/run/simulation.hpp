@@ -21,6 +21,7 @@ struct RunResult {
     Status status = Status::ok;
     Summary summary;
     StepCounts steps;
+    double counted_from = 0.0;  ///< s, where the count of steps begins
     Recording recording;
     BodyState final_body;         ///< robot's own frame
     SimulationState final_state;  ///< where the run ended
@@ -40,6 +41,12 @@ std::string message(const RunResult& result);
 struct RunControl {
     std::atomic<bool> stop = false;
     std::atomic<double> simulated_time = 0.0;  ///< s, done so far by all runs together
+
+    /// Of a run, s. libc++ has no fetch_add of a double before 18.
+    void add_time(double duration) {
+        double sum = simulated_time;
+        while (!simulated_time.compare_exchange_weak(sum, sum + duration)) continue;
+    }
 };
 
 /// Whether a method is in this build.

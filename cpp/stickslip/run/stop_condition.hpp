@@ -8,8 +8,7 @@
 
 namespace stickslip {
 
-/// Ends a run where a quantity comes to a value. A run in one plane has y and heading zero
-/// throughout.
+/// Ends a run where a quantity comes to a value. Of a run in one plane neither y nor heading moves.
 struct StopCondition {
     enum class Quantity : std::int8_t { time, x, y, z, theta, turns, heading };
 

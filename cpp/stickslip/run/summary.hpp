@@ -126,11 +126,6 @@ public:
     bool is_open() const { return open_; }
     double start() const { return start_; }  ///< s
 
-    /// Rest at an angle of quadrant pi/2.
-    void rest(double theta) {
-        if (open_) see(theta);
-    }
-
     /// A phase, or its part within a stretch of voltage, that took `duration` s.
     template <class Phase>
     void phase(const Phase& phase, const PhaseEnd<Phase>& end, double duration, int quadrant) {

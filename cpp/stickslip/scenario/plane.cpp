@@ -22,8 +22,8 @@ void check_plane(const Scenario& s) {
     for (const UserSetting& each : s.user_effects) {
         if (each.absent()) continue;
         throw std::invalid_argument("effects." + each.effect->name +
-                                    ": allowed is a robot that stays in the plane y = 0; an effect "
-                                    "of one's own has no force across it");
+                                    ": an effect of your own has no force across the plane y = 0: "
+                                    "allowed is a robot that stays in it");
     }
 }
 

@@ -264,8 +264,8 @@ private:
     }
 };
 
-/// Where in a step one function falls through zero, from a start above it. `value(s)` is had on the
-/// dense output.
+/// Where in a step one function falls through zero, from a start above it. `value(s)` is evaluated
+/// on the dense output.
 EventHit find_fall(auto&& value) {
     using Finder = EventFinder<1>;
     const auto at = [&](std::size_t, double s) { return value(s); };

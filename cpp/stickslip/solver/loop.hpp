@@ -28,9 +28,8 @@ public:
 
     explicit StepLoop(const StepperOptions& options) : options_(options), method_(options) {}
 
-    const StepperOptions& options() const { return options_; }
     const StepCounts& counts() const { return counts_; }
-    /// Goes on from other counts, and with that from what they leave of options().most_steps.
+    /// Goes on counting from these; options.most_steps limits the sum.
     void set_counts(const StepCounts& counts) { counts_ = counts; }
 
     /// Integrates from `tau` to `tau_end` or the first event. `observe(step, s)` is called

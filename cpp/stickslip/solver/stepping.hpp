@@ -63,7 +63,7 @@ struct StepperOptions {
     const std::atomic<bool>* stop = nullptr;
 };
 
-/// Step (s) of a phase that the next event would undo without time going on: far above the
+/// First step (s) of a phase where the last events did not advance the time: far above the
 /// resolution of time, far below anything that moves.
 inline constexpr double kShortestStep = 1e-9;
 

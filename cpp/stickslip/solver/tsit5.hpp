@@ -35,8 +35,8 @@ struct Tsit5Step {
         return std::tie(weight, first, slope, last, start, width);
     }
 
-    /// Coordinates at a fraction of the step, each had where it is asked for: most event functions
-    /// need one or two.
+    /// Coordinates at a fraction of the step, each computed where it is asked for: most event
+    /// functions need one or two.
     class At {
     public:
         At(const Tsit5Step& step, double s) : step_(step), b_(weights(s)) {}
@@ -107,7 +107,7 @@ template <class Phase, class Samples>
     using Real = typename Phase::Real;
     using State = typename Phase::State;
     const Real h = step.width;
-    // The field at the stages' times does not wait for the stages: it is had at once, and the
+    // The field at the stages' times does not wait for the stages: it is computed first, and the
     // processor overlaps it with the chain of dependent stages.
     std::array<decltype(phase.field_at(h)), 5> field;
     for (std::size_t s = 0; s < 5; ++s) field[s] = phase.field_at(step.start + Table::c[s + 1] * h);

@@ -201,7 +201,7 @@ class Simulator:
     def restore(self, snapshot: Snapshot) -> None:
         """Go back, or over, to a snapshot of a simulator of the same scenario.
 
-        Initial state and record may differ.
+        The record may differ, and the initial state but for its currents.
 
         Raises
         ------
