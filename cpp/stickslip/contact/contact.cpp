@@ -21,7 +21,7 @@ public:
         if (!frame_.is_slow(slip)) return sliding(load, slip);
         const CornerStick stick = corner_stick(dynamics_.robot(), pose_, body_.omega, load);
         // That would hold it; it would slip the other way.
-        const Vector friction = frame_.vector(stick.reaction.friction, -load.across);
+        const Vector friction = frame_.vector(stick.reaction.friction, -frame_.across(load));
         const double normal = stick.reaction.normal;
         if (onset == 0 && normal >= 0.0) {
             const double way = frame_.against(friction).along;
@@ -38,7 +38,7 @@ public:
         const auto load = frame_.load(seen_, tau_, pose_, velocity(), 0.0, 0.0);
         FaceReaction reaction = face_reaction(model, quadrant, load, true, 0.0);
         const double normal = reaction.normal();
-        const Vector friction = frame_.vector(reaction.friction, -load.across);
+        const Vector friction = frame_.vector(reaction.friction, -frame_.across(load));
         bool slips = !frame_.is_slow(slip) || onset != 0;
         if (!slips) {
             const double way = frame_.against(friction).along;
@@ -112,7 +112,7 @@ private:
         const int quadrant = dynamics_.quadrant();
         const auto acceleration = [&](const Vector& way) {
             const auto [coefficient, motion] = slipping(load, way, 0.0);
-            const double across = load.across - way.across * coefficient * motion.normal;
+            const double across = frame_.across(load) - way.across * coefficient * motion.normal;
             return frame_.vector(motion.slip_acceleration, across * dynamics_.robot().per_mass);
         };
         const Vector way = frame_.way_to_slip(friction, onset, acceleration);

@@ -65,9 +65,9 @@ public:
     [[gnu::always_inline]] void rates(const Field& field, const State& y, State& dydt,
                                       Values& g) const {
         const Motion motion = solve(field, y);
-        dydt = gather<State>(slip(y), frame_.in_world(motion.seen.heading, motion.acceleration));
-        g = gather<Values>(motion.reaction.ahead, motion.reaction.behind, slide_.left(slip(y)),
-                           frame_.events(motion.seen), slide_.events(slip(y)));
+        put(dydt, slip(y), frame_.in_world(motion.seen.heading, motion.acceleration));
+        put(g, motion.reaction.ahead, motion.reaction.behind, slide_.left(slip(y)),
+            frame_.events(motion.seen), slide_.events(slip(y)));
     }
     double event(std::size_t i, double tau, const auto& y) const {
         if (kEvent[i] == Slide::kEnds) return slide_.left(slip(y));
@@ -116,7 +116,7 @@ private:
             frame_.vector(reaction.friction, -way.across * coefficient * normal);
         const Vector acceleration =
             frame_.vector((load.fx + friction.along) * robot().per_mass,
-                          (load.across + friction.across) * robot().per_mass);
+                          (frame_.across(load) + friction.across) * robot().per_mass);
         return {seen, slipping, friction, acceleration, reaction};
     }
 
@@ -150,9 +150,8 @@ public:
             return dynamics().static_limit(way, y[0], pose, normal, field.tau) * normal;
         };
         dydt = {};
-        g = gather<Values>(motion.reaction.ahead, motion.reaction.behind,
-                           frame_.left_to_break(motion.friction, limit),
-                           frame_.events(motion.seen));
+        put(g, motion.reaction.ahead, motion.reaction.behind,
+            frame_.left_to_break(motion.friction, limit), frame_.events(motion.seen));
     }
     double event(std::size_t i, double tau, const auto& y) const {
         return Base::event_by_rates(*this, i, tau, y);
@@ -176,7 +175,7 @@ private:
         const auto seen = Base::seen_there(field, y);
         const auto load = frame_.load(seen, field.tau, dynamics().pose(0.0), {}, 0.0, 0.0);
         const FaceReaction reaction = face_reaction(model(), Base::quadrant(), load, true, 0.0);
-        return {seen, frame_.vector(reaction.friction, -load.across), reaction};
+        return {seen, frame_.vector(reaction.friction, -frame_.across(load)), reaction};
     }
 };
 

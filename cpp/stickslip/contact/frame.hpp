@@ -24,12 +24,11 @@
 ///                       pivot corner there; heading_at, heading_at_corner(tau, ...): only which
 ///                       way
 ///   in_plane(heading, v), in_world(heading, v)   a Place as a Vector, and back
-///   load(seen, tau, pose, velocity, vz, omega)   forces but those of touching corners
-///   events(seen)        values of kOwn
-///   left_to_break(friction, limit)   values of kBreaks; `limit(way)`: friction that holds, N
-///   body, snapshot      of a state; centre(place, z): where the field's expansion is looked at
-///   along_front(v)      what the summary counts of a slip
-///   with_slide(state, use)   the slip of a state, see SignedSlide
+///   load(seen, tau, pose, velocity, vz, omega)   forces but those of touching corners;
+///   across(load) events(seen)        values of kOwn left_to_break(friction, limit)   values of
+///   kBreaks; `limit(way)`: friction that holds, N body, snapshot      of a state; centre(place,
+///   z): where the field's expansion is looked at along_front(v)      what the summary counts of a
+///   slip with_slide(state, use)   the slip of a state, see SignedSlide
 /// and for the question of what follows from a slip (contact.cpp)
 ///   is_slow(slip)       whether static friction may hold it; has_begun(slip): whether it has a way
 ///   against(friction)   the way in which a contact slips against its friction, of size one
@@ -38,24 +37,26 @@
 /// Numbers may be packs, but not those of this last part.
 namespace stickslip {
 
-/// Numbers, and arrays of numbers, one after another.
+/// Puts numbers, and arrays of numbers, one after another from the N-th on. No loop and no counter,
+/// for which the compiler would have them in memory.
+template <std::size_t N = 0, class Array, class Part, class... Parts>
+[[gnu::always_inline]] constexpr void put(Array& to, const Part& part, const Parts&... parts) {
+    if constexpr (requires { std::tuple_size<Part>::value; }) {
+        constexpr std::size_t kSize = std::tuple_size_v<Part>;
+        [&]<std::size_t... I>(std::index_sequence<I...>) __attribute__((always_inline)) {
+            ((to[N + I] = part[I]), ...);
+        }
+        (std::make_index_sequence<kSize>());
+        if constexpr (sizeof...(parts) > 0) put<N + kSize>(to, parts...);
+    } else {
+        to[N] = part;
+        if constexpr (sizeof...(parts) > 0) put<N + 1>(to, parts...);
+    }
+}
 template <class Array, class... Parts>
 [[gnu::always_inline]] constexpr Array gather(const Parts&... parts) {
     Array result = {};
-    std::size_t n = 0;
-    const auto put = [&](const auto& part) __attribute__((always_inline)) {
-        if constexpr (requires { part.size(); }) {
-            // No loop, for which the compiler would have the result in memory.
-            [&]<std::size_t... I>(std::index_sequence<I...>) __attribute__((always_inline)) {
-                ((result[n + I] = part[I]), ...);
-            }
-            (std::make_index_sequence<std::tuple_size_v<std::remove_cvref_t<decltype(part)>>>());
-            n += part.size();
-        } else {
-            result[n++] = part;
-        }
-    };
-    (put(parts), ...);
+    put(result, parts...);
     return result;
 }
 
@@ -81,9 +82,7 @@ public:
 
         [[gnu::always_inline]] Real size() const { return magnitude(along); }
     };
-    struct Load : LoadOf<Real> {
-        static constexpr double across = 0.0;
-    };
+    using Load = LoadOf<Real>;
     struct Ahead {};
     struct Seen {
         [[no_unique_address]] Ahead heading;
@@ -126,8 +125,9 @@ public:
     }
     [[gnu::always_inline]] Load load(const Seen& seen, Real tau, const PoseOf<Real>& pose,
                                      const Vector& velocity, Real vz, Real omega) const {
-        return {dynamics_->load(seen.field, tau, seen.x, seen.z, pose, velocity.along, vz, omega)};
+        return dynamics_->load(seen.field, tau, seen.x, seen.z, pose, velocity.along, vz, omega);
     }
+    static constexpr double across(const Load&) { return 0.0; }
     [[gnu::always_inline]] static std::array<Real, 0> events(const Seen&) { return {}; }
     [[gnu::always_inline]] static std::array<Real, 2> left_to_break(const Vector& friction,
                                                                     auto&& limit) {

@@ -111,6 +111,7 @@ class CornerStickIn : public CornerBase<Frame> {
 
 public:
     using typename Base::Real, typename Base::Place, typename Base::Vector, typename Base::Field;
+    using Seen = typename Frame::Seen;
     static constexpr std::array kEvent =
         join(std::array{Event::lift_off}, Frame::kBreaks,
              std::array{Event::behind_lands, Event::ahead_lands}, Frame::kOwn);
@@ -124,15 +125,16 @@ public:
     [[gnu::always_inline]] void rates(const Field& field, const State& y, State& dydt,
                                       Values& g) const {
         const PoseOf<Real> pose = dynamics().pose(y[0]);
-        const Motion motion = solve(field, y, pose);
+        const auto seen = frame_.seen_at_corner(field, contact_, pose);
+        const Motion motion = solve(seen, field.tau, pose, y);
         const Real normal = motion.stick.reaction.normal;
-        const Real touch_x = frame_.moved(contact_, motion.seen.heading, pose.roll)[0];
+        const Real touch_x = frame_.moved(contact_, seen.heading, pose.roll)[0];
         const auto limit = [&](double way) __attribute__((always_inline)) {
             return dynamics().static_limit(way, touch_x, pose, normal, field.tau) * normal;
         };
         dydt = {y[1], motion.stick.angular_acceleration};
-        g = gather<Values>(normal, frame_.left_to_break(motion.friction, limit), y[0],
-                           kQuarterTurn - y[0], frame_.events(motion.seen));
+        put(g, normal, frame_.left_to_break(motion.friction, limit), y[0], kQuarterTurn - y[0],
+            frame_.events(seen));
     }
     double event(std::size_t i, double tau, const auto& y) const {
         switch (kEvent[i]) {
@@ -154,9 +156,10 @@ public:
     }
     Snapshot snapshot(double tau, const State& y) const {
         const Pose pose = dynamics().pose(y[0]);
-        const Motion motion = solve(Base::field_at(tau), y, pose);
+        const auto seen = frame_.seen_at_corner(Base::field_at(tau), contact_, pose);
+        const Motion motion = solve(seen, tau, pose, y);
         return frame_.snapshot(body(tau, y), motion.stick.reaction.normal, motion.friction,
-                               frame_.moved(contact_, motion.seen.heading, pose.roll), {});
+                               frame_.moved(contact_, seen.heading, pose.roll), {});
     }
     State scale(const Scales& s) const { return {1.0, s.rate}; }
     Real speed(const State& y) const { return magnitude(y[1]) * robot().radius; }
@@ -167,17 +170,18 @@ public:
 
 private:
     struct Motion {
-        typename Frame::Seen seen;
         CornerStickOf<Real> stick;
         Vector friction;  // N
     };
-    [[gnu::always_inline]] Motion solve(const Field& field, const State& y,
-                                        const PoseOf<Real>& pose) const {
-        const auto seen = frame_.seen_at_corner(field, contact_, pose);
-        const auto load =
-            frame_.load(seen, field.tau, pose, Vector{y[1] * pose.height}, y[1] * pose.lever, y[1]);
-        const CornerStickOf<Real> stick = corner_stick(robot(), pose, y[1], load);
-        return {seen, stick, frame_.vector(stick.reaction.friction, -load.across)};
+    // Filled in place: a copy is not always had for nothing.
+    [[gnu::always_inline]] Motion solve(const Seen& seen, Real tau, const PoseOf<Real>& pose,
+                                        const State& y) const {
+        const Vector velocity = {y[1] * pose.height};
+        const auto load = frame_.load(seen, tau, pose, velocity, y[1] * pose.lever, y[1]);
+        Motion motion;
+        motion.stick = corner_stick(robot(), pose, y[1], load);
+        motion.friction = frame_.vector(motion.stick.reaction.friction, -frame_.across(load));
+        return motion;
     }
 
     Place contact_;
@@ -193,6 +197,7 @@ class CornerSlipIn : public CornerBase<typename Slide::Frame> {
 
 public:
     using typename Base::Real, typename Base::Place, typename Base::Vector, typename Base::Field;
+    using Seen = typename Frame::Seen;
     static constexpr std::array kEvent =
         join(std::array{Event::lift_off, Slide::kEnds, Event::behind_lands, Event::ahead_lands,
                         Event::sliding_jams},
@@ -208,14 +213,14 @@ public:
 
     [[gnu::always_inline]] void rates(const Field& field, const State& y, State& dydt,
                                       Values& g) const {
-        const Motion motion = solve(field, y);
-        dydt = gather<State>(slip(y), y[kOmega],
-                             frame_.in_world(motion.seen.heading, motion.acceleration),
-                             motion.upright.angular_acceleration);
-        g = gather<Values>(motion.upright.normal, slide_.left(slip(y)), y[kAngle],
-                           kQuarterTurn - y[kAngle],
-                           motion.upright.effective_inertia - kJammed * robot().inertia,
-                           frame_.events(motion.seen), slide_.events(slip(y)));
+        const PoseOf<Real> pose = dynamics().pose(y[kAngle]);
+        const auto seen = frame_.seen_at_corner(field, contact(y), pose);
+        const Motion motion = solve(seen, field.tau, pose, y);
+        put(dydt, slip(y), y[kOmega], frame_.in_world(seen.heading, motion.acceleration),
+            motion.upright.angular_acceleration);
+        put(g, motion.upright.normal, slide_.left(slip(y)), y[kAngle], kQuarterTurn - y[kAngle],
+            motion.upright.effective_inertia - kJammed * robot().inertia, frame_.events(seen),
+            slide_.events(slip(y)));
     }
     double event(std::size_t i, double tau, const auto& y) const {
         switch (kEvent[i]) {
@@ -240,10 +245,11 @@ public:
         return Base::body_on(tau, contact(y), y[kAngle], slip(y), y[kOmega]);
     }
     Snapshot snapshot(double tau, const State& y) const {
-        const Motion motion = solve(Base::field_at(tau), y);
-        const double roll = dynamics().pose(y[kAngle]).roll;
+        const Pose pose = dynamics().pose(y[kAngle]);
+        const auto seen = frame_.seen_at_corner(Base::field_at(tau), contact(y), pose);
+        const Motion motion = solve(seen, tau, pose, y);
         return frame_.snapshot(body(tau, y), motion.upright.normal, motion.friction,
-                               frame_.moved(contact(y), motion.seen.heading, roll), motion.slip);
+                               frame_.moved(contact(y), seen.heading, pose.roll), motion.slip);
     }
     State scale(const Scales& s) const {
         return gather<State>(frame_.both(s.length), 1.0, frame_.both(s.velocity), s.rate);
@@ -262,7 +268,9 @@ public:
     Real slip_speed(const State& y) const { return frame_.along_front(slip(y)); }
     /// Whether a step that could not be made small enough may be laid to sliding about to jam.
     bool nearly_jams(double tau, const State& y) const {
-        return solve(Base::field_at(tau), y).upright.effective_inertia <
+        const Pose pose = dynamics().pose(y[kAngle]);
+        const auto seen = frame_.seen_at_corner(Base::field_at(tau), contact(y), pose);
+        return solve(seen, tau, pose, y).upright.effective_inertia <
                kNearlyJammed * model().inertia;
     }
 
@@ -273,32 +281,31 @@ private:
     static constexpr double kNearlyJammed = 1e-2;
 
     struct Motion {
-        typename Frame::Seen seen;
         Vector slip;          // m/s
         Vector friction;      // N
         Vector acceleration;  // m/s^2, of the contact
         CornerSlipOf<Real> upright;
     };
-    [[gnu::always_inline]] Motion solve(const Field& field, const State& y) const {
-        const PoseOf<Real> pose = dynamics().pose(y[kAngle]);
+    [[gnu::always_inline]] Motion solve(const Seen& seen, Real tau, const PoseOf<Real>& pose,
+                                        const State& y) const {
         const Real omega = y[kOmega];
-        const auto seen = frame_.seen_at_corner(field, contact(y), pose);
+        Motion motion;
         const Vector way = slide_.way(seen.heading, slip(y));
-        const Vector slipping = frame_.in_plane(seen.heading, slip(y));
+        motion.slip = frame_.in_plane(seen.heading, slip(y));
         const auto load =
-            frame_.load(seen, field.tau, pose,
-                        frame_.vector(slipping.along + omega * pose.height, slipping.across),
+            frame_.load(seen, tau, pose,
+                        frame_.vector(motion.slip.along + omega * pose.height, motion.slip.across),
                         omega * pose.lever, omega);
         const Real touch_x = frame_.moved(contact(y), seen.heading, pose.roll)[0];
-        const Real coefficient = dynamics().corner_kinetic(way.along, slipping.size(), touch_x,
-                                                           pose, omega, load, field.tau);
-        const CornerSlipOf<Real> upright =
-            corner_slip(robot(), pose, omega, load, way.along * coefficient);
-        const Real size = -coefficient * upright.normal;
-        const Vector friction = frame_.vector(way.along * size, way.across * size);
-        const Vector acceleration = frame_.vector(
-            upright.slip_acceleration, (load.across + friction.across) * robot().per_mass);
-        return {seen, slipping, friction, acceleration, upright};
+        const Real coefficient = dynamics().corner_kinetic(way.along, motion.slip.size(), touch_x,
+                                                           pose, omega, load, tau);
+        motion.upright = corner_slip(robot(), pose, omega, load, way.along * coefficient);
+        const Real size = -coefficient * motion.upright.normal;
+        motion.friction = frame_.vector(way.along * size, way.across * size);
+        motion.acceleration =
+            frame_.vector(motion.upright.slip_acceleration,
+                          (frame_.across(load) + motion.friction.across) * robot().per_mass);
+        return motion;
     }
 
     Place contact_;
@@ -338,11 +345,10 @@ public:
         const auto load = frame_.load(
             seen, field.tau, pose, frame_.in_plane(seen.heading, velocity(y)), y[kVz], y[kOmega]);
         const Vector acceleration =
-            frame_.vector(load.fx * robot().per_mass, load.across * robot().per_mass);
-        dydt = gather<State>(velocity(y), y[kVz], y[kOmega],
-                             frame_.in_world(seen.heading, acceleration),
-                             load.fz * robot().per_mass, load.torque * robot().per_inertia);
-        g = gather<Values>(gaps(y, pose), frame_.events(seen));
+            frame_.vector(load.fx * robot().per_mass, frame_.across(load) * robot().per_mass);
+        put(dydt, velocity(y), y[kVz], y[kOmega], frame_.in_world(seen.heading, acceleration),
+            load.fz * robot().per_mass, load.torque * robot().per_inertia);
+        put(g, gaps(y, pose), frame_.events(seen));
     }
     double event(std::size_t i, double tau, const auto& y) const {
         if (kEvent[i] == Event::heading) return Base::event_by_rates(*this, i, tau, y);

@@ -67,6 +67,7 @@ public:
               double omega) const {
         return plane_->load(seen, tau, pose, velocity, vz, omega);
     }
+    static double across(const Load& load) { return load.across; }
     std::array<double, 1> events(const Seen& seen) const {
         return {plane_->watch().left(seen.horizontal)};
     }
