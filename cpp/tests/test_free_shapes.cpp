@@ -258,7 +258,7 @@ TEST_CASE("free field: a probe reads currents that are held") {
     const std::vector<double> place = {1e-4, 0.0, 1e-4}, currents = {1.0, 0.0, 0.0, 0.0, 0.5};
     const auto a = probe_readings(scenario, {}, {}, place, currents);
     const auto b = probe_readings(Scenario{}, {}, {}, place, currents);
-    for (const std::size_t axis : {0, 2}) {
+    for (const std::size_t axis : {0u, 2u}) {
         CHECK(a[axis] == doctest::Approx(1.1 * 1.2 * 1.3 * b[axis]).epsilon(1e-13));
     }
 }

@@ -103,7 +103,7 @@ TEST_CASE("lanes: every run has the bits that it has alone, in packs of any widt
     }
     CHECK(ok > 115);
     for (const LaneKernels& kernels : all_lane_kernels()) {
-        for (const std::size_t count : {1, 3, 40}) {
+        for (const std::size_t count : {1u, 3u, 40u}) {
             const std::vector<RunResult> results =
                 test::simulate_in_lanes(kernels, count, scenarios);
             for (std::size_t i = 0; i < kRuns; ++i) {

@@ -39,7 +39,8 @@ TEST_CASE("readings of a probe are the superposed field of coils with other gain
         const auto found = probe_readings(Scenario{}, kKeys, values, place, current);
         REQUIRE(found.size() == 3);
         // Ten products and sums of fields of some mT.
-        for (int k = 0; k < 3; ++k) CHECK(std::abs(found[k] - expected[k]) < 1e-17);
+        const Eigen::Map<const Eigen::Vector3d> read(found.data());
+        CHECK(((read - expected).array().abs() < 1e-17).all());
     }
 }
 

@@ -19,8 +19,9 @@ namespace {
 CurrentSegment random_segment(Random& random) {
     CurrentSegment segment;
     segment.exponentials = random.integer(1, kMaxExponentials);
+    const auto exponentials = static_cast<std::size_t>(segment.exponentials);
     double fastest = 0.0;
-    for (int j = 0; j < segment.exponentials; ++j) {
+    for (std::size_t j = 0; j < exponentials; ++j) {
         segment.rate[j] = 1e2 * std::pow(10.0, random.between(0.0, 2.0));
         fastest = std::max(fastest, segment.rate[j]);
     }
@@ -29,7 +30,7 @@ CurrentSegment random_segment(Random& random) {
     for (std::size_t k = 0; k < kCoilCount; ++k) {
         segment.coil[0][k] = random.between(-2.0, 2.0);
         segment.coil[1][k] = line * random.between(-1.0, 1.0);
-        for (int j = 0; j < segment.exponentials; ++j) {
+        for (std::size_t j = 0; j < exponentials; ++j) {
             segment.coil[2 + j][k] = random.integer(0, 3) ? random.between(-2.0, 2.0) : 0.0;
         }
     }
@@ -114,14 +115,16 @@ TEST_CASE("the size of a field at one place has its extremes at its ends or wher
         course.segment = &segment;
         // Three coils are the three components; of some fields the middle one is none, and of some
         // there is the first alone, which crosses zero.
-        const int components = random.integer(1, 3);
+        const auto components = static_cast<std::size_t>(random.integer(1, 3));
         for (std::size_t b = 0; b < kMaxBasis; ++b) {
-            for (int c = 0; c < components; ++c) course.basis[b][c] = 1e-3 * segment.coil[b][c];
+            for (std::size_t c = 0; c < components; ++c) {
+                course.basis[b][c] = 1e-3 * segment.coil[b][c];
+            }
         }
         const auto square = [&](double tau) {
             const PerCoil now = segment.currents(tau);
             double sum = 0.0;
-            for (int c = 0; c < components; ++c) sum += 1e-6 * now[c] * now[c];
+            for (std::size_t c = 0; c < components; ++c) sum += 1e-6 * now[c] * now[c];
             return sum;
         };
         double low = std::numeric_limits<double>::infinity(), high = 0.0;
