@@ -239,6 +239,8 @@ def measure_all(package: Path, repeats: int) -> dict:
     rows = workload_rows(versions | alone, "mixed", repeats)
     for work in ("swept", "alike"):
         rows += workload_rows(versions | widths, work, repeats)
+    for work in ("plane", "long", "stepped", "rolled_out"):
+        rows += workload_rows(versions, work, repeats)
     result = {
         "tolerances": tolerances,
         "equal_accuracy": equal_accuracy(tolerances, [*versions, ALONE]),

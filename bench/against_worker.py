@@ -79,6 +79,41 @@ def alike(rtol: float) -> Answer:
     return summed(stickslip.simulate_batch(batch, threads=1))
 
 
+def plane(rtol: float) -> Answer:
+    """The reference run at a heading of half a radian, in the whole plane."""
+    turned = REFERENCE.replace({"drive.heading": 0.5})
+    return summed([stickslip.simulate(with_solver(turned, "tsit5", rtol))])
+
+
+def long(rtol: float) -> Answer:
+    """Two thousand pulses."""
+    pulses = REFERENCE.replace({"drive.pulses": 2000})
+    return summed([stickslip.simulate(with_solver(pulses, "tsit5", rtol))])
+
+
+def _rows(steps: int) -> np.ndarray:
+    """Voltages of a robot that walks, V, a row each millisecond."""
+    rows = np.zeros((steps, 5))
+    rows[:, 0], rows[:, 4] = 26.0 - 2.0 * (np.arange(steps) % 10), -10.4
+    return rows
+
+
+def stepped(rtol: float) -> Answer:
+    """Half a thousand steps of a simulator."""
+    simulator = stickslip.Simulator(with_solver(REFERENCE, "tsit5", rtol))
+    for row in _rows(500):
+        state = simulator.step(row, 1e-3)
+    return simulator.time, [state.x / simulator.time]
+
+
+def rolled_out(rtol: float) -> Answer:
+    """Sixty-four robots, a hundred steps each."""
+    scenarios = [with_solver(each, "tsit5", rtol) for each in ALIKE[:64]]
+    rows = _rows(100)
+    found = stickslip.rollout(scenarios, None, rows, 1e-3, record=("x",), threads=1)
+    return 64 * 0.1, (found.states[:, -1, 0] / 0.1).tolist()
+
+
 def replaced() -> Answer:
     """`Scenario.replace` of one key."""
     REFERENCE.replace({"drive.peak": 2.4e-3})
@@ -92,7 +127,8 @@ def converted() -> Answer:
 
 
 WORKS: dict[str, Callable[..., Answer]] = {
-    each.__name__: each for each in (one, mixed, swept, alike, replaced, converted)
+    each.__name__: each
+    for each in (one, mixed, swept, alike, plane, long, stepped, rolled_out, replaced, converted)
 }
 
 

@@ -36,11 +36,14 @@ HeadingWatch::HeadingWatch(const Model& model)
 
 Status HeadingWatch::pass(const Facing& now, double time) {
     state_.is_weak = !state_.is_weak;
-    if (state_.is_weak) return Status::ok;
+    if (state_.is_weak) {
+        state_.heading = now.heading;
+        return Status::ok;
+    }
     const bool is_off = std::abs(state_.heading.angle_to(now.heading)) > kMostLag;
     if (state_.was_settled && is_off) return Status::heading_lost;
     state_.heading = now.heading;
-    state_.since = time;
+    state_.since = state_.next_look = time;
     state_.turned_then = state_.turned;
     return Status::ok;
 }
@@ -48,7 +51,9 @@ Status HeadingWatch::pass(const Facing& now, double time) {
 // The rate over no less than the time that the robot itself takes to yaw: within that, a field that
 // fades while it turns leaves the robot behind, and is another matter.
 HeadingEnd HeadingWatch::judge(double start, double tau, double horizontal) {
+    constexpr double kLook = 0.25;  // of the time of yaw, between two looks
     const double own = yaw_ * std::sqrt(horizontal), time = start + tau - state_.since;
+    state_.next_look = start + tau + kLook / own;
     if (!(own * time >= 1.0)) return {};
     const double limit = kMostTurning * own, rate = (state_.turned - state_.turned_then) / time;
     // The robot stands up while the coils' field first outgrows one that could not hold it, by

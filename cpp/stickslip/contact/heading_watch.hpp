@@ -37,6 +37,7 @@ public:
         double turned = 0.0;       ///< rad, by which the heading has turned to and fro
         double since = 0.0;        ///< s, since when its rate of turning is measured
         double turned_then = 0.0;  ///< rad, `turned` at that time
+        double next_look = 0.0;    ///< s, before which it has not turned by what counts
     };
     const State& state() const { return state_; }
     void set_state(const State& state) { state_ = state; }
@@ -60,7 +61,7 @@ public:
     /// Follows a strong field over a part of a stretch that began at `start` s, from where it was
     /// last seen; `facing(tau)` is had at any time of it. Says where it turns too fast, if it does.
     HeadingEnd follow(double start, double from, double to, auto&& facing) {
-        if (state_.is_weak || !(to > from)) return {};
+        if (state_.is_weak || !(to > from) || start + to < state_.next_look) return {};
         return see(start, from, to, facing(to), facing);
     }
 

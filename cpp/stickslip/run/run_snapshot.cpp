@@ -49,6 +49,7 @@ void for_each_number(Snapshot& s, auto&& visit) {
     visit(s.heading.turned);
     visit(s.heading.since);
     visit(s.heading.turned_then);
+    visit(s.heading.next_look);
     visit_all(s.gain);
     visit(s.begun);
     visit(s.touches_down);
