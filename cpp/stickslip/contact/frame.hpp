@@ -18,22 +18,29 @@
 ///   Seen                what a robot at a place feels of the field, with its heading
 ///   kBreaks, kOwn       events that break a stick; those that all its phases have beside their own
 ///   dynamics()          of the upright plane; field(), field_at(tau): of the coils
-///   part(y, i)          a Place among the coordinates of a phase, from the i-th on
-///   moved(place, heading, d)    d further along the heading
+///   place(x, y)         a Place; part(y, i): among the coordinates of a phase, from the i-th on;
+///                       both(value): of one number for all
+///   vector(along, across)    a Vector; in_plane(heading, v), in_world(heading, v): there and back
+///   moved(place, heading, d)    d further along a heading
 ///   seen_at(field, place, z), seen_at_corner(field, place, pose)   with the centre of mass or the
 ///                       pivot corner there; heading_at, heading_at_corner(tau, ...): only which
-///                       way
-///   in_plane(heading, v), in_world(heading, v)   a Place as a Vector, and back
-///   load(seen, tau, pose, velocity, vz, omega)   forces but those of touching corners;
-///   across(load) events(seen)        values of kOwn left_to_break(friction, limit)   values of
-///   kBreaks; `limit(way)`: friction that holds, N body, snapshot      of a state; centre(place,
-///   z): where the field's expansion is looked at along_front(v)      what the summary counts of a
-///   slip with_slide(state, use)   the slip of a state, see SignedSlide
+///                       way; last_heading(): as the robot was last known to face
+///   load(seen, tau, pose, velocity, vz, omega)   forces but those of touching corners
+///   across(load)        what of them is across, N
+///   events(seen)        values of kOwn
+///   left_to_break(friction, limit)   values of kBreaks; `limit(way)`: friction that holds, N
+///   body, snapshot      of a state; centre(place, z): where the field's expansion is looked at
+///   along_front(v)      what the summary counts of a slip; of_face(middle, face): at which place
+///   with_slide(state, use)   the slip of a state, see SignedSlide
 /// and for the question of what follows from a slip (contact.cpp)
 ///   is_slow(slip)       whether static friction may hold it; has_begun(slip): whether it has a way
 ///   against(friction)   the way in which a contact slips against its friction, of size one
-///   begun(slip, friction, onset)   a slip that begins against the friction that would hold it
-///   way_of(slip, onset) its way
+///   begun(slip, way)    a slip that goes on, or begins, that way
+///   way_of(slip, friction, onset)    its way; without a velocity that of the onset, or against the
+///                       friction that would hold it
+///   way_to_slip(friction, onset, acceleration)   in which a corner breaks loose, where
+///                       `acceleration(way)` is that of its slip
+///   mark(way)           ContactMode::slip
 /// Numbers may be packs, but not those of this last part.
 namespace stickslip {
 
