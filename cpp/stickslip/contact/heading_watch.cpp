@@ -51,9 +51,8 @@ Status HeadingWatch::pass(const Facing& now, double time) {
 // The rate over no less than the time that the robot itself takes to yaw: within that, a field that
 // fades while it turns leaves the robot behind, and is another matter.
 HeadingEnd HeadingWatch::judge(double start, double tau, double horizontal) {
-    constexpr double kLook = 0.25;  // of the time of yaw, between two looks
     const double own = yaw_ * std::sqrt(horizontal), time = start + tau - state_.since;
-    state_.next_look = start + tau + kLook / own;
+    state_.next_look = start + tau + 1.0 / own;
     if (!(own * time >= 1.0)) return {};
     const double limit = kMostTurning * own, rate = (state_.turned - state_.turned_then) / time;
     // The robot stands up while the coils' field first outgrows one that could not hold it, by

@@ -62,7 +62,7 @@ public:
     /// last seen; `facing(tau)` is had at any time of it. Says where it turns too fast, if it does.
     HeadingEnd follow(double start, double from, double to, auto&& facing) {
         if (state_.is_weak || !(to > from) || start + to < state_.next_look) return {};
-        return see(start, from, to, facing(to), facing);
+        return see(start, from, to, facing);
     }
 
     /// Of the angle by which the heading lags behind the field, in the linear motion of yaw that
@@ -71,6 +71,10 @@ public:
     static constexpr double kMostTurning = 0.2;
 
 private:
+    // Rare, and kept out of the loop over steps.
+    [[gnu::noinline]] HeadingEnd see(double start, double from, double to, auto&& facing) {
+        return see(start, from, to, facing(to), facing);
+    }
     HeadingEnd see(double start, double from, double to, const Facing& now, auto&& facing);
     HeadingEnd judge(double start, double tau, double horizontal);
 

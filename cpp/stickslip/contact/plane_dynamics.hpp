@@ -86,14 +86,22 @@ public:
     /// The way of the field at a place.
     Facing facing(const SpatialExpansion& field, const Place& at) const {
         const SpatialFieldValue b = std::apply(field, at);
-        const double horizontal = std::sqrt(b.bx * b.bx + b.by * b.by);
-        if (!(horizontal > 0.0)) return {watch_.state().heading, 0.0};
-        return {{b.bx / horizontal, b.by / horizontal}, horizontal};
+        return facing(b.bx, b.by);
+    }
+    /// The same in the middle of the expansion, which is near the robot: enough for how fast the
+    /// field turns.
+    Facing facing(const SpatialExpansion& field) const {
+        return facing(field.terms[0], field.terms[1]);
     }
     HeadingWatch& watch() { return watch_; }
     const HeadingWatch& watch() const { return watch_; }
 
 private:
+    Facing facing(double bx, double by) const {
+        const double horizontal = std::sqrt(bx * bx + by * by);
+        if (!(horizontal > 0.0)) return {watch_.state().heading, 0.0};
+        return {{bx / horizontal, by / horizontal}, horizontal};
+    }
     /// Of the field at (x, y) m to first order about the middle of the expansion. per: one over the
     /// size there of the horizontal field, 1/T.
     static Heading near_heading(const SpatialExpansion& field, double per, double x, double y) {

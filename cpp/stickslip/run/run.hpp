@@ -144,10 +144,7 @@ auto Run::observer(Phase& phase) {
         if (met <= s) s = stop = met;
         if constexpr (Phase::kTurns) {
             PlaneDynamics& plane = player_.plane();
-            const auto facing = [&](double tau) {
-                const BodyState body = body_at(tau);
-                return plane.facing(phase.field_at(tau), {body.x, body.y, body.z});
-            };
+            const auto facing = [&](double tau) { return plane.facing(phase.field_at(tau)); };
             const HeadingEnd end = plane.watch().follow(player_.absolute(0.0), step.start,
                                                         step.start + s * step.width, facing);
             if (end.status != Status::ok) {

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <string>
 
-#include "stickslip/contact/heading_watch.hpp"
 #include "stickslip/contact/contact.hpp"
+#include "stickslip/contact/heading_watch.hpp"
 #include "stickslip/drive/circuit.hpp"
 #include "stickslip/drive/control_steps.hpp"
 
