@@ -52,8 +52,8 @@ class FaceSlideIn : public FaceBase<typename Slide::Frame> {
 public:
     using typename Base::Real, typename Base::Place, typename Base::Vector, typename Base::Field;
     static constexpr std::array kEvent =
-        join(std::array{Event::ahead_lifts, Event::behind_lifts, Slide::kEnds}, Frame::kOwn,
-             Slide::kOwn);
+        join(std::array{Event::ahead_lifts, Event::behind_lifts, Slide::kEnds}, Frame::kFrameEvents,
+             Slide::kFrameEvents);
     static constexpr int kDim = 2 * kSurface;
     static constexpr int kEvents = kEvent.size();
     static constexpr bool kSlips = true;
@@ -132,8 +132,8 @@ class FaceRestIn : public FaceBase<Frame> {
 
 public:
     using typename Base::Real, typename Base::Place, typename Base::Vector, typename Base::Field;
-    static constexpr std::array kEvent =
-        join(std::array{Event::ahead_lifts, Event::behind_lifts}, Frame::kBreaks, Frame::kOwn);
+    static constexpr std::array kEvent = join(std::array{Event::ahead_lifts, Event::behind_lifts},
+                                              Frame::kBreaks, Frame::kFrameEvents);
     static constexpr int kDim = Base::kSurface;
     static constexpr int kEvents = kEvent.size();
     static constexpr bool kRests = true;

@@ -16,8 +16,8 @@
 ///   Vector              the same as the robot sees it: along its heading, across, and size()
 ///   Load                a LoadOf, and what acts across
 ///   Seen                what a robot at a place feels of the field, with its heading
-///   kBreaks, kOwn       events that break a stick; those that all its phases have beside their own
-///   dynamics()          of the upright plane; field(), field_at(tau): of the coils
+///   kBreaks, kFrameEvents       events that break a stick; those that all its phases have beside
+///   their own dynamics()          of the upright plane; field(), field_at(tau): of the coils
 ///   place(x, y)         a Place; part(y, i): among the coordinates of a phase, from the i-th on;
 ///                       both(value): of one number for all
 ///   vector(along, across)    a Vector; in_plane(heading, v), in_world(heading, v): there and back
@@ -27,7 +27,7 @@
 ///                       way; last_heading(): as the robot was last known to face
 ///   load(seen, tau, pose, velocity, vz, omega)   forces but those of touching corners
 ///   across(load)        what of them is across, N
-///   events(seen)        values of kOwn
+///   events(seen)        values of kFrameEvents
 ///   left_to_break(friction, limit)   values of kBreaks; `limit(way)`: friction that holds, N
 ///   body, snapshot      of a state; centre(place, z): where the field's expansion is looked at
 ///   along_front(v)      what the summary counts of a slip; of_face(middle, face): at which place
@@ -98,7 +98,7 @@ public:
     };
 
     static constexpr std::array kBreaks = {Event::breaks_backward, Event::breaks_forward};
-    static constexpr std::array<Event, 0> kOwn = {};
+    static constexpr std::array<Event, 0> kFrameEvents = {};
 
     FixedFrame(D& dynamics) : dynamics_(&dynamics) {}
 
@@ -178,10 +178,10 @@ private:
 };
 
 /// The slip of a phase in the fixed frame, to one side until it stops. A slide has
-///   kEnds, kOwn         the event that ends it, and others
+///   kEnds, kFrameEvents         the event that ends it, and others
 ///   begin()             the slip (m/s) as the phase begins
 ///   way(heading, slip)  the way against which friction acts, of size one
-///   left(slip)          value of kEnds; events(slip): of kOwn
+///   left(slip)          value of kEnds; events(slip): of kFrameEvents
 ///   longest_step(slip, acceleration)   s, of one that a step must not leap over
 template <class D>
 class SignedSlide {
@@ -190,7 +190,7 @@ public:
     using Real = typename D::Real;
     using Place = typename Frame::Place;
     static constexpr Event kEnds = Event::slip_stops;
-    static constexpr std::array<Event, 0> kOwn = {};
+    static constexpr std::array<Event, 0> kFrameEvents = {};
 
     /// way: +1 or -1; velocity: m/s.
     SignedSlide(Real way, Real velocity) : way_(way), begin_{velocity} {}

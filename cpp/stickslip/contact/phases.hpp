@@ -114,7 +114,7 @@ public:
     using Seen = typename Frame::Seen;
     static constexpr std::array kEvent =
         join(std::array{Event::lift_off}, Frame::kBreaks,
-             std::array{Event::behind_lands, Event::ahead_lands}, Frame::kOwn);
+             std::array{Event::behind_lands, Event::ahead_lands}, Frame::kFrameEvents);
     static constexpr int kDim = 2;
     static constexpr int kEvents = kEvent.size();
     using State = std::array<Real, kDim>;
@@ -201,7 +201,7 @@ public:
     static constexpr std::array kEvent =
         join(std::array{Event::lift_off, Slide::kEnds, Event::behind_lands, Event::ahead_lands,
                         Event::sliding_jams},
-             Frame::kOwn, Slide::kOwn);
+             Frame::kFrameEvents, Slide::kFrameEvents);
     static constexpr int kDim = kOmega + 1;
     static constexpr int kEvents = kEvent.size();
     static constexpr bool kSlips = true;
@@ -329,7 +329,7 @@ public:
     static constexpr std::array kEvent =
         join(std::array{Event::pivot_touches, Event::behind_lands, Event::ahead_lands,
                         Event::opposite_touches},
-             Frame::kOwn);
+             Frame::kFrameEvents);
     static constexpr int kDim = kOmega + 1;
     static constexpr int kEvents = kEvent.size();
     static constexpr bool kFlies = true;

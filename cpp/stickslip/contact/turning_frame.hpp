@@ -25,7 +25,7 @@ public:
     using Seen = HeadedField;
 
     static constexpr std::array kBreaks = {Event::breaks_loose};
-    static constexpr std::array kOwn = {Event::heading};
+    static constexpr std::array kFrameEvents = {Event::heading};
 
     /// front: rad, what the slip of the summary is counted along.
     explicit TurningFrame(PlaneDynamics& plane, double front = 0.0)
@@ -151,7 +151,7 @@ public:
     using Frame = TurningFrame;
     using Place = Frame::Place;
     static constexpr Event kEnds = kSlow ? Event::slip_stops : Event::slip_slows;
-    static constexpr std::array<Event, kSlow ? 1 : 0> kOwn = [] {
+    static constexpr std::array<Event, kSlow ? 1 : 0> kFrameEvents = [] {
         std::array<Event, kSlow ? 1 : 0> result = {};
         if constexpr (kSlow) result[0] = Event::slip_quickens;
         return result;
@@ -168,8 +168,8 @@ public:
         return size(slip) - kCaptureSpeed;
     }
     /// What a slow slip still lacks to be a fast one.
-    static std::array<double, kOwn.size()> events(const Place& slip) {
-        std::array<double, kOwn.size()> result = {};
+    static std::array<double, kFrameEvents.size()> events(const Place& slip) {
+        std::array<double, kFrameEvents.size()> result = {};
         if constexpr (kSlow) result[0] = 2.0 * kCaptureSpeed - size(slip);
         return result;
     }
