@@ -7,7 +7,7 @@ namespace stickslip {
 PlaneDynamics::PlaneDynamics(Dynamics& upright, SpatialField field,
                              const std::array<double, 2>& weight)
     : upright_(&upright),
-      field_(std::move(field)),
+      field_(field),
       weight_(weight),
       gradient_scale_(1.0 + upright.model().gradient_excess),
       extended_(upright.model().has_force_effects()),

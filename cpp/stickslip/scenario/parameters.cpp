@@ -197,6 +197,7 @@ std::vector<Parameter> all_parameters() {
 
 std::vector<std::string> contact_words() {
     std::vector<std::string> words;
+    words.reserve(kContactWords.size());
     for (const auto& word : kContactWords) words.emplace_back(word.name);
     return words;
 }
