@@ -5,7 +5,7 @@
 
 namespace stickslip {
 
-/// What a state means for the hybrid loop, in the robot's own frame.
+/// Where a run begins, in the robot's own frame.
 struct Start {
     HybridState state;
     double contact_age = 0.0;   ///< s
@@ -17,7 +17,7 @@ struct Start {
 /// corner that sticks and moves.
 Start initial_state(const Scenario& scenario, const Model& model);
 
-/// A state of the loop as others see it, without its currents.
+/// A state of a run as others see it, without its currents.
 SimulationState world_state(const HybridState& state, double contact_age, double frame_sign,
                             bool in_whole_plane);
 
