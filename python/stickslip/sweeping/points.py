@@ -125,9 +125,10 @@ def points_of(scenario: Scenario, vary: Vary | None) -> Points:
     check_kind("scenario", scenario, Scenario)
     if isinstance(vary, Mapping):
         return grid(scenario, vary)
-    if hasattr(vary, "to_dict"):  # of a DataFrame
-        vary = vary.to_dict("records")
-    rows = as_list("vary", vary, "values by key, or a list of changes by key")
+    table: Any = vary
+    if hasattr(table, "to_dict"):  # a DataFrame
+        table = table.to_dict("records")
+    rows = as_list("vary", table, "values by key, or a list of changes by key")
     for place, row in enumerate(rows):
         if not isinstance(row, Mapping):
             raise ScenarioError(f"vary, point {place} = {shown(row)}: allowed is a mapping")

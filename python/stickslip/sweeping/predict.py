@@ -18,7 +18,7 @@ from stickslip.scenario.uncertain import JointPrior, counted_draws
 from stickslip.simulation.simulate import Progress
 from stickslip.sweeping.dataset import OK
 from stickslip.sweeping.points import Points, Vary, as_list, check_count, points_of
-from stickslip.sweeping.run_sweep import simulated
+from stickslip.sweeping.run_sweep import sweep_points
 
 DRAWS = 200
 """Draws where none are asked for. Chosen: a quantile of 10 % is then one of 7.9 to 12.1 %."""
@@ -117,7 +117,7 @@ def predict(
     scenarios, redrawn = counted_draws(scenario, draws, seed)
     values = np.array([[each.get(key) for key in prior.names] for each in scenarios])
     drawn = points.with_draws(prior.names, values)
-    data = simulated(drawn, threads, executor, out, resume, progress)
+    data = sweep_points(drawn, threads, executor, out, resume, progress)
 
     dims = tuple(points.sizes)
     below = ("quantile", levels, {"units": "1", "long_name": "part of the draws that lies below"})

@@ -126,10 +126,10 @@ def sweep(
     1.91 mm/s
     """
     points = points_of(scenario, vary)
-    return simulated(points, threads, executor, out, resume, progress)
+    return sweep_points(points, threads, executor, out, resume, progress)
 
 
-def simulated(
+def sweep_points(
     points: Points,
     threads: int | None,
     executor: Executor | None,
