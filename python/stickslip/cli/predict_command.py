@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
-import xarray
 
 from stickslip._util.files import replacing
 from stickslip._util.text import json_text
@@ -29,7 +29,9 @@ from stickslip.scenario.keys import known_keys
 from stickslip.sweeping.files import write
 from stickslip.sweeping.points import Points
 from stickslip.sweeping.predict import DRAWS, predict
-from stickslip.sweeping.sweep_table import sweep_dataframe
+
+if TYPE_CHECKING:
+    import xarray
 
 
 @click.command(
@@ -101,6 +103,8 @@ def _save(found: xarray.Dataset, path: Path) -> None:
     if path.suffix.lower() != ".csv":
         write(found, path)
         return
+    from stickslip.sweeping.sweep_table import sweep_dataframe
+
     table = sweep_dataframe(found)
     units = table.attrs["units"].items()
     names = {name: f"{name} ({unit})" for name, unit in units if unit not in ("", "1")}

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray
 from numpy.typing import NDArray
 
 from stickslip import _core
@@ -17,6 +16,9 @@ from stickslip.simulation.note import notes_json
 from stickslip.simulation.seen_from_drive import VELOCITIES, seen_from_drive
 from stickslip.sweeping.notes import notes_of
 from stickslip.sweeping.points import DRAW, Points, name_of
+
+if TYPE_CHECKING:
+    import xarray
 
 NOT_RUN, REFUSED, OK = -2, -1, 0
 STATUSES = {NOT_RUN: "not_run", REFUSED: "refused", **dict(enumerate(_core.statuses))}
@@ -32,6 +34,8 @@ _ENCODING = {"zlib": True, "complevel": 1, "shuffle": True}
 
 def empty(points: Points) -> xarray.Dataset:
     """The Dataset that `sweep` gives, of which no point was run."""
+    import xarray
+
     dims, shape = tuple(points.sizes), points.shape
 
     def variable(values: NDArray[Any], *extra: str, **about: Any) -> tuple[Any, ...]:

@@ -9,13 +9,13 @@ import time
 from collections.abc import Callable, Iterator
 from os import PathLike
 from pathlib import Path
-
-import h5netcdf
-import xarray
-from xarray.backends import H5NetCDFStore
+from typing import TYPE_CHECKING
 
 from stickslip._util.files import replacing
 from stickslip.errors import ScenarioError
+
+if TYPE_CHECKING:
+    import xarray
 
 try:
     import fcntl
@@ -33,6 +33,9 @@ _MAX_SHARE = 0.03
 
 def write(data: xarray.Dataset, path: str | PathLike[str]) -> None:
     """Write a netCDF file, whole or not at all; an OSError says that it cannot be written."""
+    import h5netcdf
+    from xarray.backends import H5NetCDFStore
+
     # To memory first: where a disk is full, HDF5 can take the process down with it.
     image = io.BytesIO()
     with h5netcdf.File(image, "w") as file:
@@ -43,6 +46,8 @@ def write(data: xarray.Dataset, path: str | PathLike[str]) -> None:
 
 def take_over(path: str | PathLike[str], data: xarray.Dataset) -> None:
     """Take what the file of the same sweep holds into its empty Dataset."""
+    import xarray
+
     try:
         stored = xarray.load_dataset(path, engine="h5netcdf")
         same = stored.attrs.get("sweep") == data.attrs["sweep"]

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from os import PathLike
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray
 
 from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
@@ -19,6 +18,9 @@ from stickslip.simulation.simulate import Progress
 from stickslip.sweeping.dataset import OK
 from stickslip.sweeping.points import Points, Vary, as_list, check_count, points_of
 from stickslip.sweeping.run_sweep import sweep_points
+
+if TYPE_CHECKING:
+    import xarray
 
 DRAWS = 200
 """Draws where none are asked for. Chosen: a quantile of 10 % is then one of 7.9 to 12.1 %."""
@@ -124,11 +126,11 @@ def predict(
     failed = (
         (data["status"] != OK).sum("draw").assign_attrs(long_name="draws that failed", units="1")
     )
-    made = xarray.Dataset({"failed": failed}, {"quantile": below})
+    made = failed.to_dataset(name="failed").assign_coords(quantile=below)
     for name, each in data.data_vars.items():
         if each.dtype != float or name == "simulated_time":
             continue
-        both = _quantiles(each.values.reshape(points.count, draws), levels)
+        both = quantiles_with_errors(each.values.reshape(points.count, draws), levels)
         meaning = each.attrs["long_name"]
         meanings = meaning, f"standard error of the quantile: {meaning}"
         for full, found, said in zip((name, f"{name}_error"), both, meanings, strict=True):
@@ -148,7 +150,7 @@ def predict(
     )
 
 
-def _quantiles(values: Array, levels: Sequence[float]) -> tuple[Array, Array]:
+def quantiles_with_errors(values: Array, levels: Sequence[float]) -> tuple[Array, Array]:
     """Quantiles of each row and their standard errors, shape (rows, levels); NaN is no value.
 
     A share q of n draws lies below the quantile q to within sqrt(q (1 - q) / n). How much that is

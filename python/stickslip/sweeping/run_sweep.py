@@ -9,10 +9,9 @@ import time
 from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from os import PathLike
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray
 from numpy.typing import NDArray
 
 from stickslip import _core
@@ -23,6 +22,9 @@ from stickslip.simulation.simulate import STAGE, Progress
 from stickslip.sweeping.dataset import NOT_RUN, empty, finished, flat, put
 from stickslip.sweeping.files import Checkpoint, locked, take_over
 from stickslip.sweeping.points import Points, Vary, points_of
+
+if TYPE_CHECKING:
+    import xarray
 
 _SECONDS = 1.0
 """Time that a slab should take, s; chosen: progress, checkpoints and Ctrl-C wait for no more."""
