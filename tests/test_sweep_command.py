@@ -5,7 +5,6 @@ import json
 import socket
 from concurrent.futures import ThreadPoolExecutor
 
-import distributed
 import h5netcdf
 import numpy as np
 import pytest
@@ -157,17 +156,6 @@ def test_a_full_disk_is_one_line(scenario, tmp_path):
     assert told.startswith("stickslip: cannot write")
     assert "Traceback" not in done.stderr
     assert list(folder.iterdir()) == []
-
-
-def test_dask(scenario, tmp_path):
-    with distributed.LocalCluster(
-        n_workers=1, threads_per_worker=2, processes=True, dashboard_address=None
-    ) as cluster:
-        address = cluster.scheduler_address
-        done = stickslip("sweep", scenario, *VARY, "--dask", address, "--out=a.nc", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
-    with xarray.open_dataset(tmp_path / "a.nc", engine="h5netcdf") as stored:
-        xarray.testing.assert_identical(stored.load(), sweep(load(scenario), GRID))
 
 
 VARIED = {

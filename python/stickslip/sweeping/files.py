@@ -6,7 +6,7 @@ import contextlib
 import io
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -24,7 +24,7 @@ except ImportError:  # on Windows and in browsers
 else:
     HAS_LOCKS = True
 
-_MIN_INTERVAL = 1.0
+MIN_INTERVAL = 1.0
 """Least time between two checkpoints, s, as `sweep` promises."""
 
 _MAX_SHARE = 0.03
@@ -66,31 +66,12 @@ def take_over(path: str | PathLike[str], data: xarray.Dataset) -> None:
             data[name].values[...] = stored[name].values
 
 
-class Checkpoint:
-    """Writes a Dataset to a file at intervals; without a file it writes nothing."""
-
-    def __init__(
-        self, path: str | PathLike[str] | None, made: Callable[[], xarray.Dataset]
-    ) -> None:
-        self._path = path
-        self._made = made
-        self._next = time.monotonic() + _MIN_INTERVAL
-        self.has_news = False
-
-    def write(self) -> None:
-        """Write if there is something new; if that fails, the file is as it was before."""
-        if self._path is None or not self.has_news:
-            return
-        start = time.monotonic()
-        write(self._made(), self._path)
-        end = time.monotonic()
-        self._next = end + max(_MIN_INTERVAL, (end - start) / _MAX_SHARE)
-        self.has_news = False
-
-    def write_if_due(self) -> None:
-        """Write if the last time was long enough ago."""
-        if time.monotonic() >= self._next:
-            self.write()
+def checkpoint(data: xarray.Dataset, path: str | PathLike[str]) -> float:
+    """Write the file, and say when to write it next, s of the monotonic clock."""
+    start = time.monotonic()
+    write(data, path)
+    end = time.monotonic()
+    return end + max(MIN_INTERVAL, (end - start) / _MAX_SHARE)
 
 
 @contextlib.contextmanager

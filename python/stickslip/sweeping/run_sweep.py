@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 import os
 import time
@@ -20,18 +19,21 @@ from stickslip._util.numbers import Array, Indices, worker_count
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.simulate import STAGE, Progress
 from stickslip.sweeping.dataset import NOT_RUN, empty, finished, flat, put
-from stickslip.sweeping.files import Checkpoint, locked, take_over
+from stickslip.sweeping.files import MIN_INTERVAL, checkpoint, locked, take_over, write
 from stickslip.sweeping.points import Points, Vary, points_of
 
 if TYPE_CHECKING:
     import xarray
 
 _SECONDS = 1.0
-"""Time that a slab should take, s; chosen: progress, checkpoints and Ctrl-C wait for no more."""
+"""Time that a slab should take, s; chosen: a checkpoint waits for no more."""
 
-_FEWEST, _MOST = 8, 2000
-"""Points of the smallest slab for each thread of this process, so that few threads wait at its end;
-of the largest, so that what is sent to a worker stays small. Chosen."""
+_FEWEST, _LONGEST = 8, 10.0
+"""Points of a slab for each thread of this process, so that few threads wait at its end, unless
+these take longer, s. Both chosen."""
+
+_MOST = 2000
+"""Points of the largest slab; chosen: what is sent to a worker stays small."""
 
 _GROWTH = 8
 """How many times larger a slab may be than the one before, whose cost is all that is known of it;
@@ -154,15 +156,12 @@ def sweep_points(
             take_over(out, data)
         if out is not None and NOT_RUN in data["status"].values:
             check_writable(out)
-        checkpoint = Checkpoint(out, lambda: finished(data, points))
+        before = np.count_nonzero(data["status"] == NOT_RUN)
         try:
-            _simulate(points, data, executor, count, checkpoint, progress)
-        except BaseException:
-            # What stopped the sweep matters more than that this cannot be written either.
-            with contextlib.suppress(OSError):
-                checkpoint.write()
-            raise
-        checkpoint.write()
+            _simulate(points, data, executor, count, out, progress)
+        finally:
+            if out is not None and np.count_nonzero(data["status"] == NOT_RUN) < before:
+                write(finished(data, points), out)
     return finished(data, points)
 
 
@@ -189,24 +188,12 @@ def simulate_slab(
     return columns, messages, time.perf_counter() - start
 
 
-class _ThisProcess(Executor):
-    """Simulates where it is asked to: the core has threads of its own."""
-
-    def __init__(self, poll: Callable[[float], object]) -> None:
-        self._poll = poll
-
-    def submit(self, function: Callable[..., Any], /, *arguments: Any, **_: Any) -> Future[Any]:
-        future: Future[Any] = Future()
-        future.set_result(function(*arguments, self._poll))
-        return future
-
-
 def _simulate(
     points: Points,
     data: xarray.Dataset,
     executor: Executor | None,
     threads: int,
-    checkpoint: Checkpoint,
+    out: str | PathLike[str] | None,
     progress: Progress | None,
 ) -> None:
     """Simulate all points that `data` has not, slab by slab, and put them there.
@@ -222,28 +209,31 @@ def _simulate(
         if progress is not None:
             progress(done / points.count, STAGE)
 
-    report()
-    workers = _ThisProcess(report) if executor is None else executor
     waiting, fewest = (1, _FEWEST * threads) if executor is None else (_WAITING, threads)
-    size = fewest
+    size, due = threads, time.monotonic() + MIN_INTERVAL
     running: dict[Future[Any], Indices] = {}
+    report()
     try:
         while len(left) or running:
             while len(left) and len(running) < waiting:
                 indices, left = left[:size], left[size:]
-                future = workers.submit(
-                    simulate_slab, points.scenario, points.keys, points.rows(indices), threads,
-                    _core.__version__,
-                )  # fmt: skip
+                rows = points.rows(indices)
+                slab = (points.scenario, points.keys, rows, threads, _core.__version__)
+                if executor is None:
+                    future: Future[Any] = Future()
+                    future.set_result(simulate_slab(*slab, report))
+                else:
+                    future = executor.submit(simulate_slab, *slab)
                 running[future] = indices
             for future in wait(running, _TICK, FIRST_COMPLETED).done:
                 indices, (columns, messages, seconds) = running.pop(future), future.result()
                 put(data, indices, columns, messages)
                 done += len(indices)
-                checkpoint.has_news = True
-                asked = math.ceil(_SECONDS * len(indices) / max(seconds, 1e-9))
-                size = max(fewest, min(asked, _GROWTH * len(indices), _MOST))
-            checkpoint.write_if_due()
+                rate = len(indices) / max(seconds, 1e-9)
+                asked = max(math.ceil(_SECONDS * rate), min(fewest, math.ceil(_LONGEST * rate)))
+                size = max(threads, min(asked, _GROWTH * len(indices), _MOST))
+            if out is not None and time.monotonic() >= due:
+                due = checkpoint(finished(data, points), out)
             report()
     finally:
         for future in running:
