@@ -9,8 +9,10 @@ import xarray
 
 import stickslip
 from stickslip import Coil, Drive, Record, Scenario, Waveform, _core, simulate, sweep
+from stickslip.simulation.run_notes import LIMITS
 from stickslip.sweeping.dataset import EVENTS
-from stickslip.sweeping.points import name_of
+from stickslip.sweeping.notes import notes_of
+from stickslip.sweeping.points import from_changes, name_of
 
 BASE = Scenario(drive=Drive(base=0.5e-3, pulses=4))
 FREQUENCIES = [200.0, 30.0, 100.0]
@@ -131,6 +133,16 @@ def test_a_point_that_fails_is_a_status():
     assert json.loads(data.attrs["statuses"]) == {"refused": 1, "ok": 1}
     assert data.attrs["failed_points"] == 1
     assert np.isfinite(data["mean_velocity"].values).tolist() == [True, False]
+
+
+def test_points_that_fail_are_in_no_note():
+    # It slides to the coils, so its field changes.
+    slides = {"effects.surface_tilt.angle": 0.8, "drag.linear": 1e-7, "drive.pulses": 200}
+    points = from_changes(BASE, [slides, {}])
+    columns, _ = _core.sweep(points.scenario.to_core(), points.keys, points.rows(np.arange(2)))
+    assert columns["field_change"][0] > LIMITS["field-change"].limit
+    assert columns["status"][0] != 0
+    assert "field-change" not in {note.code for note in notes_of(points, columns, "points")}
 
 
 def test_progress_ends_with_everything_done():

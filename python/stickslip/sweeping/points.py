@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +24,11 @@ from stickslip.scenario.sections import (
 )
 from stickslip.simulation.run_attributes import origin
 
-Vary = Mapping[str, Iterable[Value]] | Sequence[Mapping[str, Value]]
-"""Values of each key for a grid, or changes of each point for a list; also a DataFrame of those."""
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+Vary: TypeAlias = "Mapping[str, Iterable[Value]] | Sequence[Mapping[str, Value]] | DataFrame"
+"""Values of each key for a grid, or changes of each point for a list, also as a table."""
 
 Column = tuple[str, NDArray[Any]]
 """The dimension along which a key varies, and its value at each place."""
