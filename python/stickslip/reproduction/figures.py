@@ -6,6 +6,7 @@ quantity, as a band over small changes.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -46,14 +47,14 @@ class Curves(NamedTuple):
     values: Array  # SI
 
     @property
-    def key(self) -> str:
-        """Key of what is varied."""
-        return next(iter(self.scans.values())).key
+    def scan(self) -> Scan:
+        """The scan of the figure."""
+        return next(iter(self.scans.values()))
 
     @property
     def column(self) -> str:
         """Name of the column of what is varied."""
-        return self.key.rpartition(".")[2]
+        return self.scan.key.rpartition(".")[2]
 
 
 _FREQUENCY = ({"frequency": SCANS["frequency"]}, np.linspace(5.0, 150.0, 30))
@@ -76,16 +77,19 @@ CURVES = {
 }
 """The figures of velocities by name."""
 
-MOTIONS = {"fig2": "OPP", "fig4": "IPP", "fig5": "IPP", "fig6": "OPP", "fig7": "OPP"}
-"""The figures of single runs by name, with the mode of each."""
+_FIELD, _TILT = ("t", "bx", "bz"), ("t", "theta", "slip_velocity")
+MOTIONS = {
+    "fig2": ("OPP", ()),
+    "fig4": ("IPP", _FIELD),
+    "fig5": ("IPP", _TILT),
+    "fig6": ("OPP", _FIELD),
+    "fig7": ("OPP", _TILT),
+}
+"""The figures of single runs by name: mode, and what is drawn over time; Fig. 2 has outlines."""
 
 FIGURES = (*MOTIONS, *CURVES)
 """Names of all figures, in the paper's order."""
 
-_DRAWN = {
-    **dict.fromkeys(("fig4", "fig6"), ("t", "bx", "bz")),
-    **dict.fromkeys(("fig5", "fig7"), ("t", "theta", "slip_velocity")),
-}
 _CSV_RATE = 5e3  # Hz; chosen: enough to draw the figure again
 _SHOWN_PULSES = 4  # chosen: few enough to tell the strokes apart
 
@@ -109,10 +113,9 @@ _PAINLEVE_FRICTION = 4.0 / 3.0
 
 
 def with_units(columns: Mapping[str, Any], units: Mapping[str, str]) -> pd.DataFrame:
-    """A table whose attribute "units" has the SI unit of each column; "1" for counts and ratios,
-    "" for words."""
+    """A table whose attribute "units" has the SI units of its columns, where they have one."""
     frame = pd.DataFrame(columns)
-    frame.attrs["units"] = {name: units[name] for name in frame}
+    frame.attrs["units"] = {name: unit for name, unit in units.items() if unit not in ("-", "1")}
     return frame
 
 
@@ -130,14 +133,15 @@ def motion_table(name: str, run: Run) -> pd.DataFrame:
     Of Fig. 2 a row for each frame with position, tilt, contact point, the one before, and the four
     corners; of the others what is drawn over time, at 5 kHz.
     """
-    if name == "fig2":
+    _, drawn = MOTIONS[name]
+    if not drawn:
         return _film_table(run)
     part = slice(None, None, max(1, round(1.0 / (_CSV_RATE * interval(run)))))
-    columns: dict[str, Any] = {each: getattr(run, each)[part] for each in _DRAWN[name]}
+    columns: dict[str, Any] = {each: getattr(run, each)[part] for each in drawn}
     units = {each: COLUMNS[each].unit for each in columns}
     if "theta" in columns:
         columns["contact"] = [Run.contact_names[code] for code in run.contact[part]]
-    return with_units(columns, {**units, "contact": ""})
+    return with_units(columns, units)
 
 
 def _film_table(run: Run) -> pd.DataFrame:
@@ -154,9 +158,8 @@ def _film_table(run: Run) -> pd.DataFrame:
     for number in range(4):
         columns[f"corner{number + 1}_x"] = outlines[:, number, 0]
         columns[f"corner{number + 1}_z"] = outlines[:, number, 1]
-    return with_units(
-        columns, dict.fromkeys(columns, "m") | {"frame": "", "t": "s", "theta": "rad"}
-    )
+    units = dict.fromkeys([*columns][1:], "m") | {"t": "s", "theta": "rad"}
+    return with_units(columns, units)
 
 
 def film_times(run: Run) -> list[float]:
@@ -185,11 +188,12 @@ def film_times(run: Run) -> list[float]:
 
 def draw_motion(name: str, run: Run) -> Figure:
     """Draw a figure of a run."""
-    if name == "fig2":
+    _, drawn = MOTIONS[name]
+    if not drawn:
         times = film_times(run)
         frames = zip(_FRAMES.items(), times, strict=True)
         return plot.filmstrip(run, times, [f"({k}) {word}, {t:.4f} s" for (k, word), t in frames])
-    if "bx" in _DRAWN[name]:
+    if drawn == _FIELD:
         return plot.fields(run)
     # All twelve pulses and the ramps would be a smear, and are in the figure's data.
     start = run.scenario.window[0]
@@ -207,11 +211,11 @@ def curve_table(
     `painleve_events` and `failed` (counts, over all changes).
     """
     curves, factors = CURVES[name], small_changes(count)
-    lines = [(mode, words) for mode in curves.modes for words in curves.scans]
+    lines = itertools.product(curves.modes, curves.scans, curves.values)
+    at = [(value, mode, words) for mode, words, value in lines]
     rows = [
         curves.scans[words].changes(reference[mode], value, each)
-        for mode, words in lines
-        for value in curves.values
+        for value, mode, words in at
         for each in factors
     ]
     data = sweep(BASE, rows, threads=threads)
@@ -220,21 +224,17 @@ def curve_table(
         for each in ("mean_velocity", "painleve_events", "status")
     )
     low, median, high = np.nanpercentile(velocity, [10.0, 50.0, 90.0], axis=1)
-    columns = {
-        curves.column: np.tile(curves.values, len(lines)),
-        "mode": np.repeat([mode for mode, _ in lines], len(curves.values)),
-        "varied": np.repeat([words for _, words in lines], len(curves.values)),
-        "velocity": velocity[:, 0],
-        "velocity_p10": low,
-        "velocity_median": median,
-        "velocity_p90": high,
-        "painleve_events": events.sum(axis=1),
-        "failed": (status != 0).sum(axis=1),
-    }
-    unit = known_keys()[curves.key].unit
-    units = {curves.column: "1" if unit == "-" else unit, "mode": "", "varied": ""}
-    units |= dict.fromkeys(columns, "m/s") | units | {"painleve_events": "1", "failed": "1"}
-    return with_units(columns, units)
+    frame = pd.DataFrame(at, columns=[curves.column, "mode", "varied"]).assign(
+        velocity=velocity[:, 0],
+        velocity_p10=low,
+        velocity_median=median,
+        velocity_p90=high,
+        painleve_events=events.sum(axis=1),
+        failed=(status != 0).sum(axis=1),
+    )
+    unit = known_keys()[curves.scan.key].unit
+    units = {name: "m/s" for name in frame if name.startswith("velocity")}
+    return with_units(frame, {curves.column: unit, **units})
 
 
 def draw_curves(name: str, table: pd.DataFrame, points: pd.DataFrame | None = None) -> Figure:
@@ -244,22 +244,18 @@ def draw_curves(name: str, table: pd.DataFrame, points: pd.DataFrame | None = No
     unit of the figure's key) and y (m/s), those of this figure are drawn on top.
     """
     curves = CURVES[name]
-    axis = next(iter(curves.scans.values())).axis
-    factor, label = in_handy_units(axis, table.attrs["units"][curves.column])
+    factor, label = in_handy_units(curves.scan.axis, table.attrs["units"].get(curves.column, "1"))
     with drawing(None, (5.4, 3.4)) as axes:
         for (mode, words), rows in table.groupby(["mode", "varied"], sort=False):
-            second = words != next(iter(curves.scans))
-            colour, dashes = _SECOND if second else _STYLES[mode][:2]
-            x = rows[curves.column] * factor
-            low, median, high = (
-                rows[f"velocity_{each}"] * 1e3 for each in ("p10", "median", "p90")
-            )
-            axes.fill_between(x, low, high, color=colour, alpha=0.22, linewidth=0.0)
+            own = curves.scans[words] == curves.scan
+            colour, dashes = _STYLES[mode][:2] if own else _SECOND
+            x, low, high = rows[curves.column] * factor, rows.velocity_p10, rows.velocity_p90
+            axes.fill_between(x, low * 1e3, high * 1e3, color=colour, alpha=0.22, linewidth=0.0)
             words = f"{mode}, {words}" if len(curves.scans) > 1 else mode
-            axes.plot(x, median, color=colour, linestyle=dashes, label=words)
+            axes.plot(x, rows.velocity_median * 1e3, color=colour, linestyle=dashes, label=words)
         if points is not None:
             for mode, rows in points[points["figure"] == name].groupby("mode"):
-                look = {"color": palette.BLACK, "markerfacecolor": "none", "linestyle": "none"}
+                look: Any = {"color": palette.BLACK, "markerfacecolor": "none", "linestyle": "none"}
                 marker, words = _STYLES[mode][2], f"{mode}, measured"
                 axes.plot(rows["x"] * factor, rows["y"] * 1e3, marker=marker, label=words, **look)
         if name in ("fig10", "fig11"):

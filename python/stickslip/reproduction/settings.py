@@ -59,7 +59,7 @@ class Setting(NamedTuple):
         )
 
 
-GRID = [
+GRID = tuple(
     Setting(*each)
     for each in itertools.product(
         MODES,
@@ -68,7 +68,7 @@ GRID = [
         (0.0, 0.25e-3, 0.5e-3, 1.0e-3),
         (0.5e-3, 1.0e-3, 1.5e-3, 2.0e-3, 2.5e-3, 3.0e-3),
     )
-]
+)
 """The settings that are tried. Bases go to two fifths of the peak, holding fields from a fifth of
 it to a little more than it."""
 

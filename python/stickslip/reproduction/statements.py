@@ -1,15 +1,15 @@
 """The paper's statements S1 to S17, and how far the settings bear them out.
 
-Each is a function of `Walks` that says in its first line what the paper states, in other words, and
-then what counts as such: the paper gives no thresholds, so these are choices of this study. It
-returns where the statement holds, over the settings of IPP and OPP that enter, and the numbers by
-which it does, by their name with its unit.
+Each is a function of `Walks` that says in one sentence what the paper states, and in the next what
+counts as such: the paper gives no thresholds, so these are choices of this study. It returns where
+the statement holds, over the settings of IPP and OPP that enter, and its numbers by name and unit.
 
 All angles are magnitudes: the upstroke is where abs(theta) rises, whatever the clamp coil's sign.
 """
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
@@ -23,8 +23,7 @@ from stickslip.reproduction.settings import MODES, Setting
 from stickslip.reproduction.walks import WORKING_FREQUENCIES, Walks
 from stickslip.scenario.sections import Robot
 
-Numbers: TypeAlias = "dict[str, Any]"
-Found: TypeAlias = "tuple[DataArray, Numbers]"
+Found: TypeAlias = "tuple[DataArray, dict[str, Any]]"
 
 # Shares of the pairs of working settings between which a statement depends on them; chosen.
 _REPRODUCED_FROM, _NOT_REPRODUCED_TO = 0.9, 0.1
@@ -34,257 +33,194 @@ _NAMED = 2  # settings that are named; chosen: more are hard to read
 
 _TYPICAL_VELOCITY = 0.88e-3  # m/s; what the paper's Reynolds number of 0.22 comes to, section VI-C
 
-_MM = 1e3  # from m/s to mm/s
+
+def of_both(of_one: Callable[[Any], Found]) -> Callable[[Walks], Found]:
+    """A statement on one mode as the same on both."""
+
+    @functools.wraps(of_one)
+    def statement(walks: Walks) -> Found:
+        (ipp, of_ipp), (opp, of_opp) = (of_one(walks[mode]) for mode in MODES)
+        numbers = {f"IPP {name}": each for name, each in of_ipp.items()}
+        return ipp & opp, numbers | {f"OPP {name}": each for name, each in of_opp.items()}
+
+    return statement
 
 
-def both(walks: Walks, of_one: Callable[[Any], Found]) -> Found:
-    """What holds in both modes, with the numbers of each."""
-    (ipp, of_ipp), (opp, of_opp) = (of_one(walks[mode]) for mode in MODES)
-    numbers = {
-        f"{mode} {name}": each
-        for mode, own in zip(MODES, (of_ipp, of_opp), strict=True)
-        for name, each in own.items()
-    }
-    return ipp & opp, numbers
-
-
-def proportional(y: DataArray, along: str) -> tuple[DataArray, DataArray]:
-    """Slope of the least-squares line through the origin, and the share of variance explained."""
-    x = y[along]
+def line(y: DataArray, along: str, through_zero: bool = False) -> tuple[DataArray, DataArray]:
+    """Slope of the least-squares line, and the share of the variance that it explains."""
+    centre = y - y.mean(along)
+    x = y[along] if through_zero else y[along] - y[along].mean()
     slope = (y * x).sum(along) / (x**2).sum(along)
-    return slope, _explained(y, slope * x, along)
-
-
-def straight(y: DataArray, along: str) -> tuple[DataArray, DataArray]:
-    """Slope of the least-squares line, and the share of variance explained."""
-    x = y[along] - y[along].mean()
-    slope = (y * x).sum(along) / (x**2).sum(along)
-    return slope, _explained(y, y.mean(along) + slope * x, along)
-
-
-def _explained(y: DataArray, line: DataArray, along: str) -> DataArray:
-    return 1.0 - ((y - line) ** 2).sum(along) / ((y - y.mean(along)) ** 2).sum(along)
+    rest = (y if through_zero else centre) - slope * x
+    return slope, 1.0 - (rest**2).sum(along) / (centre**2).sum(along)
 
 
 def bend(y: DataArray, along: str) -> DataArray:
     """Slope of the upper half of a curve over that of the lower one; below 1 it rolls off."""
     middle = y.sizes[along] // 2
     upper, lower = y.isel({along: slice(middle, None)}), y.isel({along: slice(middle + 1)})
-    return straight(upper, along)[0] / straight(lower, along)[0]
+    return line(upper, along)[0] / line(lower, along)[0]
 
 
-def _means(walks: Walks, scan: str, low: float, high: float) -> list[DataArray]:
-    """Mean velocity of each mode over a part of a scan, m/s."""
-    part = {scan: slice(low, high)}
-    return [walks[mode][f"over_{scan}"].sel(part).mean(scan) for mode in MODES]
+def velocity(mode: Any, scan: str, low: float = 0.0, high: float = np.inf) -> Any:
+    """Mean velocity over a part of a scan, m/s."""
+    return mode[f"over_{scan}"].sel({scan: slice(low, high)})
 
 
-def _by_mode(name: str, values: list[DataArray], factor: float = 1.0) -> Numbers:
-    return {f"{mode} {name}": factor * each for mode, each in zip(MODES, values, strict=True)}
+def left(mode: Any, scan: str) -> Any:
+    """Velocity over that at the first of a scan's values."""
+    curve = mode[f"over_{scan}"]
+    return curve / curve.isel({scan: 0}, drop=True)
+
+
+def means(walks: Walks, scan: str, low: float, high: float) -> tuple[list[Any], dict[str, Any]]:
+    """Mean velocity of IPP and OPP over a part of a scan, m/s, and the same as numbers."""
+    found = [velocity(walks[mode], scan, low, high).mean(scan) for mode in MODES]
+    return found, {f"{mode} (mm/s)": 1e3 * each for mode, each in zip(MODES, found, strict=True)}
 
 
 def s1(walks: Walks) -> Found:
-    """IPP slips on the downstroke.
-
-    80% of the slip's path on the downstroke, forwards, at 30 Hz.
-    """
-    ipp = walks["IPP"]
-    share = 1.0 - ipp.slip_share_up
-    return (share >= 0.8) & (ipp.slip_down > 0.0), {"share of the path on the downstroke": share}
+    """IPP slips on the downstroke. 80% of the slip's path on the downstroke, forwards, at 30 Hz."""
+    share = 1.0 - walks["IPP"].slip_share_up
+    holds = (share >= 0.8) & (walks["IPP"].slip_down > 0.0)
+    return holds, {"share of the path on the downstroke": share}
 
 
 def s2(walks: Walks) -> Found:
-    """OPP slips on the upstroke.
-
-    80% of the slip's path on the upstroke, forwards, at 30 Hz.
-    """
-    opp = walks["OPP"]
-    holds = (opp.slip_share_up >= 0.8) & (opp.slip_up > 0.0)
-    return holds, {"share of the path on the upstroke": opp.slip_share_up}
+    """OPP slips on the upstroke. 80% of the slip's path on the upstroke, forwards, at 30 Hz."""
+    share = walks["OPP"].slip_share_up
+    holds = (share >= 0.8) & (walks["OPP"].slip_up > 0.0)
+    return holds, {"share of the path on the upstroke": share}
 
 
 def s3(walks: Walks) -> Found:
-    """The normal force is low on IPP's downstroke and high on OPP's upstroke.
-
-    The mean while slipping below, or above, weight and adhesion, at 30 Hz.
+    """The normal force is low on IPP's downstroke and high on OPP's upstroke. The mean while
+    slipping below, or above, weight and adhesion, at 30 Hz.
     """
     down, up = walks["IPP"].normal_force_down, walks["OPP"].normal_force_up
-    numbers = {"IPP downstroke over rest": down, "OPP upstroke over rest": up}
+    numbers = {"IPP's force over that at rest": down, "OPP's force over that at rest": up}
     return (down < 1.0) & (up > 1.0), numbers
 
 
 def s4(walks: Walks) -> Found:
-    """The steady angle is much larger in IPP than in OPP.
-
-    1.25 times or more, before the pulses and in the mean at 30 Hz.
+    """The steady angle is much larger in IPP than in OPP. 1.25 times or more, before the pulses and
+    in the mean at 30 Hz.
     """
-    still, moving = ([walks[mode][name] for mode in MODES] for name in ("still_tilt", "mean_tilt"))
-    holds = (still[0] > 1.25 * still[1]) & (moving[0] > 1.25 * moving[1])
-    return holds, {
-        **_by_mode("before the pulses (degrees)", still, np.degrees(1.0)),
-        **_by_mode("at 30 Hz (degrees)", moving, np.degrees(1.0)),
+    ipp, opp = walks["IPP"], walks["OPP"]
+    still, moving = ipp.still_tilt, ipp.mean_tilt
+    return (still > 1.25 * opp.still_tilt) & (moving > 1.25 * opp.mean_tilt), {
+        "IPP before the pulses (degrees)": np.degrees(still),
+        "OPP before the pulses (degrees)": np.degrees(opp.still_tilt),
+        "IPP at 30 Hz (degrees)": np.degrees(moving),
+        "OPP at 30 Hz (degrees)": np.degrees(opp.mean_tilt),
     }
 
 
-def s5(walks: Walks) -> Found:
-    """Velocity is proportional to a low frequency.
-
-    R² of a line through the origin to 30 Hz at least 0.95.
+@of_both
+def s5(mode: Any) -> Found:
+    """Velocity is proportional to a low frequency. R² of a line through the origin to 30 Hz at
+    least 0.95.
     """
-
-    def of_one(mode: Any) -> Found:
-        slope, explained = proportional(_low(mode), "frequency")
-        return explained >= 0.95, {"way a pulse (µm)": 1e6 * slope, "R²": explained}
-
-    return both(walks, of_one)
+    slope, explained = line(velocity(mode, "frequency", high=30.0), "frequency", True)
+    return explained >= 0.95, {"way a pulse (µm)": 1e6 * slope, "R²": explained}
 
 
-def _low(mode: Any) -> Any:
-    """Velocity at low frequencies, m/s."""
-    return mode.over_frequency.sel(frequency=slice(0.0, 30.0))
-
-
-def s6(walks: Walks) -> Found:
-    """Velocity rolls off at high frequency.
-
-    10% or more below the line of S5 at 100, 120 and 150 Hz.
+@of_both
+def s6(mode: Any) -> Found:
+    """Velocity rolls off at high frequency. 10% or more below the line of S5 at 100, 120 and 150
+    Hz.
     """
-
-    def of_one(mode: Any) -> Found:
-        high = mode.over_frequency.sel(frequency=[100.0, 120.0, 150.0])
-        left = high / (proportional(_low(mode), "frequency")[0] * high.frequency)
-        at = {f"over the line at {each} Hz": left.sel(frequency=each) for each in (100, 150)}
-        return left.max("frequency") <= 0.9, at
-
-    return both(walks, of_one)
+    slope, _ = line(velocity(mode, "frequency", high=30.0), "frequency", True)
+    over = velocity(mode, "frequency", low=100.0) / (slope * mode.frequency)
+    numbers = {f"over the line at {at} Hz": over.sel(frequency=at) for at in (100, 150)}
+    return (over <= 0.9).all("frequency"), numbers
 
 
 def s7(walks: Walks) -> Found:
-    """With little friction OPP is faster.
-
-    Means for static friction 0.02, 0.05 and 0.1.
-    """
-    ipp, opp = _means(walks, "friction", 0.0, 0.1)
-    return opp > ipp, _by_mode("velocity (mm/s)", [ipp, opp], _MM)
+    """With little friction OPP is faster. Means for static friction 0.02, 0.05 and 0.1."""
+    (ipp, opp), numbers = means(walks, "friction", 0.0, 0.1)
+    return opp > ipp, numbers
 
 
 def s8(walks: Walks) -> Found:
-    """With static friction from 0.2 to 1.0 both modes are about as fast.
-
-    Mean difference at most 30% of the mean velocity.
+    """With static friction from 0.2 to 1.0 both modes are about as fast. Mean difference at most
+    30% of the mean velocity.
     """
-    ipp, opp = (walks[mode].over_friction.sel(friction=slice(0.2, 1.0)) for mode in MODES)
+    ipp, opp = (velocity(walks[mode], "friction", 0.2, 1.0) for mode in MODES)
     mean = 0.5 * (abs(ipp) + abs(opp)).mean("friction")
     apart = abs(opp - ipp).mean("friction") / mean
-    speeds = _by_mode("velocity (mm/s)", [each.mean("friction") for each in (ipp, opp)], _MM)
-    return apart <= 0.3, {**speeds, "mean difference": apart}
+    return apart <= 0.3, means(walks, "friction", 0.2, 1.0)[1] | {"mean difference": apart}
 
 
 def s9(walks: Walks) -> Found:
-    """With static friction above 1 IPP is faster.
-
-    Means for static friction 1.2 to 2.4.
-    """
-    ipp, opp = _means(walks, "friction", 1.2, 2.4)
-    return ipp > opp, _by_mode("velocity (mm/s)", [ipp, opp], _MM)
+    """With static friction above 1 IPP is faster. Means for static friction 1.2 to 2.4."""
+    (ipp, opp), numbers = means(walks, "friction", 1.2, 2.4)
+    return ipp > opp, numbers
 
 
 def s10(walks: Walks) -> Found:
-    """With little adhesion OPP is faster, and more adhesion costs it more.
-
-    Means to 0.05 µN, and what is left of them at 0.4 to 0.6 µN.
+    """With little adhesion OPP is faster, and more adhesion costs it more. Means to 0.05 µN, and
+    what is left of them at 0.4 to 0.6 µN.
     """
-    ipp, opp = low = _means(walks, "adhesion", 0.0, 0.05e-6)
-    left = [
-        high / each
-        for high, each in zip(_means(walks, "adhesion", 0.4e-6, 0.6e-6), low, strict=True)
-    ]
-    holds = (opp > ipp) & (left[1] <= left[0])
-    return holds, {**_by_mode("velocity (mm/s)", low, _MM), **_by_mode("left", left)}
+    (ipp, opp), numbers = means(walks, "adhesion", 0.0, 0.05e-6)
+    (less_ipp, less_opp), _ = means(walks, "adhesion", 0.4e-6, 0.6e-6)
+    of_ipp, of_opp = less_ipp / ipp, less_opp / opp
+    holds = (opp > ipp) & (of_opp <= of_ipp)
+    return holds, numbers | {"left of IPP": of_ipp, "left of OPP": of_opp}
 
 
-def _left(curve: Any, scan: str) -> Any:
-    """Velocity over that at the first of a scan's values."""
-    return curve / curve.isel({scan: 0}, drop=True)
-
-
-def _level(left: Any) -> DataArray:
-    return abs(left - 1.0) <= 0.1
-
-
-def s11(walks: Walks) -> Found:
-    """Linear damping slows both modes, between a range where it matters little and one where \
-nothing moves.
-
-    Within 10% to 1e-6 N s/m, never rising by more than that, below 2% at 1e-2 N s/m.
+@of_both
+def s11(mode: Any) -> Found:
+    """Linear damping slows both modes, from where it matters little to where nothing moves. Within
+    10% to 1e-6 N s/m, never rising by more than that, below 2% at 1e-2 N s/m.
     """
+    part = left(mode, "linear")
+    level = (abs(part.sel(linear=slice(1e-6)) - 1.0) <= 0.1).all("linear")
+    falls = (part.diff("linear") <= 0.1).all("linear")
+    numbers = {f"left at {each:g} N s/m": part.sel(linear=each) for each in (1e-6, 1e-2)}
+    return level & falls & (abs(part.sel(linear=1e-2)) <= 0.02), numbers
 
-    def of_one(mode: Any) -> Found:
-        left = _left(mode.over_linear, "linear")
-        holds = (
-            _level(left.sel(linear=slice(0.0, 1e-6))).all("linear")
-            & (left.diff("linear") <= 0.1).all("linear")
-            & (abs(left.sel(linear=1e-2)) <= 0.02)
-        )
-        return holds, {f"left at {each:g} N s/m": left.sel(linear=each) for each in (1e-6, 1e-2)}
 
-    return both(walks, of_one)
+@of_both
+def _little_then_slower(mode: Any) -> Found:
+    part = left(mode, "rotational")
+    level = (abs(part.sel(rotational=slice(3e-17)) - 1.0) <= 0.1).all("rotational")
+    last = part.sel(rotational=1e-13)
+    return level & (last <= 0.9), {"left at 1e-13 N m s²": last}
 
 
 def s12(walks: Walks) -> Found:
-    """Rotational damping matters little when low; then both modes lose alike.
-
-    Within 10% to 3e-17 N m s², slower by as much at 1e-13, and from 1e-15 on the part left of the
-    velocity equal within 15%.
+    """Rotational damping matters little when low; then both modes lose alike. Within 10% to 3e-17 N
+    m s², slower by as much at 1e-13, and from 1e-15 on the part left of the velocity equal within
+    15%.
     """
-
-    def of_one(mode: Any) -> Found:
-        left = _left(mode.over_rotational, "rotational")
-        little = _level(left.sel(rotational=slice(0.0, 3e-17))).all("rotational")
-        last = left.sel(rotational=1e-13)
-        return little & (last <= 0.9), {"left at 1e-13 N m s²": last}
-
-    ipp, opp = (_left(walks[mode].over_rotational, "rotational") for mode in MODES)
+    holds, numbers = _little_then_slower(walks)
+    ipp, opp = (left(walks[mode], "rotational") for mode in MODES)
     apart = abs(ipp - opp).sel(rotational=slice(1e-15, None)).mean("rotational")
-    holds, numbers = both(walks, of_one)
-    return holds & (apart <= 0.15), {**numbers, "difference from 1e-15 on": apart}
+    return holds & (apart <= 0.15), numbers | {"mean difference from 1e-15 on": apart}
 
 
-def s13(walks: Walks) -> Found:
-    """Velocity grows about linearly with the field, in IPP with some roll-off.
-
-    R² of a line at least 0.95 from 1.5 to 6.5 mT at 30 Hz, rising; in IPP the upper half less steep
-    by 10% or more.
+@of_both
+def s13(mode: Any) -> Found:
+    """Velocity grows about linearly with the field, in IPP with some roll-off. R² of a line at
+    least 0.95 from 1.5 to 6.5 mT at 30 Hz, rising; in IPP the upper half less steep by 10% or more.
     """
-
-    def of_one(mode: Any) -> Found:
-        slope, explained = straight(mode.over_field, "field")
-        numbers = {
-            "slope ((mm/s)/mT)": slope,
-            "R²": explained,
-            "upper slope over lower": bend(mode.over_field, "field"),
-        }
-        return (slope > 0.0) & (explained >= 0.95), numbers
-
-    holds, numbers = both(walks, of_one)
-    return holds & (numbers["IPP upper slope over lower"] <= 0.9), numbers
+    (slope, explained), bent = line(mode.over_field, "field"), bend(mode.over_field, "field")
+    holds = (slope > 0.0) & (explained >= 0.95) & ((mode["mode"] == "OPP") | (bent <= 0.9))
+    return holds, {"((mm/s)/mT)": slope, "R²": explained, "upper slope over lower": bent}
 
 
-def s14(walks: Walks) -> Found:
-    """Constant fields move nothing.
-
-    Mean speed at most 1 µm/s for a second, at the sawtooth's bottom and at its top.
+@of_both
+def s14(mode: Any) -> Found:
+    """Constant fields move nothing. Mean speed at most 1 µm/s for a second, at the sawtooth's
+    bottom and at its top.
     """
-    return both(
-        walks,
-        lambda mode: (mode.still_velocity <= 1e-6, {"speed (nm/s)": 1e9 * mode.still_velocity}),
-    )
+    return mode.still_velocity <= 1e-6, {"(nm/s)": 1e9 * mode.still_velocity}
 
 
 def s15(walks: Walks) -> Found:
-    """The greatest torque is 10.5 µN mm, the greatest force 240 nN.
-
-    Within 1%, at 6.5 mT; the force at the centre, or where the gradient is Table I's.
+    """The greatest torque is 10.5 µN mm, the greatest force 240 nN. Within 1%, at 6.5 mT; the force
+    at the centre, or where the gradient is Table I's.
     """
     coils, robot = Coils(), Robot()
     moment = robot.length * robot.width * robot.height * robot.magnetization
@@ -304,25 +240,17 @@ def s15(walks: Walks) -> Found:
 
 
 def s16(walks: Walks) -> Found:
-    """One filament stands for the winding within 2.2%.
-
-    In a cube of 25 mm, for a flat winding and one as deep as wide.
+    """One filament stands for the winding within 2.2%. In a cube of 25 mm, for a flat winding and
+    one as deep as wide.
     """
-    differences = [winding_difference(depth) for depth in (0.0, 0.5 * (_OUTER - _INNER))]
-    numbers = dict(
-        zip(
-            ("difference from a flat winding (%)", "from a deep one (%)"),
-            np.multiply(differences, 100.0),
-            strict=True,
-        )
-    )
-    return DataArray(max(differences) <= 0.022), numbers
+    flat, deep = (winding_difference(depth) for depth in (0.0, 0.5 * (_OUTER - _INNER)))
+    numbers = {"from a flat winding (%)": flat * 100.0, "from a deep one (%)": deep * 100.0}
+    return DataArray(max(flat, deep) <= 0.022), numbers
 
 
 def s17(walks: Walks) -> Found:
-    """In a cube of 25 mm the fringe field stays below 2.5% of the main one.
-
-    The greatest single component across the coil's axis over the one along it.
+    """In a cube of 25 mm the fringe field stays below 2.5% of the main one. The greatest single
+    component across the coil's axis over the one along it.
     """
     wide, narrow = fringe(25e-3), fringe(5e-3)
     numbers = {"greatest part in 25 mm (%)": wide * 100.0, "in 5 mm (%)": narrow * 100.0}
@@ -407,7 +335,7 @@ def judge(walks: Walks) -> tuple[pd.DataFrame, dict[str, Setting]]:
     }
     rows = []
     for statement, (name, (where, numbers)) in zip(STATEMENTS, found.items(), strict=True):
-        text, _, condition = (statement.__doc__ or "").partition("\n\n")
+        text, _, condition = " ".join((statement.__doc__ or "").split()).partition(". ")
         share = float(holds[name].mean() if name in holds else where.mean())
         verdict = "reproduced" if share >= _REPRODUCED_FROM else "depends"
         verdict = "not reproduced" if share <= _NOT_REPRODUCED_TO else verdict
@@ -415,8 +343,8 @@ def judge(walks: Walks) -> tuple[pd.DataFrame, dict[str, Setting]]:
         rows.append(
             {
                 "statement": name,
-                "text": text,
-                "condition": " ".join(condition.split()),
+                "text": f"{text}.",
+                "condition": condition,
                 "verdict": verdict,
                 "share": share if name in holds else np.nan,
                 "at_reference": bool(where.isel(place, missing_dims="ignore").all()),

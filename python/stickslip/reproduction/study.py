@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from os import PathLike
@@ -26,9 +27,9 @@ from stickslip.reproduction.figures import (
     reference_runs,
     with_units,
 )
-from stickslip.reproduction.settings import GRID, Setting
+from stickslip.reproduction.settings import GRID, SCANS, Setting
 from stickslip.reproduction.statements import judge
-from stickslip.reproduction.walks import WORKING_FREQUENCIES, Walks, survey
+from stickslip.reproduction.walks import Walks, survey
 from stickslip.scenario.keys import meant, shown
 
 if TYPE_CHECKING:
@@ -36,8 +37,10 @@ if TYPE_CHECKING:
 
     from stickslip.simulation.simulate import Progress
 
-STATEMENTS_FILE, SETTINGS_FILE = "statements.csv", "settings.csv"
+_STATEMENTS, _SETTINGS = "statements.csv", "settings.csv"
 
+# Simulations with small changes of frequency, friction and field for each point. Chosen.
+_OF_SURVEY, _OF_FIGURES = 3, 20
 _SURVEY = 0.6  # part of the time of a whole study, roughly
 
 
@@ -66,6 +69,16 @@ class Reproduction:
     tables: dict[str, pd.DataFrame]
     figures: dict[str, Figure]
 
+    def summary(self) -> str:
+        """The reference and the table of statements as text."""
+        lines = [f"{mode}  {setting}" for mode, setting in self.reference.items()]
+        for each in self.statements.itertuples():
+            share = "" if math.isnan(each.share) else f"; holds for {each.share:.1%} of pairs"
+            depends = each.settings and f", most often with {each.settings}"
+            lines += ["", f"{each.statement:<4} {each.text}"]
+            lines += [f"     {each.verdict}{share}{depends}", f"     {_in_words(each.numbers)}"]
+        return "\n".join(lines)
+
     def as_dict(self) -> dict[str, Any]:
         """Statements, reference and names of the figures, of plain types."""
         return {
@@ -82,15 +95,15 @@ class Reproduction:
         folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
         statements = self.statements.drop(columns="numbers")
-        statements["numbers"] = [numbers_text(each) for each in self.statements["numbers"]]
-        write_csv(statements, folder / STATEMENTS_FILE)
-        write_csv(self.settings, folder / SETTINGS_FILE)
+        statements["numbers"] = [_in_words(each) for each in self.statements["numbers"]]
+        write_csv(statements, folder / _STATEMENTS)
+        write_csv(self.settings, folder / _SETTINGS)
         for name, figure in self.figures.items():
             write_csv(self.tables[name], folder / f"{name}.csv")
             plot.save(figure, folder / f"{name}.png")
 
 
-def numbers_text(numbers: dict[str, float]) -> str:
+def _in_words(numbers: dict[str, float]) -> str:
     """The numbers of a statement in one line."""
     return ", ".join(f"{name} {value:.3g}" for name, value in numbers.items())
 
@@ -98,15 +111,9 @@ def numbers_text(numbers: dict[str, float]) -> str:
 def write_csv(frame: pd.DataFrame, path: Path) -> None:
     """Write a table, whole or not at all; units stand with the names of the columns."""
     units = frame.attrs.get("units", {})
-    header = [f"{n} ({units[n]})" if units.get(n, "") not in ("", "1") else n for n in frame]
+    header = [f"{name} ({units[name]})" if name in units else name for name in frame]
     with replacing(path) as temporary:
         frame.to_csv(temporary, index=False, header=header)
-
-
-def output_files(names: Iterable[str]) -> list[str]:
-    """Names of the files of some figures and of the study."""
-    pairs = [f"{name}{suffix}" for name in names for suffix in (".png", ".csv")]
-    return [STATEMENTS_FILE, SETTINGS_FILE, *pairs]
 
 
 def reproduce(
@@ -114,8 +121,7 @@ def reproduce(
     *,
     only: Iterable[str] | None = None,
     points: pd.DataFrame | None = None,
-    settings: Sequence[Setting] | None = None,
-    small_changes: tuple[int, int] = (3, 20),
+    settings: Sequence[Setting] = GRID,
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Reproduction:
@@ -138,11 +144,7 @@ def reproduce(
         Digitised points to draw over Figs. 8 to 15: columns figure, mode, x (the SI unit of what is
         varied) and y (m/s).
     settings : sequence of Setting, optional
-        Which settings are tried, of both modes; `stickslip.reproduction.settings.GRID`, if not
-        given.
-    small_changes : tuple of int
-        How many simulations with small changes of frequency, friction and field there are for each
-        point of the survey and of the figures. Velocities are their medians.
+        Which settings are tried, of both modes.
     threads : int, optional
         How many simulations go on at a time; as many as there are processors, if not given.
     progress : callable, optional
@@ -161,31 +163,29 @@ def reproduce(
     OSError
         If something cannot be written.
     """
-    names = chosen(only)
+    names = _chosen(only)
     if points is not None:
         _check_points(points)
     threads = worker_count(threads, "threads")
     if out is not None:
-        check_folder(out, output_files(names))
+        of_figures = [f"{name}{suffix}" for name in names for suffix in (".png", ".csv")]
+        check_folder(out, [_STATEMENTS, _SETTINGS, *of_figures])
     report = progress or (lambda fraction, stage: None)
-    of_survey, of_figures = small_changes
 
-    walks = survey(
-        GRID if settings is None else settings,
-        of_survey,
-        threads,
-        lambda done, _: report(_SURVEY * done, "trying settings"),
-    )
+    def report_survey(done: float, stage: str) -> None:
+        report(_SURVEY * done, "trying settings")
+
+    walks = survey(settings, _OF_SURVEY, threads, report_survey)
     statements, reference = judge(walks)
     runs = reference_runs(reference, threads)
     tables, figures = {}, {}
     for place, name in enumerate(names):
         report(_SURVEY + (1.0 - _SURVEY) * place / len(names), "drawing figures")
         if name in MOTIONS:
-            run = runs[MOTIONS[name]]
+            run = runs[MOTIONS[name][0]]
             tables[name], figures[name] = motion_table(name, run), draw_motion(name, run)
         else:
-            tables[name] = curve_table(name, reference, of_figures, threads)
+            tables[name] = curve_table(name, reference, _OF_FIGURES, threads)
             figures[name] = draw_curves(name, tables[name], points)
     result = Reproduction(statements, reference, settings_table(walks), tables, figures)
     if out is not None:
@@ -194,7 +194,7 @@ def reproduce(
     return result
 
 
-def chosen(only: Iterable[str] | None) -> list[str]:
+def _chosen(only: Iterable[str] | None) -> list[str]:
     """The figures that are wanted, in the paper's order."""
     wanted = FIGURES if only is None else [only] if isinstance(only, str) else list(only)
     for name in wanted:
@@ -217,23 +217,10 @@ def _check_points(points: pd.DataFrame) -> None:
             raise ScenarioError(f"points: mode {shown(mode)}: allowed in {figure} is {allowed}")
 
 
-_SETTINGS = {
-    **dict.fromkeys(("mode", "edge", "clamp"), ""),
-    **dict.fromkeys(("base", "hold"), "T"),
-    "works": "",
-    **dict.fromkeys(("velocity_30_hz", "velocity_100_hz"), "m/s"),
-    **dict.fromkeys(("still_tilt", "mean_tilt"), "rad"),
-    **dict.fromkeys(("slip_share_up", "normal_force_up", "normal_force_down"), "1"),
-}
-
-
 def settings_table(walks: Walks) -> pd.DataFrame:
     """A row for every setting: what it is, and what it does."""
-    parts = []
-    for each in walks.values():
-        slow, fast = (
-            each.over_frequency.sel(frequency=at, drop=True) for at in WORKING_FREQUENCIES
-        )
-        shown = each.assign(velocity_30_hz=slow, velocity_100_hz=fast)[[*_SETTINGS]]
-        parts.append(shown.to_dataframe())
-    return with_units(pd.concat(parts, ignore_index=True)[[*_SETTINGS]], _SETTINGS)
+    parts = [each.drop_dims(SCANS).to_dataframe() for each in walks.values()]
+    names = ("base", "hold", "velocity_30_hz", "velocity_100_hz", "still_tilt", "mean_tilt")
+    units = dict(zip(names, ("T", "T", "m/s", "m/s", "rad", "rad"), strict=True))
+    units |= {"still_velocity": "m/s", "slip_up": "m", "slip_down": "m"}
+    return with_units(pd.concat(parts, ignore_index=True), units)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +26,7 @@ Walks = Mapping[str, xarray.Dataset]
 - `mode`, `edge`, `clamp`, `base`, `hold`: the setting, T;
 - `over_frequency`, `over_friction`, ...: mean velocity over the values of each scan of `SCANS`,
   m/s; the median of small changes;
+- `velocity_30_hz`, `velocity_100_hz`: the same at two frequencies, m/s;
 - `works`: whether the robot walks as the paper's does, forwards at 30 Hz and 100 Hz, with its tilt
   between flat and upright;
 - `still_tilt`, `still_velocity`: with base and hold alone, before the first pulse, rad, and the
@@ -63,20 +65,23 @@ def survey(
     begin = 0
     for name, scan in SCANS.items():
         shape = len(settings), len(scan.values), count
-        block = data.isel(point=slice(begin, begin + np.prod(shape)))
-        begin += np.prod(shape)
+        block = data.isel(point=slice(begin, begin + math.prod(shape)))
+        begin += math.prod(shape)
         found.coords[name] = list(scan.values)
         velocity = xarray.DataArray(
             block.mean_velocity.values.reshape(shape), dims=("setting", name, "change")
         )
         found[f"over_{name}"] = velocity.median("change")
         if name == "frequency":
+            for at in WORKING_FREQUENCIES:
+                velocity_at = found.over_frequency.sel(frequency=at, drop=True)
+                found[f"velocity_{at:.0f}_hz"] = velocity_at
             found["works"] = "setting", _works(found, block, shape)
     still = data.isel(point=slice(begin, None))
     tilt, speed = (np.abs(still[each].values) for each in ("theta_max", "mean_velocity"))
     found["still_tilt"] = "setting", tilt[::2]
     found["still_velocity"] = "setting", speed.reshape(-1, 2).max(axis=1)
-    working = np.flatnonzero(found.works)
+    working = np.flatnonzero(found.works).tolist()
     runs = simulate_batch([stroke_scenario(settings[k]) for k in working], threads)
     by_stroke = pd.DataFrame([strokes(run) for run in runs], index=working, columns=STROKES)
     for name, column in by_stroke.reindex(range(len(settings))).items():
@@ -93,10 +98,9 @@ def _works(found: xarray.Dataset, block: xarray.Dataset, shape: tuple[int, ...])
     # The clamp coil pulls theta up with "down", and below zero with "up".
     down = found.clamp.values == "down"
     least, greatest = np.where(down, least, -greatest), np.where(down, greatest, -least)
-    velocity = found.over_frequency.sel(frequency=WORKING_FREQUENCIES).values.min(axis=1)
-    return np.asarray(
-        (velocity > _MIN_VELOCITY) & (least > -_TILT_TOLERANCE) & (greatest < 0.5 * np.pi)
-    )
+    slowest = np.minimum(found.velocity_30_hz, found.velocity_100_hz).values
+    upright = (least > -_TILT_TOLERANCE) & (greatest < 0.5 * np.pi)
+    return np.asarray(upright & (slowest > _MIN_VELOCITY))
 
 
 def _constant_fields(setting: Setting) -> list[dict[str, Any]]:
