@@ -121,7 +121,7 @@ def reproduce(
     *,
     only: Iterable[str] | None = None,
     points: pd.DataFrame | None = None,
-    settings: Sequence[Setting] = GRID,
+    settings: Sequence[Setting] | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Reproduction:
@@ -144,7 +144,7 @@ def reproduce(
         Digitised points to draw over Figs. 8 to 15: columns figure, mode, x (the SI unit of what is
         varied) and y (m/s).
     settings : sequence of Setting, optional
-        Which settings are tried, of both modes.
+        Which settings are tried, of both modes; all of the grid, if not given.
     threads : int, optional
         How many simulations go on at a time; as many as there are processors, if not given.
     progress : callable, optional
@@ -175,7 +175,7 @@ def reproduce(
     def report_survey(done: float, stage: str) -> None:
         report(_SURVEY * done, "trying settings")
 
-    walks = survey(settings, _OF_SURVEY, threads, report_survey)
+    walks = survey(settings or GRID, _OF_SURVEY, threads, report_survey)
     statements, reference = judge(walks)
     runs = reference_runs(reference, threads)
     tables, figures = {}, {}
