@@ -168,8 +168,8 @@ def reproduce(
         _check_points(points)
     threads = worker_count(threads, "threads")
     if out is not None:
-        of_figures = [f"{name}{suffix}" for name in names for suffix in (".png", ".csv")]
-        check_folder(out, [_STATEMENTS, _SETTINGS, *of_figures])
+        files = [f"{name}{suffix}" for name in names for suffix in (".png", ".csv")]
+        check_folder(out, [_STATEMENTS, _SETTINGS, *files])
     report = progress or (lambda fraction, stage: None)
 
     def report_survey(done: float, stage: str) -> None:
