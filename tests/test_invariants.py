@@ -68,18 +68,6 @@ def test_contact_laws_hold_at_the_default_tolerance_too(drive):
 
 
 @cases
-@pytest.mark.parametrize("method", ["tsit5", "arkode"])
-def test_recording_does_not_change_the_motion(drive, method):
-    keys = {"solver.method": method}
-    plain = run(keys, pulses=8, **drive).summary()
-    for rate in ("events", 300.0, 1e5):
-        recorded = run(keys, rate=rate, pulses=8, **drive).summary()
-        # To look inside a step, ARKODE evaluates the rates, which it counts.
-        assert recorded["steps"].pop("evaluations") >= plain["steps"]["evaluations"]
-        assert recorded == {**plain, "steps": recorded["steps"]}
-
-
-@cases
 def test_accelerations_are_those_of_the_recorded_forces(drive):
     # Eqs. (10)-(12) along and across the surface, and about the centre of mass: central differences
     # against forces that are computed anew.
