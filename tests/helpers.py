@@ -6,7 +6,7 @@ Positions and forces of a run are in the world's frame, theta and omega in the r
 import numpy as np
 from scipy.optimize import brentq
 
-from stickslip import Scenario, Waveform, simulate, volts_per_tesla
+from stickslip import Coils, Scenario, Waveform, simulate, volts_per_tesla
 
 # Table II, with the mass read as micrograms.
 LENGTH, WIDTH, HEIGHT = 250e-6, 130e-6, 100e-6  # m
@@ -83,6 +83,24 @@ def slip_angle(coefficient, adhesion=ADHESION, mass=MASS, share=1.0):
         return np.sin(angle) - share * holding
 
     return brentq(balance, 0.0, 1.57, xtol=1e-15)
+
+
+def slid(t, push, drag):
+    """Velocity and way (m/s, m) at times t of the block that a force pushes from rest."""
+    slow = MASS / drag
+    gone = 1.0 - np.exp(-t / slow)
+    return push / drag * gone, push / drag * (t - slow * gone)
+
+
+def torque_about_corner(angle, corner_x, current, weight=WEIGHT):
+    """Of field, gradient and weight on the block on its corner at theta = angle > 0, N m."""
+    lean = np.arctan2(HEIGHT, LENGTH)
+    lever, height = RADIUS * np.cos(angle + lean), RADIUS * np.sin(angle + lean)
+    centre = [corner_x - lever, 0.0, height]
+    moment = MOMENT * np.array([np.cos(angle), 0.0, -np.sin(angle)])
+    field, force = Coils().field(centre, current), Coils().gradient(centre, current) @ moment
+    turning = moment[2] * field[0] - moment[0] * field[2]
+    return turning + height * force[0] + lever * (force[2] - weight)
 
 
 def program(waveform):

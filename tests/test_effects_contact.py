@@ -20,6 +20,7 @@ from helpers import (
     is_mode,
     program,
     run,
+    slid,
     slip_angle,
     still_for,
     tilted,
@@ -97,14 +98,10 @@ def test_viscous_friction_of_a_sliding_block_is_a_drag(coefficient, downhill):
     # m dv/dt = W sin a - (mu_k + k v) N - c v: terminal velocity and time constant.
     angle = 0.6
     normal = pressing(angle)
-    total = DRAG + coefficient * normal
-    terminal = (WEIGHT * np.sin(angle) - KINETIC * normal) / total
+    push = WEIGHT * np.sin(angle) - KINETIC * normal
     keys = {"effects.viscous_friction.coefficient": coefficient}
     of = run(still_for(0.02), tilted(downhill * angle), keys, TIGHT, rate=5e3)
-    slow = MASS / total
-    late = of.t[1:]
-    velocity = terminal * (1.0 - np.exp(-late / slow))
-    place = terminal * (late - slow * (1.0 - np.exp(-late / slow)))
+    velocity, place = slid(of.t[1:], push, DRAG + coefficient * normal)
     # Some tens of steps, each within 1e-10 of 0.1 m/s and 0.1 mm.
     assert downhill * of.vx[1:] == pytest.approx(velocity, abs=1e-9)
     assert downhill * of.x[1:] == pytest.approx(place, abs=1e-12)
@@ -146,10 +143,10 @@ def test_anisotropic_friction_breaks_at_one_angle_forward_and_another_back(
     # Beyond the limit the kinetic coefficient acts, scaled as the static one.
     angle = limit * (1 + 1e-9)
     above = run(still_for(0.05), keys, tilted(downhill * angle), TIGHT, rate=1e3)
-    terminal = (WEIGHT * np.sin(angle) - KINETIC * factor * pressing(angle)) / DRAG
-    velocity = terminal * (1.0 - np.exp(-above.t[1:] * DRAG / MASS))
+    push = WEIGHT * np.sin(angle) - KINETIC * factor * pressing(angle)
+    velocity, _ = slid(above.t[1:], push, DRAG)
     assert downhill * above.vx[1:] == pytest.approx(velocity, abs=1e-9)
-    assert terminal > 1e-3
+    assert push > 1e-3 * DRAG
 
 
 @pytest.mark.parametrize("direction", ["+x", "-x"])

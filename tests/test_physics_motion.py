@@ -9,7 +9,6 @@ from helpers import (
     HEIGHT,
     INERTIA,
     LAUNCHER,
-    LENGTH,
     MASS,
     MOMENT,
     ON_A_FACE,
@@ -19,6 +18,7 @@ from helpers import (
     launched,
     program,
     run,
+    torque_about_corner,
     volts,
 )
 from stickslip import Coils, Waveform
@@ -163,18 +163,10 @@ def test_rocking_frequency_pinned_at_a_corner(gravity, mass, scale):
     theta = rock.theta[late]
     # Torque about the corner at the angle theta: that of the moment, the weight's, and that of the
     # coils' gradients, whose slope with theta is the stiffness; taken here by differences.
-    coils, current, corner_x = Coils(), rock.current[late][-1], rock.contact_x[late][-1]
-    lean = np.arctan2(HEIGHT, LENGTH)
+    at = rock.contact_x[late][-1], rock.current[late][-1], mass * gravity
 
     def torque(angle):
-        lever, height = RADIUS * np.cos(angle + lean), RADIUS * np.sin(angle + lean)
-        point = [[corner_x - lever, 0.0, height]]
-        bx, _, bz = coils.field(point, current)[0]
-        gradient = coils.gradient(point, current)[0]
-        mx, mz = MOMENT * np.cos(angle), -MOMENT * np.sin(angle)
-        fx = mx * gradient[0, 0] + mz * gradient[2, 0]
-        fz = mx * gradient[0, 2] + mz * gradient[2, 2] - mass * gravity
-        return (mz * bx - mx * bz) + height * fx + lever * fz
+        return torque_about_corner(angle, *at)
 
     middle = brentq(torque, 0.5, 1.0)
     stiffness = -(torque(middle + 1e-4) - torque(middle - 1e-4)) / 2e-4
