@@ -206,16 +206,6 @@ def test_stribeck_friction_of_a_sliding_block(velocity):
     assert slide.x == pytest.approx(exact.y[0], rel=1e-6, abs=1e-12)
 
 
-def test_fast_stribeck_friction_is_static_friction_and_slow_is_kinetic():
-    angle = {"effects.surface_tilt.angle": 0.6}
-    kinetic = run(still_for(0.02), angle, {"effects.stribeck_friction.velocity": 1e-9}, rate=1e3)
-    plain = run(still_for(0.02), angle, rate=1e3)
-    assert kinetic.x == pytest.approx(plain.x, rel=1e-4, abs=1e-9)
-    static = run(still_for(0.02), angle, {"effects.stribeck_friction.velocity": 100.0}, rate=1e3)
-    other = run(still_for(0.02), angle, {"contact.kinetic_friction": 0.2}, rate=1e3)
-    assert static.x == pytest.approx(other.x, rel=1e-6)
-
-
 @pytest.mark.parametrize("lag", [1e-3, 7e-3, 3e-2])
 def test_eddy_lag_delays_the_field_behind_a_step(lag):
     # Two first-order lags in a row; where they are equal, the form t exp(-t / T).
@@ -232,17 +222,6 @@ def test_eddy_lag_delays_the_field_behind_a_step(lag):
     assert (step.bx[0], share[0]) == pytest.approx((0.0, 0.0), abs=1e-12)
     assert step.bx[-1] == pytest.approx(1e-3 * share[-1], rel=1e-4)
     assert step.bx / step.bx[-1] == pytest.approx(share / share[-1], abs=tolerance)
-
-
-def test_eddy_lag_reaches_the_dc_field():
-    held = run(
-        program(Waveform.hold(0.2, volts(1e-3))),
-        {"effects.eddy_lag.time": 5e-3, "contact.adhesion": 1.0, **QUICK_COILS},
-        rate=100.0,
-    )
-    assert held.bx[-1] == pytest.approx(1e-3, rel=1e-4)
-    assert held.z[-1] == HEIGHT / 2
-    assert held.normal_force[-1] > MASS * GRAVITY
 
 
 @pytest.mark.parametrize("fraction", [0.5, -1.0, 2.0])

@@ -46,23 +46,30 @@ def test_default_tolerance_is_tight_enough(case, method):
     assert _velocity(*case[:-1], method=method, rtol=1e-4) != fine
 
 
+def random_drive(random):
+    """Keys and drive of a walk, some of them with hops."""
+    drive = {
+        "mode": random.choice(["IPP", "OPP"]).item(),
+        "edge": random.choice(["rise", "fall"]).item(),
+        "clamp": random.choice(["up", "down"]).item(),
+        "frequency": random.uniform(5.0, 200.0),
+        "base": random.uniform(-0.5e-3, 1.5e-3),
+        "hold": random.uniform(0.5e-3, 3e-3),
+        "pulses": 8,
+    }
+    static = float(np.exp(random.uniform(np.log(0.05), np.log(2.0))))
+    keys = friction(static, static * random.uniform(0.3, 1.0))
+    keys["contact.adhesion"] = random.uniform(0.0, 1e-6)
+    keys["drag.linear"] = float(np.exp(random.uniform(np.log(1e-6), np.log(1e-4))))
+    return keys, drive
+
+
 def test_the_default_tolerance_agrees_with_a_fine_one_on_random_drives():
     # Events decide the motion: one that is missed changes it by percents.
     random = np.random.default_rng(20)
     worst = []
     for _ in range(150):
-        drive = {
-            "mode": random.choice(["IPP", "OPP"]).item(),
-            "edge": random.choice(["rise", "fall"]).item(),
-            "clamp": random.choice(["up", "down"]).item(),
-            "frequency": random.uniform(10.0, 200.0),
-            "base": random.uniform(0.0, 1e-3),
-            "hold": random.uniform(0.5e-3, 3e-3),
-            "pulses": 8,
-        }
-        static = random.uniform(0.1, 1.0)
-        keys = friction(static, 0.725 * static)
-        keys["contact.adhesion"] = random.uniform(0.0, 0.5e-6)
+        keys, drive = random_drive(random)
         default, fine = run(keys, **drive), run(keys, {"solver.rtol": 1e-11}, **drive)
         worst.append(abs(default.mean_velocity - fine.mean_velocity))
     # 2 um/s is a thousandth of a brisk walk; a run at a bifurcation may fall either way.
@@ -133,22 +140,9 @@ def test_recording_does_not_change_the_motion_of_arkode(rate):
 def test_both_integrators_agree_on_random_drives():
     random = np.random.default_rng(7)
     for _ in range(50):
-        drive = {
-            "mode": random.choice(["IPP", "OPP"]).item(),
-            "edge": random.choice(["rise", "fall"]).item(),
-            "clamp": random.choice(["up", "down"]).item(),
-            "frequency": random.uniform(5.0, 200.0),
-            "base": random.uniform(-0.5e-3, 1.5e-3),
-            "hold": random.uniform(0.5e-3, 3e-3),
-            "pulses": 8,
-        }
-        static = float(np.exp(random.uniform(np.log(0.05), np.log(2.0))))
-        keys = friction(static, static * random.uniform(0.3, 1.0))
-        keys["contact.adhesion"] = random.uniform(0.0, 1e-6)
-        keys["drag.linear"] = float(np.exp(random.uniform(np.log(1e-6), np.log(1e-4))))
+        keys, drive = random_drive(random)
         ours, theirs = (
-            run(keys, {"solver.rtol": 1e-10, "solver.method": method}, **drive).mean_velocity
-            for method in ("tsit5", "arkode")
+            run(keys, TIGHT, {"solver.method": method}, **drive).mean_velocity for method in METHODS
         )
         # Two runs, each good to 1e-10 a step; a net motion that nearly cancels has an error of the
         # size of its parts.

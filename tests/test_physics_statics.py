@@ -175,15 +175,3 @@ def test_block_tips_where_torques_balance_about_the_corner(clamp, adhesion):
     # The shared half of the adhesion that holds the leaving corner acts at a whole length.
     assert torque + pull * HEIGHT / 2 == pytest.approx(lever * (WEIGHT + adhesion - lift), rel=1e-7)
     assert is_mode(tipped, ON_A_CORNER)[first]
-
-
-def test_largest_torque_of_the_set_up():
-    # 10.56 uN mm at 6.5 mT: an adhesion that needs just that torque is torn off just there.
-    largest = MOMENT * 6.5e-3
-    assert largest == pytest.approx(10.56e-9, rel=1e-3)
-    adhesion = largest / (LENGTH / 2) - WEIGHT
-    for share, tips in ((0.99, 1), (1.01, 0)):
-        final = volts(clamp=-6.5e-3)
-        keys = program(Waveform.ramp(0.3, final) + Waveform.hold(0.2, final))
-        pulled = run(keys, {"contact.adhesion": share * adhesion})
-        assert pulled.summary()["events"]["tip"] == tips
