@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
     from stickslip import plot as plot
     from stickslip._core import __version__ as __version__
-    from stickslip.control.optimise import optimise as optimise
-    from stickslip.control.optimum import Optimum as Optimum
+    from stickslip.design.optimise import optimise as optimise
+    from stickslip.design.optimum import Optimum as Optimum
     from stickslip.control.predict import predict as predict
     from stickslip.control.prediction import Prediction as Prediction
     from stickslip.diagnosis.data.series import Series as Series
@@ -78,8 +78,8 @@ _HOME = {
     name: module
     for module, names in {
         "_core": ("__version__",),
-        "control.optimise": ("optimise",),
-        "control.optimum": ("Optimum",),
+        "design.optimise": ("optimise",),
+        "design.optimum": ("Optimum",),
         "control.predict": ("predict",),
         "control.prediction": ("Prediction",),
         "diagnosis.data.series": ("Series",),

@@ -203,7 +203,7 @@ def figure_after(suffix: str) -> Completer:
     def complete(
         ctx: click.Context, param: click.Parameter, incomplete: str
     ) -> list[CompletionItem]:
-        from stickslip.control.goal import FIGURES
+        from stickslip.design.goal import FIGURES
 
         figures = ((f"{name}{suffix}", each.meaning) for name, each in FIGURES.items())
         return _beginning(figures, incomplete)

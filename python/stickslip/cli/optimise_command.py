@@ -134,8 +134,8 @@ def command(
 
     Ctrl-C ends the search, and writes the best so far.
     """
-    from stickslip.control.optimise import optimise
-    from stickslip.control.optimum import FILES, SearchInterrupted
+    from stickslip.design.optimise import optimise
+    from stickslip.design.optimum import FILES, SearchInterrupted
 
     base = with_uncertain_file(read_with(scenario, settings), uncertain, settings)
     options["free"] = by_key("--free", free, _FREE, _values)

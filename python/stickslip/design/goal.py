@@ -1,0 +1,143 @@
+"""What a drive is judged by: a figure of the summary over draws, under limits on other figures."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from stickslip._util import units
+from stickslip._util.arrays import Array
+from stickslip._util.number_text import is_number
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import refuse, shown, suggestion
+from stickslip.simulation.columns import NUMBERS, Column
+from stickslip.simulation.run import Run
+from stickslip.simulation.seen_from_drive import VELOCITIES
+
+FIGURES = {
+    **NUMBERS,
+    **VELOCITIES,
+    "tilt_max": Column("rad", "largest |theta|, measuring window"),
+}
+"""What can be a goal or have a limit: numbers of a summary, `Run.velocity`, the tilt either way."""
+
+WALKING = {"airborne_fraction": 0.2, "tilt_max": 1.5}
+"""Default limits: a robot that hops or stands on end does not walk. Chosen: at the paper's drives
+up to a fifth of the time is flight; 1.5 rad is just short of upright."""
+
+
+@dataclass(frozen=True)
+class Goal:
+    """What is best.
+
+    `sign` is 1 of a figure that is maximised, else -1. `score` is what of the draws counts: "q10"
+    for the 10 % quantile, counted from the bad side, "mean" or "worst". `limits` has the greatest
+    value that is allowed of other figures, in every draw, SI units; `assumed` names those that
+    nobody gave.
+    """
+
+    figure: str
+    sign: float
+    score: str
+    limits: Mapping[str, float]
+    assumed: tuple[str, ...] = ()
+
+    @property
+    def unit(self) -> str:
+        """SI unit of the figure."""
+        return FIGURES[self.figure].unit
+
+    def numbers(self, run: Run | None) -> list[float]:
+        """The figure of a run and those that have a limit; NaN of one that failed."""
+        if run is None or not run.ok:
+            return [math.nan] * (1 + len(self.limits))
+        found = {**run.numbers, **dict(zip(VELOCITIES, run.velocity, strict=True))}
+        found["tilt_max"] = max(-found["theta_min"], found["theta_max"])
+        return [float(found[name]) for name in (self.figure, *self.limits)]
+
+    def table(self, numbers: Array) -> pd.DataFrame:
+        """Drives by their numbers in each draw, shape (drives, draws, 1 + limits), a row each.
+
+        Columns are the score, mean and worst of the figure, the draws, how many of them fail or
+        pass a limit (`exceeding`) or fail (`failed`), by how much the limits are passed, relative
+        to them and summed (`excess`), and the greatest value of each figure with a limit.
+        """
+        good, limited = self.sign * numbers[..., 0], numbers[..., 1:]
+        share = {"worst": 0.0, "mean": math.nan}.get(self.score)
+        if share is None:
+            share = int(self.score[1:]) / 100.0
+        score = good.mean(axis=1) if math.isnan(share) else np.quantile(good, share, axis=1)
+        limits = np.array(list(self.limits.values()))
+        worst = limited.max(axis=1)
+        lost = ~np.isfinite(numbers).all(axis=-1)
+        passed = np.maximum(worst - limits, 0.0) / np.where(limits == 0.0, 1.0, np.abs(limits))
+        return pd.DataFrame(
+            {
+                "score": self.sign * score,
+                "mean": self.sign * good.mean(axis=1),
+                "worst": self.sign * good.min(axis=1),
+                "draws": numbers.shape[1],
+                "exceeding": (lost | (limited > limits).any(axis=-1)).sum(axis=1),
+                "failed": lost.sum(axis=1),
+                "excess": passed.sum(axis=1),
+                **dict(zip(self.limits, worst.T, strict=True)),
+            }
+        )
+
+    def keys(self, table: pd.DataFrame, limited: bool = True) -> Array:
+        """What drives are sorted by: failures, then what passes the limits, then the score.
+
+        Without `limited` the limits do not count: what passes one in no draw of the search may
+        pass it in one of many others, or else a drive at its limit would lose to any far from it.
+        """
+        lost = table["failed"].to_numpy(dtype=float)
+        excess = np.where(lost > 0.0, 0.0, table["excess"] if limited else 0.0)
+        score = np.where((lost > 0.0) | (excess > 0.0), 0.0, -self.sign * table["score"])
+        return np.column_stack([lost, excess, score])
+
+    def beside_limit(self, name: str, value: float) -> str:
+        """A figure that has a limit, beside it."""
+        unit = units.unit_label(FIGURES[name].unit)
+        text = f"{name} {value:.6g} of {self.limits[name]:.6g} {unit}".rstrip()
+        return text + (", default (--allow-flight removes it)" if name in self.assumed else "")
+
+    def passed(self, worst: Mapping[str, float]) -> list[str]:
+        """The greatest values that pass their limits, each beside it."""
+        over = [name for name, limit in self.limits.items() if not worst[name] <= limit]
+        return [self.beside_limit(name, worst[name]) for name in over]
+
+
+def made_goal(
+    maximise: str | None,
+    minimise: str | None,
+    score: str,
+    limits: Mapping[str, float],
+    walking: bool,
+) -> Goal:
+    """The goal, once all is checked; a robot that has to walk has the limits of `WALKING` too."""
+    figure = maximise if minimise is None else minimise
+    if figure is None or (maximise is not None and minimise is not None):
+        raise ScenarioError("allowed is either maximise or minimise, with a figure of the summary")
+    for name in (figure, *limits):
+        if name not in FIGURES:
+            hint = suggestion(str(name), FIGURES)
+            raise ScenarioError(f"figure {shown(name)}: no number of a summary; {hint}")
+    for name, limit in limits.items():
+        if not is_number(limit) or not math.isfinite(limit):
+            refuse(f"limit on {name}", limit, "a finite number")
+    if not isinstance(score, str) or not re.fullmatch(r"q[1-9]\d?|mean|worst", score):
+        refuse("score", score, '"q10" or another of "q1" to "q99", "mean", "worst"')
+    assumed = {k: v for k, v in WALKING.items() if walking and k not in limits}
+    sign = 1.0 if minimise is None else -1.0
+    return Goal(figure, sign, score, {**limits, **assumed}, tuple(assumed))
+
+
+def best_first(keys: Array) -> Sequence[int]:
+    """Indices of keys, the least first; equal ones in their order."""
+    order: list[int] = np.lexsort(keys.T[::-1]).tolist()
+    return order

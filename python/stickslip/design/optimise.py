@@ -1,0 +1,371 @@
+"""The drive that walks best under limits, robust to what is uncertain."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from stickslip._util.arrays import Array
+from stickslip._util.processor_count import worker_count
+from stickslip.design.goal import Goal, best_first, made_goal
+from stickslip.design.optimum import COMPARED, Optimum, SearchInterrupted
+from stickslip.design.sawtooth import POINTS, sawtooths
+from stickslip.design.search import search
+from stickslip.design.space import Space, Values, made_space
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import RECORD_RATE, check_kind, check_whole, find_key
+from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.simulate import Progress, simulate, simulate_batch
+
+LEADERS = 24
+"""Best candidates that meet other draws. Chosen: enough to find one among them that is no luck."""
+
+ABOUT = 32
+"""Draws of the landscape; chosen: enough for differences, not for its level."""
+
+OFFSETS = (-0.2, -0.1, -0.05, -0.02, 0.02, 0.05, 0.1, 0.2)
+"""Steps from the best drive, in parts of a range; chosen: from a good setting to a bad one."""
+
+NEAR, LOSS, RISE = 0.05, 0.1, 0.01
+"""Within the part `NEAR` of a range (as well as a lab repeats a setting) a peak loses more than the
+part `LOSS` of the score, and a slope at a limit gains more than `RISE` beyond it. All chosen."""
+
+_MOST_MOVES = 4  # chosen: each costs a whole landscape
+_SEARCHING, _CHOOSING, _FRESH, _LANDSCAPE = range(4)  # streams of draws of one seed
+
+
+def optimise(
+    scenario: Scenario,
+    *,
+    maximise: str | None = None,
+    minimise: str | None = None,
+    free: Mapping[str, Any] | None = None,
+    limits: Mapping[str, float] | None = None,
+    allow_flight: bool = False,
+    knots: int | None = None,
+    coils: Sequence[str] = ("xp", "clamp"),
+    score: str = "q10",
+    draws: int = 8,
+    fresh: int = 64,
+    evaluations: int = 10_000,
+    seed: int = 0,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Optimum:
+    """Search for the drive that is best under limits, over draws of what is uncertain.
+
+    CMA-ES (Hansen, arXiv:1604.00772) by ranks alone. Every candidate meets the same draws of
+    ``scenario.uncertain``. Candidates that pass a limit in a draw rank behind all others, by how
+    much they pass it; those whose simulation fails rank last. The best is judged on fresh draws
+    beside the start and the best sawtooth of a grid. If the sawtooth is better there, it is the
+    result, and so is a better neighbour, a step along one number.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The start. Without anything uncertain it is its own only draw.
+    maximise, minimise : str
+        A number of `Run.summary`, or ``velocity_along`` or ``velocity_across`` of the drive's
+        heading; one of the two.
+    free : mapping, optional
+        By key ``(low, high)`` of a number, or a list of words, each combination of which is a
+        restart. A positive range of a decade or more is searched in its logarithm. With
+        ``drive.frequency`` the pulses change too, to at least four, so that all drives last as
+        long as the start.
+    limits : mapping, optional
+        Greatest value of numbers of the summary, SI units, or of ``tilt_max``, the largest
+        abs(theta). To limit the field, limit ``field_max`` and not ``drive.peak``: the coil lets
+        little of a fast pulse through.
+    allow_flight : bool
+        Leaves out the default limits of walking, ``airborne_fraction`` 0.2 and ``tilt_max`` 1.5
+        rad.
+    knots : int, optional
+        Makes the drive a periodic voltage program, linear between so many knots of each coil. It
+        needs a limit on ``voltage_max``, and is measured over all of it, as are start and sawtooth
+        then.
+    coils : sequence of str
+        Coils of such a program; all others stay without voltage.
+    score : str
+        What of the draws counts: ``"q10"``, the 10 % quantile, or another per cent, counted from
+        the greatest value of a figure that is minimised; ``"mean"``; ``"worst"``.
+    draws, fresh : int
+        Draws in the search, and others to judge what it found.
+    evaluations : int
+        Simulations of the search. A number and not a time, so that a seed gives one result.
+    seed : int
+        Of all draws; the same gives the same bits on any number of threads.
+    threads, progress
+        As for `simulate_batch`.
+
+    Returns
+    -------
+    Optimum
+
+    Raises
+    ------
+    KeyboardInterrupt
+        On Ctrl-C. Its ``best`` is the best Optimum until then, or None if no drive was within the
+        limits.
+    ScenarioError
+        If something is not allowed, or no drive is within the limits; then it says by how much the
+        nearest passes them.
+    MissingExtra
+        If a package of the extra ``optimise`` is missing.
+    """
+    check_kind("scenario", scenario, Scenario)
+    limits = limits or {}
+    goal = made_goal(maximise, minimise, score, limits, walking=not allow_flight)
+    for name, count in {"draws": draws, "fresh": fresh, "evaluations": evaluations}.items():
+        check_whole(name, count, 1)
+    check_whole("seed", seed)
+    space = made_space(scenario, free or {}, knots, coils, limits.get("voltage_max"))
+    streams = [_drawn(scenario, n, [seed, k]) for k, n in enumerate((draws, fresh, fresh, ABOUT))]
+    design = _Design(space, goal, streams, worker_count(threads, "threads"), progress)
+    try:
+        leaders = design.search(evaluations, seed)
+        design.compare(leaders)
+        design.climb()
+    except KeyboardInterrupt:
+        raise SearchInterrupted(design.optimum(seed, interrupted=True)) from None
+    best = design.optimum(seed, interrupted=False)
+    assert best is not None  # or the search has raised
+    return best
+
+
+def _drawn(scenario: Scenario, count: int, seeds: list[int]) -> list[Scenario]:
+    """Scenarios without a record; one alone where nothing is uncertain."""
+    quiet = scenario.replace({RECORD_RATE: "none"})
+    if quiet.uncertain is None:
+        return [quiet]
+    return quiet.draws(count, seed=int(np.random.SeedSequence(seeds).generate_state(1)[0]))
+
+
+class _Design:
+    """The best drive so far, and what it is compared with; Ctrl-C leaves what there is.
+
+    `best` is its row of `Goal.table` in the draws of the search, with its `values`. `compared` has
+    the numbers of drives in fresh draws, (draws, 1 + limits), by name.
+    """
+
+    def __init__(
+        self,
+        space: Space,
+        goal: Goal,
+        streams: Sequence[Sequence[Scenario]],
+        threads: int,
+        progress: Progress | None,
+    ) -> None:
+        self._space, self._goal, self._threads, self._progress = space, goal, threads, progress
+        self._searching, self._choosing, self._fresh, self._about = streams
+        self._begin, self._done, self._expected = time.perf_counter(), 0, 1
+        self._message = ""  # of a simulation that failed
+        self.best: pd.Series[Any] | None = None
+        self.compared: dict[str, Array] = {}
+        self.sawtooth: Values | None = None
+        self.landscape: list[dict[str, Any]] = []
+        self.origin, self.moves, self.runs = "search", 0, 0
+
+    def search(self, evaluations: int, seed: int) -> pd.DataFrame:
+        """The leaders within the limits: rows of a table in the draws of the search."""
+        space, goal = self._space, self._goal
+        self._expected = evaluations + POINTS * (1 + len(self._searching))
+        self._expected += 2 * LEADERS * len(self._choosing)
+        self._expected += len(space.ranges) * len(OFFSETS) * len(self._about)
+        tables: list[pd.DataFrame] = []
+        least: tuple[float, ...] = (math.inf,)
+
+        def evaluate(rows: Array) -> Array:
+            nonlocal least
+            table = self._judged([space.values(*row) for row in rows.tolist()], "searching")
+            keys = goal.keys(table)
+            tables.append(table)
+            self.runs += len(table) * len(self._searching)
+            first = best_first(keys)[0]
+            if not table["exceeding"][first] and tuple(keys[first]) < least:
+                least, self.best = tuple(keys[first]), table.loc[first]
+            return keys
+
+        budget = max(1, evaluations // len(self._searching))
+        centres = search(space.starts(), evaluate, budget, seed)
+        table = pd.concat(tables, ignore_index=True)
+        order = best_first(goal.keys(table))
+        if self.best is None:
+            nearest, tried = table.loc[order[0]], f"{len(table)} drives that were tried"
+            if nearest["failed"]:
+                raise ScenarioError(
+                    f"a simulation fails of all {tried}; of the last: {self._message}"
+                )
+            raise ScenarioError(
+                f"limits: none of the {tried} is within all in every draw; the nearest has "
+                + ", ".join(goal.passed(nearest))
+            )
+        # The best are so by luck, in part; the centres are less.
+        leading = [*order[:LEADERS], *range(len(table) - centres, len(table))]
+        return table.loc[leading].query("exceeding == 0")
+
+    def compare(self, leaders: pd.DataFrame) -> None:
+        """Choose among the leaders in draws of their own, and judge the best in others."""
+        self.best = self._chosen(leaders)
+        drives: dict[str, Values] = {"start": {}, "best": self.best["values"]}
+        sawtooth = self._best_sawtooth()
+        if sawtooth is not None:
+            self.sawtooth = drives["sawtooth"] = sawtooth["values"]
+        numbers = self._judge(list(drives.values()), self._fresh, "fresh draws")
+        self.compared = dict(zip(drives, numbers, strict=True))
+        best = self.compared["best"]
+        if sawtooth is not None and self._is_better(self.compared["sawtooth"], best):
+            self.best, self.origin = sawtooth, "sawtooth"
+            self.compared |= {"search": best, "best": self.compared["sawtooth"]}
+
+    def climb(self) -> None:
+        """Look at the neighbours, and go to the best as long as it is better on fresh draws too."""
+        assert self.best is not None
+        while self._space.ranges.keys() <= self.best["values"].keys():
+            drives = [self.best["values"], *neighbours(self._space, self.best["values"])]
+            table = self._goal.table(self._judge(drives, self._about, "landscape"))
+            self.landscape = landscape(self._space, self._goal, drives, table)
+            gain = self._goal.sign * (table["score"] - table["score"][0])
+            better = gain[(table["exceeding"] == 0) & (gain > 0.0)]
+            if better.empty or self.moves == _MOST_MOVES:
+                return
+            values = drives[int(better.idxmax())]
+            row = self._judged([values], "landscape").loc[0]
+            new = self._judge([values], self._fresh, "landscape")[0]
+            if row["exceeding"] or not self._is_better(new, self.compared["best"]):
+                return
+            self.best, self.landscape = row, []
+            self.compared = {"search": self.compared["best"], **self.compared, "best": new}
+            self.moves += 1
+
+    def optimum(self, seed: int, interrupted: bool) -> Optimum | None:
+        """What is found until now; None before a drive was within the limits."""
+        if self.best is None:
+            return None
+        names = [name for name in COMPARED if name in self.compared]
+        width = 1 + len(self._goal.limits)
+        fresh = np.array([self.compared[name] for name in names]).reshape(len(names), -1, width)
+        scenario = self._space.start.replace(self._space.changes(self.best["values"]))
+        return Optimum(
+            scenario=scenario,
+            start=self._space.start,
+            run=simulate(scenario.replace({RECORD_RATE: "none"})),
+            table=self._goal.table(fresh).set_axis(names),
+            fresh=pd.DataFrame(fresh[..., 0].T, columns=names),
+            search=self.best.drop("values"),
+            values=dict(self.best["values"]),
+            sawtooth=None if self.sawtooth is None else dict(self.sawtooth),
+            landscape=pd.DataFrame(self.landscape),
+            goal=self._goal,
+            origin=self.origin,
+            moves=self.moves,
+            runs=self.runs,
+            seed=seed,
+            interrupted=interrupted,
+            seconds=time.perf_counter() - self._begin,
+        )
+
+    def _judge(self, drives: Sequence[Values], draws: Sequence[Scenario], stage: str) -> Array:
+        """Numbers of drives in each draw, (drives, draws, 1 + limits), by one batch."""
+        made: list[list[Scenario]] = []
+        for values in drives:
+            try:
+                changes = self._space.changes(values)
+                made.append([draw.replace(changes) for draw in draws])
+            except ScenarioError as error:  # it fails in every draw
+                self._message = str(error)
+                made.append([])
+        batch = [one for each in made for one in each]
+
+        def report(fraction: float, _: str) -> None:
+            if self._progress is not None:
+                done = self._done + fraction * len(batch)
+                self._progress(min(done / self._expected, 1.0), stage)
+
+        runs = simulate_batch(batch, self._threads, report)
+        self._done += len(batch)
+        self._message = next((run.message for run in runs if not run.ok), self._message)
+        numbers = iter([self._goal.numbers(run) for run in runs])
+        lost = [math.nan] * (1 + len(self._goal.limits))
+        return np.array([[next(numbers) if each else lost for _ in draws] for each in made])
+
+    def _judged(self, drives: Sequence[Values], stage: str) -> pd.DataFrame:
+        """The table of drives in the draws of the search, with their values."""
+        return self._goal.table(self._judge(drives, self._searching, stage)).assign(values=drives)
+
+    def _best_sawtooth(self) -> pd.Series[Any] | None:
+        """None where the drive is a program, or no sawtooth satisfies the limits."""
+        space, goal, draws = self._space, self._goal, self._searching
+        if space.start.drive.mode == "program":
+            return None
+
+        def probe(drives: Sequence[Values], draw: int) -> Array:
+            return self._judge(drives, [draws[draw]], "sawtooths")[:, 0]
+
+        of_start = self._judge([{}], draws, "sawtooths")[0]
+        table = self._judged(sawtooths(space, goal, of_start, probe), "sawtooths")
+        leaders = table.loc[best_first(goal.keys(table))[:LEADERS]].query("exceeding == 0")
+        return None if leaders.empty else self._chosen(leaders)
+
+    def _chosen(self, leaders: pd.DataFrame) -> pd.Series[Any]:
+        numbers = self._judge(list(leaders["values"]), self._choosing, "choosing")
+        keys = self._goal.keys(self._goal.table(numbers), limited=False)
+        return leaders.iloc[best_first(keys)[0]]
+
+    def _is_better(self, one: Array, other: Array) -> bool:
+        keys = self._goal.keys(self._goal.table(np.stack([one, other])), limited=False)
+        return bool(tuple(keys[0]) < tuple(keys[1]))
+
+
+def neighbours(space: Space, values: Values) -> list[Values]:
+    """Drives that differ in one number, within its range."""
+    found: list[Values] = []
+    for name in space.ranges:
+        place = space.coordinate(name, float(values[name]))
+        for other in dict.fromkeys(np.clip(place + np.array(OFFSETS), 0.0, 1.0).tolist()):
+            if other != place:
+                found.append({**values, name: space.number(name, other)})
+    return found
+
+
+def landscape(
+    space: Space, goal: Goal, drives: Sequence[Values], table: pd.DataFrame
+) -> list[dict[str, Any]]:
+    """The score along each free number: of the best drive, the first, and its neighbours.
+
+    A number is on a slope at a limit if more than `RISE` is gained within `NEAR` where a limit does
+    not hold, or may be beyond the end of its range; else on a peak, if more than `LOSS` is lost.
+    """
+    found = []
+    for name in space.ranges:
+        values = pd.Series([float(each[name]) for each in drives])
+        own = table.assign(value=values)[(values != values[0]) | (values.index == 0)]
+        own = own.sort_values("value")
+        place = space.coordinate(name, values[0])
+        away = np.array([space.coordinate(name, each) for each in own["value"]]) - place
+        near = own[np.abs(away) <= NEAR * (1.0 + 1e-9)]  # but for rounding
+        score = table["score"][0]
+        lost = goal.sign * (score - near["score"]) / (abs(score) or 1.0)
+        loss = float(lost.fillna(math.inf).max())
+        end = "low" if place < 0.01 else "high" if place > 0.99 else ""
+        beyond = bool((lost < -RISE)[near["exceeding"] > 0].any())
+        steep = loss > LOSS
+        limited = beyond or (steep and end)
+        found.append(
+            {
+                "name": name,
+                "unit": "V" if " " in name else find_key(name).unit,
+                "best": values[0],
+                "kind": "slope at a limit" if limited else "peak" if steep else "plateau",
+                "loss": loss,
+                "at_end": end,
+                "values": own["value"].tolist(),
+                "scores": own["score"].tolist(),
+                "feasible": (own["exceeding"] == 0).tolist(),
+            }
+        )
+    return found

@@ -1,0 +1,296 @@
+"""What an optimisation found."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from stickslip._util import palette, units
+from stickslip._util.atomic_files import text_writer, write_together
+from stickslip._util.one_line import OneLine
+from stickslip._util.picture import Picture
+from stickslip.design.goal import Goal
+from stickslip.design.space import drive_waveform
+from stickslip.scenario.keys import RECORD_RATE, Value, find_key
+from stickslip.scenario.map_files import map_text
+from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.sections import COIL_NAMES
+from stickslip.scenario.toml_file import scenario_text
+from stickslip.scenario.waveform_csv import write_rows
+from stickslip.simulation.note import shown_lines
+from stickslip.simulation.run import Run
+from stickslip.simulation.simulate import simulate
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+BEST, VOLTAGES, MAP, FIGURE = FILES = "best.toml", "best.csv", "best.map.json", "best.png"
+"""Names of the files of `Optimum.save_report`; voltages and map are there where there are any."""
+
+COMPARED = ("start", "search", "sawtooth", "best")
+"""The drives that are judged on fresh draws."""
+
+_ACTIVE = 0.02  # part of a limit up to which its figure counts as at it; chosen
+_FEW = 6  # names on a line; chosen
+_PERIODS, _SAMPLES = 3, 400  # of the drive that is drawn, and a period; chosen
+_COLUMNS = 4  # slices in a row of the landscape
+
+
+class SearchInterrupted(KeyboardInterrupt):
+    """Ctrl-C in an optimisation.
+
+    `best` is the best Optimum until then, or None where no drive within the limits was found.
+    """
+
+    def __init__(self, best: Optimum | None) -> None:
+        found = "before a drive within the limits was found" if best is None else "see its best"
+        super().__init__(f"interrupted, {found}")
+        self.best = best
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Optimum(OneLine):
+    """What an optimisation found. SI units.
+
+    Attributes
+    ----------
+    scenario, start : Scenario
+        The best drive, and what the search began with.
+    run : Run
+        The best drive at the middle of what is uncertain, without a record.
+    table : pandas.DataFrame
+        A row for each drive that is compared in fresh draws: "start", "search" and "sawtooth" where
+        they are another than the best, and "best". Columns: score, mean and worst of the figure,
+        draws, how many of them exceed a limit or fail, how many fail, by how much the limits are
+        passed relative to them, and the greatest value of each figure that has a limit.
+    fresh : pandas.DataFrame
+        The figure of these drives, a column each, in every fresh draw.
+    search : pandas.Series
+        The best drive in the draws of the search, which favour it, with the columns of `table`.
+    values : dict
+        Words and numbers of the best drive that were free, by name, knots in V; of a sawtooth that
+        is taken beside a free waveform all its keys.
+    sawtooth : dict or None
+        The best sawtooth by its keys; None where none is within the limits.
+    landscape : pandas.DataFrame
+        A row for each free number: name, unit, best, kind ("peak", "plateau", "slope at a limit"),
+        loss (part of the score that is lost nearby), at_end ("low", "high" or ""), and lists of
+        values, scores and whether they are feasible. Empty of a sawtooth beside a free waveform.
+    goal : Goal
+        Its figure, sign, score and limits.
+    origin : {"search", "sawtooth"}
+        Whose drive is the best.
+    moves : int
+        Better neighbours that were taken, one after another.
+    runs, seed : int
+        Simulations of the search, and the seed of all draws.
+    interrupted : bool
+    seconds : float
+        What it took, s.
+    """
+
+    scenario: Scenario
+    start: Scenario
+    run: Run
+    table: pd.DataFrame
+    fresh: pd.DataFrame
+    search: pd.Series[Any]
+    values: dict[str, Value]
+    sawtooth: dict[str, Value] | None
+    landscape: pd.DataFrame
+    goal: Goal
+    origin: str
+    moves: int
+    runs: int
+    seed: int
+    interrupted: bool
+    seconds: float
+
+    @property
+    def active(self) -> list[str]:
+        """Figures whose greatest value in the draws of the search is at its limit."""
+        limits = self.goal.limits.items()
+        return [name for name, most in limits if most - self.search[name] <= _ACTIVE * abs(most)]
+
+    @property
+    def beyond(self) -> str:
+        """Where the best drive is beyond its limits, in one line; empty if nowhere."""
+        middle = self.goal.table(np.array([[self.goal.numbers(self.run)]]))
+        rows = pd.concat([middle, self.table.query("index == 'best'")])
+        rows = rows[rows["exceeding"] > 0]
+        if rows.empty:
+            return ""
+        where = [
+            "the run at the middle" if name == 0 else f"{over} of {draws} fresh draws"
+            for name, over, draws in rows[["exceeding", "draws"]].itertuples()
+        ]
+        passed = self.goal.passed(rows[list(self.goal.limits)].max())
+        passed += ["a simulation fails"] * bool(rows["failed"].any())
+        return f"beyond the limits in {' and '.join(where)}: {', '.join(passed)}"
+
+    def summary(self) -> str:
+        """What was found, in some lines."""
+        goal = self.goal
+        rows = pd.concat([self.search.to_frame("best, in the search").T, self.table])
+        columns = ["score", "mean", "worst", "draws", "exceeding"]
+        lines = [
+            f"{'largest' if goal.sign > 0.0 else 'least'} {goal.figure} found, {goal.unit}; the "
+            f"score is the {goal.score} of the draws:",
+            *rows[columns].to_string(float_format="{:.6g}".format).splitlines(),
+            *["no sawtooth to compare with"] * (self.sawtooth is None),
+            *["the best sawtooth is better than the search"] * (self.origin == "sawtooth"),
+            *[f"better neighbours that were taken: {self.moves}"] * (self.moves > 0),
+            *[self.beyond] * (self.beyond != ""),
+            "the best drive:",
+            *(f"  {line}" for line in self._drive_lines()),
+            f"  in flight {100.0 * self.run.numbers['airborne_fraction']:.3g} % of the time",
+            *(f"  {line}" for line in shown_lines(self.run.notes)),
+            "its limits, in every draw of the search:",
+        ]
+        for name in goal.limits:
+            active = ", active" if name in self.active else ""
+            lines.append(f"  {goal.beside_limit(name, self.search[name])}{active}")
+        if not self.landscape.empty:
+            for kind, names in self.landscape.groupby("kind")["name"]:
+                many = kind == "plateau" and len(names) > _FEW  # it asks for no care
+                told = f"{len(names)} numbers" if many else ", ".join(names)
+                lines.append(f"  on a {kind}: {told}")
+        lines.append(f"{self.runs} runs of the search, seed {self.seed}, {self.seconds:.0f} s")
+        return "\n".join(lines)
+
+    def _drive_lines(self) -> list[str]:
+        """A line for each key, and for the knots of each coil."""
+        lines, knots = [], dict[str, list[str]]()
+        for name, value in self.values.items():
+            if isinstance(value, str):
+                lines.append(f"{name} = {value}")
+            elif " " in name:
+                knots.setdefault(name.partition(" ")[0], []).append(f"{value:.4g}")
+            else:
+                unit = units.unit_label(find_key(name).unit)
+                lines.append(f"{name} = {value:.6g} {unit}".rstrip())
+        return lines + [f"{coil} = {' '.join(each)} V" for coil, each in knots.items()]
+
+    def as_dict(self) -> dict[str, Any]:
+        """The result of plain types, as ``stickslip optimise --json`` prints it."""
+        goal = self.goal
+
+        def judged(row: pd.Series[Any]) -> dict[str, Any]:
+            names = ("score", "mean", "worst")
+            return {
+                **{name: float(row[name]) for name in names},
+                **{name: int(row[name]) for name in ("draws", "exceeding")},
+                "limited": {name: float(row[name]) for name in goal.limits},
+            }
+
+        return {
+            "figure": goal.figure,
+            "unit": goal.unit,
+            "maximise": goal.sign > 0.0,
+            "score": goal.score,
+            "beyond_limits": self.beyond or None,
+            **{name: self.run.summary()[name] for name in ("airborne_fraction", "notes")},
+            "search": judged(self.search),
+            "fresh": {name: judged(row) for name, row in self.table.iterrows()},
+            "limits": dict(goal.limits),
+            "default_limits": list(goal.assumed),
+            "active": self.active,
+            "landscape": self.landscape.to_dict("records"),
+            "draws": int(self.search["draws"]),
+            **{name: getattr(self, name) for name in ("values", "origin", "moves", "sawtooth")},
+            **{name: getattr(self, name) for name in ("runs", "seed", "interrupted", "seconds")},
+        }
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        """Names of the files that `save_report` writes."""
+        parts = {VOLTAGES: self.scenario.drive.program, MAP: self.scenario.coil.map}
+        return tuple(name for name in FILES if parts.get(name, name) is not None)
+
+    def save_report(self, out: str | PathLike[str]) -> None:
+        """Write the best drive and its figure into the folder `out`, which is made: all or none.
+
+        ``best.toml`` is an ordinary scenario, ``best.csv`` the voltages of a free waveform,
+        ``best.map.json`` the field of ``coil.map``, and ``best.png`` is `figure`.
+
+        Raises
+        ------
+        OSError
+            If a file cannot be written.
+        """
+        folder, program = Path(out), self.scenario.drive.program
+        text = scenario_text(self.scenario, VOLTAGES, MAP)
+        writers: dict[Path, Callable[[Path], object]] = {
+            folder / BEST: text_writer((f"# {self.beyond}\n" if self.beyond else "") + text),
+            folder / FIGURE: functools.partial(self.figure().savefig, dpi=150),
+        }
+        if program is not None:
+            writers[folder / VOLTAGES] = functools.partial(write_rows, program)
+        if self.scenario.coil.map is not None:
+            writers[folder / MAP] = text_writer(map_text(self.scenario.coil.map))
+        folder.mkdir(parents=True, exist_ok=True)
+        write_together(writers)
+
+    def figure(self) -> Figure:
+        """Voltages and field of the best drive, the scores of all fresh draws, the landscape."""
+        rows = -(-len(self.landscape) // _COLUMNS)
+        heights = [5.6, 1.5 * rows] if rows else [5.6]
+        figure = Picture(figsize=(8.4, sum(heights)), layout="constrained")
+        parts = figure.subfigures(len(heights), 1, squeeze=False, height_ratios=heights)[:, 0]
+        self._draw_drive(*parts[0].subplots(3, 1))
+        if rows:
+            self._draw_landscape(parts[1].subplots(rows, _COLUMNS, sharey=True, squeeze=False).flat)
+        return figure
+
+    def _draw_drive(self, volts: Axes, field: Axes, scores: Axes) -> None:
+        frequency = float(self.values.get("drive.frequency", self.start.drive.frequency))
+        begin = max(self.scenario.window[1] - _PERIODS / frequency, 0.0)
+        record = {RECORD_RATE: _SAMPLES * frequency, "record.from": begin}
+        run = simulate(self.scenario.replace(record))
+        if run.ok:  # it may fail at the middle, which was none of the draws
+            asked = drive_waveform(self.scenario)
+            voltages = asked.voltages(np.minimum(run.t, asked.duration))
+            for name, each in zip(COIL_NAMES, voltages.T, strict=True):
+                if each.any():
+                    volts.plot(run.t, each, label=name)
+            for name in ("bx", "by", "bz"):
+                field.plot(run.t, 1e3 * getattr(run, name), label=name)
+        for axes, label in ((volts, "voltage asked for (V)"), (field, "field (mT)")):
+            axes.set_ylabel(label)
+            axes.set_xlabel("time (s)")
+            axes.legend(loc="upper right", ncols=5)
+        factor, label = units.in_handy_units(self.goal.figure, self.goal.unit)
+        for place, (name, each) in enumerate(self.fresh.items()):
+            values = np.sort(each) * factor
+            spread = place + 0.28 * np.sin(2.4 * np.arange(len(values)))  # not on one another
+            scores.plot(values, spread, ".", markersize=4, alpha=0.7)
+            score = self.table["score"][name] * factor
+            scores.vlines(score, place - 0.42, place + 0.42, palette.BLACK)
+        scores.set_yticks(range(len(self.table)), list(self.table.index))
+        scores.set_xlabel(f"{label}; the line is the score, {self.goal.score}")
+
+    def _draw_landscape(self, grid: Iterable[Axes]) -> None:
+        factor, label = units.in_handy_units(self.goal.score, self.goal.unit)
+        for axes, each in itertools.zip_longest(grid, self.landscape.to_dict("records")):
+            if each is None:
+                axes.set_visible(False)
+                continue
+            scale, unit = units.handy(each["unit"])
+            x, y = np.array(each["values"]) * scale, np.array(each["scores"]) * factor
+            good = np.array(each["feasible"])
+            axes.plot(x, y, color=palette.BLUE)
+            axes.plot(x[good], y[good], ".", color=palette.BLUE)
+            axes.plot(x[~good], y[~good], "x", color=palette.VERMILION, markersize=4)
+            axes.axvline(each["best"] * scale, color=palette.DARK_GREY, linewidth=0.8)
+            axes.set_title(f"{each['name']} ({unit})".replace(" ()", ""), fontsize=8.0)
+            axes.tick_params(labelsize=7.0)
+        axes.figure.supylabel(label, fontsize=9.0)

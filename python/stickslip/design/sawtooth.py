@@ -1,0 +1,89 @@
+"""The reference of an optimised drive: the best sawtooth of a grid, under the same limits."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from stickslip._util.arrays import Array
+from stickslip.design.goal import Goal
+from stickslip.design.space import Space, Values, drive_waveform
+from stickslip.scenario.keys import Value
+from stickslip.scenario.sections import COIL_NAMES
+
+GRID: Mapping[str, Sequence[Any]] = {
+    "drive.mode": ("IPP", "OPP"),
+    "drive.edge": ("rise", "fall"),
+    "drive.clamp": ("down", "up"),
+    "drive.frequency": np.geomspace(50.0, 300.0, 4).round(1).tolist(),  # Hz
+    "drive.base": (-0.4, 0.0, 0.2, 0.4),
+    "drive.hold": (0.2, 0.4, 0.7, 1.0),
+}
+"""Values of each key; base and hold in parts of the peak. Chosen: from pulses that the field
+follows to such as the coil lets little through of."""
+
+POINTS = math.prod(map(len, GRID.values()))
+"""Sawtooths of the grid."""
+
+_FIELDS = ("drive.peak", "drive.base", "drive.hold")
+# Power of the voltages with which a figure grows.
+_GROWTH = {"voltage_max": 1.0, "current_max": 1.0, "field_max": 1.0, "power_mean": 2.0}
+_BELOW = 0.999  # chosen: a field is not quite proportional where the robot moves
+
+
+Probe = Callable[[Sequence[Values], int], Array]
+"""From drives and the index of a draw to their numbers in it, (drives, 1 + limits)."""
+
+
+def sawtooths(space: Space, goal: Goal, of_start: Array, probe: Probe) -> list[dict[str, Value]]:
+    """The sawtooths of the grid and the start, each once, as near as what is free allows, by keys.
+
+    Where the peak is free, limits on voltage, current, field and power decide how strong each is,
+    by one run in the draw in which the start has most of them. `of_start` are its numbers, (draws,
+    1 + limits). Without such limits all have the top of the free peaks, or the start's peak.
+    """
+    drive, ends = space.start.drive, space.ranges.get("drive.peak")
+    top = ends[1] if ends and ends[1] > 0.0 else drive.peak
+    shapes = [
+        _scaled({"drive.peak": 1.0, **dict(zip(GRID, each, strict=True))}, top)
+        for each in itertools.product(*GRID.values())
+    ]
+    own = {key: space.start.get(key) for key in ("drive.peak", *GRID)}
+    growing = {name: 1 + place for place, name in enumerate(goal.limits) if name in _GROWTH}
+    if not (ends or space.knots):
+        growing = {}
+    found = _each_once(space, shapes, _FIELDS if growing else ())
+    if space.knots:  # a sawtooth drives no coil that the waveform may not
+        asked = drive_waveform(space.start.replace(found[0])).voltages([drive.ramp])[0]
+        if not {COIL_NAMES[k] for k in np.flatnonzero(asked)} <= set(space.coils):
+            return []
+    if growing:
+        of_draws = np.nan_to_num(of_start[:, list(growing.values())])
+        hardest = np.argmax((of_draws / (np.mean(of_draws, axis=0) + 1e-300)).max(axis=1))
+        numbers = probe(found, int(hardest))
+        factors = np.full(len(found), math.inf)
+        for name, column in growing.items():
+            grown = numbers[:, column]
+            room = np.ones(len(found))
+            np.divide(max(goal.limits[name], 0.0), grown, out=room, where=grown > 0.0)
+            factors = np.minimum(factors, _BELOW * room ** (1.0 / _GROWTH[name]))
+        if ends:
+            factors = np.minimum(factors, ends[1] / top)
+        found = [_scaled(each, by) for each, by in zip(found, factors.tolist(), strict=True)]
+    return _each_once(space, [*found, own])
+
+
+def _scaled(values: Values, factor: float) -> dict[str, Value]:
+    return {**values, **{name: factor * float(values[name]) for name in _FIELDS}}
+
+
+def _each_once(
+    space: Space, shapes: Sequence[Values], kept: Sequence[str] = ()
+) -> list[dict[str, Value]]:
+    """As near as what is free allows, but for some keys that are kept."""
+    allowed = [{**space.nearest(each), **{key: each[key] for key in kept}} for each in shapes]
+    return list({tuple(each.items()): space.timed(each) for each in allowed}.values())
