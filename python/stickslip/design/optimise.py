@@ -246,16 +246,17 @@ class _Design:
         """What is found until now; None before a drive was within the limits."""
         if self.best is None:
             return None
-        names = [name for name in COMPARED if name in self.compared]
-        width = 1 + len(self._goal.limits)
-        fresh = np.array([self.compared[name] for name in names]).reshape(len(names), -1, width)
+        fresh = {name: self.compared[name] for name in COMPARED if name in self.compared}
+        table = pd.DataFrame()
+        if fresh:
+            table = self._goal.table(np.array(list(fresh.values()))).set_axis(list(fresh))
         scenario = self._space.start.replace(self._space.changes(self.best["values"]))
         return Optimum(
             scenario=scenario,
             start=self._space.start,
             run=simulate(scenario.replace({RECORD_RATE: "none"})),
-            table=self._goal.table(fresh).set_axis(names),
-            fresh=pd.DataFrame(fresh[..., 0].T, columns=names),
+            table=table,
+            fresh=pd.DataFrame({name: each[:, 0] for name, each in fresh.items()}),
             search=self.best.drop("values"),
             values=dict(self.best["values"]),
             sawtooth=None if self.sawtooth is None else dict(self.sawtooth),
@@ -298,16 +299,17 @@ class _Design:
         return self._goal.table(self._judge(drives, self._searching, stage)).assign(values=drives)
 
     def _best_sawtooth(self) -> pd.Series[Any] | None:
-        """None where the drive is a program, or no sawtooth satisfies the limits."""
+        """None where there is none to compare with, or none satisfies the limits."""
         space, goal, draws = self._space, self._goal, self._searching
-        if space.start.drive.mode == "program":
-            return None
 
         def probe(drives: Sequence[Values], draw: int) -> Array:
             return self._judge(drives, [draws[draw]], "sawtooths")[:, 0]
 
         of_start = self._judge([{}], draws, "sawtooths")[0]
-        table = self._judged(sawtooths(space, goal, of_start, probe), "sawtooths")
+        found = sawtooths(space, goal, of_start, probe)
+        if not found:
+            return None
+        table = self._judged(found, "sawtooths")
         leaders = table.loc[best_first(goal.keys(table))[:LEADERS]].query("exceeding == 0")
         return None if leaders.empty else self._chosen(leaders)
 

@@ -52,9 +52,12 @@ class SearchInterrupted(KeyboardInterrupt):
     """
 
     def __init__(self, best: Optimum | None) -> None:
-        found = "before a drive within the limits was found" if best is None else "see its best"
-        super().__init__(f"interrupted, {found}")
+        super().__init__()
         self.best = best
+
+    def __str__(self) -> str:
+        found = "before a drive within the limits was found" if self.best is None else "see its best"
+        return f"interrupted, {found}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -44,9 +44,12 @@ def sawtooths(space: Space, goal: Goal, of_start: Array, probe: Probe) -> list[d
 
     Where the peak is free, limits on voltage, current, field and power decide how strong each is,
     by one run in the draw in which the start has most of them. `of_start` are its numbers, (draws,
-    1 + limits). Without such limits all have the top of the free peaks, or the start's peak.
+    1 + limits). Without such limits all have the top of the free peaks, or the start's peak. None
+    are comparable with a program, or drive a coil that a free waveform may not.
     """
     drive, ends = space.start.drive, space.ranges.get("drive.peak")
+    if drive.mode == "program":
+        return []
     top = ends[1] if ends and ends[1] > 0.0 else drive.peak
     shapes = [
         _scaled({"drive.peak": 1.0, **dict(zip(GRID, each, strict=True))}, top)
@@ -57,7 +60,7 @@ def sawtooths(space: Space, goal: Goal, of_start: Array, probe: Probe) -> list[d
     if not (ends or space.knots):
         growing = {}
     found = _each_once(space, shapes, _FIELDS if growing else ())
-    if space.knots:  # a sawtooth drives no coil that the waveform may not
+    if space.knots:
         asked = drive_waveform(space.start.replace(found[0])).voltages([drive.ramp])[0]
         if not {COIL_NAMES[k] for k in np.flatnonzero(asked)} <= set(space.coils):
             return []
