@@ -280,9 +280,7 @@ def test_ctrl_c_keeps_the_best_so_far(few, batches):
 
 
 @pytest.mark.parametrize(("batch", "limits"), [(0, {}), (2, {"voltage_max": 1.0})])
-def test_ctrl_c_before_a_drive_within_the_limits_was_found_has_no_best(
-    batch, limits, few, batches
-):
+def test_ctrl_c_before_a_drive_within_the_limits_was_found_has_no_best(batch, limits, few, batches):
     batches.ctrl_c = batch
     with pytest.raises(KeyboardInterrupt) as interrupt:
         optimise(START, **{**WALK, "limits": limits}, **LITTLE)

@@ -65,7 +65,7 @@ def test_the_best_arm_is_found_and_gets_most_of_the_budget():
 
 
 def test_arms_without_numbers_are_compared_once():
-    rows, keys, centres = found(distance, np.empty((3, 0)), 100)
+    rows, _, centres = found(distance, np.empty((3, 0)), 100)
     assert rows.tolist() == [[0.0], [1.0], [2.0]]
     assert centres == 0
 
