@@ -7,8 +7,7 @@ from typing import Any
 
 import click
 
-from stickslip._util.plain_text import printable_lines
-from stickslip._util.strict_json import json_text
+from stickslip._util.text import json_text, printable_lines
 from stickslip.cli.common import JSON, PATH, SET, THREADS, UNCERTAIN, WholeNumber, say
 from stickslip.cli.completion import coils, figure_after, settings
 from stickslip.cli.progress import ProgressBar

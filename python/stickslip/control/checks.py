@@ -7,7 +7,7 @@ import numbers
 
 import numpy as np
 
-from stickslip._util.arrays import Array
+from stickslip._util.numbers import Array
 from stickslip.scenario.keys import refuse
 
 

@@ -9,28 +9,28 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip._util.arrays import Array, Indices, Mask
-from stickslip._util.missing_extra import naming_the_extra
+from stickslip._util.extras import naming_the_extra
+from stickslip._util.numbers import Array, Indices, Mask
 
 with naming_the_extra("stickslip.control.environments"):
     import gymnasium
     from gymnasium.vector import AutoresetMode
 
 from stickslip import _core
-from stickslip._util.processor_count import worker_count
+from stickslip._util.numbers import worker_count
 from stickslip.control.camera import Camera, Film
 from stickslip.control.checks import check_above_zero, numbers_of
 from stickslip.control.path import Path
 from stickslip.control.steering import heading_voltages
 from stickslip.control.tasks import TASKS, Targets
 from stickslip.errors import ScenarioError
+from stickslip.field.coils import Coils
 from stickslip.scenario.keys import check_kind, check_whole, meant, refuse, shown, suggestion
 from stickslip.scenario.priors import Prior
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
 from stickslip.scenario.state import CONTACT_WORDS, STATE_COLUMNS
 from stickslip.scenario.uncertain import JointPrior
-from stickslip.simulation.coils import Coils
 
 _BODY = {"goal ahead": 1e-3, "goal left": 1e-3, "cos heading": 1.0, "sin heading": 1.0}
 OBSERVED = {

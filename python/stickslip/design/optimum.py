@@ -14,13 +14,13 @@ import numpy as np
 import pandas as pd
 
 from stickslip._util import palette, units
-from stickslip._util.atomic_files import text_writer, write_together
-from stickslip._util.one_line import OneLine
+from stickslip._util.files import text_writer, write_together
 from stickslip._util.picture import Picture
+from stickslip._util.text import OneLine
 from stickslip.design.goal import Goal
 from stickslip.design.space import drive_waveform
+from stickslip.field.map_files import map_text
 from stickslip.scenario.keys import RECORD_RATE, Value, find_key
-from stickslip.scenario.map_files import map_text
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
 from stickslip.scenario.toml_file import scenario_text
@@ -56,8 +56,9 @@ class SearchInterrupted(KeyboardInterrupt):
         self.best = best
 
     def __str__(self) -> str:
-        found = "before a drive within the limits was found" if self.best is None else "see its best"
-        return f"interrupted, {found}"
+        if self.best is None:
+            return "interrupted before a drive within the limits was found"
+        return "interrupted; the attribute best has the best drive until then"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
