@@ -8,7 +8,7 @@ import math
 import gymnasium
 import numpy as np
 
-from stickslip import Drive, Scenario, ScenarioError, optimise
+from stickslip import Drive, Scenario, ScenarioError, optimise, simulate
 from stickslip.control import Camera, Film, Path, heading_voltages
 from stickslip.control.environments import RobotEnv, RobotVectorEnv
 from stickslip.design.space import drive_waveform
@@ -133,6 +133,8 @@ ROWS = [
     ("period a word", env(period="x"), 'period = "x"'),
     ("steps", env(max_episode_steps=-1), "max_episode_steps = -1: allowed is a whole"),
     ("prior", env(uncertain={"robot.mass": Prior("normal", 1e3, 1.0)}), "robot.mass"),
+    ("y in one plane", lambda _: simulate(START, until="y >= 1e-3"), "plane y = 0"),
+    ("heading in one plane", lambda _: simulate(START, until="heading <= -0.5"), "plane y = 0"),
     ("action nan", act([0.5, math.nan]), "nan] of shape (2,): allowed is shape (2,)"),
     ("action infinite", act([-math.inf, 0.5, 0.5], task="reach"), "allowed is shape (3,)"),
     ("action too short", act([0.5]), "of shape (1,): allowed is shape (2,)"),
