@@ -217,8 +217,9 @@ def test_every_stage_has_draws_of_its_own(few, batches):
 
 
 def test_of_search_and_sawtooth_the_better_is_taken(few, monkeypatch):
+    faster = {**TWO, "drive.frequency": (150.0,)}
     with monkeypatch.context() as patch:
-        patch.setattr("stickslip.design.sawtooth.GRID", {**TWO, "drive.frequency": (150.0,)})
+        patch.setattr("stickslip.design.sawtooth.GRID", faster)
         found = optimise(START, **WALK, evaluations=1)  # that of the start
     scores = found.table["score"]
     assert found.origin == "sawtooth"
@@ -231,6 +232,12 @@ def test_of_search_and_sawtooth_the_better_is_taken(few, monkeypatch):
     assert searched.origin == "search"
     assert searched.table["score"]["best"] >= searched.table["score"]["sawtooth"]
     assert "is better than the search" not in searched.summary()
+    # What no sawtooth has stays as it was, and has its place in the landscape.
+    sized = {"maximise": "mean_velocity", "free": {**WALK["free"], "robot.length": (2e-4, 3e-4)}}
+    monkeypatch.setattr("stickslip.design.sawtooth.GRID", faster)
+    found = optimise(START, **sized, evaluations=1)
+    assert found.origin == "sawtooth"
+    assert {*found.values} == {*sized["free"]} == {*found.landscape["name"]}
 
 
 def test_a_sawtooth_beside_a_free_waveform_is_taken_as_a_program(few):

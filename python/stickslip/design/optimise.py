@@ -213,7 +213,7 @@ class _Design:
         drives: dict[str, Values] = {"start": {}, "best": self.best["values"]}
         sawtooth = self._best_sawtooth()
         if sawtooth is not None:
-            self.sawtooth = drives["sawtooth"] = sawtooth["values"]
+            self.sawtooth, drives["sawtooth"] = sawtooth["sawtooth"], sawtooth["values"]
         numbers = self._judge(list(drives.values()), self._fresh, "fresh draws")
         self.compared = dict(zip(drives, numbers, strict=True))
         best = self.compared["best"]
@@ -256,7 +256,7 @@ class _Design:
             run=simulate(scenario.replace({RECORD_RATE: "none"})),
             table=table,
             fresh=pd.DataFrame({name: each[:, 0] for name, each in fresh.items()}),
-            search=self.best.drop("values"),
+            search=self.best.drop(["values", "sawtooth"], errors="ignore"),
             values=dict(self.best["values"]),
             sawtooth=None if self.sawtooth is None else dict(self.sawtooth),
             landscape=pd.DataFrame(self.landscape),
@@ -308,7 +308,9 @@ class _Design:
         found = sawtooths(space, goal, of_start, probe)
         if not found:
             return None
-        table = self._judged(found, "sawtooths")
+        free = space.values(0, *space.starts()[0])
+        drives = found if space.knots else [{k: each.get(k, free[k]) for k in free} for each in found]
+        table = self._judged(drives, "sawtooths").assign(sawtooth=found)
         leaders = table.loc[best_first(goal.keys(table))[:LEADERS]].query("exceeding == 0")
         return None if leaders.empty else self._chosen(leaders)
 
