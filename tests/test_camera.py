@@ -38,6 +38,15 @@ def test_an_exposure_averages_and_noise_has_its_size():
     assert np.std(errors[1:]) == pytest.approx(2e-6, rel=4 / math.sqrt(2 * count))
 
 
+def test_frames_are_dropped_as_often_as_said():
+    film = Film(Camera(frame_rate=1000.0, dropped=0.3), 1e-3, np.zeros(2))
+    random = np.random.default_rng(0)
+    count = 4000
+    new = sum(film.watch(1e-3 * k, np.zeros(2), random)[1] == 0.0 for k in range(1, count + 1))
+    # A binomial number, within four deviations.
+    assert new / count == pytest.approx(0.7, abs=4 * math.sqrt(0.3 * 0.7 / count))
+
+
 def test_a_camera_sees_the_plane_with_noise_of_every_kind():
     camera = Camera(frame_rate=1000.0, noise_x=2e-6, noise_theta=0.01, noise_heading=0.03)
     still = np.array([1e-3, -2e-3, 0.5, 1.0])

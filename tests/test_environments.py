@@ -225,6 +225,12 @@ def test_a_goal_that_is_reached_ends_an_episode_with_success():
     assert terminated
     assert info["success"]
     assert reward == pytest.approx(1.0, abs=1e-3)
+    # A robot that flies past it, 50 um above the surface, has not been put down there.
+    high = Scenario().robot.height / 2 + 50e-6
+    above = RobotEnv(task="place", scenario=Scenario(initial=State(x=begun[0], z=high)))
+    above.reset(seed=3)
+    above._many._targets.goals[:] = env._many._targets.goals
+    assert not above.step(np.zeros(2))[2]
 
 
 def test_without_gymnasium_the_import_says_what_to_install(monkeypatch):

@@ -190,6 +190,16 @@ def test_a_camera_shows_the_goal_from_where_it_sees_the_robot():
     assert ((age >= 0.02 - 1e-9) & (age < 0.03 + 1e-9)).all()
 
 
+def test_the_next_point_of_a_path_lies_ahead_of_where_the_robot_is_seen():
+    camera = Camera(frame_rate=100.0, latency=0.05)
+    path = Path([(0.0, 0.0), (5e-3, 0.0)])
+    env = RobotEnv(task="follow", path=path, camera=camera)
+    _, (observation, *_, info) = walked(env, 200)
+    ahead, _, _, _, x, *_ = observation * [*CAMERA_OBSERVED.values()]
+    assert x < info["progress"] - 20e-6  # it walks some 2 mm/s
+    assert ahead == pytest.approx(0.25e-3, abs=1e-9)
+
+
 def test_robots_that_go_on_keep_their_figures_where_another_begins_anew():
     envs = RobotVectorEnv(2, "follow", autoreset_mode=AutoresetMode.SAME_STEP)
     envs.reset(seed=1)

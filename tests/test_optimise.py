@@ -200,6 +200,8 @@ def test_the_score_is_that_of_the_scenario_that_is_found(few):
     times = START.drive.ramp + period * (2 + np.arange(3) / 3)
     asked = found.scenario.drive.program.voltages(times)
     assert asked[:, 0] == pytest.approx(knots)
+    closing = found.scenario.drive.program.voltages([times[-1] + period / 6])[0, 0]
+    assert closing == pytest.approx((knots[-1] + knots[0]) / 2)
     assert not asked[:, 1:4].any()  # no coil is driven but those that are named
 
 

@@ -79,6 +79,7 @@ def test_one_draw_that_fails_or_passes_a_limit_counts():
     assert table["exceeding"].tolist() == [0, 1, 1]
     assert table["excess"][:2].tolist() == pytest.approx([0.0, 0.2])
     assert best_first(goal.keys(table)) == [0, 1, 2]
+    assert goal.keys(table)[2].tolist() == [1.0, 0.0, 0.0]  # failures rank by their number alone
 
 
 def test_a_drive_that_makes_no_scenario_is_told_as_a_failure():

@@ -84,9 +84,14 @@ def test_a_strategy_that_has_converged_begins_again_elsewhere():
         near, far = (np.sum((rows[:, 1:] - place) ** 2, axis=1) for place in (0.1, 0.9))
         return np.minimum(near + 0.01, far)[:, None]
 
-    rows, keys, centres = found(hollows, [[0.1, 0.1]], 4000)
+    sizes = []
+    rows, keys, centres = found(
+        lambda rows: sizes.append(len(rows)) or hollows(rows), [[0.1, 0.1]], 4000
+    )
     assert best(rows, keys)[1:] == pytest.approx(0.9, abs=1e-2)
     assert centres > 1
+    # Each begins with twice as many a generation; the start and the centres stand about them.
+    assert list(dict.fromkeys(sizes[1:-1])) == [sizes[1] * 2**k for k in range(centres)]
 
 
 def test_an_interrupt_passes_through():

@@ -245,9 +245,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         mode, mask = self.metadata["autoreset_mode"], self._over.copy()
         if mode == AutoresetMode.DISABLED and mask.any():
             raise ValueError("an episode is over: reset, or options={'reset_mask': mask} of many")
-        voltages = self._voltages(played)
-        voltages[mask] = 0.0  # what is over is begun anew below, whatever it does now
-        self._batch.step(voltages, self.period, False, self._threads)
+        self._batch.step(self._voltages(played), self.period, False, self._threads)
         self._batch.states(self._states)
         status = self._batch.statuses()
         self._steps += 1

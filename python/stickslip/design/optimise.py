@@ -58,11 +58,11 @@ def optimise(
 ) -> Optimum:
     """Search for the drive that is best under limits, over draws of what is uncertain.
 
-    CMA-ES (Hansen, arXiv:1604.00772) by ranks alone. Every candidate meets the same draws of
-    ``scenario.uncertain``. Candidates that pass a limit in a draw rank behind all others, by how
-    much they pass it; those whose simulation fails rank last. The best is judged on fresh draws
-    beside the start and the best sawtooth of a grid. If the sawtooth is better there, it is the
-    result, and so is a better neighbour, a step along one number.
+    CMA-ES (Hansen, arXiv:1604.00772) by ranks alone. Every candidate meets the same draws. Those
+    that pass a limit in a draw rank behind all others, by how much they pass it, and those whose
+    simulation fails rank last. The best is judged on fresh draws beside the start and the best
+    sawtooth of a grid. If the sawtooth is better there, it is the result, and so is a better
+    neighbour, a step along one number.
 
     Parameters
     ----------
@@ -77,16 +77,15 @@ def optimise(
         ``drive.frequency`` the pulses change too, to at least four, so that all drives last as
         long as the start.
     limits : mapping, optional
-        Greatest value of numbers of the summary, SI units, or of ``tilt_max``, the largest
-        abs(theta). To limit the field, limit ``field_max`` and not ``drive.peak``: the coil lets
-        little of a fast pulse through.
+        Greatest value of numbers of the summary, or of ``tilt_max``, the largest abs(theta), rad.
+        To limit the field, limit ``field_max`` and not ``drive.peak``: the coil lets little of a
+        fast pulse through.
     allow_flight : bool
-        Leaves out the default limits of walking, ``airborne_fraction`` 0.2 and ``tilt_max`` 1.5
-        rad.
+        Leaves out the default limits: ``airborne_fraction`` 0.2 and ``tilt_max`` 1.5 rad.
     knots : int, optional
-        Makes the drive a periodic voltage program, linear between so many knots of each coil. It
-        needs a limit on ``voltage_max``, and is measured over all of it, as are start and sawtooth
-        then.
+        Makes the drive a periodic voltage program, linear between so many knots of each coil, which
+        needs a limit on ``voltage_max``. It is measured over all of its time, and so are start and
+        sawtooth then.
     coils : sequence of str
         Coils of such a program; all others stay without voltage.
     score : str
@@ -108,8 +107,7 @@ def optimise(
     Raises
     ------
     KeyboardInterrupt
-        On Ctrl-C. Its ``best`` is the best Optimum until then, or None if no drive was within the
-        limits.
+        On Ctrl-C. Its ``best`` is the best Optimum until then, or None.
     ScenarioError
         If something is not allowed, or no drive is within the limits; then it says by how much the
         nearest passes them.
@@ -309,7 +307,9 @@ class _Design:
         if not found:
             return None
         free = space.values(0, *space.starts()[0])
-        drives = found if space.knots else [{k: each.get(k, free[k]) for k in free} for each in found]
+        drives = (
+            found if space.knots else [{k: each.get(k, free[k]) for k in free} for each in found]
+        )
         table = self._judged(drives, "sawtooths").assign(sawtooth=found)
         leaders = table.loc[best_first(goal.keys(table))[:LEADERS]].query("exceeding == 0")
         return None if leaders.empty else self._chosen(leaders)

@@ -72,17 +72,16 @@ class Optimum(OneLine):
     run : Run
         The best drive at the middle of what is uncertain, without a record.
     table : pandas.DataFrame
-        A row for each drive that is compared in fresh draws: "start", "search" and "sawtooth" where
-        they are another than the best, and "best". Columns: score, mean and worst of the figure,
-        draws, how many of them exceed a limit or fail, how many fail, by how much the limits are
-        passed relative to them, and the greatest value of each figure that has a limit.
+        Fresh draws of "start", "search" and "sawtooth", where these are not the best, and "best":
+        score, mean and worst of the figure, draws, draws that exceed a limit or fail, those that
+        fail, the relative excess, and the greatest value of each figure with a limit.
     fresh : pandas.DataFrame
         The figure of these drives, a column each, in every fresh draw.
     search : pandas.Series
-        The best drive in the draws of the search, which favour it, with the columns of `table`.
+        The best drive in the draws of the search, which favour it; as a row of `table`.
     values : dict
-        Words and numbers of the best drive that were free, by name, knots in V; of a sawtooth that
-        is taken beside a free waveform all its keys.
+        Words and numbers of the best drive that were free, by name, knots in V; of a sawtooth
+        beside a free waveform all its keys.
     sawtooth : dict or None
         The best sawtooth by its keys; None where none is within the limits.
     landscape : pandas.DataFrame
@@ -90,11 +89,10 @@ class Optimum(OneLine):
         loss (part of the score that is lost nearby), at_end ("low", "high" or ""), and lists of
         values, scores and whether they are feasible. Empty of a sawtooth beside a free waveform.
     goal : Goal
-        Its figure, sign, score and limits.
     origin : {"search", "sawtooth"}
         Whose drive is the best.
     moves : int
-        Better neighbours that were taken, one after another.
+        Better neighbours that were taken.
     runs, seed : int
         Simulations of the search, and the seed of all draws.
     interrupted : bool
@@ -224,12 +222,8 @@ class Optimum(OneLine):
         """Write the best drive and its figure into the folder `out`, which is made: all or none.
 
         ``best.toml`` is an ordinary scenario, ``best.csv`` the voltages of a free waveform,
-        ``best.map.json`` the field of ``coil.map``, and ``best.png`` is `figure`.
-
-        Raises
-        ------
-        OSError
-            If a file cannot be written.
+        ``best.map.json`` the field of ``coil.map``, and ``best.png`` is `figure`. An OSError says
+        that one cannot be written.
         """
         folder, program = Path(out), self.scenario.drive.program
         text = scenario_text(self.scenario, VOLTAGES, MAP)
