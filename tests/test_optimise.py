@@ -8,6 +8,7 @@ import pytest
 
 import stickslip.design.optimise as module
 from helpers import HELD
+from measured_maps import formula_map, with_map
 from stickslip import Coils, Drive, Scenario, ScenarioError, load, optimise, simulate
 from stickslip.design.sawtooth import GRID
 from stickslip.design.space import Space, drive_waveform
@@ -327,6 +328,19 @@ def test_a_program_has_no_sawtooth():
                      evaluations=20)  # fmt: skip
     assert found.sawtooth is None
     assert "sawtooth" not in found.table.index
+
+
+def test_words_alone_and_a_map_are_written(few, tmp_path):
+    start = with_map(formula_map()).replace({"drive.base": 0.5e-3, "drive.pulses": 6})
+    found = optimise(start, maximise="mean_velocity", free={"drive.edge": ["rise", "fall"]},
+                     evaluations=20)  # fmt: skip
+    assert found.runs == 2
+    assert found.landscape.empty
+    found.save_report(tmp_path)
+    assert {each.name for each in tmp_path.iterdir()} == {*found.files}
+    assert {*found.files} == {"best.toml", "best.map.json", "best.png"}
+    again = simulate(load(tmp_path / "best.toml"))
+    assert again.mean_velocity == found.table["score"]["best"]
 
 
 def test_a_missing_library_is_named_with_its_extra(monkeypatch):

@@ -116,7 +116,7 @@ ROWS = [
     ("coils", env(coils=["zp"]), "coils"),
     ("coils a word", env(coils="xp"), 'coils = "xp"'),
     ("coils a number", env(coils=5), "coils = 5"),
-    ("coils twice", env(coils=("xp", "xp")), "each once"),
+    ("coils twice", env(coils=("xp", "xp")), "each coil once"),
     ("no clamp", env(task="follow", coils=("xp", "yp")), '"clamp" and one'),
     ("path of reach", env(task="reach", path=[(0, 0), (1, 0)]), 'the task "reach" follows none'),
     ("path away", env(task="follow", path=[(5e-3, 0), (6e-3, 0)]), "begins 5 mm from the robot"),

@@ -23,9 +23,10 @@ from stickslip.control.checks import check_above_zero, numbers_of
 from stickslip.control.path import Path
 from stickslip.control.steering import heading_voltages
 from stickslip.control.tasks import TASKS, Targets
+from stickslip.design.space import coil_places
 from stickslip.errors import ScenarioError
 from stickslip.field.coils import Coils
-from stickslip.scenario.keys import check_kind, check_whole, meant, refuse, shown, suggestion
+from stickslip.scenario.keys import check_kind, check_whole, refuse, shown, suggestion
 from stickslip.scenario.priors import Prior
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
@@ -149,7 +150,9 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         self._steered = TASKS[task].steered
         if coils is None and not self._steered:
             coils = ("xp", "clamp")
-        self._coils = None if coils is None else _places_of(coils, self._steered)
+        self._coils = None if coils is None else coil_places(coils)
+        if self._steered and coils is not None and ("clamp" not in coils or len(coils) < 2):
+            refuse("coils", coils, '"clamp" and one or more of the others, or it does not walk')
         self._targets = self._made_targets(path, goal)
         units = OBSERVED if camera is None else CAMERA_OBSERVED
         self._units = np.array(list(units.values()))
@@ -363,19 +366,6 @@ def _checked(
         told = f"{name} = {shown(given.tolist())} of shape {given.shape}"
         raise ScenarioError(f"{told}: allowed is {allowed}")
     return given
-
-
-def _places_of(coils: object, steered: bool) -> list[int]:
-    """Where in `COIL_NAMES` coils stand, each once."""
-    listed = isinstance(coils, Sequence) and not isinstance(coils, str)
-    names = list(coils) if listed else []  # type: ignore[call-overload]
-    unknown = [name for name in names if name not in COIL_NAMES]
-    if unknown or not names or len(set(names)) < len(names):
-        hint = meant(unknown[0], COIL_NAMES) if unknown else ""
-        refuse("coils", coils, f"a list of some of {list(COIL_NAMES)}, each once{hint}")
-    if steered and ("clamp" not in names or len(names) < 2):
-        refuse("coils", coils, '"clamp" and one or more of the others, or the robot does not walk')
-    return [COIL_NAMES.index(name) for name in names]
 
 
 def _check_within_coils(name: str, points: Array, scenario: Scenario) -> None:

@@ -66,7 +66,8 @@ def sawtooths(space: Space, goal: Goal, of_start: Array, probe: Probe) -> list[d
             return []
     if growing:
         of_draws = np.nan_to_num(of_start[:, list(growing.values())])
-        hardest = np.argmax((of_draws / (np.mean(of_draws, axis=0) + 1e-300)).max(axis=1))
+        relative = of_draws / np.maximum(of_draws.max(axis=0), np.finfo(float).tiny)
+        hardest = np.argmax(relative.sum(axis=1))
         numbers = probe(found, int(hardest))
         factors = np.full(len(found), math.inf)
         for name, column in growing.items():

@@ -148,12 +148,12 @@ def made_space(
     if not free and knots is None:
         raise ScenarioError("nothing is free: allowed are keys with a range, or knots, or both")
     by_name = {full_name(key): value for key, value in free.items()}
-    chosen = (coils,) if isinstance(coils, str) else tuple(coils)
+    names: tuple[str, ...] = ()
     if knots is None:
         refuse_sawtooth(scenario.drive.mode, by_name)
-        chosen = ()
     else:
-        _check_waveform(scenario, by_name, knots, chosen, volts)
+        _check_waveform(scenario, by_name, knots, volts)
+        names = tuple(COIL_NAMES[k] for k in coil_places(coils))
     ranges: dict[str, tuple[float, float]] = {}
     words: dict[str, list[Value]] = {}
     for key, given in by_name.items():
@@ -163,11 +163,21 @@ def made_space(
             words[key] = _words(scenario, key, given)
         else:
             ranges[key] = _range(key, given)
-    for coil in chosen:
-        assert volts is not None  # checked above
-        ranges |= {f"{coil} {k}": (-volts, volts) for k in range(1, (knots or 0) + 1)}
+    most = volts or 0.0  # used with knots alone, and above 0 then
+    for coil in names:
+        ranges |= {f"{coil} {k}": (-most, most) for k in range(1, (knots or 0) + 1)}
     arms = [dict(zip(words, each, strict=True)) for each in itertools.product(*words.values())]
-    return Space(scenario, ranges, arms, knots or 0, chosen)
+    return Space(scenario, ranges, arms, knots or 0, names)
+
+
+def coil_places(coils: object) -> list[int]:
+    """Where in `COIL_NAMES` the named coils stand, each once; else refuse them."""
+    names = list(coils) if isinstance(coils, Sequence) and not isinstance(coils, str) else []
+    unknown = [name for name in names if name not in COIL_NAMES]
+    if unknown or not names or len(set(names)) < len(names):
+        hint = meant(unknown[0], COIL_NAMES) if unknown else ""
+        refuse("coils", coils, f"a list of some of {', '.join(COIL_NAMES)}, each coil once{hint}")
+    return [COIL_NAMES.index(name) for name in names]
 
 
 def _range(key: str, given: Any) -> tuple[float, float]:
@@ -195,7 +205,6 @@ def _check_waveform(
     scenario: Scenario,
     free: Mapping[str, Any],
     knots: object,
-    coils: tuple[str, ...],
     volts: float | None,
 ) -> None:
     if isinstance(knots, bool) or not isinstance(knots, int) or not 2 <= knots <= _MOST_KNOTS:
@@ -214,10 +223,6 @@ def _check_waveform(
         if key in SAWTOOTH and key not in _OF_A_PROGRAM and find_key(key).kind != "word":
             allowed = ", ".join(_OF_A_PROGRAM)
             raise ScenarioError(f"{key}: of no use with knots; of the drive, allowed are {allowed}")
-    unknown = [coil for coil in coils if coil not in COIL_NAMES]
-    if unknown or not coils or len(set(coils)) < len(coils):
-        hint = meant(unknown[0], COIL_NAMES) if unknown else ""
-        refuse("coils", list(coils), f"some of {', '.join(COIL_NAMES)}, each coil once{hint}")
     if volts is None or not volts > 0.0:
         raise ScenarioError(
             "knots: a limit on voltage_max above 0 V is missing, within which the knots are placed"
