@@ -32,7 +32,7 @@ PROGRAMS = {
     "drops": ("real.drops", "drops of a real square beside the core"),
     "real": ("real.study", "measured sets with a known cause, diagnosed and judged"),
     "fuzz": ("fuzz", "random scenarios and damaged files"),
-    "mutations": ("mutations", "whether the table of effects sees a lost effect"),
+    "mutations": ("mutations", "whether the tests see a change of the C++ or Python sources"),
     "sizes": ("sizes", "MB of an installation with each extra"),
     "lines": ("lines", "lines of each part of the project, beside its aim"),
 }
