@@ -31,7 +31,6 @@ PROGRAMS = {
     "blind-tables": ("blind.report", "the tables of the blind study from its record"),
     "drops": ("real.drops", "drops of a real square beside the core"),
     "real": ("real.study", "measured sets with a known cause, diagnosed and judged"),
-    "fuzz": ("fuzz", "random scenarios and damaged files"),
     "mutations": ("mutations", "whether the tests see a change of the C++ or Python sources"),
     "sizes": ("sizes", "MB of an installation with each extra"),
     "lines": ("lines", "lines of each part of the project, beside its aim"),

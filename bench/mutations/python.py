@@ -31,9 +31,10 @@ APART = ("diagnosis", "measurement")
 
 # Where tests use public names and commands alone: test files of a package, the nearest first.
 TESTS = {
-    "_util": "equal_numbers control_characters input_limits csv_files extras unit_notes rich_display",
-    "scenario": "scenario* refusal* bad_input uncertain* user_effect* field_map* own_coils waveform*"
-    " effects replaced_values prior*",
+    "_util": "equal_numbers control_characters input_limits csv_files extras unit_notes"
+    " rich_display",
+    "scenario": "scenario* refusal* bad_input uncertain* user_effect* field_map* own_coils"
+    " waveform* effects replaced_values prior*",
     "field": "field* own_coils",
     "simulation": "run run_notes unit_notes scenario_notes stored_runs long_recordings simulator"
     " snapshots batch threads rollout* rich_display budget recording*",
@@ -49,12 +50,22 @@ TESTS = {
 }
 
 _WORDS = {
-    **{ast.Lt: ("<", ">="), ast.LtE: ("<=", ">"), ast.Gt: (">", "<="), ast.GtE: (">=", "<")},
-    **{ast.Eq: ("==", "!="), ast.NotEq: ("!=", "==")},
-    **{ast.Is: ("is", "is not"), ast.IsNot: ("is not", "is")},
-    **{ast.In: ("in", "not in"), ast.NotIn: ("not in", "in")},
-    **{ast.Add: ("+", "-"), ast.Sub: ("-", "+"), ast.Mult: ("*", "/"), ast.Div: ("/", "*")},
-    **{ast.And: ("and", "or"), ast.Or: ("or", "and")},
+    ast.Lt: ("<", ">="),
+    ast.LtE: ("<=", ">"),
+    ast.Gt: (">", "<="),
+    ast.GtE: (">=", "<"),
+    ast.Eq: ("==", "!="),
+    ast.NotEq: ("!=", "=="),
+    ast.Is: ("is", "is not"),
+    ast.IsNot: ("is not", "is"),
+    ast.In: ("in", "not in"),
+    ast.NotIn: ("not in", "in"),
+    ast.Add: ("+", "-"),
+    ast.Sub: ("-", "+"),
+    ast.Mult: ("*", "/"),
+    ast.Div: ("/", "*"),
+    ast.And: ("and", "or"),
+    ast.Or: ("or", "and"),
 }
 _UNFELT = "frozen", "slots", "strict", "kw_only"  # of dataclasses and zip
 _LEAVES = ast.Return, ast.Raise, ast.Continue, ast.Break

@@ -83,6 +83,8 @@ def field_swing(frequency: float, time_constant: float) -> float:
     (1 - exp(-T/tau)) with c = tau/T, which is least at the jump.
     """
     share = 1.0 / (frequency * time_constant)
+    if share < 1e-6:
+        return share / 8.0  # the first term in it, of which rounding would leave nothing
     fall = -math.expm1(-share)
     top = -math.log(fall / share)  # t/tau where i is largest
     return (1.0 - math.exp(-top)) / fall - top / share
