@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stickslip._util.atomic_files import replacing
 from stickslip._util.checksum import sha256_of
-from stickslip._util.strict_json import json_text
+from stickslip._util.files import replacing
+from stickslip._util.text import json_text
 from stickslip.scenario.sections import COIL_NAMES
 from stickslip.simulation.columns import COLUMNS, WORDS
 from stickslip.simulation.run import Run

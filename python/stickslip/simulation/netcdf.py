@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip._util.atomic_files import replacing
 from stickslip._util.checksum import append_checksum
-from stickslip._util.missing_extra import naming_the_extra
+from stickslip._util.extras import naming_the_extra
+from stickslip._util.files import replacing
 from stickslip._util.sheltered_file import ShelteredFile
 from stickslip.scenario.sections import COIL_NAMES
 from stickslip.simulation.columns import COLUMNS, WORDS

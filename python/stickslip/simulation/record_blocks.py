@@ -8,7 +8,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from stickslip._util.atomic_files import NotWritten
+from stickslip._util.files import NotWritten
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import recorded_fields
 from stickslip.simulation.columns import PLANE_COLUMNS

@@ -9,7 +9,7 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from stickslip import _core
-from stickslip._util.atomic_files import NotWritten, check_suffix
+from stickslip._util.files import NotWritten, check_suffix
 from stickslip._util.one_interrupt import one_interrupt
 from stickslip.errors import ScenarioError
 from stickslip.simulation.record_blocks import RecordFile, RecordNotWritten, kept, record_file

@@ -8,7 +8,7 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from stickslip import _core
-from stickslip._util.atomic_files import NETCDF_SUFFIXES, check_suffix
+from stickslip._util.files import NETCDF_SUFFIXES, check_suffix
 from stickslip.scenario.state import State, made_state
 from stickslip.simulation.columns import COLUMNS, PLANE_COLUMNS, WORDS
 from stickslip.simulation.note import Note, by_seriousness
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from pandas import DataFrame
 
-    from stickslip._util.arrays import Array
+    from stickslip._util.numbers import Array
     from stickslip.scenario.scenario import Scenario
     from stickslip.simulation.stored_run import StoredRecord
 

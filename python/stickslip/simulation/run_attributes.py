@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip import _core
-from stickslip.scenario.field_map import FieldMap
-from stickslip.scenario.map_files import map_text, stored_map
+from stickslip.field.field_map import FieldMap
+from stickslip.field.map_files import map_text, stored_map
 from stickslip.scenario.waveform import Waveform
 from stickslip.simulation.note import notes_json
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from stickslip._util.html_table import html_table
+from stickslip._util.html import html_table
 from stickslip._util.units import handy
 from stickslip.simulation.columns import NUMBERS
 from stickslip.simulation.note import shown_lines

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from stickslip._util.missing_extra import naming_the_extra
+from stickslip._util.extras import naming_the_extra
 from stickslip.simulation.columns import WORDS, column_units
 from stickslip.simulation.record_blocks import recorded_names
 

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip import _core
-from stickslip._util.atomic_files import read_bytes
 from stickslip._util.checksum import check_checksum, sha256_of
-from stickslip._util.missing_extra import naming_the_extra
+from stickslip._util.extras import naming_the_extra
+from stickslip._util.files import read_bytes
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.state import State
 from stickslip.scenario.toml_file import scenario_of
