@@ -7,6 +7,7 @@ of each set by which state of the engine; `record.jsonl`, the same with the answ
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import lzma
@@ -49,18 +50,18 @@ def sets(path: Path) -> Iterator[Row]:
                 yield json.loads(line)
 
 
-def lines(path: Path) -> list[Row]:
-    """Rows of a file that is appended to, without a last one that was not written to its end."""
-    text = path.read_text() if path.exists() else ""
-    return [json.loads(line) for line in text[: text.rfind("\n") + 1].splitlines()]
+def lines(path: Path) -> Iterator[Row]:
+    """Rows of a file that is appended to, without those that were not written to their end."""
+    for line in path.read_text().splitlines() if path.exists() else ():
+        with contextlib.suppress(json.JSONDecodeError):
+            yield json.loads(line)
 
 
 def append(path: Path, row: Row) -> None:
-    """Append a row, in the place of a last one that was not written to its end."""
-    with path.open("a+b") as file:
-        file.seek(0)
-        file.truncate(file.read().rfind(b"\n") + 1)
-        file.write(json.dumps(row).encode() + b"\n")
+    """Append a row, on a line of its own after one that was cut off."""
+    with path.open("a") as file:
+        cut = file.tell() and not path.read_text().endswith("\n")
+        file.write(("\n" if cut else "") + json.dumps(row) + "\n")
 
 
 def unpacked(one: Row, folder: Path) -> Path:

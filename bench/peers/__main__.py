@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import importlib
 import importlib.metadata
-import json
 import os
 import sys
 import time
@@ -14,7 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from measure import cpu_seconds_in_turn, machine, pin
+from measure import cpu_seconds_in_turn, pin, saved
 
 import stickslip
 from peers import stickslip_side
@@ -237,19 +236,10 @@ def main() -> int:
         + ", ".join(f"{name} {version}" for name, version in versions.items() if version)
     )
 
-    result = {
-        "machine": machine(),
-        "core": core,
-        "stickslip": stickslip.__version__,
-        "versions": versions,
-        "rows": rows,
-        "creep": creep,
-        "load_average": os.getloadavg(),
-    }
-    options.out.parent.mkdir(parents=True, exist_ok=True)
-    options.out.write_text(json.dumps(result, indent=2) + "\n")
-    print("load average: " + ", ".join(f"{load:.1f}" for load in result["load_average"]))
-    print(f"written: {options.out}")
+    load = os.getloadavg()
+    print("load average: " + ", ".join(f"{each:.1f}" for each in load))
+    result = {"core": core, "versions": versions, "rows": rows, "creep": creep}
+    saved(options.out, {**result, "load_average": load})
     wrong = [f"{row['peer']} ({row['settings']})" for row in rows if row["wrong"]]
     if wrong:
         print(f"wrong physics: {', '.join(wrong)}", file=sys.stderr)
