@@ -70,9 +70,10 @@ def machine() -> dict[str, str]:
     }
 
 
-def saved(path: Path, result: dict[str, Any]) -> None:
+def saved(path: Path, result: dict[str, Any], said: bool = True) -> None:
     """Write a result with the machine and the version that it was measured with."""
     path.parent.mkdir(parents=True, exist_ok=True)
     stated = {"machine": machine(), "stickslip": stickslip.__version__, **result}
     path.write_text(json.dumps(stated, indent=2) + "\n")
-    print(f"written: {path}")
+    if said:
+        print(f"written: {path}")

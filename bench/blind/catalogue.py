@@ -29,23 +29,14 @@ Value = float | str
 class Entry:
     """Something to hide.
 
-    Attributes
-    ----------
-    sizes : tuple of dict
-        Variants, of which one is drawn: parameters at an amount of 1, SI units.
-    offset : dict
-        What a parameter has at an amount of 0, if that is not 0.
-    fixed : dict
-        Parameters that no amount changes. An entry without them has the library's form.
-    drawn : dict of (low, high)
-        Parameters that are drawn, uniform in the logarithm.
-    least, most : float
-        Range of the amount; one below 0 may have either sign.
-    accepted : tuple of str
-        Names that are as right as its own, since no velocity tells them apart.
-    rivals : tuple of str
-        Causes and constants of another kind that look alike. A law has to be as strong as its kind
-        asks for beside each of them: what one of them explains is no truth outside the library.
+    sizes: Variants, of which one is drawn: parameters at an amount of 1, SI units. offset: What
+    a parameter has at an amount of 0, if that is not 0. fixed: Parameters that no amount
+    changes. An entry without them has the library's form. drawn: Parameters that are drawn,
+    uniform in the logarithm. least, most: Range of the amount; one below 0 may have either
+    sign. accepted: Names that are as right as its own, since no velocity tells them apart.
+    rivals: Causes and constants of another kind that look alike. A law has to be as strong as
+    its kind asks for beside each of them: what one of them explains is no truth outside the
+    library.
     """
 
     sizes: tuple[Mapping[str, float], ...]
