@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import ast
+import functools
 import json
 import os
 import random
@@ -171,13 +172,14 @@ def drawn(package: Path, names: list[str], seed: int, count: int) -> list[Mutati
     return result
 
 
-def imported(source: str, inside: str, public: dict[str, str]) -> set[str]:
-    """Modules of the package that a file names, `a.b` without `stickslip`.
+@functools.cache
+def imported(path: Path, inside: str = "") -> frozenset[str]:
+    """Modules and public names of the package that a file names, without `stickslip`.
 
-    inside: the module's own package, for relative imports; public: the home of a public name.
+    inside: the module's own package, for relative imports.
     """
     found = set()
-    for node in ast.walk(ast.parse(source)):
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             found |= {each.name for each in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -186,26 +188,27 @@ def imported(source: str, inside: str, public: dict[str, str]) -> set[str]:
             found |= {base, *(f"{base}.{each.name}" for each in node.names)}
         elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
             found.add(f"{node.value.id}.{node.attr}")
-    mine = {each.removeprefix("stickslip.") for each in found if each.startswith("stickslip.")}
-    return mine | {public[each] for each in mine if each in public}
+    return frozenset(
+        each.removeprefix("stickslip.") for each in found if each.startswith("stickslip.")
+    )
 
 
 def near_tests(root: Path, file: str) -> list[Path]:
     """Test files of a module: those that import it, that the table names, and at one remove."""
     package = root / "python" / "stickslip"
-    public: dict[str, str] = {}
-    for path in (package / "__init__.py", package / "__init__.pyi"):
-        for node in ast.walk(ast.parse(path.read_text() if path.exists() else "")):
+    homes: dict[str, str] = {}  # of public names
+    for path in package.glob("__init__.py*"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ImportFrom) and node.module not in (None, "__future__"):
-                home = node.module.removeprefix("stickslip.")
-                public |= {each.name: home for each in node.names}
+                homes |= dict.fromkeys(
+                    (each.name for each in node.names), node.module.removeprefix("stickslip.")
+                )
 
     module = file.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
     importers = {module}
     for path in package.rglob("*.py"):
         place = path.relative_to(package).with_suffix("")
-        inside = ".".join(["stickslip", *place.parts[:-1]])
-        if module in imported(path.read_text(encoding="utf-8"), inside, {}):
+        if module in imported(path, ".".join(["stickslip", *place.parts[:-1]])):
             importers.add(".".join(place.parts).removesuffix(".__init__"))
 
     patterns = TESTS.get(module.partition(".")[0], "package extras other_systems").split()
@@ -213,18 +216,17 @@ def near_tests(root: Path, file: str) -> list[Path]:
     tests = root / "tests"
     ranked = []
     for path in sorted(tests.rglob("test_*.py")):
-        source = path.read_text(encoding="utf-8")
-        by_path = imported(source, "", {})
+        named = imported(path)
         rank = [
-            module in by_path,
+            module in named,
             path.match(f"test_*{stem}*.py"),
             any(path.match(f"test_{each}.py") for each in patterns),
-            module in imported(source, "", public),
-            bool(importers & by_path),
+            module in {homes.get(each) for each in named},
+            bool(importers & named),
             path.parent.name == module.partition(".")[0],
         ]
         if any(rank):
-            ranked.append((rank.index(True), len(by_path), path))
+            ranked.append((rank.index(True), len(named), path))
     return [path for *_, path in sorted(ranked)]
 
 
