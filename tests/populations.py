@@ -19,6 +19,7 @@ from stickslip.scenario.keys import known_keys
 
 # Of a recording of `EXTREME`: enough to be seen, and in no danger of filling the memory.
 MOST_SAMPLES = 1e5
+MOST_STEPS = 100_000
 
 # Drawn as whole numbers, which hypothesis spreads over the range; floats it would crowd about zero.
 STEPS = 10**6
@@ -230,18 +231,22 @@ def extreme(draw):
         keys = {key: value for key, value in keys.items() if not key.startswith("drive.")}
         keys.update(wild_program(draw))
     keys = allowed_together(keys)
+    steps = min(keys.pop("solver.max_steps", MOST_STEPS), MOST_STEPS)
     # What the ranges of single keys do not say is refused; the refusal is a draw's end too, but
     # tells little: such keys are left out one by one.
     while True:
         try:
-            made = Scenario().replace(keys)
+            made = Scenario().replace({**keys, "solver.max_steps": steps})
             rate = draw.word("none", "events", "grid")
             if rate == "grid":
                 rate = draw.decades(1.0, MOST_SAMPLES) / max(made.duration, 1e-300)
             return made.replace({"record.rate": rate})
         except ScenarioError as error:
-            named = [key for key in keys if key in str(error)]
-            keys.pop(named[0] if named else next(iter(keys)))
+            named = [key for key in keys if key in str(error)] or list(keys)
+            if named:
+                del keys[named[0]]
+            else:
+                steps = MOST_STEPS
 
 
 # A key without an upper end gets this much, in its unit.
