@@ -30,6 +30,11 @@ SCENARIOS = [
     ("OPP", 70, "rise", "up", 0.2, 1.2, 0.35, 0.35, 0.2, {"ramp_down": 0.02}),
     ("IPP", 120, "fall", "down", 0.6, 1.2, 0.3, 0.2, 0.22, {"peak": 4e-3}),
 ]
+# At the limit of friction: in the first case for a short visit, in the second within 3e-5 of it.
+AT_THE_LIMIT = [
+    ("OPP", 100, "fall", "down", 0.0, 1.0, 1.8, 1.305, 0.22, {}),
+    ("OPP", 100, "rise", "up", 0.0, 2.5, 0.2, 0.145, 0.22, {}),
+]
 
 
 def _name(case):
@@ -37,18 +42,14 @@ def _name(case):
     return "-".join([case[0], f"{case[1]}Hz", *case[2:4], *words])
 
 
-@pytest.mark.parametrize("case", SCENARIOS, ids=_name)
+@pytest.mark.parametrize("case", SCENARIOS + AT_THE_LIMIT, ids=_name)
 def test_a_drive(case):
     mode, frequency, edge, clamp, base, hold, static, kinetic, adhesion, more = case
     drive = {
         "mode": mode, "frequency": float(frequency), "edge": edge, "clamp": clamp,
         "base": base * 1e-3, "hold": hold * 1e-3, "pulses": 6, **more,
     }  # fmt: skip
-    contact = {
-        "static_friction": static,
-        "kinetic_friction": kinetic,
-        "adhesion": adhesion * 1e-6,
-    }
+    contact = {"static_friction": static, "kinetic_friction": kinetic, "adhesion": adhesion * 1e-6}
     ours = run({f"contact.{key}": value for key, value in contact.items()}, **drive).summary()
     other = simulate_reference(drive, contact=contact, dt=STEP)
     span = other.window_theta_max - other.window_theta_min
