@@ -4,9 +4,6 @@
 """
 
 import math
-import os
-import subprocess
-import sys
 
 import pytest
 
@@ -56,23 +53,3 @@ def test_a_changed_bit_is_found(chosen):
     assert len(freeze.changes(by_a_bit, expected, to_the_bit=True)) == 1
     assert freeze.changes(by_a_bit, expected, to_the_bit=False) == []
     assert len(freeze.changes(by_more, expected, to_the_bit=False)) == 1
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("threads", [1, 2])
-def test_frozen_runs_are_what_they_were_with_threads(threads, chosen):
-    assert changes(freeze.simulated(chosen, threads)) == []
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("width", ["1", "4", "8"])
-def test_frozen_runs_have_their_bits_in_packs_of_any_width(width):
-    """In a process of its own, which reads the width once."""
-    done = subprocess.run(
-        [sys.executable, freeze.__file__, "--check"],
-        capture_output=True,
-        text=True,
-        env={**os.environ, "STICKSLIP_LANES": width},
-        check=False,
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
