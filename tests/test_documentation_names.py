@@ -18,7 +18,8 @@ NAME = re.compile(r"(?<![\w/.-])stickslip(?:\.[A-Za-z_]\w*)+")
 LINK = re.compile(r"\]\(([^)#\s:]+)(?:#[^)]*)?\)")
 # `file: name`, `file` or `folder/`; names of files may have a star.
 PLACE = re.compile(
-    r"`(?!docs/_build|bench/results|[.])([\w./*-]+(?:\.(?:py|cpp|hpp|cmake|md)|/))(?:: ([\w:., ]+))?`"
+    r"`(?!docs/_build|bench/results|[.])"
+    r"([\w./*-]+(?:\.(?:py|cpp|hpp|cmake|md)|/))(?:: ([\w:., ]+))?`"
 )
 PATH = re.compile(
     r"(?<![\w/.-])(?!docs/_build|bench/results)"
