@@ -52,12 +52,12 @@ def test_a_drive(case):
     contact = {"static_friction": static, "kinetic_friction": kinetic, "adhesion": adhesion * 1e-6}
     ours = run({f"contact.{key}": value for key, value in contact.items()}, **drive).summary()
     other = simulate_reference(drive, contact=contact, dt=STEP)
-    span = other.window_theta_max - other.window_theta_min
+    span = other.theta_max - other.theta_min
     assert ours["mean_velocity"] == pytest.approx(other.mean_velocity, rel=AGREEMENT)
-    assert ours["theta_min"] == pytest.approx(other.window_theta_min, abs=1e-3 * span)
-    assert ours["theta_max"] == pytest.approx(other.window_theta_max, abs=1e-3 * span)
+    assert ours["theta_min"] == pytest.approx(other.theta_min, abs=1e-3 * span)
+    assert ours["theta_max"] == pytest.approx(other.theta_max, abs=1e-3 * span)
     # Each hop begins and ends on a step of the reference: two steps of some 3 ms or more.
-    assert ours["airborne_fraction"] == pytest.approx(other.window_airborne_fraction, abs=2e-4)
+    assert ours["airborne_fraction"] == pytest.approx(other.airborne_fraction, abs=2e-4)
     # A part can be far smaller than the travel, so each is measured by the larger of the two.
     slack = AGREEMENT * max(abs(other.slip_up), abs(other.slip_down))
     assert ours["slip_up"] == pytest.approx(other.slip_up, abs=slack)

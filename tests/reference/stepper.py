@@ -45,9 +45,7 @@ FIELD_REFRESH = 1e-6  # m
 QUARTER_TURN = 0.5 * np.pi
 
 # Slots of what `march` returns.
-X_BEGIN, X_END, THETA_MIN, THETA_MAX, AIRBORNE = 0, 1, 2, 3, 4
-WINDOW_AIRBORNE, WINDOW_MIN, WINDOW_MAX, SLIP_UP, SLIP_DOWN = 5, 6, 7, 8, 9
-TOUCHDOWNS, LIFT_OFFS, IRREGULAR = 0, 1, 2
+X_BEGIN, X_END, AIRBORNE, THETA_MIN, THETA_MAX, SLIP_UP, SLIP_DOWN, MARKS = range(8)
 
 
 @njit
@@ -114,14 +112,13 @@ def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sa
     """Integrate from rest, lying flat with its centre at x = 0.
 
     wires (n, 5, 3) m of the coils; seg_*: segments of the modes' voltages; window (2,) s: interval
-    of the averages; samples (n, 6): filled with x, z, theta, vx, vz, omega at multiples of
-    1 / sample_rate. Returns marks (10,) and counts (3,), see the slots above: x in m at the
-    window's ends, angles in rad, airborne times in s, travel in m of a slipping corner.
+    of the averages; samples (n, 2): filled with x and theta at multiples of 1 / sample_rate.
+    Returns the marks of the window, see the slots above: x in m at its ends, time without contact
+    in s, angles in rad, travel in m of a slipping corner while theta rises and falls.
     """
     half_length, half_height = model.half_length, model.half_height
-    counts = np.zeros(3, np.int64)
-    marks = np.zeros(10)
-    marks[WINDOW_MIN], marks[WINDOW_MAX] = np.inf, -np.inf
+    marks = np.zeros(MARKS)
+    marks[THETA_MIN], marks[THETA_MAX] = np.inf, -np.inf
     rx_now, rz_now = np.empty(4), np.empty(4)
     rx, rz = np.empty(4), np.empty(4)
     # Memory of each corner; the last three: see _leaving_impulse, _onset_coefficient.
@@ -278,7 +275,6 @@ def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sa
                     restitution = 0.5 * (least + most)
                     continue
             outcome[0], outcome[1] = s.outcome0, s.outcome1
-            counts[IRREGULAR] += int(s.irregular)
             left0 = old[0] and outcome[0] == OPEN
             left1 = n == 2 and old[1] and outcome[1] == OPEN
             if not (left0 or left1):
@@ -287,7 +283,6 @@ def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sa
             # corner that stays: solve again without it.
             for j in range(n):
                 if left0 if j == 0 else left1:
-                    counts[LIFT_OFFS] += 1
                     touching[chosen[j]] = False
             if n == 1:
                 i = chosen[0]
@@ -304,7 +299,7 @@ def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sa
 
         # A landing happens where the old motion meets the plane, up to half a step before or after
         # t_k; until then the body moves as before.
-        before_x, before_z, before_theta = x, z, theta
+        before_x, before_theta = x, theta
         x += landing * vx + (step - landing) * new_vx
         z += landing * vz + (step - landing) * new_vz
         theta += landing * omega + (step - landing) * new_omega
@@ -316,10 +311,7 @@ def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sa
         reaction[:] = 0.0
         for j in range(n):
             i = chosen[j]
-            if outcome[j] == OPEN:
-                continue
-            counts[TOUCHDOWNS] += int(not old[j])
-            if target[j] > 0.0:
+            if outcome[j] == OPEN or target[j] > 0.0:
                 continue
             touching[i] = True
             slip[i] = outcome[j]
@@ -342,23 +334,15 @@ def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sa
         while sample < samples.shape[0] and sample / sample_rate <= t_next:
             part = (sample / sample_rate - t) / step
             samples[sample, 0] = before_x + part * (x - before_x)
-            samples[sample, 1] = before_z + part * (z - before_z)
-            samples[sample, 2] = before_theta + part * (theta - before_theta)
-            samples[sample, 3] = new_vx
-            samples[sample, 4] = new_vz
-            samples[sample, 5] = new_omega
+            samples[sample, 1] = before_theta + part * (theta - before_theta)
             sample += 1
         for end in range(2):
             if t < window[end] <= t_next:
                 marks[end] = before_x + (window[end] - t) / step * (x - before_x)
-        marks[THETA_MIN] = min(marks[THETA_MIN], theta)
-        marks[THETA_MAX] = max(marks[THETA_MAX], theta)
-        airborne = step if closed == 0 else 0.0
-        marks[AIRBORNE] += airborne
         if window[0] <= t < window[1]:
-            marks[WINDOW_AIRBORNE] += airborne
-            marks[WINDOW_MIN] = min(marks[WINDOW_MIN], theta)
-            marks[WINDOW_MAX] = max(marks[WINDOW_MAX], theta)
+            marks[AIRBORNE] += step if closed == 0 else 0.0
+            marks[THETA_MIN] = min(marks[THETA_MIN], theta)
+            marks[THETA_MAX] = max(marks[THETA_MAX], theta)
             if closed == 1 and slip[first] != STICK:
                 travel = x + rx[first] - before_x - rx_now[first]
                 marks[SLIP_UP if new_omega > 0.0 else SLIP_DOWN] += travel
@@ -366,4 +350,4 @@ def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sa
         segment = advance_circuits(
             t, t_next, decay, segment, seg_start, seg_level, seg_slope, current, lagged, circuit
         )
-    return marks, counts
+    return marks
