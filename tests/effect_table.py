@@ -31,8 +31,8 @@ from stickslip import (
     register_effect,
     simulate_batch,
 )
+from stickslip.scenario.effects import is_free_shape
 from stickslip.scenario.keys import Key, known_keys, until_registration
-from stickslip.scenario.named_effects import is_free_shape
 
 Keys = Mapping[str, Any]
 

@@ -11,7 +11,8 @@ import pytest
 from click.shell_completion import get_completion_class
 
 import command_line
-from stickslip import COIL_NAMES, Scenario, _core, effects
+from stickslip import COIL_NAMES, Scenario, effects
+from stickslip.scenario.keys import known_keys
 from stickslip.cli import COMPLETION
 from stickslip.cli.commands import COMMANDS, stickslip
 from stickslip.cli.completion import answer
@@ -19,7 +20,7 @@ from stickslip.sweeping.results import NUMBERS
 
 SHELLS = ("bash", "zsh", "fish")
 NAMES = list(Scenario.keys())
-MODES = next(row["allowed"] for row in _core.choices() if row["key"] == "drive.mode")
+MODES = list(known_keys()["drive.mode"].words)
 
 
 def asked(shell, words):

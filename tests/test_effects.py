@@ -22,7 +22,7 @@ from helpers import (
     volts,
 )
 from stickslip import Waveform
-from stickslip.scenario.named_effects import is_free_shape
+from stickslip.scenario.effects import is_free_shape
 
 # One value at which each parameter counts.
 PARAMETERS = {

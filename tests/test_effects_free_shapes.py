@@ -23,7 +23,7 @@ from helpers import (
 )
 from own_effects import nothing, register
 from stickslip import Coils, Scenario, Waveform, sweep
-from stickslip.scenario.named_effects import effects, is_free_shape
+from stickslip.scenario.effects import effects, is_free_shape
 
 STATIC, KINETIC, DRAG, TURNING = 0.2, 0.145, 1e-5, 9e-17  # -, -, N s/m, N m s^2
 TIGHT = {"solver.rtol": 1e-10}

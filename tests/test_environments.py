@@ -17,7 +17,7 @@ from stickslip import Scenario, ScenarioError, Simulator, State
 from stickslip.control import Camera
 from stickslip.control.environments import RobotEnv, RobotVectorEnv
 from stickslip.control.observations import OBSERVED, UNITS
-from stickslip.scenario.priors import Prior
+from stickslip.scenario.uncertain import Prior
 
 TASKS = ("Walk", "Reach", "Place", "Follow")
 UNCERTAIN = {

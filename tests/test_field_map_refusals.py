@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray
+from stickslip.field.map_files import map_text
 
 from command_line import check, stickslip
 from measured_maps import HALF, dataset, formula_fields, formula_map, grid
@@ -16,7 +17,6 @@ from own_effects import (
     register,
 )
 from stickslip import Coil, FieldMap, Scenario, ScenarioError
-from stickslip.field.map_files import map_text
 
 SMALL = (3, 3, 3)
 

@@ -197,7 +197,7 @@ def test_a_file_that_is_read_only_is_not_replaced(tmp_path):
 
 
 def test_whole_numbers_of_64_bits_are_read(tmp_path):
-    from stickslip.scenario.toml_text import parse_toml
+    from stickslip.scenario.toml_file import parse_toml
 
     text = f"least = {-(2**63)}\nmost = {2**63 - 1}\n"
     assert parse_toml(text) == tomllib.loads(text)

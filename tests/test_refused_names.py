@@ -5,11 +5,12 @@ import re
 import pytest
 
 from stickslip import Scenario, ScenarioError, Waveform
+from stickslip._util.messages import meant, nearest, suggestion
 from stickslip.control.tasks import task_named
 from stickslip.diagnosis import Cause, Parameter, Table, diagnose_model
 from stickslip.reproduction.curves import read_measured
-from stickslip.scenario.keys import known_keys, meant, nearest, suggestion
-from stickslip.scenario.priors import Prior
+from stickslip.scenario.keys import known_keys
+from stickslip.scenario.uncertain import Prior
 
 
 def cause(_):

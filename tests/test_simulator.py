@@ -31,7 +31,7 @@ from stickslip import (
     simulate,
     unregister_effect,
 )
-from stickslip.scenario.state import CONTACT_WORDS
+from stickslip.scenario.sections import CONTACT_WORDS
 
 
 def stepped(scenario, rows, hold="constant", **begin):

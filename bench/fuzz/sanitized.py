@@ -10,8 +10,7 @@ import numpy as np
 
 from fuzz.checks import Found, found
 from fuzz.scenarios import Identity, scenario
-from stickslip.scenario.keys import known_keys
-from stickslip.scenario.sections import SAWTOOTH
+from stickslip.scenario.keys import SAWTOOTH, known_keys
 
 PROGRAM = Path("build/asan/stickslip_fuzz")
 """Built by ``python -m bench fuzz --check sanitized``."""

@@ -36,10 +36,12 @@ if TYPE_CHECKING:
     from stickslip.measurement.reading import read_measurement as read_measurement
     from stickslip.measurement.track import velocity_of_track as velocity_of_track
     from stickslip.reproduction.study import reproduce as reproduce
-    from stickslip.scenario.named_effects import effects as effects
-    from stickslip.scenario.priors import Prior as Prior
+    from stickslip.scenario.effects import EffectParameter as EffectParameter
+    from stickslip.scenario.effects import effects as effects
+    from stickslip.scenario.effects import register_effect as register_effect
     from stickslip.scenario.scenario import Scenario as Scenario
-    from stickslip.scenario.sections import COIL_NAMES as COIL_NAMES
+    from stickslip.scenario.scenario import load as load
+    from stickslip.scenario.sections import STATE_COLUMNS as STATE_COLUMNS
     from stickslip.scenario.sections import Coil as Coil
     from stickslip.scenario.sections import Contact as Contact
     from stickslip.scenario.sections import Drag as Drag
@@ -48,13 +50,10 @@ if TYPE_CHECKING:
     from stickslip.scenario.sections import Record as Record
     from stickslip.scenario.sections import Robot as Robot
     from stickslip.scenario.sections import Solver as Solver
-    from stickslip.scenario.state import STATE_COLUMNS as STATE_COLUMNS
-    from stickslip.scenario.state import State as State
-    from stickslip.scenario.toml_file import load as load
+    from stickslip.scenario.sections import State as State
     from stickslip.scenario.uncertain import JointPrior as JointPrior
-    from stickslip.scenario.user_effects import EffectParameter as EffectParameter
-    from stickslip.scenario.user_effects import register_effect as register_effect
-    from stickslip.scenario.user_effects import unregister_effect as unregister_effect
+    from stickslip.scenario.uncertain import Prior as Prior
+    from stickslip.scenario.waveform import COIL_NAMES as COIL_NAMES
     from stickslip.scenario.waveform import Waveform as Waveform
     from stickslip.scenario.waveform import volts_per_tesla as volts_per_tesla
     from stickslip.simulation.note import Note as Note
@@ -91,22 +90,18 @@ _HOME = {
         "diagnosis.terms.laws": ("free_law",),
         "diagnosis.terms.parameter": ("Parameter",),
         "errors": ("ScenarioError", "SimulationError"),
-        "scenario.priors": ("Prior",),
         "measurement.reading": ("Measurement", "read_measurement"),
         "measurement.track": ("velocity_of_track",),
         "reproduction.study": ("reproduce",),
         "field.field_map": ("FieldMap",),
-        "scenario.named_effects": ("effects",),
-        "scenario.scenario": ("Scenario",),
+        "scenario.effects": ("EffectParameter", "effects", "register_effect"),
+        "scenario.scenario": ("Scenario", "load"),
         "scenario.sections": (
-            *("COIL_NAMES", "Coil", "Contact", "Drag", "Drive", "Environment", "Record", "Robot"),
-            "Solver",
+            *("Coil", "Contact", "Drag", "Drive", "Environment", "Record", "Robot", "Solver"),
+            *("STATE_COLUMNS", "State"),
         ),
-        "scenario.state": ("STATE_COLUMNS", "State"),
-        "scenario.toml_file": ("load",),
-        "scenario.uncertain": ("JointPrior",),
-        "scenario.user_effects": ("EffectParameter", "register_effect", "unregister_effect"),
-        "scenario.waveform": ("Waveform", "volts_per_tesla"),
+        "scenario.uncertain": ("JointPrior", "Prior"),
+        "scenario.waveform": ("COIL_NAMES", "Waveform", "volts_per_tesla"),
         "field.coils": ("Coils",),
         "simulation.note": ("Note",),
         "simulation.rollout": ("STATE_UNITS", "Rollout", "rollout"),

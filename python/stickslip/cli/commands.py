@@ -50,7 +50,7 @@ class LazyGroup(click.Group):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         name = args[0]
         if name not in COMMANDS and not ctx.resilient_parsing:
-            from stickslip.scenario.keys import suggestion
+            from stickslip._util.messages import suggestion
 
             hint = suggestion(name, COMMANDS)
             raise click.UsageError(f"{name}: there is no such command; {hint}", ctx)
@@ -78,7 +78,7 @@ class LazyGroup(click.Group):
 
 def unknown_option(error: click.NoSuchOption) -> str:
     """The line that refuses an option which a command does not have."""
-    from stickslip.scenario.keys import suggestion
+    from stickslip._util.messages import suggestion
 
     context = error.ctx or click.Context(stickslip)
     options = [

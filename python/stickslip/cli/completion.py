@@ -23,10 +23,9 @@ from click.shell_completion import (
 
 from stickslip._util.files import NETCDF_SUFFIXES
 from stickslip.cli import COMPLETION
-from stickslip.scenario.keys import full_name, known_keys
-from stickslip.scenario.named_effects import PREFIX, effects, is_free_shape
-from stickslip.scenario.path_keys import COIL_MAP, FILE, PATHS
-from stickslip.scenario.sections import COIL_NAMES
+from stickslip.scenario.effects import effects, is_free_shape
+from stickslip.scenario.keys import COIL_MAP, FILE, PATHS, PREFIX, full_name, known_keys
+from stickslip.scenario.waveform import COIL_NAMES
 
 Completer = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
 """What click asks for the items that begin as an incomplete word does."""

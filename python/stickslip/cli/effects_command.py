@@ -9,13 +9,8 @@ from stickslip.cli.common import JSON
 from stickslip.cli.completion import effect
 from stickslip.cli.keys_command import as_dict, has_word, indented, words_of
 from stickslip.errors import ScenarioError
-from stickslip.scenario.named_effects import (
-    PREFIX,
-    Effect,
-    effects,
-    is_free_shape,
-    suggested_effect,
-)
+from stickslip.scenario.effects import Effect, effects, is_free_shape, suggested_effect
+from stickslip.scenario.keys import PREFIX
 
 
 @click.command(

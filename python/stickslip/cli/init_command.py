@@ -12,9 +12,8 @@ from stickslip._util.text import json_text
 from stickslip.cli.common import PATH, say
 from stickslip.cli.targets import check_target
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import Key, known_keys
-from stickslip.scenario.path_keys import PROGRAM
-from stickslip.scenario.section_table import SECTIONS
+from stickslip.scenario.keys import PROGRAM, Key, known_keys
+from stickslip.scenario.sections import SECTIONS
 from stickslip.scenario.toml_file import FORMAT_VERSION
 
 _HEAD = f"""\

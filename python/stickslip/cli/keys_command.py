@@ -7,12 +7,12 @@ from collections.abc import Iterable
 
 import click
 
+from stickslip._util.messages import shown
 from stickslip._util.text import json_text
 from stickslip.cli.common import JSON
 from stickslip.cli.completion import key_or_section
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import Key, full_name, key_hint, known_keys, shown
-from stickslip.scenario.path_keys import COIL_MAP, FILE
+from stickslip.scenario.keys import COIL_MAP, FILE, Key, full_name, key_hint, known_keys
 
 _PATHS = {
     "drive.mode": (

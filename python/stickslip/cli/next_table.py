@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip._util.csv_rows import csv_line, text_lines
 from stickslip._util.files import read_bytes, text_writer, write_together
+from stickslip._util.messages import shown
 from stickslip._util.units import handy
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import shown
 
 if TYPE_CHECKING:
     from stickslip.diagnosis.decision.experiments import Experiment

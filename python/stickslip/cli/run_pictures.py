@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from stickslip._util.messages import shown
 from stickslip._util.text import highest
 from stickslip.cli.common import draw, nothing_drawn
 from stickslip.cli.progress import ProgressBar
 from stickslip.cli.targets import Inputs, check_plot, check_target
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.keys import RECORD_FIELDS, recorded_fields, shown
+from stickslip.scenario.keys import RECORD_FIELDS, recorded_fields
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.run import Run
 from stickslip.simulation.simulate import check_memory
@@ -81,7 +82,7 @@ class Pictures:
         with prefixed(self.option):
             check_memory(scenario)
         if self.animate is not None:
-            drive = vars(scenario.drive)
+            drive = scenario.drive.as_dict()
             first, last = stretch(drive, 0.0, scenario.duration, self.start, self.stop)
             with prefixed("--animate", ValueError):
                 timing(last - first, self.slowdown)

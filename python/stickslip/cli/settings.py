@@ -11,11 +11,20 @@ from typing import Any, TypeVar
 
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.field.field_map import FieldMap
-from stickslip.scenario.keys import Value, checked, full_name, in_radians
-from stickslip.scenario.path_keys import COIL_MAP, FILE, OBJECTS, PATHS, PROGRAM, PROGRAM_HINT
-from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.sections import refuse_sawtooth
-from stickslip.scenario.toml_file import read_parts, with_uncertain_of
+from stickslip.scenario.keys import (
+    COIL_MAP,
+    FILE,
+    OBJECTS,
+    PATHS,
+    PROGRAM,
+    PROGRAM_HINT,
+    Value,
+    checked,
+    full_name,
+    in_radians,
+    refuse_sawtooth,
+)
+from stickslip.scenario.scenario import Scenario, load, with_uncertain_of
 from stickslip.scenario.waveform import Waveform
 from stickslip.sweeping.points import MOST_POINTS, Points, grid
 
@@ -89,7 +98,7 @@ def read_with(
     """The scenario of a file with all ``--set`` options, the last of each key.
 
     `vary` has allowed values of ``--vary``, which are applied too. Voltages that are set replace
-    the whole drive, but its direction. A value of the file that is replaced is not checked.
+    the whole drive, but its direction.
     """
     changes = dict(parse_setting(text) for text in settings)
     if PROGRAM in changes:
@@ -101,12 +110,10 @@ def read_with(
             if key not in OBJECTS:
                 checked(key, value)
         refuse_sawtooth(changes.get("drive.mode"), changes)
-    changes |= vary or {}
-    parts = read_parts(path, changes)
+    scenario = load(path)
     options = [name for name, given in (("--set", settings), ("--vary", vary)) if given]
     with prefixed(f"{path} with {' and '.join(options)}" if options else path):
-        refuse_sawtooth(parts["drive"].mode, changes)
-        return Scenario(**parts)
+        return scenario.replace({**changes, **(vary or {})})
 
 
 def with_uncertain_file(scenario: Scenario, path: Path | None, settings: Sequence[str]) -> Scenario:

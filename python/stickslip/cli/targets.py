@@ -9,7 +9,7 @@ from pathlib import Path
 from stickslip._util.files import check_folder, check_suffix, check_writable
 from stickslip.cli.settings import split_setting
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.path_keys import PATHS
+from stickslip.scenario.keys import PATHS
 from stickslip.scenario.toml_file import named_files
 from stickslip.simulation.run import SUFFIXES
 

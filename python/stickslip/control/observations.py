@@ -9,7 +9,7 @@ import numpy as np
 from stickslip._util.numbers import Array, Indices
 from stickslip.control.camera import Camera, Film
 from stickslip.control.tasks import Targets
-from stickslip.scenario.state import STATE_COLUMNS
+from stickslip.scenario.sections import STATE_COLUMNS
 
 OBSERVED = ("to goal", "x", "z", "theta", "vx", "vz", "omega", "current_xp", "current_clamp")
 """Columns of an observation without a camera."""

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip._util.messages import check_kind, check_whole
 from stickslip._util.numbers import Array, worker_count
 from stickslip.design.design_space import DesignSpace, design_space
 from stickslip.design.goal import Changes, Goal, Judged, judge_all, made_goal
@@ -18,7 +19,7 @@ from stickslip.design.optimum import Optimum, Origin, SearchInterrupted
 from stickslip.design.sawtooth import POINTS, played, sawtooths
 from stickslip.design.search import LEADERS, Candidate, Key, search
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import RECORD_RATE, Value, check_kind, check_whole
+from stickslip.scenario.keys import RECORD_RATE, Value
 from stickslip.scenario.scenario import Scenario
 
 if TYPE_CHECKING:

@@ -278,8 +278,6 @@ class Optimum(OneLine):
             If a file cannot be written.
         """
         from stickslip.design.optimum_page import page_text
-        from stickslip.field.map_files import map_text
-        from stickslip.scenario.waveform_csv import write_rows
 
         folder = Path(out)
         writers = {
@@ -291,8 +289,8 @@ class Optimum(OneLine):
         }
         program = self.scenario.drive.program
         if program is not None:
-            writers[folder / VOLTAGES] = functools.partial(write_rows, program)
+            writers[folder / VOLTAGES] = program.write
         if self.scenario.coil.map is not None:
-            writers[folder / MAP] = text_writer(map_text(self.scenario.coil.map))
+            writers[folder / MAP] = text_writer(self.scenario.coil.map.to_json())
         folder.mkdir(parents=True, exist_ok=True)
         write_together(writers)

@@ -21,7 +21,7 @@ from stickslip.plot.motion import motion
 from stickslip.plot.one_motion import draw_fields
 from stickslip.plot.scales import readable
 from stickslip.scenario.keys import RECORD_RATE
-from stickslip.scenario.sections import COIL_NAMES
+from stickslip.scenario.waveform import COIL_NAMES
 from stickslip.simulation.simulate import simulate
 
 _PERIODS = 3  # shown; chosen: one and what it repeats

@@ -16,7 +16,7 @@ from stickslip.design.design_space import DesignSpace, as_program, drive_wavefor
 from stickslip.design.goal import Changes, Evaluate, Goal, Judged
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import Value
-from stickslip.scenario.sections import COIL_NAMES
+from stickslip.scenario.waveform import COIL_NAMES
 
 Grid = Mapping[str, Sequence[Any]]
 

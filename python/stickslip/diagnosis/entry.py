@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from stickslip._util.messages import check_whole, shown
 from stickslip._util.numbers import worker_count
 from stickslip.diagnosis.data.angle import AngleTable
 from stickslip.diagnosis.data.checks import find_problem, find_velocity_problem, velocity_notes
@@ -19,7 +20,6 @@ from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
-from stickslip.scenario.keys import check_whole, shown
 from stickslip.simulation.note import Note
 from stickslip.sweeping.notes import notes_of_points
 from stickslip.sweeping.points import from_changes

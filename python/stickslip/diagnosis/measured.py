@@ -21,7 +21,7 @@ from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import known_keys
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.sections import refuse_uncertain_geometry
+from stickslip.scenario.uncertain import refuse_geometry_beside_a_map
 from stickslip.simulation.scenario_notes import peak_voltages
 
 Measured = VelocityTable | AngleTable | FieldTable | FilmTable
@@ -66,7 +66,8 @@ def pose(measurement: Measurement, threads: int = 1, seed: int = 0) -> Problem:
         If nothing was measured that the diagnosis can use.
     """
     scenario, keys = measurement.scenario, known_keys()
-    refuse_uncertain_geometry(scenario.coil, measurement.uncertain)
+    if scenario.coil.map is not None:
+        refuse_geometry_beside_a_map(measurement.uncertain)
     _refuse_turns(measurement)
     tables = tables_of(measurement, threads, seed)
     constants = [

@@ -13,13 +13,13 @@ from matplotlib.patches import Polygon
 from numpy.typing import ArrayLike
 
 from stickslip._util import palette
+from stickslip._util.messages import refuse
 from stickslip._util.picture import Picture
 from stickslip.plot import style
 from stickslip.plot.canvas import legend_above, root_figure
 from stickslip.plot.film import Point, body_arrow, thin_arrow
 from stickslip.plot.motion import Array, Data, Motion, footprint, motion
 from stickslip.plot.scales import LEAST_TILT, Length, length, readable
-from stickslip.scenario.keys import refuse
 
 # Parts of the larger side of what is shown; chosen by eye.
 _ARROW = 0.09  # length of an arrow of the heading

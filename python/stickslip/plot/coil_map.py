@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial import ConvexHull
 
 from stickslip._util import palette
+from stickslip._util.messages import check_kind
 from stickslip._util.numbers import Array
 from stickslip.field.coils import Coils
 from stickslip.plot import style
@@ -21,9 +22,8 @@ from stickslip.plot.canvas import drawing, root_figure
 from stickslip.plot.film import body_arrow, thin_arrow
 from stickslip.plot.motion import rectangle
 from stickslip.plot.scales import length_bar
-from stickslip.scenario.keys import check_kind
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.sections import COIL_NAMES
+from stickslip.scenario.waveform import COIL_NAMES
 from stickslip.simulation.record_blocks import turns
 
 _REACH = 1.3  # half of the width that is drawn, in distances of the farthest wire; chosen by eye

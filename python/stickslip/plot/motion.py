@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.scenario.keys import refuse
+from stickslip._util.messages import refuse
 from stickslip.simulation.columns import PLANE_COLUMNS
 from stickslip.simulation.record_blocks import turns
 from stickslip.simulation.run import Run
@@ -101,8 +101,8 @@ def motion(data: Data) -> Motion:
     """The motion of a run on a uniform grid, or of what `Run.to_xarray` gave of it."""
     if isinstance(data, Run):
         events = data.scenario.record.rate == "events"
-        robot: Any = vars(data.scenario.robot)
-        drive: Any = vars(data.scenario.drive)
+        robot: Any = data.scenario.robot.as_dict()
+        drive: Any = data.scenario.drive.as_dict()
         heading = data.final_state.heading
         leaves = turns(data.scenario)
     else:

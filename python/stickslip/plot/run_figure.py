@@ -13,13 +13,13 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from stickslip._util import palette
+from stickslip._util.messages import refuse
 from stickslip._util.picture import Picture
 from stickslip.plot import style
 from stickslip.plot.canvas import legend_above
 from stickslip.plot.motion import Array, Motion, motion
 from stickslip.plot.one_motion import draw_contact_velocity, draw_fields, draw_tilt
 from stickslip.plot.scales import LEAST_FORCE, LEAST_HEADING, length, readable
-from stickslip.scenario.keys import refuse
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.record_blocks import turns
 from stickslip.simulation.run import Run, resting_force

@@ -18,6 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip._util import palette
+from stickslip._util.messages import meant, shown
 from stickslip._util.text import number
 from stickslip._util.units import in_handy_units
 from stickslip.errors import ScenarioError
@@ -34,7 +35,7 @@ from stickslip.reproduction.points import (
 )
 from stickslip.reproduction.settings import MODES, Mode, Setting
 from stickslip.reproduction.tables import table
-from stickslip.scenario.keys import known_keys, meant, shown
+from stickslip.scenario.keys import known_keys
 
 if TYPE_CHECKING:
     from stickslip.simulation.simulate import Progress

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import pandas as pd
 
+from stickslip._util.messages import check_whole
 from stickslip._util.numbers import worker_count
 from stickslip.design.design_space import DesignSpace
 from stickslip.design.search import Key, search
@@ -33,7 +34,6 @@ from stickslip.reproduction.settings import (
 from stickslip.reproduction.statements import NO_PAIR
 from stickslip.reproduction.survey import Behaviour, Flags, all_pairs, paired, survey, working_pairs
 from stickslip.reproduction.tables import table
-from stickslip.scenario.keys import check_whole
 from stickslip.scenario.scenario import Scenario
 
 if TYPE_CHECKING:

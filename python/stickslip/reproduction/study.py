@@ -14,6 +14,7 @@ import pandas as pd
 
 from stickslip import plot
 from stickslip._util.files import check_folder, text_writer, write_together
+from stickslip._util.messages import meant, shown
 from stickslip._util.numbers import worker_count
 from stickslip.errors import ScenarioError
 from stickslip.reproduction.curves import (
@@ -31,7 +32,6 @@ from stickslip.reproduction.settings import MODES, Grid, Mode, Setting
 from stickslip.reproduction.statements import RULE, Statement, judge
 from stickslip.reproduction.survey import survey
 from stickslip.reproduction.tables import write_table
-from stickslip.scenario.keys import meant, shown
 
 if TYPE_CHECKING:
     from stickslip.simulation.run import Run

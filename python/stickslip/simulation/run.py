@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from stickslip import _core
 from stickslip._util.files import NETCDF_SUFFIXES, check_suffix
-from stickslip.scenario.state import State, made_state
+from stickslip.scenario.sections import State
 from stickslip.simulation.columns import COLUMNS, PLANE_COLUMNS, WORDS
 from stickslip.simulation.note import Note, by_seriousness
 from stickslip.simulation.record_blocks import is_csv, recorded_names, turns, write_run
@@ -57,7 +57,7 @@ class Outcome(NamedTuple):
             result.status,
             result.message,
             result.summary(),
-            made_state(result.final_state),
+            State.view(result.final_state),
             result.stopped,
             result.status == "ok" and not cut,
             recorded_until,

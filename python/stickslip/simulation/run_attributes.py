@@ -12,7 +12,6 @@ import numpy as np
 
 from stickslip import _core
 from stickslip.field.field_map import FieldMap
-from stickslip.field.map_files import map_text, stored_map
 from stickslip.scenario.waveform import Waveform
 from stickslip.simulation.note import notes_json
 
@@ -35,7 +34,7 @@ def attributes(run: Run) -> dict[str, Any]:
         "steps": json.dumps(summary["steps"]),
         "condition_met": int(run.condition_met),
         **({"condition": run.condition} if run.condition else {}),
-        "final_state": json.dumps(vars(run.final_state)),
+        "final_state": json.dumps(run.final_state.as_dict()),
         "complete": int(run.complete),
         "recorded_until": run.recorded_until,
     }
@@ -52,13 +51,13 @@ def origin(scenario: Scenario) -> dict[str, str]:
         blocks = [{"t": t.tolist(), "V": v.tolist(), "repeats": n} for t, v, n in program.blocks]
         about["voltage_blocks"] = json.dumps(blocks)
     if scenario.coil.map is not None:
-        about["coil_map"] = map_text(scenario.coil.map)
+        about["coil_map"] = scenario.coil.map.to_json()
     return about
 
 
 def map_of(about: Mapping[str, Any]) -> FieldMap | None:
     """The field map of attributes that `origin` gave, if the scenario has one."""
-    return stored_map(about["coil_map"]) if "coil_map" in about else None
+    return FieldMap.from_json(about["coil_map"]) if "coil_map" in about else None
 
 
 def program_of(about: Mapping[str, Any]) -> Waveform | None:

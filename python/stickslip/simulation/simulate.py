@@ -8,10 +8,10 @@ from collections.abc import Callable, Iterable
 from os import PathLike
 
 from stickslip import _core
+from stickslip._util.messages import check_kind, refuse
 from stickslip._util.numbers import worker_count
 from stickslip._util.text import highest
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import check_kind, refuse
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.record_blocks import kept, recorded_names
 from stickslip.simulation.run import Outcome, Run

@@ -18,8 +18,8 @@ from stickslip._util.checksum import check_checksum, sha256_of
 from stickslip._util.extras import naming_the_extra
 from stickslip._util.files import read_bytes
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.state import State
-from stickslip.scenario.toml_file import scenario_of
+from stickslip.scenario.scenario import scenario_of
+from stickslip.scenario.sections import State
 from stickslip.simulation.columns import WORDS
 from stickslip.simulation.csv_export import beside, headings
 from stickslip.simulation.record_blocks import BLOCK, is_csv, recorded_names

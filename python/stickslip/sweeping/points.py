@@ -16,26 +16,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
+from stickslip._util.messages import shown
 from stickslip._util.numbers import ABSOLUTE, RELATIVE, Array, representatives
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import (
+    COIL_MAP,
+    PREFIX,
+    PROGRAM,
+    SAWTOOTH,
     Value,
     checked,
     is_of_one_coil,
     known_keys,
-    shown,
+    refuse_sawtooth,
     until_registration,
 )
-from stickslip.scenario.named_effects import PREFIX
-from stickslip.scenario.path_keys import COIL_MAP, PROGRAM
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.section_table import SECTIONS
-from stickslip.scenario.sections import (
-    COIL_NAMES,
-    SAWTOOTH,
-    refuse_sawtooth,
-    refuse_sawtooth_values,
-)
+from stickslip.scenario.sections import SECTIONS
+from stickslip.scenario.waveform import COIL_NAMES
 from stickslip.simulation.columns import NUMBERS
 from stickslip.simulation.seen_from_drive import VELOCITIES
 
@@ -169,8 +167,8 @@ def from_changes(scenario: Scenario, rows: Sequence[Mapping[str, Value]]) -> Poi
         rows = [_by_single_coils(row) for row in rows]
     keys = list(dict.fromkeys(key for row in rows for key in row))
     for row in rows:
-        sawtooth = {key: row[key] for key in SAWTOOTH if key in row}
-        refuse_sawtooth_values(row.get("drive.mode", scenario.drive.mode), sawtooth)
+        idle = [key for key in SAWTOOTH if key in row and row[key] != known_keys()[key].default]
+        refuse_sawtooth(row.get("drive.mode", scenario.drive.mode), idle)
     columns: dict[str, list[Value]] = {}
     # A list may change nothing, but its points need a coordinate.
     for key in keys or ["drive.frequency"]:

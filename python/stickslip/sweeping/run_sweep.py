@@ -9,9 +9,10 @@ from os import PathLike
 from typing import TYPE_CHECKING
 
 from stickslip._util.files import check_writable
+from stickslip._util.messages import check_kind, shown
 from stickslip._util.numbers import worker_count
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import Value, check_kind, shown
+from stickslip.scenario.keys import Value
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.simulate import STAGE, Progress
 from stickslip.sweeping.executors import ChunkExecutor, LocalThreads, OutsideExecutor

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from stickslip.scenario.keys import refuse
+from stickslip._util.messages import refuse
 
 if TYPE_CHECKING:
     import xarray

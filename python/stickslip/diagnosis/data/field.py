@@ -16,7 +16,7 @@ from stickslip.diagnosis.terms.instruments import of_fields, read_by
 from stickslip.errors import ScenarioError
 from stickslip.measurement.outliers import far_from_a_fit
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.sections import COIL_NAMES
+from stickslip.scenario.waveform import COIL_NAMES
 from stickslip.simulation.note import Note
 
 _STRONGEST, _FARTHEST = 1.0, 1.0
