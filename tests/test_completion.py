@@ -12,10 +12,10 @@ from click.shell_completion import get_completion_class
 
 import command_line
 from stickslip import COIL_NAMES, Scenario, effects
-from stickslip.scenario.keys import known_keys
 from stickslip.cli import COMPLETION
 from stickslip.cli.commands import COMMANDS, stickslip
 from stickslip.cli.completion import answer
+from stickslip.scenario.keys import known_keys
 from stickslip.sweeping.results import NUMBERS
 
 SHELLS = ("bash", "zsh", "fish")

@@ -103,9 +103,9 @@ void take_section(Scenario& scenario, const Scenario& other, const std::string& 
         if (is_of_it(row.key) && !word.empty()) set_choice(scenario, row.key, word);
     }
     for (const Parameter& row : parameters()) {
-        const Choice* words = find_choice(row.key);
-        if (!is_of_it(row.key) || (words != nullptr && !words->get(other).empty())) continue;
-        row.set(scenario, row.get(other));
+        if (!is_of_it(row.key)) continue;
+        const Choice* words = find_choice(row.key);  // of a key that holds a word now
+        if (words == nullptr || words->get(other).empty()) row.set(scenario, row.get(other));
     }
     if (section == "drive") scenario.program = other.program;
     if (section == "coil") scenario.map = other.map;
@@ -263,7 +263,7 @@ Array free_curve_at(const Scenario& scenario, const std::string& effect, const A
 }  // namespace
 
 void register_scenario(py::module_& module) {
-    module.def("keys", &describe_keys);
+    module.def("key_table", &describe_keys);
     module.def("effects", &describe_effects);
     module.attr("sections") = meanings_of(sections());
 

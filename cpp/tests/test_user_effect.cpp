@@ -73,7 +73,8 @@ std::vector<Method> methods() {
 TEST_CASE("user effect: its keys are those of any other, while it is registered") {
     Scenario scenario;
     CHECK_THROWS_WITH_AS(set_parameter(scenario, "effects.own.strength", 1.0),
-                         "effects.own.strength: there is no such numeric key",
+                         "effects.own.strength: there is no such key; an effect of your own has to "
+                         "be registered in this process too",
                          std::invalid_argument);
     {
         const Registered effect([](const double*, const double*, double*) {});

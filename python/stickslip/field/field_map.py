@@ -5,10 +5,11 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -119,7 +120,7 @@ class FieldMap:
                     refuse(f"row {line}, column coil", coil, allowed)
             chosen = [np.flatnonzero(np.array(words["coil"]) == name) for name in names]
             samples = [(table[rows, :3], table[rows, 3:]) for rows in chosen]
-            numbers = [[lines[row] for row in rows] for rows in chosen]
+            numbers = [[lines[row] for row in rows.tolist()] for rows in chosen]
             return cls.from_coils(samples, path.name, numbers)
 
     @classmethod
@@ -203,10 +204,13 @@ class FieldMap:
         """The map of which `to_json` gave the text; a ScenarioError for another text."""
         try:
             found = json.loads(text)
+            (x0, y0, z0), (x1, y1, z1) = map(_floats, (found["low"], found["high"]))
             return cls(
-                *(tuple(float(each) for each in found[name]) for name in ("low", "high")),  # type: ignore[arg-type]
-                tuple(tuple(float(each) for each in own) for own in found["coefficients"]),
-                *(tuple(float(each) for each in found[name]) for name in ("residual", "field")),
+                (x0, y0, z0),
+                (x1, y1, z1),
+                tuple(map(_floats, found["coefficients"])),
+                _floats(found["residual"]),
+                _floats(found["field"]),
                 tuple(int(each) for each in found["points"]),
                 str(found["source"]),
             )
@@ -254,6 +258,10 @@ class FieldMap:
 
     def __repr__(self) -> str:
         return f"<FieldMap: {self}>"
+
+
+def _floats(values: Iterable[Any]) -> tuple[float, ...]:
+    return tuple(float(each) for each in values)
 
 
 def _check_count(name: str, given: Sequence[object]) -> None:

@@ -62,7 +62,7 @@ def until_registration(function: Callable[_P, _R]) -> Callable[_P, _R]:
 
     @functools.wraps(function)
     def kept(*args: _P.args, **named: _P.kwargs) -> _R:
-        return cached(_core.registrations(), *args, **named)
+        return cached(_core.registrations(), *args, **named)  # type: ignore[arg-type]
 
     return kept
 
@@ -116,7 +116,7 @@ class Key:
 @until_registration
 def known_keys() -> dict[str, Key]:
     """All keys by name, section by section."""
-    return {row["name"]: Key(**row) for row in _core.keys()}
+    return {row["name"]: Key(**row) for row in _core.key_table()}
 
 
 @until_registration
@@ -187,8 +187,8 @@ def find_key(name: str, *value: object) -> Key:
     keys = known_keys()
     if name in keys:
         return keys[name]
-    given = " = ".join([str(name), *map(shown, value)])
-    hint = f" here; {PATHS[name]}" if name in PATHS else f"; {key_hint(str(name))}"
+    given = " = ".join([name, *map(shown, value)])
+    hint = f" here; {PATHS[name]}" if name in PATHS else f"; {key_hint(name)}"
     raise ScenarioError(f"{given}: there is no such key{hint}")
 
 
@@ -212,8 +212,8 @@ def set_value(core: _core.Scenario, name: str, value: object) -> None:
     try:
         core.set(name, given)  # type: ignore[arg-type]
     except (ValueError, TypeError, OverflowError):
-        words = value.split(",") if key.kind == "fields" and isinstance(value, str) else [value]
-        wrong = next((w for w in words if isinstance(w, str) and w.strip() not in key.words), None)
+        words = [word.strip() for word in value.split(",")] if isinstance(value, str) else []
+        wrong = next((word for word in words if word not in key.words), None)
         refuse(name, value, key.allowed + meant(wrong, key.words) + _other_unit(key, value))
 
 

@@ -288,7 +288,8 @@ class Scenario:
             If a key is unknown or a value not allowed.
         """
         made = self._copy()
-        values = {full_name(key): value for key, value in {**(changes or {}), **more}.items()}
+        given = {**(changes or {}), **more}
+        values = {full_name(str(key)): value for key, value in given.items()}
         # A mode resets what another one has, and a key of all coils that of a single one.
         for key in sorted(
             values, key=lambda key: 0 if key == "drive.mode" else 1 + is_of_one_coil(key)
@@ -409,8 +410,8 @@ class Scenario:
         return f"Scenario({', '.join(f'{name}={value!r}' for name, value in values.items())})"
 
     def _repr_html_(self) -> str:
-        """A table of the keys of the drive, and of all others that have another value by default."""
-        rows = [(key, f"{value!r}") for key, value in ((PROGRAM, self._program),) if value]
+        """A table of the keys of the drive, and of all others that are not as by default."""
+        rows = [(PROGRAM, repr(self._program))] if self._program is not None else []
         if self._map is not None:
             rows.append((COIL_MAP, str(self._map)))
         changed = self._core.changed()

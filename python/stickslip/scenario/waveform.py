@@ -464,16 +464,16 @@ def _check_rows(t: Array, v: Array, lines: Sequence[int]) -> None:
     if len(falls):
         at = int(falls[0])
         raise ScenarioError(
-            f"row {lines[at + 1]}, column t = {float(t[at + 1])!r}: allowed is {float(t[at])!r} s, the time of "
-            "the row before, or later"
+            f"row {lines[at + 1]}, column t = {float(t[at + 1])!r}: allowed is {float(t[at])!r} s, "
+            "the time of the row before, or later"
         )
     if t[-1] == 0.0:
         raise ScenarioError(f"row {lines[-1]}, column t = 0.0: the last time has to be above 0")
     third = _third_at_one_time(t, v)
     if third is not None:
         raise ScenarioError(
-            f"row {lines[third]}: third row at t = {float(t[third])!r}: allowed are two, a jump; are the "
-            "times rounded, or in ms?"
+            f"row {lines[third]}: third row at t = {float(t[third])!r}: allowed are two, a jump; "
+            "are the times rounded, or in ms?"
         )
 
 
