@@ -15,7 +15,6 @@ HEAD = """\
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, NamedTuple
 
-from stickslip import _core
 from stickslip.field.field_map import FieldMap
 from stickslip.scenario.section import Section
 from stickslip.scenario.waveform import Waveform

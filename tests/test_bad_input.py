@@ -5,8 +5,6 @@ import os
 import pytest
 
 from command_line import check, stickslip
-from stickslip import ScenarioError
-from stickslip.cli.settings import parse_value, read_with
 
 HEAD = "stickslip = 1\n[drive]\n"
 CSV = "t,xp,xm,yp,ym,clamp\n0,0,0,0,0,0\n1,1,0,0,0,0\n"
@@ -24,66 +22,15 @@ def run(tmp_path, scenario, *options, **more):
     return done
 
 
-SCENARIOS = {
-    "empty": ("", ["is empty", "[drive]"]),
-    "blank": ("\n \n", ["is empty"]),
-    "syntax": (HEAD + "frequency = = 3\n", ["not valid TOML", "line 3"]),
-    "twice": (HEAD + "peak = 1\npeak = 2\n", ["not valid TOML", "line 4"]),
-    "no version": ("[drive]\n", ['"stickslip = 1"']),
-    "newer version": ("stickslip = 2\n[drive]\n", ["stickslip = 2", "allowed is 1"]),
-    "version as word": ('stickslip = "1"\n[drive]\n', ['stickslip = "1"']),
-    "version as bool": ("stickslip = true\n[drive]\n", ["stickslip = true"]),
-    "no drive": ("stickslip = 1\n", ["[drive] is missing"]),
-    "unknown section": (HEAD + "[contcat]\n", ["[contcat]", 'did you mean "contact"?']),
-    "section as number": ("stickslip = 1\ndrive = 3\n", ["drive = 3", "[drive]"]),
-    "section as list": ("stickslip = 1\n[[drive]]\n", ["drive = ", "[drive]"]),
-    "unknown key": (HEAD + "freqency = 3\n", ["drive.freqency = 3", 'mean "drive.frequency"?']),
-    "unknown effect": (HEAD + "[effects.tilt_surface]\n", ["effects.tilt_surface"]),
-    "unknown parameter": (
-        HEAD + "[effects.surface_tilt]\nangel = 1\n",
-        ["effects.surface_tilt.angel = 1", "effects.surface_tilt.angle"],
-    ),
-    "effects as number": ("stickslip = 1\neffects = 3\n[drive]\n", ["effects = 3"]),
-    "effect as number": (HEAD + "[effects]\neddy_lag = 3\n", ["effects.eddy_lag = 3"]),
-    "word for number": (HEAD + 'frequency = "30"\n', ['drive.frequency = "30"', "a number"]),
-    "bool for number": (HEAD + "frequency = true\n", ["drive.frequency = true", "a number"]),
-    "list for number": (HEAD + "frequency = [1]\n", ["drive.frequency = [1]", "a number"]),
-    "date for number": (HEAD + "frequency = 2008-06-25\n", ["drive.frequency = ", "a number"]),
-    "half a pulse": (HEAD + "pulses = 1.5\n", ["drive.pulses = 1.5", "whole number"]),
-    "no pulses": (HEAD + "pulses = 0\n", ["drive.pulses = 0", "from 1"]),
-    "endless digits": (HEAD + "pulses = 1" + "0" * 400 + "\n", ["drive.pulses = 1", "whole"]),
-    "negative": (HEAD + "frequency = -30\n", ["drive.frequency = -30", "from 1e-06"]),
-    "nan": (HEAD + "peak = nan\n", ["drive.peak = nan", "from 0 to 1 T"]),
-    "inf": (HEAD + "ramp = inf\n", ["drive.ramp = inf", "s"]),
-    "unknown word": (HEAD + 'edge = "up"\n', ['drive.edge = "up"', '"rise", "fall"']),
-    "number for word": (HEAD + "mode = 1\n", ["drive.mode = 1", '"IPP", "OPP", "program"']),
-    "friction": (
-        HEAD + "[contact]\nkinetic_friction = 0.5\n",
-        ["contact.kinetic_friction = 0.5", "contact.static_friction"],
-    ),
-    "sawtooth upside down": (HEAD + "base = 3e-3\n", ["drive.peak", "drive.base"]),
-    "edge too long": (HEAD + "edge_time = 0.01\n", ["drive.edge_time = 0.01", "period"]),
-    "zero rate": (HEAD + "[record]\nrate = 0\n", ["record.rate = 0", "above 0"]),
-    "nan rate": (HEAD + "[record]\nrate = nan\n", ["record.rate = nan", "above 0"]),
-    "rate as word": (HEAD + '[record]\nrate = "all"\n', ['record.rate = "all"', '"events"']),
-    "too many samples": (HEAD + "[record]\nrate = 1e9\n", ["record.rate = 1e+09", "1e9"]),
-    "program without file": (HEAD + 'mode = "program"\n', ["drive.mode", "drive.file"]),
-    "heading of a program": (PROGRAM + "heading = 0.5\n", ["drive.heading", '"program"']),
-    "coils of a program": (PROGRAM + 'coils = "pairs"\n', ["drive.coils", '"program"']),
-    "file without program": (HEAD + 'file = "v.csv"\n', ['drive.mode = "IPP"', '"program"']),
-    "sawtooth beside a file": (PROGRAM + "pulses = 3\n", ["drive.pulses", "drive.file"]),
-    "program as key": (HEAD + 'program = "v.csv"\n', ["drive.program", "drive.file", '"program"']),
-    "file as number": (HEAD + "file = 3\n", ["drive.file = 3", "path"]),
-}
+def test_a_bad_scenario(tmp_path):
+    """One for all: the others are in `refusals.scenario`."""
+    (tmp_path / "my scenario.toml").write_text(HEAD + "freqency = 3\n")
+    check(run(tmp_path, tmp_path / "my scenario.toml"), "my scenario.toml: drive.freqency = 3")
 
 
-@pytest.mark.parametrize("name", SCENARIOS)
-def test_scenarios(tmp_path, name):
-    text, words = SCENARIOS[name]
-    path = tmp_path / "my scenario.toml"
-    path.write_text(text)
-    (tmp_path / "v.csv").write_text(CSV)
-    check(run(tmp_path, path), str(path), *words)
+def test_a_replaced_value_of_the_file_is_judged_too(tmp_path):
+    (tmp_path / "s.toml").write_text(HEAD + "frequency = -3\n")
+    check(run(tmp_path, tmp_path / "s.toml", "--set=drive.frequency=30"), "drive.frequency = -3")
 
 
 def test_a_missing_scenario(tmp_path):
@@ -92,66 +39,6 @@ def test_a_missing_scenario(tmp_path):
 
 def test_a_folder_as_scenario(tmp_path):
     check(run(tmp_path, tmp_path), str(tmp_path), "directory")
-
-
-@pytest.mark.parametrize("data", [b"\x89PNG\r\n\x1a\n\xff\xfe" * 9, b"\0" * 99, b"a" * (2 << 20)])
-def test_a_file_that_is_no_scenario(tmp_path, data):
-    path = tmp_path / "s.toml"
-    path.write_bytes(data)
-    check(run(tmp_path, path), str(path))
-
-
-VOLTAGES = {
-    "empty": ("", ["is empty"]),
-    "header only": ("t,xp,xm,yp,ym,clamp\n", ["0 row(s)", "two or more"]),
-    "one row": ("t,xp,xm,yp,ym,clamp\n0,0,0,0,0,0\n", ["1 row(s)", "two or more"]),
-    "missing column": ("t,xp,xm,yp,ym\n0,0,0,0,0\n", ["row 1", "column clamp is missing"]),
-    "no header": ("0,0,0,0,0,0\n1,0,0,0,0,0\n", ["row 1", "column t is missing"]),
-    "extra column": ("t,xp,xm,yp,ym,clamp,zp\n0,0,0,0,0,0,0\n", ["row 1", '"zp"', "no such"]),
-    "column twice": ("t,xp,xm,yp,ym,clamp,xp\n0,0,0,0,0,0,0\n", ["row 1", "xp", "twice"]),
-    "falling time": (CSV + "0.5,0,0,0,0,0\n", ["row 4", "t = 0.5", "1.0 s"]),
-    "late start": (CSV.replace("\n0,", "\n0.5,"), ["row 2", "t = 0.5", "0 s"]),
-    "no time": (CSV.replace("\n1,", "\n0,"), ["row 3", "t = 0.0", "above 0"]),
-    "nan": (CSV + "2,0,nan,0,0,0\n", ["row 4", "column xm", "nan", "finite", "V"]),
-    "inf": (CSV + "2,0,0,0,0,-inf\n", ["row 4", "column clamp", "-inf", "finite"]),
-    "word": (CSV + "2,0,0,off,0,0\n", ["row 4", "column yp", "off", "finite"]),
-    "gap": (CSV + "2,0,0,0,,0\n", ["row 4", "column ym", "finite"]),
-    "time as word": (CSV + "later,0,0,0,0,0\n", ["row 4", "column t", "later", "of s"]),
-    "short row": (CSV + "2,0,0\n", ["row 4", "3 cells", "6"]),
-    "long row": (CSV + "2,0,0,0,0,0,0\n", ["row 4", "7 cells", "6"]),
-    "cells separated by blanks": (
-        CSV.replace(",", " "),
-        ["line 1", "t xp xm", "no comma, semicolon or tab", "write commas"],
-    ),
-    "line break in a cell": (CSV + '2,"a\nb",0,0,0,0\n', ["line 4", "quoted cell", "one line"]),
-    "unlike name": (CSV.replace("clamp", "Clmap"), ["column clamp", '"Clmap" may be meant']),
-}
-
-
-@pytest.mark.parametrize("name", VOLTAGES)
-def test_voltage_files(tmp_path, name):
-    text, words = VOLTAGES[name]
-    (tmp_path / "s.toml").write_text(PROGRAM)
-    (tmp_path / "v.csv").write_text(text)
-    check(run(tmp_path, tmp_path / "s.toml"), "s.toml", 'drive.file = "v.csv"', *words)
-
-
-def test_voltage_files_that_cannot_be_read(tmp_path):
-    (tmp_path / "s.toml").write_text(PROGRAM)
-    check(run(tmp_path, tmp_path / "s.toml"), "v.csv", "No such file")
-
-
-@pytest.mark.parametrize("data", [b"\x89PNG\r\n\x1a\n\xff\xfe" * 9, b"\0" * 200_000])
-def test_binary_voltage_files(tmp_path, data):
-    (tmp_path / "s.toml").write_text(PROGRAM)
-    (tmp_path / "v.csv").write_bytes(data)
-    check(run(tmp_path, tmp_path / "s.toml"), "v.csv")
-
-
-def test_a_folder_as_voltage_file(tmp_path):
-    (tmp_path / "s.toml").write_text(PROGRAM)
-    (tmp_path / "v.csv").mkdir()
-    check(run(tmp_path, tmp_path / "s.toml"), "v.csv", "directory")
 
 
 OPTIONS = {
@@ -263,41 +150,6 @@ def test_a_path_that_cannot_be_written_is_refused_before_the_work(tmp_path, argu
     check(done, "cannot write", name)
     assert ".lock" not in done.stderr
     assert len(list(tmp_path.iterdir())) == 3
-
-
-REPLACED = {
-    "value": ("frequency = -3", ["drive.frequency=30"]),
-    "word": ('edge = "up"', ["drive.edge=fall"]),
-    "together": ("base = 3e-3", ["drive.peak=4e-3"]),
-    "section": ("[robot]\nmass = 0", ["robot.mass=25e-9"]),
-    "effect": ("[effects.surface_tilt]\nangle = 9", ["effects.surface_tilt.angle=0.1"]),
-    "file": ('mode = "program"\nfile = "no.csv"', ["drive.file=v.csv"]),
-    "mode": ('mode = "program"\nfile = "no.csv"', ["drive.mode=OPP", "drive.pulses=4"]),
-    "whole drive": ("frequency = -3", ["drive.file=v.csv"]),
-}
-
-
-@pytest.mark.parametrize("name", REPLACED)
-def test_a_replaced_value_of_the_file_is_not_checked(tmp_path, monkeypatch, name):
-    text, settings = REPLACED[name]
-    (tmp_path / "s.toml").write_text(f"{HEAD}{text}\n")
-    (tmp_path / "v.csv").write_text(CSV)
-    monkeypatch.chdir(tmp_path)
-    found = read_with(tmp_path / "s.toml", settings)
-    for key, value in (each.split("=") for each in settings):
-        if key != "drive.file":
-            assert found.get(key) == parse_value(value)
-    with pytest.raises(ScenarioError, match=r"s\.toml.*: "):
-        read_with(tmp_path / "s.toml", ["drag.linear=1e-6"])
-
-
-def test_other_values_of_the_file_are_checked(tmp_path):
-    (tmp_path / "s.toml").write_text(HEAD + "frequency = -3\npeak = -1\n")
-    done = stickslip("run", tmp_path / "s.toml", "--set", "drive.frequency=30")
-    check(done, "s.toml: drive.peak = -1")
-    (tmp_path / "s.toml").write_text(HEAD)
-    done = stickslip("run", tmp_path / "s.toml", "--set", "drive.base=0.1")
-    check(done, "s.toml with --set: drive.peak = 0.0025 with drive.base = 0.1")
 
 
 def test_an_error_names_its_file_once(tmp_path):

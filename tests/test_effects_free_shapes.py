@@ -21,7 +21,7 @@ from helpers import (
     scenario,
     still_for,
 )
-from own_effects import nothing, register
+from own_effects import nothing, register, unregister
 from stickslip import Coils, Scenario, Waveform, sweep
 from stickslip.scenario.effects import effects, is_free_shape
 
@@ -50,7 +50,7 @@ def test_a_users_extension_is_no_free_shape_whatever_its_name():
     try:
         assert not is_free_shape("free_fall")
     finally:
-        stickslip.unregister_effect("free_fall")
+        unregister("free_fall")
 
 
 @names

@@ -16,6 +16,12 @@ from measured_maps import (
     wire_fields,
     with_map,
 )
+from own_effects import (
+    nothing,
+    nothing_stays,  # noqa: F401 (around every test here)
+    parameter,
+    register,
+)
 from stickslip import (
     COIL_NAMES,
     Coil,
@@ -328,11 +334,9 @@ def test_a_map_takes_the_place_of_the_geometry(exact):
     base = with_map(exact)
     same = base.replace({"coil.resistance": 12.0, "coil.xp.inductance": 0.05})
     assert simulate(same).ok
-    for key, value in (("coil.turns", 400.0), ("coil.clamp.side", 0.1)):
-        with pytest.raises(ScenarioError, match="allowed beside coil"):
-            base.replace({key: value})
-    with pytest.raises(ScenarioError, match=r"coil\.side: cannot be uncertain beside coil.map"):
-        base.with_uncertain({"coil.side": {"mean": 0.14, "sd": 0.01}})
+    register(nothing, parameter("distance"), name="recoil")
+    uncertain = {"effects.recoil.distance": {"mean": 0.1, "sd": 0.01}}
+    assert base.with_uncertain(uncertain).uncertain.names == ("effects.recoil.distance",)
     assert base.replace({"coil.map": None}).coil == Coil()
 
 
@@ -346,10 +350,6 @@ def test_the_coils_of_a_map_are_drawn_where_it_is(exact):
 
 
 def test_what_is_no_map_is_refused_where_one_belongs(exact):
-    with pytest.raises(ScenarioError, match=r'coil\.map = "map\.csv"'):
-        Coil(map="map.csv")
-    with pytest.raises(ScenarioError, match="such key here; in Python"):
-        Scenario().get("coil.map")
     base = with_map(exact)
     with pytest.raises(ScenarioError, match="not maps of the field"):
         sweep(base, {"coil.map": [exact]})

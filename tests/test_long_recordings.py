@@ -11,6 +11,7 @@ import pytest
 import xarray
 
 from command_line import COMMAND, stickslip, stickslip_process
+from own_effects import unregister
 from recorded_runs import COARSE, DENSE, ENDLESS, assert_same_record
 from stickslip import (
     EffectParameter,
@@ -18,7 +19,6 @@ from stickslip import (
     open_run,
     register_effect,
     simulate,
-    unregister_effect,
 )
 from stickslip.simulation.record_blocks import BLOCK
 from stickslip.simulation.simulate import MOST_IN_MEMORY
@@ -167,7 +167,7 @@ def test_an_effect_that_fails_keeps_the_record(tmp_path):
             simulate(scenario, out=tmp_path / "run.nc")
         run = open_run(tmp_path / "run.nc")
     finally:
-        unregister_effect("own")
+        unregister("own")
     assert (run.status, run.complete) == ("interrupted", False)
     assert run.message == "the run was stopped by LookupError: broken"
     assert 0 < len(run.t) < 341

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import stickslip
-from own_effects import register
+from own_effects import register, unregister
 from steps import STEP, named, random_rows
 from stickslip import (
     STATE_COLUMNS,
@@ -29,7 +29,6 @@ from stickslip import (
     _core,
     rollout,
     simulate,
-    unregister_effect,
 )
 from stickslip.scenario.sections import CONTACT_WORDS
 
@@ -287,7 +286,7 @@ def test_a_batch_is_usable_after_an_effect_that_raised(threads):
         current = STATE_COLUMNS.index("current_xp")
         assert (batch_states(batch, 3)[:, current] > before[:, current]).all()
     finally:
-        unregister_effect("raises_once")
+        unregister("raises_once")
 
 
 @pytest.mark.parametrize("threads", [1, 2])

@@ -47,7 +47,11 @@ Value value_of(const Scenario& scenario, const std::string& key) {
 }
 
 void set_value(Scenario& scenario, const std::string& key, const py::handle& value) {
-    if (PyUnicode_Check(value.ptr())) return set_choice(scenario, key, value.cast<std::string>());
+    if (PyUnicode_Check(value.ptr())) {
+        const char* word = PyUnicode_AsUTF8(value.ptr());
+        if (word == nullptr) throw py::error_already_set();  // it is not UTF-8
+        return set_choice(scenario, key, word);
+    }
     const bool is_number = PyFloat_Check(value.ptr()) || PyLong_Check(value.ptr());
     if (!is_number || PyBool_Check(value.ptr())) throw py::type_error("a float, an int or a str");
     const double number = PyFloat_AsDouble(value.ptr());

@@ -5,6 +5,7 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
+import pytest
 from numba import cfunc
 
 import stickslip
@@ -15,6 +16,7 @@ from stickslip import (
     EffectParameter,
     FieldMap,
     Scenario,
+    ScenarioError,
     Waveform,
     load,
     register_effect,
@@ -27,6 +29,14 @@ PROGRAM = HEAD + 'mode = "program"\nfile = "v.csv"\n'
 ENDLESS = "1" + "0" * 5000
 
 
+def named(beginning, read, path):
+    """The error of a file, which begins with its name."""
+    with pytest.raises(ScenarioError) as refusal:
+        read(path)
+    assert str(refusal.value).startswith(beginning)
+    return str(refusal.value)
+
+
 def of_file(folder, text):
     """A scenario's file, beside which there are voltages."""
     path = folder / "my scenario.toml"
@@ -35,11 +45,7 @@ def of_file(folder, text):
     else:
         path.write_text(text)
     (folder / "v.csv").write_text(CSV)
-    try:
-        load(path)
-    except ValueError as error:
-        assert str(error).startswith(f"{path}: ")
-        raise
+    return named(f"{path}: ", load, path)
 
 
 def of_voltages(folder, text):
@@ -47,11 +53,7 @@ def of_voltages(folder, text):
     (folder / "s.toml").write_text(PROGRAM)
     if text is not None:
         (folder / "v.csv").write_bytes(text if isinstance(text, bytes) else text.encode())
-    try:
-        load(folder / "s.toml")
-    except ValueError as error:
-        assert str(error).startswith(f'{folder / "s.toml"}: drive.file = "v.csv": ')
-        raise
+    return named(f'{folder / "s.toml"}: drive.file = "v.csv": ', load, folder / "s.toml")
 
 
 def of_class(_, given):
@@ -102,11 +104,7 @@ def of_map(folder, changes):
     for number, line in changes.items():
         lines[number - 1] = line
     path.write_text("\n".join(lines))
-    try:
-        FieldMap.from_file(path)
-    except ValueError as error:
-        assert str(error).startswith(f"{path}: ")
-        raise
+    return named(f"{path}: ", FieldMap.from_file, path)
 
 
 def of_json(folder, text):
@@ -231,7 +229,7 @@ REFUSALS = [
     ("file", HEAD + "[initial]\nz = -1\n", ["initial.z = -1", "from 0 to 100 m"]),
     ("file", HEAD + "[coil]\nxp = 3", "coil.xp = 3: allowed is a table [coil.xp]"),
     ("file", HEAD + "[coil.xq]\nturns = 3", ["coil.xq = { turns = 3 }", "did you mean"]),
-    ("file", HEAD + "[coil.xp]\nturn = 3", 'coil.xp.turn = 3: there is no such key; did you mean'),
+    ("file", HEAD + "[coil.xp]\nturn = 3", "coil.xp.turn = 3: there is no such key; did you mean"),
     ("file", HEAD + "[coil.xp]\nturns = -3", "coil.xp.turns = -3: allowed is a number from 0.001"),
     ("file", HEAD + "[coil]\nmap = 3", "coil.map = 3"),
     ("file", HEAD + '[coil]\nmap = "no.csv"', ["no.csv", "No such file"]),
@@ -396,7 +394,11 @@ REFUSALS = [
     ("points", lambda points, fields: (points[:7], fields[:7]), "7 points: allowed are 8 or more"),
     ("points", lambda points, fields: (points, -fields), "with the other sign"),
     ("points", lambda points, fields: (points, fields[:, :, ::-1]), "columns that are exchanged"),
-    ("points", lambda points, fields: (points + [0.1, 0, 0], fields), "hold the place x = y = z"),
+    (
+        "points",
+        lambda points, fields: (points + np.array([0.1, 0, 0]), fields),
+        "hold the place x = y = z",
+    ),
     ("points", lambda points, fields: (points * [1, 1, 0], fields), "z = 0.0 m at all points"),
     ("points", lambda points, fields: (points, np.full_like(fields, np.nan)), "Bx = nan"),
     ("with map", {"coil.turns": 400.0}, "coil.turns = 400: allowed beside coil.map"),
@@ -407,7 +409,7 @@ REFUSALS = [
     ("key", "drive.mod", 'did you mean "drive.mode"?'),
     ("key", "DRIVE.EDGE", 'did you mean "drive.edge"?'),
     ("key", "drive.file", "drive.program takes a Waveform"),
-    ("changes", {"drive.freqency": 3}, 'drive.freqency = 3: there is no such key; did you mean'),
+    ("changes", {"drive.freqency": 3}, "drive.freqency = 3: there is no such key; did you mean"),
     ("changes", {"frequency": 3.0}, 'did you mean "drive.frequency"?'),
     ("changes", {"drive": 3}, "drive = 3"),
     ("changes", {"": 3}, "there is no such key"),

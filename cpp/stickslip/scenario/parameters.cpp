@@ -324,10 +324,10 @@ std::vector<Section> make_sections() {
         {"drag", "Drag of the fluid, section VI-C."},
         {"environment", "What is the same for everything."},
         {"initial",
-         "Robot and coils at an instant, in the world's frame. By default at rest, without\n"
-         "current.\n"
+         "Robot and coils at an instant, in the world's frame.\n"
          "\n"
-         "A scenario begins at one, and every run and step ends at one."},
+         "A scenario begins at one, by default at rest and without current, and every run and step\n"
+         "ends at one."},
         {"solver", "The integrator."},
         {"record", "What a run keeps beside its summary."},
     };

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import re
 from array import array
 from collections.abc import Mapping, Sequence
 from os import PathLike
@@ -53,45 +54,50 @@ def read_table(path: str | PathLike[str], columns: Units) -> CsvTable:
     """
     with prefixed(path):
         try:
-            text = read_bytes(path, _MOST_BYTES, "table").decode("utf-8-sig")
+            text = read_bytes(path, _MOST_BYTES, "table").decode("utf-8").removeprefix("\ufeff")
         except UnicodeDecodeError as error:
             byte = error.start + 1
             raise ScenarioError(f"is no text: byte {byte} is not UTF-8; save it as CSV") from None
-        lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip()]
+        rows = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip()]
         del text
-        if lines and lines[0][1].strip('",;').startswith("sep="):  # of Excel
-            del lines[0]
-        rows = [each for each in lines if not each[1].lstrip().startswith("#")]
-        if rows and not math.isnan(number(rows[0][1].partition(",")[0])):
-            above = [(n, line.lstrip("# ")) for n, line in lines if n < rows[0][0]]
-            rows = above[-1:] + rows
-        if not rows:
+        if rows and rows[0][1].strip('",;').startswith("sep="):  # of Excel
+            del rows[0]
+        first = next((k for k, (_, line) in enumerate(rows) if not _is_comment(line)), len(rows))
+        if first == len(rows):
             raise ScenarioError(f"is empty: the first row has to be {','.join(columns)}")
-        return _parsed(rows, columns)
+        if first and not math.isnan(number(re.split("[,;\t]", rows[first][1])[0])):
+            first -= 1
+            rows[first] = rows[first][0], rows[first][1].lstrip("# ")
+        return _parsed(rows[first:], columns)
+
+
+def _is_comment(line: str) -> bool:
+    return line.lstrip().startswith("#")
 
 
 def _parsed(rows: list[tuple[int, str]], columns: Units) -> CsvTable:
-    """The table of a header and its rows, which have their lines."""
+    """The table of a header and the lines below it, which have their numbers."""
     separator = next((each for each in ";\t" if each in rows[0][1]), ",")
-    cells_of_rows = ((line, _cells(text, separator)) for line, text in rows)
-    first, header = next(cells_of_rows)
+    header = _cells(rows[0][1], separator)
     while header and not header[-1]:
         header.pop()
     names, per = without_units(header, columns)
-    order = _places(first, names, columns)
+    order = _places(rows[0][0], names, columns)
     numbers = {name: unit for name, unit in columns.items() if unit is not None}
     words: dict[str, list[str]] = {name: [] for name in columns if name not in numbers}
     values, lines = array("d"), array("l")
-    for line, cells in cells_of_rows:
-        if not any(cells):
+    for line, text in rows[1:]:
+        cells = _cells(text, separator)
+        # What begins with # may be a cell too, such as #N/A.
+        if not any(cells) or (_is_comment(text) and len(cells) != len(header)):
             continue
-        lines.append(line)
         if len(cells) < len(header) or any(cells[len(header) :]):
             commas = " or a decimal comma" if separator == "," else ""
             raise ScenarioError(
                 f"row {line} has {len(cells)} cells: allowed are {len(header)}; look for a quote"
                 f"{commas}"
             )
+        lines.append(line)
         for name, found in words.items():
             found.append(cells[order[name]])
         for name, unit in numbers.items():
@@ -107,7 +113,10 @@ def _parsed(rows: list[tuple[int, str]], columns: Units) -> CsvTable:
 
 def _cells(line: str, separator: str) -> list[str]:
     """The cells of a line; a quote counts after spaces too, as people write them behind commas."""
-    row = next(csv.reader([line], delimiter=separator, skipinitialspace=True))
+    try:
+        row = next(csv.reader([line], delimiter=separator, skipinitialspace=True))
+    except csv.Error:  # a line too long for a cell
+        return [line]
     return [cell.strip() for cell in row]
 
 
