@@ -6,7 +6,7 @@ import pytest
 
 import effect_table
 from effect_table import OWN, Case, Table, rows
-from stickslip import unregister_effect
+from own_effects import unregister
 from ways_to_run import TWO_PROGRAMS, WAYS
 
 table_of = functools.cache(Table)
@@ -19,7 +19,7 @@ def own_rows():
     yield
     table_of.cache_clear()
     for name in OWN:
-        unregister_effect(name)
+        unregister(name)
 
 
 def differences(choice, way):

@@ -1,4 +1,4 @@
-"""The packages in their order: each imports those before it, at the top of a module, in no circle."""
+"""The packages in their order: each imports those before it, and none in a circle."""
 
 import ast
 from pathlib import Path

@@ -5,8 +5,6 @@ import pickle
 import signal
 import threading
 import time
-from dataclasses import fields
-from typing import get_args, get_type_hints
 
 import numpy as np
 import pytest
@@ -30,7 +28,6 @@ from stickslip import (
     rollout,
     simulate,
 )
-from stickslip.scenario.sections import CONTACT_WORDS
 
 
 def stepped(scenario, rows, hold="constant", **begin):
@@ -122,17 +119,13 @@ def test_free_fall_ends_at_the_analytic_instant():
     assert run.summary()["simulated_time"] == pytest.approx(fallen, abs=1e-9)
 
 
-def test_a_state_survives_its_file_its_bytes_and_its_row(tmp_path):
+def test_a_state_survives_its_file_and_its_row(tmp_path):
     state = stepped(Scenario(), random_rows(4))[-1]
-    assert State.from_bytes(state.to_bytes()) == state
     assert State.from_row(state.row) == state
     assert pickle.loads(pickle.dumps(state)) == state
     scenario = Scenario(initial=state)
     scenario.to_toml(tmp_path / "begun.toml")
     assert Scenario.from_toml(tmp_path / "begun.toml") == scenario
-    # The class, for readers and type checkers, has what the core's tables have.
-    assert [each.name for each in fields(State)] == list(STATE_COLUMNS)
-    assert get_args(get_type_hints(State)["contact"]) == CONTACT_WORDS
     in_amperes = [name for name, unit in STATE_UNITS.items() if unit == "A"]
     assert in_amperes == [name for name in STATE_COLUMNS if name.startswith(("current", "field"))]
     assert (STATE_UNITS["y"], STATE_UNITS["vy"], STATE_UNITS["heading"]) == ("m", "m/s", "rad")
@@ -399,7 +392,6 @@ def refusals():
     yield lambda: Snapshot.from_bytes(b"none"), "no snapshot"
     yield lambda: Snapshot.from_bytes("none"), "bytes of a snapshot"
     yield lambda: Snapshot.from_bytes(other.to_bytes()[:-1]), "damaged"
-    yield lambda: State.from_bytes(b"none"), "bytes of a state"
     yield lambda: State(theta=math.inf), "initial.theta"
     yield lambda: Simulator(Scenario(), 3), "State"
     yield lambda: sim.step({}, STEP, start={"xp": 1.0}), 'hold = "linear" only'
