@@ -18,7 +18,7 @@ from stickslip._util.units import per_si, to_si
 from stickslip.measurement.tables import read_numbers, read_rows
 from stickslip.measurement.velocity import read_velocity, velocity_units
 from stickslip.reproduction.curves import read_measured
-from stickslip.scenario.waveform import COIL_NAMES
+from stickslip.scenario.keys import COIL_NAMES
 
 FRAMES = {"t": "s", "x": "m", "theta": "rad"}
 ANGLES = {"Bx": "T", "Bz": "T", "theta": "rad"}

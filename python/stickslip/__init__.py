@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from stickslip.scenario.effects import EffectParameter as EffectParameter
     from stickslip.scenario.effects import effects as effects
     from stickslip.scenario.effects import register_effect as register_effect
+    from stickslip.scenario.keys import COIL_NAMES as COIL_NAMES
     from stickslip.scenario.scenario import Scenario as Scenario
     from stickslip.scenario.scenario import load as load
     from stickslip.scenario.sections import STATE_COLUMNS as STATE_COLUMNS
@@ -53,7 +54,6 @@ if TYPE_CHECKING:
     from stickslip.scenario.sections import State as State
     from stickslip.scenario.uncertain import JointPrior as JointPrior
     from stickslip.scenario.uncertain import Prior as Prior
-    from stickslip.scenario.waveform import COIL_NAMES as COIL_NAMES
     from stickslip.scenario.waveform import Waveform as Waveform
     from stickslip.scenario.waveform import volts_per_tesla as volts_per_tesla
     from stickslip.simulation.note import Note as Note
@@ -100,8 +100,9 @@ _HOME = {
             *("Coil", "Contact", "Drag", "Drive", "Environment", "Record", "Robot", "Solver"),
             *("STATE_COLUMNS", "State"),
         ),
+        "scenario.keys": ("COIL_NAMES",),
         "scenario.uncertain": ("JointPrior", "Prior"),
-        "scenario.waveform": ("COIL_NAMES", "Waveform", "volts_per_tesla"),
+        "scenario.waveform": ("Waveform", "volts_per_tesla"),
         "field.coils": ("Coils",),
         "simulation.note": ("Note",),
         "simulation.rollout": ("STATE_UNITS", "Rollout", "rollout"),

@@ -268,7 +268,7 @@ std::vector<Choice> make_choices() {
         {.key = "drive.edge", .allowed = {"rise", "fall"},
          .meaning = "where the sawtooth is sudden", STICKSLIP_CHOICE("drive.edge", drive.edge)},
         {.key = "drive.direction", .allowed = {"+x", "-x"},
-         .meaning = "where the robot faces and is driven; -x turns it by 180 degrees about z, and a "
+         .meaning = "where the robot faces and is driven; -x: rotated by 180 degrees about z, and a "
                     "pulsed drive with it, but not the voltages of a program",
          STICKSLIP_CHOICE("drive.direction", drive.direction)},
         {.key = "drive.coils", .allowed = {"single", "pairs"},

@@ -24,8 +24,7 @@ from click.shell_completion import (
 from stickslip._util.files import NETCDF_SUFFIXES
 from stickslip.cli import COMPLETION
 from stickslip.scenario.effects import effects, is_free_shape
-from stickslip.scenario.keys import COIL_MAP, FILE, PATHS, PREFIX, full_name, known_keys
-from stickslip.scenario.waveform import COIL_NAMES
+from stickslip.scenario.keys import COIL_MAP, COIL_NAMES, FILE, PATHS, PREFIX, full_name, known_keys
 
 Completer = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
 """What click asks for the items that begin as an incomplete word does."""

@@ -12,8 +12,8 @@ from stickslip._util.messages import meant, refuse, shown
 from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
 from stickslip.field.coils import Coils
+from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.waveform import COIL_NAMES
 
 _NUMBERS = "iuf"  # kinds of numpy's types: no text, no truth values, nothing complex
 

@@ -32,10 +32,10 @@ from stickslip.control.path import Path
 from stickslip.control.steering import heading_voltages
 from stickslip.control.tasks import PathTargets, PointTargets, Targets, task_named
 from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import CONTACT_WORDS, STATE_COLUMNS
 from stickslip.scenario.uncertain import JointPrior, Prior
-from stickslip.scenario.waveform import COIL_NAMES
 
 _FARTHEST = 1e6  # chosen: finite, as libraries want it, and beyond all that moves
 # Part of the voltage that the field along the surface always has. Chosen: of 26 V it makes 0.5 mT,

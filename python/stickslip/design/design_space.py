@@ -17,6 +17,7 @@ from stickslip._util.messages import meant, refuse, shown
 from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import (
+    COIL_NAMES,
     PROGRAM,
     SAWTOOTH,
     Value,
@@ -26,7 +27,7 @@ from stickslip.scenario.keys import (
     refuse_sawtooth,
 )
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.waveform import COIL_NAMES, Waveform
+from stickslip.scenario.waveform import Waveform
 
 LOG_FROM = 10.0
 """Ratio of the ends of a positive range from which on its coordinate is logarithmic. Chosen: with

@@ -20,8 +20,7 @@ from stickslip.plot.canvas import drawing, legend_above, root_figure
 from stickslip.plot.motion import motion
 from stickslip.plot.one_motion import draw_fields
 from stickslip.plot.scales import readable
-from stickslip.scenario.keys import RECORD_RATE
-from stickslip.scenario.waveform import COIL_NAMES
+from stickslip.scenario.keys import COIL_NAMES, RECORD_RATE
 from stickslip.simulation.simulate import simulate
 
 _PERIODS = 3  # shown; chosen: one and what it repeats

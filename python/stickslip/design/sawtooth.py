@@ -15,8 +15,7 @@ import numpy as np
 from stickslip.design.design_space import DesignSpace, as_program, drive_waveform
 from stickslip.design.goal import Changes, Evaluate, Goal, Judged
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import Value
-from stickslip.scenario.waveform import COIL_NAMES
+from stickslip.scenario.keys import COIL_NAMES, Value
 
 Grid = Mapping[str, Sequence[Any]]
 

@@ -30,11 +30,10 @@ from stickslip.measurement.velocity import (
     velocity_units,
     with_index_columns,
 )
-from stickslip.scenario.keys import known_keys
+from stickslip.scenario.keys import COIL_NAMES, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.toml_file import read_document
 from stickslip.scenario.uncertain import COVARIANCE, Prior, parse_priors
-from stickslip.scenario.waveform import COIL_NAMES
 from stickslip.simulation.note import Note
 
 if TYPE_CHECKING:

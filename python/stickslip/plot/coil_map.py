@@ -22,8 +22,8 @@ from stickslip.plot.canvas import drawing, root_figure
 from stickslip.plot.film import body_arrow, thin_arrow
 from stickslip.plot.motion import rectangle
 from stickslip.plot.scales import length_bar
+from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.waveform import COIL_NAMES
 from stickslip.simulation.record_blocks import turns
 
 _REACH = 1.3  # half of the width that is drawn, in distances of the farthest wire; chosen by eye

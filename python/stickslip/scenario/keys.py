@@ -23,6 +23,9 @@ RECORD_FIELDS = "record.fields"
 
 PREFIX = "effects."
 
+COIL_NAMES = _core.coil_names
+"""Order of the coils in every array of currents or voltages: +x, -x, +y, -y, and below (-z)."""
+
 PROGRAM = "drive.program"
 """The waveform of a drive: in Python only, as a file has `FILE`."""
 

@@ -11,9 +11,17 @@ from stickslip import _core
 from stickslip._util.messages import refuse, shown
 from stickslip.errors import ScenarioError
 from stickslip.field.field_map import FieldMap
-from stickslip.scenario.keys import COIL_MAP, MAP_HINT, PROGRAM, PROGRAM_HINT, keys_of, set_value
+from stickslip.scenario.keys import (
+    COIL_MAP,
+    COIL_NAMES,
+    MAP_HINT,
+    PROGRAM,
+    PROGRAM_HINT,
+    keys_of,
+    set_value,
+)
 from stickslip.scenario.section import Section
-from stickslip.scenario.waveform import COIL_NAMES, Waveform
+from stickslip.scenario.waveform import Waveform
 
 STATE_COLUMNS = tuple(_core.state_columns)
 """The fields of a `State` in the order of the last axis of an array of states.

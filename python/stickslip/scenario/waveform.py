@@ -20,13 +20,10 @@ from stickslip._util.numbers import Array, Mask
 from stickslip._util.tables import read_table
 from stickslip._util.text import highest
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.keys import set_value
+from stickslip.scenario.keys import COIL_NAMES, set_value
 
 if TYPE_CHECKING:
     from stickslip.scenario.sections import Coil
-
-COIL_NAMES = _core.coil_names
-"""Order of the coils in every array of currents or voltages: +x, -x, +y, -y, and below (-z)."""
 
 _Block = tuple[Array, Array, int]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from stickslip import _core
-from stickslip.scenario.waveform import COIL_NAMES
+from stickslip.scenario.keys import COIL_NAMES
 
 
 class Column(NamedTuple):

@@ -14,7 +14,7 @@ import numpy as np
 from stickslip._util.checksum import sha256_of
 from stickslip._util.files import replacing
 from stickslip._util.text import json_text
-from stickslip.scenario.waveform import COIL_NAMES
+from stickslip.scenario.keys import COIL_NAMES
 from stickslip.simulation.columns import COLUMNS, WORDS
 from stickslip.simulation.run import Run
 from stickslip.simulation.run_attributes import attributes

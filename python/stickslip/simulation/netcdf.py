@@ -14,7 +14,7 @@ from stickslip._util.checksum import append_checksum
 from stickslip._util.extras import naming_the_extra
 from stickslip._util.files import replacing
 from stickslip._util.sheltered_file import ShelteredFile
-from stickslip.scenario.waveform import COIL_NAMES
+from stickslip.scenario.keys import COIL_NAMES
 from stickslip.simulation.columns import COLUMNS, WORDS
 from stickslip.simulation.record_blocks import recorded_names
 from stickslip.simulation.run import Run

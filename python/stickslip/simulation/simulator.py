@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike
 from stickslip import _core
 from stickslip._util.messages import check_kind, refuse, shown
 from stickslip.errors import ScenarioError, SimulationError, prefixed
+from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import State
-from stickslip.scenario.waveform import COIL_NAMES
 
 Hold = Literal["constant", "linear"]
 

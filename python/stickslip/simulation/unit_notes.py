@@ -10,8 +10,8 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.numbers import Array
 from stickslip._util.units import NEAR, unit_meant
+from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.sections import Coil, Robot
-from stickslip.scenario.waveform import COIL_NAMES
 from stickslip.simulation.note import Note
 
 if TYPE_CHECKING:

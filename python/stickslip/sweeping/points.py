@@ -21,6 +21,7 @@ from stickslip._util.numbers import ABSOLUTE, RELATIVE, Array, representatives
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import (
     COIL_MAP,
+    COIL_NAMES,
     PREFIX,
     PROGRAM,
     SAWTOOTH,
@@ -33,7 +34,6 @@ from stickslip.scenario.keys import (
 )
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import SECTIONS
-from stickslip.scenario.waveform import COIL_NAMES
 from stickslip.simulation.columns import NUMBERS
 from stickslip.simulation.seen_from_drive import VELOCITIES
 

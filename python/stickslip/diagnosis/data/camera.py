@@ -15,8 +15,8 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.numbers import Array
 from stickslip.diagnosis.terms.instruments import marker
+from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.waveform import COIL_NAMES
 
 Recording = Mapping[str, Array]
 
