@@ -46,7 +46,7 @@ def core_keys(identity: Identity) -> dict[str, str]:
             value = given.get(name)
             keys[name] = repr(value) if isinstance(value, float) else str(value)
     if program is not None:
-        ((times, voltages, repeats),) = program.to_core()
+        ((times, voltages, repeats),) = program.blocks
         rows = np.column_stack([times, voltages]).tolist()
         keys["program"] = ";".join([str(repeats), *(" ".join(map(repr, row)) for row in rows)])
     return keys

@@ -286,7 +286,8 @@ void register_scenario(py::module_& module) {
             py::arg("key"))
         .def("changed", &changed_values)
         .def("take", &take_section, py::arg("other"), py::arg("section"))
-        .def_readwrite("initial", &Scenario::initial)
+        .def("take", [](Scenario& self, const SimulationState& state,
+                        const std::string& /*section*/) { self.initial = state; })
         .def(
             "set_program",
             [](Scenario& self, const std::optional<py::sequence>& blocks) {

@@ -153,7 +153,7 @@ def _setting(incomplete: str, is_list: bool) -> list[CompletionItem]:
         ]
         if not is_list:
             keys.append((f"{FILE}=", "CSV file of voltages"))
-            keys.append((f"{COIL_MAP}=", "CSV or netCDF file of the coils' measured field"))
+            keys.append((f"{COIL_MAP}=", "CSV file of the coils' measured field"))
         return _beginning(keys, incomplete)
     if key in PATHS:
         suffixes = (".csv",) if key == FILE else (".csv", ".json", *NETCDF_SUFFIXES)

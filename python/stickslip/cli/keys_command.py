@@ -22,7 +22,7 @@ _PATHS = {
     ),
     "coil.turns": (
         COIL_MAP,
-        "CSV or netCDF file of the measured field per ampere, relative to the scenario, in place "
+        "CSV file of the measured field per ampere, relative to the scenario, in place "
         "of that of side, distance and turns: columns x, y, z (m), coil, Bx, By, Bz (T/A)",
     ),
 }

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 from stickslip import _core
 from stickslip._util.html import html_table
@@ -32,6 +32,7 @@ from stickslip.scenario.keys import (
     known_keys,
     set_value,
 )
+from stickslip.scenario.section import Section
 from stickslip.scenario.sections import (
     SECTIONS,
     Coil,
@@ -58,6 +59,20 @@ from stickslip.scenario.uncertain import (
     refuse_geometry_beside_a_map,
 )
 from stickslip.scenario.waveform import Waveform
+
+_S = TypeVar("_S", bound=Section)
+
+
+class _View(Generic[_S]):
+    """A section of a scenario: its class, and where the scenario has the object that it holds."""
+
+    def __init__(self, kind: type[_S], *held: str) -> None:
+        self._kind, self._held = kind, held
+
+    def __get__(self, scenario: Scenario | None, owner: object = None) -> _S:
+        if scenario is None:  # of the class itself
+            return self  # type: ignore[return-value]
+        return self._kind.view(scenario._core, *(getattr(scenario, name) for name in self._held))
 
 
 class Scenario:
@@ -92,6 +107,16 @@ class Scenario:
 
     __slots__ = ("__weakref__", "_core", "_map", "_program", "_uncertain")
 
+    drive = _View(Drive, "_program")
+    coil = _View(Coil, "_map")
+    robot = _View(Robot)
+    contact = _View(Contact)
+    drag = _View(Drag)
+    environment = _View(Environment)
+    initial = _View(State)
+    solver = _View(Solver)
+    record = _View(Record)
+
     def __init__(
         self,
         *,
@@ -115,10 +140,7 @@ class Scenario:
             if section is None:
                 continue
             check_kind(name, section, kind)
-            if isinstance(section, State):
-                self._core.initial = section._core
-            else:
-                self._core.take(section._core, name)
+            self._core.take(section._core, name)
         if drive is not None:
             self._program = drive.program
         if coil is not None:
@@ -141,51 +163,6 @@ class Scenario:
             refuse_geometry_beside_a_map(self._uncertain.names)
         with prefixed("", ValueError):
             self._core.check()
-
-    @property
-    def drive(self) -> Drive:
-        """What the coils are driven with."""
-        return Drive.view(self._core, self._program)
-
-    @property
-    def coil(self) -> Coil:
-        """The five coils."""
-        return Coil.view(self._core, self._map)
-
-    @property
-    def robot(self) -> Robot:
-        """The magnetic body."""
-        return Robot.view(self._core)
-
-    @property
-    def contact(self) -> Contact:
-        """Contact of the body with the surface."""
-        return Contact.view(self._core)
-
-    @property
-    def drag(self) -> Drag:
-        """Drag of the fluid."""
-        return Drag.view(self._core)
-
-    @property
-    def environment(self) -> Environment:
-        """What is the same for everything."""
-        return Environment.view(self._core)
-
-    @property
-    def initial(self) -> State:
-        """Where the simulation begins."""
-        return State.view(self._core.initial)
-
-    @property
-    def solver(self) -> Solver:
-        """The integrator."""
-        return Solver.view(self._core)
-
-    @property
-    def record(self) -> Record:
-        """What a run keeps beside its summary."""
-        return Record.view(self._core)
 
     @property
     def effects(self) -> Mapping[str, Mapping[str, float]]:
@@ -318,7 +295,7 @@ class Scenario:
         """A copy that begins at `state`, such as ``run.final_state``, if it can."""
         check_kind("initial", state, State)
         made = self._copy()
-        made._core.initial = state._core
+        made._core.take(state._core, "initial")
         made._check()
         return made
 

@@ -58,10 +58,15 @@ class Section:
         set_value(core, self._keys[field], value)
 
     @classmethod
-    def view(cls: type[_S], core: Any) -> _S:
-        """The section of a scenario of the core, which nobody may change from then on."""
+    def view(cls: type[_S], core: Any, *held: Any) -> _S:
+        """The section of a scenario of the core, which nobody may change from then on.
+
+        `held` is the object that a section has beside its keys.
+        """
         made = object.__new__(cls)
         made._core = core
+        for slot, value in zip(cls.__slots__, held, strict=True):
+            setattr(made, slot, value)
         return made
 
     def as_dict(self) -> dict[str, Any]:

@@ -53,13 +53,6 @@ class Drive(
             self._core.set_program(program.blocks)
         self._program = program
 
-    @classmethod
-    def view(cls, core, program=None):
-        """The drive of a scenario of the core; `program` is its waveform."""
-        made = super().view(core)
-        made._program = program
-        return made
-
     @property
     def program(self):
         """Voltages of the five coils; None for a pulsed drive."""
@@ -105,13 +98,6 @@ class Coil(
             refuse(f"coil.{field}", value, f"a table [coil.{field}]")
         for name, each in (own or {}).items():
             set_value(core, f"coil.{field}.{name}", each)
-
-    @classmethod
-    def view(cls, core, map=None):
-        """The coils of a scenario of the core; `map` is their measured field."""
-        made = super().view(core)
-        made._map = map
-        return made
 
     @property
     def map(self):
@@ -169,10 +155,6 @@ class Record(Section, key="record"):
 
 class State(Section, key="initial"):
     __slots__ = ()
-
-    def __init__(self, **values):
-        super().__init__(**values)
-        self._core = self._core.initial
 
     @property
     def row(self):

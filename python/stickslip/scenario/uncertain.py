@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip._util.messages import check_whole, shown, suggestion
+from stickslip._util.messages import check_whole, shown
 from stickslip._util.numbers import Array
 from stickslip._util.text import is_number
 from stickslip.errors import ScenarioError, prefixed
@@ -259,9 +259,6 @@ def parse_priors(table: object) -> dict[str, Prior]:
                     f"[uncertain] {name}.{inner}: a key with a dot is written in quotation marks, "
                     f'"{name}.{inner}" = ...'
                 )
-        if isinstance(entry, Mapping) and not {"keys", "matrix"}.isdisjoint(entry):
-            hint = suggestion(str(name), [COVARIANCE])
-            raise ScenarioError(f"[uncertain.{name}]: there is no such section; {hint}")
         with prefixed("[uncertain]"):
             name = _constant(name, entry)
         if name in priors:
@@ -315,12 +312,10 @@ def _checked_keys(keys: object, priors: Mapping[str, Prior]) -> tuple[str, ...]:
         raise ScenarioError(f"{where} = {shown(keys)}: allowed is a list of keys")
     with prefixed(where):
         names = tuple(_constant(key) for key in keys)
-    for place, name in enumerate(names):
-        if name in names[:place]:
-            raise ScenarioError(f'{where}: "{name}" is there twice; allowed is once')
-        if name in priors:
+        twice = next((name for name in names if names.count(name) > 1 or name in priors), None)
+        if twice is not None:
             raise ScenarioError(
-                f'{where}: "{name}" has a prior of its own too; allowed is one of the two'
+                f'"{twice}" is there twice: allowed is once, or with a prior of its own'
             )
     return names
 

@@ -19,7 +19,7 @@ from stickslip._util.messages import meant
 from stickslip._util.numbers import Array, Mask
 from stickslip._util.tables import read_table
 from stickslip._util.text import highest
-from stickslip.errors import ScenarioError, prefixed
+from stickslip.errors import prefixed
 from stickslip.scenario.keys import COIL_NAMES, set_value
 
 if TYPE_CHECKING:
@@ -89,6 +89,13 @@ class Waveform:
     def __init__(self, blocks: Sequence[tuple[ArrayLike, ArrayLike, int]]) -> None:
         self._blocks: tuple[_Block, ...] = tuple(_frozen_block(*block) for block in blocks)
         _core.Scenario().set_program(self._blocks)
+
+    @classmethod
+    def _of(cls, blocks: tuple[_Block, ...]) -> Waveform:
+        """The waveform of blocks of others."""
+        made = object.__new__(cls)
+        made._blocks = blocks
+        return made
 
     @classmethod
     def from_points(cls, t: ArrayLike, voltages: ArrayLike) -> Waveform:
@@ -196,8 +203,8 @@ class Waveform:
             names file, row and column.
         """
         table, _, lines = read_table(path, _COLUMNS)
-        with prefixed(path):
-            _check_rows(table[:, 0], table[:, 1:], lines)
+        with prefixed(path, ValueError):
+            _check_points(table[:, 0], table[:, 1:], lines)
             return cls.from_points(table[:, 0], table[:, 1:])
 
     def to_csv(self, path: str | PathLike[str]) -> None:
@@ -334,7 +341,7 @@ class Waveform:
             t, v, repeats = self._blocks[0]
             return Waveform([(t, v, repeats * int(times))])
         if len(self._blocks) * times <= _MOST_BLOCKS:
-            return Waveform(self._blocks * int(times))
+            return self._of(self._blocks * int(times))
         raise ValueError(
             f"repeats within repeats would need more than {_MOST_BLOCKS} blocks: "
             "repeat less, or fewer different pieces"
@@ -366,7 +373,7 @@ class Waveform:
     def __add__(self, other: Waveform) -> Waveform:
         if not isinstance(other, Waveform):
             return NotImplemented
-        return Waveform(self._blocks + other._blocks)
+        return self._of(self._blocks + other._blocks)
 
     def __mul__(self, times: int) -> Waveform:
         return self.repeat(times)
@@ -429,11 +436,7 @@ def _frozen_block(times: ArrayLike, voltages: ArrayLike, repeats: int) -> _Block
     with np.errstate(invalid="ignore"):  # what is not finite is refused by the core
         risen = np.maximum.accumulate(t)
         t = np.where(risen - t <= _ROUNDING * risen, risen, t)
-    third = _third_at_one_time(t, v)
-    if third is not None:
-        raise ValueError(
-            f"point {third + 1}: third point at t = {float(t[third])!r}: allowed are two, a jump"
-        )
+    _check_points(t, v)
     t.flags.writeable = False
     v.flags.writeable = False
     return t, v, int(repeats)
@@ -449,40 +452,36 @@ def _interpolated(local: Array, times: Array, voltages: Array) -> Array:
     return voltages[index] * (1.0 - part) + voltages[index + 1] * part
 
 
-def _check_rows(t: Array, v: Array, lines: Sequence[int]) -> None:
-    """Refuse the rows of a file that are no program, by their lines."""
+def _check_points(t: Array, v: Array, lines: Sequence[int] | None = None) -> None:
+    """Refuse points that are no program, by their lines if they are of a file.
+
+    Times have shape (n,), s, and voltages (n, 5).
+    """
+
+    def name(k: int) -> str:
+        return f"point {k + 1}" if lines is None else f"row {lines[k]}"
+
     if len(t) < 2:
-        raise ScenarioError(f"has {len(t)} row(s) of voltages: allowed are two or more")
+        raise ValueError(f"{len(t)} rows of voltages: allowed are two points or more")
     if t[0] != 0.0:
-        raise ScenarioError(
-            f"row {lines[0]}, column t = {float(t[0])!r}: the first time has to be 0 s"
-        )
+        raise ValueError(f"{name(0)}: t = {float(t[0])!r}: the first time has to be at 0 s")
     falls = np.flatnonzero(t[1:] < (1.0 - _ROUNDING) * t[:-1])
     if len(falls):
-        at = int(falls[0])
-        raise ScenarioError(
-            f"row {lines[at + 1]}, column t = {float(t[at + 1])!r}: allowed is {float(t[at])!r} s, "
-            "the time of the row before, or later"
+        before, time = map(float, t[falls[0] : falls[0] + 2])
+        raise ValueError(
+            f"{name(falls[0] + 1)}: t = {time!r} s follows {before!r} s: times must not fall"
         )
     if t[-1] == 0.0:
-        raise ScenarioError(f"row {lines[-1]}, column t = 0.0: the last time has to be above 0")
-    third = _third_at_one_time(t, v)
-    if third is not None:
-        raise ScenarioError(
-            f"row {lines[third]}: third row at t = {float(t[third])!r}: allowed are two, a jump; "
-            "are the times rounded, or in ms?"
-        )
-
-
-def _third_at_one_time(t: Array, v: Array) -> int | None:
-    """The first point that is a third one at its time, not counting points that repeat another.
-
-    Only the first and the last of them would count. Times have shape (n,), voltages (n, 5).
-    """
+        raise ValueError(f"{name(len(t) - 1)}: t = 0.0: no duration; the last time has to be above 0")
+    # Not counting points that repeat another: only the first and the last of them would count.
     kept = np.flatnonzero(_differing(t, v))
-    times = t[kept]
-    third = np.flatnonzero(times[2:] == times[:-2])
-    return int(kept[third[0] + 2]) if len(third) else None
+    third = np.flatnonzero(t[kept][2:] == t[kept][:-2])
+    if len(third):
+        at = int(kept[third[0] + 2])
+        raise ValueError(
+            f"{name(at)}: third point at t = {float(t[at])!r}: allowed are two, a jump; are the "
+            "times rounded, or in ms?"
+        )
 
 
 def _differing(t: Array, v: Array) -> Mask:
