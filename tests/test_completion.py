@@ -16,7 +16,7 @@ from stickslip.cli import COMPLETION
 from stickslip.cli.commands import COMMANDS, stickslip
 from stickslip.cli.completion import answer
 from stickslip.scenario.keys import known_keys
-from stickslip.sweeping.results import NUMBERS
+from stickslip.simulation.columns import NUMBERS
 
 SHELLS = ("bash", "zsh", "fish")
 NAMES = list(Scenario.keys())

@@ -472,7 +472,7 @@ def _check_points(t: Array, v: Array, lines: Sequence[int] | None = None) -> Non
             f"{name(falls[0] + 1)}: t = {time!r} s follows {before!r} s: times must not fall"
         )
     if t[-1] == 0.0:
-        raise ValueError(f"{name(len(t) - 1)}: t = 0.0: no duration; the last time has to be above 0")
+        raise ValueError(f"{name(len(t) - 1)}: t = 0.0: no duration; allowed is above 0 s")
     # Not counting points that repeat another: only the first and the last of them would count.
     kept = np.flatnonzero(_differing(t, v))
     third = np.flatnonzero(t[kept][2:] == t[kept][:-2])
