@@ -337,6 +337,9 @@ def test_a_map_takes_the_place_of_the_geometry(exact):
     register(nothing, parameter("distance"), name="recoil")
     uncertain = {"effects.recoil.distance": {"mean": 0.1, "sd": 0.01}}
     assert base.with_uncertain(uncertain).uncertain.names == ("effects.recoil.distance",)
+    again = Scenario(drive=base.drive, coil=base.coil)  # sections of another scenario
+    assert again == base
+    assert simulate(again).summary() == simulate(base).summary()
     assert base.replace({"coil.map": None}).coil == Coil()
 
 

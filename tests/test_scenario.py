@@ -214,6 +214,10 @@ def test_a_program_can_be_set_and_removed():
     played = Scenario().replace({"drive.mode": "program", "drive.program": waveform})
     assert (played.duration, played.window) == (0.1, (0.0, 0.1))
     assert played.replace({"drag.linear": 0.0}).duration == 0.1
+    again = Scenario(drive=played.drive)  # the section of another scenario
+    assert again == played
+    assert again.drive.program is waveform
+    assert simulate(again).summary() == simulate(played).summary()
     pulsed = played.replace({"drive.mode": "IPP", "drive.program": None})
     assert pulsed == Scenario()
     assert pulsed.duration == Scenario().duration

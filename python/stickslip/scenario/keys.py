@@ -151,15 +151,8 @@ def in_allowed_case(key: Key, word: str) -> str:
     return next((each for each in spelt if each in key.words), word)
 
 
-def section_hint(section: str) -> str:
-    """The section that was probably meant, or all of them, with the extensions as one."""
-    sections = dict.fromkeys(key.section for key in known_keys().values())
-    listed = dict.fromkeys(each.partition(".")[0] for each in sections)
-    return suggestion(section, sections, listed)
-
-
 def key_hint(name: str, others: Iterable[str] = ()) -> str:
-    """The key that was probably meant, by its whole name or its last word, or what there is.
+    """The key that was probably meant, by its whole name or its last word, or its section.
 
     `others` are names of another kind that may be meant too.
     """
@@ -171,7 +164,10 @@ def key_hint(name: str, others: Iterable[str] = ()) -> str:
         return suggestion(name, siblings)
     last = {} if section else {key.rpartition(".")[2]: key for key in reversed(keys)}
     near = nearest(name, [*keys, *last, *others])
-    return section_hint(section) if near is None else f'did you mean "{last.get(near, near)}"?'
+    if near is not None:
+        return f'did you mean "{last.get(near, near)}"?'
+    sections = dict.fromkeys(key.section for key in keys.values())
+    return suggestion(section, sections, dict.fromkeys(each.partition(".")[0] for each in sections))
 
 
 def full_name(name: str) -> str:
