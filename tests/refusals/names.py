@@ -1,7 +1,6 @@
 """Names of other packages that are nearly right: what was probably meant is said."""
 
 from stickslip import reproduce
-from stickslip.control.tasks import task_named
 from stickslip.diagnosis import Cause, Parameter, Table, diagnose_model
 from stickslip.scenario.uncertain import Prior
 
@@ -14,13 +13,11 @@ def of_cause(_, freed):
 
 
 WAYS = {
-    "task": lambda _, name: task_named(name),
     "figure": lambda _, name: reproduce(only=[name]),
     "cause": of_cause,
 }
 
 REFUSALS = [
-    ("task", "raech", 'did you mean "reach"?'),
     ("figure", "fig112", 'did you mean "fig12"?'),
     ("cause", "slop", 'did you mean "slope"?'),
 ]
