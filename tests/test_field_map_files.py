@@ -88,10 +88,10 @@ def test_a_sweep_with_another_map_is_not_resumed(tmp_path, fields):
     base = with_map(FieldMap.from_points(grid(), fields), drive__pulses=4)
     sweep(base, values, out=tmp_path / "s.nc")
     other = base.replace({"coil.map": FieldMap.from_points(grid(), 1.01 * fields)})
-    with pytest.raises(ScenarioError, match="its map of the field"):
+    with pytest.raises(ScenarioError, match="it belongs to another sweep"):
         sweep(other, values, out=tmp_path / "s.nc", resume=True)
     kept = sweep(base, values, out=tmp_path / "s.nc", resume=True)
-    assert kept.sizes["frequency"] == 2
+    assert kept.sizes["drive_frequency"] == 2
 
 
 def test_a_sweep_whose_map_has_another_name_is_resumed(tmp_path, fields):
@@ -114,7 +114,7 @@ def test_the_command_takes_a_map_by_set(folder):
     assert json.loads(stickslip("run", "plain.toml", *options, cwd=folder).stdout) != with_file
     check(stickslip("run", "s.toml", cwd=folder), "s.toml", 'coil.map = "map.csv"', "No such file")
     options = ["--vary", "coil.map=a.csv,b.csv"]
-    check(stickslip("sweep", "plain.toml", *options, cwd=folder), "coil.map", "maps of the field")
+    check(stickslip("sweep", "plain.toml", *options, cwd=folder), "coil.map", "voltages or maps")
     assert "x, y, z (m), coil, Bx, By, Bz (T/A)" in " ".join(
         stickslip("keys", "coil.map").stdout.split()
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -103,6 +103,9 @@ class Points:
         about = origin(self.scenario)
         for package in ("numpy_version", "xarray_version"):
             about.pop(package, None)
+        field_map = self.scenario.coil.map
+        if field_map is not None:  # whose file may have another name
+            about["coil_map"] = replace(field_map, source="").to_json()
         columns = {key: values.tolist() for key, (_, values) in self.columns.items()}
         return json.dumps({**about, "dimensions": dict(self.sizes), "vary": columns})
 
