@@ -16,10 +16,9 @@ from stickslip.design.design_space import drive_waveform
 from stickslip.design.landscape import Slice
 from stickslip.design.optimum import Optimum
 from stickslip.plot import style
-from stickslip.plot.canvas import drawing, legend_above, root_figure
+from stickslip.plot.curves import draw_fields
 from stickslip.plot.motion import motion
-from stickslip.plot.one_motion import draw_fields
-from stickslip.plot.scales import readable
+from stickslip.plot.style import drawing, legend_above, readable, root_figure
 from stickslip.scenario.keys import RECORD_RATE
 from stickslip.scenario.sections import COIL_NAMES
 from stickslip.simulation.simulate import simulate

@@ -22,7 +22,7 @@ from stickslip._util.text import number
 from stickslip._util.units import in_handy_units
 from stickslip.errors import ScenarioError
 from stickslip.measurement.tables import check_columns, read_rows
-from stickslip.plot.canvas import drawing, root_figure
+from stickslip.plot.style import drawing, root_figure
 from stickslip.reproduction.points import (
     KINETIC_SHARE,
     PAINLEVE_FRICTION,
