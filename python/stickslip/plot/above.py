@@ -148,9 +148,9 @@ def _draw_above(axes: Axes, shown: Motion, wanted: Array, factor: float, unit: s
     look = {"marker": "o", "markersize": 4.5, "linestyle": "none", "label": "start"}
     handles = axes.plot(*places[:1].T, color=palette.VERMILION, **look) + handles
     axes.fill(*first.T, fill=False, linestyle="--", linewidth=0.9, edgecolor=palette.BLACK)
-    style.body(axes, last)
+    style.body(axes, last)[0].set_zorder(1.0)  # the path is seen in it
     for begin, tip in heading_arrows(shown, factor).values():
-        style.arrow(axes, begin, tip, palette.DARK_GREY, 1.4)
+        style.arrow(axes, begin, tip, palette.DARK_GREY)
     look = {"color": palette.DARK_GREY, "linewidth": 1.4, "marker": ">", "markevery": [1]}
     handles.append(Line2D([], [], label="heading", **look))
     if wanted.size:

@@ -364,7 +364,7 @@ def _view_from_above(axes: Axes, shown: Motion, first: int, last: int) -> Callab
     path = np.column_stack([shown.x, shown.y]) * factor
     (line,) = axes.plot([], [], color=palette.BLACK, linewidth=0.9)
     arrows = {
-        first + place: style.arrow(axes, *ends, palette.DARK_GREY, 1.4)
+        first + place: style.arrow(axes, *ends, palette.DARK_GREY)
         for place, ends in heading_arrows(part, factor).items()
     }
     body = style.body(axes, footprint(shown, first) * factor)

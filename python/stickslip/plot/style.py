@@ -113,10 +113,12 @@ def legend_above(
     )
 
 
-def arrow(axes: Axes, begin: Any, tip: Any, colour: str, width: float) -> FancyArrowPatch:
-    """Draw an arrow, above the outline of a body."""
+def arrow(
+    axes: Axes, begin: Any, tip: Any, colour: str, width: float = 1.4, zorder: float = 2.5
+) -> FancyArrowPatch:
+    """Draw an arrow, above lines and below a body."""
     look: Any = {"arrowstyle": "->", "mutation_scale": 10.0, "shrinkA": 0.0, "shrinkB": 0.0}
-    drawn = FancyArrowPatch(begin, tip, color=colour, linewidth=width, zorder=3.1, **look)
+    drawn = FancyArrowPatch(begin, tip, color=colour, linewidth=width, zorder=zorder, **look)
     axes.add_patch(drawn)
     return drawn
 
@@ -126,7 +128,7 @@ def body(axes: Axes, outline: Array, width: float = 1.2) -> tuple[Polygon, Fancy
     face: Any = {"facecolor": BODY, "edgecolor": palette.BLACK, "linewidth": width}
     drawn = Polygon(outline, closed=True, zorder=3.0, **face)
     axes.add_patch(drawn)
-    return drawn, arrow(axes, *_moment(outline), palette.BLACK, 1.4)
+    return drawn, arrow(axes, *_moment(outline), palette.BLACK, zorder=3.1)
 
 
 def move_body(drawn: tuple[Polygon, FancyArrowPatch], outline: Array) -> None:
