@@ -20,11 +20,6 @@ _DRAWN = (
 _DRAWN_ACROSS = ("y", "heading", "slip_across")
 
 
-def needed(scenario: Scenario) -> tuple[str, ...]:
-    """The quantities that a run of a scenario has to record for its pictures."""
-    return (*_DRAWN, *_DRAWN_ACROSS) if turns(scenario) else _DRAWN
-
-
 @dataclass(frozen=True, eq=False)
 class Motion:
     """A recorded motion; arrays have shape (n,), and are those of the run where it has them.

@@ -38,14 +38,10 @@ from stickslip.simulation.run import Run
 if TYPE_CHECKING:
     from stickslip.simulation.simulate import Progress
 
-STAGE = "drawing frames"
-"""What `Animation.save` tells of its progress."""
-
-MOST_FRAMES = 2000
-"""Frames of one picture; chosen: a hundred seconds of it at the default rate."""
+_MOST_FRAMES = 2000  # chosen: a hundred seconds of a picture at the default rate
 
 # Chosen by eye.
-FRAMES_PER_SECOND = 20.0
+_FRAMES_PER_SECOND = 20.0
 _LONGEST = 10.0  # s, of a picture whose slowdown is not given
 _PULSES = 5  # shown of a run with more
 _DOTS_PER_INCH = 100  # of a screen
@@ -71,7 +67,7 @@ def animation(
     start: float | None = None,
     stop: float | None = None,
     slowdown: float | None = None,
-    frames_per_second: float = FRAMES_PER_SECOND,
+    frames_per_second: float = _FRAMES_PER_SECOND,
 ) -> Animation:
     """A motion as a moving picture that repeats, which a notebook shows.
 
@@ -117,14 +113,6 @@ def animation(
     return Animation(shown, samples, _pace(slowdown), frames_per_second)
 
 
-def check_animation(
-    scenario: Scenario, start: float | None, stop: float | None, slowdown: float | None
-) -> None:
-    """Refuse before a run of a scenario what `animation` would refuse after it: a ValueError."""
-    first, last = _stretch(scenario, 0.0, scenario.duration, start, stop)
-    _timing(last - first, slowdown, FRAMES_PER_SECOND)
-
-
 def _stretch(
     scenario: Scenario, begin: float, end: float, start: float | None, stop: float | None
 ) -> tuple[float, float]:
@@ -141,7 +129,9 @@ def _stretch(
     return (begin if start is None else start), (end if stop is None else stop)
 
 
-def _timing(duration: float, slowdown: float | None, frames_per_second: float) -> tuple[int, float]:
+def _timing(
+    duration: float, slowdown: float | None, frames_per_second: float = _FRAMES_PER_SECOND
+) -> tuple[int, float]:
     """Frames and slowdown of a picture of `duration`, s."""
     if slowdown is None:
         most = 1.001 * _LONGEST / duration  # the duration has the rounding of its ends
@@ -151,9 +141,9 @@ def _timing(duration: float, slowdown: float | None, frames_per_second: float) -
             raise ValueError(f"{name} = {value!r}: allowed is a finite number above 0")
     # A float, as the product of two finite numbers may be infinite.
     count = max(2.0, float(np.rint(duration * slowdown * frames_per_second)))
-    if count > MOST_FRAMES:
+    if count > _MOST_FRAMES:
         raise ValueError(
-            f"{count:.15g} frames: allowed are at most {MOST_FRAMES}; choose a shorter stretch or "
+            f"{count:.15g} frames: allowed are at most {_MOST_FRAMES}; choose a shorter stretch or "
             "less slowdown"
         )
     return int(count), slowdown
@@ -243,7 +233,7 @@ class Animation:
 
         def report(number: int, _: int | None) -> None:
             if progress is not None:
-                progress((number + 1) / self.frames, STAGE)
+                progress((number + 1) / self.frames, "drawing frames")
 
         with replacing(path) as temporary, matplotlib.rc_context(style.RC):
             figure, show = self._scene()
