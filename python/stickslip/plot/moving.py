@@ -45,7 +45,7 @@ _FRAMES_PER_SECOND = 20.0
 _LONGEST = 10.0  # s, of a picture whose slowdown is not given
 _PULSES = 5  # shown of a run with more
 _DOTS_PER_INCH = 100  # of a screen
-_COLOURS = 32  # of a GIF or WebP: chosen as the least that shows no difference
+_COLOURS = 64  # of a GIF or WebP: chosen as the least that shows no difference
 _MOST_MEGABYTES = 500.0  # of an HTML page: chosen above what the most frames take
 
 _WIDTH, _ABOVE_WIDTH, _FIELD_HEIGHT = 6.4, 4.2, 1.4  # inches
