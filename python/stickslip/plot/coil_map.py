@@ -18,7 +18,6 @@ from stickslip.plot import style
 from stickslip.scenario.keys import check_kind
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
-from stickslip.simulation.record_blocks import turns
 
 _REACH = 1.3  # half of the width that is drawn, in distances of the farthest wire; chosen by eye
 _CELLS = 160  # along each side of the map; chosen: finer than the dots of half a page
@@ -33,12 +32,11 @@ def coils(scenario: Scenario, currents: ArrayLike | None = None, ax: Axes | None
     """Draw the five coils with their field in the plane y = 0, and the robot as a mark.
 
     Coloured is abs(B) on a logarithmic scale, with field lines in white: that of the coils by
-    Eqs. (2)-(7), without what other named effects add. The wires of the coils at +x and -x and of
-    the one below cross the plane at the circles; a dot in one is a current towards the reader, a
-    cross one away. The coils at +y and -y lie behind and before the plane; a dashed line is their
-    outline. A field map (``coil.map``) is drawn in its box and without wires, as it does not say
-    where they are. The arrow is the moment of the robot where the scenario begins, and beside it
-    stands the strength of the field there.
+    Eqs. (2)-(7), without what other named effects add. Circles are the wires of the coils at +x and
+    -x and of the one below; a dot in one is a current towards the reader, a cross one away. A
+    dashed line is the outline of the coils at +y and -y. A field map (``coil.map``) is drawn in its
+    box and without wires, as it does not say where they are. The arrow is the moment of the robot
+    where the scenario begins, and beside it stands the strength of the field there.
 
     Parameters
     ----------
@@ -49,11 +47,6 @@ def coils(scenario: Scenario, currents: ArrayLike | None = None, ax: Axes | None
         of the drive would drive if they were held for ever: of a sawtooth, those of its top.
     ax : matplotlib.axes.Axes, optional
         Where to draw; a new figure, if not given.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The one that holds the axes.
 
     Raises
     ------
@@ -150,7 +143,7 @@ def _draw_robot(axes: Axes, made: Coils, currents: Array, scenario: Scenario) ->
     """A mark where the scenario begins, with the moment, and in words the field there."""
     begin, drive = scenario.initial, scenario.drive
     heading = (0.0 if drive.direction == "+x" else np.pi) + float(drive.heading)
-    if turns(scenario) and (drive.mode == "program" or begin.heading != 0.0):
+    if scenario.turns and (drive.mode == "program" or begin.heading != 0.0):
         heading = float(begin.heading)
     place = np.array([begin.x, begin.y, max(begin.z, 0.5 * scenario.robot.height)])
     words = "robot"

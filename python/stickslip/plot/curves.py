@@ -47,7 +47,7 @@ def run(run: Run, start: float | None = None, stop: float | None = None) -> Figu
     last_pulses = start is None and stop is None and _last_pulses(run)
     shown = whole.between(*(last_pulses or (start, stop)))
     heights = {"field": 1.0, "tilt": 1.0, "slip": 1.0, "place": 0.8, "heading": 0.8, "force": 1.0}
-    if not shown.turns:
+    if not shown.scenario.turns:
         del heights["heading"]
     with matplotlib.rc_context(style.RC):
         size = (6.4, 1.6 + 1.2 * len(heights))
@@ -59,7 +59,7 @@ def run(run: Run, start: float | None = None, stop: float | None = None) -> Figu
         draw_fields(curves["field"], shown)
         draw_tilt(curves["tilt"], shown)
         draw_contact_velocity(curves["slip"], shown)
-        if shown.turns:
+        if shown.scenario.turns:
             style.legend_above(curves["slip"], curves["slip"].get_lines())
             curves["heading"].plot(shown.t, np.degrees(shown.heading), color=palette.BLACK)
             curves["heading"].set_ylabel("heading (degrees)")
@@ -189,10 +189,10 @@ def draw_tilt(axes: Axes, shown: Motion) -> None:
 def draw_contact_velocity(axes: Axes, shown: Motion) -> None:
     """Velocity of the contact point, mm/s: along the heading and, if it has one, to its left."""
     look: Any = {"linewidth": 0.9}
-    label = "contact velocity, forward" if shown.turns else "contact velocity"
+    label = "contact velocity, forward" if shown.scenario.turns else "contact velocity"
     forward = shown.slip_velocity
     axes.plot(shown.t, forward * 1e3, color=palette.ORANGE, label=label, **look)
-    if shown.turns:
+    if shown.scenario.turns:
         across = shown.slip_across * 1e3
         axes.plot(shown.t, across, color=palette.PURPLE, label="to the left", **look)
     axes.set_xlim(shown.t[0], shown.t[-1])
@@ -228,17 +228,16 @@ def _last_pulses(run: Run) -> tuple[float, float] | None:
 
 
 def _title(run: Run, last_pulses: bool) -> str:
-    drive, summary = run.scenario.drive, run.summary()
+    drive = run.scenario.drive
     program = drive.mode == "program"
     words = ["voltage program"] if program else [drive.mode, f"{drive.frequency:g} Hz"]
     if np.isfinite(run.mean_velocity):
-        along, across = run.velocity
-        if "velocity_along" in summary:
-            told = f"{along * 1e3:.4g} mm/s along the drive, {across * 1e3:.4g} to its left"
-        elif run.scenario.turns:
-            told = f"{along * 1e3:.4g} mm/s along x, {across * 1e3:.4g} along y"
-        else:
-            told = f"{run.mean_velocity * 1e3:.4g} mm/s"
+        along, across = (f"{each * 1e3:.4g}" for each in run.velocity)
+        told = f"{run.mean_velocity * 1e3:.4g} mm/s"
+        if run.scenario.turns:
+            told = f"{along} mm/s along x, {across} along y"
+            if not program:
+                told = f"{along} mm/s along the drive, {across} to its left"
         words.append(f"mean velocity {told}")
     if last_pulses:
         whole = f"of {drive.pulses} pulses" if run.ok else "pulses before its end"
@@ -253,7 +252,7 @@ def _draw_place(axes: Axes, shown: Motion) -> None:
     factor, unit = style.length(shown.x, shown.y)
     lines = axes.plot(shown.t, shown.x * factor, color=palette.BLACK, label="x")
     axes.set_ylabel(f"x ({unit})")
-    if shown.turns:
+    if shown.scenario.turns:
         look: Any = {"color": palette.BLACK, "linestyle": "--"}
         lines += axes.plot(shown.t, shown.y * factor, label="y", **look)
         axes.set_ylabel(f"position ({unit})")

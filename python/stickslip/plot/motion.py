@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from stickslip._util.numbers import Array
 from stickslip.scenario.keys import refuse
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.record_blocks import turns
 from stickslip.simulation.run import Run
 
 _DRAWN = (
@@ -29,7 +28,6 @@ class Motion:
     """
 
     scenario: Scenario
-    turns: bool  # whether the robot moves in the whole plane
     t: Array
     x: Array
     y: Array
@@ -58,8 +56,8 @@ class Motion:
     def samples(self, first: int, last: int) -> Motion:
         """The part from one sample to another."""
         chosen = slice(first, last + 1)
-        names = (*_DRAWN, *_DRAWN_ACROSS, "way")
-        return replace(self, **{name: getattr(self, name)[chosen] for name in names})
+        arrays = {name: each[chosen] for name, each in vars(self).items() if name != "scenario"}
+        return replace(self, **arrays)
 
     def sample(self, time: float) -> int:
         """Index of the sample that is nearest to a time, s."""
@@ -74,10 +72,9 @@ def motion(run: Run) -> Motion:
         raise ValueError("a record of events cannot be drawn: set record.rate to a number of Hz")
     arrays = {name: getattr(run, name) for name in (*_DRAWN, "y", "heading")}
     arrays["heading"] = heading = np.unwrap(arrays["heading"])
-    leaves = turns(run.scenario)
-    across = run.slip_across if leaves else np.zeros_like(heading)
+    across = run.slip_across if run.scenario.turns else np.zeros_like(heading)
     way = _way(arrays["x"], arrays["y"], heading)
-    return Motion(run.scenario, leaves, **arrays, slip_across=across, way=way)
+    return Motion(run.scenario, **arrays, slip_across=across, way=way)
 
 
 def _way(x: Array, y: Array, heading: Array) -> Array:

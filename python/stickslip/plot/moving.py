@@ -249,7 +249,7 @@ class Animation:
         top = max(highest + _HEADROOM, _LEAST_HEIGHT * diagonal)
         width = max(_DIAGONALS * diagonal, top)
         heights = _WIDTH * (top + _DEPTH) / width, _FIELD_HEIGHT
-        widths = [_WIDTH, _ABOVE_WIDTH] if shown.turns else [_WIDTH]
+        widths = [_WIDTH, _ABOVE_WIDTH] if shown.scenario.turns else [_WIDTH]
         figure = Picture(figsize=(sum(widths), sum(heights)), layout="constrained")
         left, *right = figure.subfigures(1, len(widths), width_ratios=widths, squeeze=False)[0]
         upper, lower = left.subfigures(2, 1, height_ratios=heights)

@@ -66,11 +66,6 @@ def velocity(data: xarray.Dataset, ax: Axes | None = None) -> Figure:
     ax : matplotlib.axes.Axes, optional
         Where to draw; a new figure, if not given.
 
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The one that holds the axes.
-
     Raises
     ------
     ValueError
