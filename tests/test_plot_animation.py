@@ -87,6 +87,9 @@ def test_every_frame_has_body_contact_and_field_of_its_instant(name):
         assert body[:, 1].mean() == pytest.approx(run.z[sample] * 1e6)
         assert body[:, 0].mean() == pytest.approx(way_of(run)[sample] * 1e6, abs=3.0)
         assert side.get_xlim()[0] < body[:, 0].min() < body[:, 0].max() < side.get_xlim()[1]
+        shape = side.get_window_extent()
+        scales = np.ptp(side.get_xlim()) / shape.width, np.ptp(side.get_ylim()) / shape.height
+        assert scales[0] == pytest.approx(scales[1], rel=1e-3)
         contact = next(each for each in side.get_lines() if each.get_label() == "contact")
         mode = run.contact_names[run.contact[sample]]
         kind = next(each for each in style.KIND_COLOURS if each in mode)

@@ -21,6 +21,7 @@ from matplotlib.animation import (
 )
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 from PIL import Image
 
@@ -250,7 +251,8 @@ class Animation:
         width = max(_DIAGONALS * diagonal, top)
         heights = _WIDTH * (top + _DEPTH) / width, _FIELD_HEIGHT
         widths = [_WIDTH, _ABOVE_WIDTH] if shown.scenario.turns else [_WIDTH]
-        figure = Picture(figsize=(sum(widths), sum(heights)), layout="constrained")
+        exact = ConstrainedLayoutEngine(hspace=0.0, wspace=0.0)  # lengths have one scale
+        figure = Picture(figsize=(sum(widths), sum(heights)), layout=exact)
         left, *right = figure.subfigures(1, len(widths), width_ratios=widths, squeeze=False)[0]
         upper, lower = left.subfigures(2, 1, height_ratios=heights)
         side = upper.add_axes((0.0, 0.0, 1.0, 1.0))
