@@ -44,6 +44,7 @@ def test_a_file_has_the_frames_it_says_and_repeats(tmp_path, suffix):
             assert picture.info["duration"] == 50
             frames.append(np.asarray(picture.convert("L"), dtype=float))
     assert frames[0].std() > 5.0
+    assert frames[0][0, 0] == 255.0  # white, as the page that it stands on
     assert all(np.any(a != b) for a, b in itertools.pairwise(frames))
     assert [each.name for each in tmp_path.iterdir()] == [path.name]
 

@@ -47,6 +47,7 @@ _LONGEST = 10.0  # s, of a picture whose slowdown is not given
 _PULSES = 5  # shown of a run with more
 _DOTS_PER_INCH = 100  # of a screen
 _COLOURS = 64  # of a GIF or WebP: chosen as the least that shows no difference
+_WHITE = 244  # of a palette: darker than white, and lighter than all that is drawn
 _MOST_MEGABYTES = 500.0  # of an HTML page: chosen above what the most frames take
 
 _WIDTH, _ABOVE_WIDTH, _FIELD_HEIGHT = 6.4, 4.2, 1.4  # inches
@@ -384,9 +385,15 @@ class _ImageWriter(PillowWriter):
     _frames: list[Image.Image]
 
     def finish(self) -> None:
-        palette = self._frames[0].quantize(_COLOURS)
+        palette = self._frames[0].convert("RGB").quantize(_COLOURS, kmeans=1)
+        colours = np.array(palette.getpalette()).reshape(-1, 3)
+        # White stays white: Pillow takes colours that are as near as these for each other.
+        colours[(colours > _WHITE).all(axis=1)] = 255
+        palette.putpalette(colours.ravel().tolist())
         plain = Image.Dither.NONE
-        first, *rest = (each.quantize(palette=palette, dither=plain) for each in self._frames)
+        first, *rest = (
+            each.convert("RGB").quantize(palette=palette, dither=plain) for each in self._frames
+        )
         webp: Any = {"lossless": True, "method": 6}  # half the bytes of the default
         duration = round(1000.0 / self.fps)  # ms
         first.save(
