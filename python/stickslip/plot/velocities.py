@@ -71,7 +71,7 @@ def velocity(data: xarray.Dataset, ax: Axes | None = None) -> Figure:
     ValueError
         If the Dataset is not one of a sweep, has no sound point, or varies more than can be drawn.
     """
-    table: Any = getattr(data, "data", data)  # of a prediction
+    table: Any = data
     if not hasattr(table, "data_vars"):
         raise ValueError(f"data = {table!r}: allowed is what sweep or predict gave")
     if "mean_velocity" not in table:
