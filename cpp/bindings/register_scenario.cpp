@@ -69,7 +69,7 @@ Value state_value(const SimulationState& state, const std::string& key) {
 
 /// Unequal to that of the scenario without any change; of a single coil, to that of all coils.
 bool is_changed(const Parameter& row, const Scenario& scenario) {
-    static const Scenario kDefaults;
+    static const Scenario kDefaults{};
     const std::string_view key = row.key;
     if (!is_of_one_coil(key)) return row.get(scenario) != row.get(kDefaults);
     const std::string of_all = "coil" + std::string(key.substr(key.rfind('.')));
@@ -79,7 +79,7 @@ bool is_changed(const Parameter& row, const Scenario& scenario) {
 /// The values that make a scenario of the default one, by key in the order of the tables: equal
 /// scenarios have equal ones.
 py::dict changed_values(const Scenario& scenario) {
-    static const Scenario kDefaults;
+    static const Scenario kDefaults{};
     py::dict result;
     for (const Choice& row : choices()) {
         const std::string word = row.get(scenario);

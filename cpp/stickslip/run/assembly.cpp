@@ -68,7 +68,7 @@ void check_work(const Scenario& s, double duration) {
 
 // A program of voltages says all of the drive but which way the robot faces.
 void check_no_sawtooth(const Scenario& s) {
-    const static Scenario kDefaults;
+    static const Scenario kDefaults{};
     const auto require_default = [&](const auto& row) {
         const std::string_view key = row.key;
         if (!key.starts_with("drive.") || key == "drive.mode" || key == "drive.direction") return;
