@@ -2,30 +2,42 @@
 
 from __future__ import annotations
 
+import json
+import math
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from stickslip._util.text import json_text
-from stickslip.cli.common import (
+import stickslip
+from stickslip._util.files import check_suffix
+from stickslip.cli.output import (
+    check_files,
+    drawn,
+    print_json,
+    print_points,
+    print_rows,
+    progress_bar,
+    say,
+)
+from stickslip.cli.parameters import (
     JSON,
     PATH,
+    SEED,
     SET,
     THREADS,
     UNCERTAIN,
-    WholeNumber,
-    draw,
-    say,
+    load_with,
     vary_option,
 )
-from stickslip.cli.progress import ProgressBar
-from stickslip.cli.settings import read_with, swept_points, with_uncertain_file
-from stickslip.cli.tables import prediction_as_dict, prediction_failures, prediction_table
-from stickslip.cli.targets import check_out_and_plot, input_files
-from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import known_keys
-from stickslip.sweeping.points import Points
-from stickslip.sweeping.predict import DRAWS, QUANTILES, predicted, single_point
+from stickslip.errors import prefixed
+from stickslip.simulation.note import lines_of_json
+from stickslip.simulation.run import SUFFIXES
+from stickslip.simulation.seen_from_drive import shown_velocities
+from stickslip.sweeping.predict import DRAWS
+
+if TYPE_CHECKING:
+    import xarray
 
 
 @click.command(
@@ -40,12 +52,12 @@ from stickslip.sweeping.predict import DRAWS, QUANTILES, predicted, single_point
 @SET
 @click.option(
     "--draws",
-    type=WholeNumber(2),
+    type=click.IntRange(2),
     default=DRAWS,
     show_default=True,
     help="Simulations of each point, all with other values of what is uncertain.",
 )
-@click.option("--seed", type=WholeNumber(0), default=0, show_default=True, help="Of the draws.")
+@SEED
 @THREADS
 @click.option("--out", type=PATH, help="Write the quantiles: .nc (netCDF; also .nc4, .h5) or .csv.")
 @click.option("--plot", type=PATH, help="Draw velocities with bands: .png, .pdf, .svg and others.")
@@ -53,8 +65,8 @@ from stickslip.sweeping.predict import DRAWS, QUANTILES, predicted, single_point
 def command(
     scenario: Path,
     uncertain: Path | None,
-    vary: tuple[str, ...],
-    settings: tuple[str, ...],
+    vary: dict[str, list[Any]],
+    set: dict[str, Any],
     draws: int,
     seed: int,
     threads: int | None,
@@ -68,33 +80,95 @@ def command(
     from its [uncertain], or from that of another file. Draws that fail are in no quantile; how many
     there are is said on standard error, and the exit status is then 1.
     """
-    if vary:
-        points = swept_points(scenario, vary, settings)
-    else:
-        points = single_point(read_with(scenario, settings))
-    points.scenario = with_uncertain_file(points.scenario, uncertain, settings)
+    loaded, read = load_with(scenario, set, uncertain)
+    check_files({"--out": out, "--plot": plot}, read)
+    if out is not None:
+        with prefixed("--out", ValueError):
+            check_suffix(out, SUFFIXES)
     if plot is not None:
-        _check_drawable(points)
-    check_out_and_plot(out, plot, input_files(scenario, settings, uncertain))
+        with prefixed("--plot", ValueError):
+            stickslip.plot.check_format(plot)
+    count = math.prod(map(len, vary.values())) * draws
+    with progress_bar(count) as bar:
+        found = stickslip.predict(loaded, vary, draws, seed, threads=threads, progress=bar)
+    data = found.data
+    if as_json:
+        print_json(_as_dict(data))
+    else:
+        _print(data)
+    failures = int(data.attrs["failed_draws"])
+    if redrawn := int(data.attrs["redrawn"]):
+        say(
+            f"stickslip: note: {redrawn} more draws made no scenario, and others took their place: "
+            "what is uncertain is cut off where values are not allowed",
+            err=True,
+        )
+    if failures:
+        say(
+            f"stickslip: {failures} of {count} draws failed and are in no quantile; the first: "
+            f"{data.attrs['message']}",
+            err=True,
+        )
+    if out is not None:
+        found.save(out)
+    done = failures == 0
+    if plot is not None:
+        done &= drawn("--plot", lambda: stickslip.plot.save(stickslip.plot.velocity(found), plot))
+    return 0 if done else 1
 
-    with ProgressBar(points=points.count * draws) as bar:
-        found = predicted(points, bool(vary), draws, seed, QUANTILES, threads, bar)
-    drawn = True
-    try:
-        if out is not None:
-            found.save(out)
-        if plot is not None:
-            drawn = draw(plot, "velocity", found)
-    finally:  # the table is printed even if a disk was full
-        click.echo(json_text(prediction_as_dict(found)) if as_json else prediction_table(found))
-        for failure in prediction_failures(found):
-            say(f"stickslip: {failure}", err=True)
-    return 1 if found.failed or not drawn else 0
+
+def _columns(data: xarray.Dataset) -> dict[str, list[Any]]:
+    """What is varied, at every point in their order, by the names of its coordinates."""
+    failed = data["failed"]
+    return {
+        str(name): each.broadcast_like(failed).transpose(*failed.dims).values.ravel().tolist()
+        for name, each in failed.coords.items()
+    }
 
 
-def _check_drawable(points: Points) -> None:
-    """Refuse what `plot.velocity` draws no bands of."""
-    sizes = zip(points.keys, points.shape, strict=True)
-    numbers = [key for key, size in sizes if size > 1 and known_keys()[key].kind != "word"]
-    if len(numbers) != 1:
-        raise ScenarioError("--plot: allowed with one --vary of numbers, and others of words")
+def _as_dict(data: xarray.Dataset) -> dict[str, Any]:
+    """The points in order: quantiles of each figure and their errors, lists as `quantiles`."""
+    columns = {data[name].attrs["key"]: values for name, values in _columns(data).items()}
+    columns["failed"] = data["failed"].values.ravel().tolist()
+    for name, values in data.data_vars.items():
+        if "quantile" in values.dims:
+            columns[str(name)] = values.values.reshape(-1, data.sizes["quantile"]).tolist()
+    rows = zip(*columns.values(), strict=True)
+    return {
+        "points": data["failed"].size,
+        **{name: int(data.attrs[name]) for name in ("draws", "seed", "redrawn")},
+        "failed": int(data.attrs["failed_draws"]),
+        "status": json.loads(data.attrs["statuses"]),
+        "notes": json.loads(data.attrs["notes"]),
+        "quantiles": data["quantile"].values.tolist(),
+        "results": [dict(zip(columns, row, strict=True)) for row in rows],
+    }
+
+
+def _print(data: xarray.Dataset) -> None:
+    """The points, if they are few, counts, and the precision of the quantiles."""
+    columns = {
+        (name, data[name].attrs.get("units") or "-", ""): values
+        for name, values in _columns(data).items()
+    }
+    for name in (next(iter(shown_velocities(data))), "airborne_fraction"):
+        for level in data["quantile"].values.tolist():
+            heading = (name, data[name].attrs["units"], f"{100.0 * level:.4g} %")
+            columns[heading] = data[name].sel(quantile=level).values.ravel().tolist()
+    columns["failed", "draws", ""] = data["failed"].values.ravel().tolist()
+    print_points(columns)
+    points, draws, failures = (
+        data["failed"].size,
+        int(data.attrs["draws"]),
+        int(data.attrs["failed_draws"]),
+    )
+    rows = [
+        ("points", str(points)),
+        ("draws", f"{draws} of each, {failures} of all failed"),
+    ]
+    if failures < points * draws:
+        lowest = float(data["quantile"].min())
+        error = math.sqrt(lowest * (1.0 - lowest) / draws)
+        shares = f"{100 * max(lowest - error, 0.0):.3g} to {100 * (lowest + error):.3g} %"
+        rows.append(("precision", f"the quantile of {100 * lowest:.4g} % is one of {shares}"))
+    print_rows([*rows, *(("note", line) for line in lines_of_json(data.attrs["notes"]))])

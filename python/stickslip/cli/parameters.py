@@ -1,0 +1,194 @@
+"""Types and options of the commands, and the scenario that they describe."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from decimal import Decimal
+from pathlib import Path
+from typing import Any, TypeVar
+
+import click
+from click.shell_completion import CompletionItem
+
+from stickslip.errors import ScenarioError, prefixed
+from stickslip.field.field_map import FieldMap
+from stickslip.scenario.keys import Value, full_name, known_keys
+from stickslip.scenario.path_keys import COIL_MAP, FILE, PATHS, PROGRAM
+from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.toml_file import load, named_files, with_uncertain_of
+from stickslip.scenario.waveform import Waveform
+
+_F = TypeVar("_F", bound=Callable[..., Any])
+
+_WITH_UNIT = re.compile(r"[-+]?\.?\d[\d.eE+-]*\s*([^\W\d]|[°%])")
+_QUOTES = "'\""
+_MOST_VALUES = 10_000_000  # of a range; chosen: a sweep of as many points is refused too
+
+
+def key_names(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """The keys of a scenario that begin as a word does, for a shell."""
+    keys = known_keys().values()
+    return [CompletionItem(k.name, help=k.meaning) for k in keys if k.name.startswith(incomplete)]
+
+
+class KeyValue(click.ParamType[Any]):
+    """``KEY=VALUE`` as a pair; `parse` makes the value of the key and its text."""
+
+    name = "pair"
+
+    def __init__(self, example: str, parse: Callable[[str, str], Any]) -> None:
+        self.example = example
+        self.parse = parse
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The pair, or a usage error."""
+        key, equals, text = (part.strip() for part in value.partition("="))
+        if not equals or not key or not text:
+            self.fail(f'"{value}": allowed is {self.example}', param, ctx)
+        try:
+            return full_name(key), self.parse(key, text)
+        except ValueError as error:
+            self.fail(f'"{value}": {error}', param, ctx)
+
+
+def number_or_word(text: str) -> Value:
+    """A number if it reads as one, else a word, with or without quotes around it."""
+    for number in (int, float):
+        try:
+            return number(text)
+        except ValueError:
+            continue
+    if _WITH_UNIT.match(text):
+        raise ValueError("allowed is a number in SI units without its unit: 2.5 mT is 2.5e-3")
+    return text.strip(_QUOTES)
+
+
+def number(key: str, text: str) -> float:
+    """A number."""
+    found = number_or_word(text)
+    if isinstance(found, str):
+        raise ValueError("allowed is a number, in SI units")
+    return float(found)
+
+
+def range_or_words(key: str, text: str) -> list[Value]:
+    """The ends of ``low:high``, or the words of ``a,b``."""
+    return [number_or_word(part.strip()) for part in text.split(":" if ":" in text else ",")]
+
+
+def _values(key: str, text: str) -> list[Value]:
+    """The values of ``start:stop:count``, with both ends, or of ``a,b,c``."""
+    if ":" not in text:
+        return range_or_words(key, text)
+    try:
+        first, last, number = text.split(":")
+        # Decimals, so that 0.1:0.5:5 gives 0.3 and not the sum of rounded steps.
+        start, stop, count = Decimal(first.strip()), Decimal(last.strip()), int(number)
+        allowed = start.is_finite() and stop.is_finite() and 1 <= count <= _MOST_VALUES
+    except (ArithmeticError, ValueError):
+        allowed = False
+    if not allowed or (count == 1) != (start == stop):
+        raise ValueError(
+            "allowed is start:stop:count with two numbers, and a whole number of values from 2 to "
+            f"{_MOST_VALUES}"
+        )
+    step = (stop - start) / max(count - 1, 1)
+    return [float(start + place * step) for place in range(count)]
+
+
+def _of_a_file(key: str, text: str) -> Value | Path:
+    return Path(text.strip(_QUOTES)) if key in PATHS else number_or_word(text)
+
+
+def _once(ctx: click.Context, param: click.Parameter, pairs: Any) -> dict[str, Any]:
+    """The values by key."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        raise click.BadParameter("a key is there twice", ctx, param)
+    return found
+
+
+def pairs(name: str, parse: Callable[[str, str], Any], example: str, help: str, **more: Any) -> Any:
+    """A repeatable option of pairs, which a command gets as a dict."""
+    how = {"metavar": "KEY=VALUES", "callback": _once, "multiple": True, **more}
+    return click.option(name, type=KeyValue(example, parse), help=f"{help}; repeatable.", **how)
+
+
+def _keys_and_sign(*about: Any) -> list[CompletionItem]:
+    return [CompletionItem(f"{item.value}=", help=item.help) for item in key_names(*about)]
+
+
+KEYS = {"shell_complete": _keys_and_sign}
+
+SET = pairs(
+    "--set",
+    _of_a_file,
+    "key=value, such as drive.frequency=30",
+    "Change a key, in SI units without their names; the last of a key counts",
+    metavar="KEY=VALUE",
+    callback=lambda ctx, param, pairs: dict(pairs),
+    **KEYS,
+)
+
+
+def vary_option(required: bool) -> Callable[[_F], _F]:
+    """``--vary``, of which a sweep needs one."""
+    return pairs(  # type: ignore[no-any-return]
+        "--vary",
+        _values,
+        "key=start:stop:count or key=a,b,c, such as drive.frequency=5:200:40",
+        "A key and its values, start:stop:count with both ends, or a,b,c",
+        required=required,
+        **KEYS,
+    )
+
+
+PATH = click.Path(path_type=Path)
+FOLDER = click.Path(path_type=Path, file_okay=False)
+UNCERTAIN = click.option(
+    "--uncertain",
+    type=PATH,
+    help="A TOML file whose [uncertain] takes the place of the scenario's: a measurement, another "
+    "scenario, or the extended.toml of a diagnosis.",
+)
+SEED = click.option(
+    "--seed", type=click.IntRange(0), default=0, show_default=True, help="Of all draws."
+)
+THREADS = click.option(
+    "--threads",
+    "--jobs",
+    "threads",
+    type=click.IntRange(1),
+    help="Simulations at a time; default: processors.",
+)
+JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+
+
+def load_with(
+    path: Path, set: Mapping[str, Any], uncertain: Path | None = None
+) -> tuple[Scenario, list[Path]]:
+    """The scenario of a file with other values, and all files that it was read from.
+
+    Voltages replace the whole drive but its direction. A ScenarioError names a value of ``--set``
+    that has no influence, as the key is uncertain.
+    """
+    scenario = load(path)
+    changes = dict(set)
+    with prefixed("--set"):
+        if FILE in changes:
+            changes[PROGRAM] = Waveform.from_csv(changes.pop(FILE))
+            changes.setdefault("drive.mode", "program")
+        elif changes.get("drive.mode", "program") != "program":
+            changes[PROGRAM] = None
+        if COIL_MAP in changes:
+            changes[COIL_MAP] = FieldMap.from_file(changes[COIL_MAP])
+        scenario = scenario.replace(changes)
+    read = [path, *named_files(path).values(), *(set[key] for key in PATHS if key in set)]
+    if uncertain is None:
+        return scenario, read
+    drawn = with_uncertain_of(scenario, uncertain)
+    for key in set:
+        if key not in PATHS and drawn.get(key) != scenario.get(key):
+            raise ScenarioError(f"--set {key}: has no influence, as {uncertain} has its own value")
+    return drawn, [*read, uncertain]
