@@ -50,7 +50,11 @@ class LazyCommand(click.Command):
 
 @click.group(
     commands=[LazyCommand(name, help=line) for name, line in COMMANDS.items()],
-    context_settings={"help_option_names": [*_HELP], "max_content_width": 100},
+    context_settings={
+        "help_option_names": [*_HELP],
+        "max_content_width": 100,
+        "show_default": True,
+    },
     epilog="\b\nExample:\n"
     "  stickslip init scenario.toml\n"
     "  stickslip run scenario.toml --set drive.frequency=30 --plot run.png",

@@ -8,8 +8,9 @@ import click
 
 import stickslip
 from stickslip._util.files import check_folder
-from stickslip.cli.output import print_json, progress_bar, say
-from stickslip.cli.parameters import FOLDER, JSON, PATH, SEED, THREADS
+from stickslip.cli.options import FOLDER, JSON, PATH, SEED, THREADS
+from stickslip.cli.output import print_json, say
+from stickslip.cli.progress import progress_bar
 from stickslip.diagnosis.report.files import report_files
 from stickslip.diagnosis.report.next_table import TABLES, with_measured
 from stickslip.diagnosis.rounds import BUDGET

@@ -5,8 +5,8 @@ from __future__ import annotations
 import click
 
 from stickslip.cli.keys_command import as_dict, having, indented
+from stickslip.cli.options import JSON
 from stickslip.cli.output import print_json
-from stickslip.cli.parameters import JSON
 from stickslip.errors import ScenarioError
 from stickslip.scenario.named_effects import PREFIX, Effect, effects, suggested_effect
 

@@ -10,8 +10,8 @@ import click
 from stickslip._util.files import replacing
 from stickslip._util.text import json_text
 from stickslip.cli.keys_command import FILES
+from stickslip.cli.options import PATH
 from stickslip.cli.output import say
-from stickslip.cli.parameters import PATH
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import Key, known_keys
 from stickslip.scenario.toml_file import FORMAT_VERSION

@@ -6,8 +6,8 @@ import textwrap
 
 import click
 
+from stickslip.cli.options import JSON, key_names
 from stickslip.cli.output import print_json
-from stickslip.cli.parameters import JSON, key_names
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import Key, key_hint, known_keys, shown
 

@@ -10,21 +10,9 @@ import click
 import stickslip
 from stickslip._util.files import check_folder
 from stickslip._util.text import printable_lines
-from stickslip.cli.output import print_json, progress_bar, say
-from stickslip.cli.parameters import (
-    FOLDER,
-    JSON,
-    KEYS,
-    PATH,
-    SEED,
-    SET,
-    THREADS,
-    UNCERTAIN,
-    load_with,
-    number,
-    pairs,
-    range_or_words,
-)
+from stickslip.cli import options, output
+from stickslip.cli.progress import progress_bar
+from stickslip.design.optimum import SearchInterrupted
 from stickslip.errors import ScenarioError, prefixed
 
 
@@ -37,7 +25,7 @@ Examples:
   stickslip optimise scenario.toml --maximise mean_velocity --limit voltage_max=26 \\
     --knots 12 --coils xp,clamp --free drive.frequency=50:300 --out best""",
 )
-@click.argument("scenario", type=PATH)
+@click.argument("scenario", type=options.PATH)
 @click.option(
     "--maximise",
     metavar="FIGURE",
@@ -45,9 +33,9 @@ Examples:
     "along the heading of the drive.",
 )
 @click.option("--minimise", metavar="FIGURE", help="The same, as small as may be.")
-@pairs(
+@options.pairs(
     "--limit",
-    number,
+    options.number,
     "figure=value, such as field_max=2.5e-3",
     "Greatest value of a number of the summary, or of tilt_max, the largest |theta|, in every draw",
     metavar="FIGURE=VALUE",
@@ -57,12 +45,12 @@ Examples:
     is_flag=True,
     help="Without the default limits of walking, airborne_fraction=0.2 and tilt_max=1.5 (rad).",
 )
-@pairs(
+@options.pairs(
     "--free",
-    range_or_words,
+    options.range_or_words,
     "key=low:high or key=word,word, such as drive.frequency=5:300",
     "A key and its range, low:high, or words to try, a,b",
-    **KEYS,
+    **options.KEYS,
 )
 @click.option(
     "--knots",
@@ -72,42 +60,36 @@ Examples:
 @click.option(
     "--coils",
     default="xp,clamp",
-    show_default=True,
     help="Coils that a free waveform drives.",
 )
-@UNCERTAIN
+@options.UNCERTAIN
 @click.option(
     "--score",
     default="q10",
-    show_default=True,
     help="What of the draws counts: q10 for the 10 % quantile, mean or worst.",
 )
-@click.option(
-    "--draws", type=click.IntRange(1), default=8, show_default=True, help="Draws in the search."
-)
+@click.option("--draws", type=click.IntRange(1), default=8, help="Draws in the search.")
 @click.option(
     "--fresh",
     type=click.IntRange(1),
     default=64,
-    show_default=True,
     help="Other draws, to judge what was found.",
 )
 @click.option(
     "--evaluations",
     type=click.IntRange(1),
     default=10_000,
-    show_default=True,
     help="Simulations of the search.",
 )
-@SEED
+@options.SEED
 @click.option(
     "--out",
-    type=FOLDER,
+    type=options.FOLDER,
     help="Folder for best.toml, best.csv and report.html.  [default: best; with --json none]",
 )
-@SET
-@THREADS
-@JSON
+@options.SET
+@options.THREADS
+@options.JSON
 def command(
     scenario: Path,
     set: dict[str, Any],
@@ -116,7 +98,7 @@ def command(
     coils: str,
     out: Path | None,
     as_json: bool,
-    **options: Any,
+    **how: Any,
 ) -> None:
     """Find the drive of a SCENARIO (a TOML file) that is best under limits.
 
@@ -131,7 +113,7 @@ def command(
 
     Ctrl-C ends the search, and writes the best so far.
     """
-    base, read = load_with(scenario, set, uncertain)
+    base, read = options.load_uncertain(scenario, set, uncertain)
     if out is None and not as_json:
         out = Path("best")
     if out is not None:
@@ -142,20 +124,20 @@ def command(
                 )
         with prefixed("--out", OSError):
             check_folder(out)
-    options |= {"limits": limit, "coils": [name.strip() for name in coils.split(",")]}
+    how |= {"limits": limit, "coils": [name.strip() for name in coils.split(",")]}
     with progress_bar() as bar:
         try:
-            found = stickslip.optimise(base, progress=bar, **options)
-        except KeyboardInterrupt as interrupt:
-            found = getattr(interrupt, "best", None)
-            if found is None:
+            found = stickslip.optimise(base, progress=bar, **how)
+        except SearchInterrupted as interrupt:
+            if interrupt.best is None:
                 raise
+            found = interrupt.best
     if as_json:
-        print_json(found.as_dict())
+        output.print_json(found.as_dict())
     else:
         click.echo(printable_lines(found.summary()))
     if out is not None:
         found.save_report(out)
-        say(f"  in {out}: {', '.join(found.files)}", err=as_json)
+        output.say(f"  in {out}: {', '.join(found.files)}", err=as_json)
     if found.interrupted:
         raise KeyboardInterrupt("this is the best so far")

@@ -1,27 +1,20 @@
-"""What a command prints and writes: lines, tables, JSON, a bar of progress, files."""
+"""What a command prints and writes: lines, tables, JSON, files."""
 
 from __future__ import annotations
 
-import contextlib
-import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import click
-from tqdm import tqdm
 
-from stickslip._util.files import check_writable
+import stickslip
+from stickslip._util.files import check_suffix, check_writable
 from stickslip._util.text import json_text, printable
 from stickslip.errors import ScenarioError, prefixed
 
-PATIENCE = 2.0
-"""Time that passes without a bar, s. Chosen: a shorter wait needs no explanation."""
-
 MOST_ROWS = 50
 """Points that are printed. Chosen: about one page; a longer table is in the file alone."""
-
-_OF_A_PART = "{desc}: {percentage:3.0f}% |{bar}| {elapsed} < {remaining}"
 
 
 def say(line: object, err: bool = False) -> None:
@@ -42,56 +35,46 @@ def print_rows(rows: Iterable[tuple[str, object]]) -> None:
         say(f"{name:<{width}}  {text}".rstrip())
 
 
-@contextlib.contextmanager
-def progress_bar(points: int = 0) -> Iterator[Callable[[float, str], None]]:
-    """A function that takes the part that is done, 0 to 1, and the stage, and shows both.
+def print_points(columns: Mapping[Any, Sequence[Any]]) -> None:
+    """Print columns with a row for each point, if these are few; a name is a tuple of lines."""
+    import pandas
 
-    With a number of `points` the bar shows their count and rate.
+    table = pandas.DataFrame(columns)
+    if 0 < len(table) <= MOST_ROWS:
+        shown = table.to_string(index=False, sparsify=False, float_format="%.6g")
+        click.echo(f"{shown}\n")
+
+
+def check_files(read: Iterable[Path], /, **written: tuple[Path | None, tuple[str, ...]]) -> None:
+    """Refuse, before the work, files of options that cannot be written, or are another's.
+
+    `written` has the path and the suffixes of each option; () are those of a picture.
     """
-    with tqdm(
-        total=points or 1.0,
-        delay=PATIENCE,
-        leave=False,
-        bar_format=None if points else _OF_A_PART,
-        unit=" points",
-        mininterval=0.1 if sys.stderr.isatty() else PATIENCE,  # in a log each update is a line
-    ) as bar:
-
-        def show(fraction: float, stage: str) -> None:
-            bar.set_description_str(stage, refresh=False)
-            bar.update(round(fraction * points) - bar.n if points else fraction - bar.n)
-
-        yield show
-
-
-def check_files(written: Mapping[str, Path | None], read: Iterable[Path]) -> None:
-    """Refuse, before the work, files of options that cannot be written, or are another's."""
     taken = {path.resolve(): "is read, and would be overwritten" for path in read}
-    for option, path in written.items():
+    for name, (path, suffixes) in written.items():
         if path is None:
             continue
-        with prefixed(option, OSError):
+        with prefixed(f"--{name}", OSError):
             check_writable(path)
+        with prefixed(f"--{name}", ValueError):
+            check_suffix(path, suffixes) if suffixes else stickslip.plot.check_format(path)
         place = path.resolve()
         if place in taken:
-            raise ScenarioError(f"{option}: {path} {taken[place]}")
-        taken[place] = f"is that of {option} too"
+            raise ScenarioError(f"--{name}: {path} {taken[place]}")
+        taken[place] = f"is that of --{name} too"
 
 
-def drawn(option: str, draw: Callable[[], object]) -> bool:
-    """Whether there was something to draw; else it says why not."""
+def drawn(option: str, path: Path | None, draw: Callable[[Path], object]) -> bool:
+    """Whether a picture, if it is wanted, could be drawn; else it says why not."""
     try:
-        draw()
+        if path is not None:
+            draw(path)
     except (AttributeError, RuntimeError, ValueError) as error:  # a run that ended too early, say
         say(f"stickslip: {option}: nothing drawn: {error}", err=True)
         return False
     return True
 
 
-def print_points(columns: Mapping[tuple[str, ...], Sequence[Any]]) -> None:
-    """Print columns with a row for each point, if these are few; a heading is several lines."""
-    import pandas
-
-    table = pandas.DataFrame(columns)
-    if 0 < len(table) <= MOST_ROWS:
-        click.echo(table.to_string(index=False, sparsify=False, float_format="%.6g") + "\n")
+def save_plot(figure: str, *what: Any) -> Callable[[Path], object]:
+    """A function that draws by one of `stickslip.plot` and writes to a path."""
+    return lambda path: stickslip.plot.save(getattr(stickslip.plot, figure)(*what), path)

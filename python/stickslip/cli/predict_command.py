@@ -10,27 +10,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import stickslip
-from stickslip._util.files import check_suffix
-from stickslip.cli.output import (
-    check_files,
-    drawn,
-    print_json,
-    print_points,
-    print_rows,
-    progress_bar,
-    say,
-)
-from stickslip.cli.parameters import (
-    JSON,
-    PATH,
-    SEED,
-    SET,
-    THREADS,
-    UNCERTAIN,
-    load_with,
-    vary_option,
-)
-from stickslip.errors import prefixed
+from stickslip.cli import options, output
+from stickslip.cli.progress import progress_bar
 from stickslip.simulation.note import lines_of_json
 from stickslip.simulation.run import SUFFIXES
 from stickslip.simulation.seen_from_drive import shown_velocities
@@ -46,22 +27,25 @@ if TYPE_CHECKING:
     "  stickslip predict scenario.toml --uncertain measurement.toml \\\n"
     "    --vary drive.frequency=20:200:10 --out bands.csv --plot bands.png",
 )
-@click.argument("scenario", type=PATH)
-@UNCERTAIN
-@vary_option(required=False)
-@SET
+@click.argument("scenario", type=options.PATH)
+@options.UNCERTAIN
+@options.vary_option(required=False)
+@options.SET
 @click.option(
     "--draws",
     type=click.IntRange(2),
     default=DRAWS,
-    show_default=True,
     help="Simulations of each point, all with other values of what is uncertain.",
 )
-@SEED
-@THREADS
-@click.option("--out", type=PATH, help="Write the quantiles: .nc (netCDF; also .nc4, .h5) or .csv.")
-@click.option("--plot", type=PATH, help="Draw velocities with bands: .png, .pdf, .svg and others.")
-@JSON
+@options.SEED
+@options.THREADS
+@click.option(
+    "--out", type=options.PATH, help="Write the quantiles: .nc (netCDF; also .nc4, .h5) or .csv."
+)
+@click.option(
+    "--plot", type=options.PATH, help="Draw velocities with bands: .png, .pdf, .svg and others."
+)
+@options.JSON
 def command(
     scenario: Path,
     uncertain: Path | None,
@@ -80,41 +64,29 @@ def command(
     from its [uncertain], or from that of another file. Draws that fail are in no quantile; how many
     there are is said on standard error, and the exit status is then 1.
     """
-    loaded, read = load_with(scenario, set, uncertain)
-    check_files({"--out": out, "--plot": plot}, read)
-    if out is not None:
-        with prefixed("--out", ValueError):
-            check_suffix(out, SUFFIXES)
-    if plot is not None:
-        with prefixed("--plot", ValueError):
-            stickslip.plot.check_format(plot)
+    loaded, read = options.load_uncertain(scenario, set, uncertain)
+    output.check_files(read, out=(out, SUFFIXES), plot=(plot, ()))
     count = math.prod(map(len, vary.values())) * draws
     with progress_bar(count) as bar:
         found = stickslip.predict(loaded, vary, draws, seed, threads=threads, progress=bar)
     data = found.data
     if as_json:
-        print_json(_as_dict(data))
+        output.print_json(_as_dict(data))
     else:
         _print(data)
-    failures = int(data.attrs["failed_draws"])
-    if redrawn := int(data.attrs["redrawn"]):
-        say(
-            f"stickslip: note: {redrawn} more draws made no scenario, and others took their place: "
-            "what is uncertain is cut off where values are not allowed",
-            err=True,
+    failed, redrawn = int(data.attrs["failed_draws"]), int(data.attrs["redrawn"])
+    if redrawn:
+        output.say(
+            f"stickslip: note: {redrawn} more draws made no scenario, and are drawn again", err=True
         )
-    if failures:
-        say(
-            f"stickslip: {failures} of {count} draws failed and are in no quantile; the first: "
-            f"{data.attrs['message']}",
-            err=True,
-        )
+    if failed:
+        said = f"{failed} of {count} draws failed and are in no quantile; the first: "
+        output.say(f"stickslip: {said}{data.attrs['message']}", err=True)
     if out is not None:
         found.save(out)
-    done = failures == 0
-    if plot is not None:
-        done &= drawn("--plot", lambda: stickslip.plot.save(stickslip.plot.velocity(found), plot))
-    return 0 if done else 1
+    return (
+        0 if output.drawn("--plot", plot, output.save_plot("velocity", found)) and not failed else 1
+    )
 
 
 def _columns(data: xarray.Dataset) -> dict[str, list[Any]]:
@@ -156,7 +128,7 @@ def _print(data: xarray.Dataset) -> None:
             heading = (name, data[name].attrs["units"], f"{100.0 * level:.4g} %")
             columns[heading] = data[name].sel(quantile=level).values.ravel().tolist()
     columns["failed", "draws", ""] = data["failed"].values.ravel().tolist()
-    print_points(columns)
+    output.print_points(columns)
     points, draws, failures = (
         data["failed"].size,
         int(data.attrs["draws"]),
@@ -171,4 +143,4 @@ def _print(data: xarray.Dataset) -> None:
         error = math.sqrt(lowest * (1.0 - lowest) / draws)
         shares = f"{100 * max(lowest - error, 0.0):.3g} to {100 * (lowest + error):.3g} %"
         rows.append(("precision", f"the quantile of {100 * lowest:.4g} % is one of {shares}"))
-    print_rows([*rows, *(("note", line) for line in lines_of_json(data.attrs["notes"]))])
+    output.print_rows([*rows, *(("note", line) for line in lines_of_json(data.attrs["notes"]))])

@@ -8,8 +8,9 @@ import click
 
 import stickslip
 from stickslip._util.files import check_folder
-from stickslip.cli.output import print_json, progress_bar, say
-from stickslip.cli.parameters import FOLDER, JSON, THREADS
+from stickslip.cli.options import FOLDER, JSON, THREADS
+from stickslip.cli.output import print_json, say
+from stickslip.cli.progress import progress_bar
 from stickslip.errors import prefixed
 
 
@@ -21,7 +22,6 @@ from stickslip.errors import prefixed
     "--out",
     type=FOLDER,
     default=Path("reproduction"),
-    show_default=True,
     help="Folder for pictures and data.",
 )
 @click.option("--only", metavar="FIGURES", help="Figures to make, such as fig8,fig12; else all.")

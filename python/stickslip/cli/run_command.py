@@ -10,12 +10,13 @@ from typing import Any
 import click
 
 import stickslip
-from stickslip._util.files import check_suffix
+from stickslip import _core
 from stickslip._util.text import highest
 from stickslip._util.units import handy
-from stickslip.cli.output import check_files, drawn, print_json, print_rows, progress_bar, say
-from stickslip.cli.parameters import JSON, PATH, SET, load_with
-from stickslip.errors import ScenarioError, prefixed
+from stickslip.cli.options import JSON, PATH, SET, load_with
+from stickslip.cli.output import check_files, drawn, print_json, print_rows, save_plot, say
+from stickslip.cli.progress import progress_bar
+from stickslip.errors import ScenarioError
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.columns import NUMBERS
 from stickslip.simulation.note import shown_lines
@@ -32,22 +33,14 @@ _SAMPLES_PER_PULSE = 50
 _MOST_SAMPLES = 1_000_000
 
 _MOVING = (".gif", ".webp", ".mp4")
+_EVENTS = "\n".join(f"  {name:<10}  {meaning}" for name, meaning in _core.events.items())
 
 
 @click.command(
     "run",
-    epilog="""\b
+    epilog=f"""\b
 Events that the summary counts:
-  slip_start  a sticking contact slips
-  stick       a slipping contact sticks
-  reversal    a slip stops and goes on the other way
-  lift_off    the last contact is lost
-  touch_down  a corner meets the surface out of flight
-  landing     a body on one corner comes to lie on a face
-  tip         a body on a face goes to one corner
-  roll_over   a body on one corner goes to the next at once, as the face between lands
-  rebound     the second corner of a body on one corner meets the surface and bounces off
-  painleve    a slip had no solution and was stopped by an impulse
+{_EVENTS}
 
 \b
 "stickslip init scenario.toml" writes a scenario with all keys; "stickslip keys" lists them.
@@ -111,16 +104,7 @@ def command(
     failed or there was nothing to draw, with the reason on standard error.
     """
     loaded, read = load_with(scenario, set)
-    check_files({"--out": out, "--plot": plot, "--animate": animate}, read)
-    if out is not None:
-        with prefixed("--out", ValueError):
-            check_suffix(out, SUFFIXES)
-    if plot is not None:
-        with prefixed("--plot", ValueError):
-            stickslip.plot.check_format(plot)
-    if animate is not None:
-        with prefixed("--animate", ValueError):
-            check_suffix(animate, _MOVING)
+    check_files(read, out=(out, SUFFIXES), plot=(plot, ()), animate=(animate, _MOVING))
     pictures = plot is not None or animate is not None
     _check_times(loaded, start, stop, pictures)
     if slowdown is not None and animate is None:
@@ -144,17 +128,12 @@ def command(
     if failure is not None:
         raise failure
 
-    done = run.ok
-    if plot is not None:
+    done = run.ok and drawn("--plot", plot, save_plot("run", run, start, stop))
+    with progress_bar() as bar:
+        shown = (run, start, stop, slowdown)
         done &= drawn(
-            "--plot", lambda: stickslip.plot.save(stickslip.plot.run(run, start, stop), plot)
+            "--animate", animate, lambda to: stickslip.plot.animation(*shown).save(to, bar)
         )
-    if animate is not None:
-        with progress_bar() as bar:
-            film = (run, start, stop, slowdown)
-            done &= drawn(
-                "--animate", lambda: stickslip.plot.animation(*film).save(animate, progress=bar)
-            )
     return 0 if done else 1
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import importlib
 import json
 import logging
 import math
@@ -15,18 +16,10 @@ import click
 
 import stickslip
 from stickslip._util.extras import naming_the_extra
-from stickslip._util.files import NETCDF_SUFFIXES, check_suffix
-from stickslip.cli.output import (
-    check_files,
-    drawn,
-    print_json,
-    print_points,
-    print_rows,
-    progress_bar,
-    say,
-)
-from stickslip.cli.parameters import JSON, PATH, SET, THREADS, load_with, vary_option
-from stickslip.errors import ScenarioError, prefixed
+from stickslip._util.files import NETCDF_SUFFIXES
+from stickslip.cli import options, output
+from stickslip.cli.progress import progress_bar
+from stickslip.errors import ScenarioError
 from stickslip.simulation.note import lines_of_json
 from stickslip.simulation.seen_from_drive import shown_velocities
 
@@ -48,20 +41,20 @@ _SHOWN = ("theta_min", "theta_max", "slip_up", "slip_down", "airborne_fraction")
     "  stickslip sweep scenario.toml --vary drive.frequency=5:200:40 --vary drive.mode=IPP,OPP \\\n"
     "    --out sweep.nc --plot sweep.png",
 )
-@click.argument("scenario", type=PATH)
-@vary_option(required=True)
-@SET
-@THREADS
+@click.argument("scenario", type=options.PATH)
+@options.vary_option(required=True)
+@options.SET
+@options.THREADS
 @click.option("--dask", metavar="ADDRESS", help="Simulate on the workers of a Dask cluster.")
-@click.option("--out", type=PATH, help="Write the results to a netCDF file.")
+@click.option("--out", type=options.PATH, help="Write the results to a netCDF file.")
 @click.option("--resume", is_flag=True, help="Go on with the sweep that --out holds, if any.")
 @click.option(
     "--plot",
-    type=PATH,
+    type=options.PATH,
     help="Draw the mean velocities, lines over one number or a map over two: .png, .pdf, .svg and "
     "others.",
 )
-@JSON
+@options.JSON
 def command(
     scenario: Path,
     vary: dict[str, list[Any]],
@@ -88,36 +81,23 @@ def command(
         raise click.UsageError("--resume: allowed with --out only, the file to go on with")
     if dask is not None and threads is not None:
         raise click.UsageError("--threads: not allowed with --dask, whose workers are all used")
-    loaded, read = load_with(scenario, set)
-    check_files({"--out": out, "--plot": plot}, read)
-    if out is not None:
-        with prefixed("--out", ValueError):
-            check_suffix(out, NETCDF_SUFFIXES)
-        if out.exists() and not resume:
-            raise ScenarioError(f"--out: {out} is already there; --resume goes on with it")
-    if plot is not None:
-        with prefixed("--plot", ValueError):
-            stickslip.plot.check_format(plot)
-
+    loaded, read = options.load_with(scenario, set)
+    output.check_files(read, out=(out, NETCDF_SUFFIXES), plot=(plot, ()))
+    if out is not None and out.exists() and not resume:
+        raise ScenarioError(f"--out: {out} is already there; --resume goes on with it")
     count = math.prod(map(len, vary.values()))
     with progress_bar(count) as bar, _cluster(dask) as executor:
         how: dict[str, Any] = {"threads": threads, "executor": executor, "resume": resume}
         data = stickslip.sweep(loaded, vary, out=out, progress=bar, **how)
     table = stickslip.sweep_dataframe(data)
     if as_json:
-        print_json(_as_dict(data, table))
+        output.print_json(_as_dict(data, table))
     else:
         _print(data, table)
     if failed := int(data.attrs["failed_points"]):
         first = next(filter(None, table["message"]))
-        say(f"stickslip: {failed} of {count} points failed; the first: {first}", err=True)
-    if plot is None:
-        return 0
-    return (
-        0
-        if drawn("--plot", lambda: stickslip.plot.save(stickslip.plot.velocity(data), plot))
-        else 1
-    )
+        output.say(f"stickslip: {failed} of {count} points failed; the first: {first}", err=True)
+    return 0 if output.drawn("--plot", plot, output.save_plot("velocity", data)) else 1
 
 
 @contextlib.contextmanager
@@ -127,7 +107,7 @@ def _cluster(address: str | None) -> Iterator[Executor | None]:
         yield None
         return
     with naming_the_extra("--dask"):
-        import distributed
+        distributed = importlib.import_module("distributed")
     # Else it logs about an address that does not answer, beside the one line of the error.
     logging.getLogger("distributed").setLevel(logging.CRITICAL + 1)
 
@@ -185,7 +165,7 @@ def _print(data: xarray.Dataset, table: DataFrame) -> None:
     """The points, if they are few, counts and extremes."""
     velocities, keys, units = shown_velocities(data), _keys(data), table.attrs["units"]
     names = [*keys, "status", *velocities, *_SHOWN]
-    print_points({(name, units[name] or "-"): table[name] for name in names})
+    output.print_points({(name, units[name] or "-"): table[name] for name in names})
     sizes = " x ".join(f"{size} {name}" for name, size in data["status"].sizes.items())
     statuses = json.loads(data.attrs["statuses"])
     rows = [
@@ -200,7 +180,7 @@ def _print(data: xarray.Dataset, table: DataFrame) -> None:
         )
         direction = f"{value * 1e3:.6g} mm/s {velocities[figure]}".rstrip()
         rows.append((name, f"{direction} at {at}"))
-    print_rows([*rows, *(("note", line) for line in lines_of_json(data.attrs["notes"]))])
+    output.print_rows([*rows, *(("note", line) for line in lines_of_json(data.attrs["notes"]))])
 
 
 def _keys(data: xarray.Dataset) -> dict[str, str]:

@@ -11,13 +11,12 @@ from typing import Any, TypeVar
 import click
 from click.shell_completion import CompletionItem
 
+import stickslip
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.field.field_map import FieldMap
 from stickslip.scenario.keys import Value, full_name, known_keys
 from stickslip.scenario.path_keys import COIL_MAP, FILE, PATHS, PROGRAM
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.toml_file import load, named_files, with_uncertain_of
-from stickslip.scenario.waveform import Waveform
+from stickslip.scenario.toml_file import named_files, with_uncertain_of
 
 _F = TypeVar("_F", bound=Callable[..., Any])
 
@@ -109,9 +108,11 @@ def _once(ctx: click.Context, param: click.Parameter, pairs: Any) -> dict[str, A
     return found
 
 
-def pairs(name: str, parse: Callable[[str, str], Any], example: str, help: str, **more: Any) -> Any:
+def pairs(
+    name: str, parse: Callable[[str, str], Any], example: str, help: str, **more: Any
+) -> Callable[[_F], _F]:
     """A repeatable option of pairs, which a command gets as a dict."""
-    how = {"metavar": "KEY=VALUES", "callback": _once, "multiple": True, **more}
+    how: dict[str, Any] = {"metavar": "KEY=VALUES", "callback": _once, "multiple": True, **more}
     return click.option(name, type=KeyValue(example, parse), help=f"{help}; repeatable.", **how)
 
 
@@ -119,7 +120,7 @@ def _keys_and_sign(*about: Any) -> list[CompletionItem]:
     return [CompletionItem(f"{item.value}=", help=item.help) for item in key_names(*about)]
 
 
-KEYS = {"shell_complete": _keys_and_sign}
+KEYS: dict[str, Any] = {"shell_complete": _keys_and_sign}
 
 SET = pairs(
     "--set",
@@ -134,7 +135,7 @@ SET = pairs(
 
 def vary_option(required: bool) -> Callable[[_F], _F]:
     """``--vary``, of which a sweep needs one."""
-    return pairs(  # type: ignore[no-any-return]
+    return pairs(
         "--vary",
         _values,
         "key=start:stop:count or key=a,b,c, such as drive.frequency=5:200:40",
@@ -152,9 +153,7 @@ UNCERTAIN = click.option(
     help="A TOML file whose [uncertain] takes the place of the scenario's: a measurement, another "
     "scenario, or the extended.toml of a diagnosis.",
 )
-SEED = click.option(
-    "--seed", type=click.IntRange(0), default=0, show_default=True, help="Of all draws."
-)
+SEED = click.option("--seed", type=click.IntRange(0), default=0, help="Of all draws.")
 THREADS = click.option(
     "--threads",
     "--jobs",
@@ -165,30 +164,36 @@ THREADS = click.option(
 JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 
 
-def load_with(
-    path: Path, set: Mapping[str, Any], uncertain: Path | None = None
-) -> tuple[Scenario, list[Path]]:
+def load_with(path: Path, set: Mapping[str, Any]) -> tuple[Scenario, list[Path]]:
     """The scenario of a file with other values, and all files that it was read from.
 
-    Voltages replace the whole drive but its direction. A ScenarioError names a value of ``--set``
-    that has no influence, as the key is uncertain.
+    Voltages replace the whole drive but its direction.
     """
-    scenario = load(path)
+    scenario = stickslip.load(path)
     changes = dict(set)
     with prefixed("--set"):
         if FILE in changes:
-            changes[PROGRAM] = Waveform.from_csv(changes.pop(FILE))
+            changes[PROGRAM] = stickslip.Waveform.from_csv(changes.pop(FILE))
             changes.setdefault("drive.mode", "program")
         elif changes.get("drive.mode", "program") != "program":
             changes[PROGRAM] = None
         if COIL_MAP in changes:
-            changes[COIL_MAP] = FieldMap.from_file(changes[COIL_MAP])
+            changes[COIL_MAP] = stickslip.FieldMap.from_file(changes[COIL_MAP])
         scenario = scenario.replace(changes)
-    read = [path, *named_files(path).values(), *(set[key] for key in PATHS if key in set)]
-    if uncertain is None:
-        return scenario, read
-    drawn = with_uncertain_of(scenario, uncertain)
-    for key in set:
-        if key not in PATHS and drawn.get(key) != scenario.get(key):
-            raise ScenarioError(f"--set {key}: has no influence, as {uncertain} has its own value")
-    return drawn, [*read, uncertain]
+    return scenario, [path, *named_files(path).values(), *(set[key] for key in PATHS if key in set)]
+
+
+def load_uncertain(
+    path: Path, set: Mapping[str, Any], uncertain: Path | None
+) -> tuple[Scenario, list[Path]]:
+    """The same, with what is uncertain in another file, if there is one.
+
+    A ScenarioError names a value of ``--set`` that has no influence, as the key is uncertain.
+    """
+    scenario, read = load_with(path, set)
+    drawn = scenario if uncertain is None else with_uncertain_of(scenario, uncertain)
+    priors = {} if drawn.uncertain is None else drawn.uncertain.priors
+    for key in set.keys() - {*PATHS}:
+        if key in priors or drawn.get(key) != scenario.get(key):
+            raise ScenarioError(f"--set {key}: has no influence, as it is uncertain")
+    return drawn, read if uncertain is None else [*read, uncertain]
