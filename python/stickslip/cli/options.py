@@ -13,7 +13,7 @@ from click.shell_completion import CompletionItem
 
 import stickslip
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.keys import Value, full_name, known_keys
+from stickslip.scenario.keys import Value, full_name, known_keys, shown
 from stickslip.scenario.path_keys import COIL_MAP, FILE, PATHS, PROGRAM
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.toml_file import named_files, with_uncertain_of
@@ -44,11 +44,11 @@ class KeyValue(click.ParamType[Any]):
         """The pair, or a usage error."""
         key, equals, text = (part.strip() for part in value.partition("="))
         if not equals or not key or not text:
-            self.fail(f'"{value}": allowed is {self.example}', param, ctx)
+            self.fail(f"{shown(value)}: allowed is {self.example}", param, ctx)
         try:
             return full_name(key), self.parse(key, text)
         except ValueError as error:
-            self.fail(f'"{value}": {error}', param, ctx)
+            self.fail(f"{shown(value)}: {error}", param, ctx)
 
 
 def number_or_word(text: str) -> Value:
@@ -84,7 +84,8 @@ def _values(key: str, text: str) -> list[Value]:
         first, last, number = text.split(":")
         # Decimals, so that 0.1:0.5:5 gives 0.3 and not the sum of rounded steps.
         start, stop, count = Decimal(first.strip()), Decimal(last.strip()), int(number)
-        allowed = start.is_finite() and stop.is_finite() and 1 <= count <= _MOST_VALUES
+        step = (stop - start) / max(count - 1, 1)
+        allowed = step.is_finite() and 1 <= count <= _MOST_VALUES
     except (ArithmeticError, ValueError):
         allowed = False
     if not allowed or (count == 1) != (start == stop):
@@ -92,7 +93,6 @@ def _values(key: str, text: str) -> list[Value]:
             "allowed is start:stop:count with two numbers, and a whole number of values from 2 to "
             f"{_MOST_VALUES}"
         )
-    step = (stop - start) / max(count - 1, 1)
     return [float(start + place * step) for place in range(count)]
 
 
@@ -143,6 +143,17 @@ def vary_option(required: bool) -> Callable[[_F], _F]:
         required=required,
         **KEYS,
     )
+
+
+def check_drawable(vary: Mapping[str, list[Any]], most: int) -> None:
+    """Refuse, before the work, what lines, or with two numbers at `most` a map, cannot show."""
+    kinds = [isinstance(values[0], str) for values in vary.values() if len(values) > 1]
+    numbers = kinds.count(False)
+    if not (numbers == 1 or (numbers == 2 == most and True not in kinds)):
+        several = ", or with two of numbers" if most == 2 else ""
+        raise click.UsageError(
+            f"--plot: allowed with one --vary of numbers, and others of words{several}"
+        )
 
 
 PATH = click.Path(path_type=Path)

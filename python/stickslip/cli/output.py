@@ -56,11 +56,11 @@ def check_files(read: Iterable[Path], /, **written: tuple[Path | None, tuple[str
             continue
         with prefixed(f"--{name}", OSError):
             check_writable(path)
-        with prefixed(f"--{name}", ValueError):
-            check_suffix(path, suffixes) if suffixes else stickslip.plot.check_format(path)
         place = path.resolve()
         if place in taken:
             raise ScenarioError(f"--{name}: {path} {taken[place]}")
+        with prefixed(f"--{name}", ValueError):
+            check_suffix(path, suffixes) if suffixes else stickslip.plot.check_format(path)
         taken[place] = f"is that of --{name} too"
 
 

@@ -66,6 +66,8 @@ def command(
     """
     loaded, read = options.load_uncertain(scenario, set, uncertain)
     output.check_files(read, out=(out, SUFFIXES), plot=(plot, ()))
+    if plot is not None:
+        options.check_drawable(vary, 1)
     count = math.prod(map(len, vary.values())) * draws
     with progress_bar(count) as bar:
         found = stickslip.predict(loaded, vary, draws, seed, threads=threads, progress=bar)

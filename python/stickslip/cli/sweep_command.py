@@ -85,6 +85,8 @@ def command(
     output.check_files(read, out=(out, NETCDF_SUFFIXES), plot=(plot, ()))
     if out is not None and out.exists() and not resume:
         raise ScenarioError(f"--out: {out} is already there; --resume goes on with it")
+    if plot is not None:
+        options.check_drawable(vary, 2)
     count = math.prod(map(len, vary.values()))
     with progress_bar(count) as bar, _cluster(dask) as executor:
         how: dict[str, Any] = {"threads": threads, "executor": executor, "resume": resume}
