@@ -8,8 +8,8 @@ import pytest
 from asking_results import SAFE, asking, measurement
 from command_line import stickslip
 from made_measurement import write
-from stickslip.diagnosis.report.next_table import PREDICTIONS, TABLE, with_measured
 from stickslip.diagnosis.decision.experiments import LEAST_WORTH, next_step
+from stickslip.diagnosis.report.next_table import PREDICTIONS, TABLE, with_measured
 from stickslip.measurement.tables import read_rows
 from stickslip.measurement.velocity import velocity_units
 
