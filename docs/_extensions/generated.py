@@ -103,8 +103,7 @@ class CommandHelp(SphinxDirective):
         outer = click.Context(stickslip, info_name="stickslip", **stickslip.context_settings)
         found: list[tuple[str, click.Command, click.Context]] = [("stickslip", stickslip, outer)]
         for name in stickslip.list_commands(outer):
-            command = stickslip.get_command(outer, name)
-            assert command is not None
+            command = COMMANDS[name].load()
             context = click.Context(command, info_name=name, parent=outer)
             found.append((f"stickslip {name}", command, context))
         result: list[nodes.Node] = []

@@ -13,6 +13,10 @@ MEASURED = {
 }
 NEXT = "mode,direction,frequency,peak,hold,edge,trial,velocity\n"
 SWEEP = "sweep s.toml --vary drive.peak=0"
+HOPS = (
+    "--set drive.mode=OPP --set drive.frequency=400 --set robot.length=0.4e-3 "
+    "--set robot.width=0.25e-3 --set robot.height=0.15e-3"
+)
 
 
 def lay_out(folder, files):
@@ -54,7 +58,19 @@ def by_next(folder, text):
     return by_command(folder, ("diagnose m.toml --out found --next 1", files))
 
 
-WAYS = {"command": by_command, "--set": by_set, "--vary": by_vary, "--next": by_next}
+def by_optimise(folder, options):
+    """Options of a short search."""
+    few = "--evaluations 20 --set drive.pulses=6 --set drive.ramp=0.02 --set drive.base=0.5e-3"
+    return by_command(folder, f"optimise s.toml --maximise mean_velocity {few} {options}")
+
+
+WAYS = {
+    "command": by_command,
+    "--set": by_set,
+    "--vary": by_vary,
+    "--next": by_next,
+    "optimise": by_optimise,
+}
 
 REFUSALS = [
     (
@@ -168,7 +184,23 @@ REFUSALS = [
     ),
     ("command", "predict s.toml --draws 1", "--draws"),
     ("command", "optimise s.toml --maximise mean_velocty", 'did you mean "mean_velocity"?'),
-    ("command", "optimise s.toml --limit field_max=high", ["--limit", "a number"]),
+    ("optimise", "--free drive.frequency", "key=low:high"),
+    ("optimise", "--free drive.frequency=5:10:300", "drive.frequency"),
+    ("optimise", "--free drive.frequency=50,100", "drive.frequency"),
+    ("optimise", "--free drive.hold=5:300 --free drive.hold=5:30", "there twice"),
+    ("optimise", "--free drive.frequency=5Hz:300Hz", "without its unit"),
+    ("optimise", "--free drive.frequency=low:high", "drive.frequency"),
+    ("optimise", "--limit voltage_max", "figure=value"),
+    ("optimise", "--limit voltage_max=high", ["--limit", "a number"]),
+    ("optimise", "--limit voltage_max=26V", "without its unit"),
+    ("optimise", "--limit voltage_max=26 --limit voltage_max=20", "there twice"),
+    ("optimise", "--limit voltage_max=-1 --free drive.hold=1e-3:2e-3", "the nearest has"),
+    ("optimise", "--limit airborne_fraction=0 --free drive.hold=1e-3:2e-3", "of 0"),
+    ("optimise", f"{HOPS} --free drive.peak=2.4e-3:2.5e-3", "--allow-flight"),
+    ("optimise", "--knots 8", "voltage_max"),
+    ("optimise", "--knots 8 --limit voltage_max=26 --coils xp,up", "up"),
+    ("optimise", "--free drive.hold=1e-3:2e-3 --uncertain none.toml", "none.toml"),
+    ("optimise", "", "nothing is free"),
     ("command", ("optimise best/s.toml", {"best/s.toml": "stickslip = 1\n[drive]\n"}), "is read"),
     ("command", ("diagnose m.toml --budget 2", MEASURED), ["--budget", "--next"]),
     ("command", ("diagnose m.toml --out /proc", MEASURED), ["cannot write", "/proc"]),
@@ -186,4 +218,12 @@ REFUSALS = [
     ("--next", NEXT + "IPP,z,50,2.5e-3,1e-3,rise,1,1e-3\n", 'drive.direction = "z": allowed'),
     ("--next", "frequency,velocity\n50,1e-3\n", 'column "mode" is missing'),
     ("command", "reproduce --only fig88", 'did you mean "fig8"?'),
+    ("command", "reproduce --out s.toml", "s.toml"),
+    ("command", f"{SWEEP} --plot a.png", "--plot: allowed with one --vary of numbers"),
+    ("--vary", "drive.mode=IPP,OPP --plot a.png", "--plot: allowed with one --vary of numbers"),
+    ("command", (f"{SWEEP} --out a.nc --resume", {"a.nc": "other"}), "cannot be resumed"),
+    ("command", f"{SWEEP} --out ./s.toml --resume", "s.toml is read"),
+    ("command", f"{SWEEP} --threads 2 --dask tcp://127.0.0.1:1", ["--threads", "--dask"]),
+    ("command", ("predict m.toml", MEASURED), "m.toml: is a measurement and no scenario"),
+    ("command", "predict s.toml --uncertain s.toml", "there is no section [uncertain]"),
 ]

@@ -73,13 +73,21 @@ def number(key: str, text: str) -> float:
 
 def range_or_words(key: str, text: str) -> list[Value]:
     """The ends of ``low:high``, or the words of ``a,b``."""
-    return [number_or_word(part.strip()) for part in text.split(":" if ":" in text else ",")]
+    found = _list(text, ":" if ":" in text else ",")
+    is_range = not any(isinstance(each, str) for each in found)
+    if is_range != (":" in text) or (is_range and len(found) != 2):
+        raise ValueError("allowed is key=low:high with two numbers, or key=word,word")
+    return found
+
+
+def _list(text: str, separator: str) -> list[Value]:
+    return [number_or_word(part.strip()) for part in text.split(separator)]
 
 
 def _values(key: str, text: str) -> list[Value]:
     """The values of ``start:stop:count``, with both ends, or of ``a,b,c``."""
     if ":" not in text:
-        return range_or_words(key, text)
+        return _list(text, ",")
     try:
         first, last, number = text.split(":")
         # Decimals, so that 0.1:0.5:5 gives 0.3 and not the sum of rounded steps.
