@@ -30,22 +30,22 @@ command, whose import would cost up to a second for the list of all."""
 _HELP = ("-h", "--help")
 
 
+def loaded(name: str) -> click.Command:
+    """The command of that name."""
+    command: click.Command = importlib.import_module(f"stickslip.cli.{name}_command").command
+    return command
+
+
 class LazyCommand(click.Command):
     """A command that is known by its name and its line until it is called."""
-
-    def load(self) -> click.Command:
-        """The command itself."""
-        command: click.Command = importlib.import_module(
-            f"stickslip.cli.{self.name}_command"
-        ).command
-        return command
 
     def make_context(
         self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any
     ) -> click.Context:
+        name = str(self.name)
         if not extra.get("resilient_parsing") and not {*_HELP} & {*args}:
-            check_extras(f"stickslip {self.name}", str(self.name))
-        return self.load().make_context(info_name, args, parent, **extra)
+            check_extras(f"stickslip {name}", name)
+        return loaded(name).make_context(info_name, args, parent, **extra)
 
 
 @click.group(
