@@ -11,6 +11,7 @@ import stickslip
 from stickslip._util.files import check_folder
 from stickslip._util.text import printable_lines
 from stickslip.cli import options, output
+from stickslip.cli.loading import load_uncertain
 from stickslip.cli.progress import progress_bar
 from stickslip.design.optimum import SearchInterrupted
 from stickslip.errors import ScenarioError, prefixed
@@ -113,7 +114,7 @@ def command(
 
     Ctrl-C ends the search, and writes the best so far.
     """
-    base, read = options.load_uncertain(scenario, set, uncertain)
+    base, read = load_uncertain(scenario, set, uncertain)
     if out is None and not as_json:
         out = Path("best")
     if out is not None:

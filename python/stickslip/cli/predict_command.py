@@ -11,6 +11,7 @@ import click
 
 import stickslip
 from stickslip.cli import options, output
+from stickslip.cli.loading import load_uncertain
 from stickslip.cli.progress import progress_bar
 from stickslip.simulation.note import lines_of_json
 from stickslip.simulation.run import SUFFIXES
@@ -64,7 +65,7 @@ def command(
     from its [uncertain], or from that of another file. Draws that fail are in no quantile; how many
     there are is said on standard error, and the exit status is then 1.
     """
-    loaded, read = options.load_uncertain(scenario, set, uncertain)
+    loaded, read = load_uncertain(scenario, set, uncertain)
     output.check_files(read, out=(out, SUFFIXES), plot=(plot, ()))
     if plot is not None:
         options.check_drawable(vary, 1)

@@ -13,7 +13,8 @@ import stickslip
 from stickslip import _core
 from stickslip._util.text import highest
 from stickslip._util.units import handy
-from stickslip.cli.options import JSON, PATH, SET, load_with
+from stickslip.cli.loading import load_with
+from stickslip.cli.options import JSON, PATH, SET
 from stickslip.cli.output import check_files, drawn, print_json, print_rows, save_plot, say
 from stickslip.cli.progress import progress_bar
 from stickslip.errors import ScenarioError

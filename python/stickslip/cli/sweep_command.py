@@ -18,6 +18,7 @@ import stickslip
 from stickslip._util.extras import naming_the_extra
 from stickslip._util.files import NETCDF_SUFFIXES
 from stickslip.cli import options, output
+from stickslip.cli.loading import load_with
 from stickslip.cli.progress import progress_bar
 from stickslip.errors import ScenarioError
 from stickslip.simulation.note import lines_of_json
@@ -81,7 +82,7 @@ def command(
         raise click.UsageError("--resume: allowed with --out only, the file to go on with")
     if dask is not None and threads is not None:
         raise click.UsageError("--threads: not allowed with --dask, whose workers are all used")
-    loaded, read = options.load_with(scenario, set)
+    loaded, read = load_with(scenario, set)
     output.check_files(read, out=(out, NETCDF_SUFFIXES), plot=(plot, ()))
     if out is not None and out.exists() and not resume:
         raise ScenarioError(f"--out: {out} is already there; --resume goes on with it")
