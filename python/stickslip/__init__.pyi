@@ -55,7 +55,6 @@ from stickslip.simulation.simulator import Simulator as Simulator
 from stickslip.simulation.simulator import Snapshot as Snapshot
 from stickslip.simulation.stored_run import open_run as open_run
 from stickslip.sweeping.predict import predict as predict
-from stickslip.sweeping.prediction import Prediction as Prediction
 from stickslip.sweeping.run_sweep import sweep as sweep
 from stickslip.sweeping.sweep_table import sweep_dataframe as sweep_dataframe
 from stickslip.versions import show_versions as show_versions

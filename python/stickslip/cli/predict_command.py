@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import stickslip
+from stickslip._util.files import replacing
 from stickslip.cli import options, output
 from stickslip.cli.loading import load_uncertain
 from stickslip.cli.progress import progress_bar
 from stickslip.simulation.note import lines_of_json
 from stickslip.simulation.run import SUFFIXES
 from stickslip.simulation.seen_from_drive import shown_velocities
+from stickslip.sweeping.files import write
 from stickslip.sweeping.predict import DRAWS
 
 if TYPE_CHECKING:
@@ -71,8 +73,7 @@ def command(
         options.check_drawable(vary, 1)
     count = math.prod(map(len, vary.values())) * draws
     with progress_bar(count) as bar:
-        found = stickslip.predict(loaded, vary, draws, seed, threads=threads, progress=bar)
-    data = found.data
+        data = stickslip.predict(loaded, vary, draws, seed, threads=threads, progress=bar)
     if as_json:
         output.print_json(_as_dict(data))
     else:
@@ -86,25 +87,28 @@ def command(
         said = f"{failed} of {count} draws failed and are in no quantile; the first: "
         output.say(f"stickslip: {said}{data.attrs['message']}", err=True)
     if out is not None:
-        found.save(out)
-    return (
-        0 if output.drawn("--plot", plot, output.save_plot("velocity", found)) and not failed else 1
-    )
+        _save(data, out)
+    done = output.drawn("--plot", plot, output.save_plot("velocity", data))
+    return 0 if done and not failed else 1
 
 
-def _columns(data: xarray.Dataset) -> dict[str, list[Any]]:
-    """What is varied, at every point in their order, by the names of its coordinates."""
-    failed = data["failed"]
-    return {
-        str(name): each.broadcast_like(failed).transpose(*failed.dims).values.ravel().tolist()
-        for name, each in failed.coords.items()
-    }
+def _save(data: xarray.Dataset, path: Path) -> None:
+    """Write the quantiles as netCDF, or as CSV whose headings name the units."""
+    if path.suffix.lower() != ".csv":
+        write(data, path)
+        return
+    table = stickslip.sweep_dataframe(data)
+    units = table.attrs["units"].items()
+    names = {name: f"{name} ({unit})" for name, unit in units if unit not in ("", "1")}
+    with replacing(path) as temporary:
+        table.rename(columns=names).to_csv(temporary, index=False)
 
 
 def _as_dict(data: xarray.Dataset) -> dict[str, Any]:
     """The points in order: quantiles of each figure and their errors, lists as `quantiles`."""
-    columns = {data[name].attrs["key"]: values for name, values in _columns(data).items()}
-    columns["failed"] = data["failed"].values.ravel().tolist()
+    table = stickslip.sweep_dataframe(data)
+    keys = {str(name): each.attrs["key"] for name, each in data["failed"].coords.items()}
+    columns = table[[*keys, "failed"]].rename(columns=keys).to_dict("list")
     for name, values in data.data_vars.items():
         if "quantile" in values.dims:
             columns[str(name)] = values.values.reshape(-1, data.sizes["quantile"]).tolist()
@@ -122,16 +126,12 @@ def _as_dict(data: xarray.Dataset) -> dict[str, Any]:
 
 def _print(data: xarray.Dataset) -> None:
     """The points, if they are few, counts, and the precision of the quantiles."""
-    columns = {
-        (name, data[name].attrs.get("units") or "-", ""): values
-        for name, values in _columns(data).items()
-    }
-    for name in (next(iter(shown_velocities(data))), "airborne_fraction"):
-        for level in data["quantile"].values.tolist():
-            heading = (name, data[name].attrs["units"], f"{100.0 * level:.4g} %")
-            columns[heading] = data[name].sel(quantile=level).values.ravel().tolist()
-    columns["failed", "draws", ""] = data["failed"].values.ravel().tolist()
-    output.print_points(columns)
+    table = stickslip.sweep_dataframe(data)
+    units = table.attrs["units"]
+    figures = (next(iter(shown_velocities(data))), "airborne_fraction")
+    names = [f"{name}_q{100.0 * level:g}" for name in figures for level in data["quantile"].values]
+    shown = [*map(str, data["failed"].coords), *names, "failed"]
+    output.print_points({(name, units[name] or "-"): table[name] for name in shown})
     points, draws, failures = (
         data["failed"].size,
         int(data.attrs["draws"]),
