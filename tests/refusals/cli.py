@@ -42,26 +42,26 @@ def by_command(folder, bad):
     return done.stderr
 
 
-def by_set(folder, value):
+def by_set(folder, bad):
     """A value of ``--set``."""
-    return by_command(folder, f"run s.toml --out a.nc --set {value}")
+    return by_command(folder, f"run s.toml --out a.nc --set {bad}")
 
 
-def by_vary(folder, value):
+def by_vary(folder, bad):
     """A value of ``--vary``."""
-    return by_command(folder, f"sweep s.toml --out a.nc --vary {value}")
+    return by_command(folder, f"sweep s.toml --out a.nc --vary {bad}")
 
 
-def by_next(folder, text):
+def by_next(folder, bad):
     """A table of proposed drives that was filled in."""
-    files = {**MEASURED, "found/next.csv": text}
+    files = {**MEASURED, "found/next.csv": bad}
     return by_command(folder, ("diagnose m.toml --out found --next 1", files))
 
 
-def by_optimise(folder, options):
+def by_optimise(folder, bad):
     """Options of a short search."""
     few = "--evaluations 20 --set drive.pulses=6 --set drive.ramp=0.02 --set drive.base=0.5e-3"
-    return by_command(folder, f"optimise s.toml --maximise mean_velocity {few} {options}")
+    return by_command(folder, f"optimise s.toml --maximise mean_velocity {few} {bad}")
 
 
 WAYS = {
