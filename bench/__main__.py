@@ -19,8 +19,6 @@ PROGRAMS = {
     "stepping": ("stepping", "cost of steps and rollouts, bits after a restore"),
     "against": ("against", "this version beside an earlier commit (against COMMIT)"),
     "peers": ("peers", "SciPy, heyoka, MuJoCo and magpylib at equal accuracy"),
-    "controllers": ("controllers", "two controllers on 256 robots that differ"),
-    "steering": ("steering_follow", "a figure of eight, followed through a camera by 100 robots"),
     "diagnosis": ("diagnosis", "cost of diagnoses of the data sets in a folder"),
     "series": ("series", "cost of a diagnosis in time, by its readings"),
     "laws": ("free_laws", "laws hidden in a model of one's own"),

@@ -33,7 +33,7 @@ PARTS = {
     "tests": (r"(tests|cpp/tests)/.*\.(py|h|hpp|cpp)", 26_000),
     "- of the diagnosis": (_DIAGNOSED, 5_500),
     "bench": (r"bench/.*\.py", 5_000),
-    "page to play with, programs of docs": (r"(cpp/web|docs)/.*\.(py|cpp|js)", None),
+    "page to play with, examples, programs of docs": (r"(cpp/web|docs|examples)/.*\.(py|cpp|js)", None),
 }
 """Which files belong to a part, and how many lines it may have."""
 WORDS = (r"(docs/.*|README|CONTRIBUTING)\.md", 35_000)

@@ -2,7 +2,7 @@
 
 ``python docs/pictures.py`` makes all of them, ``python docs/pictures.py gallery readme`` those of
 some sources: a page by its path in docs/ without suffix, or ``readme``. The pictures of a page are
-those that its own code saves, and those of the README what its commands write in docs/examples.
+those that its own code saves, and those of the README what its commands write in examples.
 ``diagnosis.png`` needs the browser chromium; without it the stored one stays.
 """
 

@@ -86,7 +86,7 @@ Examples:
 @click.option(
     "--out",
     type=options.FOLDER,
-    help="Folder for best.toml, best.csv and report.html.  [default: best; with --json none]",
+    help="Folder for best.toml, best.csv and best.png.  [default: best; with --json none]",
 )
 @options.SET
 @options.THREADS

@@ -7,7 +7,6 @@ from pathlib import Path
 import click
 
 import stickslip
-from stickslip._util.files import check_folder
 from stickslip.cli.options import FOLDER, JSON, THREADS
 from stickslip.cli.output import print_json, say
 from stickslip.cli.progress import progress_bar
@@ -22,7 +21,7 @@ from stickslip.errors import prefixed
     "--out",
     type=FOLDER,
     default=Path("reproduction"),
-    help="Folder for pictures and data.",
+    help="Folder for figures (PNG and CSV), statements.csv and settings.csv.",
 )
 @click.option("--only", metavar="FIGURES", help="Figures to make, such as fig8,fig12; else all.")
 @THREADS
@@ -33,22 +32,11 @@ def command(out: Path, only: str | None, threads: int | None, as_json: bool) -> 
     Tries what the paper leaves open, says for each of its statements S1 to S17 whether it is
     reproduced, and with which settings, and draws Figs. 2 (e) to (h) and 4 to 15.
     """
-    with prefixed("--out", OSError):
-        check_folder(out)
     names = None if only is None else [name.strip() for name in only.split(",")]
-    with progress_bar() as bar:
+    with progress_bar() as bar, prefixed("--out", OSError):
         result = stickslip.reproduce(out, only=names, threads=threads, progress=bar)
     if as_json:
         print_json(result.as_dict())
-        return
-    for mode, setting in result.reference.items():
-        say(f"{mode}  {setting.text()}")
-    for each in result.statements:
-        share = each.verdict.share
-        holds = "" if share is None else f"; holds for {share:.1%} of the settings"
-        say("")
-        say(f"{each.name:<4} {each.text}")
-        say(f"     {each.verdict.text}{holds}")
-        say(f"     {each.numbers}")
-    say("")
-    say(f"{len(result.figures)} figures in {out}")
+    else:
+        click.echo(result.summary())
+    say(f"{len(result.figures)} figures: {out}", err=as_json)
