@@ -171,7 +171,7 @@ def test_every_public_name_is_there_or_names_its_extra(tmp_path):
         **dict.fromkeys(["diagnose", "free_law"], "scipy"),
         **dict.fromkeys(["diagnose_in_rounds", "diagnose_model", "instruments"], "scipy"),
         **dict.fromkeys(["Table", "events", "read_measurement"], "scipy"),
-        "optimise": "cma",
+        **dict.fromkeys(["Optimum", "optimise"], "cma"),
         "plot": "matplotlib",
     }
 
