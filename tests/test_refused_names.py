@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from stickslip import Scenario, ScenarioError, Waveform
+from stickslip import Scenario, ScenarioError, Waveform, reproduce
 from stickslip.diagnosis import Cause, Parameter, Table, diagnose_model
 from stickslip.scenario.keys import known_keys, meant, nearest, suggestion
 from stickslip.scenario.priors import Prior
