@@ -1,4 +1,4 @@
-"""What a bare import costs and offers."""
+"""What an import costs and offers."""
 
 import importlib.metadata
 import subprocess
