@@ -115,14 +115,11 @@ def test_the_command_takes_a_map_by_set(folder):
     check(stickslip("run", "s.toml", cwd=folder), "s.toml", 'coil.map = "map.csv"', "No such file")
     options = ["--vary", "coil.map=a.csv,b.csv"]
     check(stickslip("sweep", "plain.toml", *options, cwd=folder), "coil.map", "voltages or maps")
-    assert "x, y, z (m), coil, Bx, By, Bz (T/A)" in " ".join(
-        stickslip("keys", "coil.map").stdout.split()
-    )
 
 
 @pytest.mark.parametrize("option", ["--out", "--plot"])
 def test_a_map_is_not_overwritten(folder, option):
-    check(stickslip("run", "s.toml", option, "map.csv", cwd=folder), option, "map.csv", "coil.map")
+    check(stickslip("run", "s.toml", option, "map.csv", cwd=folder), option, "map.csv is read")
 
 
 def test_optimise_and_predict_take_a_map(folder):

@@ -6,14 +6,14 @@ from pathlib import Path
 
 import pytest
 
-from command_line import stickslip, stickslip_process
+from command_line import check, stickslip, stickslip_process
 from made_measurement import write
+from refusals.scenario import CSV, HEAD, PROGRAM
 from stickslip import Scenario, ScenarioError, Waveform
 from stickslip._util.files import check_folder, check_writable, read_bytes
 from stickslip.measurement import read_measurement
 from stickslip.measurement.tables import read_rows
 from stickslip.measurement.velocity import velocity_units
-from test_bad_input import CSV, HEAD, PROGRAM, check
 
 MEASUREMENT = 'stickslip_measurement = 1\nscenario = "s.toml"\n'
 NOT_UTF8 = "caf\udce9"  # how Python spells the bytes "café" has in Latin-1

@@ -159,7 +159,7 @@ def key_hint(name: str, others: Iterable[str] = ()) -> str:
     keys = known_keys()
     section = name.rpartition(".")[0]
     siblings = [key.name for key in keys_of(section)]
-    siblings += [key for key in PATHS if siblings and key.startswith(f"{section}.")]
+    siblings += [key for key in PATHS if siblings and key.startswith(f"{section}.") and key != name]
     if siblings:
         return suggestion(name, siblings)
     last = {} if section else {key.rpartition(".")[2]: key for key in reversed(keys)}
