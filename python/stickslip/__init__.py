@@ -64,11 +64,11 @@ if TYPE_CHECKING:
     from stickslip.simulation.rollout import Rollout as Rollout
     from stickslip.simulation.rollout import rollout as rollout
     from stickslip.simulation.run import Run as Run
+    from stickslip.simulation.run import open_run as open_run
     from stickslip.simulation.simulate import simulate as simulate
     from stickslip.simulation.simulate import simulate_batch as simulate_batch
     from stickslip.simulation.simulator import Simulator as Simulator
     from stickslip.simulation.simulator import Snapshot as Snapshot
-    from stickslip.simulation.stored_run import open_run as open_run
     from stickslip.sweeping.run_sweep import sweep as sweep
     from stickslip.sweeping.sweep_table import sweep_dataframe as sweep_dataframe
     from stickslip.versions import show_versions as show_versions
@@ -110,10 +110,9 @@ _HOME = {
         "simulation.coils": ("Coils",),
         "simulation.note": ("Note",),
         "simulation.rollout": ("STATE_UNITS", "Rollout", "rollout"),
-        "simulation.run": ("Run",),
+        "simulation.run": ("Run", "open_run"),
         "simulation.simulate": ("simulate", "simulate_batch"),
         "simulation.simulator": ("Simulator", "Snapshot"),
-        "simulation.stored_run": ("open_run",),
         "sweeping.run_sweep": ("sweep",),
         "sweeping.sweep_table": ("sweep_dataframe",),
         "versions": ("show_versions",),

@@ -15,8 +15,7 @@ from stickslip.cli.tables import summary_table
 from stickslip.cli.targets import check_different, check_target, input_files
 from stickslip.errors import ScenarioError
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.record_blocks import RecordNotWritten
-from stickslip.simulation.run import SUFFIXES, Run
+from stickslip.simulation.run import SUFFIXES
 from stickslip.simulation.simulate import simulate
 
 # Ten samples a period of the fastest free swing, some 850 Hz at 2.5 mT, with margin; Hz.
@@ -102,7 +101,7 @@ def command(
     the end of the third pulse to the end of the last; with a program of voltages, all of it.
 
     --out, --plot and --animate record on a uniform grid if the scenario's record.rate is "none".
-    What --out recorded before Ctrl-C or a failure is kept. The exit status is 1 if the simulation
+    What --out recorded before Ctrl-C or a full disk stays in FILE.part. The exit status is 1 if the simulation
     failed or there was nothing to draw, with the reason on standard error.
     """
     loaded = read_with(scenario, settings)
@@ -117,29 +116,17 @@ def command(
         loaded = _with_record(loaded, pictures.option)
     if pictures.option:
         pictures.check_recorded(loaded)
-    run, failure = _simulated(loaded, until, out)
+    with ProgressBar() as bar:
+        run = simulate(loaded, progress=bar, until=until, out=out)
 
     drawn = True
     try:
-        if failure is not None:
-            raise failure
         drawn = pictures.draw(run)
     finally:  # the summary is printed even if a disk was full
         click.echo(json_text(run.summary()) if as_json else summary_table(run))
         if not run.ok:
             say(f"stickslip: the simulation failed: {run.status}, {run.message}", err=True)
     return 0 if run.ok and drawn else 1
-
-
-def _simulated(
-    scenario: Scenario, until: str | None, out: Path | None
-) -> tuple[Run, RecordNotWritten | None]:
-    """The run, and what kept its record from being written, if anything did."""
-    try:
-        with ProgressBar() as bar:
-            return simulate(scenario, progress=bar, until=until, out=out), None
-    except RecordNotWritten as error:
-        return error.run, error
 
 
 def _with_record(scenario: Scenario, picture: str) -> Scenario:

@@ -13,7 +13,6 @@ from stickslip._util.units import handy
 from stickslip.scenario.keys import known_keys
 from stickslip.simulation.columns import NUMBERS
 from stickslip.simulation.note import lines_of_json, shown_lines
-from stickslip.simulation.record_blocks import turns
 from stickslip.simulation.seen_from_drive import ACROSS, ALONG, VELOCITIES, shown_velocities
 
 if TYPE_CHECKING:
@@ -76,7 +75,7 @@ def _shown_in(name: str) -> tuple[float, str]:
 def summary_table(run: Run) -> str:
     """Names, SI values and handier units in columns."""
     summary = run.summary()
-    leaves = turns(run.scenario)
+    leaves = run.scenario.turns
     columns = {**(VELOCITIES if ALONG in summary else {}), **NUMBERS} if leaves else NUMBERS
     words = {**_WORDS, **_WORDS_OF_THE_PLANE} if leaves else _WORDS
     measured = "nothing"

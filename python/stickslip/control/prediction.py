@@ -92,7 +92,7 @@ class Prediction:
         """
         check_suffix(path, SUFFIXES)
         if Path(path).suffix.lower() != ".csv":
-            from stickslip.simulation.netcdf import write_netcdf
+            from stickslip.simulation.record_file import write_netcdf
 
             write_netcdf(self.data, path)
             return

@@ -24,7 +24,6 @@ from stickslip.scenario.keys import check_kind
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
 from stickslip.simulation.coils import Coils
-from stickslip.simulation.record_blocks import turns
 
 _REACH = 1.3  # half of the width that is drawn, in distances of the farthest wire; chosen by eye
 _CELLS = 160  # along each side of the map; chosen: finer than the dots of half a page
@@ -239,7 +238,7 @@ def _draw_robot(axes: Axes, coils: Coils, currents: Array, scenario: Scenario) -
     moment = thin_arrow(palette.BLACK, 1.4)
     moment.set_positions(*body_arrow(middle))
     inset.add_patch(moment)
-    if turns(scenario):
+    if scenario.turns:
         words = f"heading {np.degrees(heading):.3g} degrees"
         inset.text(0.5, 0.07, words, transform=inset.transAxes, fontsize=8.0, ha="center")
     size = robot.length * 1e6
@@ -267,7 +266,7 @@ def _draw_robot(axes: Axes, coils: Coils, currents: Array, scenario: Scenario) -
 def _heading(scenario: Scenario) -> float:
     """Where the robot faces as the scenario begins, rad from +x to the left."""
     drive, told = scenario.drive, scenario.initial.heading
-    if turns(scenario) and (drive.mode == "program" or told != 0.0):
+    if scenario.turns and (drive.mode == "program" or told != 0.0):
         return float(told)
     return (0.0 if drive.direction == "+x" else np.pi) + float(drive.heading)
 

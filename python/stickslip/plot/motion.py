@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from stickslip.scenario.keys import refuse
 from stickslip.simulation.columns import PLANE_COLUMNS
-from stickslip.simulation.record_blocks import turns
 from stickslip.simulation.run import Run
 
 if sys.version_info >= (3, 11):
@@ -104,7 +103,7 @@ def motion(data: Data) -> Motion:
         robot: Any = vars(data.scenario.robot)
         drive: Any = vars(data.scenario.drive)
         heading = data.final_state.heading
-        leaves = turns(data.scenario)
+        leaves = data.scenario.turns
     else:
         if not hasattr(data, "variables"):
             refuse("data", data, "a Run, as simulate(scenario) makes it, or the Dataset of one")

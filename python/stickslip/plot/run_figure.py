@@ -21,7 +21,6 @@ from stickslip.plot.one_motion import draw_contact_velocity, draw_fields, draw_t
 from stickslip.plot.scales import LEAST_FORCE, LEAST_HEADING, length, readable
 from stickslip.scenario.keys import refuse
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.record_blocks import turns
 from stickslip.simulation.run import Run, resting_force
 
 # More pulses than the first number cannot be told apart in the picture; then as many of the last
@@ -133,7 +132,7 @@ def _title(run: Run, last_pulses: bool) -> str:
 
 
 def _mean_velocity(run: Run) -> str:
-    if not turns(run.scenario):
+    if not run.scenario.turns:
         return f"mean velocity {run.mean_velocity * 1e3:.4g} mm/s"
     along, across = (f"{each * 1e3:.4g}" for each in run.velocity)
     if run.scenario.drive.mode == "program":

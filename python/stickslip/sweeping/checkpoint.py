@@ -14,8 +14,7 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.checksum import check_checksum
 from stickslip.errors import ScenarioError
-from stickslip.simulation.netcdf import write_netcdf
-from stickslip.simulation.run_attributes import map_of, origin
+from stickslip.simulation.record_file import map_of, origin, write_netcdf
 from stickslip.sweeping.dataset import dataset
 from stickslip.sweeping.points import Points
 from stickslip.sweeping.results import NOT_RUN, Results

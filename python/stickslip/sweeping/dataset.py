@@ -13,7 +13,7 @@ from stickslip import _core
 from stickslip.scenario.keys import known_keys
 from stickslip.simulation.columns import NUMBERS
 from stickslip.simulation.note import notes_json
-from stickslip.simulation.run_attributes import origin
+from stickslip.simulation.record_file import origin
 from stickslip.simulation.seen_from_drive import VELOCITIES
 from stickslip.sweeping.notes import notes_of_points
 from stickslip.sweeping.plane_velocities import plane_velocities

@@ -1,0 +1,49 @@
+"""What is shown of a run: one line, and in a notebook its summary."""
+
+from __future__ import annotations
+
+import math
+from html import escape
+from typing import TYPE_CHECKING
+
+from stickslip._util.units import handy
+from stickslip.simulation.columns import NUMBERS
+from stickslip.simulation.note import shown_lines
+from stickslip.simulation.seen_from_drive import FROM_AXES, FROM_DRIVE, IN_ONE_PLANE, VELOCITIES
+
+if TYPE_CHECKING:
+    from stickslip.simulation.run import Run
+
+
+def headline(run: Run) -> str:
+    """Status, mean velocities in mm/s and number of samples, in one line."""
+    words, values = IN_ONE_PLANE, (run.mean_velocity,)
+    if run.scenario.turns:
+        words = FROM_AXES if run.scenario.drive.mode == "program" else FROM_DRIVE
+        values = run.velocity
+    factor, unit = handy("m/s")
+    velocity = ", ".join(
+        f"{value * factor:.6g} {unit} {direction}".rstrip()
+        for direction, value in zip(words.values(), values, strict=True)
+    )
+    samples = f"{run.samples} samples" if run.recorded else "no record"
+    return f"{run.status}, {velocity}, {samples}"
+
+
+def run_html(run: Run) -> str | None:
+    """The headline, notes and numbers of a run; None without pandas."""
+    try:
+        import pandas as pd
+    except ModuleNotFoundError:
+        return None
+    summary = run.summary()
+    events = ", ".join(f"{count} {kind}" for kind, count in summary["events"].items() if count)
+    lines = [headline(run), *([] if run.ok else [run.message]), *shown_lines(run.notes)]
+    rows = [
+        (name, f"{summary[name]:.6g}", "" if unit == "1" else unit, meaning)
+        for name, (unit, meaning) in {**VELOCITIES, **NUMBERS}.items()
+        if math.isfinite(summary.get(name, math.nan))
+    ]
+    table = pd.DataFrame([*rows, ("events", events, "", "")], columns=["", "value", "unit", "is"])
+    texts = "".join(f"<p>{escape(line)}</p>\n" for line in lines)
+    return texts + table.to_html(index=False, border=0)
