@@ -101,8 +101,8 @@ def command(
     the end of the third pulse to the end of the last; with a program of voltages, all of it.
 
     --out, --plot and --animate record on a uniform grid if the scenario's record.rate is "none".
-    What --out recorded before Ctrl-C or a full disk stays in FILE.part. The exit status is 1 if the simulation
-    failed or there was nothing to draw, with the reason on standard error.
+    What --out recorded before Ctrl-C or a full disk stays in FILE.part. The exit status is 1 if the
+    simulation failed or there was nothing to draw, with the reason on standard error.
     """
     loaded = read_with(scenario, settings)
     pictures = Pictures(plot, animate, start, stop, slowdown)

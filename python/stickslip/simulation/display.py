@@ -17,14 +17,15 @@ if TYPE_CHECKING:
 
 def headline(run: Run) -> str:
     """Status, mean velocities in mm/s and number of samples, in one line."""
-    words, values = IN_ONE_PLANE, (run.mean_velocity,)
+    words = IN_ONE_PLANE
     if run.scenario.turns:
         words = FROM_AXES if run.scenario.drive.mode == "program" else FROM_DRIVE
-        values = run.velocity
+    # Along x there is one, which `Run.velocity` sees from the drive.
+    velocities = run.velocity if run.scenario.turns else (run.mean_velocity,)
     factor, unit = handy("m/s")
     velocity = ", ".join(
         f"{value * factor:.6g} {unit} {direction}".rstrip()
-        for direction, value in zip(words.values(), values, strict=True)
+        for direction, value in zip(words.values(), velocities, strict=True)
     )
     samples = f"{run.samples} samples" if run.recorded else "no record"
     return f"{run.status}, {velocity}, {samples}"
@@ -46,4 +47,4 @@ def run_html(run: Run) -> str | None:
     ]
     table = pd.DataFrame([*rows, ("events", events, "", "")], columns=["", "value", "unit", "is"])
     texts = "".join(f"<p>{escape(line)}</p>\n" for line in lines)
-    return texts + table.to_html(index=False, border=0)
+    return texts + str(table.to_html(index=False, border=0))

@@ -323,13 +323,12 @@ def _opened(path: str | PathLike[str]) -> Iterator[Any]:
     try:
         with open(path, "rb"):  # whose errors say more than those of HDF5
             pass
-        file = h5py.File(path, "r", swmr=True)
-    except OSError as error:
-        if error.strerror is not None:
+        with h5py.File(path, "r", swmr=True) as file:
+            yield file
+    except (OSError, RuntimeError) as error:
+        if isinstance(error, OSError) and error.strerror is not None:
             raise ScenarioError(f"cannot be read: {error.strerror}") from None
-        raise ScenarioError(f"is no netCDF file; {_ALLOWED}") from None
-    with file:
-        yield file
+        raise ScenarioError(f"is no netCDF file, or a damaged one; {_ALLOWED}") from None
 
 
 _ALLOWED = "allowed is a netCDF file that Run.save or --out wrote"

@@ -292,8 +292,8 @@ def _trials(
     )
     thousandth = {key: 1e-3 * float(scenario.get(key)) for key in _DRAG}
     yield "rest-drag", thousandth, text, drag.rotational
-    for times in (2.0, 5.0):
-        stronger = _with_field(scenario, times)
+    for factor in (2.0, 5.0):
+        stronger = _with_field(scenario, factor)
         text = f"the field rocks it too little; it walks with {_in_words(stronger)}"
         yield "rest-torque", stronger, text, torque
 

@@ -107,7 +107,8 @@ def _of_drive(scenario: Scenario, core: _core.Scenario) -> Iterator[Note]:
         yield Note("map", f"the field of the coils is that of {scenario.coil.map}")
     times = time_constants(scenario, core)
     start, end = scenario.window
-    slowest = max((name for name in asked if asked[name] > 0.0), key=times.get, default=None)
+    used = [name for name, volts in asked.items() if volts > 0.0]
+    slowest = max(used, key=lambda name: times[name], default=None)
     if slowest is not None and end - start < times[slowest]:
         text = (
             f"the measuring window lasts {1e3 * (end - start):.3g} ms, less than the time constant "
@@ -117,10 +118,8 @@ def _of_drive(scenario: Scenario, core: _core.Scenario) -> Iterator[Note]:
         yield Note("window-short", text, end - start)
     if not pulsed or without_pulses(scenario):
         return
-    tau, swing = (
-        times[core.in_plane_coil if drive.mode == "IPP" else "clamp"],
-        drive.peak - drive.base,
-    )
+    tau = times[core.in_plane_coil if drive.mode == "IPP" else "clamp"]
+    swing = drive.peak - drive.base
     share = field_swing(drive.frequency, tau)
     if share < LEAST_SWING:
         text = (
@@ -138,8 +137,8 @@ def _of_robot(scenario: Scenario) -> Iterator[Note]:
     density = robot.mass / (robot.length * robot.width * robot.height)
     if not DENSITIES[0] <= density <= DENSITIES[1]:
         text = (
-            f"robot.mass = {robot.mass:g} makes a density of {density:.3g} kg/m3 with robot.length, "
-            f"width and height: bodies have {DENSITIES[0]:g} to {DENSITIES[1]:g} kg/m3"
+            f"robot.mass = {robot.mass:g} makes a density of {density:.3g} kg/m3 with "
+            f"robot.length, width and height: bodies have {DENSITIES[0]:g} to {DENSITIES[1]:g}"
         )
         yield Note("density", text, density)
     tilt = abs(float(scenario.get("effects.surface_tilt.angle")))
@@ -148,9 +147,10 @@ def _of_robot(scenario: Scenario) -> Iterator[Note]:
     held = contact.static_friction * (pull * math.cos(tilt) + contact.adhesion)
     if along > held:
         text = (
-            f"effects.surface_tilt.angle = {tilt:.3g} rad is steeper than friction holds: the robot "
-            f"slides without any field, as its weight pulls along the surface with {along:.3g} N "
-            f"and contact.static_friction = {contact.static_friction:g} gives {held:.3g} N"
+            f"effects.surface_tilt.angle = {tilt:.3g} rad is steeper than friction holds: the "
+            f"robot slides without any field, as its weight pulls along the surface with "
+            f"{along:.3g} N and contact.static_friction = {contact.static_friction:g} gives "
+            f"{held:.3g} N"
         )
         yield Note("steep-surface", text, tilt)
     if contact.adhesion > MUCH_ADHESION * pull:

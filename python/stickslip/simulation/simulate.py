@@ -163,8 +163,13 @@ def _simulated_into(
     file = RecordFile(out, Run.of(scenario, result, until, complete=False))
 
     def ended(complete: bool, record: StoredRecord | None = None) -> Run:
-        known = {"samples": file.samples, "recorded_until": file.recorded_until}
-        return Run.of(scenario, result, until, complete=complete, record=record, **known)
+        return Run.of(
+            *(scenario, result, until),
+            complete=complete,
+            samples=file.samples,
+            recorded_until=file.recorded_until,
+            record=record,
+        )
 
     try:
         _core.stream(result, scenario.to_core(), file.write, report, condition)
@@ -237,6 +242,6 @@ def _run_of(scenario: Scenario, result: _core.RunResult, until: str | None) -> R
         else arrays[name]
         for name in recorded_names(scenario)
     }
-    t = record.get("t", ())
-    end = float(t[-1]) if len(t) else math.nan
-    return Run.of(scenario, result, until, samples=len(t), recorded_until=end, record=record)
+    samples = len(record["t"]) if record else 0
+    end = float(record["t"][-1]) if samples else math.nan
+    return Run.of(scenario, result, until, samples=samples, recorded_until=end, record=record)
