@@ -110,7 +110,12 @@ REFUSALS = [
         ScenarioError,
         ["2 scenarios and 3 voltages", "number of runs"],
     ),
-    ("column", rolled(Scenario(), None, ROWS, STEP, record=["w"]), ScenarioError, ["record", '"w"']),
+    (
+        "column",
+        rolled(Scenario(), None, ROWS, STEP, record=["w"]),
+        ScenarioError,
+        ["record", '"w"'],
+    ),
     (
         "out",
         rolled(Scenario(), None, ROWS, STEP, out=np.zeros(3)),
