@@ -48,14 +48,14 @@ MUTATIONS = (
         "friction_anisotropy",
         "assembly.cpp",
         ".anisotropy = e.friction_anisotropy_fraction,",
-        ".anisotropy = turns(s) ? e.friction_anisotropy_fraction : 0.0,",
+        ".anisotropy = in_whole_plane(s) ? e.friction_anisotropy_fraction : 0.0,",
     ),
     Mutation(
         "one plane",
         "angle_adhesion",
         "assembly.cpp",
         ".smooth = {.angle_loss = e.angle_adhesion_strength,",
-        ".smooth = {.angle_loss = turns(s) ? e.angle_adhesion_strength : 0.0,",
+        ".smooth = {.angle_loss = in_whole_plane(s) ? e.angle_adhesion_strength : 0.0,",
     ),
     Mutation(
         "whole plane",

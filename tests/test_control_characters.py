@@ -11,9 +11,8 @@ from command_line import stickslip
 from made_measurement import write
 from report_page import Page
 from stickslip import Drive, Measurement, Scenario, ScenarioError, Waveform, diagnose
-from stickslip._util.atomic_files import text_writer, write_together
-from stickslip._util.plain_text import printable, printable_lines, quoted
-from stickslip._util.strict_json import json_text
+from stickslip._util.files import text_writer, write_together
+from stickslip._util.text import json_text, printable, printable_lines, quoted
 from stickslip.diagnosis import Cause, Parameter, Prior, Table, diagnose_model
 from stickslip.measurement import read_measurement
 from stickslip.scenario.toml_file import write_scenario

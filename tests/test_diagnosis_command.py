@@ -10,7 +10,7 @@ from command_line import ended_at_the_bar, stickslip
 from made_measurement import few_causes, write
 from report_page import without_pictures
 from stickslip import Scenario, simulate
-from stickslip._util.atomic_files import NotWritten
+from stickslip._util.files import NotWritten
 from stickslip.cli import diagnose_command
 
 KEYS = {

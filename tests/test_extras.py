@@ -14,7 +14,7 @@ else:
     import tomli as tomllib
 
 import stickslip
-from stickslip._util.missing_extra import EXTRAS
+from stickslip._util.extras import EXTRAS
 
 PROJECT = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text(encoding="utf-8"))[
     "project"

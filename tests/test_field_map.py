@@ -33,7 +33,7 @@ from stickslip import (
     sweep,
     volts_per_tesla,
 )
-from stickslip.scenario.map_fit import _Basis
+from stickslip.field.map_fit import _Basis
 
 FIVE = np.array([2.0, -1.0, 0.5, 0.3, -3.0])
 RUNS = {

@@ -16,7 +16,7 @@ from own_effects import (
     register,
 )
 from stickslip import Coil, FieldMap, Scenario, ScenarioError
-from stickslip.scenario.map_files import map_text
+from stickslip.field.map_files import map_text
 
 SMALL = (3, 3, 3)
 

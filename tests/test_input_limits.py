@@ -15,7 +15,7 @@ else:
 from command_line import stickslip, stickslip_process
 from made_measurement import write
 from stickslip import Scenario, ScenarioError, Waveform
-from stickslip._util.atomic_files import check_folder, check_writable, read_bytes
+from stickslip._util.files import check_folder, check_writable, read_bytes
 from stickslip.measurement import read_measurement
 from stickslip.measurement.tables import read_rows
 from stickslip.measurement.velocity import velocity_units

@@ -7,8 +7,8 @@ import sys
 import numpy as np
 import pytest
 
-import stickslip.control.optimise as module
-import stickslip.control.search as search_module
+import stickslip.design.optimise as module
+import stickslip.design.search as search_module
 from helpers import HELD, NO_FIELD
 from stickslip import (
     Coils,
@@ -19,9 +19,9 @@ from stickslip import (
     optimise,
     simulate,
 )
-from stickslip.control.design_space import PeriodicWaveform, as_program, drive_waveform
-from stickslip.control.goal import judge_all, made_goal
-from stickslip.control.sawtooth import GRID, sawtooths
+from stickslip.design.design_space import PeriodicWaveform, as_program, drive_waveform
+from stickslip.design.goal import judge_all, made_goal
+from stickslip.design.sawtooth import GRID, sawtooths
 from stickslip.simulation.simulate import MOST_IN_MEMORY
 
 START = Scenario(drive=Drive(base=0.5e-3, pulses=6, ramp=0.02))
@@ -303,7 +303,7 @@ def test_no_neighbour_within_the_limits_is_better(few):
 
 
 def test_the_waveform_of_a_long_drive_is_drawn(few):
-    from stickslip.control.optimum_figures import waveform
+    from stickslip.design.optimum_figures import waveform
 
     found = optimise(START, **WALK, draws=1, fresh=1, evaluations=10)
     still = START.replace({**HELD, **NO_FIELD, "drive.pulses": 26_000})

@@ -6,11 +6,11 @@ import re
 
 import pytest
 
-import stickslip.control.optimise as module
+import stickslip.design.optimise as module
 from command_line import stickslip
 from stickslip import load, simulate
-from stickslip.control.optimum_page import shown
-from stickslip.control.sawtooth import POINTS
+from stickslip.design.optimum_page import shown
+from stickslip.design.sawtooth import POINTS
 
 TEXT = """stickslip = 1
 [drive]

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from stickslip import Drive, Scenario, ScenarioError, Waveform, simulate, simulate_batch
-from stickslip.control.design_space import FEWEST, Axis, design_space, drive_waveform
-from stickslip.control.goal import judge, judge_all, made_goal
-from stickslip.control.landscape import slices
-from stickslip.control.sawtooth import GRID, POINTS, played, sawtooths
+from stickslip.design.design_space import FEWEST, Axis, design_space, drive_waveform
+from stickslip.design.goal import judge, judge_all, made_goal
+from stickslip.design.landscape import slices
+from stickslip.design.sawtooth import GRID, POINTS, played, sawtooths
 
 START = Scenario(drive=Drive(base=0.5e-3, pulses=6, ramp=0.02))
 

@@ -21,7 +21,7 @@ from stickslip import (
     simulate,
     simulate_batch,
 )
-from stickslip.control.predict import quantiles_with_errors
+from stickslip.sweeping.predict import quantiles_with_errors
 
 PRIORS = {
     "contact.kinetic_friction": {"mean": 0.145, "sd": 0.01},

@@ -21,7 +21,7 @@ from stickslip import (
     sweep,
     sweep_dataframe,
 )
-from stickslip._util.html_table import html_table
+from stickslip._util.html import html_table
 from stickslip.simulation.columns import COLUMNS, PLANE_COLUMNS
 from toys import SLOPE, WAVE, data
 

@@ -8,7 +8,7 @@ import threading
 import numpy as np
 import pytest
 
-from stickslip.control.search import search
+from stickslip.design.search import search
 
 CENTRE = 0.3
 

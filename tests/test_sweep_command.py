@@ -13,7 +13,7 @@ import xarray
 
 from command_line import check, ended_at_the_bar, stickslip, stickslip_process
 from stickslip import load, simulate, sweep
-from stickslip._util.strict_json import json_text
+from stickslip._util.text import json_text
 
 TEXT = "stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 4\n"
 VARY = ["--vary", "drive.frequency=30:90:3", "--vary", "drive.mode=OPP,IPP"]

@@ -18,7 +18,7 @@ from stickslip import (
     Waveform,
     unregister_effect,
 )
-from stickslip._util.unit_factor import factor_text, unit_factor, unit_meant
+from stickslip._util.units import factor_text, unit_factor, unit_meant
 from stickslip.simulation.note import CODES
 from stickslip.simulation.unit_notes import shortest_tooth, unit_notes
 

@@ -4,7 +4,7 @@
 #include "stickslip/drive/coil.hpp"
 #include "stickslip/drive/control_steps.hpp"
 #include "stickslip/drive/sawtooth.hpp"
-#include "stickslip/drive/stretch_source.hpp"
+#include "stickslip/drive/segment_source.hpp"
 #include "stickslip/drive/voltage_program.hpp"
 
 /// From voltages to currents.
@@ -12,7 +12,7 @@
 /// - coil: the five coils by name, and a value of each
 /// - voltage_program: piecewise linear voltages, with blocks that repeat
 /// - sawtooth: the program of a pulsed drive, Eq. (1) turned around
-/// - control_steps, stretch_source: voltages that a controller gives while the run goes on
-/// - circuit: the currents of a linear stretch of voltage in closed form, for coils that are
+/// - control_steps, segment_source: voltages that a controller gives while the run goes on
+/// - circuit: the currents of a segment in closed form, for coils that are
 ///   coupled, unequal, warm, or have a field that lags behind them
 namespace stickslip {}

@@ -13,8 +13,8 @@
 /// - square_coil: the field of four straight wires, Eqs. (2)-(7), with its derivatives
 /// - coil_set, field_map: the field of all coils, by the formula or as it was measured
 /// - expansion: its series about a place near the robot, in the plane of motion or in space, over a
-///   stretch of voltage
+///   segment of voltage
 /// - field_shape: what multiplies it in the course of a run
 /// - heading: where a robot on the surface faces
-/// - turning_points: where currents and |B| turn within a stretch
+/// - turning_points: where currents and |B| turn within a segment
 namespace stickslip {}

@@ -17,7 +17,7 @@
 ///
 /// - assembly: from a scenario to the parts of its run, each effect put where it acts
 /// - initial_state: from a state to a contact; stop_condition: until when
-/// - player: the motion, stretch after stretch, phase after phase
+/// - player: the motion, segment after segment, phase after phase
 /// - recording: samples of it; measurement, with summary and drive_observer: what it comes to
 /// - run: the three together, and when it ends; run_snapshot: where it stands between two steps
 /// - simulation: a run from start to end, with its message; status: how it ended

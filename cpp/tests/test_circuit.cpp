@@ -19,7 +19,7 @@ constexpr double kResistance = 10.0;
 constexpr double kInductance = 0.07;
 constexpr double kTimeConstant = kInductance / kResistance;
 
-VoltageSegment stretch(double start, double end, double first, double last) {
+VoltageSegment segment(double start, double end, double first, double last) {
     VoltageSegment segment{start, end, {}, {}};
     segment.first[0] = first;
     segment.last[0] = last;
@@ -58,8 +58,8 @@ struct Reference {
 
 // Ramps, a jump up, a hold, a jump through zero.
 const std::vector<VoltageSegment> kProgram = {
-    stretch(0.0, 0.02, 0.0, 12.0), stretch(0.02, 0.03, 40.0, 5.0), stretch(0.03, 0.05, 5.0, 5.0),
-    stretch(0.05, 0.051, -30.0, 25.0)};
+    segment(0.0, 0.02, 0.0, 12.0), segment(0.02, 0.03, 40.0, 5.0), segment(0.03, 0.05, 5.0, 5.0),
+    segment(0.05, 0.051, -30.0, 25.0)};
 
 }  // namespace
 
@@ -108,7 +108,7 @@ TEST_CASE("circuit: a jump of the voltage does not jump the current") {
 
 TEST_CASE("circuit: the time constant L/R is 7 ms") {
     Circuit circuit = test::equal_coils(kResistance, kInductance, 0.0);
-    const CurrentSegment step = circuit.advance(stretch(0.0, 1.0, 10.0, 10.0));
+    const CurrentSegment step = circuit.advance(segment(0.0, 1.0, 10.0, 10.0));
     CHECK(step.currents(0.007)[0] == doctest::Approx(1.0 - std::exp(-1.0)).epsilon(1e-14));
     CHECK(step.currents(1.0)[0] == doctest::Approx(1.0).epsilon(1e-14));  // V / R
 }
@@ -124,16 +124,16 @@ TEST_CASE("circuit: the first harmonic of a 100 Hz voltage reaches the current w
         for (const bool first_half : {true, false}) {
             const double start = n * period + (first_half ? 0.0 : period / 2);
             const double volts = first_half ? amplitude : -amplitude;
-            const CurrentSegment segment =
-                circuit.advance(stretch(start, start + period / 2, volts, volts));
+            const CurrentSegment half =
+                circuit.advance(segment(start, start + period / 2, volts, volts));
             if (n < 30) continue;
             // Simpson's rule over n = 400 parts: (omega h)^4 / 180 = 3e-12.
             constexpr int parts = 400;
-            const double h = segment.duration / parts;
+            const double h = half.duration / parts;
             for (int i = 0; i <= parts; ++i) {
                 const double weight = (i == 0 || i == parts ? 1.0 : i % 2 ? 4.0 : 2.0) * h / 3.0;
-                const double phase = omega * (segment.start + i * h);
-                harmonic += weight * segment.currents(i * h)[0] * std::polar(1.0, -phase);
+                const double phase = omega * (half.start + i * h);
+                harmonic += weight * half.currents(i * h)[0] * std::polar(1.0, -phase);
             }
         }
     }
@@ -150,7 +150,7 @@ TEST_CASE("circuit: a lag equal to L/R") {
     const double time = 2.0 * kTimeConstant;
     const auto response = [&](double lag) {
         Circuit circuit = test::equal_coils(kResistance, kInductance, lag);
-        return circuit.advance(stretch(0.0, 0.1, 10.0, 10.0)).field_currents(time)[0];
+        return circuit.advance(segment(0.0, 0.1, 10.0, 10.0)).field_currents(time)[0];
     };
     const double expected = 1.0 - 3.0 * std::exp(-2.0);
     CHECK(std::abs(response(kTimeConstant) - expected) < 2.8e-7);
@@ -222,8 +222,8 @@ TEST_CASE("heated coils: at a constant voltage the resistance solves a quadratic
 }
 
 TEST_CASE("heated coils: the power is that of the warm coils, pulsed, coupled or both") {
-    // Faster and slower than L/R. (Currents over stretches far shorter than L/R are small
-    // differences, whose squares carry rounding of (L/R over the stretch)^2.)
+    // Faster and slower than L/R. (Currents over segments far shorter than L/R are small
+    // differences, whose squares carry rounding of (L/R over the segment)^2.)
     for (const double period : {2e-3, 0.02, 1.0}) {
         const PerCoil off = {}, on = {60.0, -20.0, 0.0, 5.0, 40.0};
         const VoltageProgram program =

@@ -182,7 +182,7 @@ TEST_CASE("events: born on the surface, risen, and zero at the step's end") {
 }
 
 TEST_CASE("events: armed, and on the far side already as the step begins") {
-    // Forces that jump between two stretches of voltage, or rounding about a new base.
+    // Forces that jump between two segments of voltage, or rounding about a new base.
     for (const double start : {0.0, -1e-20, -1.0}) {
         CAPTURE(start);
         for (const double slope : {-1.0, 0.0, 3.0}) {

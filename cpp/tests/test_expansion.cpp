@@ -178,7 +178,7 @@ TEST_CASE("local field: currents that change, whatever the base time of the expo
     }
 }
 
-TEST_CASE("local field: a new stretch of voltage takes effect at once") {
+TEST_CASE("local field: a new segment of voltage takes effect at once") {
     Random random(6);
     LocalField field(paper_coils(), all_driven());
     const double x = 3e-3, z = 1e-3;

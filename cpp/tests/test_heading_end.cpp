@@ -28,7 +28,7 @@ TEST_CASE("heading: a field that comes back from another side loses the heading"
 
 namespace {
 
-// One way, none, and then another way (rad) for `last` s, in one straight stretch.
+// One way, none, and then another way (rad) for `last` s, in one straight segment.
 Scenario coming_back(double way, double last) {
     Scenario scenario;
     scenario.drive.mode = DriveMode::program;
@@ -50,7 +50,7 @@ Scenario coming_back(double way, double last) {
 
 }  // namespace
 
-TEST_CASE("heading: a run ends at the instant when its heading is lost, also within a stretch") {
+TEST_CASE("heading: a run ends at the instant when its heading is lost, also within a segment") {
     const RunResult brief = simulate(coming_back(2.5, 0.01));
     REQUIRE(brief.status == Status::heading_lost);
     CHECK(brief.summary.simulated_time > 0.15);
@@ -132,7 +132,7 @@ TEST_CASE("a robot that begins beyond the coils is told so") {
     CHECK(message(run).find("begin nearer") != std::string::npos);
 }
 
-// The field turns by a quarter and fades, all in one stretch.
+// The field turns by a quarter and fades, all in one segment.
 TEST_CASE("heading: the heading that stays is the one at which the field became weak") {
     Scenario scenario;
     scenario.drive.mode = DriveMode::program;

@@ -278,15 +278,15 @@ TEST_CASE("plane: what is not measured is no number, also across") {
 
 TEST_CASE("plane: a start that does not face the drive's direction is one in the whole plane") {
     Scenario scenario;
-    CHECK_FALSE(turns(scenario));
+    CHECK_FALSE(in_whole_plane(scenario));
     scenario.initial.heading = 0.5;
-    CHECK(turns(scenario));
+    CHECK(in_whole_plane(scenario));
     scenario.initial.heading = std::numbers::pi;
-    CHECK(turns(scenario));
+    CHECK(in_whole_plane(scenario));
     scenario.drive.direction = Direction::minus_x;
-    CHECK_FALSE(turns(scenario));
+    CHECK_FALSE(in_whole_plane(scenario));
     scenario.initial.heading = 0.0;
-    CHECK_FALSE(turns(scenario));
+    CHECK_FALSE(in_whole_plane(scenario));
 }
 
 TEST_CASE("plane: a state that a run has left begins another run that goes on as it would") {
@@ -303,7 +303,7 @@ TEST_CASE("plane: a state that a run has left begins another run that goes on as
     REQUIRE(half.stopped);
     CHECK(half.final_state.heading == doctest::Approx(35.0 * kDegree).epsilon(1e-2));
     const RunResult full = simulate(first);
-    // The rest of the program, held from the middle of its first stretch on.
+    // The rest of the program, held from the middle of its first segment on.
     SegmentStream stream(whole, 0.0, {middle});
     VoltageBlock rest;
     VoltageSegment segment;

@@ -139,7 +139,7 @@ TEST_CASE("simulator: a restored snapshot goes on with the same bits, in another
 TEST_CASE("simulator: a restored snapshot goes on with the same bits after a step that failed") {
     Scenario scenario;
     scenario.whole_plane = true;
-    scenario.effects.sample_hold_period = 1e-4;  // so that the failed step leaves stretches
+    scenario.effects.sample_hold_period = 1e-4;  // so that the failed step leaves segments
     const PerCoil allowed = {20.0, 0.0, 0.01, 0.0, -10.0}, refused = {-20.0, 0.0, 0.01, 0.0, -10.0};
     Simulator whole(scenario), failing(scenario);
     whole.step(allowed, 5e-3, false);

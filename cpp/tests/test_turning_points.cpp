@@ -14,7 +14,7 @@ using stickslip::test::Random;
 
 namespace {
 
-// Exponentials whose rates are up to a hundred times apart, over stretches from far shorter than
+// Exponentials whose rates are up to a hundred times apart, over segments from far shorter than
 // the fastest to far longer than the slowest.
 CurrentSegment random_segment(Random& random) {
     CurrentSegment segment;
@@ -50,7 +50,7 @@ std::vector<double> dense_times(const CurrentSegment& segment, int count) {
 
 }  // namespace
 
-TEST_CASE("the extremes of currents are at the ends of a stretch or where they turn") {
+TEST_CASE("the extremes of currents are at the ends of a segment or where they turn") {
     Random random(11);
     for (int i = 0; i < 2000; ++i) {
         const CurrentSegment segment = random_segment(random);

@@ -291,7 +291,7 @@ TEST_CASE("user effect: a force that breaks a long rest for a moment is not over
 }
 
 TEST_CASE("user effect: rest under one can be stopped") {
-    // Hours of rest in one stretch, looked at every fraction of a millisecond.
+    // Hours of rest in one segment, looked at every fraction of a millisecond.
     const Registered effect([](const double*, const double*, double*) {});
     Scenario scenario;
     scenario.drive.peak = scenario.drive.base = scenario.drive.hold = 0.0;

@@ -27,7 +27,7 @@ TEST_CASE("voltage program: duration and largest voltages over blocks and repeat
     CHECK(program.largest_voltage() == PerCoil{4.0, 0.0, 0.0, 0.0, 8.0});
 }
 
-TEST_CASE("segment cursor: stretches in order, jumps passed over, blocks repeated") {
+TEST_CASE("segment cursor: segments in order, jumps passed over, blocks repeated") {
     const VoltageProgram program(
         {{{point(0.0, 1.0), point(0.5, 3.0)}, 1},
          {{point(0.0, 5.0), point(0.0, 6.0), point(0.25, 7.0), point(0.25, 8.0)}, 2}});

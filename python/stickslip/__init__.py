@@ -15,10 +15,8 @@ if TYPE_CHECKING:
 
     from stickslip import plot as plot
     from stickslip._core import __version__ as __version__
-    from stickslip.control.optimise import optimise as optimise
-    from stickslip.control.optimum import Optimum as Optimum
-    from stickslip.control.predict import predict as predict
-    from stickslip.control.prediction import Prediction as Prediction
+    from stickslip.design.optimise import optimise as optimise
+    from stickslip.design.optimum import Optimum as Optimum
     from stickslip.diagnosis.data.series import Series as Series
     from stickslip.diagnosis.data.table import Table as Table
     from stickslip.diagnosis.entry import diagnose as diagnose
@@ -32,11 +30,12 @@ if TYPE_CHECKING:
     from stickslip.diagnosis.terms.parameter import Parameter as Parameter
     from stickslip.errors import ScenarioError as ScenarioError
     from stickslip.errors import SimulationError as SimulationError
+    from stickslip.field.coils import Coils as Coils
+    from stickslip.field.field_map import FieldMap as FieldMap
     from stickslip.measurement.reading import Measurement as Measurement
     from stickslip.measurement.reading import read_measurement as read_measurement
     from stickslip.measurement.track import velocity_of_track as velocity_of_track
     from stickslip.reproduction.study import reproduce as reproduce
-    from stickslip.scenario.field_map import FieldMap as FieldMap
     from stickslip.scenario.named_effects import effects as effects
     from stickslip.scenario.priors import Prior as Prior
     from stickslip.scenario.scenario import Scenario as Scenario
@@ -58,7 +57,6 @@ if TYPE_CHECKING:
     from stickslip.scenario.user_effects import unregister_effect as unregister_effect
     from stickslip.scenario.waveform import Waveform as Waveform
     from stickslip.scenario.waveform import volts_per_tesla as volts_per_tesla
-    from stickslip.simulation.coils import Coils as Coils
     from stickslip.simulation.note import Note as Note
     from stickslip.simulation.rollout import STATE_UNITS as STATE_UNITS
     from stickslip.simulation.rollout import Rollout as Rollout
@@ -69,6 +67,8 @@ if TYPE_CHECKING:
     from stickslip.simulation.simulate import simulate_batch as simulate_batch
     from stickslip.simulation.simulator import Simulator as Simulator
     from stickslip.simulation.simulator import Snapshot as Snapshot
+    from stickslip.sweeping.predict import predict as predict
+    from stickslip.sweeping.prediction import Prediction as Prediction
     from stickslip.sweeping.run_sweep import sweep as sweep
     from stickslip.sweeping.sweep_table import sweep_dataframe as sweep_dataframe
     from stickslip.versions import show_versions as show_versions
@@ -78,10 +78,10 @@ _HOME = {
     name: module
     for module, names in {
         "_core": ("__version__",),
-        "control.optimise": ("optimise",),
-        "control.optimum": ("Optimum",),
-        "control.predict": ("predict",),
-        "control.prediction": ("Prediction",),
+        "design.optimise": ("optimise",),
+        "design.optimum": ("Optimum",),
+        "sweeping.predict": ("predict",),
+        "sweeping.prediction": ("Prediction",),
         "diagnosis.data.series": ("Series",),
         "diagnosis.data.table": ("Table",),
         "diagnosis.entry": ("diagnose", "diagnose_model"),
@@ -95,7 +95,7 @@ _HOME = {
         "measurement.reading": ("Measurement", "read_measurement"),
         "measurement.track": ("velocity_of_track",),
         "reproduction.study": ("reproduce",),
-        "scenario.field_map": ("FieldMap",),
+        "field.field_map": ("FieldMap",),
         "scenario.named_effects": ("effects",),
         "scenario.scenario": ("Scenario",),
         "scenario.sections": (
@@ -107,7 +107,7 @@ _HOME = {
         "scenario.uncertain": ("JointPrior",),
         "scenario.user_effects": ("EffectParameter", "register_effect", "unregister_effect"),
         "scenario.waveform": ("Waveform", "volts_per_tesla"),
-        "simulation.coils": ("Coils",),
+        "field.coils": ("Coils",),
         "simulation.note": ("Note",),
         "simulation.rollout": ("STATE_UNITS", "Rollout", "rollout"),
         "simulation.run": ("Run", "open_run"),
@@ -134,7 +134,7 @@ if not TYPE_CHECKING:
     def __getattr__(name: str) -> Any:
         if name not in __all__:
             raise AttributeError(f"module 'stickslip' has no attribute {name!r}")
-        from stickslip._util.missing_extra import check_extras
+        from stickslip._util.extras import check_extras
 
         check_extras(f"stickslip.{name}", name)
         module = importlib.import_module(f"stickslip.{_MODULES.get(name) or _HOME[name]}")

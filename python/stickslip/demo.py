@@ -9,7 +9,7 @@ import math
 import sys
 from pathlib import Path
 
-from stickslip._util.missing_extra import MissingExtra
+from stickslip._util.extras import MissingExtra
 from stickslip.cli import BAD_INPUT, INTERRUPTED
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import Drive, Record

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Iterator
 
-from stickslip._util.plain_text import printable
+from stickslip._util.text import printable
 
 
 class ScenarioError(ValueError):

@@ -7,7 +7,7 @@ import platform
 from itertools import chain
 
 from stickslip import _core
-from stickslip._util.missing_extra import EXTRAS
+from stickslip._util.extras import EXTRAS
 
 _BASE = ("numpy", "click", "tqdm")
 

@@ -14,7 +14,7 @@ import films
 import made_findings as made
 import made_velocities
 from stickslip._util.palette import VERMILION
-from stickslip._util.strict_json import json_text
+from stickslip._util.text import json_text
 from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.entry import diagnose_model

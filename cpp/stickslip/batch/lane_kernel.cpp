@@ -13,7 +13,7 @@ public:
     using Real = R;
     using Named = std::conditional_t<kEffects, EffectNumbers<Real>, NoEffectNumbers>;
 
-    PackDynamics(const PlainDynamics<Real>& robot, const FieldStretch<Real>& field,
+    PackDynamics(const PlainDynamics<Real>& robot, const FieldSegment<Real>& field,
                  const Named& named)
         : robot_(&robot), field_(&field), named_(&named) {}
 
@@ -63,7 +63,7 @@ private:
     const SmoothFriction<Real>& friction() const { return named_->effects.friction; }
 
     const PlainDynamics<Real>* robot_;
-    const FieldStretch<Real>* field_;
+    const FieldSegment<Real>* field_;
     const Named* named_;
 };
 
@@ -118,7 +118,7 @@ LaneRound PackOf<PhaseOf, Real, kEffects>::step(void* pack) {
 
     const auto to_end = p.attempt(phase);
 
-    // What the caller has to see: a step that is not accepted, ends the stretch or may hold an
+    // What the caller has to see: a step that is not accepted, ends the segment or may hold an
     // event or a turn of the field; a robot that leaves the middle of the field's expansion.
     auto flagged = (!(p.error <= 1.0)) | to_end | (p.accepted + 1.0 >= p.most_steps) |
                    (!(p.tau + p.step.width > p.tau)) | (n.stalled > 0.0) |

@@ -31,7 +31,7 @@ struct LaneNumbers {
 
     Tsit5Progress<Phase> progress;
     PlainDynamics<Real> robot;
-    FieldStretch<Real> field;
+    FieldSegment<Real> field;
     [[no_unique_address]] Named named;
     Real contact_x, slip;                      ///< of a phase that has them, see make_phase
     WorkspaceOf<Real> workspace;               ///< where the robot may be
@@ -40,7 +40,7 @@ struct LaneNumbers {
 
     // Lists of numbers that a run puts into its place of a pack, or takes from there.
 
-    /// What a phase, or the next stretch, begins with.
+    /// What a phase, or the next segment, begins with.
     [[gnu::always_inline]] auto beginning() {
         auto& p = progress;
         return std::tuple_cat(
@@ -61,14 +61,14 @@ struct LaneNumbers {
 };
 
 static_assert(kListsAll<Tsit5Progress<CornerStickPhase>> && kListsAll<PlainDynamics<double>> &&
-              kListsAll<FieldStretch<double>> && kListsAll<EffectNumbers<double>> &&
+              kListsAll<FieldSegment<double>> && kListsAll<EffectNumbers<double>> &&
               kListsAll<WorkspaceOf<double>>);
 
 /// What came of a step of a pack; bit i is of run i. The steps of runs that are not flagged are
 /// done; for the others the caller has to finish the attempt.
 struct LaneRound {
     unsigned flagged = 0;
-    unsigned to_end = 0;  ///< the attempt goes to the end of its stretch
+    unsigned to_end = 0;  ///< the attempt goes to the end of its segment
 };
 
 /// What can be done with a pack of runs in phases of one kind. `pack`: memory for the numbers of

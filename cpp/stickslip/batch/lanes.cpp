@@ -71,7 +71,7 @@ public:
     void add(Lane& lane) { waiting_.push_back(&lane); }
 
     /// One step of all runs of the pack. `leave(lane)` is called for a run whose phase has ended,
-    /// `end(lane)` for one that is over. With `stay`, a run keeps its place where only the stretch
+    /// `end(lane)` for one that is over. With `stay`, a run keeps its place where only the segment
     /// of voltage has ended.
     void step(const auto& leave, const auto& end, bool stay) {
         fill();
@@ -81,7 +81,7 @@ public:
             Lane& lane = *places_[place];
             const Finish found = finish(lane, place, round.to_end >> place & 1u);
             if (found == Finish::step) continue;
-            const bool same = stay && found == Finish::stretch;
+            const bool same = stay && found == Finish::segment;
             const bool over = same && !lane.run.next_phase();
             if (same && !over) {
                 enter(lane, place);
@@ -130,7 +130,7 @@ private:
 
     static void set_around(Numbers& numbers, const Dynamics& dynamics) {
         const LocalField& field = dynamics.field();
-        numbers.field = field.stretch();
+        numbers.field = field.segment();
         if constexpr (kEffects) {
             numbers.named = {{field.further(1), field.further(2)}, dynamics.smooth_effects()};
         }
@@ -143,8 +143,8 @@ private:
         numbers.stalled = memory.stalled ? 1.0 : 0.0;
     }
 
-    // What an attempt comes to; after a stretch of voltage the phase goes on.
-    enum class Finish { step, stretch, phase };
+    // What an attempt comes to; after a segment of voltage the phase goes on.
+    enum class Finish { step, segment, phase };
 
     // What only one run can do: accepts the attempt or not, looks for events.
     Finish finish(Lane& lane, std::size_t place, bool to_end) {
@@ -166,7 +166,7 @@ private:
                     return;
                 }
                 const bool goes_on = end.status == Status::ok && end.event == Event::none;
-                found = goes_on ? Finish::stretch : Finish::phase;
+                found = goes_on ? Finish::segment : Finish::phase;
                 run.end_phase(phase, end, run.tsit5().counts().accepted);
             }
         });

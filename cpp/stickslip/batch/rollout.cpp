@@ -50,7 +50,7 @@ bool any_turns(const Scenario& scenario, const ControlRows& rows, std::size_t ru
                std::size_t steps) {
     const double* row = rows.voltages + run * rows.run_stride;
     for (std::size_t k = 0; k < steps; ++k, row += kCoilCount) {
-        if (turns(scenario, per_coil(row))) return true;
+        if (in_whole_plane(scenario, per_coil(row))) return true;
     }
     return false;
 }

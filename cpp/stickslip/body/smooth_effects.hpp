@@ -93,14 +93,14 @@ struct SmoothFriction {
     }
 };
 
-/// All of them on a robot in one quadrant over one stretch of voltage.
+/// All of them on a robot in one quadrant over one segment of voltage.
 template <class Real>
 struct SmoothEffects {
     SmoothForces<Real> forces;
     SmoothAdhesion<Real> adhesion;
     SmoothFriction<Real> friction;
     Real turn_sine = 0.0, turn_cosine = 1.0;  ///< of the quadrant
-    Real contact_age = 0.0;                   ///< s, at the start of the stretch
+    Real contact_age = 0.0;                   ///< s, at the start of the segment
 
     [[gnu::always_inline]] constexpr auto members() {
         return std::tie(forces, adhesion, friction, turn_sine, turn_cosine, contact_age);

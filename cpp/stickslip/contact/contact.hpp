@@ -183,7 +183,7 @@ struct Resolution {
     Slip slip = {};        ///< m/s; along a vector of the least size where it has only begun
 };
 
-/// The consistent mode of what touches now, at tau seconds into the stretch, by the complementarity
+/// The consistent mode of what touches now, at tau seconds into the segment, by the complementarity
 /// conditions of section IV-C. `body` has the world's place and the velocities along the heading
 /// and across, as the `slip` (m/s) has. Where that is zero, or as slow as not to matter, the
 /// contact is tried as sticking, unless `onset` (+1, -1) says that an event has just broken it

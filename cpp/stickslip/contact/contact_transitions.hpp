@@ -56,7 +56,7 @@ public:
 
     /// Takes over the counts of a run that goes on.
     void set_counts(const std::array<std::int64_t, kEventKinds>& counts) { counts_ = counts; }
-    /// An event at tau seconds into the stretch.
+    /// An event at tau seconds into the segment.
     void handle(Event event, double tau);
 
     /// Of the last event, in their order.

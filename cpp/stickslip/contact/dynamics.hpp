@@ -101,11 +101,11 @@ public:
 
     void set_quadrant(int quadrant);
 
-    /// Begins a stretch of voltage with the centre of mass at (x, z) m. The field is computed
-    /// there; nothing is kept of the stretch before.
-    void begin_stretch(const CurrentSegment& segment, double x, double z) {
+    /// Begins a segment of voltage with the centre of mass at (x, z) m. The field is computed
+    /// there; nothing is kept of the segment before.
+    void begin_segment(const CurrentSegment& segment, double x, double z) {
         start_ = segment.start;
-        field_.begin_stretch(segment, {x, z});
+        field_.begin_segment(segment, {x, z});
     }
 
     void rebase_field(double x, double z) { field_.rebase({x, z}); }
@@ -121,11 +121,11 @@ public:
             age_};
     }
 
-    /// Time (s) since the start of the run at which the stretch begins.
+    /// Time (s) since the start of the run at which the segment begins.
     void set_start(double time) { start_ = time; }
     double start() const { return start_; }
 
-    /// Age of the contact at the start of the stretch, s; negative for one that is made later.
+    /// Age of the contact at the start of the segment, s; negative for one that is made later.
     void set_contact_age(double age) { age_ = age; }
     double contact_age() const { return age_; }
 
@@ -136,7 +136,7 @@ public:
     }
 
     /// Coefficient up to which a contact sticks that presses with `normal` N at x (m); `tau`: s,
-    /// in the stretch.
+    /// in the segment.
     double static_limit(double slip, double x, const Pose& pose, double normal, double tau) const {
         const FrictionLaw& law = model_->friction;
         if (law.is_plain()) return law.static_coefficient;
@@ -163,7 +163,7 @@ public:
                                      double vx, double vz, double omega) const {
         return load(field(x, z), field.tau, x, z, pose, vx, vz, omega);
     }
-    /// tau: s, in the stretch.
+    /// tau: s, in the segment.
     [[gnu::always_inline]] inline Load load(const PlanarField& field, double tau, double x,
                                             double z, const Pose& pose, double vx, double vz,
                                             double omega) const;

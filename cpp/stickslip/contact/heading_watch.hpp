@@ -18,7 +18,7 @@ struct Facing {
 /// How a run ends whose heading is no longer known.
 struct HeadingEnd {
     Status status = Status::ok;                            ///< or heading_lost, turns_too_fast
-    double tau = std::numeric_limits<double>::infinity();  ///< s, in the stretch
+    double tau = std::numeric_limits<double>::infinity();  ///< s, in the segment
     double rate = 0.0, limit = 0.0;  ///< rad/s, of a field that turns too fast
 };
 
@@ -58,7 +58,7 @@ public:
     /// Where the event is, `time` s. A field that comes back more than two degrees from where it
     /// was leaves the heading unknown.
     Status pass(const Facing& now, double time);
-    /// Follows a strong field over a part of a stretch that began at `start` s, from where it was
+    /// Follows a strong field over a part of a segment that began at `start` s, from where it was
     /// last seen; `facing(tau)` is had at any time of it. Says where it turns too fast, if it does.
     HeadingEnd follow(double start, double from, double to, auto&& facing) {
         if (state_.is_weak || !(to > from) || start + to < state_.next_look) return {};

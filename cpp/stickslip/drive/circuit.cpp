@@ -22,7 +22,7 @@ PerCoil CurrentSegment::at(const Coefficients& coefficients, double tau) const {
 PerCoil squared_integrals(const CurrentSegment& segment) {
     const double d = segment.duration;
     const auto n = static_cast<std::size_t>(segment.exponentials);
-    std::array<double, kMaxExponentials> decay, gone;  // of each exponential over the stretch
+    std::array<double, kMaxExponentials> decay, gone;  // of each exponential over the segment
     std::array<std::array<double, kMaxExponentials>, kMaxExponentials> gone_both;
     for (std::size_t j = 0; j < n; ++j) {
         decay[j] = std::exp(-segment.rate[j] * d);

@@ -7,14 +7,14 @@
 
 namespace stickslip {
 
-/// Exponentials that the currents of one stretch are made of: one a mode of the coupled coils (one
+/// Exponentials that the currents of one segment are made of: one a mode of the coupled coils (one
 /// in all for equal coils that are not coupled), and one of the field's lag.
 inline constexpr int kMaxExponentials = kCoilCount + 1;
 inline constexpr int kMaxBasis = 2 + kMaxExponentials;
 /// Of them, what packs of runs have room for.
 inline constexpr int kMostPackedExponentials = 3;
 
-/// Currents over one linear stretch of voltage, as
+/// Currents over one segment, as
 ///   I_k(tau) = c[0][k] + c[1][k] tau + sum_j c[2+j][k] exp(-rate[j] tau),   tau = t - start.
 struct CurrentSegment {
     using Coefficients = std::array<PerCoil, kMaxBasis>;  // A, A/s, A, A ...
@@ -35,7 +35,7 @@ private:
     PerCoil at(const Coefficients& coefficients, double tau) const;
 };
 
-/// Integral of the square of each coil's current over a stretch, A^2 s.
+/// Integral of the square of each coil's current over a segment, A^2 s.
 PerCoil squared_integrals(const CurrentSegment& segment);
 
 struct CircuitParameters {
@@ -45,25 +45,25 @@ struct CircuitParameters {
     double lag = 0.0;         ///< s, with which the field follows the currents
 };
 
-/// The resistive-inductive circuits of the coils, Eq. (1), solved in closed form stretch by
-/// stretch. Coupled or unequal coils are solved in the modes of R^(-1/2) L R^(-1/2). Behind them
+/// The resistive-inductive circuits of the coils, Eq. (1), solved in closed form segment by
+/// segment. Coupled or unequal coils are solved in the modes of R^(-1/2) L R^(-1/2). Behind them
 /// stands the first-order lag of the field (effect `eddy_lag`).
 class Circuit {
 public:
     explicit Circuit(const CircuitParameters& parameters);
 
-    /// The currents over `segment`, going on from where the previous stretch ended.
+    /// The currents over `segment`, going on from where the previous segment ended.
     CurrentSegment advance(const VoltageSegment& segment);
 
     const PerCoil& resistance() const { return resistance_; }
 
-    /// Currents at the end of the last stretch, A.
+    /// Currents at the end of the last segment, A.
     PerCoil currents() const;
     /// Of the field less those of the coils, A.
     PerCoil field_lag() const;
     void set_currents(const PerCoil& currents, const PerCoil& field_lag);
 
-    /// What goes on from stretch to stretch.
+    /// What goes on from segment to segment.
     struct Memory {
         std::array<double, kCoilCount> modes = {};
         PerCoil lagging = {};  ///< A
@@ -92,8 +92,8 @@ private:
     int groups_ = 0;
     bool is_coupled_;
     double lag_;
-    Vector mode_ = Vector::Zero();  // modal currents at the end of the last stretch
-    PerCoil lagging_ = {};          // A, the currents of the field at the end of the last stretch
+    Vector mode_ = Vector::Zero();  // modal currents at the end of the last segment
+    PerCoil lagging_ = {};          // A, the currents of the field at the end of the last segment
 };
 
 /// Inductance matrix over the self inductance. Every pair has a mutual inductance of the size

@@ -8,7 +8,7 @@
 
 namespace stickslip {
 
-/// The voltages of a run that is stepped from outside, as the stretches that the coils get.
+/// The voltages of a run that is stepped from outside, as the segments that the coils get.
 class ControlSteps {
 public:
     /// hold_period: s, of the digital-to-analogue converter; zero: none. limit: V, of the
@@ -25,10 +25,10 @@ public:
         memory_.last = turned_ ? stickslip::turned(voltages) : voltages;
     }
 
-    /// Writes the next stretch, in the robot's frame, and returns true; false where all is played.
+    /// Writes the next segment, in the robot's frame, and returns true; false where all is played.
     bool next(VoltageSegment& segment);
 
-    /// Whether the stretch that `next` wrote last is the last of its step.
+    /// Whether the segment that `next` wrote last is the last of its step.
     bool ends_step() const { return given_until_ == time(); }
 
     double time() const { return memory_.origin + steps_since() * memory_.duration; }  ///< s

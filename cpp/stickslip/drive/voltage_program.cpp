@@ -40,7 +40,7 @@ void check_block(const VoltageBlock& block, std::size_t index) {
     if (!(previous > 0.0)) throw std::invalid_argument(where + "has no duration");
 }
 
-// Parts of a stretch, 0 to 1, at which some coil's voltage meets +-limit.
+// Parts of a segment, 0 to 1, at which some coil's voltage meets +-limit.
 std::vector<double> crossings(const PerCoil& from, const PerCoil& to, double limit) {
     std::vector<double> parts;
     for (std::size_t k = 0; k < kCoilCount; ++k) {
@@ -111,7 +111,7 @@ bool SegmentStream::next(VoltageSegment& segment) {
     } else if (!hold_.next([&](VoltageSegment& asked) { return cursor_.next(asked); }, segment)) {
         return false;
     }
-    // Boundaries of stretches carry rounding: a mark that is as near as that is one of them.
+    // Boundaries of segments carry rounding: a mark that is as near as that is one of them.
     const double slack = 1e-9 * duration_;
     for (const double mark : marks_) {
         if (mark <= segment.start + slack || mark >= segment.end - slack) continue;
@@ -129,10 +129,10 @@ std::vector<VoltagePoint> clipped(const std::vector<VoltagePoint>& curve, double
     for (const VoltagePoint& point : curve) {
         if (!points.empty() && point.time > points.back().time) {
             const VoltagePoint from = points.back();
-            const VoltageSegment stretch{from.time, point.time, from.voltage, point.voltage};
+            const VoltageSegment segment{from.time, point.time, from.voltage, point.voltage};
             for (const double part : crossings(from.voltage, point.voltage, limit)) {
                 const double t = from.time + part * (point.time - from.time);
-                points.push_back({t, voltage_at(stretch, t)});
+                points.push_back({t, voltage_at(segment, t)});
             }
         }
         points.push_back(point);

@@ -16,7 +16,7 @@ struct VoltagePoint {
     PerCoil voltage = {};  ///< V
 };
 
-/// A piecewise-linear stretch of voltages that is played `repeats` times. Two points at one time
+/// A piecewise-segments that is played `repeats` times. Two points at one time
 /// are a jump. The last point's time is the block's duration.
 struct VoltageBlock {
     std::vector<VoltagePoint> points;
@@ -25,7 +25,7 @@ struct VoltageBlock {
     double duration() const { return points.empty() ? 0.0 : points.back().time; }
 };
 
-/// A linear stretch of the program in absolute time.
+/// A linear segment of the program in absolute time.
 struct VoltageSegment {
     double start = 0.0;  ///< s
     double end = 0.0;    ///< s
@@ -55,13 +55,13 @@ private:
     PerCoil largest_ = {};
 };
 
-/// Walks through the linear stretches of a program in order; stretches of no duration are passed
+/// Walks through the linear segmentes of a program in order; segments of no duration are passed
 /// over (they are jumps).
 class SegmentCursor {
 public:
     explicit SegmentCursor(const VoltageProgram& program) : program_(&program) {}
 
-    /// Writes the next stretch and returns true, or returns false at the end of the program.
+    /// Writes the next segment and returns true, or returns false at the end of the program.
     bool next(VoltageSegment& segment);
 
 private:
@@ -72,7 +72,7 @@ private:
     double block_start_ = 0.0;
 };
 
-/// Voltages at a time of a stretch, s.
+/// Voltages at a time of a segment, s.
 PerCoil voltage_at(const VoltageSegment& segment, double t);
 
 /// The digital-to-analogue converter: over each of its periods it holds the voltage that was asked
@@ -86,7 +86,7 @@ public:
     /// period: s, zero: the voltages are given as they are asked for.
     explicit SampleHold(double period) : period_(period) {}
 
-    /// Writes the next stretch that is given. `asked(segment)` writes the next one that is asked
+    /// Writes the next segment that is given. `asked(segment)` writes the next one that is asked
     /// for and returns true, or false where none is for now; then what is held ends there, and
     /// false is returned after it.
     template <class Asked>
@@ -98,7 +98,7 @@ public:
             return true;
         };
         while (true) {
-            // Ends of stretches carry rounding: a period that divides the pulse meets its jumps
+            // Ends of segments carry rounding: a period that divides the pulse meets its jumps
             // but for that, and then holds what follows.
             constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
             const double instant = static_cast<double>(memory_.held) * period_;
@@ -123,11 +123,11 @@ public:
 private:
     double period_;
     Memory memory_;
-    VoltageSegment asked_;  // the stretch that is sampled
-    double time_ = 0.0;     // s, where the last stretch that was given ends
+    VoltageSegment asked_;  // the segment that is sampled
+    double time_ = 0.0;     // s, where the last segment that was given ends
 };
 
-/// The stretches that the coils get of a program, cut at marks.
+/// The segments that the coils get of a program, cut at marks.
 class SegmentStream {
 public:
     /// hold_period in s, zero: none. marks: ascending times, s.

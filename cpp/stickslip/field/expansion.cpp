@@ -185,19 +185,19 @@ template <int D>
 void LocalFieldOf<D>::set_gain(const PerCoil& gain) {
     gain_ = gain;
     set_workspace();
-    if (expanded_) expand(stretch_.centre);
+    if (expanded_) expand(course_.centre);
 }
 
 template <int D>
 void LocalFieldOf<D>::set_segment(const CurrentSegment& segment) {
-    // Without the currents in the coils and what is zero: stretches may be short.
+    // Without the currents in the coils and what is zero: segments may be short.
     segment_.start = segment.start;
     segment_.exponentials = segment.exponentials;
     segment_.rate = segment.rate;
     std::copy_n(segment.field.begin(), 2 + segment.exponentials, segment_.field.begin());
     min_time_constant_ =
         0.5 / *std::max_element(segment.rate.begin(), segment.rate.begin() + segment.exponentials);
-    stretch_.rate = segment.rate[0];
+    course_.rate = segment.rate[0];
     for (std::size_t j = 1; j < static_cast<std::size_t>(segment.exponentials); ++j) {
         further_[j - 1].rate = segment.rate[j];
     }
@@ -205,11 +205,11 @@ void LocalFieldOf<D>::set_segment(const CurrentSegment& segment) {
 }
 
 template <int D>
-void LocalFieldOf<D>::begin_stretch(const CurrentSegment& segment, const Centre& place) {
+void LocalFieldOf<D>::begin_segment(const CurrentSegment& segment, const Centre& place) {
     if (workspace_.holds(place)) {
         Centre centre;
         for (std::size_t i = 0; i < D; ++i) centre[i] = on_grid(place[i], reach_);
-        if (!expanded_ || centre != stretch_.centre) expand(centre);
+        if (!expanded_ || centre != course_.centre) expand(centre);
     }
     set_segment(segment);
     rebase(place);
@@ -221,7 +221,7 @@ void LocalFieldOf<D>::rebase(const Centre& place) {
     if (outside_) return;
     bool far = !expanded_;
     for (std::size_t i = 0; i < D; ++i) {
-        far = far || std::abs(place[i] - stretch_.centre[i]) > 0.5 * reach_;
+        far = far || std::abs(place[i] - course_.centre[i]) > 0.5 * reach_;
     }
     if (!far) return;
     expand(place);
@@ -266,7 +266,7 @@ void LocalFieldOf<D>::expand(const Centre& place) {
         if (gain_[k] == 0.0) continue;
         unit_[k] = expanded(*coils_, static_cast<Coil>(k), place, reach_ / 1.5);
     }
-    stretch_.centre = place;
+    course_.centre = place;
     expanded_ = true;
 }
 
@@ -289,9 +289,9 @@ void LocalFieldOf<D>::combine() {
                 sum[i] += part;
             }
         }
-        (b < 3 ? stretch_.basis[b] : further_[b - 3].basis) = sum;
+        (b < 3 ? course_.basis[b] : further_[b - 3].basis) = sum;
     }
-    for (std::size_t i = 0; i < D; ++i) stretch_.basis[0][i] += ambient_[i];
+    for (std::size_t i = 0; i < D; ++i) course_.basis[0][i] += ambient_[i];
 }
 
 template <>

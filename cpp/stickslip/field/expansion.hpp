@@ -93,9 +93,9 @@ private:
 using Expansion = ExpansionOf<double>;
 using SpatialExpansion = ExpansionOf<double, 3>;
 
-/// The field near a centre over a stretch in which the currents are a + b tau + c exp(-rate tau).
+/// The field near a centre over a segment in which the currents are a + b tau + c exp(-rate tau).
 template <class Real, int D = 2>
-struct FieldStretch {
+struct FieldSegment {
     using Terms = typename ExpansionOf<Real, D>::Terms;
 
     std::array<Terms, 3> basis;  ///< of a, b and c
@@ -125,7 +125,7 @@ struct FieldStretch {
     }
 };
 
-/// What an exponential beside the first adds to the field of a stretch.
+/// What an exponential beside the first adds to the field of a segment.
 template <class Real, int D = 2>
 struct FurtherExponential {
     using Terms = typename ExpansionOf<Real, D>::Terms;
@@ -170,7 +170,7 @@ struct CoilField {
     std::array<double, 2> slope = {};
 };
 
-/// The field of the driven coils near the robot and over one stretch of voltage.
+/// The field of the driven coils near the robot and over one segment of voltage.
 ///
 /// The field derives from a potential, which is expanded to fourth order about a centre near the
 /// robot; its coefficients come from the analytic field and gradient at the centre and at points
@@ -194,15 +194,15 @@ public:
     /// What multiplies the field of the coils from now on; it has to outlive this.
     void set_shape(const FieldShape& shape) { shape_ = &shape; }
     bool has_shape() const { return shape_ != nullptr; }
-    /// That factor, `tau` seconds into the stretch.
+    /// That factor, `tau` seconds into the segment.
     double factor(double tau) const {
         return shape_ ? shape_->factor(segment_.start + tau, segment_.field_currents(tau)) : 1.0;
     }
 
     void set_segment(const CurrentSegment& segment);
-    /// Begins a stretch with the robot at a place, which alone decides the centre, a point of a
-    /// grid, so that many stretches share one expansion.
-    void begin_stretch(const CurrentSegment& segment, const Centre& place);
+    /// Begins a segment with the robot at a place, which alone decides the centre, a point of a
+    /// grid, so that many segments share one expansion.
+    void begin_segment(const CurrentSegment& segment, const Centre& place);
 
     const PerCoil& gain() const { return gain_; }
     /// For a coil that gets its first current.
@@ -210,11 +210,11 @@ public:
 
     /// Moves the centre to the robot where it has left half the reach.
     void rebase(const Centre& place);
-    const Centre& centre() const { return stretch_.centre; }
+    const Centre& centre() const { return course_.centre; }
     /// How far from its centre an expansion holds, m.
     double reach() const { return reach_; }
 
-    /// Half the time constant of the fastest exponential of the stretch, s.
+    /// Half the time constant of the fastest exponential of the segment, s.
     double min_time_constant() const { return min_time_constant_; }
 
     /// The robot has come so near to a coil's plane, or to the end of the map, that the model of
@@ -223,17 +223,17 @@ public:
     /// Where it may be; anywhere without coils that drive.
     const WorkspaceOf<double, D>& workspace() const { return workspace_; }
 
-    /// The expansion at `tau` seconds into the stretch. It does not depend on the robot's state, so
+    /// The expansion at `tau` seconds into the segment. It does not depend on the robot's state, so
     /// an integrator can have it ready before a stage begins.
     ExpansionOf<double, D> at(double tau) const { return sum_at(tau); }
 
-    /// The field over the stretch at a place, without a shape; the caller sets `segment`.
+    /// The field over the segment at a place, without a shape; the caller sets `segment`.
     FieldCourse course(const Centre& place) const;
     /// What each coil makes there of a robot with that heading, with its gain.
     PerCoilOf<CoilField> of_coils(const Centre& place, double heading = 0.0) const;
 
-    /// The stretch as the formulas see it, where no shape multiplies it: its first exponential.
-    const FieldStretch<double, D>& stretch() const { return stretch_; }
+    /// The segment as the formulas see it, where no shape multiplies it: its first exponential.
+    const FieldSegment<double, D>& segment() const { return course_; }
     /// What exponential j adds, counted from 0 and beginning with 1, where there is such a one.
     const FurtherExponential<double, D>& further(std::size_t j) const { return further_[j - 1]; }
 
@@ -242,7 +242,7 @@ private:
     using Terms = typename Expansion::Terms;
 
     [[gnu::always_inline]] Expansion sum_at(double tau) const {
-        Expansion result = stretch_.at(tau);
+        Expansion result = course_.at(tau);
         for (std::size_t j = 1; j < static_cast<std::size_t>(segment_.exponentials); ++j) {
             further_[j - 1].add(tau, result);
         }
@@ -255,12 +255,12 @@ private:
     void multiply(double tau, Expansion& expansion) const;
     /// Of terms about the centre, at a place.
     auto value(const Terms& terms, const Centre& place) const {
-        const Expansion expansion = {terms, stretch_.centre, 0.0};
+        const Expansion expansion = {terms, course_.centre, 0.0};
         return std::apply(expansion, place);
     }
     /// Of a function of the currents.
     const Terms& basis(std::size_t b) const {
-        return b < 3 ? stretch_.basis[b] : further_[b - 3].basis;
+        return b < 3 ? course_.basis[b] : further_[b - 3].basis;
     }
 
     const CoilSet* coils_;
@@ -274,7 +274,7 @@ private:
     bool expanded_ = false;
     bool outside_ = false;
     std::array<Terms, kCoilCount> unit_ = {};  // per ampere of each coil
-    FieldStretch<double, D> stretch_ = {};
+    FieldSegment<double, D> course_ = {};
     // Of the second exponential and those after it.
     std::array<FurtherExponential<double, D>, kMaxExponentials - 1> further_ = {};
 };

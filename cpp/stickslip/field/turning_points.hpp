@@ -9,19 +9,19 @@
 #include "stickslip/numbers/elementary.hpp"
 #include "stickslip/numbers/roots.hpp"
 
-/// Where what the coils make of a stretch of voltage turns: sums of a line and exponentials.
+/// Where what the coils make of a segment of voltage turns: sums of a line and exponentials.
 namespace stickslip {
 
-/// Widths of the parts of a stretch between two looks at its exponentials, which fade from its
+/// Widths of the parts of a segment between two looks at its exponentials, which fade from its
 /// start: of the fastest one's time constant, and of the time since the start. A cubic through the
 /// values and slopes at the ends of such a part misses 1e-5 of what the exponentials change.
 inline constexpr double kTurningLook = 0.3;
 
-/// Calls `use(tau)` where each part of a stretch ends, s from its start.
+/// Calls `use(tau)` where each part of a segment ends, s from its start.
 void for_each_part(const CurrentSegment& segment, auto&& use) {
     const double fastest =
         *std::max_element(segment.rate.begin(), segment.rate.begin() + segment.exponentials);
-    // What fades within the rounding of the stretch's times, as a rate that overflowed, is not
+    // What fades within the rounding of the segment's times, as a rate that overflowed, is not
     // seen.
     const double least = std::max(1.0 / fastest, 1e-16 * segment.duration);
     double tau = 0.0;
@@ -33,7 +33,7 @@ void for_each_part(const CurrentSegment& segment, auto&& use) {
     }
 }
 
-/// Calls `use(tau)` where a sum of the functions of a stretch turns, s from the start. c: its
+/// Calls `use(tau)` where a sum of the functions of a segment turns, s from the start. c: its
 /// coefficients, as of the currents.
 void for_each_turn(const CurrentSegment& segment, const std::array<double, kMaxBasis>& c,
                    auto&& use) {
@@ -92,7 +92,7 @@ void for_each_turn(const CurrentSegment& segment, std::size_t coil, auto&& use) 
     for_each_turn(segment, c, use);
 }
 
-/// The field at one place in the course of a stretch, of coils that nothing else multiplies.
+/// The field at one place in the course of a segment, of coils that nothing else multiplies.
 struct FieldCourse {
     using Vector = std::array<double, 3>;
 
@@ -102,9 +102,9 @@ struct FieldCourse {
     std::array<std::array<double, 6>, kMaxBasis> gradient = {};
 };
 
-/// Where in a stretch |B| may have an extreme at a robot that moves.
+/// Where in a segment |B| may have an extreme at a robot that moves.
 struct FieldTurn {
-    double from = 0.0, to = 0.0;  ///< s, from the start of the stretch
+    double from = 0.0, to = 0.0;  ///< s, from the start of the segment
     /// Where it has one at the place of the course, s, and the slope's slope of |B|^2 there,
     /// T^2/s^2; 0: anywhere between the two times, a largest or a least one, or several.
     double at = 0.0, curve = 0.0;
@@ -153,7 +153,7 @@ void for_each_field_turn(const FieldCourse& course, double speed, auto&& use) {
         return xx * xx + yy * yy + zz * zz + 2.0 * (xy * xy + xz * xz + yz * yz);
     };
     constexpr double kFlat = 1e-2;  // of the slope at the other end of a part; chosen
-    // The gradient between the ends of the stretch, or away from the place, may be larger.
+    // The gradient between the ends of the segment, or away from the place, may be larger.
     constexpr double kMore = 1.5;
     const double squares = std::max(squared_gradient(0.0), squared_gradient(segment.duration));
     const double drift = kMore * std::sqrt(squares) * speed;  // T/s

@@ -152,7 +152,7 @@ Model make_model(const Scenario& s) {
     // In the whole plane what acts along the surface has any direction, see `surface_weight`.
     const double downhill = surface_direction(e.surface_tilt_azimuth).x;
     const double tilt = frame_sign(s) * (downhill < 0.0 ? -1.0 : 1.0) * e.surface_tilt_angle;
-    model.gravity_x = turns(s) ? 0.0 : s.gravity * std::sin(tilt);
+    model.gravity_x = in_whole_plane(s) ? 0.0 : s.gravity * std::sin(tilt);
     model.gravity_z = -s.gravity * std::cos(tilt);
     model.translational_drag = s.drag.linear;
     model.angle_drag = e.angle_drag_strength;
@@ -240,7 +240,7 @@ VoltageProgram asked_program(const Scenario& s) {
         volts_per_tesla[k] = coils[k].resistance / windings.centre_field_per_ampere(coil);
     }
     // The frame of a robot that stays in one plane is its own.
-    const SurfaceDirection towards = turns(s) ? drive_direction(s) : SurfaceDirection{};
+    const SurfaceDirection towards = in_whole_plane(s) ? drive_direction(s) : SurfaceDirection{};
     return sawtooth_program(s.drive, towards, volts_per_tesla);
 }
 
@@ -272,7 +272,7 @@ PerCoil driven_gain(const Scenario& scenario, const VoltageProgram& program) {
 // In the whole plane the field is that of the PlaneDynamics.
 LocalField make_local_field(const Scenario& scenario, const VoltageProgram& program,
                             const CoilSet& coils) {
-    const PerCoil gain = turns(scenario) ? PerCoil{} : driven_gain(scenario, program);
+    const PerCoil gain = in_whole_plane(scenario) ? PerCoil{} : driven_gain(scenario, program);
     return LocalField(coils, gain,
                       {frame_sign(scenario) * scenario.effects.ambient_field_bx,
                        scenario.effects.ambient_field_bz});

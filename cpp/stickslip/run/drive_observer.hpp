@@ -13,14 +13,15 @@
 namespace stickslip {
 
 /// Gathers what the coils do: largest voltage, current and field of a run, and over the measuring
-/// window the least field and the power. Voltages and currents are those of whole stretches; the
+/// window the least field and the power. Voltages and currents are those of whole segments; the
 /// field is that at the moving robot, so the caller passes its extremes to `see_field`.
 class DriveObserver {
 public:
     explicit DriveObserver(const Circuit& circuit) : resistance_(circuit.resistance()) {}
 
-    /// A stretch that has ended.
-    void stretch(const VoltageSegment& voltages, const CurrentSegment& segment, bool in_window) {
+    /// A segment that has ended.
+    void end_segment(const VoltageSegment& voltages, const CurrentSegment& segment,
+                     bool in_window) {
         for (std::size_t k = 0; k < kCoilCount; ++k) {
             for (const double volts : {voltages.first[k], voltages.last[k]}) {
                 if (std::abs(volts) > std::abs(voltage_[k])) voltage_[k] = volts;
@@ -39,7 +40,7 @@ public:
         for (std::size_t k = 0; k < kCoilCount; ++k) energy_ += resistance_[k] * squares[k];
     }
 
-    /// The pull of the in-plane coils in a stretch that has ended, as they are where it ends.
+    /// The pull of the in-plane coils in a segment that has ended, as they are where it ends.
     /// factor(tau): what a free shape makes of the field.
     void pull(const PerCoilOf<CoilField>& coils, const CurrentSegment& segment, auto&& factor) {
         std::array<std::array<double, kMaxBasis>, 2> slope = {};  // T/m

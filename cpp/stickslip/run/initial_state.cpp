@@ -29,8 +29,8 @@ public:
           model_(model),
           shape_(model.shape),
           sign_(model.frame_sign),
-          turns_(turns(scenario)),
-          heading_(turns_ ? start_heading(scenario) : Heading{}) {}
+          whole_plane_(in_whole_plane(scenario)),
+          heading_(whole_plane_ ? start_heading(scenario) : Heading{}) {}
 
     Start start() {
         place();
@@ -67,7 +67,7 @@ public:
         // So far the velocities were along the heading and across.
         const Slip velocity = {body.vx, body.vy};
         const Slip slip = {start_.state.slip_velocity, start_.state.slip_y};
-        if (turns_) {
+        if (whole_plane_) {
             body.vx = heading_.x(velocity);
             body.vy = heading_.y(velocity);
             body.heading = heading_.angle();
@@ -97,7 +97,7 @@ private:
         }
         body.x = sign_ * given_.x;
         body.vx = sign_ * given_.vx;
-        if (turns_) {
+        if (whole_plane_) {
             const Slip velocity = heading_.seen(given_.vx, given_.vy);
             body.y = given_.y;
             body.vx = velocity.along;
@@ -161,7 +161,7 @@ private:
         const bool moves = std::abs(slip_velocity) > slack() || std::abs(body.vy) > slack();
         const int wanted = given_.contact == forward ? 1 : given_.contact == backward ? -1 : 0;
         // A slip across is neither.
-        const bool fits = turns_ ? wanted != 0 : wanted * along_world > 0.0;
+        const bool fits = whole_plane_ ? wanted != 0 : wanted * along_world > 0.0;
         if (moves && !fits) {
             refuse("initial.contact", word_,
                    (wanted == 0 ? "a state whose contact does not move; this one moves at "
@@ -169,7 +169,7 @@ private:
                        digits(along_world) + " m/s");
         }
         // In the whole plane a slip has a vector, and its mode no sign.
-        start_.state.mode.slip = turns_ ? std::abs(wanted) : wanted * static_cast<int>(sign_);
+        start_.state.mode.slip = whole_plane_ ? std::abs(wanted) : wanted * static_cast<int>(sign_);
         start_.state.slip_velocity = moves ? slip_velocity : 0.0;
         start_.state.slip_y = moves ? body.vy : 0.0;
     }
@@ -199,7 +199,7 @@ private:
         if (std::abs(slip_velocity) > slack() || std::abs(body.vy) > slack()) {
             state.slip_velocity = slip_velocity;
             state.slip_y = body.vy;
-            state.mode.slip = turns_ || slip_velocity > 0.0 ? 1 : -1;
+            state.mode.slip = whole_plane_ || slip_velocity > 0.0 ? 1 : -1;
         }
     }
 
@@ -244,7 +244,7 @@ private:
     const Model& model_;
     const Rectangle& shape_;
     const double sign_;
-    const bool turns_;
+    const bool whole_plane_;
     const Heading heading_;
     Start start_;
 };

@@ -31,12 +31,12 @@ void Measurement::close_window(double time) {
     of_window_.turning_speed = (player_.turned() - turned_before_) * radius / span;
 }
 
-// The field is looked at within the steps, at the robot's place: in the course of a stretch it
+// The field is looked at within the steps, at the robot's place: in the course of a segment it
 // moves through a gradient.
 void Measurement::plan_looks() {
     looks_.clear();
     const bool in_window = observer_.is_open();
-    // The field goes on from the last stretch, but for the first of the run or of the window.
+    // The field goes on from the last segment, but for the first of the run or of the window.
     if (!drive_.has_seen_field(in_window)) {
         drive_.see_field(squared_field(0.0, player_.body()), in_window);
     }
@@ -61,7 +61,7 @@ void Measurement::end_look() {
     next_look_ = looks_.empty() ? kNoLook : looks_.back().turn.from;
 }
 
-void Measurement::stretch(double duration) {
+void Measurement::end_segment(double duration) {
     if (!player_.is_open() || !(duration > 0.0)) return;
     CurrentSegment played = player_.segment();
     VoltageSegment voltages = player_.voltages();
@@ -71,7 +71,7 @@ void Measurement::stretch(double duration) {
         played.duration = duration;
     }
     const bool in_window = observer_.is_open();
-    drive_.stretch(voltages, played, in_window);
+    drive_.end_segment(voltages, played, in_window);
     drive_.see_field(squared_field(duration, player_.body()), in_window);
     drive_.pull(player_.field_of_coils(), played,
                 [this](double tau) { return player_.dynamics().field().factor(tau); });

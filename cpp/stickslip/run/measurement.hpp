@@ -23,8 +23,8 @@ public:
           observer_(pulse_period(scenario)),
           drive_(player.circuit()) {}
 
-    /// Where a stretch begins or the run ends, `time` s: opens and closes the window. Boundaries of
-    /// stretches carry rounding; the window's ends are some of them.
+    /// Where a segment begins or the run ends, `time` s: opens and closes the window. Boundaries of
+    /// segments carry rounding; the window's ends are some of them.
     void watch_window(double time);
     /// Where a run stops before its window ends, or at the end.
     void close(double time) {
@@ -32,20 +32,20 @@ public:
     }
     /// The run begins.
     void begin() { start_fields_ = player_.field_of_coils(); }
-    /// Lists the times at which |B| may turn in the stretch that has just begun.
+    /// Lists the times at which |B| may turn in the segment that has just begun.
     void plan_looks();
-    /// From when on the field has to be looked at within steps, s in the stretch.
+    /// From when on the field has to be looked at within steps, s in the segment.
     double next_look() const { return next_look_; }
-    /// The field in what has been played from one time of the stretch to another, where it may
+    /// The field in what has been played from one time of the segment to another, where it may
     /// turn. `body_at(tau)` gives the body at any time in that span.
     void look_at_field(double from, double to, auto&& body_at);
-    /// A phase, or its part within a stretch, that took `duration` s.
+    /// A phase, or its part within a segment, that took `duration` s.
     template <class Phase>
     void phase(const Phase& phase, const PhaseEnd<Phase>& end, double duration) {
         observer_.phase(phase, end, duration, player_.body().quadrant);
     }
-    /// A stretch that has ended, or its first `duration` s.
-    void stretch(double duration);
+    /// A segment that has ended, or its first `duration` s.
+    void end_segment(double duration);
     /// Writes all numbers of the summary; those of the window are empty unless it has closed.
     void write(Summary& summary) const;
 
@@ -64,7 +64,7 @@ private:
     SummaryObserver observer_;
     DriveObserver drive_;
     bool has_opened_ = false;
-    // Where the field may turn in what is left of the stretch, the next such time last.
+    // Where the field may turn in what is left of the segment, the next such time last.
     struct FieldLook {
         FieldTurn turn;
         bool for_most, for_least;

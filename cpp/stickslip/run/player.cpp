@@ -24,7 +24,7 @@ Player::Player(const Scenario& scenario, const std::vector<double>& marks,
       transitions_(dynamics_, state_),
       // Fifty free swings.
       watch_(50.0 * 2.0 * std::numbers::pi / options_.swing_rate) {
-    if (turns(scenario)) {
+    if (stickslip::in_whole_plane(scenario)) {
         plane_ = make_plane_dynamics(scenario, program_, coils_, dynamics_);
         transitions_.set_plane(*plane_);
     }
@@ -34,7 +34,7 @@ Player::Player(const Scenario& scenario, const std::vector<double>& marks,
     dynamics_.set_contact_age(start.contact_age);
 }
 
-void Player::begin_stretch() {
+void Player::begin_segment() {
     if (is_stepped()) drive_further_coils();
     is_open_ = true;
     dynamics_.set_contact_age(dynamics_.contact_age() + segment_.duration);
@@ -42,8 +42,8 @@ void Player::begin_stretch() {
     tau_ = 0.0;
     memory_ = {.born = false};
     watch_.begin();
-    dynamics_.begin_stretch(segment_, state_.body.x, state_.body.z);
-    if (plane_) plane_->field().begin_stretch(segment_, place(state_.body));
+    dynamics_.begin_segment(segment_, state_.body.x, state_.body.z);
+    if (plane_) plane_->field().begin_segment(segment_, place(state_.body));
 }
 
 // Coils that the scenario's drive does not use, and a step does.
@@ -122,7 +122,7 @@ FieldCourse Player::field_course() const {
 
 SimulationState Player::world() const {
     SimulationState result = motion();
-    // Within a stretch the circuit is at its end already.
+    // Within a segment the circuit is at its end already.
     PerCoil current = circuit_.currents(), lag = circuit_.field_lag();
     if (!is_at_end()) {
         current = segment_.currents(tau_);

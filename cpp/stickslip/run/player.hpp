@@ -9,7 +9,7 @@
 
 #include "stickslip/contact/contact_transitions.hpp"
 #include "stickslip/contact/phase_of.hpp"
-#include "stickslip/drive/stretch_source.hpp"
+#include "stickslip/drive/segment_source.hpp"
 #include "stickslip/field/turning_points.hpp"
 #include "stickslip/run/assembly.hpp"
 #include "stickslip/run/initial_state.hpp"
@@ -19,12 +19,12 @@
 
 namespace stickslip {
 
-/// The motion of a run: stretches of voltage one after another, the phases between events, and what
+/// The motion of a run: segments of voltage one after another, the phases between events, and what
 /// each event makes of the state. It depends
 /// neither on the method nor on what is recorded or measured.
 class Player {
 public:
-    /// marks: further times (s) at which a stretch must end. stop: ends the motion from outside; or
+    /// marks: further times (s) at which a segment must end. stop: ends the motion from outside; or
     /// nullptr.
     Player(const Scenario& scenario, const std::vector<double>& marks,
            const std::atomic<bool>* stop);
@@ -48,21 +48,21 @@ public:
     const Circuit& circuit() const { return circuit_; }
     const StepperOptions& options() const { return options_; }
 
-    // Stretches.
+    // Segments.
 
-    /// Takes the next stretch and returns true; false where all is played.
-    bool take_stretch() { return source_.next(voltages_); }
-    void begin_stretch();
-    void end_stretch() { is_open_ = false; }
-    /// Whether a stretch has begun, and `end_stretch` was not called yet.
+    /// Takes the next segment and returns true; false where all is played.
+    bool take_segment() { return source_.next(voltages_); }
+    void begin_segment();
+    void end_segment() { is_open_ = false; }
+    /// Whether a segment has begun, and `end_segment` was not called yet.
     bool is_open() const { return is_open_; }
     bool is_at_end() const { return tau_ >= segment_.duration; }
     const VoltageSegment& voltages() const { return voltages_; }
     const CurrentSegment& segment() const { return segment_; }
-    double tau() const { return tau_; }  ///< s, in the stretch
+    double tau() const { return tau_; }  ///< s, in the segment
     double absolute(double tau) const { return segment_.start + tau; }
     double time() const { return absolute(tau_); }
-    /// The motion ends within the stretch: the currents are from now on those of that instant.
+    /// The motion ends within the segment: the currents are from now on those of that instant.
     void stay_there();
 
     // Phases.
@@ -102,16 +102,16 @@ public:
     bool is_outside() const {
         return plane_ ? plane_->field().outside() : dynamics_.field().outside();
     }
-    /// At the robot's place, `tau` seconds into the stretch, T.
+    /// At the robot's place, `tau` seconds into the segment, T.
     std::array<double, 3> field(double tau, const BodyState& body) const;
     /// What each coil makes there.
     PerCoilOf<CoilField> field_of_coils() const;
-    /// Whether a free shape may turn the field anywhere; else its course over the stretch.
+    /// Whether a free shape may turn the field anywhere; else its course over the segment.
     bool has_field_shape() const {
         return plane_ ? plane_->field().has_shape() : dynamics_.field().has_shape();
     }
     FieldCourse field_course() const;
-    /// Everything at `tau` seconds into the stretch.
+    /// Everything at `tau` seconds into the segment.
     Snapshot snapshot(double tau) const {
         return plane_ ? stickslip::snapshot(*plane_, state_, tau)
                       : stickslip::snapshot(dynamics_, state_, tau);
@@ -149,7 +149,7 @@ private:
     const StepperOptions options_;
     std::optional<PlaneDynamics> plane_;  // of a robot that moves in the whole plane
 
-    StretchSource source_;
+    SegmentSource source_;
     VoltageSegment voltages_;
     CurrentSegment segment_;
     double tau_ = 0.0;

@@ -15,9 +15,9 @@ ContactMode seen_along(ContactMode mode, double along) {
     return mode;
 }
 
-Recorder::Recorder(const RecordSettings& settings, double frame_sign, bool turns)
-    : settings_(settings), sign_(frame_sign), turns_(turns) {
-    for (std::size_t k = 0; k < kColumns && !turns; ++k) {
+Recorder::Recorder(const RecordSettings& settings, double frame_sign, bool whole_plane)
+    : settings_(settings), sign_(frame_sign), whole_plane_(whole_plane) {
+    for (std::size_t k = 0; k < kColumns && !whole_plane; ++k) {
         if (kRecordColumns[k].of_plane) settings_.dropped.set(k);
     }
     if (!on_grid()) return;
@@ -62,7 +62,7 @@ void Recorder::add(double t, const Snapshot& s, const ContactMode& mode,
     put(r.by, sign_ * field[1]);
     put(r.bz, field[2]);
     put(r.current, sign_ > 0.0 ? current : turned(current));
-    put(r.contact, contact_code(turns_ ? seen_along(mode, s.slip_velocity) : mode, sign_));
+    put(r.contact, contact_code(whole_plane_ ? seen_along(mode, s.slip_velocity) : mode, sign_));
     ++index;  // the event comes after the sample
     put(r.y, s.body.y);
     put(r.vy, s.body.vy);

@@ -92,8 +92,8 @@ public:
     /// Samples that a sink gets at a time: 11 MB, and enough for a chunk to compress well.
     static constexpr std::size_t kChunk = 65536;
 
-    /// turns: whether the run is one in the whole plane.
-    Recorder(const RecordSettings& settings, double frame_sign, bool turns);
+    /// whole_plane: whether the run is one in the whole plane.
+    Recorder(const RecordSettings& settings, double frame_sign, bool whole_plane);
 
     /// Whether an event at `t`, s, is recorded.
     bool at_event(double t) const {
@@ -122,7 +122,7 @@ private:
 
     RecordSettings settings_;
     double sign_;
-    bool turns_;
+    bool whole_plane_;
     std::int64_t count_ = 0;  // of the grid's samples, those before `from` among them
     Recording recording_;
 };

@@ -51,7 +51,7 @@ void Run::go() {
 bool Run::next_phase() {
     while (goes_on()) {
         if (!player_.is_at_end()) return true;
-        if (!next_stretch()) break;
+        if (!next_segment()) break;
     }
     if (result_.status != Status::ok) {
         end_here();
@@ -65,22 +65,22 @@ void Run::end_here() {
     if (player_.is_stepped()) {
         player_.stay_there();
     } else {
-        measurement_.stretch(player_.tau());
+        measurement_.end_segment(player_.tau());
     }
 }
 
-bool Run::next_stretch() {
+bool Run::next_segment() {
     if (is_interrupted()) {
         result_.status = Status::interrupted;
         return false;
     }
     const bool is_stepped = player_.is_stepped();  // such a run has no summary
     if (player_.is_open()) {
-        if (!is_stepped) measurement_.stretch(player_.segment().duration);
-        player_.end_stretch();
+        if (!is_stepped) measurement_.end_segment(player_.segment().duration);
+        player_.end_segment();
     }
-    if (!player_.take_stretch()) return false;
-    if (++stretches_ > player_.options().most_steps) {
+    if (!player_.take_segment()) return false;
+    if (++segments_played_ > player_.options().most_steps) {
         result_.status = Status::too_many_steps;
         return false;
     }
@@ -93,7 +93,7 @@ bool Run::next_stretch() {
         }
         if (result_.stopped) return false;
     }
-    player_.begin_stretch();
+    player_.begin_segment();
     if (player_.is_outside()) {
         result_.status = Status::left_workspace;
         return false;
@@ -134,7 +134,7 @@ void Run::play_phase() {
 
 void Run::finish() {
     if (result_.stopped) {
-        measurement_.stretch(player_.tau());
+        measurement_.end_segment(player_.tau());
         measurement_.close(player_.time());
         return;
     }
@@ -167,7 +167,7 @@ void Run::after_event() {
 }
 
 void Run::reset_counts() {
-    stretches_ = 0;
+    segments_played_ = 0;
     result_.counted_from = time();
     tsit5_.set_counts({});
 }
@@ -193,7 +193,7 @@ void Run::fail(const WrenchNotFinite& failure) {
     if (player_.is_stepped()) {
         player_.stay_there();
     } else {
-        measurement_.stretch(failure.time - player_.segment().start);
+        measurement_.end_segment(failure.time - player_.segment().start);
     }
 }
 

@@ -53,7 +53,7 @@ public:
 
     /// Plays up to the next phase that has to be integrated; false if the run is over.
     bool next_phase();
-    /// Integrates that phase up to its end, or that of the stretch of voltage.
+    /// Integrates that phase up to its end, or that of the segment of voltage.
     void play_phase();
     Player& player() { return player_; }
     Tsit5& tsit5() { return tsit5_; }
@@ -89,8 +89,8 @@ private:
         return true;
 #endif
     }
-    bool next_stretch();
-    // Of a run that ends within a stretch.
+    bool next_segment();
+    // Of a run that ends within a segment.
     void end_here();
     void begin();
     void finish();
@@ -120,7 +120,7 @@ private:
     RunControl* control_;
     const std::optional<StopCondition> stop_;
     RunResult result_;
-    std::int64_t stretches_ = 0;
+    std::int64_t segments_played_ = 0;
 };
 
 // Samples of the uniform grid in (…, limit] s of absolute time; `snapshot_at(t)` in absolute time.

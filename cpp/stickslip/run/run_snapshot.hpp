@@ -11,7 +11,7 @@
 namespace stickslip {
 
 /// Where a stepped run stands between two steps: its state, time and voltages. Nothing else crosses
-/// the end of a stretch of voltage, so that a restored run goes on with the same bits.
+/// the end of a segment of voltage, so that a restored run goes on with the same bits.
 struct RunSnapshot {
     std::uint64_t scenario = 0;  ///< fingerprint of all that moves the robot
     HybridState state;
@@ -20,7 +20,7 @@ struct RunSnapshot {
     ControlSteps::Memory steps;
     HeadingWatch::State heading;
     PerCoil gain = {};          ///< of the coils that had current
-    bool begun = false;         ///< whether the first stretch has begun
+    bool begun = false;         ///< whether the first segment has begun
     bool touches_down = false;  ///< whether it begins with an impact
     bool in_whole_plane = false;
     Status status = Status::ok;

@@ -95,10 +95,10 @@ public:
         start_x_ = body.x;
         start_y_ = body.y;
     }
-    /// Where a stretch of voltage ends within the window; a pulse ends with a stretch.
+    /// Where a segment of voltage ends within the window; a pulse ends with a segment.
     void pass(double t, const BodyState& body) {
         if (!(period_ > 0.0)) return;
-        // Ends of stretches carry rounding.
+        // Ends of segments carry rounding.
         const auto pulses =
             static_cast<std::int64_t>(std::floor((t - start_) / period_ + kRounding));
         if (pulses <= pulses_) return;
@@ -126,7 +126,7 @@ public:
     bool is_open() const { return open_; }
     double start() const { return start_; }  ///< s
 
-    /// A phase, or its part within a stretch of voltage, that took `duration` s.
+    /// A phase, or its part within a segment of voltage, that took `duration` s.
     template <class Phase>
     void phase(const Phase& phase, const PhaseEnd<Phase>& end, double duration, int quadrant) {
         if (!open_) return;

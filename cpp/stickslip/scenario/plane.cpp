@@ -18,7 +18,7 @@ bool has_equal_coils_of_y(const Scenario& s) {
 }  // namespace
 
 void check_plane(const Scenario& s) {
-    if (!turns(s)) return;
+    if (!in_whole_plane(s)) return;
     for (const UserSetting& each : s.user_effects) {
         if (each.absent()) continue;
         throw std::invalid_argument("effects." + each.effect->name +
@@ -42,7 +42,7 @@ Heading start_heading(const Scenario& s) {
 }
 
 // The coils of y make no field across only together, as equal ones.
-bool turns(const Scenario& s, const PerCoil& of_coils) {
+bool in_whole_plane(const Scenario& s, const PerCoil& of_coils) {
     constexpr double kRounding = 1e-9;  // of a state that was written in decimals
     const double plus = of_coils[2], minus = of_coils[3];
     if (!has_equal_coils_of_y(s)) return plus != 0.0 || minus != 0.0;
@@ -50,7 +50,7 @@ bool turns(const Scenario& s, const PerCoil& of_coils) {
 }
 
 void check_planar_step(const Scenario& scenario, const PerCoil& voltages) {
-    if (!turns(scenario, voltages)) return;
+    if (!in_whole_plane(scenario, voltages)) return;
     throw std::invalid_argument(
         "voltages: yp = " + digits(voltages[2]) + ", ym = " + digits(voltages[3]) +
         " make a field across, which turns the robot: allowed is whole_plane = True from the "
@@ -58,10 +58,10 @@ void check_planar_step(const Scenario& scenario, const PerCoil& voltages) {
 }
 
 double frame_sign(const Scenario& s) {
-    return !turns(s) && drive_direction(s).x < 0.0 ? -1.0 : 1.0;
+    return !in_whole_plane(s) && drive_direction(s).x < 0.0 ? -1.0 : 1.0;
 }
 
-bool turns(const Scenario& s) {
+bool in_whole_plane(const Scenario& s) {
     const Effects& e = s.effects;
     const SimulationState& start = s.initial;
     const bool pushed =
@@ -76,12 +76,12 @@ bool turns(const Scenario& s) {
     // A field that was measured has a part across everywhere; one that was measured in the plane of
     // motion alone says nothing of it.
     if (s.map && s.map->box().low.y() < s.map->box().high.y()) return true;
-    if (turns(s, start.current) || turns(s, start.field_lag)) return true;
+    if (in_whole_plane(s, start.current) || in_whole_plane(s, start.field_lag)) return true;
     if (!has_equal_coils_of_y(s) && e.mutual_inductance_coupling != 0.0) return true;
     if (s.drive.mode != DriveMode::program) return drive_direction(s).y != 0.0;
     for (const VoltageBlock& block : s.program.blocks()) {
         for (const VoltagePoint& point : block.points) {
-            if (turns(s, point.voltage)) return true;
+            if (in_whole_plane(s, point.voltage)) return true;
         }
     }
     return false;

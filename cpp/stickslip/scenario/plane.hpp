@@ -20,10 +20,10 @@ SurfaceDirection drive_direction(const Scenario& scenario);
 
 /// Whether the robot moves in the whole plane of the surface, and not along x alone: something
 /// turns it, or pushes it across.
-bool turns(const Scenario& scenario);
+bool in_whole_plane(const Scenario& scenario);
 
 /// Whether held voltages, or currents, turn the scenario's robot, or push it across.
-bool turns(const Scenario& scenario, const PerCoil& of_coils);
+bool in_whole_plane(const Scenario& scenario, const PerCoil& of_coils);
 
 /// Throws std::invalid_argument for voltages (V) that would turn a robot whose stepped run stays in
 /// one plane.

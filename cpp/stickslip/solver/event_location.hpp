@@ -95,7 +95,7 @@ public:
     /// function that is zero at the phase's birth (a slip that has just begun) can fire only after
     /// it has risen; one that does not rise fires at once, at s = 0, or, where the last events
     /// brought the time no further (`stalled`), at the end of the step. An armed one that is not
-    /// positive as the step begins (forces may jump between two stretches) fires at once too.
+    /// positive as the step begins (forces may jump between two segments) fires at once too.
     template <class Armed, class Value>
     static EventHit find(const EventSamples<M>& g, Armed& armed, bool stalled, Value&& value) {
         EventHit hit;

@@ -15,7 +15,7 @@ namespace stickslip {
 ///     tau, tau_end, accepted, most_steps, trace
 ///     step              the last attempt: start, width, first, last, dense(s); `first` of the next
 ///     samples           event functions of the last attempt, `start` of the next one
-///     attempt(phase)    makes a step; true where it goes to the end of the stretch
+///     attempt(phase)    makes a step; true where it goes to the end of the segment
 ///     is_accepted(), reject(counts)   the second says why there can be no other attempt, or ok
 ///     event(phase, i, s)   event function i at a fraction of the step
 ///     commit(phase, true, to_end)   moves on to the end of the step
@@ -69,7 +69,7 @@ public:
     }
 
     /// What follows an attempt: accepts the step or not, looks for events; true if the phase, or
-    /// the stretch, has ended.
+    /// the segment, has ended.
     template <class Phase, class Observer>
     bool finish(Phase& phase, PhaseMemory& memory, Progress<Phase>& p, bool to_end,
                 Observer&& observe, PhaseEnd<Phase>& end) {

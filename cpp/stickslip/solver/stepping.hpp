@@ -77,16 +77,16 @@ struct StepCounts {
 /// to stop is between 0 and 1.
 inline constexpr double kGoesOn = 2.0;
 
-/// Which event functions have been positive since the phase began, or since the stretch of voltage
+/// Which event functions have been positive since the phase began, or since the segment of voltage
 /// did.
 struct PhaseMemory {
     static constexpr std::size_t kMost = 8;
     std::array<bool, kMost> armed = {};
-    bool born = true;      ///< by an event; else the phase goes on in a new stretch
+    bool born = true;      ///< by an event; else the phase goes on in a new segment
     bool stalled = false;  ///< the last events hardly brought the time further
 
     /// `least`: what a value has to exceed to be positive by more than rounding. In a phase that
-    /// goes on, a function below it has fallen with the forces, which may jump between stretches.
+    /// goes on, a function below it has fallen with the forces, which may jump between segments.
     void begin(const auto& values, double least) {
         for (std::size_t i = 0; i < values.size(); ++i) {
             armed[i] = (born ? values[i] : std::abs(values[i])) > least;
@@ -95,12 +95,12 @@ struct PhaseMemory {
     }
 };
 
-/// How a phase, or its part within a stretch of voltage, ended.
+/// How a phase, or its part within a segment of voltage, ended.
 template <class Phase>
 struct PhaseEnd {
     static_assert(Phase::kEvents <= PhaseMemory::kMost);
     Status status = Status::ok;
-    Event event = Event::none;  ///< none: the end of the stretch was reached
+    Event event = Event::none;  ///< none: the end of the segment was reached
     double tau = 0.0;           ///< s
     typename Phase::State y = {};
     MotionTrace<double> trace = {};

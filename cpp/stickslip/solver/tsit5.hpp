@@ -166,7 +166,7 @@ struct WidthControl {
     /// An error below 1e-4 of the tolerance is taken for that.
     static constexpr double kLeastLogError = -13.3;
 
-    /// After an accepted step. `cut`: it was shortened to the end of a stretch, and its length says
+    /// After an accepted step. `cut`: it was shortened to the end of a segment, and its length says
     /// nothing of the next.
     [[gnu::always_inline]] void accept(Real width, Real squared_error, MaskOf<Real> cut) {
         const Real now = 0.5 * rough_log2(greater(squared_error, Real(1e-20)));
@@ -214,10 +214,10 @@ struct Tsit5Progress {
                         accepted, control, trace, step, samples, error);
     }
 
-    /// Chooses the next attempt's width; true where it goes to the end of the stretch.
+    /// Chooses the next attempt's width; true where it goes to the end of the segment.
     [[gnu::always_inline]] MaskOf<Real> begin_step(const Phase& phase) {
         Real width = lesser(control.proposal, max_step);
-        // The exponentials of a stretch fade from its start; a step that leaps over a fast one sees
+        // The exponentials of a segment fade from its start; a step that leaps over a fast one sees
         // its first value alone, and the error estimate hardly notices.
         width = lesser(width, greater(min_time_constant, tau));
         // The field's expansion must hold over the step.
@@ -239,7 +239,7 @@ struct Tsit5Progress {
         return to_end;
     }
     /// Moves on to the end of the step where it is `done`; `cut`: it goes to the end of the
-    /// stretch.
+    /// segment.
     [[gnu::always_inline]] void commit(const Phase& phase, MaskOf<Real> done, MaskOf<Real> cut) {
         WidthControl<Real> next_control = control;
         next_control.accept(step.width, error, cut);
@@ -292,7 +292,7 @@ public:
         for (std::size_t i = 0; i < scale.size(); ++i) p.step.weight[i] = 1.0 / (scale[i] * norm);
         p.step.slope[0] = rates;
         // A phase begins with the first width: a longer step could leap over the whole of a short
-        // one. One that goes on in a new stretch of voltage is known to last. Two modes may send
+        // one. One that goes on in a new segment of voltage is known to last. Two modes may send
         // the body to each other without time going on: then the step is the shortest that is far
         // above the resolution of time.
         const double usual = memory.born ? first_width_ : 2.0 * first_width_;
@@ -308,7 +308,7 @@ public:
     }
 
 private:
-    double first_width_;  // s, of a phase and of a stretch: a part of a free swing that the
+    double first_width_;  // s, of a phase and of a segment: a part of a free swing that the
                           // tolerance allows
 };
 using Tsit5 = StepLoop<Tsit5Method>;

@@ -67,7 +67,7 @@ def _take_termination() -> None:
 def _run(arguments: Sequence[str] | None) -> int:
     import click
 
-    from stickslip._util.missing_extra import MissingExtra
+    from stickslip._util.extras import MissingExtra
     from stickslip.cli.commands import stickslip, unknown_option
     from stickslip.errors import ScenarioError
 
@@ -95,7 +95,7 @@ def _run(arguments: Sequence[str] | None) -> int:
 
 
 def _one_line(message: object) -> str:
-    from stickslip._util.plain_text import printable
+    from stickslip._util.text import printable
 
     return printable(" ".join(str(message).split()))
 

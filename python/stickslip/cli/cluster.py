@@ -9,7 +9,7 @@ import logging
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from stickslip._util.missing_extra import naming_the_extra
+from stickslip._util.extras import naming_the_extra
 from stickslip.errors import ScenarioError
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stickslip._util.missing_extra import check_extras, naming_the_extra
+from stickslip._util.extras import check_extras, naming_the_extra
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem

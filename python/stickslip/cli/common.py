@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 import click
 
-from stickslip._util.plain_text import printable
+from stickslip._util.text import printable
 from stickslip.cli.completion import setting, settings
 
 _F = TypeVar("_F", bound=Callable[..., Any])

@@ -21,7 +21,7 @@ from click.shell_completion import (
     split_arg_string,
 )
 
-from stickslip._util.atomic_files import NETCDF_SUFFIXES
+from stickslip._util.files import NETCDF_SUFFIXES
 from stickslip.cli import COMPLETION
 from stickslip.scenario.keys import full_name, known_keys
 from stickslip.scenario.named_effects import PREFIX, effects, is_free_shape
@@ -203,7 +203,7 @@ def figure_after(suffix: str) -> Completer:
     def complete(
         ctx: click.Context, param: click.Parameter, incomplete: str
     ) -> list[CompletionItem]:
-        from stickslip.control.goal import FIGURES
+        from stickslip.design.goal import FIGURES
 
         figures = ((f"{name}{suffix}", each.meaning) for name, each in FIGURES.items())
         return _beginning(figures, incomplete)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from stickslip._util.strict_json import json_text
+from stickslip._util.text import json_text
 from stickslip.cli.common import JSON
 from stickslip.cli.completion import effect
 from stickslip.cli.keys_command import as_dict, has_word, indented, words_of

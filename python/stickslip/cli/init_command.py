@@ -7,8 +7,8 @@ from pathlib import Path
 
 import click
 
-from stickslip._util.atomic_files import replacing
-from stickslip._util.strict_json import json_text
+from stickslip._util.files import replacing
+from stickslip._util.text import json_text
 from stickslip.cli.common import PATH, say
 from stickslip.cli.targets import check_target
 from stickslip.errors import ScenarioError

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 import click
 
-from stickslip._util.strict_json import json_text
+from stickslip._util.text import json_text
 from stickslip.cli.common import JSON
 from stickslip.cli.completion import key_or_section
 from stickslip.errors import ScenarioError

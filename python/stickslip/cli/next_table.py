@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stickslip._util.atomic_files import read_bytes, text_writer, write_together
 from stickslip._util.csv_rows import csv_line, text_lines
+from stickslip._util.files import read_bytes, text_writer, write_together
 from stickslip._util.units import handy
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import shown

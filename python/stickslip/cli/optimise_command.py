@@ -7,8 +7,7 @@ from typing import Any
 
 import click
 
-from stickslip._util.plain_text import printable_lines
-from stickslip._util.strict_json import json_text
+from stickslip._util.text import json_text, printable_lines
 from stickslip.cli.common import JSON, PATH, SET, THREADS, UNCERTAIN, WholeNumber, say
 from stickslip.cli.completion import coils, figure_after, settings
 from stickslip.cli.progress import ProgressBar
@@ -134,8 +133,8 @@ def command(
 
     Ctrl-C ends the search, and writes the best so far.
     """
-    from stickslip.control.optimise import optimise
-    from stickslip.control.optimum import FILES, SearchInterrupted
+    from stickslip.design.optimise import optimise
+    from stickslip.design.optimum import FILES, SearchInterrupted
 
     base = with_uncertain_file(read_with(scenario, settings), uncertain, settings)
     options["free"] = by_key("--free", free, _FREE, _values)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from stickslip._util.strict_json import json_text
+from stickslip._util.text import json_text
 from stickslip.cli.common import (
     JSON,
     PATH,
@@ -22,10 +22,10 @@ from stickslip.cli.progress import ProgressBar
 from stickslip.cli.settings import read_with, swept_points, with_uncertain_file
 from stickslip.cli.tables import prediction_as_dict, prediction_failures, prediction_table
 from stickslip.cli.targets import check_out_and_plot, input_files
-from stickslip.control.predict import DRAWS, QUANTILES, predicted, single_point
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import known_keys
 from stickslip.sweeping.points import Points
+from stickslip.sweeping.predict import DRAWS, QUANTILES, predicted, single_point
 
 
 @click.command(

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stickslip._util.plain_text import printable
-from stickslip._util.strict_json import json_text
+from stickslip._util.text import json_text, printable
 from stickslip.cli.common import JSON, PATH, THREADS, WholeNumber, say
 from stickslip.cli.progress import ProgressBar
 from stickslip.cli.targets import check_folder_target

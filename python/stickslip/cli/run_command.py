@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from stickslip._util.strict_json import json_text
+from stickslip._util.text import json_text
 from stickslip.cli.common import JSON, PATH, SET, say
 from stickslip.cli.progress import ProgressBar
 from stickslip.cli.run_pictures import Pictures

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from stickslip._util.number_text import highest
+from stickslip._util.text import highest
 from stickslip.cli.common import draw, nothing_drawn
 from stickslip.cli.progress import ProgressBar
 from stickslip.cli.targets import Inputs, check_plot, check_target

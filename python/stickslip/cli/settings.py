@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.field_map import FieldMap
+from stickslip.field.field_map import FieldMap
 from stickslip.scenario.keys import Value, checked, full_name, in_radians
 from stickslip.scenario.path_keys import COIL_MAP, FILE, OBJECTS, PATHS, PROGRAM, PROGRAM_HINT
 from stickslip.scenario.scenario import Scenario

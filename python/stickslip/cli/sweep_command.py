@@ -7,8 +7,8 @@ from pathlib import Path
 
 import click
 
-from stickslip._util.atomic_files import NETCDF_SUFFIXES
-from stickslip._util.strict_json import json_text
+from stickslip._util.files import NETCDF_SUFFIXES
+from stickslip._util.text import json_text
 from stickslip.cli.cluster import cluster
 from stickslip.cli.common import JSON, PATH, SET, THREADS, draw, say, vary_option
 from stickslip.cli.progress import ProgressBar

@@ -18,8 +18,8 @@ from stickslip.simulation.seen_from_drive import ACROSS, ALONG, VELOCITIES, show
 if TYPE_CHECKING:
     import xarray
 
-    from stickslip.control.prediction import Prediction
     from stickslip.simulation.run import Run
+    from stickslip.sweeping.prediction import Prediction
 
 _WORDS = {
     "turning_speed": ", by which turning may change the velocity",

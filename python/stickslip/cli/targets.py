@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from stickslip._util.atomic_files import check_folder, check_suffix, check_writable
+from stickslip._util.files import check_folder, check_suffix, check_writable
 from stickslip.cli.settings import split_setting
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.path_keys import PATHS

@@ -8,8 +8,8 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from stickslip._util.arrays import Array
-from stickslip._util.number_text import is_number
+from stickslip._util.numbers import Array
+from stickslip._util.text import is_number
 from stickslip.control.checks import check_above_zero
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import check_kind, refuse

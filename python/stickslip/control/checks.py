@@ -8,12 +8,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stickslip._util.arrays import Array
+from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
+from stickslip.field.coils import Coils
 from stickslip.scenario.keys import meant, refuse, shown
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
-from stickslip.simulation.coils import Coils
 
 _NUMBERS = "iuf"  # kinds of numpy's types: no text, no truth values, nothing complex
 

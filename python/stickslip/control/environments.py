@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stickslip._util.arrays import Array
-from stickslip._util.missing_extra import naming_the_extra
+from stickslip._util.extras import naming_the_extra
+from stickslip._util.numbers import Array
 
 with naming_the_extra("stickslip.control.environments"):
     import gymnasium
     from gymnasium.vector import AutoresetMode
 
 from stickslip import _core
-from stickslip._util.processor_count import worker_count
+from stickslip._util.numbers import worker_count
 from stickslip.control.camera import Camera
 from stickslip.control.checks import (
     check_above_zero,

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stickslip._util.arrays import Array, Indices
+from stickslip._util.numbers import Array, Indices
 from stickslip.control.camera import Camera, Film
 from stickslip.control.tasks import Targets
 from stickslip.scenario.state import STATE_COLUMNS

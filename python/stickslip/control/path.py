@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip._util.arrays import Array
+from stickslip._util.numbers import Array
 from stickslip.control.checks import check_above_zero, numbers_of
 from stickslip.errors import ScenarioError
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip._util.arrays import Array
+from stickslip._util.numbers import Array
 from stickslip.control.path import Path
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import shown, suggestion

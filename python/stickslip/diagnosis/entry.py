@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from stickslip._util.processor_count import worker_count
+from stickslip._util.numbers import worker_count
 from stickslip.diagnosis.data.angle import AngleTable
 from stickslip.diagnosis.data.checks import find_problem, find_velocity_problem, velocity_notes
 from stickslip.diagnosis.data.table import Table

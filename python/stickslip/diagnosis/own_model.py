@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip._util.arrays import Array
-from stickslip._util.one_line import OneLine, brief
+from stickslip._util.numbers import Array
+from stickslip._util.text import OneLine, brief
 from stickslip.diagnosis.data.series import Series, with_repeats
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.fitting.problem import HUGE, Cached, Problem

@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip._util.arrays import Array
-from stickslip._util.html_table import ShownBySummary
-from stickslip._util.number_text import is_number
-from stickslip._util.plain_text import printable
+from stickslip._util.html import ShownBySummary
+from stickslip._util.numbers import Array
+from stickslip._util.text import is_number, printable
 from stickslip.diagnosis.candidate import Candidate, frame, spread_of
 from stickslip.diagnosis.data.velocity import VelocityTable
 from stickslip.diagnosis.decision import experiments as design

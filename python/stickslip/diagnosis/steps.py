@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stickslip._util.arrays import Array
-from stickslip._util.one_line import OneLine
+from stickslip._util.numbers import Array
+from stickslip._util.text import OneLine
 from stickslip.diagnosis.decision.posterior import posterior
 from stickslip.diagnosis.decision.test import ADEQUATE, Test, adequacy, tested
 from stickslip.diagnosis.decision.verdict import Verdict, decide

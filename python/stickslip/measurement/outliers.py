@@ -13,7 +13,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from stickslip._util.arrays import Array, Indices, Mask
+from stickslip._util.numbers import Array, Indices, Mask
 
 FAR = 8.0
 """Robust standard deviations beyond which a reading is left out. Chosen: one normal error in 1e15

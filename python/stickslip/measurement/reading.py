@@ -10,10 +10,9 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stickslip._util.arrays import Array
-from stickslip._util.atomic_files import check_name
-from stickslip._util.one_line import OneLine
-from stickslip._util.plain_text import printable
+from stickslip._util.files import check_name
+from stickslip._util.numbers import Array
+from stickslip._util.text import OneLine, printable
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.measurement.new_trials import read_new_trials
 from stickslip.measurement.tables import (

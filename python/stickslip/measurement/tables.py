@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from stickslip._util.arrays import Array
-from stickslip._util.atomic_files import read_bytes
 from stickslip._util.csv_rows import DECIMAL_COMMAS, CsvTable
-from stickslip._util.number_text import is_number, number
+from stickslip._util.files import read_bytes
+from stickslip._util.numbers import Array
+from stickslip._util.text import is_number, number
 from stickslip._util.units import split_unit, to_si
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.csv_cells import Units, without_units

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip._util.arrays import Array
+from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
 from stickslip.measurement.velocity import FASTEST
 from stickslip.scenario.keys import Value, check_kind, known_keys, refuse

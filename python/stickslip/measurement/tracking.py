@@ -10,12 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip._util.arrays import Array
-from stickslip._util.equal_numbers import are_equal
-from stickslip._util.number_text import highest, is_number
-from stickslip._util.one_line import OneLine
-from stickslip._util.unit_factor import unit_meant
-from stickslip._util.units import split_unit
+from stickslip._util.numbers import Array, are_equal
+from stickslip._util.text import OneLine, highest, is_number
+from stickslip._util.units import split_unit, unit_meant
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.measurement.tables import counted, read_numbers, stated_number
 from stickslip.scenario.keys import refuse, shown

@@ -11,11 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stickslip._util.arrays import Array, Indices, Mask
-from stickslip._util.equal_numbers import RELATIVE, representatives
-from stickslip._util.number_text import comma_hint, number
-from stickslip._util.one_line import OneLine
-from stickslip._util.unit_factor import factor_text, unit_factor, unit_meant
+from stickslip._util.numbers import RELATIVE, Array, Indices, Mask, representatives
+from stickslip._util.text import OneLine, comma_hint, number
+from stickslip._util.units import factor_text, unit_factor, unit_meant
 from stickslip.errors import ScenarioError
 from stickslip.measurement.outliers import far_from_their_group
 from stickslip.measurement.tables import (

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.backend_bases import FigureCanvasBase
 from matplotlib.figure import Figure, SubFigure
 
-from stickslip._util.atomic_files import check_suffix, replacing
+from stickslip._util.files import check_suffix, replacing
 from stickslip._util.picture import Picture
 from stickslip.plot import style
 

@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike
 from scipy.spatial import ConvexHull
 
 from stickslip._util import palette
-from stickslip._util.arrays import Array
+from stickslip._util.numbers import Array
+from stickslip.field.coils import Coils
 from stickslip.plot import style
 from stickslip.plot.canvas import drawing, root_figure
 from stickslip.plot.film import body_arrow, thin_arrow
@@ -23,7 +24,6 @@ from stickslip.plot.scales import length_bar
 from stickslip.scenario.keys import check_kind
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
-from stickslip.simulation.coils import Coils
 
 _REACH = 1.3  # half of the width that is drawn, in distances of the farthest wire; chosen by eye
 _CELLS = 160  # along each side of the map; chosen: finer than the dots of half a page

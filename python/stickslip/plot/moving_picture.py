@@ -15,8 +15,8 @@ from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, FuncAnimatio
 from matplotlib.figure import Figure
 from PIL import Image
 
-from stickslip._util.atomic_files import check_suffix, replacing
-from stickslip._util.html_page import in_base64
+from stickslip._util.files import check_suffix, replacing
+from stickslip._util.html import in_base64
 from stickslip.plot import style
 from stickslip.plot.motion import Data, Motion, motion
 from stickslip.plot.scene import Scene

@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip._util import palette
-from stickslip._util.number_text import number
+from stickslip._util.text import number
 from stickslip._util.units import in_handy_units
 from stickslip.errors import ScenarioError
 from stickslip.measurement.tables import check_columns, read_rows

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip.field.coils import Coils
 from stickslip.reproduction.points import Array
 from stickslip.scenario.sections import Robot
-from stickslip.simulation.coils import Coils
 
 MAXIMUM_FIELD = 6.5e-3
 """Field of one coil at the centre, Table I, T."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from stickslip._util import html_page
+from stickslip._util import html as html_page
 from stickslip.reproduction.curves import CURVES, MeasuredPoint
 from stickslip.reproduction.motions import MOTIONS
 from stickslip.reproduction.points import SPREAD

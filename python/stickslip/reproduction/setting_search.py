@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from stickslip._util.processor_count import worker_count
-from stickslip.control.design_space import DesignSpace
-from stickslip.control.search import Key, search
+from stickslip._util.numbers import worker_count
+from stickslip.design.design_space import DesignSpace
+from stickslip.design.search import Key, search
 from stickslip.reproduction.criteria import MOTION, NAMES, WORST, all_margins
 from stickslip.reproduction.points import Array
 from stickslip.reproduction.settings import (
@@ -173,7 +173,7 @@ def search_settings(
     """Look for the pair of settings that satisfies most of S5 to S14 with S1 to S4 kept.
 
     First the grid, whose best pairs are the starts, one for each combination of edges and clamps;
-    then ``stickslip.control.search``. Pairs are compared by how far they are from S1 to S4, then by
+    then ``stickslip.design.search``. Pairs are compared by how far they are from S1 to S4, then by
     how many of S5 to S14 fail, then by how far the nearest of those is from holding. A pair in
     which a mode does not walk comes last.
 

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from stickslip.control.design_space import Axis
+from stickslip.design.design_space import Axis
 from stickslip.scenario.scenario import Scenario
 
 Mode = Literal["IPP", "OPP"]

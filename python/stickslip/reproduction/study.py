@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 from stickslip import plot
-from stickslip._util.atomic_files import check_folder, text_writer, write_together
-from stickslip._util.processor_count import worker_count
+from stickslip._util.files import check_folder, text_writer, write_together
+from stickslip._util.numbers import worker_count
 from stickslip.errors import ScenarioError
 from stickslip.reproduction.curves import (
     CURVES,

@@ -8,7 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from stickslip._util.atomic_files import replacing
+from stickslip._util.files import replacing
 
 
 def table(columns: Mapping[str, Any], units: Mapping[str, str]) -> pd.DataFrame:

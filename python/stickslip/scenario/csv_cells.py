@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 
 from stickslip._util.csv_rows import DECIMAL_COMMAS, CsvTable
-from stickslip._util.number_text import comma_hint, number
+from stickslip._util.text import comma_hint, number
 from stickslip._util.units import per_si, split_unit, to_si
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import nearest, refuse, shown

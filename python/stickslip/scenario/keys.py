@@ -18,8 +18,8 @@ from os import PathLike
 from typing import Literal, NoReturn, ParamSpec, TypeVar, cast
 
 from stickslip import _core
-from stickslip._util.plain_text import quoted
-from stickslip._util.unit_factor import unit_meant
+from stickslip._util.text import quoted
+from stickslip._util.units import unit_meant
 from stickslip.errors import ScenarioError
 from stickslip.scenario.path_keys import PATHS
 

@@ -11,8 +11,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip._util.arrays import Array
-from stickslip._util.number_text import is_number
+from stickslip._util.numbers import Array
+from stickslip._util.text import is_number
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import shown
 

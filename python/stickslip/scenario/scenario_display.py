@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from stickslip._util.html_table import html_table
+from stickslip._util.html import html_table
 from stickslip._util.units import handy
 from stickslip.scenario.keys import Key, Value, is_of_one_coil, known_keys
 from stickslip.scenario.path_keys import COIL_MAP, PROGRAM

@@ -21,7 +21,7 @@ from stickslip.scenario.keys import (
 from stickslip.scenario.path_keys import COIL_MAP, FILE, MAP_HINT, PROGRAM, PROGRAM_HINT
 
 if TYPE_CHECKING:
-    from stickslip.scenario.field_map import FieldMap
+    from stickslip.field.field_map import FieldMap
     from stickslip.scenario.waveform import Waveform
 
 COIL_NAMES = _core.coil_names
@@ -232,7 +232,7 @@ class Coil(Section):
             coils[name] = {**common, **own}
         self._take(coils)
         if self.map is not None:
-            from stickslip.scenario.field_map import FieldMap
+            from stickslip.field.field_map import FieldMap
 
             if not isinstance(self.map, FieldMap):
                 refuse(COIL_MAP, self.map, f"a path in a file or with --set; {MAP_HINT}")

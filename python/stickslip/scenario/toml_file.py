@@ -9,8 +9,8 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stickslip._util.atomic_files import read_bytes, text_writer, write_together
-from stickslip._util.plain_text import printable, quoted
+from stickslip._util.files import read_bytes, text_writer, write_together
+from stickslip._util.text import printable, quoted
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import Value, field_of, known_keys, refuse, shown, suggestion
 from stickslip.scenario.named_effects import PREFIX, EffectSettings
@@ -21,7 +21,7 @@ from stickslip.scenario.sections import COIL_NAMES, SAWTOOTH, Coil, refuse_sawto
 from stickslip.scenario.toml_text import parse_toml
 
 if TYPE_CHECKING:
-    from stickslip.scenario.field_map import FieldMap
+    from stickslip.field.field_map import FieldMap
     from stickslip.scenario.uncertain import JointPrior
     from stickslip.scenario.waveform import Waveform
 
@@ -228,7 +228,7 @@ def _program(file: object, folder: Path) -> Waveform:
 
 
 def _field_map(file: object, folder: Path) -> FieldMap:
-    from stickslip.scenario.field_map import FieldMap
+    from stickslip.field.field_map import FieldMap
 
     if not isinstance(file, str) or not file:
         refuse(COIL_MAP, file, "the path of a CSV or netCDF file")
@@ -270,7 +270,7 @@ def scenario_writers(
 
         writers[voltages] = functools.partial(write_rows, scenario.drive.program)
     if scenario.coil.map is not None:
-        from stickslip.scenario.map_files import map_text
+        from stickslip.field.map_files import map_text
 
         writers[field_map] = text_writer(map_text(scenario.coil.map))
     return text, writers

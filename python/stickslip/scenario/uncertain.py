@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip._util.arrays import Array
-from stickslip._util.number_text import is_number
+from stickslip._util.numbers import Array
+from stickslip._util.text import is_number
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import (
     check_whole,

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
-from stickslip._util.arrays import Array
-from stickslip._util.atomic_files import replacing
-from stickslip._util.number_text import highest
+from stickslip._util.files import replacing
+from stickslip._util.numbers import Array
+from stickslip._util.text import highest
 from stickslip.scenario.keys import meant
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES, Coil, Drive

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stickslip._util.arrays import Array, Mask
-from stickslip._util.atomic_files import read_bytes
+from stickslip._util.files import read_bytes
+from stickslip._util.numbers import Array, Mask
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.csv_cells import read_cells
 from stickslip.scenario.sections import COIL_NAMES

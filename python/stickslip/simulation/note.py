@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from stickslip._util.plain_text import printable
+from stickslip._util.text import printable
 
 MOST_SHOWN = 4
 """Notes that are printed at once; all are in `Run.notes` and in the JSON output."""

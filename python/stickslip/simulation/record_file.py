@@ -20,11 +20,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip import _core
-from stickslip._util.atomic_files import check_writable, replacing
 from stickslip._util.checksum import append_checksum
-from stickslip._util.missing_extra import naming_the_extra
+from stickslip._util.extras import naming_the_extra
+from stickslip._util.files import check_writable, replacing
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.map_files import map_text, stored_map
+from stickslip.field.map_files import map_text, stored_map
 from stickslip.scenario.state import State
 from stickslip.scenario.toml_file import scenario_of
 from stickslip.scenario.waveform import Waveform
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     import xarray
     from numpy.typing import NDArray
 
-    from stickslip.scenario.field_map import FieldMap
+    from stickslip.field.field_map import FieldMap
     from stickslip.scenario.scenario import Scenario
     from stickslip.simulation.run import Run
 

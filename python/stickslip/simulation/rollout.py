@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip import _core
-from stickslip._util.processor_count import worker_count
+from stickslip._util.numbers import worker_count
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import check_kind, shown, suggestion
 from stickslip.scenario.scenario import Scenario

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip import _core
-from stickslip._util.atomic_files import NETCDF_SUFFIXES, check_suffix, replacing
-from stickslip._util.missing_extra import naming_the_extra
+from stickslip._util.extras import naming_the_extra
+from stickslip._util.files import NETCDF_SUFFIXES, check_suffix, replacing
 from stickslip.scenario.state import State, made_state
 from stickslip.simulation.columns import (
     COLUMNS,

@@ -9,9 +9,9 @@ from os import PathLike
 from pathlib import Path
 
 from stickslip import _core
-from stickslip._util.atomic_files import NETCDF_SUFFIXES, check_suffix, replacing
-from stickslip._util.number_text import highest
-from stickslip._util.processor_count import worker_count
+from stickslip._util.files import NETCDF_SUFFIXES, check_suffix, replacing
+from stickslip._util.numbers import worker_count
+from stickslip._util.text import highest
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import check_kind, refuse
 from stickslip.scenario.scenario import Scenario

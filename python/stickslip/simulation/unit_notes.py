@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stickslip import _core
-from stickslip._util.arrays import Array
-from stickslip._util.unit_factor import NEAR, unit_meant
+from stickslip._util.numbers import Array
+from stickslip._util.units import NEAR, unit_meant
 from stickslip.simulation.note import Note
 
 if TYPE_CHECKING:
-    from stickslip.scenario.field_map import FieldMap
+    from stickslip.field.field_map import FieldMap
     from stickslip.scenario.scenario import Scenario
 
 DEFAULTS = {row["key"]: row["default"] for row in _core.parameters()}

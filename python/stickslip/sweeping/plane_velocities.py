@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from stickslip._util.arrays import Array
+from stickslip._util.numbers import Array
 from stickslip.simulation.seen_from_drive import VELOCITIES, seen_from_drive
 from stickslip.sweeping.points import Points
 

@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip._util.arrays import Array
-from stickslip._util.equal_numbers import ABSOLUTE, RELATIVE, representatives
+from stickslip._util.numbers import ABSOLUTE, RELATIVE, Array, representatives
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import (
     Value,

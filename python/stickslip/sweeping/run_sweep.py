@@ -8,8 +8,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
 from typing import TYPE_CHECKING
 
-from stickslip._util.atomic_files import check_writable
-from stickslip._util.processor_count import worker_count
+from stickslip._util.files import check_writable
+from stickslip._util.numbers import worker_count
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import Value, check_kind, shown
 from stickslip.scenario.scenario import Scenario

@@ -10,8 +10,8 @@ import math
 import numpy as np
 from scipy.stats import t as t_law
 
-from stickslip._util.arrays import Array
-from stickslip._util.unit_factor import far_size
+from stickslip._util.numbers import Array
+from stickslip._util.units import far_size
 from stickslip.diagnosis.data.errors import along_runs
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.data.velocity import VelocityTable, in_words, varied

@@ -25,9 +25,8 @@ from scipy.special import ndtr, ndtri
 from scipy.stats import chi2 as chi2_law
 from scipy.stats import qmc
 
-from stickslip._util.arrays import Array, Indices, Mask
-from stickslip._util.one_line import OneLine
-from stickslip._util.root_mean_square import root_mean_square
+from stickslip._util.numbers import Array, Indices, Mask, root_mean_square
+from stickslip._util.text import OneLine
 from stickslip.simulation.note import Note
 
 FEWEST, ENOUGH = 4, 12

@@ -7,9 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from stickslip import _core
-from stickslip._util.arrays import Array, Mask
-from stickslip._util.root_mean_square import root_mean_square
-from stickslip._util.unit_factor import far_size
+from stickslip._util.numbers import Array, Mask, root_mean_square
+from stickslip._util.units import far_size
 from stickslip.diagnosis.data.angle import refuse_larger
 from stickslip.diagnosis.data.errors import FEWEST, of_readings
 from stickslip.diagnosis.data.table import Table

@@ -8,9 +8,8 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 from scipy.linalg import block_diag
 
-from stickslip._util.arrays import Array, Mask
-from stickslip._util.root_mean_square import root_mean_square
-from stickslip._util.unit_factor import far_size
+from stickslip._util.numbers import Array, Mask, root_mean_square
+from stickslip._util.units import far_size
 from stickslip.diagnosis.data.camera import Camera, Recording, record, recording_rate, rocking
 from stickslip.diagnosis.data.errors import Errors
 from stickslip.diagnosis.data.folding import Kind, fold, frame_errors, reduce, undrifted

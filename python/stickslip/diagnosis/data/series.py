@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.signal import correlate
 
-from stickslip._util.arrays import Array
-from stickslip._util.one_line import brief
-from stickslip._util.root_mean_square import root_mean_square
+from stickslip._util.numbers import Array, root_mean_square
+from stickslip._util.text import brief
 from stickslip.diagnosis.data.errors import FEWEST, Errors
 from stickslip.diagnosis.data.table import Table, stated_errors
 from stickslip.errors import ScenarioError

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip._util.arrays import Array, Indices
-from stickslip._util.equal_numbers import representatives
-from stickslip._util.one_line import brief
+from stickslip._util.numbers import Array, Indices, representatives
+from stickslip._util.text import brief
 from stickslip.diagnosis.data.errors import Errors, estimate
 from stickslip.errors import ScenarioError
 from stickslip.simulation.note import Note

@@ -9,7 +9,7 @@ from itertools import compress
 import numpy as np
 
 from stickslip import _core
-from stickslip._util.arrays import Array
+from stickslip._util.numbers import Array
 from stickslip.diagnosis.data.errors import estimate
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.instruments import of_velocities, read_by

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip._util.arrays import Array
-from stickslip._util.equal_numbers import are_equal
+from stickslip._util.numbers import Array, are_equal
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.measurement.tables import Line, index_labels
 from stickslip.measurement.velocity import NOT_SETTINGS, with_index_columns

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import chi2
 
-from stickslip._util.arrays import Array
+from stickslip._util.numbers import Array
 from stickslip.diagnosis.terms.curve import Curve
 from stickslip.diagnosis.terms.parameter import Parameter
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from scipy.stats import t as t_law
 
-from stickslip._util.arrays import Array, Indices
-from stickslip._util.one_line import OneLine
+from stickslip._util.numbers import Array, Indices
+from stickslip._util.text import OneLine
 from stickslip.diagnosis.fitting.forms import Correlated, Form, forms
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import Problem

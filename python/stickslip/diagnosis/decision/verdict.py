@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from stickslip._util.one_line import OneLine
+from stickslip._util.text import OneLine
 from stickslip.diagnosis.decision.gain import Gain, measured
 from stickslip.diagnosis.decision.posterior import SURE, Posterior, discrepancy, posterior, share
 from stickslip.diagnosis.decision.test import ADEQUATE, Test, adequacy, follows_settings

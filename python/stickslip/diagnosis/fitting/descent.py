@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip._util.arrays import Array, Indices
-from stickslip._util.one_line import OneLine
+from stickslip._util.numbers import Array, Indices
+from stickslip._util.text import OneLine
 from stickslip.diagnosis.fitting.forms import Form, Softened
 from stickslip.diagnosis.fitting.problem import LOST, Problem
 from stickslip.diagnosis.terms.cause import Cause

@@ -10,8 +10,8 @@ from scipy.special import gammaln, logsumexp, ndtri
 from scipy.stats import chi2 as chi2_law
 from scipy.stats import qmc
 
-from stickslip._util.arrays import Array
-from stickslip._util.one_line import OneLine
+from stickslip._util.numbers import Array
+from stickslip._util.text import OneLine
 from stickslip.diagnosis.fitting.forms import Form
 from stickslip.diagnosis.fitting.models import Fit, laplace
 from stickslip.diagnosis.fitting.problem import Problem

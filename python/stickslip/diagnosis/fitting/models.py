@@ -10,8 +10,8 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import log_ndtr, logsumexp
 
-from stickslip._util.arrays import Array, Indices
-from stickslip._util.one_line import OneLine
+from stickslip._util.numbers import Array, Indices
+from stickslip._util.text import OneLine
 from stickslip.diagnosis.fitting.descent import End, derivatives, descend, precision_of
 from stickslip.diagnosis.fitting.forms import PRIOR, Form
 from stickslip.diagnosis.fitting.problem import Problem

@@ -8,8 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from stickslip._util.arrays import Array
-from stickslip._util.root_mean_square import root_mean_square
+from stickslip._util.numbers import Array, root_mean_square
 from stickslip.diagnosis.data.errors import FEWEST, Errors
 from stickslip.diagnosis.data.series import SMOOTH
 from stickslip.diagnosis.fitting.descent import End, descend, precision_of

@@ -20,11 +20,11 @@ import scipy
 from markupsafe import Markup
 
 from stickslip import _core
-from stickslip._util.atomic_files import check_folder, text_writer, write_together
 from stickslip._util.checksum import sha256_of
-from stickslip._util.html_page import page_text, svg
+from stickslip._util.files import check_folder, text_writer, write_together
+from stickslip._util.html import page_text, svg
 from stickslip._util.palette import BLUE, DARK_GREY, VERMILION
-from stickslip._util.strict_json import json_text
+from stickslip._util.text import json_text
 from stickslip.diagnosis.candidate import table_name
 from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.report import amounts

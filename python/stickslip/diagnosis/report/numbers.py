@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip import _core
-from stickslip._util.arrays import Array
-from stickslip._util.html_page import page_text
+from stickslip._util.html import page_text
+from stickslip._util.numbers import Array
 from stickslip.diagnosis.candidate import Candidate, spread_of, table_name
 from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.data.series import Series

@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip._util.arrays import Array, Indices
+from stickslip._util.numbers import Array, Indices
 from stickslip._util.palette import BLACK, BLUE, DARK_GREY, GREY, LIGHT_GREY, VERMILION
 from stickslip._util.picture import Picture
-from stickslip._util.plain_text import shortened
+from stickslip._util.text import shortened
 from stickslip._util.units import handy, in_handy_units
 from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.data.table import Table

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip._util.arrays import Array
+from stickslip._util.numbers import Array
 from stickslip._util.units import handy, unit_label
 from stickslip.diagnosis.data.angle import AngleTable
 from stickslip.diagnosis.data.field import FieldTable

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from stickslip._util.arrays import Array
-from stickslip._util.one_line import OneLine
+from stickslip._util.numbers import Array
+from stickslip._util.text import OneLine
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.curve import Curve
 from stickslip.diagnosis.terms.parameter import Parameter

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip._util.arrays import Array
-from stickslip._util.one_line import OneLine
+from stickslip._util.numbers import Array
+from stickslip._util.text import OneLine
 
 SIZES, LENGTHS = (0.5, 1.0, 2.0, 4.0), (0.35, 0.8)
 """Sizes, in a knot's usual size, and lengths, in the curve's range, of the process that is the

@@ -32,8 +32,7 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg import lapack
 from scipy.spatial.transform import Rotation
 
-from stickslip._util.arrays import Array
-from stickslip._util.root_mean_square import root_mean_square
+from stickslip._util.numbers import Array, root_mean_square
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.cause import Cause, Read

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip._util.arrays import Array
-from stickslip.control.prediction import Prediction
+from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import check_kind, check_whole, shown
 from stickslip.scenario.scenario import Scenario
@@ -21,6 +20,7 @@ from stickslip.simulation.simulate import Progress
 from stickslip.sweeping.notes import notes_of_points
 from stickslip.sweeping.plane_velocities import plane_velocities
 from stickslip.sweeping.points import MOST_POINTS, Points, as_list, from_changes
+from stickslip.sweeping.prediction import Prediction
 from stickslip.sweeping.results import OK, Results
 from stickslip.sweeping.run_sweep import Vary, points_of, simulated
 

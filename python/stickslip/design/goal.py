@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip._util import units
-from stickslip._util.arrays import Array
-from stickslip._util.number_text import is_number
-from stickslip.control.search import Key
+from stickslip._util.numbers import Array
+from stickslip._util.text import is_number
+from stickslip.design.search import Key
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import refuse, shown, suggestion
 from stickslip.scenario.scenario import Scenario

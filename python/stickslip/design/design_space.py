@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip._util.arrays import Array
+from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import Value, checked, find_key, full_name, meant, refuse, shown
 from stickslip.scenario.path_keys import PROGRAM

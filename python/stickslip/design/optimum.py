@@ -11,11 +11,11 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from stickslip._util import units
-from stickslip._util.atomic_files import text_writer, write_together
-from stickslip._util.one_line import OneLine
-from stickslip.control.design_space import DesignSpace
-from stickslip.control.goal import Goal, Judged, judge
-from stickslip.control.landscape import Kind, Slice
+from stickslip._util.files import text_writer, write_together
+from stickslip._util.text import OneLine
+from stickslip.design.design_space import DesignSpace
+from stickslip.design.goal import Goal, Judged, judge
+from stickslip.design.landscape import Kind, Slice
 from stickslip.scenario.keys import RECORD_RATE, Value, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.toml_file import scenario_text
@@ -277,8 +277,8 @@ class Optimum(OneLine):
         OSError
             If a file cannot be written.
         """
-        from stickslip.control.optimum_page import page_text
-        from stickslip.scenario.map_files import map_text
+        from stickslip.design.optimum_page import page_text
+        from stickslip.field.map_files import map_text
         from stickslip.scenario.waveform_csv import write_rows
 
         folder = Path(out)

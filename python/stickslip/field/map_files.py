@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from stickslip._util.arrays import Array
-from stickslip._util.atomic_files import NETCDF_SUFFIXES, read_bytes
-from stickslip._util.missing_extra import naming_the_extra
+from stickslip._util.extras import naming_the_extra
+from stickslip._util.files import NETCDF_SUFFIXES, read_bytes
+from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError, prefixed
+from stickslip.field.field_map import FieldMap
 from stickslip.scenario.csv_cells import read_cells
-from stickslip.scenario.field_map import FieldMap
 from stickslip.scenario.keys import meant, refuse
 from stickslip.scenario.sections import COIL_NAMES
 

@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip._util.arrays import Array
-from stickslip._util.processor_count import worker_count
-from stickslip.control.design_space import DesignSpace, design_space
-from stickslip.control.goal import Changes, Goal, Judged, judge_all, made_goal
-from stickslip.control.landscape import ABOUT, OFFSETS, Slice, slices
-from stickslip.control.optimum import Optimum, Origin, SearchInterrupted
-from stickslip.control.sawtooth import POINTS, played, sawtooths
-from stickslip.control.search import LEADERS, Candidate, Key, search
+from stickslip._util.numbers import Array, worker_count
+from stickslip.design.design_space import DesignSpace, design_space
+from stickslip.design.goal import Changes, Goal, Judged, judge_all, made_goal
+from stickslip.design.landscape import ABOUT, OFFSETS, Slice, slices
+from stickslip.design.optimum import Optimum, Origin, SearchInterrupted
+from stickslip.design.sawtooth import POINTS, played, sawtooths
+from stickslip.design.search import LEADERS, Candidate, Key, search
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import RECORD_RATE, Value, check_kind, check_whole
 from stickslip.scenario.scenario import Scenario

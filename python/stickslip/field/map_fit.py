@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip import _core
-from stickslip._util.arrays import Array
+from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import shown
 from stickslip.scenario.sections import COIL_NAMES

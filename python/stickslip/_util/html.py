@@ -1,7 +1,4 @@
-"""HTML pages of one look that need nothing else: no network and no other file.
-
-A page with folded parts has a script, which opens them.
-"""
+"""HTML pages of one look, and what notebooks show of objects."""
 
 from __future__ import annotations
 
@@ -9,12 +6,15 @@ import base64
 import hashlib
 import io
 import re
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from html import escape
 from importlib import resources
 from typing import TYPE_CHECKING
 
 from stickslip import _core
 from stickslip._util import palette
-from stickslip._util.plain_text import printable_lines
+from stickslip._util.text import printable, printable_lines
 
 if TYPE_CHECKING:
     from markupsafe import Markup
@@ -95,3 +95,33 @@ def png(figure: Figure | None) -> str:
 def in_base64(content: bytes) -> str:
     """What a file holds, as an address of pages that begins with ``data:`` has it."""
     return base64.b64encode(content).decode("ascii")
+
+
+def html_table(title: str, rows: Sequence[tuple[str, str]]) -> str:
+    """A title with a row for each name and value; all texts are escaped.
+
+    It has no style of its own but where the text stands, and so fits light and dark notebooks.
+    """
+    left = ' style="text-align: left"'
+    lines = [
+        f"<tr><th{left}>{_text(name)}</th><td{left}>{_text(value)}</td></tr>"
+        for name, value in rows
+    ]
+    caption = f'<caption style="text-align: left"><b>{_text(title)}</b></caption>'
+    return "\n".join(["<table>", caption, *lines, "</table>"])
+
+
+class ShownBySummary(ABC):
+    """What has a `summary` of text, which a notebook shows with its line ends, escaped."""
+
+    @abstractmethod
+    def summary(self) -> str:
+        """The text."""
+
+    def _repr_html_(self) -> str:
+        shown = "\n".join(map(_text, self.summary().split("\n")))
+        return f'<pre style="white-space: pre-wrap">{shown}</pre>'
+
+
+def _text(value: str) -> str:
+    return escape(printable(value))

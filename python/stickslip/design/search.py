@@ -15,8 +15,8 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from stickslip._util.arrays import Array
-from stickslip._util.missing_extra import naming_the_extra
+from stickslip._util.extras import naming_the_extra
+from stickslip._util.numbers import Array
 
 T = TypeVar("T")
 

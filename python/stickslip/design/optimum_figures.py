@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 from stickslip._util.palette import BLACK, BLUE, DARK_GREY, GREEN, ORANGE, PURPLE, VERMILION
 from stickslip._util.picture import Picture
 from stickslip._util.units import handy, in_handy_units
-from stickslip.control.design_space import drive_waveform
-from stickslip.control.landscape import Slice
-from stickslip.control.optimum import Optimum
+from stickslip.design.design_space import drive_waveform
+from stickslip.design.landscape import Slice
+from stickslip.design.optimum import Optimum
 from stickslip.plot import style
 from stickslip.plot.canvas import drawing, legend_above, root_figure
 from stickslip.plot.motion import motion

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.control.design_space import DesignSpace, as_program, drive_waveform
-from stickslip.control.goal import Changes, Evaluate, Goal, Judged
+from stickslip.design.design_space import DesignSpace, as_program, drive_waveform
+from stickslip.design.goal import Changes, Evaluate, Goal, Judged
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import Value
 from stickslip.scenario.sections import COIL_NAMES

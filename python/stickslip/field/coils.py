@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
-from stickslip._util.arrays import Array
+from stickslip._util.numbers import Array
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario

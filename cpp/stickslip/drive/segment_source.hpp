@@ -10,13 +10,13 @@
 
 namespace stickslip {
 
-/// Where a run has its stretches of voltage from: the drive of its scenario or, once `play_steps`
+/// Where a run has its segments of voltage from: the drive of its scenario or, once `play_steps`
 /// was called, steps from outside.
-class StretchSource {
+class SegmentSource {
 public:
-    /// hold_period: s, of the digital-to-analogue converter; zero: none. marks: s, where stretches
+    /// hold_period: s, of the digital-to-analogue converter; zero: none. marks: s, where segments
     /// have to end besides.
-    StretchSource(const VoltageProgram& program, double hold_period,
+    SegmentSource(const VoltageProgram& program, double hold_period,
                   const std::vector<double>& marks)
         : segments_(program, hold_period, marks) {}
 
@@ -29,7 +29,7 @@ public:
     ControlSteps& steps() { return *steps_; }
     const ControlSteps& steps() const { return *steps_; }
 
-    /// Writes the next stretch and returns true; false where all is played. The stretch before it
+    /// Writes the next segment and returns true; false where all is played. The segment before it
     /// has ended.
     bool next(VoltageSegment& voltages) {
         if (!steps_) return segments_.next(voltages);

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from stickslip._util import html_page
+from stickslip._util import html as html_page
 from stickslip._util.units import handy
-from stickslip.control import optimum_figures as figures
-from stickslip.control.goal import FIGURES
-from stickslip.control.landscape import ABOUT, NEAR, PLATEAU
-from stickslip.control.optimum import ACTIVE, Optimum
-from stickslip.control.sawtooth import POINTS
+from stickslip.design import optimum_figures as figures
+from stickslip.design.goal import FIGURES
+from stickslip.design.landscape import ABOUT, NEAR, PLATEAU
+from stickslip.design.optimum import ACTIVE, Optimum
+from stickslip.design.sawtooth import POINTS
 from stickslip.scenario.keys import known_keys
 
 
@@ -17,7 +17,7 @@ def page_text(found: Optimum) -> str:
     result = found.as_dict()
     fresh = result["fresh"]
     return html_page.page_text(
-        "control/optimum.html",
+        "design/optimum.html",
         found=found,
         goal=found.goal,
         fresh={name: fresh[name] for name in figures.COMPARED if name in fresh},

@@ -7,7 +7,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stickslip._util.atomic_files import check_suffix, replacing
+from stickslip._util.files import check_suffix, replacing
 from stickslip.simulation.run import SUFFIXES
 
 if TYPE_CHECKING:

@@ -12,9 +12,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip._util.arrays import Array
-from stickslip.control.design_space import Axis, DesignSpace
-from stickslip.control.goal import Evaluate, Judged
+from stickslip._util.numbers import Array
+from stickslip.design.design_space import Axis, DesignSpace
+from stickslip.design.goal import Evaluate, Judged
 
 OFFSETS = (-0.2, -0.1, -0.05, -0.02, 0.02, 0.05, 0.1, 0.2)
 """Steps from the best, in parts of a number's range; chosen: from a good setting to a bad one."""

@@ -1,9 +1,23 @@
-"""When two numbers are the same setting: 1/0.04 and 25 differ in the last bit alone."""
+"""Types of arrays, equal settings, means, and the number of workers."""
 
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Collection, Iterable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+
+def root_mean_square(values: ArrayLike) -> float:
+    """Root mean square of all numbers of an array, in their unit."""
+    return float(np.sqrt(np.mean(np.square(values))))
+
 
 RELATIVE = 1e-6
 """Part of a number within which another one is the same setting. Chosen: finer than any apparatus
@@ -39,3 +53,17 @@ def representatives(
         best = min(group, key=lambda value: (value not in kept, len(repr(value)), value))
         found |= dict.fromkeys(group, best)
     return found
+
+
+def worker_count(count: int | None, name: str) -> int:
+    """`count` if it is given, else the number of processors that this process may use.
+
+    A ValueError with the `name` says that it is not a whole number above zero.
+    """
+    if count is None:
+        if hasattr(os, "sched_getaffinity"):
+            return len(os.sched_getaffinity(0))
+        return os.cpu_count() or 1
+    if isinstance(count, bool) or not isinstance(count, int) or count < 1:
+        raise ValueError(f"{name} = {count!r}: allowed is a whole number from 1")
+    return count

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
-from stickslip._util.arrays import Array
+from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
-from stickslip.scenario.map_fit import CoilFit, fit_coils, point_name
+from stickslip.field.map_fit import CoilFit, fit_coils, point_name
 from stickslip.scenario.sections import COIL_NAMES
 
 _AXES = "xxyyz"
@@ -93,7 +93,7 @@ class FieldMap:
             If the file cannot be read, a column, coil or value is not as it has to be, or no field
             of coils comes near to the values; the message names the file.
         """
-        from stickslip.scenario.map_files import read_map
+        from stickslip.field.map_files import read_map
 
         return read_map(path)
 

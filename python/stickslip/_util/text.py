@@ -1,0 +1,156 @@
+"""Texts: made safe for a terminal, numbers in messages, JSON, one-line descriptions."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, is_dataclass
+from decimal import ROUND_FLOOR, Context
+from typing import Any, TypeGuard
+
+
+def printable(text: object) -> str:
+    """The text with escapes for all that is not shown: control characters, line ends, directions.
+
+    A text that went through it once stays as it is.
+    """
+    text = str(text)
+    if text.isprintable():
+        return text
+    return "".join(
+        each if each.isprintable() else each.encode("unicode_escape").decode() for each in text
+    )
+
+
+def printable_lines(text: str) -> str:
+    """The same, but for the ends of lines, which stay."""
+    return "\n".join(map(printable, text.split("\n")))
+
+
+def shortened(text: object, most: int = 60) -> str:
+    """The printable text, without the end of what is longer than `most` characters.
+
+    For figures, whose axes would have no place beside a longer name. Chosen: a pair of the
+    library's causes is not longer.
+    """
+    text = printable(text)
+    return text if len(text) <= most else f"{text[: most - 3]}..."
+
+
+def quoted(text: str) -> str:
+    """The text as a TOML string in double quotes.
+
+    It has what JSON escapes, and the other control characters too: TOML has no bare DEL.
+    """
+    return "".join(
+        each if each.isprintable() else f"\\U{ord(each):08x}"
+        for each in json.dumps(text, ensure_ascii=False)
+    )
+
+
+def is_number(value: object) -> TypeGuard[float]:
+    """Whether a value of a TOML file is a number; True and False are none."""
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def number(cell: str, below: float = math.inf) -> float:
+    """The number of a cell of a table; NaN where it is none, or its size is not below a limit."""
+    try:
+        value = float(cell)
+    except ValueError:
+        return math.nan
+    # Python reads 1_000 as a number; no laboratory writes it.
+    return value if abs(value) < below and "_" not in cell else math.nan
+
+
+def comma_hint(cell: str) -> str:
+    """What to do about a comma in a cell that is no number; "" for a cell without one."""
+    hint = "; write numbers with a decimal point and without separators of thousands"
+    return hint if "," in cell else ""
+
+
+def highest(limit: float) -> str:
+    """A computed limit in six digits and not above it, so that what is printed is allowed."""
+    below = Context(prec=6, rounding=ROUND_FLOOR).create_decimal(repr(float(limit)))
+    return f"{float(below):.6g}"
+
+
+def alike(step: float, *values: float) -> list[str]:
+    """Numbers to the second digit of a step, all to the same place, so that they keep their order.
+
+    So a value that lies in an interval is printed within it.
+    """
+    if not (math.isfinite(step) and step > 0.0):
+        return [f"{each:.6g}" for each in values]
+    places = 1 - math.floor(math.log10(step))
+    return [f"{round(each, places) + 0.0:.12g}" for each in values]
+
+
+_UNUSUAL = re.compile(r"[^\n -~]")
+
+
+def json_text(value: Any) -> str:
+    """One JSON text; a number that is not finite is null.
+
+    All characters that cannot be printed are escaped. JSON itself requires that of only half of the
+    control characters, and the others, such as DEL, act on a terminal.
+    """
+    text = json.dumps(_finite(value), indent=2, allow_nan=False, ensure_ascii=False)
+    return _UNUSUAL.sub(lambda each: _shown(each[0]), text)
+
+
+def _shown(character: str) -> str:
+    return character if character.isprintable() else json.dumps(character)[1:-1]
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {name: _finite(each) for name, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(each) for each in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+# Chosen: a field of so many characters, and so few entries, still fit on a line beside others.
+_LONGEST, _FEW = 60, 3
+
+
+class OneLine:
+    """Base of a dataclass, made with ``repr=False``, whose representation is one line.
+
+    Arrays are given by their shape and long collections by their length, so that printing one never
+    fills the screen.
+    """
+
+    def __repr__(self) -> str:
+        if not is_dataclass(self):
+            return f"{type(self).__name__}()"
+        shown = [
+            f"{each.name}={brief(getattr(self, each.name))}"
+            for each in fields(self)
+            if each.repr and hasattr(self, each.name)
+        ]
+        return f"{type(self).__name__}({', '.join(shown)})"
+
+
+def brief(value: Any) -> str:
+    """A value in a few characters: an array by its shape, a long collection by its length."""
+    if getattr(value, "shape", None):
+        return f"array{list(value.shape)}"
+    if isinstance(value, OneLine) or (is_dataclass(value) and len(repr(value)) > _LONGEST):
+        return f"<{type(value).__name__}>"
+    if callable(value):
+        return f"<{getattr(value, '__name__', type(value).__name__)}>"
+    if isinstance(value, Mapping) and len(value) > _FEW:
+        return f"<{len(value)} entries>"
+    if isinstance(value, Sequence) and not isinstance(value, str | bytes):
+        few = len(value) <= _FEW and all(isinstance(each, str | int | float) for each in value)
+        if not few:
+            kinds = {type(each).__name__ for each in value}
+            return f"<{len(value)} {kinds.pop() if len(kinds) == 1 else 'items'}>"
+    text = " ".join(repr(value).split())
+    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."

@@ -1,0 +1,1 @@
+"""Search for the drive that walks best."""
