@@ -6,6 +6,7 @@ import math
 from html import escape
 from typing import TYPE_CHECKING
 
+from stickslip._util.text import printable
 from stickslip._util.units import handy
 from stickslip.simulation.columns import NUMBERS
 from stickslip.simulation.note import shown_lines
@@ -31,20 +32,21 @@ def headline(run: Run) -> str:
     return f"{run.status}, {velocity}, {samples}"
 
 
-def run_html(run: Run) -> str | None:
-    """The headline, notes and numbers of a run; None without pandas."""
+def run_html(run: Run) -> str:
+    """The headline and notes of a run, and with pandas a table of its numbers."""
+    summary = run.summary()
+    lines = [headline(run), *([] if run.ok else [run.message]), *shown_lines(run.notes)]
+    texts = "".join(f"<p>{escape(printable(line))}</p>\n" for line in lines)
     try:
         import pandas as pd
     except ModuleNotFoundError:
-        return None
-    summary = run.summary()
-    events = ", ".join(f"{count} {kind}" for kind, count in summary["events"].items() if count)
-    lines = [headline(run), *([] if run.ok else [run.message]), *shown_lines(run.notes)]
+        return texts
     rows = [
         (name, f"{summary[name]:.6g}", "" if unit == "1" else unit, meaning)
         for name, (unit, meaning) in {**VELOCITIES, **NUMBERS}.items()
         if math.isfinite(summary.get(name, math.nan))
     ]
-    table = pd.DataFrame([*rows, ("events", events, "", "")], columns=["", "value", "unit", "is"])
-    texts = "".join(f"<p>{escape(line)}</p>\n" for line in lines)
+    events = ", ".join(f"{count} {kind}" for kind, count in summary["events"].items() if count)
+    rows.append(("events", events or "none", "", ""))
+    table = pd.DataFrame(rows, columns=["", "value", "unit", "is"])
     return texts + str(table.to_html(index=False, border=0))

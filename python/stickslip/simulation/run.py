@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import functools
 from collections.abc import Iterable, Mapping
 from os import PathLike
@@ -159,7 +160,7 @@ class Run:
     def __repr__(self) -> str:
         return f"<Run: {headline(self)}>"
 
-    def _repr_html_(self) -> str | None:
+    def _repr_html_(self) -> str:
         return run_html(self)
 
     @property
@@ -301,15 +302,25 @@ class Run:
         write_run(self, path)
 
     def to_csv(self, path: str | PathLike[str]) -> None:
-        """Write `to_dataframe` to a CSV file, whole or not at all, for other programs.
+        """Write the record to a CSV file, whole or not at all, for other programs.
 
-        The headings name the units, such as ``t (s)``. A cell without a value, such as the slip of
-        a contact in flight, is empty. Errors are those of `save`.
+        The headings name the units, such as ``t (s)``; contact and event are words. A cell without
+        a value, such as the slip of a contact in flight, is empty. Errors are those of `save`.
         """
-        with replacing(path) as temporary:
-            table = self.to_dataframe()
-            titles = [title for name in recorded_names(self.scenario) for title in headings(name)]
-            table.to_csv(temporary, index=False, header=titles)
+        titles: list[str] = []
+        columns: list[list[Any]] = []
+        for name in recorded_names(self.scenario) or ("t",):  # whose absence is the error
+            values = getattr(self, name)
+            titles += headings(name)
+            if name in WORDS:
+                columns.append([WORDS[name][code] for code in values])
+            else:
+                parts = values.T if values.ndim == 2 else [values]
+                columns += [
+                    np.where(np.isnan(part), "", part.astype(str)).tolist() for part in parts
+                ]
+        with replacing(path) as temporary, open(temporary, "w", encoding="utf-8") as file:
+            csv.writer(file, lineterminator="\n").writerows([titles, *zip(*columns, strict=True)])
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write the record in the format that the suffix names: `to_netcdf` or `to_csv`.
