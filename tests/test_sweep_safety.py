@@ -14,7 +14,7 @@ from stickslip import ScenarioError, open_run, simulate, sweep
 from stickslip.cli.sweep_command import command
 from stickslip.sweeping import checkpoint
 from stickslip.sweeping.results import Results
-from test_sweep_files import FRICTION, QUICK, VARY, assert_refused, begin
+from test_sweep_files import FRICTION, QUICK, assert_refused
 
 
 def without_hdf5(monkeypatch):
@@ -114,20 +114,6 @@ def test_another_process_is_refused_until_the_first_is_killed(tmp_path):
         holder.wait()
     assert stickslip("sweep", *options, cwd=tmp_path).returncode == 0
     assert sorted(each.name for each in tmp_path.iterdir()) == ["a.nc", "s.toml"]
-
-
-def test_a_file_that_is_read_only_is_read_and_not_replaced(tmp_path):
-    path = tmp_path / "a.nc"
-    begin(path, QUICK)
-    path.chmod(0o444)
-    before = path.read_bytes()
-    with pytest.raises(PermissionError, match="read-only"):
-        sweep(QUICK, VARY, out=path, resume=True)
-    assert path.read_bytes() == before
-    path.chmod(0o644)
-    data = sweep(QUICK, VARY, out=path, resume=True)
-    path.chmod(0o444)
-    xarray.testing.assert_identical(sweep(QUICK, VARY, out=path, resume=True), data)
 
 
 @pytest.mark.parametrize("cost", [0.001, 0.05, 2.0])

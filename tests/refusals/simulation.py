@@ -161,7 +161,7 @@ REFUSALS = [
     ("no folder", recorded("missing/run.nc"), OSError, ["missing"]),
     ("no folder for a table", recorded("missing/run.csv"), OSError, ["missing"]),
     ("suffix to save", saved("run.txt"), ValueError, ["names that end in"]),
-    ("folder in the way", saved("folder.nc"), OSError, ["folder.nc", "ordinary file"]),
+    ("folder in the way", saved("folder.nc"), OSError, ["folder.nc", "is a folder"]),
     ("no file", lambda folder: open_run(folder / "run.nc"), ScenarioError, ["No such file"]),
     ("folder", open_run, ScenarioError, ["Is a directory"]),
     *(
