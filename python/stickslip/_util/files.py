@@ -72,6 +72,8 @@ def replacing(path: str | PathLike[str]) -> Iterator[Path]:
             raise OSError("it is a folder")
         if target.exists() and not target.is_file():
             raise OSError("it is not an ordinary file")
+        if not target.parent.is_dir():
+            raise FileNotFoundError(f"there is no folder {Path(path).parent}")
         # matplotlib takes the format from the suffix.
         temporary = target.with_name(f".{secrets.token_hex(8)}.part{target.suffix}")
         temporary.touch(exist_ok=False)
