@@ -3,6 +3,7 @@
 import io
 import math
 import os
+import re
 import resource
 import signal
 import subprocess
@@ -85,7 +86,7 @@ def ended_at_the_bar(*arguments, shows=b"%", signals=(signal.SIGINT,), cwd=None)
     with subprocess.Popen(command, stdout=pipe, stderr=pipe, cwd=cwd) as process:
         try:
             seen = b""
-            while shows not in seen:
+            while not re.search(shows, seen):
                 more = os.read(process.stderr.fileno(), 256)
                 assert more, "the command ended before its bar appeared"
                 seen += more

@@ -4,8 +4,9 @@ Positions and forces of a run are in the world's frame, theta and omega in the r
 """
 
 import numpy as np
+from scipy.optimize import brentq
 
-from stickslip import Scenario, Waveform, simulate, volts_per_tesla
+from stickslip import Coils, Scenario, Waveform, simulate, volts_per_tesla
 
 # Table II, with the mass read as micrograms.
 LENGTH, WIDTH, HEIGHT = 250e-6, 130e-6, 100e-6  # m
@@ -27,6 +28,10 @@ NO_FIELD = {"drive.peak": 0.0, "drive.base": 0.0, "drive.hold": 0.0, "drive.ramp
 
 # Currents that follow their voltages within 0.1 us, for tests that need a field at once.
 QUICK_COILS = {"coil.inductance": 1e-6}
+
+# OPP with hops, and slips both ways on a corner.
+HOPS = {"mode": "OPP", "hold": 2.5e-3, "base": 0.0, "pulses": 8}
+TIGHT = {"solver.rtol": 1e-10}
 
 # Pressed so hard to the surface that no field of these tests moves it.
 HELD = {"contact.adhesion": 1e-3}
@@ -65,6 +70,39 @@ def run_and_quiet_samples(keys, drive, rate, edges):
     return seen, far
 
 
+def tilted(angle):
+    """Keys of a surface that falls along +x by an angle, rad."""
+    return {"effects.surface_tilt.angle": float(angle)}
+
+
+def slip_angle(coefficient, adhesion=ADHESION, mass=MASS, share=1.0):
+    """Tilt (rad) at which a lying block uses a part of its friction cone: Eq. (15) for alpha."""
+
+    def balance(angle):
+        holding = coefficient * (np.cos(angle) + adhesion / (mass * GRAVITY))
+        return np.sin(angle) - share * holding
+
+    return brentq(balance, 0.0, 1.57, xtol=1e-15)
+
+
+def slid(t, push, drag):
+    """Velocity and way (m/s, m) at times t of the block that a force pushes from rest."""
+    slow = MASS / drag
+    gone = 1.0 - np.exp(-t / slow)
+    return push / drag * gone, push / drag * (t - slow * gone)
+
+
+def torque_about_corner(angle, corner_x, current, weight=WEIGHT):
+    """Of field, gradient and weight on the block on its corner at theta = angle > 0, N m."""
+    lean = np.arctan2(HEIGHT, LENGTH)
+    lever, height = RADIUS * np.cos(angle + lean), RADIUS * np.sin(angle + lean)
+    centre = [corner_x - lever, 0.0, height]
+    moment = MOMENT * np.array([np.cos(angle), 0.0, -np.sin(angle)])
+    field, force = Coils().field(centre, current), Coils().gradient(centre, current) @ moment
+    turning = moment[2] * field[0] - moment[0] * field[2]
+    return turning + height * force[0] + lever * (force[2] - weight)
+
+
 def program(waveform):
     """Keys of a drive that plays `waveform`."""
     return {"drive.mode": "program", "drive.program": waveform}
@@ -83,6 +121,28 @@ def still_for(seconds):
 def volts(in_plane=0.0, clamp=0.0):
     """Voltages of the two coils of a sawtooth for fields at the centre in T."""
     return {"xp": in_plane * volts_per_tesla(), "clamp": clamp * volts_per_tesla()}
+
+
+# The moment stands straight up and the clamp coil's field points down: the gradient lifts the
+# block, and without friction nothing turns it. The balance is unstable with a rate of 8300 / s, so
+# the rounding of a quarter turn, 6e-17, becomes no more than 1e-14 within the throw of 0.5 ms.
+LAUNCHER = {
+    "effects.misalignment.angle": -np.pi / 2,
+    "contact.static_friction": 0.0,
+    "contact.kinetic_friction": 0.0,
+    "contact.adhesion": 0.0,
+    "drag.linear": 0.0,
+    "drag.rotational": 0.0,
+    "environment.gravity": 0.5,
+    **QUICK_COILS,
+}
+THROW = 5e-4  # s
+
+
+def launched(seconds):
+    """Keys of a drive that throws the block up and then does nothing for so long."""
+    lift = Waveform.hold(THROW, volts(clamp=-6.5e-3))
+    return {**LAUNCHER, **program(lift + Waveform.hold(seconds, {}))}
 
 
 def corner_offsets(of):

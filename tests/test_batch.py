@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from stickslip import Drive, Scenario, simulate, simulate_batch, sweep
-from stickslip.sweeping.results import EVENTS, NUMBERS
+from stickslip import Drive, Scenario, _core, simulate, simulate_batch, sweep
+from stickslip.sweeping.dataset import EVENTS
 
 BASE = Scenario(drive=Drive(base=0.5e-3, pulses=4))
 
@@ -69,7 +69,7 @@ def test_a_sweep_gives_the_bits_of_single_runs(alone, threads):
     for point, single in zip(range(len(places)), (alone[k] for k in places), strict=True):
         at, summary = data.isel(point=point), single.summary()
         assert (int(at["status"]) == 0) == single.ok
-        for name in NUMBERS if single.ok else ["simulated_time"]:
+        for name in _core.summary_numbers if single.ok else ["simulated_time"]:
             assert float(at[name]).hex() == summary[name].hex(), name
         if single.ok:
             counts = dict(zip(EVENTS, at["events"].values.tolist(), strict=True))

@@ -10,7 +10,7 @@ from command_line import check, stickslip
 from stickslip import Scenario, effects
 from stickslip.cli.commands import COMMANDS
 from stickslip.cli.commands import stickslip as group
-from stickslip.sweeping.results import NUMBERS
+from stickslip.simulation.columns import NUMBERS
 
 TEXT = "stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 12\n"
 

@@ -15,7 +15,7 @@ from stickslip import COIL_NAMES, Scenario, _core, effects
 from stickslip.cli import COMPLETION
 from stickslip.cli.commands import COMMANDS, stickslip
 from stickslip.cli.completion import answer
-from stickslip.sweeping.results import NUMBERS
+from stickslip.simulation.columns import NUMBERS
 
 SHELLS = ("bash", "zsh", "fish")
 NAMES = list(Scenario.keys())

@@ -83,7 +83,7 @@ def test_sweeps_have_the_same_figures():
     for peak in (2e-3, 3e-3):
         summary = simulate(scenario.replace({"drive.peak": peak})).summary()
         for name in ("field_max", "field_min", "current_max", "voltage_max", "power_mean"):
-            assert float(found[name].sel(peak=peak)) == summary[name]
+            assert float(found[name].sel(drive_peak=peak)) == summary[name]
     assert found["field_max"].attrs["units"] == "T"
 
 

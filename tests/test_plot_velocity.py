@@ -28,7 +28,7 @@ def test_a_line_a_mode(by_mode):
     (axes,) = figure.axes
     for line, mode in zip(axes.get_lines(), ["IPP", "OPP"], strict=True):
         np.testing.assert_allclose(line.get_xdata(), FREQUENCIES)
-        expected = by_mode.mean_velocity.sel(mode=mode).values * 1e3
+        expected = by_mode.mean_velocity.sel(drive_mode=mode).values * 1e3
         np.testing.assert_allclose(line.get_ydata(), expected)
         assert line.get_label() == mode
     first, second = axes.get_lines()
@@ -122,12 +122,12 @@ def test_what_cannot_be_drawn_is_refused(by_mode, by_two):
         plot.velocity(simulate(BASE))
     with pytest.raises(ValueError, match="no point"):
         plot.velocity(by_mode.assign(mean_velocity=by_mode.mean_velocity * np.nan))
-    with pytest.raises(ValueError, match=r"varies mode: .* \.sel"):
-        plot.velocity(by_mode.sel(frequency=20.0))
+    with pytest.raises(ValueError, match=r"varies drive_mode: .* \.sel"):
+        plot.velocity(by_mode.sel(drive_frequency=20.0))
     with pytest.raises(ValueError, match="varies nothing"):
-        plot.velocity(by_mode.sel(frequency=20.0, mode="IPP"))
+        plot.velocity(by_mode.sel(drive_frequency=20.0, drive_mode="IPP"))
     with pytest.raises(ValueError, match="9 lines: allowed are at most 8"):
-        plot.velocity(by_mode.isel(mode=[0] * 9).assign_coords(mode=list("abcdefghi")))
+        plot.velocity(by_mode.isel(drive_mode=[0] * 9).assign_coords(drive_mode=list("abcdefghi")))
     twice = sweep(BASE, [{"drive.frequency": f} for f in (20.0, 50.0)]).isel(point=[0, 0, 1])
     with pytest.raises(ValueError, match="twice"):
         plot.velocity(twice)

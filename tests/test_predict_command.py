@@ -40,7 +40,7 @@ def test_the_command_gives_what_python_gives(files):
     assert (said["points"], said["draws"], said["failed"], said["seed"]) == (4, 24, 0, 0)
     assert said["quantiles"] == [0.1, 0.5, 0.9]
     velocities = [each["mean_velocity"] for each in said["results"]]
-    assert velocities == found.data["mean_velocity"].values.reshape(4, 3).tolist()
+    assert velocities == found["mean_velocity"].values.reshape(4, 3).tolist()
     assert [each["drive.mode"] for each in said["results"]] == ["OPP", "IPP"] * 2
     assert len(pd.read_csv(files / "b.csv")) == 4
     assert (files / "b.png").stat().st_size > 5000
@@ -145,7 +145,7 @@ def test_what_a_diagnosis_leaves_is_predicted_with(tilted):
     assert done.returncode == 0
     given = predict(extended, {"drive.frequency": [25.0, 90.0]}, draws=20)
     for row, velocities in zip(
-        json.loads(done.stdout)["results"], given.data["mean_velocity"].values, strict=True
+        json.loads(done.stdout)["results"], given["mean_velocity"].values, strict=True
     ):
         # The file of the diagnosis has all of the nominal scenario's values besides.
         assert row["mean_velocity"] == velocities.tolist()

@@ -5,7 +5,6 @@ from html import escape
 
 import matplotlib.pyplot as plt
 import numpy as np
-import pandas as pd
 import pytest
 
 from stickslip import (
@@ -169,25 +168,21 @@ def test_a_table_of_a_sweep_has_a_row_a_point_with_units(swept, tmp_path):
     assert len(table) == swept["status"].size
     assert list(table.attrs["units"]) == list(table.columns)
     assert table.attrs["units"]["theta_max"] == "rad"
-    assert table.attrs["units"]["mode"] == ""
+    assert table.attrs["units"]["drive_mode"] == ""
     for _, row in table.iterrows():
-        point = swept.sel(static_friction=row["static_friction"], mode=row["mode"])
-        assert row["status"] == ("refused" if row["static_friction"] == 0.1 else "ok")
+        point = swept.sel(
+            contact_static_friction=row["contact_static_friction"], drive_mode=row["drive_mode"]
+        )
+        assert row["status"] == ("refused" if row["contact_static_friction"] == 0.1 else "ok")
         np.testing.assert_array_equal(row["mean_velocity"], point["mean_velocity"].item())
         assert row["events_stick"] == point["events"].sel(event="stick").item()
         assert row["message"] == point["message"].item()
-    part = sweep_dataframe(swept.sel(mode="OPP"))
-    assert part["mode"].tolist() == ["OPP"] * 3
+    part = sweep_dataframe(swept.sel(drive_mode="OPP"))
+    assert part["drive_mode"].tolist() == ["OPP"] * 3
 
 
 def test_a_table_of_a_list_of_points_has_their_order():
     points = [{"drive.frequency": f} for f in (60.0, 30.0)]
     table = sweep_dataframe(sweep(Scenario(drive=Drive(base=0.5e-3, pulses=4)), points))
-    assert table["frequency"].tolist() == [60.0, 30.0]
+    assert table["drive_frequency"].tolist() == [60.0, 30.0]
     assert "point" not in table
-
-
-def test_what_is_no_sweep_has_no_table(walk_ipp):
-    for other in (walk_ipp, walk_ipp.to_xarray(), pd.DataFrame()):
-        with pytest.raises(ValueError, match="what sweep gave"):
-            sweep_dataframe(other)

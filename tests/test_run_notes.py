@@ -328,5 +328,5 @@ def test_sweeps_and_predictions_say_how_many(tmp_path):
     assert told["notes"] == json.loads(data.attrs["notes"])
     drawn = base.with_uncertain({"contact.kinetic_friction": {"mean": 0.145, "sd": 0.01}})
     found = predict(drawn, {"drive.frequency": frequencies}, draws=4)
-    said = {each["code"]: each["text"] for each in json.loads(found.data.attrs["notes"])}
+    said = {each["code"]: each["text"] for each in json.loads(found.attrs["notes"])}
     assert "of 12 simulations: in flight for more than half" in said["flight"]

@@ -5,7 +5,6 @@ import json
 import socket
 from concurrent.futures import ThreadPoolExecutor
 
-import distributed
 import h5netcdf
 import numpy as np
 import pytest
@@ -43,9 +42,9 @@ def test_the_table_has_a_row_for_each_point(scenario):
     assert (done.returncode, done.stderr) == (0, "")
     rows = [line.split() for line in done.stdout.splitlines()]
     data = sweep(load(scenario), GRID)
-    velocity = float(data["mean_velocity"].sel(frequency=60.0, mode="IPP"))
+    velocity = float(data["mean_velocity"].sel(drive_frequency=60.0, drive_mode="IPP"))
     assert ["60", "IPP", "ok", f"{velocity * 1e3:.4f}"] in [row[:4] for row in rows]
-    assert "6 (3 frequency x 2 mode)" in done.stdout
+    assert "6 (3 drive_frequency x 2 drive_mode)" in done.stdout
 
 
 def test_a_long_table_is_left_out(scenario):
@@ -136,7 +135,7 @@ def test_help_has_an_example():
 
 def test_an_interrupt_keeps_a_checkpoint(scenario, tmp_path):
     arguments = ["sweep", scenario, *ENDLESS, "--threads=2", "--out", tmp_path / "a.nc"]
-    done, seen = ended_at_the_bar(*arguments, shows=b"points/s")
+    done, seen = ended_at_the_bar(*arguments, shows=rb"\d points/s")  # some are done
     assert (done.returncode, done.stdout) == (130, b"")
     assert b"Traceback" not in done.stderr
     assert b"<" in seen  # the time left
@@ -157,17 +156,6 @@ def test_a_full_disk_is_one_line(scenario, tmp_path):
     assert told.startswith("stickslip: cannot write")
     assert "Traceback" not in done.stderr
     assert list(folder.iterdir()) == []
-
-
-def test_dask(scenario, tmp_path):
-    with distributed.LocalCluster(
-        n_workers=1, threads_per_worker=2, processes=True, dashboard_address=None
-    ) as cluster:
-        address = cluster.scheduler_address
-        done = stickslip("sweep", scenario, *VARY, "--dask", address, "--out=a.nc", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
-    with xarray.open_dataset(tmp_path / "a.nc", engine="h5netcdf") as stored:
-        xarray.testing.assert_identical(stored.load(), sweep(load(scenario), GRID))
 
 
 VARIED = {
@@ -275,7 +263,7 @@ def test_the_file_of_another_scenario_is_not_touched(scenario, tmp_path):
     done = stickslip(
         "sweep", scenario, *VARY, "--set=drive.hold=2e-3", "--out", tmp_path / "a.nc", "--resume"
     )
-    check(done, "cannot be resumed", "hold = 0.001 there")
+    check(done, "cannot be resumed", "another sweep")
     assert (tmp_path / "a.nc").read_bytes() == before
 
 

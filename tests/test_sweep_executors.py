@@ -1,18 +1,20 @@
-"""Whoever simulates the points of a sweep, and whoever dies of it, the bits are the same."""
+"""Whoever simulates the points of a sweep, in whatever slabs, and whoever dies of it: same bits."""
 
 import multiprocessing
 import os
 import signal
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+import threading
+import time
+from concurrent.futures import BrokenExecutor, ProcessPoolExecutor, ThreadPoolExecutor
 
 import distributed
-import loky
 import numpy as np
 import pytest
 import xarray
 
+from command_line import stickslip
 from stickslip import Drive, Scenario, sweep
-from stickslip.sweeping import worker
+from stickslip.sweeping import run_sweep
 
 # Short steps, so that a point takes some 20 ms and a worker can be killed in the midst of it.
 SLOW = Scenario(drive=Drive(base=0.5e-3, pulses=4)).replace({"solver.max_step": 5e-6})
@@ -24,21 +26,10 @@ def expected():
     return sweep(SLOW, VARY, threads=1)
 
 
-def spawning(workers=2):
-    return ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))
-
-
-class Killer:
-    """A progress callback that once, in the midst of the sweep, kills a process."""
-
-    def __init__(self, processes):
-        self.processes = processes
-        self.killed = None
-
-    def __call__(self, fraction, stage):
-        if self.killed is None and 0.2 < fraction < 0.8:
-            self.killed = next(iter(self.processes()))
-            os.kill(self.killed, signal.SIGKILL)
+@pytest.fixture
+def spawned():
+    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as executor:
+        yield executor
 
 
 def test_threads(expected):
@@ -46,35 +37,40 @@ def test_threads(expected):
         xarray.testing.assert_identical(sweep(SLOW, VARY, threads=threads), expected)
 
 
-def test_any_chunks(expected, monkeypatch):
-    monkeypatch.setattr(worker, "_POINTS_PER_CALL", 2)
-    monkeypatch.setattr(worker, "_MAX_SECONDS", 0.0)  # every chunk ends early
-    xarray.testing.assert_identical(sweep(SLOW, VARY, threads=2), expected)
+@pytest.mark.parametrize("seconds", [0.0, 0.05])
+def test_any_slabs(expected, monkeypatch, seconds):
+    sizes = []
+
+    def counted(scenario, keys, rows, *how):
+        sizes.append(len(rows))
+        return simulate_slab(scenario, keys, rows, *how)
+
+    simulate_slab = run_sweep.simulate_slab
+    monkeypatch.setattr(run_sweep, "simulate_slab", counted)
+    monkeypatch.setattr(run_sweep, "_SECONDS", seconds)
+    monkeypatch.setattr(run_sweep, "_FEWEST", 1)
+    xarray.testing.assert_identical(sweep(SLOW, VARY, threads=1), expected)
+    assert sum(sizes) == expected["status"].size
+    assert (len(sizes) == sum(sizes)) == (seconds == 0.0)
 
 
-def test_spawned_processes_give_the_same_results(expected):
-    with spawning() as executor:
-        xarray.testing.assert_identical(sweep(SLOW, VARY, executor=executor), expected)
-        assert executor.submit(int, 3).result() == 3  # it stays open
+def test_spawned_processes_give_the_same_results(expected, spawned):
+    xarray.testing.assert_identical(sweep(SLOW, VARY, executor=spawned), expected)
+    again = sweep(SLOW, VARY, executor=spawned, threads=2)  # it stayed open
+    xarray.testing.assert_identical(again, expected)
 
 
-def test_a_process_that_dies(expected):
-    with spawning() as executor:
-        killer = Killer(lambda: executor._processes)
-        data = sweep(SLOW, VARY, executor=executor, progress=killer)
-    assert killer.killed is not None
+def test_a_process_that_dies_ends_the_sweep_which_goes_on_with_another(expected, spawned, tmp_path):
+    def kill(fraction, stage):
+        if 0.2 < fraction < 0.8:
+            for each in multiprocessing.active_children():
+                os.kill(each.pid, signal.SIGKILL)
+
+    with pytest.raises(BrokenExecutor):
+        sweep(SLOW, VARY, executor=spawned, progress=kill, out=tmp_path / "a.nc")
+    assert 0 < xarray.load_dataset(tmp_path / "a.nc").attrs["finished_points"] < 62
+    data = sweep(SLOW, VARY, out=tmp_path / "a.nc", resume=True)
     xarray.testing.assert_identical(data, expected)
-
-
-def test_workers_that_always_die():
-    class Deadly(Executor):
-        def submit(self, function, /, *arguments):
-            future = Future()
-            future.set_exception(type("KilledWorker", (Exception,), {})("gone"))
-            return future
-
-    with pytest.raises(RuntimeError, match="workers died 4 times with the same points: gone"):
-        sweep(SLOW, VARY, executor=Deadly())
 
 
 def test_an_error_of_a_worker_passes_through():
@@ -86,33 +82,44 @@ def test_an_error_of_a_worker_passes_through():
         sweep(SLOW, VARY, executor=executor)
 
 
-def test_a_worker_of_another_version_is_refused(monkeypatch):
-    monkeypatch.setattr("stickslip.sweeping.scheduling._core", type("", (), {"__version__": "9.9"}))
-    with pytest.raises(RuntimeError, match=r"and this process 9\.9"):
-        sweep(SLOW, VARY)
+def test_a_worker_of_another_version_is_refused():
+    class Newer(ThreadPoolExecutor):
+        def submit(self, function, /, *arguments):
+            return super().submit(function, *arguments[:-1], "9.9")
+
+    with Newer(1) as executor, pytest.raises(RuntimeError, match=r"and this process 9\.9"):
+        sweep(SLOW, VARY, executor=executor)
 
 
-def test_loky(expected):
-    executor = loky.ProcessPoolExecutor(2)
-    try:
-        killer = Killer(lambda: executor._processes)
-        data = sweep(SLOW, VARY, executor=executor, progress=killer)
-    finally:
-        executor.shutdown(kill_workers=True)
-    assert killer.killed is not None
-    xarray.testing.assert_identical(data, expected)
+def test_a_cluster_of_which_a_worker_is_killed(expected, tmp_path):
+    killed = []
 
+    def kill_one(client, processes):
+        deadline = time.monotonic() + 60.0
+        while not killed and time.monotonic() < deadline:
+            busy = [name for name, tasks in client.processing().items() if tasks]
+            if len(busy) == 2:
+                os.kill(processes[busy[0]], signal.SIGKILL)
+                killed.append(busy[0])
+            time.sleep(0.01)
 
-def test_dask_with_a_worker_that_is_killed(expected):
+    SLOW.to_toml(tmp_path / "s.toml")
+    vary = ["--vary=drive.frequency=20:200:31", "--vary=drive.mode=IPP,OPP"]
     with (
         distributed.LocalCluster(
             n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
         ) as cluster,
-        distributed.Client(cluster) as client,
+        distributed.Client(cluster, set_as_default=False) as client,
     ):
-        processes = list(client.run(os.getpid).values())
-        assert len(processes) == 2
-        killer = Killer(lambda: processes)
-        data = sweep(SLOW, VARY, executor=client.get_executor(), progress=killer)
-        assert killer.killed is not None
-    xarray.testing.assert_identical(data, expected)
+        processes = client.run(os.getpid)
+        assert len({*processes.values(), os.getpid()}) == 3
+        killer = threading.Thread(target=kill_one, args=(client, processes))
+        killer.start()
+        done = stickslip(
+            *("sweep", "s.toml", *vary, "--dask", cluster.scheduler_address, "--out=a.nc"),
+            cwd=tmp_path,
+        )
+        killer.join()
+    assert (done.returncode, done.stderr) == (0, "")
+    assert killed
+    xarray.testing.assert_identical(xarray.load_dataset(tmp_path / "a.nc"), expected)

@@ -1,4 +1,4 @@
-"""The file of a sweep: whole at any time, resumed without repeating a point, never overwritten."""
+"""The file of a sweep: whole at any time, of one sweep, resumed without repeating a point."""
 
 import contextlib
 import os
@@ -14,12 +14,20 @@ import numpy as np
 import pytest
 import xarray
 
-from stickslip import Drive, Scenario, ScenarioError, Waveform, sweep
+from command_line import stickslip
+from stickslip import Drive, JointPrior, Scenario, ScenarioError, predict, sweep
+from stickslip.sweeping import files, run_sweep
 
 # Some 20 ms a point.
 SLOW = Scenario(drive=Drive(base=0.5e-3, pulses=4)).replace({"solver.max_step": 5e-6})
 QUICK = SLOW.replace({"solver.max_step": 0.0})
 VARY = {"drive.frequency": np.linspace(20.0, 200.0, 31), "contact.static_friction": [0.3, 0.1]}
+FRICTION = {"contact.static_friction": [0.3, 0.1]}
+
+
+@pytest.fixture(autouse=True)
+def short_slabs(monkeypatch):
+    monkeypatch.setattr(run_sweep, "_SECONDS", 0.1)
 
 
 class Counting(ThreadPoolExecutor):
@@ -27,13 +35,9 @@ class Counting(ThreadPoolExecutor):
 
     points = 0
 
-    def submit(self, function, /, chunk):
-        return super().submit(self._run, function, chunk)
-
-    def _run(self, function, chunk):
-        part = function(chunk)
-        self.points += len(part.columns["status"])
-        return part
+    def submit(self, function, /, scenario, keys, rows, *how):
+        self.points += len(rows)
+        return super().submit(function, scenario, keys, rows, *how)
 
 
 def finished_points(path):
@@ -41,7 +45,7 @@ def finished_points(path):
         return int(file.attrs["finished_points"])
 
 
-def begin(path, scenario=SLOW, vary=VARY, fraction=0.4):
+def begin(path, scenario=SLOW, vary=VARY, fraction=0.2):
     """A sweep that is stopped in its midst."""
 
     def stop(done, stage):
@@ -55,12 +59,12 @@ def begin(path, scenario=SLOW, vary=VARY, fraction=0.4):
 def assert_resumes(path, expected, scenario=SLOW, vary=VARY):
     """The sweep is completed, and the points of the file are not simulated again."""
     before = finished_points(path)
+    assert 0 < before < expected["status"].size
     with Counting(2) as executor:
         data = sweep(scenario, vary, executor=executor, out=path, resume=True)
         assert executor.points == expected["status"].size - before
     xarray.testing.assert_identical(data, expected)
-    with xarray.open_dataset(path, engine="h5netcdf") as stored:
-        xarray.testing.assert_identical(stored.load(), expected.load())
+    xarray.testing.assert_identical(xarray.load_dataset(path), expected)
 
 
 @pytest.fixture(scope="module")
@@ -68,45 +72,52 @@ def expected():
     return sweep(SLOW, VARY)
 
 
-def test_a_file_holds_the_dataset(tmp_path):
-    data = sweep(QUICK, VARY, out=tmp_path / "a.nc")
-    with xarray.open_dataset(tmp_path / "a.nc", engine="h5netcdf") as stored:
-        xarray.testing.assert_identical(stored.load(), data)
-    assert [each.name for each in tmp_path.iterdir()] == ["a.nc"]
-
-
-def test_a_file_does_not_depend_on_who_wrote_it(tmp_path):
-    sweep(QUICK, VARY, out=tmp_path / "a.nc", threads=1)
-    sweep(QUICK, VARY, out=tmp_path / "b.nc", threads=2)
+def test_a_file_holds_the_dataset_and_does_not_depend_on_who_wrote_it(tmp_path):
+    for name, threads in {"a.nc": 1, "b.nc": 2}.items():
+        data = sweep(QUICK, VARY, out=tmp_path / name, threads=threads)
+        xarray.testing.assert_identical(xarray.load_dataset(tmp_path / name), data)
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["a.nc", "b.nc"]
 
 
 def test_an_interrupt_keeps_what_was_done(tmp_path, expected):
     begin(tmp_path / "a.nc")
-    assert 0 < finished_points(tmp_path / "a.nc") < 62
-    with xarray.open_dataset(tmp_path / "a.nc", engine="h5netcdf") as stored:
-        names = stored["status"].attrs["flag_meanings"].split()
-        codes = dict(zip(names, stored["status"].attrs["flag_values"], strict=True))
-        not_run = stored["status"] == codes["not_run"]
-        assert np.isnan(stored["mean_velocity"].values[not_run.values]).all()
-        assert int(not_run.sum()) == 62 - finished_points(tmp_path / "a.nc")
+    stored = xarray.load_dataset(tmp_path / "a.nc")
+    names = stored["status"].attrs["flag_meanings"].split()
+    codes = dict(zip(names, stored["status"].attrs["flag_values"], strict=True))
+    not_run = (stored["status"] == codes["not_run"]).values
+    assert np.isnan(stored["mean_velocity"].values[not_run]).all()
+    assert not_run.sum() == 62 - finished_points(tmp_path / "a.nc")
     assert_resumes(tmp_path / "a.nc", expected)
+
+
+def test_an_interrupt_from_the_keyboard_ends_a_slab(tmp_path):
+    endless = QUICK.replace({"solver.max_step": 1e-7, "drive.pulses": 5_000})
+    calls = []
+
+    def interrupt(fraction, stage):
+        calls.append(fraction)
+        if len(calls) == 3:  # the core works
+            signal.raise_signal(signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt):
+        sweep(endless, FRICTION, out=tmp_path / "a.nc", progress=interrupt)
+    assert list(tmp_path.iterdir()) == []  # nothing was done
 
 
 @pytest.mark.nightly
 def test_a_killed_sweep_resumes(tmp_path):
     slower = SLOW.replace({"solver.max_step": 1e-6})
-    # Runs that step together end together: enough of them that some end long after the first.
-    many = {"drive.frequency": np.linspace(20.0, 200.0, 200), "contact.static_friction": [0.3, 0.1]}
+    many = {"drive.frequency": np.linspace(20.0, 200.0, 50), "contact.static_friction": [0.3, 0.1]}
     script = (
         "import numpy as np\n"
-        "import stickslip.sweeping.checkpoint as checkpoint\n"
         "from stickslip import Scenario, sweep\n"
-        "checkpoint._MIN_INTERVAL, checkpoint._MAX_SHARE = 0.05, 1.0\n"
-        "scenario = Scenario.from_toml('s.toml')\n"
-        "vary = {'drive.frequency': np.linspace(20.0, 200.0, 200),"
+        "from stickslip.sweeping import files, run_sweep\n"
+        "run_sweep.MIN_INTERVAL = files.MIN_INTERVAL = 0.0\n"
+        "files._MAX_SHARE, run_sweep._SECONDS = 1.0, 0.05\n"
+        "vary = {'drive.frequency': np.linspace(20.0, 200.0, 50),"
         " 'contact.static_friction': [0.3, 0.1]}\n"
-        "sweep(scenario, vary, threads=1, out='a.nc')\n"
+        "sweep(Scenario.from_toml('s.toml'), vary, threads=1, out='a.nc')\n"
     )
     slower.to_toml(tmp_path / "s.toml")
     process = subprocess.Popen([sys.executable, "-c", script], cwd=tmp_path)
@@ -119,39 +130,36 @@ def test_a_killed_sweep_resumes(tmp_path):
             time.sleep(0.02)
             with contextlib.suppress(FileNotFoundError):
                 finished = finished_points(tmp_path / "a.nc")
-        process.send_signal(signal.SIGKILL)
     finally:
         process.kill()
         process.wait()
-    assert 8 <= finished_points(tmp_path / "a.nc") < 400
     assert_resumes(tmp_path / "a.nc", sweep(slower, many), slower, many)
 
 
 def test_a_finished_file_is_read_and_left_alone(tmp_path):
-    data = sweep(QUICK, VARY, out=tmp_path / "a.nc")
-    before = os.stat(tmp_path / "a.nc")
+    path = tmp_path / "a.nc"
+    data = sweep(QUICK, VARY, out=path)
+    path.chmod(0o444)
+    before = os.stat(path)
     seen = []
     with Counting(1) as executor:
         again = sweep(
-            QUICK,
-            VARY,
+            *(QUICK, VARY),
             executor=executor,
-            out=tmp_path / "a.nc",
+            out=path,
             resume=True,
             progress=lambda *each: seen.append(each),
         )
         assert executor.points == 0
     xarray.testing.assert_identical(again, data)
-    after = os.stat(tmp_path / "a.nc")
+    after = os.stat(path)
     assert (after.st_mtime_ns, after.st_ino) == (before.st_mtime_ns, before.st_ino)
     assert seen == [(1.0, "simulating")]
 
 
 def test_resuming_without_a_file_begins(tmp_path):
-    data = sweep(QUICK, VARY, out=tmp_path / "a.nc", resume=True)
-    assert data.attrs["finished_points"] == 62
-    with pytest.raises(ValueError, match="resume"):
-        sweep(QUICK, VARY, resume=True)
+    data = sweep(QUICK, FRICTION, out=tmp_path / "a.nc", resume=True)
+    xarray.testing.assert_identical(xarray.load_dataset(tmp_path / "a.nc"), data)
 
 
 def test_lists_resume_too(tmp_path):
@@ -160,73 +168,54 @@ def test_lists_resume_too(tmp_path):
     assert_resumes(tmp_path / "a.nc", sweep(SLOW, rows), vary=rows)
 
 
-PROGRAM = Scenario(drive=Drive(mode="program", program=Waveform.ipp(base=0.5e-3, pulses=2)))
-FRICTION = {"contact.static_friction": [0.3, 0.1]}
-OTHERS = {
-    "scenario": (QUICK.replace({"drive.hold": 2e-3}), VARY, r"\[drive\] hold = 0.001 there"),
-    "extension": (QUICK.replace({"effects.surface_tilt.angle": 0.1}), VARY, "extensions"),
-    "values": (QUICK, {**VARY, "contact.static_friction": [0.3, 0.2]}, "contact.static_friction"),
-    "order": (QUICK, dict(reversed(VARY.items())), "there, contact.static_friction, drive.freq"),
-    "key": (QUICK, {**VARY, "drive.mode": ["IPP"]}, "drive.mode here"),
-}
-
-
-@pytest.mark.parametrize("name", OTHERS)
-def test_the_file_of_another_sweep_is_refused(tmp_path, name):
-    sweep(QUICK, VARY, out=tmp_path / "a.nc")
-    scenario, vary, words = OTHERS[name]
-    assert_refused(tmp_path / "a.nc", scenario, vary, words)
-
-
-def assert_refused(path, scenario, vary, words):
-    before = path.read_bytes()
-    with pytest.raises(ScenarioError, match=f"a.nc cannot be resumed: .*{words}") as error:
-        sweep(scenario, vary, out=path, resume=True)
-    assert "\n" not in str(error.value)
-    assert path.read_bytes() == before
-
-
-def test_other_voltages_are_another_sweep(tmp_path):
-    sweep(PROGRAM, FRICTION, out=tmp_path / "a.nc")
-    other = PROGRAM.replace({"drive.program": 2 * PROGRAM.drive.program})
-    assert_refused(tmp_path / "a.nc", other, FRICTION, "voltages")
-
-
-def test_a_list_and_a_grid_are_other_sweeps(tmp_path):
-    sweep(QUICK, FRICTION, out=tmp_path / "a.nc")
-    rows = [{"contact.static_friction": value} for value in (0.3, 0.1)]
-    assert_refused(tmp_path / "a.nc", QUICK, rows, "a list and a grid")
-
-
-def test_the_file_of_another_version_is_refused(tmp_path, monkeypatch):
-    sweep(QUICK, FRICTION, out=tmp_path / "a.nc")
-    newer = type("", (), {"__version__": "9.9"})
-    monkeypatch.setattr("stickslip.sweeping.checkpoint._core", newer)
-    assert_refused(tmp_path / "a.nc", QUICK, FRICTION, r"stickslip .*, and this is 9\.9")
-
-
-@pytest.mark.parametrize("damage", ["text", "empty", "cut", "run"])
-def test_what_is_no_file_of_a_sweep_is_refused(tmp_path, damage):
+def test_predictions_resume_from_the_file_of_their_draws(tmp_path):
     path = tmp_path / "a.nc"
-    if damage == "run":
-        from stickslip import simulate
+    prior = JointPrior({}, ("coil.resistance", "drag.linear"), ((0.25, 2.5e-7), (2.5e-7, 1e-12)))
+    how = {"vary": FRICTION, "draws": 20, "uncertain": prior}
+    whole = predict(SLOW, **how)
 
-        simulate(QUICK.replace({"record.rate": 1e3})).save(path)
-    else:
-        sweep(QUICK, FRICTION, out=path)
-        whole = path.read_bytes()
-        path.write_bytes({"text": b"a,b\n1,2\n", "empty": b"", "cut": whole[:9000]}[damage])
-    assert_refused(path, QUICK, FRICTION, "not the file of a sweep")
+    def stop(done, stage):
+        if done:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        predict(SLOW, **how, out=path, progress=stop, threads=1)
+    before = finished_points(path)
+    with Counting(2) as executor:
+        found = predict(SLOW, **how, out=path, resume=True, executor=executor)
+        assert executor.points == 40 - before < 40
+    xarray.testing.assert_identical(found, whole)
+    draws = xarray.load_dataset(path)
+    assert draws["mean_velocity"].dims == ("contact_static_friction", "draw")
+    assert draws["coil_resistance"].dims == ("draw",)
+    np.testing.assert_array_equal(
+        draws["mean_velocity"].median("draw"), whole["mean_velocity"][:, 1]
+    )
+    with pytest.raises(ScenarioError, match="another sweep"):
+        predict(SLOW, **how, seed=1, out=path, resume=True)
 
 
-def test_a_file_that_is_there_is_not_overwritten(tmp_path):
-    (tmp_path / "a.nc").write_text("mine")
+def test_a_file_is_neither_overwritten_nor_changed_by_another_sweep(tmp_path):
+    path = tmp_path / "a.nc"
+    sweep(QUICK, FRICTION, out=path)
+    before = path.read_bytes()
     with pytest.raises(FileExistsError, match=r"a\.nc is already there"):
-        sweep(QUICK, FRICTION, out=tmp_path / "a.nc")
-    assert (tmp_path / "a.nc").read_text() == "mine"
-    for path, error in [(tmp_path, IsADirectoryError), (tmp_path / "no/a.nc", FileNotFoundError)]:
-        with pytest.raises(error):
-            sweep(QUICK, FRICTION, out=path)
+        sweep(QUICK, FRICTION, out=path)
+    with pytest.raises(
+        ScenarioError, match=r"a\.nc cannot be resumed: it belongs to another sweep"
+    ):
+        sweep(QUICK, VARY, out=path, resume=True)
+    assert path.read_bytes() == before
+    assert [each.name for each in tmp_path.iterdir()] == ["a.nc"]
+
+
+def test_the_file_of_another_version_is_refused(tmp_path):
+    path = tmp_path / "a.nc"
+    data = sweep(QUICK, FRICTION)
+    older = data.attrs["sweep"].replace('"stickslip_version": "', '"stickslip_version": "0')
+    files.write(data.assign_attrs(sweep=older), path)
+    with pytest.raises(ScenarioError, match="version of stickslip differ"):
+        sweep(QUICK, FRICTION, out=path, resume=True)
 
 
 def test_a_full_disk_keeps_the_last_good_file(tmp_path, expected):
@@ -243,3 +232,67 @@ def test_a_full_disk_keeps_the_last_good_file(tmp_path, expected):
     assert path.read_bytes() == before
     assert [each.name for each in tmp_path.iterdir()] == ["a.nc"]
     assert_resumes(path, expected)
+
+
+def test_a_file_has_one_sweep_at_a_time(tmp_path):
+    path = tmp_path / "a.nc"
+    (tmp_path / ".a.nc.lock").write_text("")  # what a killed sweep leaves
+    (tmp_path / "link.nc").symlink_to("a.nc")
+    refused = []
+
+    def another(done, stage):
+        for name, resume in (("a.nc", False), ("a.nc", True), ("link.nc", False)):
+            with pytest.raises(ScenarioError, match=rf"{name}: another sweep is writing"):
+                sweep(QUICK, {"drive.frequency": [30.0]}, out=tmp_path / name, resume=resume)
+            refused.append(name)
+
+    data = sweep(QUICK, FRICTION, out=path, progress=another)
+    assert len(refused) >= 3
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["a.nc", "link.nc"]
+    xarray.testing.assert_identical(xarray.load_dataset(path), data)
+
+
+def test_another_process_is_refused_until_the_first_is_killed(tmp_path):
+    QUICK.to_toml(tmp_path / "s.toml")
+    options = ["s.toml", "--vary=contact.static_friction=0.3,0.2", "--out=a.nc"]
+    code = (
+        "from stickslip.sweeping.files import locked\n"
+        "with locked('a.nc'):\n print(flush=True); input()"
+    )
+    holder = subprocess.Popen(
+        [sys.executable, "-c", code], cwd=tmp_path, stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    )
+    try:
+        holder.stdout.readline()
+        done = stickslip("sweep", *options, cwd=tmp_path)
+        assert (done.returncode, done.stdout) == (2, "")
+        assert done.stderr == "stickslip: a.nc: another sweep is writing this file\n"
+        assert not (tmp_path / "a.nc").exists()
+    finally:
+        holder.kill()
+        holder.wait()
+    assert stickslip("sweep", *options, cwd=tmp_path).returncode == 0
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["a.nc", "s.toml"]
+
+
+@pytest.mark.parametrize("cost", [0.001, 0.05, 2.0])
+def test_checkpoints_come_early_and_cost_little(monkeypatch, cost):
+    """A clock of its own: slabs of a second for 1000 s, each with new points."""
+    now, slab, writes = 0.0, 1.0, []
+
+    def write(*_):
+        nonlocal now
+        writes.append(now)
+        now += cost
+
+    monkeypatch.setattr(files.time, "monotonic", lambda: now)
+    monkeypatch.setattr(files, "write", write)
+    due = files.MIN_INTERVAL
+    while now < 1000.0:
+        now += slab
+        if now >= due:
+            due = files.checkpoint(None, "a.nc")
+    assert writes[0] <= 1.0 + slab
+    assert cost * (len(writes) - 1) <= 0.03 * 1000.0
+    # No rarer than that needs, or than once a second, and a slab's delay.
+    assert np.diff(writes).max() <= cost + max(1.0, cost / 0.03) + slab + 1e-9

@@ -31,8 +31,6 @@ from stickslip import (
     unregister_effect,
 )
 from stickslip.cli.commands import stickslip as command
-from stickslip.scenario.keys import known_keys
-from stickslip.sweeping.points import short_name
 
 
 @by_method
@@ -118,8 +116,8 @@ def test_a_sweep_is_bit_identical_on_any_number_of_threads(function, tmp_path):
     two = sweep(scenario(PULSES), keys, threads=2)
     xarray.testing.assert_identical(one, two)
     assert (one.status == 0).all()
-    assert one.sizes["own_a"] == 5
-    assert one.own_a.attrs["key"] == "effects.own.a"
+    assert one.sizes["effects_own_a"] == 5
+    assert one.effects_own_a.attrs["key"] == "effects.own.a"
     for a, row in zip(keys["effects.own.a"], one.mean_velocity.values, strict=True):
         alone = [run(PULSES, {"effects.own.a": a, "effects.own.b": b}) for b in (0.0, 3e-5)]
         assert [each.mean_velocity for each in alone] == list(row)
@@ -133,20 +131,16 @@ def test_a_sweep_is_bit_identical_on_any_number_of_threads(function, tmp_path):
         assert [each.mean_velocity for each in runs] == list(one.mean_velocity.values[:, 0])
 
 
-def test_its_names_in_a_dataset_replace_no_other_names(tmp_path):
-    names = {key: short_name(key) for key in known_keys()}
-    register(nothing, parameter("velocity"), parameter("frequency"), name="mean")
-    register(nothing, parameter("frequency"), name="drive")
-    register(nothing, parameter("time_time"), name="edge")
-    assert {key: short_name(key) for key in names} == names
-    everything = [short_name(key) for key in known_keys()]
-    assert len(set(everything)) == len(everything)
-    assert short_name("effects.mean.frequency") == "mean_frequency"
-    keys = {"effects.mean.velocity": [0.0, 1.0]}
-    seen = sweep(scenario(PULSES), keys, threads=1, out=tmp_path / "sweep.nc")
-    assert seen.mean_velocity.dims == ("effects.mean.velocity",)
-    read = sweep(scenario(PULSES), keys, threads=1, out=tmp_path / "sweep.nc", resume=True)
-    assert np.array_equal(read.mean_velocity, seen.mean_velocity)
+def test_keys_that_have_one_name_in_a_dataset_cannot_be_varied_together(tmp_path):
+    register(nothing, parameter("tilt_angle", low=-1.0), name="surface")
+    both = {"effects.surface_tilt.angle": [0.0, 0.01], "effects.surface.tilt_angle": [0.5]}
+    with pytest.raises(ScenarioError, match=r"cannot vary it beside effects\.surface_tilt\.angle"):
+        sweep(scenario(PULSES), both)
+    file = tmp_path / "sweep.nc"
+    own = {"effects.surface.tilt_angle": [0.0, 1.0]}
+    seen = sweep(scenario(PULSES), own, threads=1, out=file)
+    assert seen.mean_velocity.dims == ("effects_surface_tilt_angle",)
+    xarray.testing.assert_identical(sweep(scenario(PULSES), own, out=file, resume=True), seen)
 
 
 def test_several_act_together():

@@ -68,7 +68,6 @@ if TYPE_CHECKING:
     from stickslip.simulation.simulator import Simulator as Simulator
     from stickslip.simulation.simulator import Snapshot as Snapshot
     from stickslip.sweeping.predict import predict as predict
-    from stickslip.sweeping.prediction import Prediction as Prediction
     from stickslip.sweeping.run_sweep import sweep as sweep
     from stickslip.sweeping.sweep_table import sweep_dataframe as sweep_dataframe
     from stickslip.versions import show_versions as show_versions
@@ -81,7 +80,6 @@ _HOME = {
         "design.optimise": ("optimise",),
         "design.optimum": ("Optimum",),
         "sweeping.predict": ("predict",),
-        "sweeping.prediction": ("Prediction",),
         "diagnosis.data.series": ("Series",),
         "diagnosis.data.table": ("Table",),
         "diagnosis.entry": ("diagnose", "diagnose_model"),

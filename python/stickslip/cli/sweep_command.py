@@ -64,8 +64,8 @@ def command(
     Prints the summaries; what the scenario records is ignored. A point that fails is a status in
     the results: the command still succeeds, and says on standard error how many there are.
 
-    --out is written after half a second, then every second or more, and on Ctrl-C, so that --resume
-    can go on with it after whatever stopped the sweep, without simulating a finished point again.
+    --out is written every second or more rarely, and on Ctrl-C, so that --resume can go on with it
+    after whatever stopped the sweep, without simulating a finished point again.
     The exit status is 1 if --plot had nothing to draw, as no point has a velocity.
     """
     points = swept_points(scenario, vary, settings)

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     import xarray
 
     from stickslip.simulation.run import Run
-    from stickslip.sweeping.prediction import Prediction
 
 _WORDS = {
     "turning_speed": ", by which turning may change the velocity",
@@ -173,19 +172,18 @@ def sweep_failure(data: xarray.Dataset) -> str:
     return f"{failed} of {messages.size} points failed; the first: {messages[first]}"
 
 
-def prediction_as_dict(prediction: Prediction) -> dict[str, Any]:
+def prediction_as_dict(data: xarray.Dataset) -> dict[str, Any]:
     """The points in order: quantiles of each figure and their errors, lists as `quantiles`."""
-    data = prediction.data
     columns = {**_varied_keys(data["failed"]), "failed": _listed(data["failed"])}
     for name, values in data.data_vars.items():
         if "quantile" in values.dims:
             columns[str(name)] = values.values.reshape(-1, data.sizes["quantile"]).tolist()
     return {
         "points": data["failed"].size,
-        "draws": prediction.draws,
+        "draws": int(data.attrs["draws"]),
         "seed": int(data.attrs["seed"]),
-        "redrawn": prediction.redrawn,
-        "failed": prediction.failed,
+        "redrawn": int(data.attrs["redrawn"]),
+        "failed": int(data.attrs["failed_draws"]),
         "status": json.loads(data.attrs["statuses"]),
         "notes": json.loads(data.attrs["notes"]),
         "quantiles": data["quantile"].values.tolist(),
@@ -193,18 +191,17 @@ def prediction_as_dict(prediction: Prediction) -> dict[str, Any]:
     }
 
 
-def prediction_table(prediction: Prediction) -> str:
+def prediction_table(data: xarray.Dataset) -> str:
     """Counts and the precision of the quantiles; the points too if they are few."""
-    data = prediction.data
-    points, draws = data["failed"].size, prediction.draws
+    points, draws = data["failed"].size, int(data.attrs["draws"])
     lowest = float(data["quantile"].values.min())
     error = math.sqrt(lowest * (1.0 - lowest) / draws)
     low, high = max(lowest - error, 0.0), lowest + error
     rows = [
         ("points", str(points)),
-        ("draws", f"{draws} of each, {prediction.failed} of all failed"),
+        ("draws", f"{draws} of each, {int(data.attrs['failed_draws'])} of all failed"),
     ]
-    if prediction.failed < points * draws:
+    if int(data.attrs["failed_draws"]) < points * draws:
         shares = f"{100 * low:.3g} to {100 * high:.3g} %"
         rows.append(("precision", f"the quantile of {100 * lowest:.4g} % is one of {shares}"))
     rows += [("note", line) for line in lines_of_json(data.attrs["notes"])]
@@ -222,20 +219,19 @@ def prediction_table(prediction: Prediction) -> str:
     return f"{_aligned(columns)}\n\n{text}"
 
 
-def prediction_failures(prediction: Prediction) -> list[str]:
+def prediction_failures(data: xarray.Dataset) -> list[str]:
     """How many draws failed, with what the first of them says, and how many were replaced."""
     lines = []
-    data = prediction.data
-    if prediction.redrawn:
+    if data.attrs["redrawn"]:
         lines.append(
-            f"note: {prediction.redrawn} more draws made no scenario, and others took their place: "
-            "what is uncertain is cut off where values are not allowed"
+            f"note: {data.attrs['redrawn']} more draws made no scenario, and others took their "
+            "place: what is uncertain is cut off where values are not allowed"
         )
-    if prediction.failed:
-        count = data["failed"].size * prediction.draws
+    if data.attrs["failed_draws"]:
+        count = data["failed"].size * int(data.attrs["draws"])
         lines.append(
-            f"{prediction.failed} of {count} draws failed and are in no quantile; the first: "
-            f"{data.attrs['message']}"
+            f"{data.attrs['failed_draws']} of {count} draws failed and are in no quantile; the "
+            f"first: {data.attrs['message']}"
         )
     return lines
 

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
+from stickslip import _core
 from stickslip._util.numbers import worker_count
 from stickslip.diagnosis.data.angle import AngleTable
 from stickslip.diagnosis.data.checks import find_problem, find_velocity_problem, velocity_notes
@@ -21,9 +24,8 @@ from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import check_whole, shown
 from stickslip.simulation.note import Note
-from stickslip.sweeping.notes import notes_of_points
+from stickslip.sweeping.notes import notes_of
 from stickslip.sweeping.points import from_changes
-from stickslip.sweeping.run_sweep import simulated
 
 
 def diagnose(
@@ -148,4 +150,6 @@ def _silent(fraction: float, stage: str) -> None:
 def _notes_of_runs(measurement: Measurement, table: VelocityTable) -> list[Note]:
     """What the stated model's runs at the measured conditions are noted for."""
     points = from_changes(measurement.scenario, table.conditions)
-    return notes_of_points(points, simulated(points, table.threads, None), "conditions")
+    rows = points.rows(np.arange(points.count))
+    columns, _ = _core.sweep(points.scenario.to_core(), points.keys, rows, table.threads)
+    return notes_of(points, columns, "conditions")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -59,15 +59,7 @@ class _Axis:
         )
 
 
-class HasQuantiles(Protocol):
-    """A `Prediction`: its room lies above this one."""
-
-    @property
-    def data(self) -> xarray.Dataset:
-        """Quantiles at the points of a sweep."""
-
-
-def velocity(data: xarray.Dataset | HasQuantiles, ax: Axes | None = None) -> Figure:
+def velocity(data: xarray.Dataset, ax: Axes | None = None) -> Figure:
     """Draw the mean velocities of a sweep: lines over one key, a heat map over two.
 
     Of a sweep in which a robot left the plane y = 0, this is the velocity along the heading of the
@@ -79,9 +71,9 @@ def velocity(data: xarray.Dataset | HasQuantiles, ax: Axes | None = None) -> Fig
 
     Parameters
     ----------
-    data : xarray.Dataset or Prediction
-        What `stickslip.sweep` or `stickslip.predict` gave. Take a part with ``.sel`` or ``.isel``,
-        of a prediction's `data`, where it varied more than can be drawn.
+    data : xarray.Dataset
+        What `stickslip.sweep` or `stickslip.predict` gave. Take a part with ``.sel`` or ``.isel``
+        where it varied more than can be drawn.
     ax : matplotlib.axes.Axes, optional
         Where to draw; a new figure, if not given.
 
@@ -95,7 +87,7 @@ def velocity(data: xarray.Dataset | HasQuantiles, ax: Axes | None = None) -> Fig
     ValueError
         If the Dataset is not one of a sweep, has no sound point, or varies more than can be drawn.
     """
-    table: Any = getattr(data, "data", data)  # of a prediction
+    table: Any = data
     if not hasattr(table, "data_vars"):
         raise ValueError(f"data = {table!r}: allowed is what sweep or predict gave")
     if "mean_velocity" not in table:
@@ -162,8 +154,14 @@ def _unlisted(speeds: Any) -> Any:
 def _axis(speeds: Any, name: str) -> _Axis:
     coordinate = speeds[name]
     unit = str(coordinate.attrs.get("units", ""))
-    shown = in_handy_units(name.replace("_", " "), unit)
+    shown = in_handy_units(_words(speeds, name), unit)
     return _Axis(name, coordinate.values.astype(np.float64), *shown)
+
+
+def _words(speeds: Any, name: str) -> str:
+    """What the key of a coordinate is called in a picture."""
+    key = str(speeds[name].attrs.get("key", name))
+    return key.rpartition(".")[2].replace("_", " ")
 
 
 def _draw_lines(axes: Axes, speeds: Any, along: _Axis, words: list[str]) -> None:
@@ -198,7 +196,9 @@ def _draw_lines(axes: Axes, speeds: Any, along: _Axis, words: list[str]) -> None
     axes.set_ylabel(speeds.name)
     if words or bands:
         look: Any = {"fontsize": "small", "framealpha": 0.8, "edgecolor": "none"}
-        axes.legend(handles=handles, title=", ".join(words), **look)
+        axes.legend(
+            handles=handles, title=", ".join(_words(speeds, name) for name in words), **look
+        )
 
 
 def _draw_bands(

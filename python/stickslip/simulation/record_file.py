@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip import _core
-from stickslip._util.checksum import append_checksum
 from stickslip._util.extras import naming_the_extra
 from stickslip._util.files import check_writable, replacing
 from stickslip.errors import ScenarioError, prefixed
@@ -35,7 +34,6 @@ if TYPE_CHECKING:
     import xarray
     from numpy.typing import NDArray
 
-    from stickslip.field.field_map import FieldMap
     from stickslip.scenario.scenario import Scenario
     from stickslip.simulation.run import Run
 
@@ -74,11 +72,6 @@ def origin(scenario: Scenario) -> dict[str, str]:
     return about
 
 
-def map_of(about: Mapping[str, Any]) -> FieldMap | None:
-    """The field map of attributes that `origin` gave, if the scenario has one."""
-    return stored_map(about["coil_map"]) if "coil_map" in about else None
-
-
 def attributes(run: Run) -> dict[str, Any]:
     """What a file says of a run beside its record: all that makes it a `Run` again."""
     summary = run.summary()
@@ -110,22 +103,6 @@ def dataset(run: Run) -> xarray.Dataset:
     }
     coil = ("coil", list(_core.coil_names), {"long_name": "coil"})
     return xarray.Dataset(variables, {"t": variables.pop("t"), "coil": coil}, attributes(run))
-
-
-def write_netcdf(data: xarray.Dataset, path: str | PathLike[str]) -> None:
-    """Write a Dataset to a netCDF file, whole or not at all.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written; an older file of that name is then untouched.
-    """
-    # In memory first: where a disk is full, HDF5 can end the process.
-    image = io.BytesIO()
-    image.write(data.to_netcdf(engine="h5netcdf"))
-    append_checksum(image)
-    with replacing(path) as temporary:
-        temporary.write_bytes(image.getbuffer())
 
 
 def _dimensions(name: str) -> tuple[str, ...]:
@@ -351,7 +328,8 @@ def stored(path: str | PathLike[str]) -> tuple[Scenario, dict[str, Any], StoredR
             if "voltage_blocks" in about:
                 blocks = json.loads(about["voltage_blocks"])
                 program = Waveform([(each["t"], each["V"], each["repeats"]) for each in blocks])
-            scenario = scenario_of(about["scenario"], program, map_of(about))
+            field_map = stored_map(about["coil_map"]) if "coil_map" in about else None
+            scenario = scenario_of(about["scenario"], program, field_map)
             record = StoredRecord(path, recorded_names(scenario))
             outcome = {
                 "status": about["status"],

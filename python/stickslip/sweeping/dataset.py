@@ -1,97 +1,127 @@
-"""The results of a sweep as an xarray Dataset."""
+"""The Dataset of a sweep: empty at first, filled in any order, and then told about."""
 
 from __future__ import annotations
 
 import json
-from typing import Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray
 from numpy.typing import NDArray
 
 from stickslip import _core
+from stickslip._util.numbers import Indices
 from stickslip.scenario.keys import known_keys
-from stickslip.simulation.columns import NUMBERS
 from stickslip.simulation.note import notes_json
-from stickslip.simulation.record_file import origin
-from stickslip.simulation.seen_from_drive import VELOCITIES
-from stickslip.sweeping.notes import notes_of_points
-from stickslip.sweeping.plane_velocities import plane_velocities
-from stickslip.sweeping.points import LIST_DIMENSION, Points, short_name
-from stickslip.sweeping.results import EVENTS, NOT_RUN, OK, STATUSES, Results
+from stickslip.simulation.seen_from_drive import VELOCITIES, seen_from_drive
+from stickslip.sweeping.notes import notes_of
+from stickslip.sweeping.points import DRAW, Points, name_of
+
+if TYPE_CHECKING:
+    import xarray
+
+NOT_RUN, REFUSED, OK = -2, -1, 0
+STATUSES = {NOT_RUN: "not_run", REFUSED: "refused", **dict(enumerate(_core.statuses))}
+"""Names of all statuses by number; `refused` is a point whose values make no scenario."""
+
+PAINLEVE = "painleve"
+EVENTS = tuple(name for name in _core.events if name != PAINLEVE)
+"""Kinds of event that are counted in `events`."""
+
+# Half of a sweep's file are counts of events, most of them small.
+_ENCODING = {"zlib": True, "complevel": 1, "shuffle": True}
 
 
-def dataset(points: Points, results: Results) -> xarray.Dataset:
-    """See `stickslip.sweep`. Arrays are views of those of `results`."""
-    dimensions, shape = points.dimensions, points.shape
+def empty(points: Points) -> xarray.Dataset:
+    """The Dataset that `sweep` gives, of which no point was run."""
+    import xarray
 
-    def variable(values: NDArray[Any], **attributes: Any) -> tuple[Any, ...]:
-        extra = ("event",) if values.ndim == 2 else ()
-        shaped = values.reshape(*shape, *values.shape[1:])
-        # Half of a sweep's file are counts of events, most of them small.
-        encoding = {"zlib": True, "complevel": 1, "shuffle": True}
-        return (*dimensions, *extra), shaped, attributes, encoding
+    dims, shape = tuple(points.sizes), points.shape
 
-    columns = {**NUMBERS, **VELOCITIES}
-    numbers = {**results.numbers, **plane_velocities(points, results.numbers)}
+    def variable(values: NDArray[Any], *extra: str, **about: Any) -> tuple[Any, ...]:
+        return (*dims, *extra), values, about, _ENCODING
+
     variables = {
-        name: variable(values, units=columns[name].unit, long_name=columns[name].meaning)
-        for name, values in numbers.items()
+        name: variable(np.full(shape, np.nan), units=unit, long_name=meaning)
+        for name, (unit, meaning) in _core.summary_numbers.items()
     }
-    variables["events"] = variable(results.events, units="1", long_name="events by kind")
+    counts = np.zeros((*shape, len(EVENTS)), dtype=np.int64)
+    variables["events"] = variable(counts, "event", units="1", long_name="events by kind")
     variables["painleve_events"] = variable(
-        results.painleve_events, units="1", long_name="contacts without a consistent force"
+        np.zeros(shape, dtype=np.int64), units="1", long_name=_core.events[PAINLEVE]
     )
     variables["status"] = variable(
-        results.status,
+        np.full(shape, NOT_RUN, dtype=np.int8),
         long_name="how the simulation ended",
         flag_values=np.array(list(STATUSES), dtype=np.int8),
         flag_meanings=" ".join(STATUSES.values()),
     )
-    if results.messages:
-        messages = np.full(points.count, "", dtype=object)
-        for index, text in results.messages.items():
-            messages[index] = text
-        variables["message"] = (
-            dimensions,
-            messages.reshape(shape),
-            {"long_name": "what happened, of a point that failed"},
-        )
-    kinds = ("event", list(EVENTS), {"long_name": "kind of event"})
-    return xarray.Dataset(
-        variables,
-        coords={**coordinates(points), "event": kinds},
-        attrs={
-            **about(points, "parameter sweep", "sweep"),
-            "finished_points": results.finished,
-            "failed_points": int(np.sum(~np.isin(results.status, (OK, NOT_RUN)))),
-            "statuses": json.dumps(results.counts()),
-            "notes": notes_json(notes_of_points(points, results)),
-        },
-    )
-
-
-def about(points: Points, what: str, command: str) -> dict[str, Any]:
-    """Attributes that say where the numbers of some points come from."""
-    return {
-        "title": f"stick-slip motion of a magnetic micro-robot, {what}",
-        "created_by": f"stickslip {_core.__version__}, {command}",
-        **origin(points.scenario),
-        "arrangement": points.arrangement,
-        "vary": points.vary(),
-        "points": points.count,
-    }
-
-
-def coordinates(points: Points) -> dict[str, Any]:
-    """The values along each dimension, as `xarray.Dataset` takes them."""
-    found = {}
-    for key in points.keys:
+    message = {"long_name": "what happened, of a point that failed"}
+    variables["message"] = (dims, np.full(shape, "", dtype=object), message)
+    coords: dict[str, Any] = {"event": ("event", list(EVENTS), {"long_name": "kind of event"})}
+    for key, (dimension, values) in points.columns.items():
         known = known_keys()[key]
-        attributes = {"long_name": known.meaning, "key": key}
+        about = {"long_name": known.meaning, "key": key}
         if known.kind != "word":
-            attributes["units"] = "1" if known.unit == "-" else known.unit
-        name = short_name(key)
-        dimension = LIST_DIMENSION if points.arrangement == "list" else name
-        found[name] = (dimension, points.labels(key), attributes)
-    return found
+            about["units"] = "1" if known.unit == "-" else known.unit
+        coords[name_of(key)] = (dimension, values, about)
+    about = {
+        "title": "stick-slip motion of a magnetic micro-robot",
+        "created_by": f"stickslip {_core.__version__}",
+        "sweep": points.identity(),
+    }
+    return xarray.Dataset(variables, coords, about)
+
+
+def flat(data: xarray.Dataset, name: str) -> NDArray[Any]:
+    """A view of a variable with one entry, or one row, for each point."""
+    values = data[name].values
+    return values.reshape(data["status"].size, *values.shape[data["status"].ndim :])
+
+
+def put(
+    data: xarray.Dataset,
+    indices: Indices,
+    columns: Mapping[str, NDArray[Any]],
+    messages: Mapping[int, str],
+) -> None:
+    """Take over what the core gave of some points; of one that failed no number but its time."""
+    failed = columns["status"] != OK
+    for name in _core.summary_numbers:
+        lost = failed & (name != "simulated_time")
+        flat(data, name)[indices] = np.where(lost, np.nan, columns[name])
+    flat(data, "events")[indices] = np.column_stack([columns[kind] for kind in EVENTS])
+    flat(data, "painleve_events")[indices] = columns[PAINLEVE]
+    flat(data, "status")[indices] = columns["status"]
+    for place, text in messages.items():
+        flat(data, "message")[indices[place]] = text
+
+
+def finished(data: xarray.Dataset, points: Points) -> xarray.Dataset:
+    """The same with what follows from the results so far: velocities, counts and notes."""
+    codes, counts = np.unique(data["status"], return_counts=True)
+    by_status = dict(zip(codes.tolist(), counts.tolist(), strict=True))
+    columns = {str(name): each.values for name, each in data.items()}
+    things = "simulations" if DRAW in points.sizes else "points"
+    about = {
+        "finished_points": points.count - by_status.get(NOT_RUN, 0),
+        "failed_points": sum(n for code, n in by_status.items() if code not in (NOT_RUN, OK)),
+        "statuses": json.dumps({STATUSES[code]: n for code, n in by_status.items()}),
+        "notes": notes_json(notes_of(points, columns, things)),
+    }
+    made = data.assign(_seen_from_drive(data, points)).assign_attrs(about)
+    return made if np.any(data["message"] != "") else made.drop_vars("message")
+
+
+def _seen_from_drive(data: xarray.Dataset, points: Points) -> dict[str, Any]:
+    """`VELOCITIES`, m/s, unless no robot went across x, or every drive is one without heading."""
+    x, y = data["mean_velocity"], data["mean_velocity_y"]
+    mode = points.at_each("drive.mode")
+    if not np.nan_to_num(y).any() or np.all(mode == "program"):
+        return {}
+    drive = mode, points.at_each("drive.direction"), points.at_each("drive.heading")
+    found = zip(VELOCITIES.items(), seen_from_drive(x.values, y.values, *drive), strict=True)
+    return {
+        name: (x.dims, values, {"units": unit, "long_name": meaning}, _ENCODING)
+        for (name, (unit, meaning)), values in found
+    }

@@ -1,9 +1,10 @@
-"""The function `stickslip.predict`: a sweep whose points are simulated for many drawn scenarios."""
+"""The function `stickslip.predict`: quantiles of a sweep with a dimension of drawn values."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
+from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,30 +13,19 @@ from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import check_kind, check_whole, shown
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.uncertain import counted_draws
-from stickslip.simulation.columns import NUMBERS
-from stickslip.simulation.note import notes_json
-from stickslip.simulation.seen_from_drive import VELOCITIES
+from stickslip.scenario.uncertain import JointPrior, counted_draws
 from stickslip.simulation.simulate import Progress
-from stickslip.sweeping.notes import notes_of_points
-from stickslip.sweeping.plane_velocities import plane_velocities
-from stickslip.sweeping.points import MOST_POINTS, Points, as_list, from_changes
-from stickslip.sweeping.prediction import Prediction
-from stickslip.sweeping.results import OK, Results
-from stickslip.sweeping.run_sweep import Vary, points_of, simulated
+from stickslip.sweeping.dataset import OK
+from stickslip.sweeping.points import Points, Vary, as_list, check_count, points_of
+from stickslip.sweeping.run_sweep import sweep_points
 
 if TYPE_CHECKING:
     import xarray
-
-    from stickslip.scenario.uncertain import JointPrior
 
 DRAWS = 200
 """Draws where none are asked for. Chosen: a quantile of 10 % is then one of 7.9 to 12.1 %."""
 
 QUANTILES = (0.1, 0.5, 0.9)
-
-FIGURES = tuple(name for name in NUMBERS if name != "simulated_time")
-"""The figures of a summary that have quantiles; see `sweep`."""
 
 
 def predict(
@@ -45,23 +35,27 @@ def predict(
     seed: int = 0,
     quantiles: Sequence[float] = QUANTILES,
     uncertain: JointPrior | Mapping[str, Any] | Scenario | None = None,
+    *,
     threads: int | None = None,
+    executor: Executor | None = None,
+    out: str | PathLike[str] | None = None,
+    resume: bool = False,
     progress: Progress | None = None,
-) -> Prediction:
-    """Quantiles of the figures of a summary over what is uncertain in a scenario.
+) -> xarray.Dataset:
+    """Quantiles of the numbers of a summary over what is uncertain in a scenario.
 
     Every point is simulated with the same drawn values, so that differences between points are
-    known better than the points themselves. Bit-identical for any number of threads.
+    known better than the points themselves. Bit-identical for any number of threads or workers.
 
     Parameters
     ----------
     scenario : Scenario
         What the points have in common. What it records is ignored.
-    vary : mapping or sequence of mappings, optional
+    vary : mapping, or sequence of mappings, or pandas.DataFrame, optional
         The points, as for `sweep`; the scenario alone, if not given.
     draws : int
         From 2. A quantile q is estimated to within sqrt(q (1 - q) / draws), as a share of the
-        draws; the result has the error of each in the unit of its figure.
+        draws; the result has the error of each in the unit of its number.
     seed : int
         From 0. More draws of one seed keep those that there were.
     quantiles : sequence of float
@@ -69,156 +63,116 @@ def predict(
     uncertain : JointPrior, mapping or Scenario, optional
         In place of what is uncertain in the scenario: priors by key, as `Measurement.uncertain`
         has them, or a scenario such as `Diagnosis.extended`; see `Scenario.with_uncertain`.
-    threads : int, optional
-        How many simulations go on at a time; as many as there are processors, if not given.
-    progress : callable, optional
+    threads, executor, resume, progress : optional
         As for `sweep`.
+    out : path-like, optional
+        netCDF file of all simulations: a sweep with another dimension ``draw``.
 
     Returns
     -------
-    Prediction
+    xarray.Dataset
+        Dimensions and coordinates of the points, as `sweep` has them, and ``quantile``. For each
+        number of a summary, such as `mean_velocity`, its quantiles over the draws that did not
+        fail, and as `mean_velocity_error` their standard errors, as the draws are no more; NaN
+        where the draws are too few. `failed` counts the draws that failed, at each point.
+        Attributes: `draws`, `seed`, `redrawn` (draws that made no scenario, so that others took
+        their place), `failed_draws` (of all points), `message` (of the first that failed), and
+        `statuses`, `notes` and `sweep` of the sweep over all draws.
 
     Raises
     ------
     ScenarioError
         If nothing is uncertain, a key is both varied and uncertain, a number is not allowed, or a
         hundred draws in succession make no scenario.
-    ValueError
-        If `threads` is not a whole number above zero.
+    ValueError, OSError
+        As for `sweep`.
 
     Examples
     --------
     >>> base = Scenario(uncertain={"contact.kinetic_friction": {"mean": 0.145, "sd": 0.01}})
-    >>> predict(base.replace({"drive.pulses": 10}), {"drive.frequency": [30.0, 60.0]}, draws=20)
-    <Prediction of 2 points, 20 draws each, none failed, quantiles 0.1, 0.5, 0.9>
+    >>> data = predict(base.replace({"drive.pulses": 10}), {"drive.frequency": [30, 60]}, draws=20)
+    >>> dict(data.mean_velocity.sizes)
+    {'drive_frequency': 2, 'quantile': 3}
     """
     check_kind("scenario", scenario, Scenario)
     if uncertain is not None:
         scenario = scenario.with_uncertain(uncertain)
-    varied = vary is not None and vary != {}
-    points = points_of(scenario, vary) if varied else single_point(scenario)
-    return predicted(points, varied, draws, seed, quantiles, threads, progress)
-
-
-def single_point(scenario: Scenario) -> Points:
-    """The points of a prediction that varies nothing."""
-    return from_changes(scenario, [{}])
-
-
-def predicted(
-    points: Points,
-    varied: bool,
-    draws: int,
-    seed: int,
-    quantiles: Sequence[float],
-    threads: int | None,
-    progress: Progress | None,
-) -> Prediction:
-    """`predict` of points that are known already; of those of `single_point`, not `varied`."""
     check_whole("draws", draws, 2)
-    check_whole("seed", seed)
-    levels = _checked_levels(quantiles)
-    uncertain = points.scenario.uncertain
-    if uncertain is None:
+    allowed = "numbers between 0 and 1, each once"
+    levels = as_list("quantiles", quantiles, allowed)
+    sound = all(isinstance(each, float) and 0.0 < each < 1.0 for each in levels)
+    if not levels or not sound or len({*levels}) < len(levels):
+        raise ScenarioError(f"quantiles = {shown(levels)}: allowed are {allowed}")
+    levels = sorted(map(float, levels))
+    prior = scenario.uncertain
+    if prior is None:
         raise ScenarioError(
             "uncertain: the scenario holds nothing that is, so there is no band; name it in "
             "[uncertain] of its file, or give it: uncertain=..., or --uncertain FILE"
         )
+    alone = vary is None or (isinstance(vary, Mapping) and not vary)
+    points = Points(scenario, {}, {}) if alone else points_of(scenario, vary)
     for key in points.keys:
-        if key in uncertain.names:
+        if key in prior.names:
             raise ScenarioError(f"{key}: allowed is either varied or uncertain, not both")
-    if points.count * draws > MOST_POINTS:
-        raise ScenarioError(
-            f"{points.count} points of {draws} draws: allowed are at most {MOST_POINTS} simulations"
-        )
-    scenarios, refused = counted_draws(points.scenario, draws, seed)
-    values = np.array([[each.get(key) for key in uncertain.names] for each in scenarios])
-    drawn = points.with_draws(uncertain.names, values)
-    results = simulated(drawn, threads, progress)
-    about_draws = {"draws": draws, "redrawn": refused, "seed": seed}
-    return Prediction(_dataset(points, varied, drawn, results, levels, about_draws))
+    check_count(points.count * draws)
+    scenarios, redrawn = counted_draws(scenario, draws, seed)
+    values = np.array([[each.get(key) for key in prior.names] for each in scenarios])
+    drawn = points.with_draws(prior.names, values)
+    data = sweep_points(drawn, threads, executor, out, resume, progress)
 
-
-def _checked_levels(quantiles: object) -> list[float]:
-    allowed = "numbers between 0 and 1, each once"
-    levels = as_list("quantiles", quantiles, allowed)
-    numbers = [each for each in levels if isinstance(each, float) and 0.0 < each < 1.0]
-    if not levels or len(set(numbers)) < len(levels):
-        raise ScenarioError(f"quantiles = {shown(levels)}: allowed are {allowed}")
-    return sorted(map(float, numbers))
-
-
-def _dataset(
-    points: Points,
-    varied: bool,
-    drawn: Points,
-    results: Results,
-    levels: list[float],
-    about_draws: dict[str, int],
-) -> xarray.Dataset:
-    """Quantiles over the draws; `results` are those of `drawn`, of each point draw by draw."""
-    import xarray
-
-    from stickslip.sweeping.dataset import about, coordinates
-
-    draws = about_draws["draws"]
-    found: dict[str, tuple[Any, ...]] = {}
-    dimensions = (*points.dimensions, "quantile")
-    numbers = {name: results.numbers[name] for name in FIGURES}
-    columns = {**NUMBERS, **VELOCITIES}
-    for name, each in {**numbers, **plane_velocities(drawn, numbers)}.items():
-        column = columns[name]
-        values = each.reshape(points.count, draws)
-        level, error = quantiles_with_errors(values, levels)
-        for full, shares, meaning in (
-            (name, level, column.meaning),
-            (f"{name}_error", error, f"standard error of the quantile: {column.meaning}"),
-        ):
-            attributes = {"units": column.unit, "long_name": meaning}
-            found[full] = (dimensions, shares.reshape(*points.shape, len(levels)), attributes)
-    failed = np.sum(results.status.reshape(*points.shape, draws) != OK, axis=-1)
-    found["failed"] = (points.dimensions, failed, {"units": "1", "long_name": "draws that failed"})
+    dims = tuple(points.sizes)
     below = ("quantile", levels, {"units": "1", "long_name": "part of the draws that lies below"})
-    result = xarray.Dataset(
-        found,
-        coords={**coordinates(points), "quantile": below},
-        attrs={
-            **about(points, "prediction", "predict"),
-            **about_draws,
-            "failed_draws": int(failed.sum()),
-            "statuses": json.dumps(results.counts()),
-            "notes": notes_json(notes_of_points(drawn, results, "simulations")),
-            "message": results.messages.get(min(results.messages, default=0), ""),
-        },
+    failed = (
+        (data["status"] != OK).sum("draw").assign_attrs(long_name="draws that failed", units="1")
     )
-    return result if varied else result.isel(point=0, drop=True).assign_attrs(vary="{}")
+    made = failed.to_dataset(name="failed").assign_coords(quantile=below)
+    for name, each in data.data_vars.items():
+        if each.dtype != float or name == "simulated_time":
+            continue
+        both = quantiles_with_errors(each.values.reshape(points.count, draws), levels)
+        meaning = each.attrs["long_name"]
+        meanings = meaning, f"standard error of the quantile: {meaning}"
+        for full, found, said in zip((name, f"{name}_error"), both, meanings, strict=True):
+            shaped = found.reshape(*points.shape, len(levels))
+            made[full] = ((*dims, "quantile"), shaped, {**each.attrs, "long_name": said})
+    messages = [text for text in data["message"].values.flat if text] if "message" in data else []
+    kept = {
+        name: data.attrs[name] for name in ("title", "created_by", "statuses", "notes", "sweep")
+    }
+    return made.assign_attrs(
+        kept,
+        draws=draws,
+        seed=seed,
+        redrawn=redrawn,
+        failed_draws=int(failed.sum()),
+        message=messages[0] if messages else "",
+    )
 
 
 def quantiles_with_errors(values: Array, levels: Sequence[float]) -> tuple[Array, Array]:
     """Quantiles of each row and their standard errors, shape (rows, levels); NaN is no value.
 
     A share q of n draws lies below the quantile q to within sqrt(q (1 - q) / n). How much that is
-    in the unit of the figure, the quantiles twice as far below and above say, whatever the
+    in the unit of the number, the quantiles twice as far below and above say, whatever the
     distribution is. Where these are no shares, below 0 or above 1, or there are fewer than two
     values, the error is NaN: as that of the quantile 0.1 of fewer than 36 draws.
     """
     ordered = np.sort(values, axis=1)  # NaN comes last
-    count = np.sum(~np.isnan(values), axis=1)
+    count = np.sum(~np.isnan(values), axis=1)[:, None]
+    last = np.maximum(count - 1, 0)
 
     def at(level: Array) -> Array:
-        place = level * np.maximum(count - 1, 0)
+        place = level * last
         low = np.floor(place).astype(np.int64)
-        high = np.minimum(low + 1, np.maximum(count - 1, 0))
-        rows = np.arange(len(values))
-        first, last = ordered[rows, low], ordered[rows, high]
-        return np.asarray(first + (place - low) * (last - first))
+        first, second = (
+            np.take_along_axis(ordered, each, axis=1) for each in (low, np.minimum(low + 1, last))
+        )
+        return np.asarray(first + (place - low) * (second - first))
 
-    found, errors = [], []
-    for level in levels:
-        share = np.sqrt(level * (1.0 - level) / np.maximum(count, 1))
-        below, above = level - 2.0 * share, level + 2.0 * share
-        known = (count > 1) & (below >= 0.0) & (above <= 1.0)
-        found.append(at(np.full(len(values), level)))
-        width = at(np.where(known, above, level)) - at(np.where(known, below, level))
-        errors.append(np.where(known, 0.25 * width, np.nan))
-    return np.stack(found, axis=1), np.stack(errors, axis=1)
+    level = np.broadcast_to(levels, (len(values), len(levels)))
+    share = np.sqrt(level * (1.0 - level) / np.maximum(count, 1))
+    below, above = level - 2.0 * share, level + 2.0 * share
+    known = (count > 1) & (below >= 0.0) & (above <= 1.0)
+    width = at(np.where(known, above, level)) - at(np.where(known, below, level))
+    return at(level), np.where(known, 0.25 * width, np.nan)

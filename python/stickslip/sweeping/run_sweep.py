@@ -1,37 +1,55 @@
-"""The function `stickslip.sweep`."""
+"""The function `stickslip.sweep`, and the one loop over slabs that simulates its points."""
 
 from __future__ import annotations
 
-import contextlib
+import math
 import os
-from collections.abc import Iterable, Mapping, Sequence
+import time
+from collections.abc import Callable
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from os import PathLike
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip import _core
 from stickslip._util.files import check_writable
-from stickslip._util.numbers import worker_count
-from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import Value, check_kind, shown
+from stickslip._util.numbers import Array, Indices, worker_count
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.simulate import STAGE, Progress
-from stickslip.sweeping.executors import ChunkExecutor, LocalThreads, OutsideExecutor
-from stickslip.sweeping.lock import file_lock
-from stickslip.sweeping.points import Points, as_list, from_changes, from_scenarios, grid
-from stickslip.sweeping.results import Results
-from stickslip.sweeping.scheduling import compute
+from stickslip.sweeping.dataset import NOT_RUN, empty, finished, flat, put
+from stickslip.sweeping.files import MIN_INTERVAL, checkpoint, locked, take_over, write
+from stickslip.sweeping.points import Points, Vary, points_of
 
 if TYPE_CHECKING:
-    from concurrent.futures import Executor
-
     import xarray
 
-Vary = Mapping[str, Iterable[Value]] | Sequence[Mapping[str, Value]]
-"""Values of each key for a grid, or changes of each point for a list."""
+_SECONDS = 1.0
+"""Time that a slab should take, s; chosen: a checkpoint waits for no more."""
+
+_FEWEST, _LONGEST = 8, 10.0
+"""Points of a slab for each thread of this process, so that few threads wait at its end, unless
+these take longer, s. Both chosen."""
+
+_MOST = 2000
+"""Points of the largest slab; chosen: what is sent to a worker stays small."""
+
+_GROWTH = 8
+"""How many times larger a slab may be than the one before, whose cost is all that is known of it;
+chosen."""
+
+_WAITING = 1000
+"""Slabs that an executor has at a time, of which it does not say how many it works on; chosen: more
+than any cluster has workers."""
+
+_TICK = 0.05
+"""Time between two reports while an executor works, s."""
 
 
 def sweep(
-    scenario: Scenario | Iterable[Scenario],
-    vary: Vary | None = None,
+    scenario: Scenario,
+    vary: Vary,
     *,
     threads: int | None = None,
     executor: Executor | None = None,
@@ -46,23 +64,23 @@ def sweep(
 
     Parameters
     ----------
-    scenario : Scenario or iterable of Scenario
-        What the points have in common; or the points themselves, without `vary`. What it records
-        is ignored: a sweep keeps summaries only.
-    vary : mapping or sequence of mappings
+    scenario : Scenario
+        What the points have in common. What it records is ignored: a sweep keeps summaries only.
+    vary : mapping, or sequence of mappings, or pandas.DataFrame
         Values by dotted key: all combinations are simulated, in the order given, the last key
-        fastest. Or a list with the changes of each point, as `Scenario.replace` takes them.
+        fastest. Or a list with the changes of each point, as `Scenario.replace` takes them; or a
+        table with a row for each point and a column for each key.
     threads : int, optional
         How many simulations go on at a time; as many as there are processors, if not given. With
-        an `executor`, how many workers it has, where it does not say so itself.
+        an `executor`, on each of its workers, 1 if not given.
     executor : concurrent.futures.Executor, optional
-        Who simulates, in place of threads of this process: processes of Python or of loky, MPI
-        (mpi4py), Dask (``Client.get_executor()``). It stays open. Points of a worker that dies are
-        given to another, up to three times.
+        Who simulates, in place of this process: processes of Python, MPI (mpi4py), Dask
+        (``Client.get_executor()``). It stays open. What it raises, such as BrokenExecutor where a
+        worker died, ends the sweep; Dask gives the points of a dead worker to another by itself.
     out : path-like, optional
-        netCDF file for the result. It is written after half a second, then every second or more,
-        such that writing takes at most 3 % of the time, and when the sweep is stopped by an
-        interrupt or an error; whole or not at all, with a checksum at its end.
+        netCDF file for the result. It is written every second or more rarely, such that writing
+        takes at most 3 % of the time, and when the sweep ends, is interrupted or fails; whole or
+        not at all.
     resume : bool
         Go on with the sweep whose file is `out`: points that it has are not simulated again. It is
         begun where there is no such file. A file that is complete is read and left alone.
@@ -73,9 +91,8 @@ def sweep(
     Returns
     -------
     xarray.Dataset
-        A grid has a dimension for each key, with its values as coordinate; a list has the dimension
-        ``point`` and its values along it. A key is named by its last word (``frequency``), with its
-        section before it where other keys share that word (``surface_tilt_angle``).
+        A grid has a dimension for each key, with its values as coordinate, named by the whole key:
+        ``drive_frequency``. A list has the dimension ``point`` and its values along it.
 
         Variables are the numbers of `Run.summary` with their units, `events` (counts, with another
         dimension ``event``) and `painleve_events`. `mean_velocity` is along x
@@ -83,14 +100,15 @@ def sweep(
         `velocity_along` and `velocity_across` are those along the heading of each point's drive and
         to its left (m/s), as `Run.velocity` has them. `status` is 0 for a point
         that is sound; its attributes name the others. There the numbers are NaN, and a variable
-        `message` says what happened. Attributes hold scenario, values and versions.
+        `message` says what happened. Attributes: `failed_points`, `finished_points`; as JSON
+        `statuses`, how many points have which, `notes`, and `sweep`, the scenario (TOML), its
+        voltages and map, the values of the keys, and the version.
 
     Raises
     ------
     ScenarioError
         If there is no point, a key is unknown, a value not allowed or twice on one axis; if
-        `resume` meets a file that is not of this sweep, or not as it was written; or if another
-        sweep is writing `out`, or the lock against that cannot be made beside it.
+        `resume` meets a file that is not of this sweep; or if another sweep is writing `out`.
     ValueError
         If `threads` is not a whole number above zero, or `resume` comes without `out`.
     FileExistsError
@@ -98,20 +116,21 @@ def sweep(
     OSError
         If `out` cannot be written; the last file that could be is kept.
     RuntimeError
-        If workers die again and again with the same points, or have another version of this
-        package.
+        If a worker has another version of this package.
     KeyboardInterrupt
-        On Ctrl-C, within a fraction of a second with threads; `out` then holds what was done.
+        On Ctrl-C, within a fraction of a second; `out` then holds what was done.
 
     Examples
     --------
     >>> from stickslip import Drive, Scenario, sweep
     >>> base = Scenario(drive=Drive(base=0.5e-3, pulses=20))
     >>> data = sweep(base, {"drive.frequency": [30.0, 100.0], "drive.clamp": ["down", "up"]})
-    >>> print(f"{data.mean_velocity.sel(frequency=100, drive_clamp='down').item() * 1e3:.2f} mm/s")
+    >>> speed = data.mean_velocity.sel(drive_frequency=100, drive_clamp="down")
+    >>> print(f"{speed.item() * 1e3:.2f} mm/s")
     1.91 mm/s
     """
-    return sweep_points(points_of(scenario, vary), threads, executor, out, resume, progress)
+    points = points_of(scenario, vary)
+    return sweep_points(points, threads, executor, out, resume, progress)
 
 
 def sweep_points(
@@ -123,92 +142,99 @@ def sweep_points(
     progress: Progress | None,
 ) -> xarray.Dataset:
     """`sweep` of points that are known already."""
-    from stickslip.sweeping.dataset import dataset
-
-    count = worker_count(threads, "threads")
+    # An executor has workers of its own.
+    count = worker_count(1 if executor is not None and threads is None else threads, "threads")
     if resume and out is None:
         raise ValueError("resume = True: allowed with a file `out` only, which it goes on with")
-    with file_lock(out):
-        results = _existing_results(points, out, resume)
-        if not results.complete:
-            workers: ChunkExecutor = (
-                LocalThreads(count) if executor is None else OutsideExecutor(executor, threads)
-            )
-            _run(points, results, workers, out, progress)
-        elif progress is not None:
-            progress(1.0, STAGE)
-    return dataset(points, results)
+    with locked(out):
+        data = empty(points)
+        if out is not None and os.path.isfile(out):
+            if not resume:
+                raise FileExistsError(
+                    f"{out} is already there: resume it, remove it, or choose another name"
+                )
+            take_over(out, data)
+        if out is not None and NOT_RUN in data["status"].values:
+            check_writable(out)
+        before = np.count_nonzero(data["status"] == NOT_RUN)
+        try:
+            _simulate(points, data, executor, count, out, progress)
+        finally:
+            if out is not None and np.count_nonzero(data["status"] == NOT_RUN) < before:
+                write(finished(data, points), out)
+    return finished(data, points)
 
 
-def simulated(points: Points, threads: int | None, progress: Progress | None) -> Results:
-    """The results of points, which stay in memory."""
-    results = Results(points.count)
-    _run(points, results, LocalThreads(worker_count(threads, "threads")), None, progress)
-    return results
+def simulate_slab(
+    scenario: Scenario,
+    keys: tuple[str, ...],
+    rows: Array,
+    threads: int,
+    version: str,
+    poll: Callable[[float], object] | None = None,
+) -> tuple[dict[str, NDArray[Any]], dict[int, str], float]:
+    """Columns and messages of some points, perhaps on another machine, and how long it took, s.
+
+    `rows` has a row for each point and a column for each key, `version` is that of the package that
+    asks. `poll` is called some twenty times a second; what it raises stops the work.
+    """
+    if version != _core.__version__:
+        raise RuntimeError(
+            f"a worker has stickslip {_core.__version__} and this process {version}: results need "
+            "the same version everywhere"
+        )
+    start = time.perf_counter()
+    columns, messages = _core.sweep(scenario.to_core(), keys, rows, threads, poll)
+    return columns, messages, time.perf_counter() - start
 
 
-def points_of(scenario: Scenario | Iterable[Scenario], vary: Vary | None) -> Points:
-    """The points that `sweep` simulates."""
-    if isinstance(scenario, Scenario):
-        if isinstance(vary, Mapping):
-            return grid(scenario, vary)
-        rows = as_list("vary", vary, "values by key, or a list of changes by key")
-        for place, row in enumerate(rows):
-            if not isinstance(row, Mapping):
-                raise ScenarioError(f"vary, point {place} = {shown(row)}: allowed is a mapping")
-        return from_changes(scenario, rows)
-    scenarios = as_list("scenario", scenario, "a Scenario or a list of them")
-    for place, each in enumerate(scenarios):
-        check_kind(f"scenario {place}", each, Scenario)
-    if vary is not None:
-        raise ScenarioError("vary: allowed with one scenario only, not with a list of them")
-    return from_scenarios(scenarios)
-
-
-def _existing_results(points: Points, out: str | PathLike[str] | None, resume: bool) -> Results:
-    """The results that there are already."""
-    results = Results(points.count)
-    if out is None:
-        return results
-    if os.path.isfile(out):
-        if not resume:
-            raise FileExistsError(
-                f"{out} is already there: resume it, remove it, or choose another name"
-            )
-        from stickslip.sweeping.checkpoint import read
-
-        results = read(out, points)
-    if not results.complete:
-        check_writable(out)
-    return results
-
-
-def _run(
+def _simulate(
     points: Points,
-    results: Results,
-    workers: ChunkExecutor,
+    data: xarray.Dataset,
+    executor: Executor | None,
+    threads: int,
     out: str | PathLike[str] | None,
     progress: Progress | None,
 ) -> None:
-    checkpoint = None
-    if out is not None:
-        from stickslip.sweeping.checkpoint import Checkpoint
+    """Simulate all points that `data` has not, slab by slab, and put them there.
 
-        checkpoint = Checkpoint(out, points, results)
+    Which points make a slab, and who simulates it, has no influence on results.
+    """
+    left = np.flatnonzero(flat(data, "status") == NOT_RUN)
+    # Along a grid the cost of a point changes; in any order a slab tells what the next one costs.
+    left = np.random.default_rng(0).permutation(left)
+    done = points.count - len(left)
 
-    def report() -> None:
-        if checkpoint is not None:
-            checkpoint.write_if_due()
+    def report(_: float = 0.0) -> None:
         if progress is not None:
-            progress(results.finished / points.count, STAGE)
+            progress(done / points.count, STAGE)
 
+    waiting, fewest = (1, _FEWEST * threads) if executor is None else (_WAITING, threads)
+    size, due = threads, time.monotonic() + MIN_INTERVAL
+    running: dict[Future[Any], Indices] = {}
+    report()
     try:
-        compute(points, results, workers, report)
-    except BaseException:
-        if checkpoint is not None and checkpoint.has_unsaved_results:
-            # What stopped the sweep matters more than that this cannot be written either.
-            with contextlib.suppress(OSError):
-                checkpoint.write()
-        raise
-    if checkpoint is not None:
-        checkpoint.write()
+        while len(left) or running:
+            while len(left) and len(running) < waiting:
+                indices, left = left[:size], left[size:]
+                rows = points.rows(indices)
+                slab = (points.scenario, points.keys, rows, threads, _core.__version__)
+                if executor is None:
+                    future: Future[Any] = Future()
+                    future.set_result(simulate_slab(*slab, report))
+                else:
+                    future = executor.submit(simulate_slab, *slab)
+                running[future] = indices
+            for future in wait(running, _TICK, FIRST_COMPLETED).done:
+                indices, (columns, messages, seconds) = running.pop(future), future.result()
+                put(data, indices, columns, messages)
+                done += len(indices)
+                rate = len(indices) / max(seconds, 1e-9)
+                asked = max(math.ceil(_SECONDS * rate), min(fewest, math.ceil(_LONGEST * rate)))
+                size = max(threads, min(asked, _GROWTH * len(indices), _MOST))
+            if out is not None and time.monotonic() >= due:
+                due = checkpoint(finished(data, points), out)
+            report()
+    finally:
+        for future in running:
+            future.cancel()

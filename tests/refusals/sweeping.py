@@ -1,0 +1,157 @@
+"""What sweeps and predictions refuse: name, what is done in an empty folder, error, words."""
+
+from functools import partial
+
+import numpy as np
+
+from stickslip import (
+    Drive,
+    Scenario,
+    ScenarioError,
+    Waveform,
+    predict,
+    simulate,
+    sweep,
+    sweep_dataframe,
+)
+
+BASE = Scenario(drive=Drive(base=0.5e-3, pulses=4))
+KNOWN = BASE.with_uncertain({"contact.kinetic_friction": {"mean": 0.145, "sd": 0.01}})
+FRICTION = {"contact.static_friction": [0.3, 0.1]}
+
+
+def swept(folder, vary=FRICTION, scenario=BASE, **how):
+    return sweep(scenario, vary, **how)
+
+
+def predicted(folder, scenario=KNOWN, **how):
+    return predict(scenario, **how)
+
+
+def resumed(folder, *, first=(BASE, FRICTION), then=(BASE, FRICTION), damaged=None):
+    """A sweep whose file is that of another one, or of none."""
+    path = folder / "a.nc"
+    sweep(*first, out=path)
+    if damaged is not None:
+        path.write_bytes(damaged(path.read_bytes()))
+    return sweep(*then, out=path, resume=True)
+
+
+def a_run(folder):
+    simulate(BASE.replace({"record.rate": 1e3})).save(folder / "a.nc")
+    return sweep(BASE, FRICTION, out=folder / "a.nc", resume=True)
+
+
+def played(waveform):
+    return Scenario(drive=Drive(mode="program", program=waveform))
+
+
+VARIED = [
+    ("no key", {}, "needs a key"),
+    ("no list", [], "the list is empty"),
+    ("nothing", None, "vary = None"),
+    ("word", "drive.frequency", 'vary = "drive.frequency"'),
+    ("unknown key", {"drive.freqency": [1]}, 'did you mean "drive.frequency"'),
+    ("number as key", {3: [1]}, "key 3"),
+    ("no value", {"drive.frequency": []}, "drive.frequency: there is no value"),
+    ("one value", {"drive.frequency": 30.0}, "drive.frequency = 30.0: allowed is a list"),
+    ("one word", {"drive.mode": "IPP"}, 'drive.mode = "IPP": allowed is a list'),
+    ("array of none", {"drive.frequency": np.array(3.0)}, "allowed is a list"),
+    ("table", {"drive.frequency": np.ones((2, 2))}, "drive.frequency = "),
+    ("nan", {"drive.frequency": [30.0, np.nan]}, "drive.frequency = nan"),
+    ("negative", {"drive.frequency": [30.0, -1.0]}, "drive.frequency = -1.0"),
+    ("bool", {"drive.frequency": [True]}, "drive.frequency = true"),
+    ("unknown word", {"drive.mode": ["IPP", "ipp"]}, 'drive.mode = "ipp"'),
+    ("half a pulse", {"drive.pulses": [1.5]}, "drive.pulses = 1.5"),
+    ("twice", {"drive.frequency": [30, 30.0]}, "30.0: this value is given twice"),
+    ("a word twice", {"drive.mode": ["IPP", "IPP"]}, "this value is given twice"),
+    ("record", {"record.rate": [1e3]}, "record.rate: a sweep keeps summaries only"),
+    ("program", {"drive.program": [None]}, "drive.program: a sweep varies numbers and words"),
+    ("map", {"coil.map": [None]}, "coil.map: a sweep varies numbers and words"),
+    ("rows of numbers", [1.0], "vary, point 0 = 1.0"),
+    ("scenarios", [BASE], "vary, point 0 = "),
+    ("unknown key in a row", [{"drive.freqency": 1}], "did you mean"),
+    ("wrong value in a row", [{}, {"drive.pulses": 0}], "drive.pulses = 0"),
+    (
+        "too many",
+        {"drive.frequency": np.linspace(1, 2, 10_000), "drive.peak": np.linspace(0, 1, 10_000)},
+        "100000000 points",
+    ),
+]
+
+PREDICTED = [
+    ("varied and uncertain", {"vary": {"contact.kinetic_friction": [0.1]}}, "either varied or"),
+    ("unknown key", {"vary": {"drive.frequencies": [1.0]}}, 'did you mean "drive.frequency"'),
+    ("points", {"vary": 3}, "allowed is values by key"),
+    ("one draw", {"draws": 1}, "draws = 1: allowed is a whole number from 2"),
+    ("a real number of draws", {"draws": 2.0}, "draws = 2.0"),
+    ("many draws", {"draws": 10**7 + 1}, "at most 10000000 simulations"),
+    ("seed", {"seed": -1}, "seed = -1"),
+    ("no quantile", {"quantiles": []}, "between 0 and 1"),
+    ("quantile 1", {"quantiles": [0.5, 1.0]}, "between 0 and 1"),
+    ("quantile twice", {"quantiles": [0.5, 0.5]}, "each once"),
+    ("a single quantile", {"quantiles": 0.5}, "between 0 and 1"),
+    ("no prior", {"uncertain": 3}, "a section [uncertain]"),
+    ("scenario without priors", {"uncertain": Scenario()}, "holds nothing"),
+    ("nothing uncertain", {"scenario": BASE}, "no band"),
+    (
+        "hardly allowed",
+        {"uncertain": {"contact.kinetic_friction": {"mean": 0.9, "sd": 0.01}}},
+        "100 draws",
+    ),
+]
+
+ANOTHER = "cannot be resumed: it belongs to another sweep"
+NO_FILE = "cannot be resumed: it is not the file of a sweep"
+IPP = Waveform.ipp(base=0.5e-3, pulses=2)
+RESUMED = [
+    ("scenario", {"then": (BASE.replace({"drive.hold": 2e-3}), FRICTION)}, ANOTHER),
+    ("effect", {"then": (BASE.replace({"surface_tilt.angle": 0.1}), FRICTION)}, ANOTHER),
+    ("values", {"then": (BASE, {"contact.static_friction": [0.3, 0.2]})}, ANOTHER),
+    ("key", {"then": (BASE, {**FRICTION, "drive.mode": ["IPP"]})}, ANOTHER),
+    (
+        "list",
+        {"then": (BASE, [{"contact.static_friction": each} for each in (0.3, 0.1)])},
+        ANOTHER,
+    ),
+    (
+        "order",
+        {
+            "first": (BASE, {**FRICTION, "drive.hold": [0.0, 1e-3]}),
+            "then": (BASE, {"drive.hold": [0.0, 1e-3], **FRICTION}),
+        },
+        ANOTHER,
+    ),
+    (
+        "voltages",
+        {"first": (played(IPP), FRICTION), "then": (played(2 * IPP), FRICTION)},
+        ANOTHER,
+    ),
+    ("text", {"damaged": lambda whole: b"a,b\n1,2\n"}, NO_FILE),
+    ("empty", {"damaged": lambda whole: b""}, NO_FILE),
+    ("cut", {"damaged": lambda whole: whole[: len(whole) // 2]}, NO_FILE),
+]
+
+REFUSALS = [
+    *((f"sweep: {n}", partial(swept, vary=v), ScenarioError, words) for n, v, words in VARIED),
+    ("sweep: sawtooth", partial(swept, vary={"drive.peak": [1e-3]}, scenario=played(IPP)),
+     ScenarioError, "not allowed with drive.mode"),
+    ("sweep: scenario", partial(swept, scenario=3), ScenarioError, "scenario = 3"),
+    ("sweep: list of scenarios", partial(swept, scenario=[BASE]), ScenarioError, "a Scenario"),
+    *((f"sweep: threads {n!r}", partial(swept, threads=n), ValueError, "threads = ")
+      for n in (0, -1, 1.5, True, "2")),
+    ("sweep: resume without a file", partial(swept, resume=True), ValueError, "resume"),
+    *((f"predict: {n}", partial(predicted, **how), ScenarioError, words)
+      for n, how, words in PREDICTED),
+    *((f"resume: {n}", partial(resumed, **how), ScenarioError, words)
+      for n, how, words in RESUMED),
+    ("resume: run", a_run, ScenarioError, ANOTHER),
+    ("sweep: a folder", lambda folder: swept(folder, out=folder), IsADirectoryError, "a folder"),
+    ("sweep: no folder", lambda folder: swept(folder, out=folder / "no/a.nc"), FileNotFoundError,
+     "there is no folder"),
+    ("sweep_dataframe: run", lambda folder: sweep_dataframe(simulate(BASE)), ScenarioError,
+     "what sweep or predict gave"),
+    ("sweep_dataframe: Dataset of a run",
+     lambda folder: sweep_dataframe(simulate(BASE.replace({"record.rate": 1e3})).to_xarray()),
+     ScenarioError, "what sweep or predict gave"),
+]  # fmt: skip
