@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from stickslip import (
+    STATE_COLUMNS,
     Drive,
     Record,
     Scenario,
@@ -70,7 +71,46 @@ def saved(name):
     return call
 
 
+STATES = {
+    "below the surface": (State(z=1e-6), "initial.z"),
+    "stuck corner that moves": (
+        State(theta=0.3, contact="corner_stick", vx=1e-3),
+        "initial.contact",
+    ),
+    "tilted face": (State(theta=0.3, contact="face_stick"), "initial.theta"),
+    "contact in the air": (State(z=1e-3, contact="corner_stick"), "initial.z"),
+    "slip the other way": (
+        State(theta=0.3, contact="corner_slip_backward", vx=1e-3),
+        "initial.contact",
+    ),
+}
+BEGUN = [
+    (
+        f"{how} {name}",
+        lambda _, begin=begin, state=state: begin(state),
+        ScenarioError,
+        [key, "allowed"],
+    )
+    for name, (state, key) in STATES.items()
+    for how, begin in (
+        ("scenario", lambda state: Scenario(initial=state)),
+        ("simulator", lambda state: Simulator(Scenario(), state)),
+        ("rollout", lambda state: rollout(Scenario(), state, ROWS, STEP)),
+    )
+]
+ROWS_OF_STATES = [
+    (
+        f"row {row}"[:20],
+        lambda _, row=row: State.from_row(row),
+        ScenarioError,
+        ["row = ", "numbers in"],
+    )
+    for row in ([1.0, 2.0], ["a"] * len(STATE_COLUMNS), 3.0)
+]
+
 REFUSALS = [
+    *BEGUN,
+    *ROWS_OF_STATES,
     ("coil", stepped({"zp": 1.0}, STEP), ScenarioError, ["zp"]),
     ("voltage", stepped({"xp": math.nan}, STEP), ScenarioError, ["finite"]),
     ("word for a voltage", stepped({"xp": "a"}, STEP), ScenarioError, ["number of V"]),
@@ -128,12 +168,6 @@ REFUSALS = [
         ScenarioError,
         ["voltages: xp = nan", "finite number"],
     ),
-    (
-        "state below the surface",
-        rolled(Scenario(), State(z=1e-6), ROWS, STEP),
-        ScenarioError,
-        ["run 0: initial.z"],
-    ),
     *(
         (f"until {condition}", until(condition), ScenarioError, ["until", "theta <= -1.5"])
         for condition in ("x = 3", "w >= 2", "x >= nan", "x >= 3 m", 3)
@@ -158,8 +192,8 @@ REFUSALS = [
         ['record.rate = "none"', "allowed with out"],
     ),
     ("suffix", recorded("run.txt"), ValueError, ["run.txt", "names that end in", ".csv"]),
-    ("no folder", recorded("missing/run.nc"), OSError, ["missing"]),
-    ("no folder for a table", recorded("missing/run.csv"), OSError, ["missing"]),
+    ("no folder", recorded("missing/run.nc"), OSError, ["there is no folder"]),
+    ("no folder for a table", recorded("missing/run.csv"), OSError, ["there is no folder"]),
     ("suffix to save", saved("run.txt"), ValueError, ["names that end in"]),
     ("folder in the way", saved("folder.nc"), OSError, ["folder.nc", "is a folder"]),
     ("no file", lambda folder: open_run(folder / "run.nc"), ScenarioError, ["No such file"]),
