@@ -1,5 +1,9 @@
 """Runs that are read back from files, and the keys of a record."""
 
+import resource
+import subprocess
+import sys
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -46,6 +50,27 @@ def test_a_file_that_is_replaced_is_not_mixed_with_what_was_read(tmp_path):
     path.unlink()
     with pytest.raises(ScenarioError, match=r"run\.nc: cannot be read: No such file"):
         _ = opened.z
+
+
+def test_a_part_stays_until_it_is_saved(tmp_path):
+    simulate(COARSE).save(tmp_path / "run.nc")
+    (tmp_path / "run.nc").rename(tmp_path / "run.nc.part")
+    code = (
+        "from stickslip import open_run\n"
+        "try: open_run('run.nc.part').save('run.nc')\n"
+        "except OSError as error: print(error)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000)),
+    )
+    assert (done.stdout, done.stderr) == ("cannot write run.nc: File too large\n", "")
+    assert [each.name for each in tmp_path.iterdir()] == ["run.nc.part"]
+    open_run(tmp_path / "run.nc.part").save(tmp_path / "run.nc")
+    assert_same_record(open_run(tmp_path / "run.nc"), open_run(tmp_path / "run.nc.part"))
 
 
 @pytest.mark.parametrize("rate", [2000.0, "events"])

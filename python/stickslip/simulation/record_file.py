@@ -21,7 +21,7 @@ import numpy as np
 
 from stickslip import _core
 from stickslip._util.extras import naming_the_extra
-from stickslip._util.files import check_writable, replacing
+from stickslip._util.files import NotWritten, check_writable, replacing
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.field.map_files import map_text, stored_map
 from stickslip.scenario.state import State
@@ -196,25 +196,25 @@ class RecordFile:
         if end > self.samples:
             self.samples, self.recorded_until = end, float(block["t"][-1])
 
-    def finish(self, run: Run, whole: bool = True) -> None:
-        """Add what is known at the end; the file gets its name if its record is whole."""
+    def describe(self, run: Run, path: Path | None = None) -> None:
+        """Add what is known at the end of a run."""
         import h5netcdf
 
-        def add_to(path: Path) -> None:
-            self._try(0, path)
-            with h5netcdf.File(str(path), "r+", locking=False, **_FORMAT) as file:
-                _set_attributes(file, run, run.complete)
+        self._try(0, path)
+        with h5netcdf.File(str(path or self.part), "r+", locking=False, **_FORMAT) as file:
+            _set_attributes(file, run, run.complete)
 
-        target = self.path if whole else self.part
+    def finish(self, run: Run) -> None:
+        """The same for a run that came to its end, and give the file its name."""
+        self._try(0)
         try:
-            with replacing(target) as temporary:  # as an end within this would leave a broken file
+            with replacing(self.path) as temporary:  # a kill within this leaves NAME.part
                 shutil.copyfile(self.part, temporary)
-                add_to(temporary)
-            if whole:
-                self.part.unlink()
+                self.describe(run, temporary)
+            self.part.unlink()
         except OSError:  # there is no room for a copy
-            add_to(self.part)
-            os.replace(self.part, target)
+            self.describe(run)
+            os.replace(self.part, self.path)
 
     @property
     def extent(self) -> str:
@@ -236,7 +236,7 @@ class RecordFile:
                     file.truncate(end)
         except OSError as error:
             text = f"cannot write {self.part}: {error.strerror or error}"
-            raise OSError(f"{text}; {self.extent}" if self.samples else text) from None
+            raise NotWritten(f"{text}; {self.extent}" if self.samples else text) from error
 
 
 def _set_attributes(file: Any, run: Run, complete: bool) -> None:
@@ -247,13 +247,20 @@ def _set_attributes(file: Any, run: Run, complete: bool) -> None:
 def write_run(run: Run, path: str | PathLike[str]) -> None:
     """Write a run whose arrays are at hand, whole or not at all."""
     arrays = {name: getattr(run, name) for name in recorded_names(run.scenario) or ("t",)}
-    file = RecordFile(path, run)
-    try:
-        for start in range(0, len(arrays["t"]), BLOCK):
-            file.write({name: array[start : start + BLOCK] for name, array in arrays.items()})
-        file.finish(run)
-    finally:
-        file.part.unlink(missing_ok=True)
+    with replacing(path) as temporary:  # and NAME.part, which may be what is saved, stays
+        part = Path(f"{temporary}{PART}")
+        try:
+            file = RecordFile(temporary, run)
+            for start in range(0, len(arrays["t"]), BLOCK):
+                file.write({name: array[start : start + BLOCK] for name, array in arrays.items()})
+            file.describe(run)
+            part.replace(temporary)
+        except NotWritten as error:
+            reason: Any = error.__cause__ or error
+            text = f"cannot write {path}: {reason.strerror or reason}"
+            raise NotWritten(text) from None
+        finally:
+            part.unlink(missing_ok=True)
 
 
 class StoredRecord(Mapping[str, "NDArray[Any]"]):

@@ -178,7 +178,7 @@ def _simulated_into(
             file.part.unlink(missing_ok=True)
             raise
         if not isinstance(error, OSError):  # for which there may be no room
-            file.finish(ended(complete=False), whole=False)
+            file.describe(ended(complete=False))
         if isinstance(error, KeyboardInterrupt):
             raise KeyboardInterrupt(file.extent) from None
         raise
