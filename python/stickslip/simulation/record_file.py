@@ -216,6 +216,12 @@ class RecordFile:
             self.describe(run)
             os.replace(self.part, self.path)
 
+    def discard(self) -> None:
+        """Remove NAME.part, unless another process has written one."""
+        with contextlib.suppress(OSError):
+            if os.stat(self.part).st_ino == self._inode:
+                self.part.unlink()
+
     @property
     def extent(self) -> str:
         """How far the record goes, for an error."""

@@ -175,7 +175,7 @@ def _simulated_into(
         _core.stream(result, scenario.to_core(), file.write, report, condition)
     except BaseException as error:
         if not file.samples:
-            file.part.unlink(missing_ok=True)
+            file.discard()
             raise
         if not isinstance(error, OSError):  # for which there may be no room
             file.describe(ended(complete=False))
