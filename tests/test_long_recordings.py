@@ -212,7 +212,7 @@ def test_two_recordings_of_one_name_never_mix(tmp_path):
         if (tmp_path / "other.nc").exists():  # as another process does, which began later
             (tmp_path / "other.nc").replace(part)
 
-    with pytest.raises(OSError, match="another process has written a file of this name"):
+    with pytest.raises(OSError, match="another process has replaced it"):
         simulate(ENDLESS, out=tmp_path / "run.nc", progress=replace)
     assert open_run(part).samples == 341
 

@@ -190,6 +190,7 @@ class RecordFile:
         access.set_file_locking(False, True)  # a reader must not stop the run
         flags = h5py.h5f.ACC_RDWR | h5py.h5f.ACC_SWMR_WRITE
         with h5py.File(h5py.h5f.open(os.fsencode(self.part), flags, access)) as file:
+            self._check_own(file.id.get_vfd_handle(access))
             for name, array in block.items():
                 file[name].resize(end, axis=0)
                 file[name][self.samples :] = array
@@ -227,12 +228,19 @@ class RecordFile:
         """How far the record goes, for an error."""
         return f"{self.part} has the record up to {self.recorded_until:.6g} s"
 
+    def _check_own(self, file: int) -> None:
+        """Raise an OSError for an open file that is not the one that was made."""
+        if os.fstat(file).st_ino != self._inode:
+            raise NotWritten(
+                f"cannot write {self.part}: another process has written a file so named"
+            )
+
     def _try(self, size: int, path: Path | None = None) -> None:
         """Write so many bytes, and take them away; an OSError says that there is no room."""
         try:
             with open(path or self.part, "r+b", buffering=0) as file:
-                if path is None and os.fstat(file.fileno()).st_ino != self._inode:
-                    raise OSError("another process has written a file of this name")
+                if path is None:
+                    self._check_own(file.fileno())
                 end = file.seek(0, os.SEEK_END)
                 rest = memoryview(bytes(size + _MARGIN))
                 try:
@@ -240,6 +248,8 @@ class RecordFile:
                         rest = rest[file.write(rest) :]
                 finally:
                     file.truncate(end)
+        except NotWritten:
+            raise
         except OSError as error:
             text = f"cannot write {self.part}: {error.strerror or error}"
             raise NotWritten(f"{text}; {self.extent}" if self.samples else text) from error
