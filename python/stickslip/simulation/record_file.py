@@ -231,9 +231,7 @@ class RecordFile:
     def _check_own(self, file: int) -> None:
         """Raise an OSError for an open file that is not the one that was made."""
         if os.fstat(file).st_ino != self._inode:
-            raise NotWritten(
-                f"cannot write {self.part}: another process has written a file so named"
-            )
+            raise NotWritten(f"cannot write {self.part}: another process has replaced it")
 
     def _try(self, size: int, path: Path | None = None) -> None:
         """Write so many bytes, and take them away; an OSError says that there is no room."""
