@@ -12,6 +12,8 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
+from test_bad_input import CSV, HEAD, PROGRAM, check
+
 from command_line import stickslip, stickslip_process
 from made_measurement import write
 from stickslip import Scenario, ScenarioError, Waveform
@@ -19,7 +21,6 @@ from stickslip._util.files import check_folder, read_bytes
 from stickslip.measurement import read_measurement
 from stickslip.measurement.tables import read_rows
 from stickslip.measurement.velocity import velocity_units
-from test_bad_input import CSV, HEAD, PROGRAM, check
 
 MEASUREMENT = 'stickslip_measurement = 1\nscenario = "s.toml"\n'
 NOT_UTF8 = "caf\udce9"  # how Python spells the bytes "café" has in Latin-1
