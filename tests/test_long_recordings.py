@@ -164,7 +164,7 @@ def test_an_interrupted_command_says_what_it_kept(tmp_path):
     assert (process.returncode, printed) == (130, "")
     last = said.replace("\r", "\n").strip().splitlines()[-1]
     run = open_run(part)
-    assert last.startswith("stickslip: interrupted at ")
+    assert last.startswith("stickslip: interrupted, ")
     assert last.endswith(f"run.nc.part has the record up to {run.recorded_until:.6g} s")
     assert names(out) == [f"run.nc{PART}"]
 

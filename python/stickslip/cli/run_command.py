@@ -17,7 +17,7 @@ from stickslip.cli.loading import load_with
 from stickslip.cli.options import JSON, PATH, SET
 from stickslip.cli.output import check_files, drawn, print_json, print_rows, save_plot, say
 from stickslip.cli.progress import progress_bar
-from stickslip.errors import ScenarioError
+from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.columns import NUMBERS
 from stickslip.simulation.note import shown_lines
@@ -111,6 +111,9 @@ def command(
         raise click.UsageError("--slowdown: allowed with --animate only")
     if (pictures or out is not None) and loaded.record.rate == "none":
         loaded = loaded.replace({"record.rate": _rate(loaded)})
+    if pictures:  # said before a long run
+        with prefixed("--plot" if plot is not None else "--animate"):
+            stickslip.plot.motion.check_drawable(loaded)
 
     with progress_bar() as bar:
         run = simulate(loaded, progress=bar, until=until, out=out)
