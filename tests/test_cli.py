@@ -310,8 +310,8 @@ def test_termination_keeps_what_was_recorded_as_an_interrupt_does(scenario, tmp_
     done, _ = ended_at_the_bar("run", scenario, *options, shows=b"simulating", signals=twice)
     assert done.returncode == 130
     assert re.search(rb"stickslip: interrupted, \S+ has the record up to ", done.stderr)
-    assert [each.name for each in folder.iterdir()] == ["term.nc"]
-    assert open_run(folder / "term.nc").recorded_until > 0.0
+    assert [each.name for each in folder.iterdir()] == ["term.nc.part"]
+    assert open_run(folder / "term.nc.part").recorded_until > 0.0
 
 
 def test_an_interrupt_of_the_imports_is_one_line():
@@ -368,7 +368,8 @@ def test_a_full_disk_leaves_no_file(scenario, tmp_path, option, name):
     folder.mkdir()
     done = stickslip_process("run", scenario, option, folder / name, largest_file=10_000)
     assert done.returncode == 1
-    assert done.stdout == stickslip("run", scenario).stdout  # nobody simulates it again
+    # A picture is drawn after the run, which nobody simulates again.
+    assert done.stdout == (stickslip("run", scenario).stdout if option == "--plot" else "")
     assert done.stderr.startswith("stickslip: cannot write")
     assert done.stderr.count("\n") == 1
     assert list(folder.iterdir()) == []

@@ -59,7 +59,7 @@ rate = 2e3
 
 BASE = """
 import numpy as np
-from stickslip import (Drive, Scenario, Simulator, Waveform, load, open_run, rollout, show_versions,
+from stickslip import (Drive, Scenario, Simulator, Waveform, load, rollout, show_versions,
                        simulate, simulate_batch)
 
 scenario = load("scenario.toml")
@@ -68,9 +68,7 @@ assert run.ok and run.summary()["notes"] is not None
 assert simulate_batch([scenario, scenario.replace({"drive.frequency": 50})])[0].ok
 
 run.save("run.csv")
-again = open_run("run.csv")
-for name in ("t", "x", "slip_velocity", "current", "contact"):
-    np.testing.assert_array_equal(getattr(again, name), getattr(run, name))
+assert open("run.csv").read().startswith("t (s),x (m),")
 assert simulate(scenario, out="kept.csv").recorded
 
 rest = Waveform.hold(0.02, {"xp": 5.0}) + Waveform.ramp(0.01, {"xp": 10.0}, {"xp": 5.0})

@@ -48,11 +48,11 @@ from stickslip.simulation.rollout import STATE_UNITS as STATE_UNITS
 from stickslip.simulation.rollout import Rollout as Rollout
 from stickslip.simulation.rollout import rollout as rollout
 from stickslip.simulation.run import Run as Run
+from stickslip.simulation.run import open_run as open_run
 from stickslip.simulation.simulate import simulate as simulate
 from stickslip.simulation.simulate import simulate_batch as simulate_batch
 from stickslip.simulation.simulator import Simulator as Simulator
 from stickslip.simulation.simulator import Snapshot as Snapshot
-from stickslip.simulation.stored_run import open_run as open_run
 from stickslip.sweeping.predict import predict as predict
 from stickslip.sweeping.run_sweep import sweep as sweep
 from stickslip.sweeping.sweep_table import sweep_dataframe as sweep_dataframe

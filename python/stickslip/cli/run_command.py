@@ -17,11 +17,10 @@ from stickslip.cli.loading import load_with
 from stickslip.cli.options import JSON, PATH, SET
 from stickslip.cli.output import check_files, drawn, print_json, print_rows, save_plot, say
 from stickslip.cli.progress import progress_bar
-from stickslip.errors import ScenarioError
+from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.columns import NUMBERS
 from stickslip.simulation.note import shown_lines
-from stickslip.simulation.record_blocks import RecordNotWritten
 from stickslip.simulation.run import SUFFIXES, Run
 from stickslip.simulation.seen_from_drive import VELOCITIES
 from stickslip.simulation.simulate import simulate
@@ -101,8 +100,8 @@ def command(
     the end of the third pulse to the end of the last; with a program of voltages, all of it.
 
     --out, --plot and --animate record on a uniform grid if the scenario's record.rate is "none".
-    What --out recorded before Ctrl-C or a failure is kept. The exit status is 1 if the simulation
-    failed or there was nothing to draw, with the reason on standard error.
+    What --out recorded before Ctrl-C or a full disk stays in FILE.part. The exit status is 1 if the
+    simulation failed or there was nothing to draw, with the reason on standard error.
     """
     loaded, read = load_with(scenario, set)
     check_files(read, out=(out, SUFFIXES), plot=(plot, ()), animate=(animate, _MOVING))
@@ -112,13 +111,12 @@ def command(
         raise click.UsageError("--slowdown: allowed with --animate only")
     if (pictures or out is not None) and loaded.record.rate == "none":
         loaded = loaded.replace({"record.rate": _rate(loaded)})
+    if pictures:  # said before a long run
+        with prefixed("--plot" if plot is not None else "--animate"):
+            stickslip.plot.motion.check_drawable(loaded)
 
-    failure = None
     with progress_bar() as bar:
-        try:
-            run = simulate(loaded, progress=bar, until=until, out=out)
-        except RecordNotWritten as error:
-            run, failure = error.run, error
+        run = simulate(loaded, progress=bar, until=until, out=out)
     # Before what may find a disk full: nobody simulates it again.
     if as_json:
         print_json(run.summary())
@@ -126,8 +124,6 @@ def command(
         print_rows(_rows(run))
     if not run.ok:
         say(f"stickslip: the simulation failed: {run.status}, {run.message}", err=True)
-    if failure is not None:
-        raise failure
 
     done = run.ok and drawn("--plot", plot, save_plot("run", run, start, stop))
     with progress_bar() as bar:

@@ -26,7 +26,7 @@ from stickslip.scenario.keys import (
     refuse_sawtooth,
 )
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.run_attributes import origin
+from stickslip.simulation.record_file import origin
 
 if TYPE_CHECKING:
     from pandas import DataFrame
