@@ -146,7 +146,7 @@ REFUSALS = [
     *((f"resume: {n}", partial(resumed, **how), ScenarioError, words)
       for n, how, words in RESUMED),
     ("resume: run", a_run, ScenarioError, ANOTHER),
-    ("sweep: a folder", lambda folder: swept(folder, out=folder), IsADirectoryError, "a folder"),
+    ("sweep: a folder", lambda folder: swept(folder, out=folder), OSError, "a folder"),
     ("sweep: no folder", lambda folder: swept(folder, out=folder / "no/a.nc"), FileNotFoundError,
      "there is no folder"),
     ("sweep_dataframe: run", lambda folder: sweep_dataframe(simulate(BASE)), ScenarioError,
