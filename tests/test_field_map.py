@@ -156,8 +156,8 @@ def test_unequal_coils_are_the_same_as_a_map_whichever_way_the_robot_faces(
 def test_a_state_that_a_run_in_one_plane_has_left_is_of_that_plane(direction, heading):
     drive = Drive(base=0.5e-3, pulses=5, direction=direction, heading=heading)
     first = simulate(Scenario(drive=drive))
-    assert not first.scenario.turns
-    assert not Scenario(drive=drive, initial=first.final_state).turns
+    assert not first.scenario.whole_plane
+    assert not Scenario(drive=drive, initial=first.final_state).whole_plane
 
 
 def test_batches_sweeps_and_steps_give_the_bits_of_single_runs():

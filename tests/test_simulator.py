@@ -298,7 +298,7 @@ def test_ctrl_c_ends_a_long_step_of_a_batch_and_leaves_it_usable():
 CONDITIONS = {
     "x >= 1e-3": lambda state: state.x,
     "theta >= 0.5": lambda state: state.theta,
-    "turns >= 0.08": lambda state: state.theta / (2 * math.pi),
+    "revolutions >= 0.08": lambda state: state.theta / (2 * math.pi),
 }
 
 

@@ -320,7 +320,8 @@ void register_scenario(py::module_& module) {
         .def_property_readonly(
             "in_plane_coil",
             [](const Scenario& self) { return name(in_plane_coil(drive_direction(self))); })
-        .def_property_readonly("turns", [](const Scenario& self) { return in_whole_plane(self); })
+        .def_property_readonly("whole_plane",
+                               [](const Scenario& self) { return in_whole_plane(self); })
         .def_property_readonly("duration", &duration)
         .def_property_readonly("window", [](const Scenario& self) {
             const Window window = measuring_window(self);

@@ -182,7 +182,7 @@ def _driven(measurement: Measurement) -> list[Scenario]:
 def _refuse_turns(measurement: Measurement) -> None:
     """Refuse drives that turn the robot: velocities and films are compared along x."""
     for each in _driven(measurement):
-        if each.turns and each.coil.map is None:
+        if each.whole_plane and each.coil.map is None:
             raise ScenarioError(
                 f"{measurement.path}: with drive.heading = {each.drive.heading:g} or what else "
                 "pushes it across the robot leaves its plane; allowed in a diagnosis are robots "

@@ -353,14 +353,14 @@ class Scenario:
         return self._core.window
 
     @property
-    def turns(self) -> bool:
+    def whole_plane(self) -> bool:
         """Whether the robot moves in the whole plane, and not along x alone.
 
         So it is with a heading of the drive that is not along x, a start that faces another way
         than the drive's direction, voltages of yp and ym that do not cancel, a measured map of the
         field, or a start, a field or a slope across x.
         """
-        return self._core.turns
+        return self._core.whole_plane
 
     def to_core(self) -> _core.Scenario:
         """The same scenario as the compiled core takes it, with what is registered now."""

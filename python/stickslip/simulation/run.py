@@ -138,7 +138,7 @@ class Run:
         if name in self._record:
             values = vars(self)[name] = self._record[name]
             return values
-        if self.recorded and name in PLANE_COLUMNS and not self.scenario.turns:
+        if self.recorded and name in PLANE_COLUMNS and not self.scenario.whole_plane:
             return self._in_one_plane(name)
         needed = 'record.rate to "events"' if name == "event" else "record.fields to name it"
         if self.scenario.record.rate == "none":
@@ -237,7 +237,7 @@ class Run:
         if self.condition_met:
             end = max(start, min(end, self.numbers["simulated_time"]))
         of_the_plane = {}
-        if self.scenario.turns and self.scenario.drive.mode != "program":
+        if self.scenario.whole_plane and self.scenario.drive.mode != "program":
             of_the_plane = dict(zip((ALONG, ACROSS), self.velocity, strict=True))
         counts = {name: dict(self.numbers[name]) for name in ("events", "steps")}
         return {
