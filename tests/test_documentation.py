@@ -13,7 +13,7 @@ import pytest
 import stickslip
 from documentation_blocks import DOCS, PAGES, ROOT, blocks, by_name, pages, play
 from stickslip import Drive, Scenario, simulate
-from stickslip.scenario.named_effects import is_free_shape
+from stickslip.scenario.effects import is_free_shape
 from test_reference_agreement import AGREEMENT, SCENARIOS
 
 sys.path.append(str(DOCS))

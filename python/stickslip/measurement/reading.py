@@ -11,30 +11,29 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip._util.files import check_name
+from stickslip._util.messages import refuse, shown, suggestion
 from stickslip._util.numbers import Array
 from stickslip._util.text import OneLine, printable
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.measurement.new_trials import read_new_trials
-from stickslip.measurement.tables import (
+from stickslip.measurement.read_table import (
     NothingSound,
     read_numbers,
     read_rows,
     rows_of_frame,
     stated_number,
 )
-from stickslip.measurement.tracking import TrackingRun, read_tracking
-from stickslip.measurement.velocity import (
+from stickslip.measurement.read_tracking import TrackingRun, read_tracking
+from stickslip.measurement.read_velocity import (
     VelocityData,
     read_velocity,
     velocity_units,
     with_index_columns,
 )
-from stickslip.scenario.keys import known_keys, refuse, shown, suggestion
-from stickslip.scenario.priors import Prior
+from stickslip.scenario.keys import COIL_NAMES, known_keys
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.sections import COIL_NAMES
 from stickslip.scenario.toml_file import read_document
-from stickslip.scenario.uncertain import COVARIANCE, parse_priors
+from stickslip.scenario.uncertain import COVARIANCE, Prior, parse_priors
 from stickslip.simulation.note import Note
 
 if TYPE_CHECKING:

@@ -19,8 +19,8 @@ from stickslip import plot
 from stickslip._util import palette
 from stickslip._util.numbers import Array
 from stickslip._util.units import in_handy_units
-from stickslip.plot.canvas import drawing, root_figure
 from stickslip.plot.motion import corners, lowest_corner, motion
+from stickslip.plot.style import drawing, root_figure
 from stickslip.reproduction.settings import (
     BASE,
     FIELDS_TOGETHER,
@@ -33,7 +33,7 @@ from stickslip.reproduction.settings import (
 )
 from stickslip.reproduction.walks import interval, stroke_scenario
 from stickslip.scenario.keys import known_keys
-from stickslip.simulation.columns import COLUMNS
+from stickslip.simulation.quantities import COLUMNS
 from stickslip.simulation.run import Run
 from stickslip.simulation.simulate import simulate_batch
 from stickslip.sweeping.run_sweep import sweep

@@ -1,0 +1,284 @@
+"""CSV tables as they come from a laboratory: columns in any order, some cells unreadable."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import textwrap
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from stickslip._util.csv_rows import DECIMAL_COMMAS, CsvTable
+from stickslip._util.files import read_bytes
+from stickslip._util.messages import misspelt, nearest, refuse, shown
+from stickslip._util.numbers import Array
+from stickslip._util.tables import Units, without_units
+from stickslip._util.text import is_number, number
+from stickslip._util.units import split_unit, to_si
+from stickslip.errors import ScenarioError, prefixed
+from stickslip.simulation.note import Note
+
+if TYPE_CHECKING:
+    from pandas import DataFrame, Series
+
+Line = int | str
+"""Number of a line in a file, or the index label of a row in memory."""
+
+
+LARGEST = 1e60
+"""Beyond every quantity of a laboratory, in any unit; its fourth power is still a number."""
+
+_MOST_ROWS, _MOST_COLUMNS, _MOST_BYTES = 2_000_000, 1000, 1 << 26
+"""Limits of a table. Chosen: far beyond what a laboratory has, and small enough for memory."""
+
+_NAMED = 5
+"""Rows that a note names; of more only the number is given. Chosen: one line."""
+
+
+class Rows(NamedTuple):
+    """A table of text cells.
+
+    `rows` has each row with its line. Notes call the table `name`, and a line `word`; `header_line`
+    is 0 of a table in memory.
+    """
+
+    path: Path
+    name: str
+    header: list[str]
+    rows: Sequence[tuple[Line, list[str]]]
+    left_out: tuple[Note, ...] = ()
+    header_line: int = 0
+    word: str = "line"
+
+    def at(self, lines: Sequence[Line]) -> str:
+        """``velocity.csv line 3``, or the first of several lines."""
+        word = self.word if len(lines) == 1 else f"{self.word}s"
+        more = ", ..." if len(lines) > _NAMED else ""
+        return f"{self.name} {word} {', '.join(map(str, lines[:_NAMED]))}{more}"
+
+
+class NothingSound(ScenarioError):
+    """A table without a sound row; `why` is what is wrong with the first rows."""
+
+    def __init__(self, path: Path, why: Note) -> None:
+        self.why = why
+        self.note = Note("no-sound-row", f"{path}: no row is sound. {why}")
+        super().__init__(self.note)
+
+
+def counted(count: int, thing: str) -> str:
+    """``1 frame`` or ``3 frames``."""
+    return f"{count} {thing}{'' if count == 1 else 's'}"
+
+
+def read_rows(path: Path, units: Units) -> Rows:
+    """The rows of a file.
+
+    Numbers of columns in `units` are in SI units. A ScenarioError says that the file cannot be read
+    or is empty, or that a column is there twice or in a unit that is not known.
+    """
+    with prefixed(path):
+        return _rows(path, CsvTable(read_bytes(path, _MOST_BYTES, "table"), units), units)
+
+
+def _rows(path: Path, table: CsvTable, units: Units) -> Rows:
+    rows = list(itertools.islice(table.rows(), _MOST_ROWS + 1))
+    width = len(table.header)
+    if len(rows) > _MOST_ROWS:
+        raise ScenarioError(f"has more rows than are allowed, {_MOST_ROWS}")
+    if not rows:
+        raise ScenarioError("has no row of data below a line of column names")
+    if width > _MOST_COLUMNS:
+        raise ScenarioError(f"{width} columns; allowed are {_MOST_COLUMNS}")
+    line, row = rows[0]
+    if table.separator == "," and all(len(cells) > width for _, cells in rows):
+        few = f"line {line} has {len(row)} cells, and the header {width} names"
+        raise ScenarioError(f"{few}, and so on; {DECIMAL_COMMAS}")
+    # A column without a name is called by its place, or is not there if it has no cell either.
+    empty = [
+        k
+        for k, heading in enumerate(table.header)
+        if not heading and not any(row[k] for _, row in rows if len(row) == width)
+    ]
+    header = [heading or f"column {k + 1}" for k, heading in enumerate(table.header)]
+    if empty:
+        keep = [k for k in range(width) if k not in empty]
+        header = [header[k] for k in keep]
+        rows = [(n, [row[k] for k in keep] if len(row) == width else row) for n, row in rows]
+    left_out = []
+    if table.comments:
+        lines = counted(table.comments, "line")
+        text = f"{path.name}: {lines} below the header skipped as a comment."
+        left_out.append(Note("comments", text, table.comments))
+    lost = len(empty) + table.beyond
+    if lost:
+        text = f"{path.name}: {counted(lost, 'empty column')} without a name left out."
+        left_out.append(Note("empty-columns", text, lost))
+    point = table.with_point if table.separator != "," else None
+    header = _in_si(header, rows, units, point)
+    return Rows(path, path.name, header, rows, tuple(left_out), table.line)
+
+
+def _in_si(
+    header: Sequence[str],
+    rows: Sequence[tuple[Line, list[str]]],
+    units: Units,
+    with_point: Callable[[Any, str], str] | None = None,
+) -> list[str]:
+    """Names of the columns without their units; the numbers in `rows` are replaced by SI ones."""
+    names, per = without_units(header, units)
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise ScenarioError(f"column {shown(twice[0])} is there twice")
+    for k, name in enumerate(names):
+        if units.get(name) is None or (per[k] == 1.0 and with_point is None):
+            continue
+        for line, row in rows:
+            if len(row) != len(names):
+                continue
+            row[k] = row[k] if with_point is None else with_point(line, row[k])
+            value = number(row[k])
+            if per[k] != 1.0 and not math.isnan(value):
+                row[k] = repr(to_si(value, per[k]))
+    return names
+
+
+def rows_of_frame(table: DataFrame, units: Units) -> Rows:
+    """The rows of a table in memory, which have their index labels; else as of `read_rows`.
+
+    Numbers are written so that reading them again gives the same ones; a cell without a value is
+    empty. Dates and durations of columns in `units` are in s, dates from their first one.
+    """
+    import pandas as pd
+
+    if not isinstance(table, pd.DataFrame):
+        refuse("table", table, "a DataFrame")
+    name = "DataFrame"
+    with prefixed(name):
+        if table.empty:
+            raise ScenarioError("has no row of data")
+        header = [str(each) for each in table.columns]
+        cells = [table.iloc[:, k] for k in range(len(header))]
+        columns = [
+            [_cell(value) for value in (_in_seconds(column) if heading in units else column)]
+            for heading, column in zip(header, cells, strict=True)
+        ]
+        pairs = zip(index_labels(table), zip(*columns, strict=True), strict=True)
+        rows = [(label, list(row)) for label, row in pairs]
+        return Rows(Path(name), name, _in_si(header, rows, units), rows, word="row")
+
+
+def index_labels(table: DataFrame) -> list[Line]:
+    """What the rows of a table in memory are called in messages: whole numbers stay numbers."""
+    return [int(each) if isinstance(each, int | np.integer) else str(each) for each in table.index]
+
+
+def _in_seconds(column: Series[Any]) -> Series[Any]:
+    """A column of dates or durations as numbers, s; any other as it is."""
+    if column.dtype.kind == "M":
+        column = column - column.min()
+    return column.dt.total_seconds() if column.dtype.kind == "m" else column
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, float | np.floating):
+        return "" if math.isnan(value) else repr(float(value))
+    return "" if value is None or str(value) in ("<NA>", "NaT") else str(value).strip()
+
+
+def check_columns(
+    path: Path,
+    header: Sequence[str],
+    required: Iterable[str],
+    known: Sequence[str] | None = None,
+    information: Collection[str] = (),
+) -> list[str]:
+    """The columns that are not `known`, if that is given: information beside the measurement.
+
+    A ScenarioError names a required column that is missing, or one that may be meant as a known one
+    that is not there, if its name is none of `information`.
+    """
+    for name in required:
+        if name not in header:
+            near = nearest(name, [split_unit(each)[0] for each in header])
+            meant = "" if near is None else f", and {shown(near)} may be meant as it"
+            there = textwrap.shorten(", ".join(header), 300, placeholder=" ...")
+            raise ScenarioError(f'{path}: column "{name}" is missing; there are {there}{meant}')
+    others = [name for name in header if known is not None and name not in known]
+    for name in others:
+        bare = split_unit(name)[0]
+        near = None if bare in information else misspelt(bare, known or ())
+        if near and (near not in header or near.casefold() == bare.casefold()):
+            raise ScenarioError(
+                f'{path}: column {shown(name)} is not known; did you mean "{near}"? '
+                "Give a column of information a name that is less like it"
+            )
+    return others
+
+
+def not_used(name: str, columns: Sequence[str]) -> list[Note]:
+    """A note about the columns of a table that are information only, if there are any."""
+    if not columns:
+        return []
+    first, more = list(columns[:_NAMED]), len(columns) - _NAMED
+    first += [f"{more} more"] if more > 0 else []
+    said = " and ".join([", ".join(first[:-1]), first[-1]] if len(first) > 1 else first)
+    text = f"{name}: columns that are information only: {said}."
+    return [Note("columns-not-used", text, len(columns))]
+
+
+def stated_number(key: str, value: object, highest: float = math.inf) -> float:
+    """A number of a measurement file above 0 and below `highest`."""
+    if not is_number(value) or not 0.0 < value < highest:
+        below = "" if math.isinf(highest) else f" and below {highest:g}"
+        refuse(key, value, f"a number above 0{below}")
+    return float(value)
+
+
+def read_numbers(
+    path: Path,
+    required: Mapping[str, str],
+    optional: Mapping[str, str] | None = None,
+    information: Collection[str] = (),
+) -> tuple[dict[str, Array], list[Note]]:
+    """Columns of numbers by name, shape (n,), of the sound rows, and what was left out.
+
+    The columns are given with their SI units. A row is sound if all its required cells are numbers;
+    a gap in an optional column is NaN. `information` is as in `check_columns`. A NothingSound says
+    that no row is sound.
+    """
+    optional = optional or {}
+    units = {**required, **optional}
+    table = read_rows(path, units)
+    header, rows = table.header, table.rows
+    others = check_columns(path, header, required, list(units), information)
+    columns = {name: header.index(name) for name in header if name in units}
+    none = [math.nan] * len(columns)
+    numbers = np.array(
+        [
+            [number(row[k], LARGEST) for k in columns.values()] if len(row) == len(header) else none
+            for _, row in rows
+        ]
+    )
+    found = dict(zip(columns, numbers.T, strict=True))
+    sound = np.all([np.isfinite(found[name]) for name in required], axis=0)
+    left_out = [*table.left_out, *not_used(path.name, others)]
+    if not sound.all():
+        lines = [rows[k][0] for k in np.flatnonzero(~sound).tolist()]
+        text = (
+            f"{table.at(lines)}: {len(lines)} of {len(rows)} rows have a cell that is no number, "
+            "too few cells or too many."
+        )
+        left_out.append(Note("bad-cells", text, len(lines)))
+    if not sound.any():
+        raise NothingSound(path, left_out[-1])
+    for name in optional:
+        gaps = int(np.sum(~np.isfinite(found[name][sound]))) if name in found else 0
+        if gaps:
+            cells = counted(gaps, "cell")
+            text = f"{path.name}: the column {name} has {cells} without a number."
+            left_out.append(Note("gaps", text, gaps))
+    return {name: column[sound] for name, column in found.items()}, left_out

@@ -1,0 +1,224 @@
+"""Side-view tracking of one run: its frames, its camera, and the scenario of that run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stickslip._util.messages import refuse, shown
+from stickslip._util.numbers import Array, are_equal
+from stickslip._util.text import OneLine, highest, is_number
+from stickslip._util.units import split_unit, unit_meant
+from stickslip.errors import ScenarioError, prefixed
+from stickslip.measurement.read_table import counted, read_numbers, stated_number
+from stickslip.scenario.keys import FILE
+from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.note import Note
+from stickslip.simulation.quantities import COLUMNS, headings
+
+_REQUIRED = {"t": "s", "x": "m", "theta": "rad"}
+_OPTIONAL = {"z": "m", "current_x": "A", "current_clamp": "A"}
+
+_OF_A_RUN = [split_unit(heading)[0] for name in COLUMNS for heading in headings(name)]
+"""Columns of the CSV file of a run, which is a film too."""
+
+FEWEST = 20
+"""Frames after the third pulse; runs with fewer are left out. Chosen: they tell too little."""
+
+# Path that no robot of this size walks in one film, m: it would leave the coils. A median tilt that
+# no walking robot has, rad. Beyond these the unit is wrong.
+_LONGEST, _TURNS = 0.1, 2.0 * math.pi
+
+_PATH = 1e-3
+"""Path that a robot walks in one film, about, m; what is in another unit is compared with it."""
+
+_PART = 30.0
+"""Ratio of the last time to 1000 times the drive's end within which times are in ms. Chosen: a film
+may show a thirtieth of the drive."""
+
+_MS_OR_NUMBERS = "ms or numbers of frames"
+
+_OTHER_RATE = 0.02
+"""Relative difference of the stated rate from that of the times. Chosen: rounding causes less."""
+
+_LIMIT = 20_000
+"""Frames that are used. Chosen: each is a column of a matrix of a few hundred rows, in memory."""
+
+
+_Why = tuple[str, str, float]
+"""Code, text and value of the note that a run is left out; the text goes on after ``as``."""
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class TrackingRun(OneLine):
+    """Tracked frames of one run, sound ones only, in the order of time.
+
+    Attributes
+    ----------
+    file : str
+        Name of the table.
+    columns : dict of ndarray, shape (n,)
+        ``t`` (s, 0 at the start of the drive), ``x`` (m), ``theta`` (rad); ``z`` (m), ``current_x``
+        and ``current_clamp`` (A) where they were measured, NaN in frames that lack them.
+    scenario : Scenario
+        Of this run: the measurement's with this run's drive.
+    frame_rate : float
+        Hz; from the times, where it was not stated.
+    exposure : float
+        s; 0 where it was not stated.
+    noise : dict of float
+        Stated standard deviation of a frame, of ``x`` (m) and ``theta`` (rad); only what is known.
+    """
+
+    file: str
+    columns: Mapping[str, Array]
+    scenario: Scenario
+    frame_rate: float
+    exposure: float = 0.0
+    noise: Mapping[str, float] = field(default_factory=dict)
+
+
+def read_tracking(
+    path: Path, entry: Mapping[str, Any], scenario: Scenario
+) -> tuple[TrackingRun | None, list[Note]]:
+    """Read one ``[[tracking]]`` entry, whose drive changes the measurement's scenario.
+
+    Returns the run, or None where too little is sound, and what was left out; of a run that is
+    None the last of these says why.
+    """
+    where = f"[[tracking]] {path.name}"
+    with prefixed(where):
+        own = _own_scenario(entry.get("drive", {}), scenario)
+        noise = {
+            name: stated_number(f"noise_{name}", entry[f"noise_{name}"])
+            for name in ("x", "theta")
+            if f"noise_{name}" in entry
+        }
+        stated = "frame_rate" in entry
+        rate = stated_number("frame_rate", entry["frame_rate"]) if stated else math.nan
+        exposure = _exposure(entry.get("exposure", 0.0), rate)
+    columns, left_out = read_numbers(path, _REQUIRED, _OPTIONAL, _OF_A_RUN)
+    why = _unit_of_times(columns["t"], rate, own.window[1])
+    if why is None:
+        columns = _usable_frames(path.name, columns, own.window[1], left_out)
+        why = _too_little(columns, own)
+    if why is not None:
+        code, text, value = why
+        text = f"{path.name}: the run is left out, as {text}."
+        return None, [*left_out, Note(code, text, value)]
+    spacing = float(np.median(np.diff(columns["t"])))
+    if not stated:
+        rate = 1.0 / spacing
+        with prefixed(where):
+            _exposure(exposure, rate * (1 - 1e-6))
+    elif abs(rate * spacing - 1.0) > _OTHER_RATE:
+        text = f"{path.name}: frame_rate = {rate:g} Hz is not used, as most frames are "
+        left_out.append(Note("frame-rate-not-used", f"{text}{spacing:g} s apart.", rate))
+    return TrackingRun(path.name, columns, own, rate, exposure, noise), left_out
+
+
+def _own_scenario(drive: object, scenario: Scenario) -> Scenario:
+    if not isinstance(drive, dict):
+        refuse("drive", drive, "a table of keys of [drive]")
+    changes = {f"drive.{key}": value for key, value in drive.items()}
+    if FILE in changes:
+        raise ScenarioError(
+            f"{FILE} = {shown(changes[FILE])}: the voltages of a program stand in the scenario "
+            "file, not in an override"
+        )
+    return scenario.replace(changes)
+
+
+def _exposure(value: object, rate: float) -> float:
+    if is_number(value) and value == 0:
+        return 0.0
+    top = 1.0 / rate if math.isfinite(rate) else math.inf
+    if not is_number(value) or not 0.0 <= float(value) <= top * (1 + 1e-9):
+        most = f", {highest(top)} s" if math.isfinite(top) else ""
+        refuse("exposure", value, f"from 0 to the time between two frames{most}")
+    return float(value)
+
+
+def _unit_of_times(times: Array, rate: float, end: float) -> _Why | None:
+    """Whether times can only be in ms or numbers of frames, as hardly one is before the `end`.
+
+    `rate` is the stated one, Hz, or NaN.
+    """
+    different = np.unique(times)
+    if len(different) < 2 or different[-1] <= end:
+        return None
+    spacing = float(np.median(np.diff(different)))
+    counts = are_equal(spacing, 1.0)
+    if math.isfinite(rate):
+        meant = unit_meant("s", spacing * rate, 1.0 + _OTHER_RATE)
+        if counts and rate > 1.0 + _OTHER_RATE:
+            meant = ("numbers of frames" if meant is None else _MS_OR_NUMBERS), rate
+    elif np.sum(different < end) < FEWEST:
+        meant = unit_meant("s", float(different[-1]) / end, _PART)
+        meant = (_MS_OR_NUMBERS, math.nan) if counts and meant is not None else meant
+    else:
+        meant = None
+    if meant is None:
+        return None
+    unit, factor = meant
+    mend = f"divide them by {factor:.7g}"
+    if math.isnan(factor):
+        mend = "divide ms by 1000, numbers of frames by the frame rate"
+    last = float(different[-1])
+    text = f"its times, {spacing:.6g} apart and up to {last:.6g}, are {unit}; s are wanted, so "
+    return "run-time-unit", text + mend, last
+
+
+def _usable_frames(
+    name: str, table: Mapping[str, Array], end: float, left_out: list[Note]
+) -> dict[str, Array]:
+    """Frames in the order of time, each time once, before the end of the last pulse, s.
+
+    What the coils do after that is not known.
+    """
+    order = np.argsort(table["t"], kind="stable")
+    times, first = np.unique(table["t"][order], return_index=True)
+    inside = times < end
+    sound, late = int(inside.sum()), int((~inside).sum())
+    again = len(order) - len(times)
+    if np.any(np.diff(order) < 0):
+        text = f"{name}: the rows were not in the order of time; they were sorted."
+        left_out.append(Note("frames-sorted", text))
+    if again:
+        text = f"{name}: of frames with the same time only the first is used; {again} left out."
+        left_out.append(Note("repeated-times", text, again))
+    if late:
+        text = f"{name}: the last pulse ends at {end:g} s, and later frames are not used; "
+        left_out.append(Note("frames-after-drive", f"{text}{late} left out.", late))
+    if sound > _LIMIT:
+        text = f"{name}: the first {_LIMIT} of {sound} frames are enough."
+        left_out.append(Note("frames-not-needed", text, sound))
+    used = order[first][inside][:_LIMIT]
+    return {key: column[used] for key, column in table.items()}
+
+
+def _too_little(table: Mapping[str, Array], scenario: Scenario) -> _Why | None:
+    """Why a run is not used, if it is not."""
+    start, end = scenario.window
+    count = int(np.sum(table["t"] > start - 1e-9))
+    if count < FEWEST:
+        text = f"it has {counted(count, 'sound frame')} from {start:g} s to {end:g} s, where the "
+        text += f"robot walks steadily; {FEWEST} are needed (times are in s, from the start of the "
+        return "run-too-short", f"{text}drive)", count
+    turn = float(np.median(np.abs(table["theta"])))
+    if turn > _TURNS:
+        text = f"theta is near {turn:.3g}, and allowed is up to {_TURNS:.3g}; rad are wanted, so "
+        return "run-angle-unit", f"{text}convert them from degrees", turn
+    way = float(np.ptp(table["x"]))
+    if way > _LONGEST:
+        meant, _ = unit_meant("m", way / _PATH, math.inf, 1e3) or ("mm or um", None)
+        text = f"x spans {way:.3g}, and allowed is up to {_LONGEST:g}; m are wanted, and these may "
+        return "run-length-unit", f"{text}be {meant}", way
+    if way == 0.0 and float(np.ptp(table["theta"])) == 0.0:
+        return "run-stands-still", "neither x nor theta ever changes", 0.0
+    return None

@@ -1,0 +1,322 @@
+"""Tables of mean velocities: one row a trial, grouped into conditions."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from stickslip._util.messages import shown
+from stickslip._util.numbers import RELATIVE, Array, Indices, Mask, representatives
+from stickslip._util.tables import Units
+from stickslip._util.text import OneLine, comma_hint, number
+from stickslip._util.units import factor_text, unit_factor, unit_meant
+from stickslip.errors import ScenarioError
+from stickslip.measurement.outliers import far_from_their_group
+from stickslip.measurement.read_table import (
+    LARGEST,
+    Line,
+    NothingSound,
+    Rows,
+    check_columns,
+    counted,
+    not_used,
+)
+from stickslip.scenario.keys import Value, in_allowed_case, known_keys
+from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.note import Note
+
+FASTEST = 1.0
+"""Mean velocity, m/s; a robot of this size is slower, and beyond it a unit is wrong. Chosen: the
+paper's robots walk some mm/s."""
+
+_USUAL = 1e-3
+"""The size that velocities in another unit are compared with, m/s; the paper's, about."""
+
+_ALIKE = 1.1
+"""Ratio within which trials of one condition are alike. Chosen: their errors are some per cent."""
+
+_STRONGEST, _SLOWEST = 0.1, 0.2
+"""Fields above, T, and frequencies below, Hz, are in another unit. Chosen: the coils of the paper
+give some mT, and the robot is driven at some Hz or more."""
+
+_MANY_LOST = 0.1
+"""Part of the rows; if more are left out, the first fact says so. Chosen: it changes the design."""
+
+_MOST = 0.5
+"""Part of the rows; if more have a setting in another unit, the table is refused. Chosen: most."""
+
+NOT_SETTINGS: Units = {"velocity": "m/s", "trial": None, "block": None, "order": "-"}
+"""Columns that say nothing of the drive, with the units of their numbers."""
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class VelocityData(OneLine):
+    """Trials of mean velocities, sound ones only.
+
+    Attributes
+    ----------
+    conditions : tuple of dict
+        Drive settings by dotted key, one for each condition.
+    velocity : ndarray, shape (n,)
+        m/s, one for each trial.
+    condition : ndarray, shape (n,)
+        Index of each trial's condition.
+    block : ndarray, shape (n,)
+        Index of the set-up; -1 where the table does not say.
+    order : ndarray, shape (n,)
+        Sequence number; NaN where the table does not say.
+    sweep : ndarray, shape (n,)
+        Which trial of its condition it is: trials of several conditions with the same number were
+        measured in one sweep. By the labels of `trial` where conditions share them, else by the
+        order of the rows of a condition.
+    relative_sd : float
+        Stated relative error of one trial; NaN where it is not known.
+    extra : dict of tuple of str
+        Cells of the columns that are neither settings nor known otherwise, one for each trial.
+    """
+
+    conditions: tuple[Mapping[str, Value], ...]
+    velocity: Array
+    condition: Indices
+    block: Indices
+    order: Array
+    sweep: Indices
+    relative_sd: float = math.nan
+    extra: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+
+class _Unsound(Exception):
+    """A row that is not used; its arguments are the code and the text of a note."""
+
+
+class _Trial(NamedTuple):
+    """A sound row."""
+
+    velocity: float
+    setting: tuple[tuple[str, Any], ...]
+    block: str
+    label: str
+    order: float
+    line: Line
+    extra: tuple[str, ...]
+
+
+def velocity_units() -> Units:
+    """The columns that a table of velocities may have, with the units of their numbers."""
+    drive = {name: key for name, key in known_keys().items() if name.startswith("drive.")}
+    return {
+        **NOT_SETTINGS,
+        **{
+            name.removeprefix("drive."): None if key.kind == "word" else key.unit
+            for name, key in drive.items()
+        },
+    }
+
+
+def with_index_columns(table: Any) -> Any:
+    """A table in memory whose index levels that are columns of velocities have become columns.
+
+    They are what ``set_index`` and ``groupby`` leave there; other levels stay what rows are called.
+    """
+    names = getattr(getattr(table, "index", None), "names", ())
+    known = [name for name in names if name in velocity_units() and name not in table]
+    return table.reset_index(known) if known else table
+
+
+def read_velocity(
+    table: Rows,
+    scenario: Scenario,
+    relative_sd: float,
+    earlier: Sequence[VelocityData] = (),
+) -> tuple[VelocityData, list[Note]]:
+    """The sound rows of a table of velocities, and what was left out of it.
+
+    The scenario gives the drive settings that have no column; `relative_sd` is the relative error
+    of one trial, NaN if not known. Settings that are equal to one of the scenario or of the
+    `earlier` tables become that one.
+    """
+    others = check_columns(table.path, table.header, ["velocity"], list(velocity_units()))
+    trials, left_out = _sound_rows(table, scenario, others)
+    left_out += [*table.left_out, *not_used(table.name, others)]
+    known = [each for data in earlier for each in data.conditions]
+    trials = _with_equal_settings(table.name, trials, scenario, known, left_out)
+    velocity = np.array([each.velocity for each in trials])
+    size = float(np.median(np.abs(velocity)))
+    if size > FASTEST:
+        meant = unit_meant("m/s", size / _USUAL, math.inf)
+        hint = f"; if they are in {meant[0]}, divide them by {meant[1]:.7g}" if meant else ""
+        said = f"velocities of {size:.3g} m/s; allowed is at most {FASTEST} m/s{hint}"
+        raise ScenarioError(f"{table.path}: {said}")
+    condition = _numbered([each.setting for each in trials])
+    sound = _without_outliers(table.name, velocity, condition, left_out)
+    fast = sound & (np.abs(velocity) > FASTEST)
+    if fast.any():
+        at = table.at([trials[k].line for k in np.flatnonzero(fast)])
+        text = f"{at}: the velocity is above {FASTEST:g} m/s; divide velocities in mm/s or um/s by "
+        left_out.append(Note("too-fast", f"{text}1e3 or 1e6.", int(fast.sum())))
+        sound &= ~fast
+    kept = [trials[k] for k in np.flatnonzero(sound)]
+    data = VelocityData(
+        tuple(dict(each) for each in dict.fromkeys(each.setting for each in kept)),
+        velocity[sound],
+        _numbered([each.setting for each in kept]),
+        _numbered([each.block for each in trials])[sound],
+        np.array([each.order for each in kept]),
+        _sweeps(trials)[sound],
+        relative_sd,
+        {name: tuple(each.extra[k] for each in kept) for k, name in enumerate(others)},
+    )
+    return data, left_out
+
+
+def _with_equal_settings(
+    name: str,
+    trials: Sequence[_Trial],
+    scenario: Scenario,
+    known: Sequence[Mapping[str, Value]],
+    left_out: list[Note],
+) -> list[_Trial]:
+    """The trials with one number for all that are the same setting."""
+    given: dict[str, set[float]] = defaultdict(set)
+    for key, value in {pair for each in trials for pair in each.setting}:
+        if isinstance(value, float):
+            given[key].add(value)
+    same: dict[tuple[str, Any], tuple[str, Any]] = {}
+    for key, values in sorted(given.items()):
+        kept = {float(each[key]) for each in known} | {float(scenario.get(key))}
+        one = representatives(values, kept)
+        other = {(key, value): (key, one[value]) for value in values if one[value] != value}
+        same |= other
+        if other:
+            text = f"{name}: {key.partition('.')[2]} has {counted(len(other), 'value')} within "
+            text += f"{RELATIVE:g} of another one; they count as the same setting."
+            left_out.append(Note("equal-settings", text, len(other)))
+    return [
+        each._replace(setting=tuple(same.get(pair, pair) for pair in each.setting))
+        for each in trials
+    ]
+
+
+def _numbered(values: Sequence[Any]) -> Indices:
+    """Each value's place among the different ones in the order in which they come; -1 of none."""
+    places = {value: k for k, value in enumerate(dict.fromkeys(filter(None, values)))}
+    return np.array([places.get(value, -1) for value in values], dtype=np.int64)
+
+
+def _sweeps(trials: Sequence[_Trial]) -> Indices:
+    """See `VelocityData`; outliers must not be left out before, as they are part of a sweep."""
+    labelled = {(each.label, each.setting) for each in trials if each.label}
+    if len({label for label, _ in labelled}) < len(labelled):
+        return _numbered([each.label for each in trials])
+    seen: defaultdict[object, itertools.count[int]] = defaultdict(itertools.count)
+    places = [next(seen[each.block, each.setting]) for each in trials]
+    return np.array(places, dtype=np.int64)
+
+
+def _sound_rows(
+    table: Rows, scenario: Scenario, others: Sequence[str]
+) -> tuple[list[_Trial], list[Note]]:
+    """Rows that can be used, at least one, and why the others cannot."""
+    header, count = table.header, len(table.rows)
+    counts_once = "trial" in header or "order" in header
+    wrong: dict[tuple[str, str], list[Line]] = {}  # in the order of the file
+    kept: list[_Trial] = []
+    seen: set[tuple[str, ...]] = set()
+    for line, row in table.rows:
+        try:
+            if len(row) != len(header):
+                text = f"a row of {len(row)} cells is not used, as the header names {len(header)}"
+                raise _Unsound("cell-count", f"{text} columns.")
+            if counts_once and tuple(row) in seen:
+                raise _Unsound("repeated-row", "the row repeats an earlier one.")
+            cells = dict(zip(header, row, strict=True))
+            kept.append(_trial(line, cells, others, scenario))
+            seen.add(tuple(row))
+        except _Unsound as error:
+            wrong.setdefault(error.args, []).append(line)
+    in_other_unit = [(each[1], lines) for each, lines in wrong.items() if each[0] == "setting-unit"]
+    lost = sum(len(lines) for _, lines in in_other_unit)
+    if lost > _MOST * count:
+        text, lines = in_other_unit[0]
+        where = table._replace(name=str(table.path)).at(lines)
+        raise ScenarioError(f"{where}: {text} {lost} rows are like this")
+    left_out = [
+        Note(code, f"{table.at(lines)}: {text}", len(lines))
+        for (code, text), lines in wrong.items()
+    ]
+    if not kept:
+        raise NothingSound(table.path, left_out[0])
+    lost = count - len(kept)
+    if lost > _MANY_LOST * count:
+        text = f"{table.name}: {lost} of {count} rows were left out."
+        left_out.insert(0, Note("rows-left-out", text, lost))
+    return kept, left_out
+
+
+def _trial(
+    line: Line, cells: Mapping[str, str], others: Sequence[str], scenario: Scenario
+) -> _Trial:
+    """A row of the table, if it is sound."""
+    velocity = _number("velocity", cells["velocity"])
+    setting = _setting(cells, scenario)
+    order = _number("order", cells["order"]) if cells.get("order") else math.nan
+    words = (cells.get("block", ""), cells.get("trial", ""))
+    return _Trial(velocity, setting, *words, order, line, tuple(cells[name] for name in others))
+
+
+def _number(column: str, cell: str) -> float:
+    value = number(cell, LARGEST)
+    if math.isnan(value):
+        text = f"{column} {shown(cell)} is not a number{comma_hint(cell)}." if cell else ""
+        raise _Unsound("not-a-number", text or f"{column} is empty.")
+    return value
+
+
+def _setting(cells: Mapping[str, str], scenario: Scenario) -> tuple[tuple[str, Any], ...]:
+    """The drive settings of a row, in the order of the keys; checked as a scenario."""
+    drive = {name: key for name, key in known_keys().items() if name.startswith("drive.")}
+    changes: dict[str, Value] = {}
+    for name, key in drive.items():
+        column = name.removeprefix("drive.")
+        if column not in cells:
+            continue
+        if key.kind == "word":
+            changes[name] = in_allowed_case(key, cells[column])
+        else:
+            value = _number(column, cells[column])
+            changes[name] = int(value) if key.kind == "whole" and value == int(value) else value
+    if changes.get("drive.mode") == "program":
+        raise _Unsound("setting-refused", 'mode "program" has no place in a table of velocities.')
+    try:
+        full = scenario.replace(changes)
+    except ScenarioError as error:
+        raise _Unsound("setting-refused", f"{error}.") from None
+    for name in ("peak", "base", "hold"):
+        field = float(full.get(f"drive.{name}"))
+        if field > _STRONGEST:
+            text = f"{name} of {field:.3g} T is above {_STRONGEST:g} T; if it is in mT, divide it"
+            raise _Unsound("setting-unit", f"{text} by 1e3.")
+    frequency = full.drive.frequency
+    if frequency < _SLOWEST:
+        text = f"frequency of {frequency:.3g} Hz is below {_SLOWEST:g} Hz; if it is in kHz, "
+        raise _Unsound("setting-unit", f"{text}multiply it by 1e3.")
+    return tuple((name, full.get(name)) for name in drive)
+
+
+def _without_outliers(name: str, velocity: Array, condition: Indices, left_out: list[Note]) -> Mask:
+    """Leave out trials that are outliers among the others of their condition."""
+    far, level = far_from_their_group(velocity, condition)
+    for k in np.flatnonzero(far):
+        factor = unit_factor(abs(velocity[k] / level[k]), _ALIKE) if level[k] else None
+        text = f"{name}: a trial of {velocity[k]:.4g} m/s is far from the others of its condition, "
+        text += f"which are near {level[k]:.4g} m/s"
+        if factor is not None:
+            text += f"; the factor of {factor_text(factor)} is that of a wrong unit"
+        left_out.append(Note("outlier", f"{text}.", float(velocity[k])))
+    return np.asarray(~far)
