@@ -30,7 +30,8 @@ SCENARIOS = [
     ("OPP", 70, "rise", "up", 0.2, 1.2, 0.35, 0.35, 0.2, {"ramp_down": 0.02}),
     ("IPP", 120, "fall", "down", 0.6, 1.2, 0.3, 0.2, 0.22, {"peak": 4e-3}),
 ]
-# At the limit of friction: in the first case for a short visit, in the second within 3e-5 of it.
+# At the limit of friction: in the first case for a short visit, in the second within 3e-5 of it,
+# which steps above 0.15 us take for slip.
 AT_THE_LIMIT = [
     ("OPP", 100, "fall", "down", 0.0, 1.0, 1.8, 1.305, 0.22, {}),
     ("OPP", 100, "rise", "up", 0.0, 2.5, 0.2, 0.145, 0.22, {}),
@@ -51,7 +52,8 @@ def test_a_drive(case):
     }  # fmt: skip
     contact = {"static_friction": static, "kinetic_friction": kinetic, "adhesion": adhesion * 1e-6}
     ours = run({f"contact.{key}": value for key, value in contact.items()}, **drive).summary()
-    other = simulate_reference(drive, contact=contact, dt=STEP)
+    step = STEP / 2 if case in AT_THE_LIMIT else STEP
+    other = simulate_reference(drive, contact=contact, dt=step)
     span = other.theta_max - other.theta_min
     assert ours["mean_velocity"] == pytest.approx(other.mean_velocity, rel=AGREEMENT)
     assert ours["theta_min"] == pytest.approx(other.theta_min, abs=1e-3 * span)
