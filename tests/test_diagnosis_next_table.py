@@ -108,16 +108,6 @@ def test_where_nothing_is_worth_measuring_no_table_is_written(begun, options, sa
     assert (told["safe"], told["proposed"], told["table"]) == ("said" in options, 0, None)
 
 
-def test_a_bad_table_is_one_line_and_exit_code_two(tmp_path):
-    path, found = write(tmp_path, {}), tmp_path / "found"
-    found.mkdir()
-    (found / TABLE).write_text("frequency,velocity\n50,1e-3\n")
-    done = stickslip("diagnose", path, "--out", found, "--next", 1)
-    assert (done.returncode, done.stdout) == (2, "")
-    (line,) = done.stderr.splitlines()
-    assert 'column "mode" is missing' in line
-
-
 def test_without_a_finding_nothing_is_proposed(tmp_path):
     path, found = write(tmp_path, {}), tmp_path / "found"
     done = stickslip("diagnose", path, "--out", found, "--next", 2, "--seed", 3, "--json")

@@ -11,34 +11,16 @@ from stickslip.diagnosis.decision.limits import upper_limits
 from stickslip.diagnosis.decision.posterior import discrepancy
 from toys import LEVEL, SLOPE, WAVE, data, line
 
-TRUTH = (1.1, 1.9, made.BUMP, 0.0, 0.0)
-
 
 def columns(x, count):
     """What each parameter adds to a reading, the model being linear, shape (len(x), count)."""
     return np.stack([made.predict(x, row[None])[0] for row in np.eye(5)[:count]], axis=1)
 
 
-@pytest.fixture(scope="module")
-def named():
-    return made.toy(TRUTH)
-
-
-@pytest.fixture(scope="module")
-def none():
-    return made.toy((1.1, 1.9, 0.0, 0.0, 0.0))
-
-
-@pytest.fixture(scope="module")
-def rough():
-    """With scatter that is no cause."""
-    return made.toy(TRUTH, error=0.12)
-
-
 def test_parameters_and_errors_are_those_of_linear_least_squares(named, none):
     table = named.params
     assert list(table.index) == ["level", "slope", "bump.height"]
-    assert np.all(np.abs(table["value"] - np.array(TRUTH[:3])) < 3.0 * table["sd"])
+    assert np.all(np.abs(table["value"] - np.array(made.TRUTH[:3])) < 3.0 * table["sd"])
     assert np.allclose(np.diag(named.covariance), table["sd"] ** 2)
     # The prior of the bump is wide beside what the data tell; those of the constants count.
     design = columns(named.problem.tables[0]["x"], 3) / made.SD

@@ -219,7 +219,7 @@ def of_another(folder):
     return with_measured(measurement(), folder, 1, 3)
 
 
-toy = functools.cache(lambda: made.toy((1.1, 1.9, made.BUMP, 0.0, 0.0)))
+toy = functools.cache(lambda: made.toy(made.TRUTH))
 ASKED = [
     *((lambda level=level: toy().conf_int(level), ["level = ", ABOVE_0])
       for level in (0.0, 1.0, -0.5, math.nan, "0.9", True)),
