@@ -8,7 +8,7 @@ import pytest
 
 from stickslip import Cause, Parameter, Prior, Table, diagnose_model, instruments
 from stickslip.diagnosis.own_model import overflows, pose_own
-from toys import LEVEL, SLOPE, WAVE, data, line, problem
+from toys import BEND, LEVEL, SLOPE, STEP, WAVE, data, line, problem
 
 X = np.linspace(1.0, 3.0, 12)
 
@@ -121,14 +121,16 @@ def test_repeats_and_single_readings_give_one_row_a_condition():
 # -------------------------------------------------------------------------------------- verdicts
 
 
-def test_a_constant_that_is_stated_far_off_is_named():
-    # 1.05 is 55 standard deviations from what is stated.
-    slope = Parameter("slope", Prior("normal", 0.5, 0.01))
-    result = diagnose_model(line, data(), [slope, LEVEL], [WAVE])
-    assert (result.verdict.kind, result.verdict.causes) == ("named", ("slope",))
-    found = result.params.loc["slope"]
+@pytest.mark.parametrize("stated", [0.75, 0.5])
+def test_a_constant_that_is_stated_far_off_is_named(stated):
+    # 1.05 is 30 and 55 standard deviations from what is stated.
+    slope = Parameter("slope", Prior("normal", stated, 0.01))
+    result = diagnose_model(line, data(), [slope, LEVEL], [WAVE, STEP, BEND])
+    assert result.verdict.leader.name == "slope"
+    assert "slope" in result.verdict.causes
+    found = result.candidate("slope").params.loc["slope"]
     assert abs(found["value"] - 1.05) < 4.0 * found["sd"]
-    assert 45.0 < found["pull"] < 65.0
+    assert found["pull"] == pytest.approx((1.05 - stated) / 0.01, abs=10.0)
 
 
 def test_a_constant_that_is_no_suspect_is_not_named():
