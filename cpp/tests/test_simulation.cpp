@@ -273,14 +273,6 @@ TEST_CASE("simulation: a recording does not change the motion, and ends of it ag
     CHECK(bare.recording.t.empty());
 }
 
-TEST_CASE("simulation: a recording of events does not change a bit of the motion") {
-    for (const CheckNumber& check : check_numbers()) {
-        Scenario recorded = check.scenario;
-        recorded.record = {RecordKind::events, 0.0};
-        CHECK(simulate(recorded).final_body.x == simulate(check.scenario).final_body.x);
-    }
-}
-
 TEST_CASE("simulation: coils without delay") {
     // The current follows a jump of the voltage within 1e-13 s, and steps begin as short as that.
     for (const double inductance : {1e-13, 1e-12, 1e-11}) {
