@@ -17,7 +17,6 @@ from stickslip import FieldMap, Measurement, Scenario, ScenarioError, Waveform
 from stickslip._util.units import per_si, to_si
 from stickslip.measurement.tables import read_numbers, read_rows
 from stickslip.measurement.velocity import read_velocity, velocity_units
-from stickslip.reproduction.curves import read_measured
 from stickslip.scenario.sections import COIL_NAMES
 
 FRAMES = {"t": "s", "x": "m", "theta": "rad"}
@@ -77,10 +76,6 @@ FILES = {
     "map": (
         lambda path: (FieldMap.from_file(path), ()),
         ["x,y,z,coil,Bx,By,Bz", *BOX, "1e-3,1e-3,1e-3,zp,0,0,0"],
-    ),
-    "digitised points": (
-        lambda path: (read_measured(path), ()),
-        ["figure,mode,x,y", "fig12,IPP,10,1e-3", "fig13,OPP,10,1e-3", "fig12,IPP,20,lost"],
     ),
 }
 
@@ -241,7 +236,6 @@ UNITS = {
     "angle": ("Bz", "Bz (mT)", 1e3, "Bz (mT/A)", "mT"),
     "field": ("x", "x (mm)", 1e3, "x (mT)", "mm"),
     "map": ("x", "x (mm)", 1e3, "x (T/A)", "mm"),
-    "digitised points": ("y", "y (mm/s)", 1e3, "y (mm)", "mm/s"),
 }
 
 

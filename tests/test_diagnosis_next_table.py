@@ -8,8 +8,8 @@ import pytest
 from asking_results import SAFE, asking, measurement
 from command_line import stickslip
 from made_measurement import write
-from stickslip.cli.next_table import PREDICTIONS, TABLE, with_measured
 from stickslip.diagnosis.decision.experiments import LEAST_WORTH, next_step
+from stickslip.diagnosis.report.next_table import PREDICTIONS, TABLE, with_measured
 from stickslip.measurement.tables import read_rows
 from stickslip.measurement.velocity import velocity_units
 
@@ -128,4 +128,3 @@ def test_a_table_that_is_not_read_is_mentioned(tmp_path):
     done = stickslip("diagnose", path, "--out", found)
     assert "Verdict: data-problem" in done.stdout
     assert f"{found / TABLE} is not read, as --next is not given" in done.stderr
-    assert "--budget" in stickslip("diagnose", path, "--budget", 2).stderr

@@ -263,17 +263,6 @@ def test_coupled_coils_share_the_current_of_a_step(driven, coupling):
     assert given == pytest.approx(heat + stored, rel=1e-9)
 
 
-@pytest.mark.parametrize("coupling", [0.2, -0.15])
-def test_coupled_currents_do_not_depend_on_the_direction_of_the_robot(coupling):
-    keys = {"effects.mutual_inductance.coupling": coupling}
-    waveform = Waveform.hold(0.02, {"xp": 50.0, "yp": -20.0, "clamp": 30.0})
-    one, other = (
-        run(HELD, keys, program(waveform), rate=1e4, direction=direction).current
-        for direction in ("+x", "-x")
-    )
-    assert one == pytest.approx(other, abs=1e-12)
-
-
 def test_coupled_coils_pull_with_their_induced_currents():
     # A held block feels the gradient of all five; that of xm is against that of xp.
     keys = {"effects.mutual_inductance.coupling": 0.2}

@@ -8,14 +8,17 @@ from helpers import (
     FLIGHT,
     HEIGHT,
     INERTIA,
-    LENGTH,
+    LAUNCHER,
     MASS,
     MOMENT,
     ON_A_FACE,
     QUICK_COILS,
     RADIUS,
+    THROW,
+    launched,
     program,
     run,
+    torque_about_corner,
     volts,
 )
 from stickslip import Coils, Waveform
@@ -25,29 +28,6 @@ from stickslip import Coils, Waveform
 masses = pytest.mark.parametrize(("mass", "scale"), [(24.05e-9, 1.0), (MASS, 0.96926)])
 
 NO_MOTION = {"contact.adhesion": 1.0}
-
-methods = pytest.mark.parametrize("method", ["tsit5", "arkode"])
-
-# The moment stands straight up and the clamp coil's field points down: the gradient lifts the
-# block, and without friction nothing turns it. The balance is unstable with a rate of 8300 / s, so
-# the rounding of a quarter turn, 6e-17, becomes no more than 1e-14 within the throw of 0.5 ms.
-LAUNCHER = {
-    "effects.misalignment.angle": -np.pi / 2,
-    "contact.static_friction": 0.0,
-    "contact.kinetic_friction": 0.0,
-    "contact.adhesion": 0.0,
-    "drag.linear": 0.0,
-    "drag.rotational": 0.0,
-    "environment.gravity": 0.5,
-    **QUICK_COILS,
-}
-THROW = 5e-4  # s
-
-
-def launched(seconds):
-    """Keys of a drive that throws the block up and then does nothing for so long."""
-    lift = Waveform.hold(THROW, volts(clamp=-6.5e-3))
-    return {**LAUNCHER, **program(lift + Waveform.hold(seconds, {}))}
 
 
 def frequency_of(t, wave):
@@ -69,9 +49,8 @@ def damped_frequency_of(wave, rate):
     return np.arccos(first / (2 * decay)) * rate / k / (2 * np.pi), -np.log(decay) * rate / k
 
 
-@methods
-def test_free_fall_is_a_parabola(method):
-    fall = run(launched(0.02), {"solver.method": method}, rate=1e4)
+def test_free_fall_is_a_parabola():
+    fall = run(launched(0.02), rate=1e4)
     flying = (fall.contact == FLIGHT) & (fall.t > THROW + 1e-4)  # the coil's current is gone
     assert flying.sum() > 100
     t, z = fall.t[flying], fall.z[flying]
@@ -87,14 +66,12 @@ def test_free_fall_is_a_parabola(method):
     assert fit.deriv()(THROW) == pytest.approx(speed, rel=1e-3)
 
 
-@methods
-def test_flat_block_that_is_pulled_straight_up_leaves_with_both_ends_at_once(method):
+def test_flat_block_that_is_pulled_straight_up_leaves_with_both_ends_at_once():
     # The uniform field holds the block upright. Friction is there, but nothing for it to do.
     keys = {
         "contact.static_friction": 0.2,
         "contact.kinetic_friction": 0.145,
         "effects.ambient_field.Bz": 0.02,
-        "solver.method": method,
     }
     flight = run(launched(0.005), keys, rate=1e3)
     assert flight.summary()["events"]["lift_off"] == 1
@@ -103,10 +80,9 @@ def test_flat_block_that_is_pulled_straight_up_leaves_with_both_ends_at_once(met
     assert np.abs(flight.theta).max() < 1e-9
 
 
-@methods
 @pytest.mark.parametrize("restitution", [0.3, 0.5, 0.9])
-def test_bounce_heights_fall_by_the_square_of_the_restitution(restitution, method):
-    keys = {"contact.restitution": restitution, "solver.method": method}
+def test_bounce_heights_fall_by_the_square_of_the_restitution(restitution):
+    keys = {"contact.restitution": restitution}
     bounce = run(launched(0.2), keys, rate="events")
     impacts = bounce.event == bounce.event_names.index("touch_down")
     count = 4
@@ -138,8 +114,7 @@ def test_bounces_that_die_out_come_to_rest():
 
 
 @masses
-@methods
-def test_turning_frequency_in_flight(method, mass, scale):
+def test_turning_frequency_in_flight(mass, scale):
     # Thrown up without gravity the block flies on in the uniform field along its moment, and a
     # small field across makes it swing about the sum of the two.
     field, across = 2.5e-3, 0.01
@@ -147,7 +122,6 @@ def test_turning_frequency_in_flight(method, mass, scale):
         "robot.mass": mass,
         "environment.gravity": 0.0,
         "effects.ambient_field.Bz": field,
-        "solver.method": method,
         "solver.rtol": 1e-9,
     }
     throw = Waveform.hold(2e-4, volts(clamp=-2e-3))
@@ -164,9 +138,8 @@ def test_turning_frequency_in_flight(method, mass, scale):
 
 
 @masses
-@methods
 @pytest.mark.parametrize("gravity", [0.0, 9.81])
-def test_rocking_frequency_pinned_at_a_corner(gravity, method, mass, scale):
+def test_rocking_frequency_pinned_at_a_corner(gravity, mass, scale):
     # Adhesion holds the corner and exerts no torque about it. The block is brought to 45 degrees
     # slowly and with damping, then the clamp's field steps by a little.
     field, damping = 2.5e-3, 1e-13
@@ -180,7 +153,6 @@ def test_rocking_frequency_pinned_at_a_corner(gravity, method, mass, scale):
         "drag.linear": 0.0,
         "drag.rotational": 0.0,
         "effects.rotational_drag.coefficient": damping,
-        "solver.method": method,
         **QUICK_COILS,
     }
     end, stepped = volts(component, -component), volts(component, -1.01 * component)
@@ -191,18 +163,10 @@ def test_rocking_frequency_pinned_at_a_corner(gravity, method, mass, scale):
     theta = rock.theta[late]
     # Torque about the corner at the angle theta: that of the moment, the weight's, and that of the
     # coils' gradients, whose slope with theta is the stiffness; taken here by differences.
-    coils, current, corner_x = Coils(), rock.current[late][-1], rock.contact_x[late][-1]
-    lean = np.arctan2(HEIGHT, LENGTH)
+    at = rock.contact_x[late][-1], rock.current[late][-1], mass * gravity
 
     def torque(angle):
-        lever, height = RADIUS * np.cos(angle + lean), RADIUS * np.sin(angle + lean)
-        point = [[corner_x - lever, 0.0, height]]
-        bx, _, bz = coils.field(point, current)[0]
-        gradient = coils.gradient(point, current)[0]
-        mx, mz = MOMENT * np.cos(angle), -MOMENT * np.sin(angle)
-        fx = mx * gradient[0, 0] + mz * gradient[2, 0]
-        fz = mx * gradient[0, 2] + mz * gradient[2, 2] - mass * gravity
-        return (mz * bx - mx * bz) + height * fx + lever * fz
+        return torque_about_corner(angle, *at)
 
     middle = brentq(torque, 0.5, 1.0)
     stiffness = -(torque(middle + 1e-4) - torque(middle - 1e-4)) / 2e-4

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
 from helpers import (
     ADHESION,
@@ -18,27 +17,16 @@ from helpers import (
     is_mode,
     program,
     run,
+    slid,
+    slip_angle,
     still_for,
+    tilted,
     volts,
 )
 from stickslip import Coils, Waveform
 
 STICK_ON_A_CORNER = 1
 LYING_STILL = 4
-
-
-def slip_angle(static_friction, adhesion, mass=MASS, share=1.0):
-    """Tilt (rad) at which a part of the friction cone is used, from Eq. (15) solved for alpha."""
-
-    def balance(angle):
-        holding = static_friction * (np.cos(angle) + adhesion / (mass * GRAVITY))
-        return np.sin(angle) - share * holding
-
-    return brentq(balance, 0.0, 1.57, xtol=1e-15)
-
-
-def tilted(angle):
-    return {"effects.surface_tilt.angle": float(angle)}
 
 
 @pytest.mark.parametrize("direction", ["+x", "-x"])
@@ -57,15 +45,10 @@ def test_flat_block_at_nine_tenths_of_the_cone_stays_for_a_minute(direction, dow
 
 
 @pytest.mark.parametrize("clamp", ["down", "up"])
-@pytest.mark.parametrize("method", ["tsit5", "arkode"])
-def test_corner_at_nine_tenths_of_the_cone_stays_for_a_minute(clamp, method):
+def test_corner_at_nine_tenths_of_the_cone_stays_for_a_minute(clamp):
     # Tipped by a slow ramp to some 45 degrees, damped, on a tilt that loads the corner sideways.
     # How much is read off a run that cannot slip, and friction then chosen for 0.9 of its cone.
-    keys = {
-        **tilted(0.15),
-        "effects.rotational_drag.coefficient": 1e-12,
-        "solver.method": method,
-    }
+    keys = {**tilted(0.15), "effects.rotational_drag.coefficient": 1e-12}
     drive = {
         "mode": "IPP", "base": 2.5e-3, "peak": 2.5e-3, "hold": 2.5e-3, "clamp": clamp,
         "ramp": 0.5, "frequency": 1.0,
@@ -136,18 +119,15 @@ def test_block_holds_just_below_the_slip_angle_and_slides_just_above(mass, downh
     assert downhill * above.mean_velocity > 1e-3
 
 
-@pytest.mark.parametrize("method", ["tsit5", "arkode"])
 @pytest.mark.parametrize("downhill", [1, -1])
-def test_block_on_a_steep_tilt_approaches_its_terminal_velocity(downhill, method):
+def test_block_on_a_steep_tilt_approaches_its_terminal_velocity(downhill):
     angle, drag, kinetic = 0.6, 1e-5, 0.145
     push = WEIGHT * np.sin(angle) - kinetic * (WEIGHT * np.cos(angle) + ADHESION)
-    terminal, slow = push / drag, MASS / drag  # 2.6 mm/s, 2.56 ms
+    terminal = push / drag  # 2.6 mm/s
     # Born slipping: the block is tilted from the start.
-    slide = run(still_for(0.05), tilted(downhill * angle), {"solver.method": method}, rate=2e3)
+    slide = run(still_for(0.05), tilted(downhill * angle), rate=2e3)
     after = slide.t > 0.0
-    t = slide.t[after]
-    velocity = terminal * (1.0 - np.exp(-t / slow))
-    place = terminal * (t - slow * (1.0 - np.exp(-t / slow)))
+    velocity, place = slid(slide.t[after], push, drag)
     # Each of some tens of steps may err by 1e-7 of the scales 0.1 mm and 0.1 m/s.
     assert downhill * slide.vx[after] == pytest.approx(velocity, abs=1e-6 * terminal + 1e-7)
     assert downhill * slide.x[after] == pytest.approx(place, abs=1e-9)
@@ -195,15 +175,3 @@ def test_block_tips_where_torques_balance_about_the_corner(clamp, adhesion):
     # The shared half of the adhesion that holds the leaving corner acts at a whole length.
     assert torque + pull * HEIGHT / 2 == pytest.approx(lever * (WEIGHT + adhesion - lift), rel=1e-7)
     assert is_mode(tipped, ON_A_CORNER)[first]
-
-
-def test_largest_torque_of_the_set_up():
-    # 10.56 uN mm at 6.5 mT: an adhesion that needs just that torque is torn off just there.
-    largest = MOMENT * 6.5e-3
-    assert largest == pytest.approx(10.56e-9, rel=1e-3)
-    adhesion = largest / (LENGTH / 2) - WEIGHT
-    for share, tips in ((0.99, 1), (1.01, 0)):
-        final = volts(clamp=-6.5e-3)
-        keys = program(Waveform.ramp(0.3, final) + Waveform.hold(0.2, final))
-        pulled = run(keys, {"contact.adhesion": share * adhesion})
-        assert pulled.summary()["events"]["tip"] == tips

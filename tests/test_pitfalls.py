@@ -12,6 +12,7 @@ from helpers import (
     ON_A_CORNER,
     QUICK_COILS,
     STICKING,
+    TIGHT,
     friction,
     is_mode,
     program,
@@ -22,16 +23,14 @@ from helpers import (
 )
 from stickslip import Waveform, simulate, simulate_batch
 
-methods = pytest.mark.parametrize("method", ["tsit5", "arkode"])
 FINE = {"solver.rtol": 1e-11}
 
 
 @pytest.mark.parametrize("rtol", [1e-7, 1e-8, 1e-9, 1e-11])
-@methods
-def test_dip_inside_a_step_is_seen(method, rtol):
+def test_dip_inside_a_step_is_seen(rtol):
     # At 0.1108 s the friction limit is visited for 0.1 ms. Missed, the velocity is 0.8516 mm/s.
     drive = {"mode": "OPP", "hold": 1e-3, "edge": "fall", "pulses": 8}
-    solver = {"solver.method": method, "solver.rtol": rtol}
+    solver = {"solver.rtol": rtol}
     velocity = run(friction(1.8, 1.305), solver, **drive).mean_velocity
     assert velocity * 1e3 == pytest.approx(0.7571, rel=5e-4)
 
@@ -68,14 +67,12 @@ def test_phases_shorter_than_their_first_step_are_not_skipped(restitution):
     assert max(counts) - min(counts) <= max(counts) / 12
 
 
-@methods
 @pytest.mark.parametrize("mu", [0.1, 0.2, 0.5, 1.0])
-def test_equal_coefficients_are_the_limit_of_nearly_equal_ones(mu, method):
+def test_equal_coefficients_are_the_limit_of_nearly_equal_ones(mu):
     # At slip onset the acceleration is zero to rounding: the direction is that of the event.
     drive = {"mode": "IPP", "base": 0.5e-3, "pulses": 10}
-    solver = {"solver.method": method}
-    equal = run(friction(mu), solver, rate="events", **drive)
-    near = run(friction(mu, mu * (1 - 1e-7)), solver, **drive)
+    equal = run(friction(mu), rate="events", **drive)
+    near = run(friction(mu, mu * (1 - 1e-7)), **drive)
     assert equal.mean_velocity == pytest.approx(near.mean_velocity, rel=1e-4)
     assert not violations(equal)
     starts = equal.event == equal.event_names.index("slip_start")
@@ -85,11 +82,10 @@ def test_equal_coefficients_are_the_limit_of_nearly_equal_ones(mu, method):
     assert np.all(equal.t[following] - equal.t[following - 1] > 1e-9)
 
 
-@methods
 @pytest.mark.parametrize("mode", ["IPP", "OPP"])
-def test_an_event_is_never_taken_twice(mode, method):
+def test_an_event_is_never_taken_twice(mode):
     drive = {"mode": mode, "base": 0.5e-3, "hold": 1.5e-3, "pulses": 20}
-    seen = run({"solver.method": method}, rate="events", **drive)
+    seen = run(rate="events", **drive)
     names = np.array(seen.event_names)[seen.event]
     for kind in ("slip_start", "stick", "lift_off", "touch_down"):
         again = (names[1:] == kind) & (names[:-1] == kind)
@@ -218,16 +214,15 @@ PAINLEVE = [
 ]
 
 
-@methods
 @pytest.mark.parametrize("case", PAINLEVE, ids=lambda case: f"{case[0]}-{case[2]}Hz")
-def test_sliding_without_a_solution_is_stopped_by_an_impulse_and_counted(case, method):
+def test_sliding_without_a_solution_is_stopped_by_an_impulse_and_counted(case):
     # J + m x (x + mu s z) -> 0 near 41.6 degrees for mu >= 4/3. With a constant coefficient a slide
     # stops before it gets there; one whose coefficient rises as it slows does not.
     mode, edge, frequency, base, peak, hold, static, kinetic, stribeck, count = case
     drive = {"mode": mode, "edge": edge, "frequency": frequency, "pulses": 8}
     drive |= {"base": base * 1e-3, "peak": peak * 1e-3, "hold": hold * 1e-3}
     keys = {**friction(static, kinetic), "effects.stribeck_friction.velocity": stribeck}
-    jammed = run(keys, {"solver.method": method}, rate="events", **drive)
+    jammed = run(keys, rate="events", **drive)
     assert jammed.ok
     assert jammed.summary()["painleve_events"] == count
     at = jammed.event == jammed.event_names.index("painleve")
@@ -239,7 +234,7 @@ def test_sliding_without_a_solution_is_stopped_by_an_impulse_and_counted(case, m
     radius = np.hypot(LENGTH, HEIGHT) / 2
     lever, height = radius * np.cos(angle), radius * np.sin(angle)
     assert np.all(INERTIA + MASS * lever * (lever - static * height) < 0.05 * INERTIA)
-    fine = run(keys, FINE, {"solver.method": method}, **drive)
+    fine = run(keys, FINE, **drive)
     assert jammed.mean_velocity == pytest.approx(fine.mean_velocity, rel=1e-3)
 
 
@@ -250,14 +245,12 @@ def test_contact_laws_hold_for_friction_around_four_thirds():
         assert (seen.contact == FLIGHT).any()
 
 
-@methods
 @pytest.mark.parametrize("inductance", [1e-13, 1e-12, 1e-11])
-def test_coils_without_delay(inductance, method):
+def test_coils_without_delay(inductance):
     # A look inside a step met exactly zero: taken for no root, the search for the next never ended.
     drive = {"mode": "IPP", "base": 0.5e-3, "pulses": 20}
-    keys = {"solver.method": method, "solver.rtol": 1e-10}
-    delayed = run(QUICK_COILS, keys, **drive).mean_velocity
-    quick = run({"coil.inductance": inductance}, keys, **drive)
+    delayed = run(QUICK_COILS, TIGHT, **drive).mean_velocity
+    quick = run({"coil.inductance": inductance}, TIGHT, **drive)
     # The delay of 0.1 us is 1e-4 of a swing; so long a train of impacts multiplies everything: 1e-8
     # of the robot's mass moves this velocity by 1.2 %.
     assert quick.mean_velocity == pytest.approx(delayed, rel=0.03)
@@ -334,11 +327,10 @@ def test_bounces_do_not_depend_on_the_tolerance():
 
 
 @pytest.mark.parametrize("rtol", [1e-7, 1e-8, 1e-9, 1e-10])
-@methods
-def test_lift_off_just_after_a_touch_down_is_seen(method, rtol):
+def test_lift_off_just_after_a_touch_down_is_seen(rtol):
     # 10 us after a touch-down, with a normal force that starts at 1.2 nN. Missed, the velocity is
     # 0.6769 mm/s.
     drive = {"mode": "OPP", "frequency": 60.0, "base": 0.3e-3, "hold": 2.5e-3, "pulses": 20}
-    solver = {"solver.method": method, "solver.rtol": rtol}
+    solver = {"solver.rtol": rtol}
     velocity = run(solver, edge="rise", clamp="down", **drive).mean_velocity
     assert velocity * 1e3 == pytest.approx(0.678668, rel=2e-4)

@@ -1,7 +1,5 @@
 """Event-driven against time-stepping: the same scenarios in the independent reference simulator."""
 
-import functools
-
 import pytest
 
 from helpers import run
@@ -39,9 +37,9 @@ def _name(case):
     return "-".join([case[0], f"{case[1]}Hz", *case[2:4], *words])
 
 
-@functools.cache
-def _pair(index):
-    mode, frequency, edge, clamp, base, hold, static, kinetic, adhesion, more = SCENARIOS[index]
+@pytest.mark.parametrize("case", SCENARIOS, ids=_name)
+def test_a_drive(case):
+    mode, frequency, edge, clamp, base, hold, static, kinetic, adhesion, more = case
     drive = {
         "mode": mode, "frequency": float(frequency), "edge": edge, "clamp": clamp,
         "base": base * 1e-3, "hold": hold * 1e-3, "pulses": 6, **more,
@@ -51,43 +49,18 @@ def _pair(index):
         "kinetic_friction": kinetic,
         "adhesion": adhesion * 1e-6,
     }
-    product = run({f"contact.{key}": value for key, value in contact.items()}, **drive)
-    return product.summary(), simulate_reference(drive, contact=contact, dt=STEP)
-
-
-each_scenario = pytest.mark.parametrize("index", range(len(SCENARIOS)), ids=map(_name, SCENARIOS))
-
-
-@each_scenario
-def test_mean_velocity(index):
-    summary, reference = _pair(index)
-    assert summary["mean_velocity"] == pytest.approx(reference.mean_velocity, rel=AGREEMENT)
-
-
-@each_scenario
-def test_range_of_the_tilt_angle(index):
-    summary, reference = _pair(index)
-    span = reference.window_theta_max - reference.window_theta_min
-    assert summary["theta_min"] == pytest.approx(reference.window_theta_min, abs=1e-3 * span)
-    assert summary["theta_max"] == pytest.approx(reference.window_theta_max, abs=1e-3 * span)
-
-
-@each_scenario
-def test_part_spent_in_the_air(index):
-    summary, reference = _pair(index)
+    ours = run({f"contact.{key}": value for key, value in contact.items()}, **drive).summary()
+    other = simulate_reference(drive, contact=contact, dt=STEP)
+    span = other.window_theta_max - other.window_theta_min
+    assert ours["mean_velocity"] == pytest.approx(other.mean_velocity, rel=AGREEMENT)
+    assert ours["theta_min"] == pytest.approx(other.window_theta_min, abs=1e-3 * span)
+    assert ours["theta_max"] == pytest.approx(other.window_theta_max, abs=1e-3 * span)
     # Each hop begins and ends on a step of the reference: two steps of some 3 ms or more.
-    assert summary["airborne_fraction"] == pytest.approx(
-        reference.window_airborne_fraction, abs=2e-4
-    )
-
-
-@each_scenario
-def test_slip_while_the_angle_rises_and_falls(index):
-    summary, reference = _pair(index)
+    assert ours["airborne_fraction"] == pytest.approx(other.window_airborne_fraction, abs=2e-4)
     # A part can be far smaller than the travel, so each is measured by the larger of the two.
-    scale = max(abs(reference.slip_up), abs(reference.slip_down))
-    assert summary["slip_up"] == pytest.approx(reference.slip_up, abs=AGREEMENT * scale)
-    assert summary["slip_down"] == pytest.approx(reference.slip_down, abs=AGREEMENT * scale)
+    slack = AGREEMENT * max(abs(other.slip_up), abs(other.slip_down))
+    assert ours["slip_up"] == pytest.approx(other.slip_up, abs=slack)
+    assert ours["slip_down"] == pytest.approx(other.slip_down, abs=slack)
 
 
 BASES = {

@@ -4,10 +4,8 @@ import re
 
 import pytest
 
-from stickslip import Scenario, ScenarioError, Waveform
-from stickslip.control.tasks import task_named
+from stickslip import Scenario, ScenarioError, Waveform, reproduce
 from stickslip.diagnosis import Cause, Parameter, Table, diagnose_model
-from stickslip.reproduction.curves import read_measured
 from stickslip.scenario.keys import known_keys, meant, nearest, suggestion
 from stickslip.scenario.priors import Prior
 
@@ -18,20 +16,14 @@ def cause(_):
     diagnose_model(lambda at, p: p["slope"] * at["x"], table, [slope], [Cause("a", frees="slop")])
 
 
-def digitised(tmp_path):
-    (tmp_path / "a.csv").write_text("figure,mode,x,y\nfig112,IPP,10,1e-3\n")
-    read_measured(tmp_path / "a.csv")
-
-
 WRONG = {
     "coil": (lambda _: Waveform.hold(0.1, {"clmap": 1.0}), "clamp"),
-    "task": (lambda _: task_named("raech"), "reach"),
     "key": (lambda _: Scenario().replace({"frequency": 3.0}), "drive.frequency"),
     "key in another case": (lambda _: Scenario().get("DRIVE.EDGE"), "drive.edge"),
     "word": (lambda _: Scenario().replace({"drive.clamp": "dwon"}), "down"),
     "effect": (lambda _: Scenario(effects={"surface_tlt": {}}), "surface_tilt"),
     "cause": (cause, "slope"),
-    "figure": (digitised, "fig12"),
+    "figure": (lambda _: reproduce(only=["fig112"]), "fig12"),
 }
 
 

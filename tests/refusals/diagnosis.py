@@ -25,11 +25,11 @@ from stickslip import (
     free_law,
     instruments,
 )
-from stickslip.cli.next_table import TABLE, with_measured
 from stickslip.diagnosis.data.series import with_repeats
 from stickslip.diagnosis.decision.experiments import drive_settings
 from stickslip.diagnosis.measured import pose
 from stickslip.diagnosis.own_model import Values, pose_own
+from stickslip.diagnosis.report.next_table import TABLE, with_measured
 from stickslip.diagnosis.terms.laws import Curves, beside_constants
 from toys import SLOPE, WAVE
 

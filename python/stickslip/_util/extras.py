@@ -15,7 +15,7 @@ EXTRAS = {
     "netcdf": ("h5netcdf", "h5py", "xarray", "pandas"),
     "plot": ("matplotlib",),
     "diagnosis": ("scipy", "pandas", "matplotlib", "jinja2"),
-    "optimise": ("cma", "matplotlib", "jinja2"),
+    "optimise": ("cma", "pandas", "matplotlib"),
     "gym": ("gymnasium",),
     "dask": ("distributed",),
 }
@@ -26,6 +26,7 @@ _DIAGNOSIS = (
     *("Series", "diagnose_model", "events", "free_law", "instruments", "read_measurement"),
 )
 _NEEDED: dict[str, tuple[str, ...]] = {
+    "Optimum": ("optimise",),
     "optimise": ("optimise",),
     "plot": ("plot",),
     "predict": ("netcdf",),

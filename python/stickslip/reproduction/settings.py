@@ -1,4 +1,4 @@
-"""What the paper leaves open of its two drives: the grid that the study tries, and a search space.
+"""What the paper leaves open of its two drives, as a grid of settings, and what it varies.
 
 Neither the sudden side of the sawtooth (edge) nor its bottom (base), the field of the holding coil
 (hold) or the sign of the clamp coil's field (clamp) is stated; see sections V-A and V-B and
@@ -8,131 +8,150 @@ Figs. 4 and 6.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, NamedTuple
 
-from stickslip.design.design_space import Axis
+import numpy as np
+
+from stickslip._util.numbers import Array
 from stickslip.scenario.scenario import Scenario
 
-Mode = Literal["IPP", "OPP"]
+BASE = Scenario().replace({"solver.rtol": 1e-6})
+"""What all simulations of a scan have in common; the tolerance is enough for mean velocities."""
 
-MODES: tuple[Mode, ...] = ("IPP", "OPP")
+MODES = ("IPP", "OPP")
 
 PEAK = 2.5e-3
 """Top of the sawtooth in all figures but 14 and 15, T."""
 
-FACTORS = ("edge", "clamp", "base", "hold")
-"""What tells one setting of a mode from another."""
+KINETIC_SHARE = 0.7
+"""Kinetic over static friction in Fig. 8, section VI-A."""
 
-FREE = {
-    "edge_time": "drive.edge_time",
-    "ramp": "drive.ramp",
-    "linear": "drag.linear",
-    "rotational": "drag.rotational",
-}
-"""What the grid fixes and a search does not, in both modes alike, with the keys of a scenario."""
+_SPREAD = 0.02
+"""Half width of the small changes of frequency, friction and field. Chosen."""
 
-WORDS = ("IPP edge", "IPP clamp", "OPP edge", "OPP clamp")
-"""The words of a pair of settings."""
-
-# The numbers of a pair: two of each mode, then those of the apparatus, the robot and the fluid,
-# which both modes share. Chosen: fields beyond the grid on both sides; edges that still leave a
-# sawtooth at 150 Hz; damping a decade and more about that of section VI-C.
-AXES = (
-    Axis("IPP base", "T", -1e-3, 1.5e-3),
-    Axis("IPP hold", "T", 0.2e-3, 4e-3),
-    Axis("OPP base", "T", -1e-3, 1.5e-3),
-    Axis("OPP hold", "T", 0.2e-3, 4e-3),
-    Axis("edge_time", "s", 0.0, 5e-3),
-    Axis("ramp", "s", 0.02, 0.3),
-    Axis("linear", "N s/m", 1e-6, 1e-4),
-    Axis("rotational", "N m s^2", 1e-17, 1e-14),
+_CHANGED_TOGETHER = (
+    ("drive.frequency",),
+    ("contact.static_friction", "contact.kinetic_friction"),
+    ("drive.peak", "drive.base", "drive.hold"),
 )
-"""What is searched, with its ranges; linear and rotational are the drag coefficients."""
+
+# The first three pulses are not measured. Slow pulses take long, and repeat themselves sooner.
+_PULSES, _SLOW_PULSES, _SLOW_BELOW = 20, 12, 40.0  # the last in Hz; all chosen
 
 
-@dataclass(frozen=True)
-class Setting:
-    """One way to fill in what the paper leaves open.
+class Setting(NamedTuple):
+    """One way to fill in what the paper leaves open; `base` and `hold` in T."""
 
-    Attributes
-    ----------
-    mode : {"IPP", "OPP"}
-    edge : {"rise", "fall"}
-    clamp : {"down", "up"}
-    base, hold : float
-        T.
-    free : mapping of float
-        What a search sets beside, SI: all names of ``FREE``; none of them in the grid.
-    """
-
-    mode: Mode
-    edge: str
-    clamp: str
+    mode: str  # "IPP" or "OPP"
+    edge: str  # "rise" or "fall"
+    clamp: str  # "down" or "up"
     base: float
     hold: float
-    free: Mapping[str, float] = field(default_factory=dict)
 
     def keys(self) -> dict[str, Any]:
         """The setting by the keys of a scenario."""
-        own = {f"drive.{name}": getattr(self, name) for name in ("mode", *FACTORS)}
-        return own | {FREE[name]: value for name, value in self.free.items()}
+        return {f"drive.{name}": value for name, value in self._asdict().items()}
 
-    def text(self) -> str:
-        """The setting in words."""
-        digits = ".3g" if self.free else "g"  # those of the grid are few
-        words = (
-            f"sudden {self.edge}, clamp {self.clamp}, base {self.base * 1e3:{digits}} mT, "
-            f"hold {self.hold * 1e3:{digits}} mT"
-        )
-        if not self.free:
-            return words
-        edge_time, ramp, linear, rotational = (self.free[name] for name in FREE)
+    def __str__(self) -> str:
         return (
-            f"{words}, edge {edge_time * 1e3:.3g} ms, ramp {ramp:.3g} s, "
-            f"drag {linear:.3g} N s/m and {rotational:.3g} N m s²"
+            f"sudden {self.edge}, clamp {self.clamp}, base {self.base * 1e3:g} mT, "
+            f"hold {self.hold * 1e3:g} mT"
         )
 
-    @property
-    def tilt_sign(self) -> float:
-        """Sign of theta that the clamp coil gives: 1.0 with clamp "down", -1.0 with "up"."""
-        return 1.0 if self.clamp == "down" else -1.0
+
+GRID = tuple(
+    Setting(*each)
+    for each in itertools.product(
+        MODES,
+        ("rise", "fall"),
+        ("down", "up"),
+        (0.0, 0.25e-3, 0.5e-3, 1.0e-3),
+        (0.5e-3, 1.0e-3, 1.5e-3, 2.0e-3, 2.5e-3, 3.0e-3),
+    )
+)
+"""The settings that are tried. Bases go to two fifths of the peak, holding fields from a fifth of
+it to a little more than it."""
 
 
-@dataclass(frozen=True)
-class Grid:
-    """Values of the open quantities; the grid is their full product for each mode.
+class Scan(NamedTuple):
+    """One quantity that the paper varies, all else as in the paper."""
 
-    The paper states none. Bases go from nothing to two fifths of the peak, holding fields from a
-    fifth of it to a little more than it.
+    key: str  # for friction the static one, with the kinetic one in ratio
+    axis: str  # what varies, at an axis
+    values: tuple[float, ...]  # SI
+    frequency: float = 100.0  # Hz, where that is not what is varied
+    proportional: bool = False  # whether base and hold grow with the peak
 
-    Parameters
-    ----------
-    edges, clamps : tuple of str
-    bases, holds : tuple of float
-        T.
+    def changes(self, setting: Setting, value: float, factors: Array) -> dict[str, Any]:
+        """The keys of one simulation.
+
+        `factors` are those of frequency, of both friction coefficients and of all fields.
+        """
+        keys = {
+            **setting.keys(),
+            "drive.peak": PEAK,
+            "drive.frequency": self.frequency,
+            **{key: BASE.get(key) for key in _CHANGED_TOGETHER[1]},
+            self.key: value,
+        }
+        if self.key == "contact.static_friction":
+            keys["contact.kinetic_friction"] = KINETIC_SHARE * value
+        if self.proportional:
+            for key in ("drive.base", "drive.hold"):
+                keys[key] = keys[key] * value / PEAK
+        slow = keys["drive.frequency"] < _SLOW_BELOW
+        keys["drive.pulses"] = _SLOW_PULSES if slow else _PULSES
+        for factor, together in zip(factors, _CHANGED_TOGETHER, strict=True):
+            for key in together:
+                keys[key] *= factor
+        return keys
+
+
+_FIELDS = tuple(np.arange(1.5e-3, 6.6e-3, 0.5e-3).round(6).tolist())
+_FIELD_AXIS = "greatest pulsing field"
+
+# The ranges of the paper's axes, with values closer where its statements need them.
+SCANS = {
+    "frequency": Scan(
+        "drive.frequency",
+        "pulsing frequency",
+        (5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 40.0, 50.0, 60.0, 80.0, 100.0, 120.0, 150.0),
+    ),
+    "friction": Scan(
+        "contact.static_friction",
+        "static friction coefficient",
+        (0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 2.2, 2.4),
+    ),
+    "adhesion": Scan(
+        "contact.adhesion",
+        "adhesion",
+        (0.0, 0.05e-6, 0.1e-6, 0.15e-6, 0.22e-6, 0.3e-6, 0.4e-6, 0.5e-6, 0.6e-6, 0.8e-6),
+    ),
+    "linear": Scan(
+        "drag.linear",
+        "linear drag coefficient",
+        (1e-8, 1e-7, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 1e-2),
+    ),
+    "rotational": Scan(
+        "drag.rotational",
+        "rotational drag coefficient",
+        (1e-18, 1e-17, 3e-17, 9e-17, 3e-16, 1e-15, 3e-15, 1e-14, 3e-14, 1e-13),
+    ),
+    "field": Scan("drive.peak", _FIELD_AXIS, _FIELDS, 30.0),
+}
+"""What each statement and figure varies."""
+
+FIELDS_TOGETHER = Scan("drive.peak", _FIELD_AXIS, _FIELDS, 30.0, proportional=True)
+"""Peak, base and hold in proportion, where "field" varies the peak alone."""
+
+
+def small_changes(count: int) -> Array:
+    """Factors of frequency, friction and field, shape (count, 3); the first are 1.
+
+    Near 100 Hz velocities are irregular, so that a median over small changes says more. They are
+    spread evenly by Roberts' additive recurrence with the plastic number of three dimensions.
     """
-
-    edges: tuple[str, ...] = ("rise", "fall")
-    clamps: tuple[str, ...] = ("down", "up")
-    bases: tuple[float, ...] = (0.0, 0.25e-3, 0.5e-3, 1.0e-3)
-    holds: tuple[float, ...] = (0.5e-3, 1.0e-3, 1.5e-3, 2.0e-3, 2.5e-3, 3.0e-3)
-
-    def settings(self) -> dict[Mode, list[Setting]]:
-        """All settings by mode."""
-        product = [*itertools.product(self.edges, self.clamps, self.bases, self.holds)]
-        return {mode: [Setting(mode, *each) for each in product] for mode in MODES}
-
-
-def values_of(pair: Sequence[Setting]) -> dict[str, Any]:
-    """Words and numbers by name of a pair of the grid, which has a default scenario's others."""
-    free = {name: Scenario().get(key) for name, key in FREE.items()}
-    return free | {f"{each.mode} {name}": getattr(each, name) for each in pair for name in FACTORS}
-
-
-def pair_of(values: Mapping[str, Any]) -> dict[Mode, Setting]:
-    """The pair of settings that has these words and numbers."""
-    free = {name: values[name] for name in FREE}
-    own = {mode: {name: values[f"{mode} {name}"] for name in FACTORS} for mode in MODES}
-    return {mode: Setting(mode, **own[mode], free=free) for mode in MODES}
+    ratio = 1.2207440846057596  # the real root of x^4 = x + 1
+    steps = np.array([1.0 / ratio, 1.0 / ratio**2, 1.0 / ratio**3])
+    spread = 2.0 * np.mod(0.5 + np.arange(count)[:, np.newaxis] * steps, 1.0) - 1.0
+    return np.asarray(1.0 + _SPREAD * spread)

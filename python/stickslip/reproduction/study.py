@@ -1,9 +1,9 @@
-"""The whole study: survey, statements, reference settings, figures, page."""
+"""The function `stickslip.reproduce`: settings, statements, reference, figures."""
 
 from __future__ import annotations
 
-import dataclasses
-import time
+import json
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from os import PathLike
@@ -13,58 +13,35 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 from stickslip import plot
-from stickslip._util.files import check_folder, text_writer, write_together
+from stickslip._util.files import check_folder, replacing
 from stickslip._util.numbers import worker_count
 from stickslip.errors import ScenarioError
-from stickslip.reproduction.curves import (
+from stickslip.reproduction.figures import (
     CURVES,
-    MeasuredPoint,
-    curve_tables,
+    FIGURES,
+    MOTIONS,
+    curve_table,
     draw_curves,
-    read_measured,
+    draw_motion,
+    motion_table,
+    reference_runs,
+    with_units,
 )
-from stickslip.reproduction.field_checks import field_checks
-from stickslip.reproduction.findings import Flaw, findings, flaws, settings_table
-from stickslip.reproduction.motions import MOTIONS, draw_motion, motion_table, reference_runs
-from stickslip.reproduction.page import page_text
-from stickslip.reproduction.settings import MODES, Grid, Mode, Setting
-from stickslip.reproduction.statements import RULE, Statement, judge
-from stickslip.reproduction.survey import survey
-from stickslip.reproduction.tables import write_table
+from stickslip.reproduction.settings import GRID, SCANS, Setting
+from stickslip.reproduction.statements import judge
+from stickslip.reproduction.walks import Walks, survey
 from stickslip.scenario.keys import meant, shown
 
 if TYPE_CHECKING:
-    from stickslip.simulation.run import Run
+    from matplotlib.figure import Figure
+
     from stickslip.simulation.simulate import Progress
 
-FIGURES = (*MOTIONS, *CURVES)
-"""Names of the figures, in the paper's order."""
+_STATEMENTS, _SETTINGS = "statements.csv", "settings.csv"
 
-PAGE = "index.html"
-
-SETTINGS = "settings.csv"
-
-# Shares of the time of a whole study, roughly: the survey, the figures' simulations; the rest is
-# drawing.
-_SURVEY, _CURVES = 0.62, 0.86
-
-
-@dataclass(frozen=True)
-class Effort:
-    """How much is simulated.
-
-    Parameters
-    ----------
-    grid : Grid
-        The settings that are tried.
-    survey_variations, band_variations : int
-        Small changes of frequency, friction and field for each point of the survey and of the
-        figures; the first is no change.
-    """
-
-    grid: Grid = Grid()  # noqa: RUF009 - immutable
-    survey_variations: int = 3
-    band_variations: int = 20
+# Simulations with small changes of frequency, friction and field for each point. Chosen.
+_OF_SURVEY, _OF_FIGURES = 3, 20
+_SURVEY = 0.6  # part of the time of a whole study, roughly
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,83 +50,105 @@ class Reproduction:
 
     Attributes
     ----------
-    statements : list of Statement
-        S1 to S17 with numbers and verdict.
+    statements : pandas.DataFrame
+        A row for each of S1 to S17 with its verdict, the share of the working pairs of settings for
+        which it holds, the settings on which it depends, and its numbers at the reference.
     reference : dict of Setting
         The settings of the figures, by mode.
-    rule : str
-        How they were chosen.
-    findings : list of str
-        What else the survey says.
     settings : pandas.DataFrame
         All settings that were tried, and what each does.
-    flaws : list of Flaw
-        What is wrong or open in the paper.
     tables : dict of pandas.DataFrame
-        Data of the figures by name; their attribute "units" has the SI unit of each column.
-    figures : dict of Path
-        Pictures by name; empty if nothing was written.
-    page : Path or None
-    seconds : float
-        What the study took, s.
+        Data of the figures by name; their attribute "units" has the unit of each column.
+    figures : dict of matplotlib.figure.Figure
+        The figures by name.
     """
 
-    statements: list[Statement]
-    reference: dict[Mode, Setting]
-    rule: str
-    findings: list[str]
+    statements: pd.DataFrame
+    reference: dict[str, Setting]
     settings: pd.DataFrame
-    flaws: list[Flaw]
     tables: dict[str, pd.DataFrame]
-    figures: dict[str, Path]
-    page: Path | None
-    seconds: float
+    figures: dict[str, Figure]
+
+    def summary(self) -> str:
+        """The reference and the table of statements as text."""
+        lines = [f"{mode}  {setting}" for mode, setting in self.reference.items()]
+        for each in self.statements.itertuples():
+            share = "" if math.isnan(each.share) else f"; holds for {each.share:.1%} of pairs"
+            depends = each.settings and f", most often with {each.settings}"
+            lines += ["", f"{each.statement:<4} {each.text}"]
+            lines += [f"     {each.verdict}{share}{depends}", f"     {_in_words(each.numbers)}"]
+        return "\n".join(lines)
 
     def as_dict(self) -> dict[str, Any]:
-        """The result without data and pictures, of plain types."""
+        """Statements, reference and names of the figures, of plain types."""
         return {
-            "statements": [each.as_dict() for each in self.statements],
+            "statements": json.loads(self.statements.to_json(orient="records")),
             "reference": {mode: setting.keys() for mode, setting in self.reference.items()},
-            "rule": self.rule,
-            "findings": self.findings,
-            "flaws": [vars(each) for each in self.flaws],
-            "figures": {name: str(path) for name, path in self.figures.items()},
-            "page": None if self.page is None else str(self.page),
-            "seconds": self.seconds,
+            "figures": list(self.figures),
         }
+
+    def save(self, folder: str | PathLike[str]) -> None:
+        """Write PNG and CSV of each figure, ``statements.csv`` and ``settings.csv``.
+
+        The folder is made if need be; an OSError names what cannot be written.
+        """
+        folder = Path(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        statements = self.statements.drop(columns="numbers")
+        statements["numbers"] = [_in_words(each) for each in self.statements["numbers"]]
+        write_csv(statements, folder / _STATEMENTS)
+        write_csv(self.settings, folder / _SETTINGS)
+        for name, figure in self.figures.items():
+            write_csv(self.tables[name], folder / f"{name}.csv")
+            plot.save(figure, folder / f"{name}.png")
+
+
+def _in_words(numbers: dict[str, float]) -> str:
+    """The numbers of a statement in one line."""
+    return ", ".join(f"{name} {value:.3g}" for name, value in numbers.items())
+
+
+def write_csv(frame: pd.DataFrame, path: Path) -> None:
+    """Write a table, whole or not at all; units stand with the names of the columns."""
+    units = frame.attrs.get("units", {})
+    header = [f"{name} ({units[name]})" if name in units else name for name in frame]
+    with replacing(path) as temporary:
+        frame.to_csv(temporary, index=False, header=header)
 
 
 def reproduce(
     out: str | PathLike[str] | None = None,
     *,
     only: Iterable[str] | None = None,
-    measured: str | PathLike[str] | None = None,
+    points: pd.DataFrame | None = None,
+    settings: Sequence[Setting] | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
-    effort: Effort | None = None,
 ) -> Reproduction:
     """Redo the paper's simulations, and test its statements.
 
     The paper leaves open the sawtooth's edge and base, the field of the holding coil and the clamp
-    coil's polarity. A grid of these is tried first, to say for each statement with which of them it
-    holds; the figures are then drawn with the settings for which the most statements do.
+    coil's polarity. All settings of a grid of these are tried, to say for each statement for which
+    share of them it holds. The figures are drawn with the pair of settings for which the statements
+    on the motion (S1 to S4) hold and then the most of the others; where several do, with that whose
+    velocities at 30 Hz and 100 Hz are nearest to the 0.88 mm/s of the paper's Reynolds number.
 
     Parameters
     ----------
     out : path-like, optional
-        Folder for pictures, data and the page ``index.html``; made if need be. Nothing is written
-        without it.
+        Folder for what `Reproduction.save` writes; made if need be.
     only : iterable of str, optional
         Names of the figures to make, such as ``"fig8"``; all, if not given. The statements are
         tested in any case.
-    measured : path-like, optional
-        CSV file with digitised points, columns figure, mode, x, y (SI), drawn over the curves.
+    points : pandas.DataFrame, optional
+        Digitised points to draw over Figs. 8 to 15: columns figure, mode, x (the SI unit of what is
+        varied) and y (m/s).
+    settings : sequence of Setting, optional
+        Which settings are tried, of both modes; all of the grid, if not given.
     threads : int, optional
         How many simulations go on at a time; as many as there are processors, if not given.
     progress : callable, optional
         Called with the fraction that is done, 0 to 1, and what is being done.
-    effort : Effort, optional
-        How much is simulated.
 
     Returns
     -------
@@ -158,61 +157,46 @@ def reproduce(
     Raises
     ------
     ScenarioError
-        If a figure is not known, or the file of points is not sound.
+        If a figure is not known, or `points` has another column, figure or mode.
     ValueError
         If `threads` is not a whole number above zero, or no setting walks in both modes.
     OSError
         If something cannot be written.
     """
-    begin = time.perf_counter()
     names = _chosen(only)
-    points = [] if measured is None else read_measured(measured)
+    if points is not None:
+        _check_points(points)
     threads = worker_count(threads, "threads")
-    folder = None if out is None else Path(out)
-    if folder is not None:
-        check_folder(folder)
-    effort = effort or Effort()
+    if out is not None:
+        files = [f"{name}{suffix}" for name in names for suffix in (".png", ".csv")]
+        check_folder(out, [_STATEMENTS, _SETTINGS, *files])
     report = progress or (lambda fraction, stage: None)
 
-    found = survey(
-        effort.grid.settings(),
-        effort.survey_variations,
-        threads,
-        lambda done, _: report(_SURVEY * done, "trying settings"),
-    )
-    checks = field_checks()
-    statements, chosen, holds = judge(found, checks)
-    reference = {mode: found[mode].settings[k] for mode, k in zip(MODES, chosen, strict=True)}
+    def report_survey(done: float, stage: str) -> None:
+        report(_SURVEY * done, "trying settings")
+
+    walks = survey(settings or GRID, _OF_SURVEY, threads, report_survey)
+    statements, reference = judge(walks)
     runs = reference_runs(reference, threads)
-    tables = {
-        name: motion_table(name, runs[MOTIONS[name].mode]) for name in names if name in MOTIONS
-    }
-    tables |= curve_tables(
-        [name for name in names if name in CURVES],
-        reference,
-        effort.band_variations,
-        threads,
-        lambda done, _: report(_SURVEY + (_CURVES - _SURVEY) * done, "simulating figures"),
-    )
-    result = Reproduction(
-        statements=statements,
-        reference=reference,
-        rule=RULE,
-        findings=findings(found, holds),
-        settings=settings_table(found),
-        flaws=flaws(found, runs, reference, checks, threads),
-        tables=tables,
-        figures={},
-        page=None,
-        seconds=time.perf_counter() - begin,
-    )
-    return result if folder is None else _written(result, folder, runs, points, report, begin)
+    tables, figures = {}, {}
+    for place, name in enumerate(names):
+        report(_SURVEY + (1.0 - _SURVEY) * place / len(names), "drawing figures")
+        if name in MOTIONS:
+            run = runs[MOTIONS[name][0]]
+            tables[name], figures[name] = motion_table(name, run), draw_motion(name, run)
+        else:
+            tables[name] = curve_table(name, reference, _OF_FIGURES, threads)
+            figures[name] = draw_curves(name, tables[name], points)
+    result = Reproduction(statements, reference, settings_table(walks), tables, figures)
+    if out is not None:
+        result.save(out)
+    report(1.0, "done")
+    return result
 
 
 def _chosen(only: Iterable[str] | None) -> list[str]:
-    if only is None:
-        return list(FIGURES)
-    wanted = [only] if isinstance(only, str) else list(only)
+    """The figures that are wanted, in the paper's order."""
+    wanted = FIGURES if only is None else [only] if isinstance(only, str) else list(only)
     for name in wanted:
         if name not in FIGURES:
             allowed = f"one or more of {', '.join(FIGURES)}{meant(name, FIGURES)}"
@@ -220,29 +204,23 @@ def _chosen(only: Iterable[str] | None) -> list[str]:
     return [name for name in FIGURES if name in wanted]
 
 
-def _written(
-    result: Reproduction,
-    folder: Path,
-    runs: dict[Mode, Run],
-    points: Sequence[MeasuredPoint],
-    report: Progress,
-    begin: float,
-) -> Reproduction:
-    folder.mkdir(parents=True, exist_ok=True)
-    figures = {}
-    for place, (name, table) in enumerate(result.tables.items()):
-        report(_CURVES + (1.0 - _CURVES) * place / len(result.tables), "drawing")
-        figures[name] = folder / f"{name}.png"
-        write_table(table, folder / f"{name}.csv")
-        if name in MOTIONS:
-            figure = draw_motion(name, runs[MOTIONS[name].mode])
-        else:
-            figure = draw_curves(name, table, points)
-        plot.save(figure, figures[name])
-    write_table(result.settings, folder / SETTINGS)
-    page = folder / PAGE
-    seconds = time.perf_counter() - begin
-    result = dataclasses.replace(result, figures=figures, page=page, seconds=seconds)
-    write_together({page: text_writer(page_text(result, points))})
-    report(1.0, "done")
-    return result
+def _check_points(points: pd.DataFrame) -> None:
+    missing = {"figure", "mode", "x", "y"}.difference(points)
+    if missing:
+        raise ScenarioError(f"points: column {shown(min(missing))} is missing")
+    for figure, mode in zip(points["figure"], points["mode"], strict=True):
+        if figure not in CURVES:
+            allowed = f"one of {', '.join(CURVES)}{meant(figure, CURVES)}"
+            raise ScenarioError(f"points: figure {shown(figure)}: allowed is {allowed}")
+        if mode not in CURVES[figure].modes:
+            allowed = " or ".join(CURVES[figure].modes)
+            raise ScenarioError(f"points: mode {shown(mode)}: allowed in {figure} is {allowed}")
+
+
+def settings_table(walks: Walks) -> pd.DataFrame:
+    """A row for every setting: what it is, and what it does."""
+    parts = [each.drop_dims(SCANS).to_dataframe() for each in walks.values()]
+    names = ("base", "hold", "velocity_30_hz", "velocity_100_hz", "still_tilt", "mean_tilt")
+    units = dict(zip(names, ("T", "T", "m/s", "m/s", "rad", "rad"), strict=True))
+    units |= {"still_velocity": "m/s", "slip_up": "m", "slip_down": "m"}
+    return with_units(pd.concat(parts, ignore_index=True), units)

@@ -1,0 +1,165 @@
+"""The drives that ``stickslip diagnose --next`` proposes, in a table that is filled in and read."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stickslip._util.csv_rows import csv_line, text_lines
+from stickslip._util.files import text_writer, write_together
+from stickslip._util.units import handy
+from stickslip.diagnosis.decision.experiments import Experiment, advice, prediction_table
+from stickslip.diagnosis.report.amounts import amount, title
+from stickslip.diagnosis.report.files import JSON
+from stickslip.diagnosis.result import Diagnosis, setting_columns
+from stickslip.errors import ScenarioError
+from stickslip.measurement.new_trials import unmeasured
+from stickslip.measurement.reading import Measurement
+from stickslip.measurement.tables import check_columns, read_rows
+from stickslip.measurement.velocity import velocity_units
+from stickslip.scenario.keys import shown
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+TABLES = TABLE, PREDICTIONS = "next.csv", "next-predictions.csv"
+
+
+@dataclass(frozen=True)
+class Rounds:
+    """How far the experiments of a folder have come.
+
+    Attributes
+    ----------
+    folder : Path
+    most : int
+        Experiments that are proposed in one round.
+    budget : int
+        Experiments that may be measured in all.
+    measured : int
+        Experiments of the table that have been measured.
+    trials : int
+        Their trials that are used.
+    """
+
+    folder: Path
+    most: int
+    budget: int
+    measured: int = 0
+    trials: int = 0
+
+    def proposed(self, result: Diagnosis) -> list[Experiment]:
+        """What is to be measured next, within the budget."""
+        return result.worth_measuring(max(min(self.most, self.budget - self.measured), 0))
+
+    def write(self, result: Diagnosis) -> None:
+        """Write both tables, if something is proposed; what was filled in stays as it is."""
+        experiments = self.proposed(result)
+        if not experiments or result.measurement is None:
+            return
+        path = self.folder / TABLE
+        predictions = prediction_table(experiments, setting_columns(result.measurement))
+        texts = {
+            path: _below_what_was_measured(path, result.trial_table(experiments)),
+            self.folder / PREDICTIONS: predictions.to_csv(index=False, float_format="%.6g"),
+        }
+        write_together({path: text_writer(text) for path, text in texts.items()})
+
+    def lines(self, result: Diagnosis) -> list[str]:
+        """What was read, whether the name is safe, and else what to measure and why."""
+        path, experiments = self.folder / TABLE, self.proposed(result)
+        lines = []
+        if self.measured:
+            lines.append(f"  read from {path}: {self.trials} trials of {_count(self.measured)}")
+        lines.append(f"  {result.next_step}")
+        if experiments:
+            lines += [
+                f"  to measure: {_count(len(experiments))}, in {path}; {self.measured} of at most "
+                f"{self.budget} measured",
+                "    Fill in its column velocity (m/s), and run this command again.",
+            ]
+        elif result.next_step.code == "no-safe-name":
+            why = "none that was tried would decide anything."
+            if self.measured >= self.budget:
+                more = self.measured + self.most
+                why = (
+                    f"the budget of {_count(self.budget)} is used up; --budget {more} allows more."
+                )
+            lines.append(f"  no drive is in {path}: {why}")
+        factor, unit = handy("m/s")
+        for number, each in enumerate(experiments, start=1):
+            expected = "; ".join(
+                f"{amount(factor * said['velocity'], factor * said['sd'], unit)} with {title(name)}"
+                for name, said in each.predictions.items()
+            )
+            lines += [f"  {number}. {each}", f"     expected: {expected}"]
+        causes = result.verdict.causes if result.verdict.kind == "ambiguous" else ()
+        notes = advice({name: title(name) for name in causes}, experiments)
+        return lines + [f"  beside the drive: {note}" for note in notes]
+
+    def as_dict(self, result: Diagnosis) -> dict[str, Any]:
+        """The key `next` of ``--json``."""
+        experiments = self.proposed(result)
+        return {
+            "safe": result.next_step.code == "name-safe",
+            "why": str(result.next_step),
+            "proposed": len(experiments),
+            "measured": self.measured,
+            "budget": self.budget,
+            "table": str(self.folder / TABLE) if experiments else None,
+        }
+
+
+def with_measured(
+    data: Measurement, folder: Path, most: int, budget: int
+) -> tuple[Measurement, Rounds]:
+    """The measurement with what was filled in since the last round, and how far this has come.
+
+    A ScenarioError if the table is of another measurement, or lacks a column.
+    """
+    path = folder / TABLE
+    if not path.exists():
+        return data, Rounds(folder, most, budget)
+    try:
+        name = json.loads((folder / JSON).read_bytes())["name"]
+    except (OSError, ValueError, KeyError, TypeError):  # no report, or none that says
+        name = data.name
+    if name != data.name:
+        raise ScenarioError(
+            f"{path} is of another measurement, {shown(name)}, by the report beside it: "
+            "allowed is a folder --out for each measurement"
+        )
+    table = read_rows(path, velocity_units())
+    check_columns(path, table.header, [*setting_columns(data), "velocity"])
+    if len(unmeasured(table)) == len(table.rows):
+        return data, Rounds(folder, most, budget)
+    data = data.with_velocities(path)
+    new = data.velocity[-1]
+    return data, Rounds(folder, most, budget, len(new.conditions), len(new.velocity))
+
+
+def _below_what_was_measured(path: Path, trials: DataFrame) -> str:
+    """The text of the table: its lines without those that were not measured, and new ones below.
+
+    Comments stay, and so do lines that have the cells that were read, in SI units between commas.
+    """
+    if not path.exists():
+        return str(trials.to_csv(index=False))
+    table = read_rows(path, velocity_units())
+    empty = set(unmeasured(table))
+    cells = {table.header_line: table.header, **dict(table.rows)}
+    kept = []
+    for number, line in enumerate(text_lines(path.read_bytes()), start=1):
+        if number in cells and number not in empty:
+            kept.append(csv_line(line, cells[number]))
+        elif line.lstrip().startswith("#"):  # between commas it must not look like a row
+            alike = line.count(",") + 1 == len(table.header)
+            kept.append(line.replace(",", ";") if alike else line)
+    new = trials.reindex(columns=table.header).to_csv(index=False, header=False)
+    return "\n".join([*kept, str(new)])
+
+
+def _count(experiments: int) -> str:
+    return f"{experiments} experiment{'' if experiments == 1 else 's'}"

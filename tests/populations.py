@@ -1,0 +1,306 @@
+"""Populations of random scenarios, as Hypothesis strategies.
+
+`PAPER`   near the paper's: what it states is drawn within a factor of about two.
+`WIDE`    the paper's robot and coils over wide ranges of drive, friction, adhesion, drag and
+          restitution, none of the last three among them.
+`WILD`    wide ranges of every key, with the corners of the model (no drag, no adhesion, no
+          friction, elastic impacts, all named extensions) likely.
+`EXTREME` any allowed value of any key, the ends of its range among them.
+"""
+
+import json
+import math
+
+import numpy as np
+from hypothesis import strategies as st
+
+from stickslip import Robot, Scenario, ScenarioError, Waveform
+from stickslip.scenario.keys import known_keys
+
+# Of a recording of `EXTREME`: enough to be seen, and in no danger of filling the memory.
+MOST_SAMPLES = 1e5
+MOST_STEPS = 100_000
+
+# Drawn as whole numbers, which hypothesis spreads over the range; floats it would crowd about zero.
+STEPS = 10**6
+
+
+def number(low, high):
+    """Uniform, with both ends likely."""
+    inside = st.integers(0, STEPS).map(lambda k: low + (high - low) * k / STEPS)
+    return st.one_of(st.sampled_from([low, high]), inside, inside)
+
+
+def decades(low, high):
+    """Uniform in the logarithm."""
+    return st.integers(0, STEPS).map(lambda k: low * (high / low) ** (k / STEPS))
+
+
+class Draw:
+    """Draws by name of the distribution."""
+
+    def __init__(self, draw):
+        self.of = draw
+
+    def uniform(self, low, high):
+        return self.of(number(low, high))
+
+    def decades(self, low, high):
+        return self.of(decades(low, high))
+
+    def chance(self, probability):
+        return self.of(st.integers(0, STEPS - 1)) < probability * STEPS
+
+    def word(self, *words):
+        return self.of(st.sampled_from(words))
+
+    def whole(self, low, high):
+        return self.of(st.integers(low, high))
+
+    def corner(self, value, other, probability=0.2):
+        """`value` with the probability, else `other`."""
+        return value if self.chance(probability) else other
+
+
+def words(draw):
+    return {
+        "drive.mode": draw.word("IPP", "OPP"),
+        "drive.clamp": draw.word("down", "up"),
+        "drive.edge": draw.word("rise", "fall"),
+        "drive.direction": draw.word("+x", "-x"),
+    }
+
+
+def paper(draw):
+    peak = draw.decades(1e-3, 6e-3)
+    static = draw.decades(0.1, 0.4)
+    keys = {
+        **words(draw),
+        "drive.frequency": draw.decades(5.0, 200.0),
+        "drive.peak": peak,
+        "drive.base": draw.corner(0.0, draw.uniform(0.0, 0.5) * peak),
+        "drive.hold": draw.decades(0.5e-3, 5e-3),
+        "drive.pulses": draw.whole(10, 20),
+        "contact.static_friction": static,
+        "contact.kinetic_friction": static * draw.uniform(0.6, 0.9),
+        "contact.adhesion": draw.decades(0.11e-6, 0.44e-6),
+        "drag.linear": draw.decades(0.5e-5, 2e-5),
+        "drag.rotational": draw.decades(4.5e-17, 18e-17),
+    }
+    return Scenario().replace(keys)
+
+
+def wide(draw):
+    base = draw.uniform(-0.5e-3, 1.5e-3)
+    static = draw.decades(0.05, 2.0)
+    keys = {
+        **words(draw),
+        "drive.frequency": draw.decades(2.0, 300.0),
+        "drive.base": base,
+        "drive.peak": max(base, 0.0) + draw.decades(0.5e-3, 5e-3),
+        "drive.hold": draw.decades(0.5e-3, 3e-3),
+        "drive.pulses": draw.whole(8, 20),
+        "contact.static_friction": static,
+        "contact.kinetic_friction": static * draw.uniform(0.5, 1.0),
+        "contact.adhesion": draw.corner(0.0, draw.decades(1e-8, 1e-6)),
+        "contact.restitution": draw.corner(0.0, draw.uniform(0.0, 0.9), 0.5),
+        "drag.linear": draw.corner(0.0, draw.decades(1e-8, 1e-4)),
+        "drag.rotational": draw.corner(0.0, draw.decades(1e-18, 1e-15)),
+    }
+    return Scenario().replace(keys)
+
+
+def wild(draw):
+    frequency = draw.decades(1.0, 1e3)
+    base = draw.corner(0.0, draw.uniform(-2e-3, 5e-3))
+    static = draw.corner(0.0, draw.decades(0.01, 10.0), 0.1)
+    keys = {
+        **words(draw),
+        "drive.frequency": frequency,
+        "drive.base": base,
+        "drive.peak": max(base, 0.0) + draw.decades(1e-4, 1e-2),
+        "drive.hold": draw.corner(0.0, draw.decades(1e-4, 1e-2)),
+        "drive.edge_time": draw.corner(0.0, draw.uniform(0.0, 0.5) / frequency, 0.7),
+        "drive.ramp": draw.corner(0.0, draw.decades(1e-3, 0.1)),
+        "drive.ramp_down": draw.corner(0.0, draw.decades(1e-3, 0.1), 0.7),
+        "drive.pulses": draw.whole(1, 12),
+        "contact.static_friction": static,
+        "contact.kinetic_friction": static * draw.corner(1.0, draw.uniform(0.0, 1.0)),
+        "contact.adhesion": draw.corner(0.0, draw.decades(1e-9, 1e-5)),
+        "contact.restitution": draw.corner(0.0, draw.corner(1.0, draw.uniform(0.0, 1.0), 0.1), 0.5),
+        "drag.linear": draw.corner(0.0, draw.decades(1e-8, 1e-3)),
+        "drag.rotational": draw.corner(0.0, draw.decades(1e-19, 1e-12)),
+        "environment.gravity": draw.corner(9.81, draw.corner(0.0, draw.decades(0.1, 100.0)), 0.8),
+    }
+    if draw.chance(0.2):
+        keys["solver.rtol"] = draw.decades(1e-10, 1e-4)
+    if draw.chance(0.3):
+        keys.update(wild_body(draw, keys))
+    if draw.chance(0.3):
+        keys.update(wild_coils(draw))
+    if draw.chance(0.15):
+        keys = {key: value for key, value in keys.items() if not key.startswith("drive.")}
+        keys.update(wild_program(draw))
+    for name in draw.of(st.lists(st.sampled_from(list(EFFECTS)), max_size=3, unique=True)):
+        keys.update({f"effects.{name}.{key}": value for key, value in EFFECTS[name](draw).items()})
+    keys = allowed_together(keys)
+    return Scenario().replace(keys)
+
+
+def wild_body(draw, keys):
+    """A body of another size, in a fluid that damps it as much in its own time."""
+    length = draw.decades(2e-5, 2e-3)
+    width, height = (length * draw.decades(0.1, 3.0) for _ in range(2))
+    mass = length * width * height * draw.decades(1e3, 1e4)
+    usual = Robot()
+    heavier = mass / usual.mass
+    larger = (length**2 + height**2) / (usual.length**2 + usual.height**2)
+    return {
+        "drag.linear": keys["drag.linear"] * heavier,
+        "drag.rotational": keys["drag.rotational"] * heavier * larger,
+        "contact.adhesion": keys["contact.adhesion"] * heavier,
+        "robot.length": length,
+        "robot.width": width,
+        "robot.height": height,
+        "robot.mass": mass,
+        "robot.magnetization": draw.decades(1e4, 1.2e6),
+    }
+
+
+def wild_coils(draw):
+    return {
+        "coil.resistance": draw.decades(1.0, 100.0),
+        "coil.inductance": draw.decades(1e-6, 1.0),
+        "coil.side": draw.decades(0.05, 0.5),
+        "coil.distance": draw.decades(0.04, 0.4),
+        "coil.turns": draw.decades(50.0, 2000.0),
+    }
+
+
+def wild_program(draw):
+    """Straight lines between random voltages, some of them jumps, played a few times."""
+    count = draw.whole(2, 12)
+    steps = [draw.corner(0.0, draw.decades(1e-4, 0.05), 0.3) for _ in range(count - 1)]
+    steps[-1] = steps[-1] or draw.decades(1e-4, 0.05)
+    for k in range(1, count - 1):  # a jump has two points at one time
+        if steps[k - 1] == 0.0:
+            steps[k] = steps[k] or draw.decades(1e-4, 0.05)
+    times = np.concatenate([[0.0], np.cumsum(steps)])
+    voltages = np.array([[draw.uniform(-60.0, 60.0) for _ in range(5)] for _ in range(count)])
+    voltages *= [draw.whole(0, 1) for _ in range(5)]
+    voltages[:, 3] = -voltages[:, 2]  # equal coils of y, which together have no field across
+    waveform = Waveform([(times, voltages, draw.whole(1, 4))])
+    return {
+        "drive.mode": "program",
+        "drive.program": waveform,
+        "drive.direction": draw.word("+x", "-x"),
+    }
+
+
+# Values of the named extensions at which each of them counts.
+EFFECTS = {
+    "coil_heating": lambda d: {"coefficient": d.decades(1e-4, 1.0)},
+    "amplifier_limit": lambda d: {"voltage": d.decades(1.0, 100.0)},
+    "eddy_lag": lambda d: {"time": d.decades(1e-6, 0.1)},
+    "sample_hold": lambda d: {"period": d.decades(1e-4, 1e-2)},
+    "mutual_inductance": lambda d: {"coupling": d.uniform(-0.24, 0.24)},
+    "gradient_scale": lambda d: {"fraction": d.uniform(-0.5, 1.0)},
+    "field_gain": lambda d: {"in_plane": d.uniform(-0.3, 0.3), "clamp": d.uniform(-0.3, 0.3)},
+    "misalignment": lambda d: {"angle": d.uniform(-1.0, 1.0)},
+    "ambient_field": lambda d: {"Bx": d.uniform(-1e-3, 1e-3), "Bz": d.uniform(-1e-3, 1e-3)},
+    "stribeck_friction": lambda d: {"velocity": d.decades(1e-5, 1e-1)},
+    "viscous_friction": lambda d: {"coefficient": d.decades(1e-2, 1e2)},
+    "friction_anisotropy": lambda d: {"fraction": d.uniform(-1.0, 1.0)},
+    "angle_adhesion": lambda d: {"strength": d.uniform(-2.0, 1.0)},
+    "adhesion_ageing": lambda d: {"rate": d.decades(1e-2, 2.0), "time": d.decades(1e-5, 1e-1)},
+    "angle_drag": lambda d: {"strength": d.uniform(-0.9, 5.0)},
+    "quadratic_drag": lambda d: {"coefficient": d.decades(1e-7, 1e-3)},
+    "rotational_drag": lambda d: {"coefficient": d.decades(1e-16, 1e-11)},
+    "surface_tilt": lambda d: {"angle": d.uniform(-0.5, 0.5)},
+    "friction_patches": lambda d: {"amplitude": d.uniform(-1, 1), "period": d.decades(1e-5, 1e-3)},
+}
+
+
+def extreme(draw):
+    keys = {}
+    share = draw.uniform(0.0, 1.0)
+    for key in known_keys().values():
+        if key.section != "record" and draw.chance(share):
+            keys[key.name] = any_value(draw, key)
+    if keys.get("drive.mode") == "program":
+        keys = {key: value for key, value in keys.items() if not key.startswith("drive.")}
+        keys.update(wild_program(draw))
+    keys = allowed_together(keys)
+    steps = min(keys.pop("solver.max_steps", MOST_STEPS), MOST_STEPS)
+    # What the ranges of single keys do not say is refused; the refusal is a draw's end too, but
+    # tells little: such keys are left out one by one.
+    while True:
+        try:
+            made = Scenario().replace({**keys, "solver.max_steps": steps})
+            rate = draw.word("none", "events", "grid")
+            if rate == "grid":
+                rate = draw.decades(1.0, MOST_SAMPLES) / max(made.duration, 1e-300)
+            return made.replace({"record.rate": rate})
+        except ScenarioError as error:
+            named = [key for key in keys if key in str(error)] or list(keys)
+            if named:
+                del keys[named[0]]
+            else:
+                steps = MOST_STEPS
+
+
+# A key without an upper end gets this much, in its unit.
+LARGE = 1e6
+
+
+def any_value(draw, key):
+    if key.kind == "word":
+        return draw.word(*json.loads(f"[{key.allowed.removeprefix('one of ')}]"))
+    low, high = key.low, key.high if math.isfinite(key.high) else LARGE
+    if key.kind == "whole":
+        choices = [low, high, draw.decades(max(low, 1.0), high), draw.uniform(1.0, 30.0)]
+        return round(choices[draw.whole(0, 3)])
+    above = math.nextafter(low, high)
+    choices = [
+        low if "from" in key.allowed else above,
+        above,
+        high,
+        draw.uniform(low, high),
+        draw.decades(max(abs(low), 1e-12 * high), high),
+        float(key.default) * draw.decades(0.01, 100.0),
+    ]
+    return min(max(choices[draw.whole(0, 5)], choices[0]), high)
+
+
+def allowed_together(keys):
+    """The draws with what excludes each other brought into order."""
+    # The balances that are checked are those of one plane.
+    result = {**keys, "drive.heading": 0.0, "initial.y": 0.0, "initial.vy": 0.0}
+    result |= {"effects.ambient_field.By": 0.0, "effects.surface_tilt.azimuth": 0.0}
+
+    def limit(key, most):
+        if key in result:
+            result[key] = min(result[key], most)
+
+    def get(key):
+        return result.get(key, known_keys()[key].default)
+
+    limit("contact.kinetic_friction", get("contact.static_friction"))
+    if get("contact.kinetic_friction") > get("contact.static_friction"):
+        result["contact.kinetic_friction"] = get("contact.static_friction")
+    if get("drive.mode") == "program":
+        return result
+    if get("drive.peak") < get("drive.base"):
+        result["drive.peak"], result["drive.base"] = max(get("drive.base"), 0.0), get("drive.peak")
+    period = 1.0 / get("drive.frequency")
+    limit("drive.edge_time", 0.5 * period)
+    if 0.0 < get("solver.max_step") < 1e-9:
+        result["solver.max_step"] = 1e-9
+    return result
+
+
+def population(make):
+    return st.composite(lambda draw: make(Draw(draw)))()
+
+
+PAPER, WIDE, WILD, EXTREME = map(population, (paper, wide, wild, extreme))
