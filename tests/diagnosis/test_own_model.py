@@ -1,11 +1,14 @@
 """Data with a model of one's own: tables, and what is named."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
+import roller_table
+from documentation_blocks import blocks
 from stickslip import Cause, Parameter, Prior, Table, diagnose_model, instruments
 from stickslip.diagnosis.own_model import overflows, pose_own
 from toys import BEND, LEVEL, SLOPE, STEP, WAVE, data, line, problem
@@ -188,3 +191,11 @@ def test_a_model_may_take_the_curves_though_no_cause_is_a_law():
     for model in (lambda t, p, curves: line(t, p), lambda t, p, curves=None: line(t, p)):
         result = diagnose_model(model, data(), [SLOPE, LEVEL], [])
         assert result.predict({"x": [1.0]})["recalibrated"].notna().all()
+
+
+def test_the_page_on_a_roller_has_its_data():
+    root = Path(__file__).parents[2]
+    page = blocks(root / "docs" / "howto" / "roller.md")
+    (shown,) = (each.text for each in page if each.text.startswith("# roller.csv"))
+    data = root / "tests" / "data" / "roller_velocity.csv"
+    assert shown == "# roller.csv\n" + roller_table.table(data)
