@@ -35,6 +35,11 @@ private:
     std::string name_;
 };
 
+UserEffect described(const std::string& name, std::vector<UserParameter> parameters) {
+    return {name, "", "", std::move(parameters),
+            [](const double*, const double*, double*) noexcept {}};
+}
+
 Scenario pulses() {
     Scenario scenario;
     scenario.drive.base = 0.5e-3;
@@ -57,7 +62,8 @@ std::vector<Method> methods() {
 TEST_CASE("user effect: its keys are those of any other, while it is registered") {
     Scenario scenario;
     CHECK_THROWS_WITH_AS(set_parameter(scenario, "effects.own.strength", 1.0),
-                         "effects.own.strength: there is no such numeric key",
+                         "effects.own.strength: there is no such key; an effect of your own has to "
+                         "be registered in this process too",
                          std::invalid_argument);
     {
         const Registered effect([](const double*, const double*, double*) {});
@@ -106,6 +112,15 @@ TEST_CASE("user effect: a scenario takes the one that is registered now") {
     REQUIRE(scenario.user_effects.size() == 1);
     CHECK(scenario.user_effects[0].effect == find_user_key("effects.own.rate")->effect);
     CHECK(scenario.user_effects[0].values == std::vector{0.0, 3.0});
+    register_user_effect(described("own", {{"rate", "-", 0.0, 10.0, 0.0, ""}}));
+    renew_user_effects(scenario);
+    CHECK(scenario.user_effects[0].effect == find_user_key("effects.own.rate")->effect);
+    CHECK(scenario.user_effects[0].values == std::vector{3.0});
+    register_user_effect(described("own", {{"k", "-", 0.0, 1.0, 0.0, ""}}));
+    CHECK_THROWS_WITH_AS(renew_user_effects(scenario),
+                         "effects.own.rate: there is no such key; an effect of your own has to be "
+                         "registered in this process too",
+                         std::invalid_argument);
 }
 
 TEST_CASE("user effect: the function is not called while all its parameters are absent") {

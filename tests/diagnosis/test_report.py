@@ -24,7 +24,7 @@ from stickslip.diagnosis.report.numbers import _drift, notes_of, numbers_of
 from stickslip.diagnosis.report.pictures import drawing
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.steps import run
-from stickslip.scenario.toml_file import load
+from stickslip.scenario.scenario import load
 from stickslip.simulation.note import Note
 from toys import LEVEL, SLOPE, STEP, WAVE, data, line
 
