@@ -10,8 +10,8 @@ from made_measurement import write_files
 from refusals.measurement import NOMINAL, TOML, in_memory
 from stickslip import Scenario
 from stickslip.measurement import Prior, read_measurement
-from stickslip.measurement.tables import read_rows
-from stickslip.measurement.velocity import read_velocity, velocity_units
+from stickslip.measurement.read_table import read_rows
+from stickslip.measurement.read_velocity import read_velocity, velocity_units
 
 TABLE = pd.DataFrame(
     {
