@@ -104,6 +104,7 @@ GIVEN = [
     ("twice", {"table": pd.concat([TABLE, TABLE[["mode"]]], axis=1)},
      'column "mode" is there twice'),
     ("list", {"table": [1.0]}, "allowed is a DataFrame"),
+    ("empty", {"table": TABLE.iloc[:0]}, "DataFrame: has no row of data"),
     ("error", {"velocity_sd": 2.0}, "velocity_sd = 2.0: allowed is a number above 0"),
     ("typo", {"uncertain": {"drag.liner": NORMAL}}, "drag.linear"),
     ("no sd", {"uncertain": {"drag.linear": {"mean": 1.0}}}, "allowed is { mean, sd }"),
