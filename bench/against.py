@@ -1,280 +1,205 @@
 """This version beside an earlier commit: `python -m bench against COMMIT`.
 
-Protocol. The package of the earlier commit is built into build/against; the installed one is not
-touched. Each version, and each limit of the lanes' width, is a process of its own on the same core
-(`against_worker.py`). They measure in turn, so that drift meets them alike; a figure is the median
-of CPU time, a ratio the median of the ratios of the turns. Only the speed-up by a second thread is
-wall time, and best beside median, as other work on the machine can only lower it.
-
-Equal accuracy. The error of a version at a tolerance is the root mean square of the relative error
-of the mean velocity over the sixteen runs of `speed.py`, against the same version at rtol 1e-11.
-CPU time against error is interpolated in the logarithms. Of the other workloads both versions have
-rtol 1e-6, and the median of the relative error stands beside.
+The package of the earlier commit is built into build/against; the installed one is not touched.
+Each version is a process of its own on the same core. They measure in turn, so that drift meets
+them alike: a figure is the median of CPU time, a ratio the median of the ratios of the turns. Both
+have rtol 1e-6; the median relative error of the mean velocities, against this version at rtol
+1e-11, stands beside.
 """
 
 from __future__ import annotations
 
 import argparse
+import functools
 import io
+import itertools
 import json
 import os
 import statistics
 import subprocess
 import sys
 import tarfile
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from against_worker import RTOL
-from measure import machine, pin
-from speed import REFERENCE, speed_at_error
+from measure import pin, saved
+from speed import REFERENCE, with_solver
 
-TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
-EQUAL_ERRORS = (1e-4, 1e-5, 1e-6)
-WIDTHS = (1, 4, 8)
-ALONE = "now, lanes <= 1"
-EXACT = 1e-11
+import stickslip
+from stickslip import Drive, Scenario
+
+RTOL, EXACT = 1e-6, 1e-11
 BUILD = Path("build/against")
+MIXED = [
+    Scenario(drive=Drive(mode=mode, frequency=frequency, peak=peak, base=0.5e-3, pulses=20))
+    for mode, frequency, peak in itertools.product(
+        ("IPP", "OPP"), (10.0, 40.0, 100.0, 160.0), (1.5e-3, 3.5e-3)
+    )
+]
+ALIKE = [
+    REFERENCE.replace({"drive.peak": float(peak)}) for peak in np.linspace(2.4e-3, 2.6e-3, 400)
+]
+
+Answer = tuple[float, list[float]]  # simulated seconds, mean velocities
 
 
-def git(*arguments: str) -> bytes:
-    return subprocess.run(["git", *arguments], check=True, stdout=subprocess.PIPE).stdout
+def one_by_one(scenarios: list[Scenario], rtol: float) -> Answer:
+    runs = [stickslip.simulate(with_solver(each, "tsit5", rtol)) for each in scenarios]
+    return sum(run.summary()["simulated_time"] for run in runs), [r.mean_velocity for r in runs]
+
+
+def alike(rtol: float) -> Answer:
+    """A batch of runs that differ little."""
+    batch = [with_solver(each, "tsit5", rtol) for each in ALIKE]
+    runs = stickslip.simulate_batch(batch, threads=1)
+    return sum(run.summary()["simulated_time"] for run in runs), [r.mean_velocity for r in runs]
+
+
+def swept(rtol: float) -> Answer:
+    """A sweep over frequency and peak."""
+    base = with_solver(Scenario(drive=Drive(base=0.5e-3, pulses=20)), "tsit5", rtol)
+    vary = {
+        "drive.frequency": np.linspace(5.0, 200.0, 40),
+        "drive.peak": np.linspace(1e-3, 6e-3, 25),
+    }
+    data = stickslip.sweep(base, vary, threads=1)
+    return float(data["simulated_time"].sum()), data["mean_velocity"].values.ravel().tolist()
+
+
+def _rows(steps: int) -> np.ndarray:
+    """Voltages of a robot that walks, V, a row each millisecond."""
+    rows = np.zeros((steps, 5))
+    rows[:, 0], rows[:, 4] = 26.0 - 2.0 * (np.arange(steps) % 10), -10.4
+    return rows
+
+
+def stepped(rtol: float) -> Answer:
+    """Half a thousand steps of a simulator."""
+    simulator = stickslip.Simulator(with_solver(REFERENCE, "tsit5", rtol))
+    for row in _rows(500):
+        state = simulator.step(row, 1e-3)
+    return simulator.time, [state.x / simulator.time]
+
+
+def rolled_out(rtol: float) -> Answer:
+    """Sixty-four robots, a hundred steps each."""
+    scenarios = [with_solver(each, "tsit5", rtol) for each in ALIKE[:64]]
+    found = stickslip.rollout(scenarios, None, _rows(100), 1e-3, record=("x",), threads=1)
+    return 64 * 0.1, (found.states[:, -1, 0] / 0.1).tolist()
+
+
+def replaced(rtol: float) -> Answer:
+    """A thousand calls of `Scenario.replace`; no simulated time."""
+    for _ in range(1000):
+        REFERENCE.replace({"drive.peak": 2.4e-3})
+    return 0.0, []
+
+
+WORKS: dict[str, Callable[[float], Answer]] = {
+    "one": lambda rtol: one_by_one([REFERENCE], rtol),
+    "mixed": lambda rtol: one_by_one(MIXED, rtol),
+    "plane": lambda rtol: one_by_one([REFERENCE.replace({"drive.heading": 0.5})], rtol),
+    "long": lambda rtol: one_by_one([REFERENCE.replace({"drive.pulses": 2000})], rtol),
+    "alike": alike,
+    "swept": swept,
+    "stepped": stepped,
+    "rolled_out": rolled_out,
+    "replaced": replaced,
+}
+"""What is measured, by name."""
+
+
+def worker() -> None:
+    """Answer each line of standard input, a work and a tolerance, with seconds and the answer."""
+    pin()
+    print(json.dumps(os.path.dirname(stickslip.__file__)), flush=True)
+    for line in sys.stdin:
+        name, rtol = json.loads(line)
+        started = time.process_time()
+        simulated, velocities = WORKS[name](rtol)
+        print(json.dumps([time.process_time() - started, simulated, velocities]), flush=True)
 
 
 def built(commit: str) -> Path:
     """Folder with the package of `commit`; built if it is not there."""
-    full = git("rev-parse", "--verify", f"{commit}^{{commit}}").decode().strip()
+    git = functools.partial(subprocess.run, check=True, stdout=subprocess.PIPE)
+    full = git(["git", "rev-parse", "--verify", f"{commit}^{{commit}}"]).stdout.decode().strip()
     package = BUILD / full / "package"
-    if (package / "stickslip").is_dir():
-        return package
-    print(f"building stickslip of {full[:7]} (some minutes)", flush=True)
-    source = BUILD / full / "source"
-    with tarfile.open(fileobj=io.BytesIO(git("archive", full))) as archive:
-        archive.extractall(source)
-    install = ["-m", "pip", "install", "--quiet", "--no-build-isolation", "--no-deps"]
-    subprocess.run([sys.executable, *install, "--target", str(package), str(source)], check=True)
+    if not (package / "stickslip").is_dir():
+        print(f"building stickslip of {full[:7]} (some minutes)", flush=True)
+        source = BUILD / full / "source"
+        with tarfile.open(fileobj=io.BytesIO(git(["git", "archive", full]).stdout)) as archive:
+            archive.extractall(source)
+        install = ["-m", "pip", "install", "--quiet", "--no-build-isolation", "--no-deps"]
+        subprocess.run([sys.executable, *install, "--target", package, source], check=True)
     return package
 
 
 class Version:
-    """A process with one version of the package.
+    """A process with the package of a folder."""
 
-    package: folder that comes before the installed packages, or None for the installed one.
-    width: limit of the lanes' width. pinned: on one core.
-    """
-
-    def __init__(
-        self, package: Path | None = None, width: int | None = None, pinned: bool = True
-    ) -> None:
-        environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-        environment.pop("PYTHONPATH", None)
-        environment.pop("STICKSLIP_LANES", None)
-        if package is not None:
-            environment["PYTHONPATH"] = str(package.resolve())
-        if width is not None:
-            environment["STICKSLIP_LANES"] = str(width)
-        worker = Path(__file__).with_name("against_worker.py")
+    def __init__(self, package: Path) -> None:
+        paths = [str(package.resolve()), str(Path(__file__).parent)]
         self._process = subprocess.Popen(
-            [sys.executable, str(worker), *([] if pinned else ["--unpinned"])],
+            [sys.executable, "-c", "import against; against.worker()"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
-            env=environment,
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(paths), "OPENBLAS_NUM_THREADS": "1"},
         )
+        self.package = json.loads(self._process.stdout.readline())
 
-    def ask(self, request: str, **arguments):
-        """The answer to a request of `against_worker.py`."""
-        self._process.stdin.write(json.dumps([request, arguments]) + "\n")
+    def ask(self, work: str, rtol: float) -> tuple[float, float, list[float]]:
+        """CPU seconds, simulated seconds and mean velocities."""
+        self._process.stdin.write(json.dumps([work, rtol]) + "\n")
         self._process.stdin.flush()
-        line = self._process.stdout.readline()
-        if not line:
-            raise RuntimeError(f"the worker ended while it was asked for {request} {arguments}")
-        return json.loads(line)
+        return json.loads(self._process.stdout.readline())
 
     def close(self) -> None:
         self._process.stdin.close()
         self._process.wait()
 
 
-def in_turn(requests: list[tuple[Version, dict]], repeats: int) -> list[list[dict[str, float]]]:
-    """Measurements for each of `requests`, taken in turn; the first turn does not count."""
-    turns = [
-        [version.ask("measured", **request) for version, request in requests]
-        for _ in range(repeats + 1)
-    ]
-    return [list(column) for column in zip(*turns[1:], strict=True)]
-
-
-def median(samples: list[dict[str, float]]) -> float:
-    return statistics.median(each["seconds"] for each in samples)
-
-
-def ratio(first: list[dict[str, float]], second: list[dict[str, float]]) -> float:
-    """Median of the ratios of the turns."""
-    pairs = zip(first, second, strict=True)
-    return statistics.median(one["seconds"] / two["seconds"] for one, two in pairs)
-
-
-def reference_rows(versions: dict[str, Version], repeats: int) -> list[dict]:
-    """Speed and velocity error of the reference run at each tolerance, of each version."""
-    names = [(name, rtol) for rtol in TOLERANCES for name in versions]
-    requests = [(versions[name], {"name": "one", "rtol": rtol}) for name, rtol in names]
-    exact = {
-        name: np.array(version.ask("about_reference", rtol=EXACT))
-        for name, version in versions.items()
-    }
-    rows = []
-    for (name, rtol), samples in zip(names, in_turn(requests, repeats), strict=True):
-        found = np.array(versions[name].ask("about_reference", rtol=rtol))
-        rows.append(
-            {
-                "method": name,
-                "rtol": rtol,
-                "simulated_per_cpu_second": samples[0]["simulated"] / median(samples),
-                "velocity_error": float(np.sqrt(np.mean((found / exact[name] - 1.0) ** 2))),
-            }
-        )
-    return rows
-
-
-def equal_accuracy(rows: list[dict], names: list[str]) -> list[dict]:
-    """Speed of each version at the same velocity error, and how much faster than the first."""
-    result = []
-    for error in EQUAL_ERRORS:
-        speeds = {name: speed_at_error(rows, name, error) for name in names}
-        ratios = {name: speed / speeds[names[0]] for name, speed in speeds.items()}
-        result.append({"velocity_error": error, "speeds": speeds, "ratios": ratios})
-    return result
-
-
-def typical_error(version: Version, work: str, exact: np.ndarray) -> float:
-    """Median relative error of the mean velocities at `RTOL`; below 1 um/s relative to that."""
-    found = np.array(version.ask("found", name=work, rtol=RTOL))
-    return float(np.nanmedian(np.abs(found - exact) / np.maximum(np.abs(exact), 1e-6)))
-
-
-def workload_rows(versions: dict[str, Version], work: str, repeats: int) -> list[dict]:
-    """Speed of each version with one workload, and how much faster it is than the first."""
-    samples = in_turn([(v, {"name": work, "rtol": RTOL}) for v in versions.values()], repeats)
-    exact = np.array(versions["now"].ask("found", name=work, rtol=EXACT))
-    return [
-        {
-            "work": work,
-            "version": name,
-            "simulated_per_cpu_second": mine[0]["simulated"] / median(mine),
-            "ratio": ratio(samples[0], mine),
-            "velocity_error": typical_error(version, work, exact),
-        }
-        for (name, version), mine in zip(versions.items(), samples, strict=True)
-    ]
-
-
-def python_rows(versions: dict[str, Version], repeats: int) -> list[dict]:
-    """CPU time of two calls of the Python layer."""
-    rows = []
-    for work, call in (("replaced", "Scenario.replace"), ("converted", "Scenario.to_core")):
-        samples = in_turn([(version, {"name": work}) for version in versions.values()], repeats)
-        costs = {name: 1e6 * median(each) for name, each in zip(versions, samples, strict=True)}
-        rows.append({"call": call, "microseconds": costs, "ratio": ratio(*samples)})
-    return rows
-
-
-def second_thread(repeats: int) -> dict[str, float]:
-    """Wall time of the sweep with one thread over that with two."""
-    version = Version(pinned=False)
-    requests = [
-        (version, {"name": "swept", "rtol": RTOL, "jobs": jobs, "clock": "perf_counter"})
-        for jobs in (1, 2)
-    ]
-    ratios = [
-        one["seconds"] / two["seconds"]
-        for one, two in zip(*in_turn(requests, repeats), strict=True)
-    ]
-    version.close()
-    return {"median": statistics.median(ratios), "best": max(ratios)}
-
-
-def show(result: dict) -> None:
-    """The tables."""
-    print(f"{'reference run':15} {'rtol':>7} {'simulated s / CPU s':>20} {'velocity error':>15}")
-    for row in result["tolerances"]:
-        print(
-            f"{row['method']:15} {row['rtol']:7.0e} {row['simulated_per_cpu_second']:20.0f}"
-            f" {row['velocity_error']:15.1e}"
-        )
-    print(f"\n{'equal velocity error':20} {'version':15} {'simulated s / CPU s':>20} {'ratio':>6}")
-    for row in result["equal_accuracy"]:
-        for name, speed in row["speeds"].items():
-            error = f"{row['velocity_error']:.0e}"
-            print(f"{error:20} {name:15} {speed:20.0f} {row['ratios'][name]:6.2f}")
-    print(
-        f"\n{'rtol 1e-6':10} {'version':15} {'simulated s / CPU s':>20} {'ratio':>6}"
-        f" {'velocity error':>15}"
-    )
-    for row in result["workloads"]:
-        print(
-            f"{row['work']:10} {row['version']:15} {row['simulated_per_cpu_second']:20.0f}"
-            f" {row['ratio']:6.2f} {row['velocity_error']:15.1e}"
-        )
-    threads = result["second_thread"]
-    print(
-        f"\ntwo threads, wall time: {threads['median']:.2f} times one (median),"
-        f" {threads['best']:.2f} (best); others may use the machine"
-    )
-    for row in result["python"]:
-        costs = ", ".join(f"{name} {cost:.1f} us" for name, cost in row["microseconds"].items())
-        print(f"{row['call']}: {costs}, ratio {row['ratio']:.1f}")
-    print("load average: " + ", ".join(f"{load:.1f}" for load in result["load_average"]))
-
-
-def measure_all(package: Path, repeats: int) -> dict:
-    """Everything that the tables say."""
-    versions = {"before": Version(package), "now": Version()}
-    widths = {f"now, lanes <= {width}": Version(width=width) for width in WIDTHS}
-    places = {name: version.ask("identity")["package"] for name, version in versions.items()}
-    if len(set(places.values())) < 2:
-        raise RuntimeError(f"both versions are the same package: {places}")
-    alone = {ALONE: widths[ALONE]}
-    tolerances = reference_rows(versions | alone, repeats)
-    rows = workload_rows(versions | alone, "mixed", repeats)
-    for work in ("swept", "alike"):
-        rows += workload_rows(versions | widths, work, repeats)
-    for work in ("plane", "long", "stepped", "rolled_out"):
-        rows += workload_rows(versions, work, repeats)
-    result = {
-        "tolerances": tolerances,
-        "equal_accuracy": equal_accuracy(tolerances, [*versions, ALONE]),
-        "workloads": rows,
-        "python": python_rows(versions, 3 * repeats),
-    }
-    for version in (*versions.values(), *widths.values()):
-        version.close()
-    return result
+def measured(before: Version, now: Version, work: str, repeats: int) -> dict[str, object]:
+    """Costs of both versions, the ratio, and the errors of their velocities."""
+    pairs = [(before.ask(work, RTOL), now.ask(work, RTOL)) for _ in range(repeats + 1)][1:]
+    costs = [statistics.median(each[0] for each in mine) for mine in zip(*pairs, strict=True)]
+    ratio = statistics.median(one[0] / two[0] for one, two in pairs)
+    exact = np.array(now.ask(work, EXACT)[2])
+    # Below 1 um/s, relative to that.
+    size = np.maximum(np.abs(exact), 1e-6)
+    errors = [float(np.median(np.abs(each[2] - exact) / size)) if len(exact) else 0.0
+              for each in pairs[-1]]  # fmt: skip
+    return {"work": work, "cpu_seconds": costs, "simulated": pairs[-1][1][1], "ratio": ratio,
+            "errors": errors}  # fmt: skip
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("commit", help="the earlier commit")
+    parser = argparse.ArgumentParser(prog="python -m bench against", description=__doc__)
+    parser.add_argument("commit", help="the earlier commit, or a folder with its built package")
+    parser.add_argument("--works", default=",".join(WORKS), help="separated by commas")
     parser.add_argument("--repeats", type=int, default=7)
     parser.add_argument("--out", type=Path, default=Path("bench/results/against.json"))
     options = parser.parse_args()
-    package = built(options.commit)
-    threads = second_thread(options.repeats)
-    core = pin()
-    result = {
-        "machine": machine(),
-        "core": core,
-        "before": git("describe", "--always", "--long", options.commit).decode().strip(),
-        "now": git("describe", "--always", "--dirty").decode().strip(),
-        "reference_run": REFERENCE.to_toml(),
-        **measure_all(package, options.repeats),
-        "second_thread": threads,
-        "load_average": os.getloadavg(),
-    }
-    show(result)
-    options.out.parent.mkdir(parents=True, exist_ok=True)
-    options.out.write_text(json.dumps(result, indent=2) + "\n")
-    print(f"written: {options.out}")
+    package = Path(options.commit)
+    package = package if (package / "stickslip").is_dir() else built(options.commit)
+    before, now = Version(package), Version(Path(stickslip.__file__).parents[1])
+    if before.package == now.package:
+        parser.error(f"both versions are the same package: {now.package}")
+    print(f"{'work':12}{'CPU s before':>13}{'now':>10}{'before / now':>14}{'errors':>20}")
+    rows = []
+    for work in options.works.split(","):
+        rows.append(measured(before, now, work, options.repeats))
+        first, second = rows[-1]["cpu_seconds"]
+        errors = " ".join(f"{each:.1e}" for each in rows[-1]["errors"])
+        print(
+            f"{work:12}{first:13.4f}{second:10.4f}{rows[-1]['ratio']:14.2f}{errors:>20}", flush=True
+        )
+    before.close()
+    now.close()
+    saved(options.out, {"before": options.commit, "works": rows})
 
 
 if __name__ == "__main__":

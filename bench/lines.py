@@ -1,8 +1,8 @@
 """How large each part of the project is, beside what it may be: ``python -m bench lines``.
 
 Lines are those of the files as the formatters leave them; *code* is what is left of them without
-blank lines, comments and docstrings. `--list` names what of the diagnosis is short, called once,
-a constant or long.
+blank lines, comments and docstrings. `--package` counts what is short, called once, a constant or
+long in other packages than those of the diagnosis, and `--list` names it.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
-_DIAGNOSIS = r"python/stickslip/(diagnosis|measurement|facts)/.*\.py"
+_DIAGNOSIS = r"python/stickslip/(diagnosis|measurement)/.*\.py"
 _DIAGNOSED = (
     r"tests/(diagnosis/.*|toys|sliding_block|made_measurement|measured_maps|instrument_files"
     r"|asking_results|report_page|films|free_shapes"
@@ -33,7 +33,7 @@ PARTS = {
     "tests": (r"(tests|cpp/tests)/.*\.(py|h|hpp|cpp)", 26_000),
     "- of the diagnosis": (_DIAGNOSED, 5_500),
     "bench": (r"bench/.*\.py", 5_000),
-    "page to play with, programs of docs": (r"(cpp/web|docs)/.*\.(py|cpp|js)", None),
+    "page to play with, examples, docs": (r"(cpp/web|docs|examples)/.*\.(py|cpp|js)", None),
 }
 """Which files belong to a part, and how many lines it may have."""
 WORDS = (r"(docs/.*|README|CONTRIBUTING)\.md", 35_000)
@@ -130,7 +130,8 @@ def shape(paths: list[Path]) -> tuple[dict[str, int], dict[str, list[str]]]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m bench lines", description=__doc__)
-    parser.add_argument("--list", action="store_true", help="name what is counted of the diagnosis")
+    parser.add_argument("--package", default="diagnosis|measurement", help="a regular expression")
+    parser.add_argument("--list", action="store_true", help="name what is counted of the packages")
     options = parser.parse_args()
     print(f"{'':<36}{'lines':>8}{'code':>8}{'aim':>8}{'over':>8}")
     for part, (pattern, aim) in PARTS.items():
@@ -141,8 +142,8 @@ def main() -> None:
         print(f"{part:<36}{lines:>8}{code:>8}{against}")
     words = sum(len(path.read_text().split()) for path in files(WORDS[0]))
     print(f"{'words of documentation':<36}{words:>8}{'':>8}{WORDS[1]:>8}{words - WORDS[1]:>+8}")
-    counts, found = shape(files(_DIAGNOSIS))
-    print("\nOf diagnosis, measurement, facts:")
+    counts, found = shape(files(rf"python/stickslip/({options.package})/.*\.py"))
+    print(f"\nOf {options.package.replace('|', ', ')}:")
     print(*(f"{what:<36}{count:>8}" for what, count in counts.items()), sep="\n")
     if options.list:
         for what, names in found.items():

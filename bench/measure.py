@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import os
 import platform
 import statistics
 import time
 from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import stickslip
 
 
 def pin(cpu: int | None = None) -> int:
@@ -17,21 +22,23 @@ def pin(cpu: int | None = None) -> int:
     return chosen
 
 
+def timed(work: Callable[[], object], clock: Callable[[], float] = time.process_time) -> float:
+    """Seconds of one call."""
+    started = clock()
+    work()
+    return clock() - started
+
+
 def cpu_seconds(work: Callable[[], object], repeats: int = 7) -> float:
     """Median CPU seconds of `work` over `repeats` calls after one that is not counted.
 
     Work that is short is repeated within one measurement until it fills 50 ms.
     """
-    started = time.process_time()
-    work()
-    once = max(time.process_time() - started, 1e-6)
+    once = max(timed(work), 1e-6)
     inner = max(1, round(0.05 / once))
     samples = []
     for _ in range(repeats):
-        started = time.process_time()
-        for _ in range(inner):
-            work()
-        samples.append((time.process_time() - started) / inner)
+        samples.append(timed(lambda: [work() for _ in range(inner)]) / inner)
     return statistics.median(samples)
 
 
@@ -61,3 +68,12 @@ def machine() -> dict[str, str]:
         "python": platform.python_version(),
         "cores_allowed": str(len(os.sched_getaffinity(0))),
     }
+
+
+def saved(path: Path, result: dict[str, Any], said: bool = True) -> None:
+    """Write a result with the machine and the version that it was measured with."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    stated = {"machine": machine(), "stickslip": stickslip.__version__, **result}
+    path.write_text(json.dumps(stated, indent=2) + "\n")
+    if said:
+        print(f"written: {path}")

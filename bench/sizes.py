@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import subprocess
 import sys
 import tempfile
@@ -15,6 +16,7 @@ def pip(*arguments: str | Path) -> None:
 
 
 def main() -> None:
+    argparse.ArgumentParser(prog="python -m bench sizes", description=__doc__).parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         pip("wheel", "--no-deps", "--wheel-dir", folder, ".")

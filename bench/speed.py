@@ -13,12 +13,11 @@ logarithms to the same error for both methods.
 from __future__ import annotations
 
 import argparse
-import json
 import math
 from pathlib import Path
 
 import numpy as np
-from measure import cpu_seconds, cpu_seconds_in_turn, machine, pin
+from measure import cpu_seconds, cpu_seconds_in_turn, pin, saved
 
 import stickslip
 from stickslip import Drive, Scenario
@@ -28,10 +27,7 @@ REFERENCE = Scenario(
 )
 PEAKS = np.linspace(2.40e-3, 2.60e-3, 16)
 EQUAL_ERRORS = (1e-3, 1e-4, 1e-5)
-TOLERANCES = {
-    "tsit5": (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8),
-    "arkode": (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8),
-}
+METHODS, TOLERANCES = ("tsit5", "arkode"), (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 
 
 def with_solver(scenario: Scenario, method: str, rtol: float) -> Scenario:
@@ -57,7 +53,7 @@ def tolerance_table(repeats: int) -> list[dict[str, float | str]]:
     exact = velocities("tsit5", 1e-11)
     time = simulated_time(REFERENCE)
     rows = []
-    pairs = [(method, rtol) for method, list_ in TOLERANCES.items() for rtol in list_]
+    pairs = [(method, rtol) for method in METHODS for rtol in TOLERANCES]
     scenarios = [with_solver(REFERENCE, *pair) for pair in pairs]
     works = [lambda scenario=scenario: stickslip.simulate(scenario) for scenario in scenarios]
     costs = cpu_seconds_in_turn(works, repeats)
@@ -117,24 +113,20 @@ def main() -> None:
     equal = []
     print(f"\n{'equal velocity error':>20} {'tsit5':>8} {'arkode':>8} {'ratio':>6}")
     for error in EQUAL_ERRORS:
-        own, other = (speed_at_error(rows, method, error) for method in ("tsit5", "arkode"))
+        own, other = (speed_at_error(rows, method, error) for method in METHODS)
         equal.append({"velocity_error": error, "tsit5": own, "arkode": other, "ratio": own / other})
         print(f"{error:20.0e} {own:8.0f} {other:8.0f} {own / other:6.1f}")
     scaling = long_run(3)
     print(f"\n100 times as many pulses cost {scaling['ratio']:.1f} times the CPU time")
 
     result = {
-        "machine": machine(),
         "core": core,
-        "stickslip": stickslip.__version__,
         "reference_run": REFERENCE.to_toml(),
         "tolerances": rows,
         "equal_accuracy": equal,
         "long_run": scaling,
     }
-    options.out.parent.mkdir(parents=True, exist_ok=True)
-    options.out.write_text(json.dumps(result, indent=2) + "\n")
-    print(f"written: {options.out}")
+    saved(options.out, result)
 
 
 if __name__ == "__main__":

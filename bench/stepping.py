@@ -1,10 +1,11 @@
-"""Entering and leaving a run: restores without a changed bit, and what steps and rollouts cost.
+"""Restores without a changed bit, and what steps and rollouts cost.
 
 `python -m bench stepping`. Exit status 1 where a bit differs or a promise is broken.
 """
 
 from __future__ import annotations
 
+import argparse
 import collections
 import json
 import statistics
@@ -15,7 +16,6 @@ import numpy as np
 from measure import cpu_seconds_in_turn, machine, pin
 
 from stickslip import (
-    STATE_COLUMNS,
     Drive,
     Scenario,
     Simulator,
@@ -27,7 +27,6 @@ from stickslip import (
     simulate_batch,
 )
 
-RESTORES = 10_000
 STEPS, STEP = 64, 1.0 / 1024  # of a scenario; a power of two, so that times are exact
 ADHESION = 0.22e-6
 
@@ -73,12 +72,12 @@ def random_scenario(rng: np.random.Generator, rows: np.ndarray) -> Scenario:
     return scenario.replace(changes).with_state(State(theta=float(rng.uniform(-0.4, 0.4))))
 
 
-def restored() -> dict[str, object]:
+def restored(count: int) -> dict[str, object]:
     """Restores at random instants, and what was there or came in the next step."""
     rng = np.random.default_rng(1)
     seen: collections.Counter[str] = collections.Counter()
     done = different = scenarios = 0
-    while done < RESTORES:
+    while done < count:
         rows = voltages(rng)
         scenario = random_scenario(rng, rows)
         whole = simulate(scenario)
@@ -167,37 +166,18 @@ def _sampled(scenario: Scenario, steps: int) -> np.ndarray:
     return rows
 
 
-def threads_agree() -> bool:
-    """Whether rollouts have the same bits for 1, 2 and 7 threads."""
-    rng = np.random.default_rng(2)
-    rows = np.stack([voltages(rng) for _ in range(100)])
-    scenarios = [random_scenario(rng, each) for each in rows]
-    found = [
-        rollout(scenarios, None, rows, STEP, record=STATE_COLUMNS, threads=n) for n in (1, 2, 7)
-    ]
-    return all(
-        each.states.tobytes() == found[0].states.tobytes()
-        and bytes(each.status) == bytes(found[0].status)
-        for each in found
-    )
-
-
 def main() -> None:
     """Measure all, and check what is promised."""
-    restores, agree = restored(), threads_agree()
+    parser = argparse.ArgumentParser(prog="python -m bench stepping", description=__doc__)
+    parser.add_argument("--restores", type=int, default=10_000)
+    options = parser.parse_args()
+    restores = restored(options.restores)
     pin()
     step, costs = cost_of_a_step(), cost_of_rollouts()
-    result = {
-        "machine": machine(),
-        "restores": restores,
-        "threads agree": agree,
-        "step beside the physics, us": step,
-        "rollout": costs,
-    }
-    print(json.dumps(result, indent=2))
+    result = {"restores": restores, "step beside the physics, us": step, "rollout": costs}
+    print(json.dumps({"machine": machine(), **result}, indent=2))
     kept = {
         "no restored bit differs": restores["different"] == 0,
-        "threads do not matter": agree,
         "a step costs at most 5 us": step <= 5.0,
         "a rollout costs at most 1.3 calls": costs["rollout over one call"] <= 1.3,
     }

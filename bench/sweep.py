@@ -1,4 +1,4 @@
-"""Cost of parameter sweeps: `python bench/sweep.py`.
+"""Cost of parameter sweeps: `python -m bench sweep`.
 
 Protocol. The sweep has 40 frequencies from 5 to 200 Hz in both modes, 20 pulses each. Its CPU time
 on one thread is compared with that of the same runs one by one, in turn; the ratio is the median.
@@ -10,7 +10,6 @@ it. The overhead is the CPU time of 100 000 points of one millisecond without fi
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import statistics
 import tempfile
@@ -18,9 +17,8 @@ import time
 from pathlib import Path
 
 import numpy as np
-from measure import machine
+from measure import saved, timed
 
-import stickslip
 from stickslip import Drive, Scenario, simulate, sweep
 
 BASE = Scenario(drive=Drive(base=0.5e-3, pulses=20))
@@ -40,11 +38,6 @@ def against_single_runs(repeats: int) -> dict[str, float]:
             for mode in MODES:
                 simulate(BASE.replace({"drive.frequency": frequency, "drive.mode": mode}))
 
-    def timed(work) -> float:
-        started = time.process_time()
-        work()
-        return time.process_time() - started
-
     simulated = float(sweep(BASE, grid(40), threads=1)["simulated_time"].sum())
     pairs = [
         (timed(lambda: sweep(BASE, grid(40), threads=1)), timed(one_by_one)) for _ in range(repeats)
@@ -60,12 +53,10 @@ def against_single_runs(repeats: int) -> dict[str, float]:
 
 
 def speed_up(repeats: int, jobs: int) -> dict[str, float]:
-    def timed(count: int) -> float:
-        started = time.perf_counter()
-        sweep(BASE, grid(400), threads=count)
-        return time.perf_counter() - started
+    def wall(threads: int) -> float:
+        return timed(lambda: sweep(BASE, grid(400), threads=threads), time.perf_counter)
 
-    pairs = [(timed(1), timed(jobs)) for _ in range(repeats)]
+    pairs = [(wall(1), wall(jobs)) for _ in range(repeats)]
     ratios = [one / several for one, several in pairs]
     return {
         "threads": jobs,
@@ -85,9 +76,7 @@ def overhead(repeats: int) -> dict[str, float]:
     with tempfile.TemporaryDirectory() as folder:
         for number in range(repeats):
             path = Path(folder) / f"{number}.nc"
-            started = time.process_time()
-            sweep(TINY, vary, threads=1, out=path)
-            costs.append(time.process_time() - started)
+            costs.append(timed(lambda path=path: sweep(TINY, vary, threads=1, out=path)))
         size = path.stat().st_size
     return {
         "points": 100_000,
@@ -106,16 +95,14 @@ def main() -> None:
     sweep(BASE, grid(2))  # imports
     load = os.getloadavg()[0]
     result = {
-        "machine": machine(),
         "load_before": load,
-        "stickslip": stickslip.__version__,
         "against_single_runs": against_single_runs(options.repeats),
         "threads": speed_up(options.repeats, options.jobs),
         "overhead": overhead(3),
     }
-    print(json.dumps(result, indent=2))
-    options.out.parent.mkdir(parents=True, exist_ok=True)
-    options.out.write_text(json.dumps(result, indent=2) + "\n")
+    for name, figures in result.items():
+        print(name, figures)
+    saved(options.out, result)
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 ``python docs/pictures.py`` makes all of them, ``python docs/pictures.py gallery drawings`` those of
 some sources: a page by its path in docs/ without suffix, ``readme`` or ``drawings``. The pictures
 of a page are those that its own code saves, and those of the README what its commands write in
-docs/examples. ``diagnosis.png`` needs the browser chromium; without it the stored one stays.
+examples. ``diagnosis.png`` needs the browser chromium; without it the stored one stays.
 """
 
 from __future__ import annotations

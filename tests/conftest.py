@@ -11,6 +11,7 @@ import signal
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import pytest
+from hypothesis import HealthCheck, Phase, settings
 
 from command_line import stickslip_process
 from made_measurement import write
@@ -18,6 +19,18 @@ from made_measurement import write
 # Shells start what runs in the background with interrupts ignored, and so would be all commands
 # that the tests interrupt.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+# The same examples each time, or with `--hypothesis-profile nightly` more, by --hypothesis-seed. A
+# failing one is reported as it was drawn: shrinking it would take minutes.
+COMMON = settings(
+    deadline=None,
+    database=None,
+    suppress_health_check=list(HealthCheck),
+    phases=(Phase.explicit, Phase.generate),
+)
+settings.register_profile("tests", COMMON, derandomize=True, max_examples=25)
+settings.register_profile("nightly", COMMON, max_examples=1000)
+settings.load_profile("tests")
 
 
 def pytest_addoption(parser):

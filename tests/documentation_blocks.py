@@ -2,7 +2,7 @@
 
 What a block is called says what is done with it:
 
-python   run; the blocks of a page share one namespace and one folder, and can import docs/examples
+python   run; the blocks of a page share one namespace and one folder, and can import examples
 console  lines with "$ stickslip" are run; the lines below each are what it prints
 text     right after a python block: what that prints; "..." stands for anything
 toml     written to the file that its first line names (# name.toml), else to scenario.toml
@@ -50,12 +50,12 @@ NOT_RUN = {
 }
 """How commands of `sh` begin that are not run, and why: what is slow, or lacks what it needs."""
 
-EXAMPLES = Path(__file__).parents[1] / "docs" / "examples"
+EXAMPLES = Path(__file__).parents[1] / "examples"
 TIMED = ["/usr/bin/time", "-v"]
 
 
 def _write_examples(folder: Path) -> None:
-    shutil.copytree(ROOT / "docs" / "examples", folder / "docs" / "examples")
+    shutil.copytree(ROOT / "examples", folder / "examples")
 
 
 # Files that a page reads and that no block of it writes.

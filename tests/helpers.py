@@ -6,6 +6,8 @@ Positions and forces of a run are in the world's frame, theta and omega in the r
 import numpy as np
 from scipy.optimize import brentq
 
+import laws
+from fine_record import Record
 from stickslip import Coils, Scenario, Waveform, simulate, volts_per_tesla
 
 # Table II, with the mass read as micrograms.
@@ -158,69 +160,18 @@ def is_mode(of, codes):
     return np.isin(of.contact, codes)
 
 
-def friction_coefficient(of):
-    """Of a slip at the recorded velocities."""
-    contact = of.scenario.contact
-    velocity = of.scenario.get("effects.stribeck_friction.velocity")
-    if velocity == 0.0:
-        return np.full_like(of.t, contact.kinetic_friction)
-    share = np.exp(-((of.slip_velocity / velocity) ** 2))
-    return contact.kinetic_friction + (contact.static_friction - contact.kinetic_friction) * share
-
-
 def violations(of, slack=1e-9, start=0.0, speed_slack=0.0, gap_slack=0.0):
     """What in a recording cannot be, as one line each; an empty list for a sound one.
 
-    slack: of forces, relative to weight and adhesion. start: s, samples before it are not looked
-    at. speed_slack: m/s, of a slip against its mode's direction. gap_slack: m, of heights.
+    slack: of forces, relative to weight, adhesion and what presses. start: s, samples before it
+    are not looked at. speed_slack: m/s, of a slip against its mode's direction. gap_slack: m, of
+    heights.
     """
-    seen = of.t >= start
-    robot, contact = of.scenario.robot, of.scenario.contact
-    sign = 1.0 if of.scenario.drive.direction == "+x" else -1.0
-    force = robot.mass * of.scenario.environment.gravity + contact.adhesion
-    flying, sticking = of.contact == FLIGHT, is_mode(of, STICKING)
-    slipping = ~flying & ~sticking
-    normal, friction, slip = of.normal_force, of.friction_force, np.nan_to_num(of.slip_velocity)
-    gaps = np.sort(of.z + corner_offsets(of)[1], axis=0)
-    direction = np.where(is_mode(of, FORWARD), 1.0, -1.0)
-    rounding = 1e-12 * (np.abs(of.vx) + np.abs(of.omega) * of.z) + 1e-15
-    limit = contact.static_friction * normal
-    excess = {
-        "a corner is below the surface": -gaps[0] - max(1e-12, gap_slack),
-        # Rounding of heights is 1e-20 m, and angles of many turns add a little.
-        "what touches is not at the surface": np.where(
-            flying, -1.0, np.abs(gaps[0]) - max(1e-16, gap_slack)
-        ),
-        "a face does not lie flat": np.where(is_mode(of, ON_A_FACE), gaps[1] - 1e-16, -1.0),
-        "the surface pulls": -normal - slack * force,
-        "there is a force in flight": np.where(flying, np.abs(normal) + np.abs(friction), -1.0),
-        "a stick is outside the friction cone": np.where(
-            sticking, np.abs(friction) - limit - slack * (limit + force), -1.0
-        ),
-        "a stick slips": np.where(sticking, np.abs(slip), -1.0),
-        "friction of a slip is not kinetic": np.where(
-            slipping,
-            np.abs(friction + direction * friction_coefficient(of) * normal) - slack * force,
-            -1.0,
-        ),
-        "a slip runs against its mode": np.where(slipping, -direction * slip - speed_slack, -1.0),
-        "the contact does not move with the body": np.where(
-            flying, -1.0, np.abs(sign * of.vx - of.omega * of.z - sign * slip) - rounding
-        ),
-    }  # fmt: skip
-    found = []
-    for what, amount in excess.items():
-        bad = seen & ~(amount <= 0.0)
-        if bad.any():
-            worst = np.argmax(np.where(bad, amount, -np.inf))
-            found.append(
-                f"{what}: {bad.sum()} of {len(of.t)} samples, worst by {amount[worst]:.3g} at "
-                f"t = {of.t[worst]!r} in {of.contact_names[of.contact[worst]]}"
-            )
-    for name in ("t", "x", "z", "theta", "vx", "vz", "omega", "normal_force", "friction_force"):
-        if not np.all(np.isfinite(getattr(of, name))):
-            found.append(f"{name} is not finite")
-    return found
+    weight = of.scenario.robot.mass * of.scenario.environment.gravity
+    force = slack * (weight + of.scenario.contact.adhesion + np.abs(of.normal_force))
+    # Rounding of heights is 1e-20 m, and angles of many turns add a little.
+    gaps = (max(1e-12, gap_slack), max(1e-16, gap_slack), max(1e-16, gap_slack))
+    return laws.violations(Record.of(of), force, speed_slack, gaps, start)
 
 
 def energy(of):

@@ -22,18 +22,16 @@ PARTS = 6
 def jobs(seed: int) -> dict[str, tuple[int, str]]:
     """Minutes on two cores and command of each job; `seed` is that of the random scenarios."""
     pytest = f"{PYTHON} -m pytest -n 2 --dist worksteal -q -m nightly"
-    fuzz = f"{PYTHON} -m bench fuzz --seed {seed}"
+    random = (
+        f"{PYTHON} -m pytest -n 2 -q -m '' tests/test_random_scenarios.py"
+        f" --hypothesis-profile nightly --hypothesis-seed {seed}"
+    )
     result = {f"part-{k}": (12, f"{pytest} --part {k}/{PARTS}") for k in range(1, PARTS + 1)}
     return result | {
         "asan": (10, _preset("asan", "stickslip_tests") + " && ctest --preset asan -j 2"),
         "tsan": (8, _preset("tsan", "stickslip_tests") + " && ctest --preset tsan -j 2"),
         # New scenarios each week may find something: for long nights, not for each change.
-        "fuzz": (26, f"{fuzz} --minutes 25"),
-        "fuzz-sanitized": (
-            26,
-            f"{_preset('asan', 'stickslip_fuzz')} && {fuzz} --check sanitized --minutes 15"
-            " --out bench/results/fuzz-sanitized",
-        ),
+        "random": (30, f"{_preset('asan', 'stickslip_fuzz')} && {random}"),
         "wheel": (6, "make wheel"),
         "docs": (5, "make docs"),
         "lint": (15, "make lint"),

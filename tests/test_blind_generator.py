@@ -21,7 +21,6 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 
 from blind import settings
 from blind.catalogue import CAUSES, HIDING, INSTRUMENTS, LAWS, entry
-from blind.frozen import generator_files
 from blind.generator import make
 from blind.kinds import KINDS, STUDY, Noise, plan
 from blind.model_errors import MODEL_ERRORS
@@ -29,6 +28,7 @@ from blind.noise import noisy_tables, trials
 from blind.readings import Readings, readings, velocities
 from blind.settings import FIELD_SD, FILM_SD, conditions, curves, priors
 from blind.strength import Absorber, Draft
+from blind.study import generator_files
 from blind.truth import Hidden, Truth
 from blind.writing import write_case
 

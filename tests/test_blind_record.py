@@ -1,6 +1,5 @@
-"""The record of the blind study: how a study is continued, and how its rows are counted."""
+"""The record of the blind study: its flow, and how its rows are counted."""
 
-import fcntl
 import json
 import re
 import sys
@@ -16,13 +15,20 @@ from stickslip.measurement import read_measurement
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 
-from blind import __main__ as command
-from blind import case, frozen, rerun, stored
-from blind import questions as asked
-from blind.case import state
-from blind.kinds import KINDS, STUDY
-from blind.report import FAMILY_WORDS, misses, report, table
-from blind.scoring import by_cause, calibration, counted, interval, judged, read
+from blind import study
+from blind.kinds import KINDS, STUDY, plan
+from blind.scoring import (
+    FAMILIES,
+    Case,
+    by_cause,
+    calibration,
+    interval,
+    judged,
+    misses,
+    read,
+    report,
+    table,
+)
 from blind.writing import KEYS
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -43,104 +49,50 @@ def _counts(rows, **options):
     return {each["what"]: (each["count"], each["total"]) for each in judged(rows, **options)}
 
 
-def test_an_interrupted_study_is_continued(tmp_path, monkeypatch, capsys):
-    record = tmp_path / command.RECORD
-    now = {"engine": "a", "data": "b", "commit": "c", "version": "d"}
-    assert set(state()) == set(now)
-    monkeypatch.setattr(command, "state", lambda: now)
-    none, law = _row("none", [], None, "none"), _row("law", [], None, "unexplained", hook="x")
-    # Of another engine, of another generator and of none that is known nothing is taken over;
-    # another commit may have the same files.
-    others = [{**now, "engine": "e"}, {**now, "data": "e"}, {}]
-    rows = [{**_row("none", [], "x"), "state": each} for each in others]
-    rows += [{**none, "state": {**now, "commit": "f"}}, {**law, "state": now}]
-    kept = "".join(json.dumps(each) + "\n" for each in rows)
-    record.write_text(kept + json.dumps(none)[:50])
-    arguments = ["blind", "--first", "7", "--seeds", "1", "--kinds", "none;law", "--jobs", "1"]
-    monkeypatch.setattr(sys, "argv", [*arguments, "--out", str(tmp_path)])
-    command.main()
-    # The row that was cut off is gone, the other one was not made again.
-    assert record.read_text() == kept
-    assert "| nothing | false alarm | 0 of 1 |" in capsys.readouterr().out
-    with (tmp_path / "lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        with pytest.raises(SystemExit):
-            command.main()
-    assert "another study is at work there" in capsys.readouterr().err
+def test_the_study_is_made_diagnosed_and_judged_in_parts(tmp_path, monkeypatch):
+    asked = list(plan(STUDY, 1000, ["none, fields"], study=True))
+    names = [study.name_of(*each) for each in asked]
+    study.make(tmp_path, asked, 0.0)
+    assert not (tmp_path / study.SETS).exists()
+    # What a stopped call had made is kept, but for a line that was cut off.
+    none = {**_row("none", [], None)["answer"], "hook": None}
+    for file, one in ((study.SETS, {"files": {}}), (study.ANSWERS, {"answer": none})):
+        (tmp_path / f"{file}.part").write_text(json.dumps({"name": "a", **one}) + '\n{"n')
+    study.make(tmp_path, asked, 10.0)
+    stored = {each["name"]: each for each in study.sets(tmp_path / study.SETS)}
+    assert list(stored) == sorted(["a", *names])
+    assert all(set(each) == {"name", "files"} for each in stored.values())
+    path = study.unpacked(stored[names[0]], tmp_path / "one")
+    assert len(read_measurement(path).field) == 1
+    made = (tmp_path / study.SETS).read_bytes()
+    study.make(tmp_path, asked, 10.0)
+    assert (tmp_path / study.SETS).read_bytes() == made
 
-
-def test_frozen_data_sets_are_set_beside_what_was_found():
-    fits = [("a + b", 10.0), ("a", 12.0), ("none", 40.0)]
-    old = {
-        "hook": None, "verdict": "pair", "cause": ["a", "b"], "p_value": 0.1, "seed": 3,
-        "candidates": [{"name": name, "chi2": chi2} for name, chi2 in fits],
-    }  # fmt: skip
-
-    def beside(kind, causes, truth):
-        """Models none and a were fitted; their chi-square has the prior's part, 2 * 0.5^2."""
-        at = {"x": np.array([0.5, 9.0]), "free": np.array([0]), "precision": np.array([[8.0]])}
-        chi2 = {frozenset(): 38.0, frozenset("a"): 11.5}
-        fits = {names: SimpleNamespace(**at, chi2=each) for names, each in chi2.items()}
-        models = SimpleNamespace(get=lambda names: fits.get(frozenset(names)))
-        findings = SimpleNamespace(models=models, test=SimpleNamespace(p_value=0.2))
-        verdict = SimpleNamespace(kind=kind, causes=causes, share=0.9)
-        result = SimpleNamespace(verdict=verdict, findings=findings)
-        return rerun.beside(result, {**old, "kind": "single", "truth": truth})
-
-    said, again = beside("named", ("a",), ["a"]), beside("pair", ("b", "a"), [])
-    # 12 was found before and is 13.5 now; the pair that led was not fitted.
-    assert said["chi2"] == {"none": [40.0, 40.0], "leader": [10.0, None], "truth": [12.0, 13.5]}
-    assert again["chi2"]["truth"] == [40.0, 40.0]
-    # Without a search there is nothing to compare.
-    assert beside("none", (), ["a"])["chi2"] == {}
-    rows = [{**said, "cpu_seconds": [8.0, 2.0]}, {**again, "cpu_seconds": [4.0, 4.0]}]
-    text = rerun.summary(rows)
-    for part in (
-        "1 of 2 verdicts are those of before",
-        "single 3 | a | pair a, b -> named a",
-        "chi-square of the truth at most 1 higher: 1 of 2, 0 not fitted",
-        "median 6.0 before, 3.0 now, median ratio 0.62",
-    ):
-        assert part in text
+    now, opened = {"engine": "a", "data": "b"}, []
+    said = {**_row("none", [], None, "none"), "next_experiments": []}
+    del said["answer"]
+    monkeypatch.setattr(study, "state", lambda: now)
+    monkeypatch.setattr(study, "diagnosed", lambda path: opened.append(path) or said)
+    (tmp_path / study.ANSWERS).rename(tmp_path / "hidden")
+    # A row of another engine says nothing; one that was cut off ends no study.
+    others = [{"name": names[0], "state": {**now, "engine": "e"}}, {"name": names[1], "state": {}}]
+    text = "".join(json.dumps(each) + "\n" for each in others) + '{"name"'
+    (tmp_path / study.SAID).write_text(text)
+    for part in (1, 2, 1):
+        study.diagnose_sets(tmp_path, 1.0, part, 2)
+    assert len(opened) == len(stored) == 4
+    assert set(study.said(tmp_path, now)) == set(stored)
+    (tmp_path / "hidden").rename(tmp_path / study.ANSWERS)
+    kinds = [row["answer"]["kind"] for row in study.judge(tmp_path)]
+    assert sorted(kinds) == ["none", *3 * ["none, fields"]]
+    assert [row["answer"]["kind"] for row in read(tmp_path / study.RECORD)] == kinds
 
 
 def test_kinds_of_a_family_are_counted_together():
-    assert set(FAMILY_WORDS) == {each.family for each in KINDS.values()}
+    assert set(FAMILIES) == {each.family for each in KINDS.values()}
     rows = [_row("none", [], None, "none"), _row("none, film", [], None, "unexplained")]
     assert [each["total"] for each in judged(rows)] == [1, 1]
     assert _counts(rows, pooled=True) == {"false alarm": (1, 2)}
-
-
-def test_data_sets_are_written_with_their_answers_apart(tmp_path, monkeypatch):
-    arguments = ["blind", "--first", "2", "--seeds", "2", "--kinds", "none, fields"]
-    monkeypatch.setattr(sys, "argv", [*arguments, "--write", str(tmp_path)])
-    command.main()
-    assert {path.name for path in tmp_path.iterdir()} == {"0000", "0001", "answers"}
-    answer = json.loads((tmp_path / "answers" / "0001.json").read_text())
-    assert (answer["kind"], answer["seed"]) == ("none, fields", 3)
-
-
-def test_the_study_is_made_in_parts_and_its_answers_are_apart(tmp_path, monkeypatch):
-    folder = tmp_path / "study"
-    monkeypatch.setattr(frozen, "STUDY_SETS", folder / "sets.jsonl.xz")
-    monkeypatch.setattr(frozen, "ANSWERS", folder / "answers.jsonl.xz")
-    frozen.freeze(0.0, ["none, fields"])
-    assert not frozen.STUDY_SETS.exists()
-    wanted = [frozen.name_of("none, fields", STUDY + k) for k in range(3)]
-    # What a stopped call had made is kept, but for a line that was cut off.
-    (folder / "sets.jsonl.part").write_text(json.dumps({"name": "a", "files": {}}) + '\n{"n')
-    frozen.freeze(10.0, ["none, fields"])
-    stored = {each["name"]: each for each in frozen.sets(frozen.STUDY_SETS)}
-    assert list(stored) == sorted(["a", *wanted])
-    assert all(set(each) == {"name", "files"} for each in stored.values())
-    answers = frozen.answers()
-    assert [answers[name]["seed"] for name in wanted] == [STUDY, STUDY + 1, STUDY + 2]
-    path = frozen.unpacked(stored[wanted[0]], tmp_path / "one")
-    assert len(read_measurement(path).field) == 1
-    made = frozen.STUDY_SETS.read_bytes()
-    frozen.freeze(10.0, ["none, fields"])
-    assert frozen.STUDY_SETS.read_bytes() == made
-    assert {path.name for path in folder.iterdir()} == {"answers.jsonl.xz", "sets.jsonl.xz"}
 
 
 SIX = ["restitution", "edge_time", "eddy_lag", "field_gain", "ambient_field", "angle_drag"]
@@ -242,11 +194,11 @@ def test_a_law_is_judged_by_where_it_acts(said, effect, right):
     row = _row("law", [], said, "dominant" if said else "unexplained", hook="friction_speed")
     row["said"] |= {"laws": {NAME: effect}, "open_set": {"accepted": bool(effect)}}
     row["said"]["open_set"] |= {"effect": effect, "formula": None, "gain": None}
-    assert asked.hook_right(row) is right
+    assert Case(row).hook_right is right
     if effect:
-        assert asked.right_shape(row) is right
+        assert Case(row).right_shape is right
         row["said"]["open_set"]["accepted"] = False
-        assert asked.hook_right(row) is (right and said == NAME)
+        assert Case(row).hook_right is (right and said == NAME)
 
 
 def test_laws_are_counted_beside_causes():
@@ -254,9 +206,8 @@ def test_laws_are_counted_beside_causes():
     rows = [_row("law", [], each, seed=7 + k, hook="friction_speed") for k, each in enumerate(said)]
     found = _counts(rows)
     assert (found["hook right"], found["false terms"]) == ((1, 2), (1, 2))
-    (cause,) = by_cause(rows)
-    assert (cause["cause"], cause["in_set"], cause["wrong"]) == ("friction_speed", 1, 1)
-    assert "| law | 7 | friction_speed | 30.0 | named surface_tilt |" in misses(rows)
+    assert by_cause(rows) == [("friction_speed", "law", 2, 1, 2, 1)]
+    assert misses(rows)[0][:5] == ("law", 7, "friction_speed", "30.0", "named surface_tilt")
 
 
 def test_a_curve_is_judged_by_its_band_and_its_form():
@@ -274,25 +225,26 @@ def test_a_curve_is_judged_by_its_band_and_its_form():
         first, second = forms if right else forms[::-1]
         shape |= {"curve": {"argument": [0.0, 0.01, 0.02], "low": true - 0.001, "high": high}}
         shape |= {"formula": first, "others": [second]}
-        assert asked.band_holds(row) is asked.band_holds_all(row) is asked.form_right(row) is right
-        assert asked.form_said(row)
+        case = Case(row)
+        assert (case.inside == 1.0) is case.form_among(others=False) is right
+        assert case.form_among(others=True)
         shape["others"] = []
-        assert asked.form_said(row) is right
+        assert case.form_among(others=True) is right
     for after, is_half in ((1.5, True), (1.6, False)):
         # By table, as there may be several.
         for before, left in ((3.0, after), ({"velocity": 3.0}, {"velocity": after})):
             shape["gain"] = {"mae_before": before, "mae_after": left}
-            assert asked.halved(row) is is_half
+            assert Case(row).halved is is_half
         shape["gain"] = {"mae_before": 3.0, "mae_after": 1.0}
-        assert asked.halved_by_truth({**row, "truth_error": after}) is is_half
+        assert Case({**row, "truth_error": after}).halved_by_truth is is_half
     # The truth at 4 of 5 points.
     low = np.array([0.1, 0.1, 0.13, 0.13, true[2] + 0.01]) - 0.001
     shape["curve"] = {"argument": [0.0, 0.0, 0.01, 0.01, 0.02], "low": low, "high": low + 0.002}
-    assert (asked.band_holds(row), asked.band_holds_all(row)) == (True, False)
-    assert asked.right_shape(row)
+    assert Case(row).inside == 0.8
+    assert Case(row).right_shape
     shape["accepted"] = False
-    questions = (asked.band_holds, asked.form_right, asked.right_shape, asked.halved)
-    assert not any(question(row) for question in questions)
+    case = Case(row)
+    assert not any((case.inside, case.form_among(others=True), case.right_shape, case.halved))
 
 
 def test_the_error_of_the_truth_is_over_what_was_measured(monkeypatch):
@@ -300,18 +252,18 @@ def test_the_error_of_the_truth_is_over_what_was_measured(monkeypatch):
     table = object.__new__(VelocityTable)
     table.conditions = [{f"drive.{key}": float(k) for key in KEYS} for k in (1, 3)]
     table.mean = np.array([1.5, 2.0])
-    monkeypatch.setattr(case, "Truth", SimpleNamespace(of=lambda each: each))
+    monkeypatch.setattr(study, "Truth", SimpleNamespace(of=lambda each: each))
     # The truth is at 1 and 3, where 1.5 and 2 were measured.
     monkeypatch.setattr(
-        case, "velocities", lambda truth, drives: np.array([each["frequency"] for each in drives])
+        study, "velocities", lambda truth, drives: np.array([each["frequency"] for each in drives])
     )
-    assert case._truth_error(table, answer) == pytest.approx(0.75)
+    assert study.truth_error(table, answer) == pytest.approx(0.75)
 
 
 def test_what_is_blamed_and_what_is_said_beside_it():
     def instrument(hidden, said, verdict="named"):
         row = _row("instrument", [hidden], said, verdict)
-        return asked.instrument_said(row), asked.physical_claimed(row)
+        return Case(row).instrument_said, Case(row).physical_claimed
 
     assert instrument("length_scale", "clock_scale") == (True, False)
     assert instrument("velocity_offset", "surface_tilt") == (False, True)
@@ -325,10 +277,8 @@ def test_what_is_blamed_and_what_is_said_beside_it():
         ("misalignment", "dominant", [], True),
         ("edge_time", "dominant", [], False),
     ):
-        assert (
-            asked.second_said({**_row("hiding", answer, said, verdict), "reasons": reasons})
-            is right
-        )
+        row = {**_row("hiding", answer, said, verdict), "reasons": reasons}
+        assert Case(row).second_said is right
 
 
 def test_calibration_counts_answers_by_their_probability():
@@ -359,14 +309,16 @@ def test_the_documentation_has_the_numbers_of_the_record():
         (ROOT / name).read_text() for name in ("docs/theory/blind-study.md", "README.md")
     )
     shown = [line for line in page.splitlines() if re.search(r"\| \d+ of \d+", line)]
-    assert len(shown) > 20 and set(shown) <= set(table(rows).splitlines())
+    assert len(shown) > 20
+    assert set(shown) <= set(table(rows).splitlines())
     page, readme = (" ".join(each.split()) for each in (page, readme))
     counts = {(each["kind"], each["what"]): each for each in judged(rows, pooled=True)}
     for kind, what, text, words in (
         ("none", "false alarm", readme, "{count} false alarms in {total} sets without a cause"),
         ("single", "named", readme,
          "Of {total} sets with one strong cause, it named {count}, all correctly"),
-        ("constant 5 sd", "that constant named", page, "of the {left} missed constants are the rotational drag"),
+        ("constant 5 sd", "that constant named", page,
+         "of the {left} missed constants are the rotational drag"),
         ("weak", "detected", page, "{left} are not detected"),
         ("pair", "exact pair", page, "of the {left} that are not claimed exactly"),
         ("law", "hook right", page, "Of the {left} that are missed"),
@@ -377,9 +329,8 @@ def test_the_documentation_has_the_numbers_of_the_record():
     right = counts["single", "right when named"]
     assert right["count"] == right["total"] == counts["single", "named"]["count"]
     assert f"on {len(rows)} synthetic data sets" in readme
-    alarms = Counter(
-        row["said"]["verdict"] for row in counted(rows) if row["answer"]["kind"].startswith("none")
-    )
+    cases = [case for case in map(Case, rows) if case.counted]
+    alarms = Counter(case.verdict for case in cases if case.kind.startswith("none"))
     sets, other = alarms["ambiguous"], alarms["unexplained"]
     assert f"{sets} are sets of causes, {other} is `unexplained`" in page
     assert alarms.total() == alarms["none"] + sets + other
@@ -390,44 +341,8 @@ def test_the_documentation_has_the_numbers_of_the_record():
     assert f"{slow.total()} took more than 240 s of CPU time: {kinds}" in page
 
 
-def test_every_family_of_the_table_has_words():
-    assert set(FAMILY_WORDS) == {each.family for each in KINDS.values()}
-
-
-def test_stored_data_sets_are_diagnosed_before_their_answers_are_opened(tmp_path, monkeypatch):
-    """A row for each set of the present engine, without the answer; another call adds none."""
-    stored_sets = [{"name": f"set {k}", "files": {"measurement.toml": str(k)}} for k in range(3)]
-    now = {"engine": "a", "data": "b"}
-    said = {**_row("none", [], None, "none"), "cpu_seconds": 1.0}
-    said["said"] |= {"p_value": 0.5, "laws": {}, "next_experiments": []}
-    del said["answer"]
-
-    def refused():
-        raise AssertionError("an answer was opened")
-
-    for name, value in {
-        "SAID": tmp_path / "said.jsonl", "RECORD": tmp_path / "record.jsonl",
-        "state": lambda: now, "sets": lambda path: stored_sets, "answers": refused,
-        "diagnosed": lambda folder: {**said, "said": dict(said["said"])},
-    }.items():  # fmt: skip
-        monkeypatch.setattr(stored, name, value)
-    (tmp_path / "said.jsonl").write_text(json.dumps({"name": "set 0", "state": {"engine": "e"}}))
-    with (tmp_path / "said.jsonl").open("a") as file:
-        file.write("\n")
-    for part in (0, 1, 0):
-        stored.diagnose_stored(1.0, part, 2)
-    assert sorted(stored.said(now)) == ["set 0", "set 1", "set 2"]
-    assert len((tmp_path / "said.jsonl").read_text().splitlines()) == 4
-    assert "answer" not in (tmp_path / "said.jsonl").read_text()
-    answer = _row("none", [], None)["answer"] | {"hook": ""}
-    monkeypatch.setattr(stored, "answers", lambda: {each["name"]: answer for each in stored_sets})
-    stored.judge()
-    rows = (tmp_path / "record.jsonl").read_text().splitlines()
-    assert [json.loads(row)["answer"]["kind"] for row in rows] == ["none"] * 3
-
-
 def test_the_documentation_counts_the_stored_study():
-    rows = read(stored.RECORD)
+    rows = read(study.HERE / "study" / study.RECORD)
     page = (ROOT / "docs/theory/blind-study.md").read_text()
     assert f"diagnosed {len(rows)} stored data sets" in " ".join(page.split())
     assert len({json.dumps(row["state"]) for row in rows}) == 1

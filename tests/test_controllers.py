@@ -1,4 +1,4 @@
-"""The controllers of the page on control, on a few robots."""
+"""The example of two controllers, on a few robots."""
 
 import sys
 from pathlib import Path
@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
+sys.path.append(str(Path(__file__).resolve().parents[1] / "examples"))
 
-from controllers import ENOUGH, SURE, TOLERANCE, Coarse, Fine, drawn, judged, within
+import controllers
+from controllers import ENOUGH, SURE, TOLERANCE, Coarse, Fine, drawn, judged
 
 from stickslip.control import Camera, Film
 
@@ -32,35 +33,27 @@ def test_the_tables_can_be_read_backwards(tables):
     assert (np.diff(fine.heights) > 0.0).all()
     assert (np.diff(fine.steps) > 0.0).all()
     assert (fine.steps[fine.heights < 0.0] < 0.0).all()
-    # The tolerance is within reach: some step is shorter, and all the way between is covered.
+    # The tolerance is within reach: some step is shorter.
     assert np.abs(fine.steps).min() < TOLERANCE
     assert (coarse.low <= coarse.median).all()
     assert (coarse.median <= coarse.high).all()
-
-
-def test_the_coarse_controller_is_slow_near_the_goal(tables):
-    coarse, _ = tables
     near, far = coarse.choose(np.array([0.0, 1e-3]))
     assert near == coarse.slowest
     assert far == np.argmax(coarse.low)
 
 
-def test_all_robots_come_within_two_micrometres_of_the_goal_by_their_state(outcomes):
-    outcome = outcomes["exact state, coarse and fine"]
-    assert np.isfinite(outcome.time).all()
+def test_robots_come_within_two_micrometres_of_the_goal(outcomes):
+    exact = outcomes["exact state, coarse and fine"]
     # Done is who is seen within ENOUGH.
-    assert np.abs(outcome.error).max() <= ENOUGH + STILL
-    assert within(outcome) == 1.0
-
-
-def test_robots_come_within_two_micrometres_of_the_goal_through_a_camera(outcomes):
-    outcome = outcomes["camera, coarse and fine"]
-    assert np.isfinite(outcome.time).all()
+    assert np.abs(exact.error).max() <= ENOUGH + STILL
+    assert exact.within == 1.0
+    seen = outcomes["camera, coarse and fine"]
     # The mean of the images is within ENOUGH, and has the deviation SURE: beyond 4 of them are
     # 6 in 1e5. At worst all means are at the edge, and then 5 % of the robots are 1.7 deviations
     # beyond it, which is the tolerance: of twelve 3 or more with a probability of 2 %.
-    assert np.abs(outcome.error).max() <= ENOUGH + 4.0 * SURE + STILL
-    assert within(outcome) >= (COUNT - 2) / COUNT
+    assert np.isfinite(seen.time).all()
+    assert np.abs(seen.error).max() <= ENOUGH + 4.0 * SURE + STILL
+    assert seen.within >= (COUNT - 2) / COUNT
 
 
 def test_the_fine_controller_gains_what_the_coarse_one_leaves(outcomes):
@@ -70,6 +63,16 @@ def test_the_fine_controller_gains_what_the_coarse_one_leaves(outcomes):
         # A pulse goes at most 35 um, and the coarse controller leaves less than some hundred.
         assert np.abs(alone.error).max() < 1e-4
         assert both.pulses.min() >= 1
+
+
+def test_the_table_has_a_row_for_each(tables, outcomes, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["controllers.py", "--robots", str(COUNT)])
+    monkeypatch.setattr(controllers, "judged", lambda *_: outcomes)
+    monkeypatch.setattr(Coarse, "simulated", lambda _: tables[0])
+    monkeypatch.setattr(Fine, "simulated", lambda _: tables[1])
+    controllers.main()
+    rows = capsys.readouterr().out.splitlines()[2:]
+    assert [each.split(" | ")[0] for each in rows] == [f"| {name}" for name in outcomes]
 
 
 def test_a_film_of_many_robots_is_a_film_of_each():

@@ -143,7 +143,6 @@ def test_the_numbers_of_the_readme_are_those_of_the_tables():
         for each in measured["tolerances"]
     }
     peers = json.loads((DOCS / "measured" / "peers.json").read_text())
-    # One run each; those of many runs have a unit of their own.
     single = [each for each in peers["rows"] if each["unit"] == "CPU s / simulated s"]
     ratios = {
         name: sorted(each["ratio"] for each in single if each["peer"] == name)

@@ -55,7 +55,6 @@ def test_a_name_that_does_not_exist_is_reported(text, said):
         "`cpp/stickslip/`",
         "{class}`stickslip.Scenario`",
         "`stickslip.Scenario.drive`",
-        "`bench/results/fuzz/found.jsonl`",  # is made
         "`report.html`",  # is written by the command
         "[a page](docs/start.md#part)",
         "```sh\nstickslip run a.toml --out made\n```\n\nin `made/`",

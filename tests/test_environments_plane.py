@@ -7,16 +7,9 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 from measured_maps import HALF, formula_map, with_map
-from stickslip import Scenario, ScenarioError, Simulator, State
+from stickslip import STATE_COLUMNS, Scenario, ScenarioError, Simulator, State
 from stickslip.control import Camera, Path, heading_voltages
-from stickslip.control.environments import RobotEnv, RobotVectorEnv
-from stickslip.control.observations import (
-    CAMERA_OBSERVED_IN_PLANE,
-    CAMERA_UNITS_IN_PLANE,
-    OBSERVED_IN_PLANE,
-    PLACE,
-    UNITS_IN_PLANE,
-)
+from stickslip.control.environments import CAMERA_OBSERVED, OBSERVED, RobotEnv, RobotVectorEnv
 
 COILS = ("xp", "xm", "yp", "ym", "clamp")
 TOOTH = np.linspace(1.0, -0.6, 10)  # 26 V, and down to 5 V
@@ -38,10 +31,9 @@ def walked(env, steps, turn=0.0):
 def test_the_spaces_are_those_of_a_robot_that_is_steered(task):
     env = RobotEnv(task=task)
     assert env.action_space.shape == (3,)
-    assert env.observation_space.shape == (len(OBSERVED_IN_PLANE),) == (len(UNITS_IN_PLANE),)
+    assert env.observation_space.shape == (len(OBSERVED),)
     seen = RobotEnv(task=task, camera=Camera())
-    columns = (len(CAMERA_OBSERVED_IN_PLANE),)
-    assert seen.observation_space.shape == columns == (len(CAMERA_UNITS_IN_PLANE),)
+    assert seen.observation_space.shape == (len(CAMERA_OBSERVED),)
     assert RobotEnv(task=task, coils=COILS).action_space.shape == (5,)
 
 
@@ -61,8 +53,8 @@ def test_a_steered_robot_moves_as_a_simulator():
         for sim, own, seen in zip(sims, volts, observations, strict=True):
             state = sim.step(own, 1e-3)
             values = [math.cos(state.heading), math.sin(state.heading)]
-            values += [getattr(state, name) for name in OBSERVED_IN_PLANE[4:]]
-            assert np.array_equal(seen[2:], np.array(values) / UNITS_IN_PLANE[2:])
+            values += [getattr(state, name) for name in [*OBSERVED][4:]]
+            assert np.array_equal(seen[2:], np.array(values) / [*OBSERVED.values()][2:])
     assert np.abs(headings).min() > 0.01  # all of them have turned
 
 
@@ -95,7 +87,7 @@ def test_a_goal_lies_somewhere_around_the_start():
 def test_a_goal_in_the_plane_that_is_reached_ends_an_episode_with_success():
     env = RobotEnv(task="reach")
     env.reset(seed=1)
-    env._many._targets._goals[:] = [30e-6, -20e-6]
+    env._many._targets.goals[:] = [30e-6, -20e-6]
     _, reward, terminated, truncated, info = env.step(np.zeros(3))
     assert terminated
     assert not truncated
@@ -131,7 +123,7 @@ def test_a_straight_path_is_followed_to_its_end():
     assert abs(info["across"]) < 1e-15  # rounding of the field across
     assert sum(rewards) == pytest.approx(1e3 * info["progress"] + 1.0)
     # The next point ahead is the end.
-    x = 1e-3 * observation[OBSERVED_IN_PLANE.index("x")]
+    x = 1e-3 * observation[[*OBSERVED].index("x")]
     assert observation[:2] == pytest.approx([(0.4e-3 - x) / 1e-3, 0.0], abs=1e-12)
 
 
@@ -139,7 +131,7 @@ def test_what_counts_is_the_way_along_the_path_less_what_is_beside_it():
     slanted = Path([(0.0, 0.0), (1e-2 * math.cos(0.3), 1e-2 * math.sin(0.3))])
     env = RobotEnv(task="follow", path=slanted)
     rewards, (*_, info) = walked(env, 200)
-    x, y = env._many._states[0, PLACE]
+    x, y = (env._many._states[0, STATE_COLUMNS.index(name)] for name in ("x", "y"))
     assert abs(y) < 1e-15  # rounding of the field across
     assert info["progress"] == pytest.approx(x * math.cos(0.3))
     assert info["across"] == pytest.approx(-x * math.sin(0.3))
@@ -190,12 +182,22 @@ def test_a_camera_shows_the_goal_from_where_it_sees_the_robot():
     for k in range(60):
         actions = np.tile(np.float32([0.2, TOOTH[k % 10], -0.4]), (5, 1))
         observations, *_ = envs.step(actions)
-    ahead, left, cosine, sine, x, y, _, age = (observations * CAMERA_UNITS_IN_PLANE).T
+    ahead, left, cosine, sine, x, y, _, age = (observations * [*CAMERA_OBSERVED.values()]).T
     assert cosine**2 + sine**2 == pytest.approx(1.0)
     goals = np.column_stack([x + cosine * ahead - sine * left, y + sine * ahead + cosine * left])
-    assert goals == pytest.approx(envs._targets._goals, abs=1e-12)
+    assert goals == pytest.approx(envs._targets.goals, abs=1e-12)
     assert (np.abs(x - envs._states[:, 0]) > 1e-7).all()
     assert ((age >= 0.02 - 1e-9) & (age < 0.03 + 1e-9)).all()
+
+
+def test_the_next_point_of_a_path_lies_ahead_of_where_the_robot_is_seen():
+    camera = Camera(frame_rate=100.0, latency=0.05)
+    path = Path([(0.0, 0.0), (5e-3, 0.0)])
+    env = RobotEnv(task="follow", path=path, camera=camera)
+    _, (observation, *_, info) = walked(env, 200)
+    ahead, _, _, _, x, *_ = observation * [*CAMERA_OBSERVED.values()]
+    assert x < info["progress"] - 20e-6  # it walks some 2 mm/s
+    assert ahead == pytest.approx(0.25e-3, abs=1e-9)
 
 
 def test_robots_that_go_on_keep_their_figures_where_another_begins_anew():

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from stickslip import ScenarioError
 from stickslip.control import Path, heading_voltages
 
 EIGHT = Path.figure_of_eight(4e-3)
@@ -16,19 +15,6 @@ def test_a_path_is_known_by_its_length():
     assert path.length == pytest.approx(4e-3)
     expected = [[0.0, 0.0], [2e-3, 0.0], [3e-3, 0.5e-3], [3e-3, 1e-3]]
     assert path.at([-1.0, 2e-3, 3.5e-3, 1.0]) == pytest.approx(np.array(expected))
-
-
-def test_a_function_of_the_length_is_a_path():
-    radius = 1e-3
-    length = math.pi * radius
-
-    def half_circle(s):
-        return radius * math.sin(s / radius), radius * (1.0 - math.cos(s / radius))
-
-    path = Path.of_length(half_circle, length, step=10e-6)
-    # A chord is shorter than its arc by the third power of its angle over 24.
-    assert path.length == pytest.approx(length, rel=0.01**2 / 24)
-    assert path.at(length) == pytest.approx([0.0, 2e-3], abs=1e-8)
 
 
 def test_the_figure_of_eight_has_its_size():
@@ -82,31 +68,3 @@ def test_a_heading_is_made_by_the_coils_that_lie_ahead():
         [0.0, -20.0 * root, 0.0, -20.0 * root, -10.0],
     ]
     assert heading_voltages(headings, 20.0, -10.0) == pytest.approx(np.array(expected))
-
-
-REFUSED = {
-    r"path of shape \(3,\)": lambda: Path([1.0, 2.0, 3.0]),
-    r"path of shape \(1, 2\)": lambda: Path([(0.0, 0.0)]),
-    "finite": lambda: Path([(0.0, 0.0), (math.nan, 0.0)]),
-    r'path = "L": allowed is shape \(k, 2\)': lambda: Path("L"),
-    "path = None": lambda: Path(None),
-    "path = .*: allowed is shape": lambda: Path([(0.0, 0.0), (1.0,)]),
-    'heading = "north": allowed is finite numbers of rad': lambda: heading_voltages(
-        "north", 26, -10
-    ),
-    "heading = nan": lambda: heading_voltages(math.nan, 26.0, -10.0),
-    "along = inf": lambda: heading_voltages(0.0, math.inf, -10.0),
-    "clamp = None": lambda: heading_voltages(0.0, 26.0, None),
-    r"shapes \(3,\), \(2,\), \(\)": lambda: heading_voltages(np.zeros(3), np.zeros(2), 0.0),
-    "corner 1 is where": lambda: Path([(0.0, 0.0), (0.0, 0.0)]),
-    "width = 0": lambda: Path.figure_of_eight(0),
-    "path.step = -1": lambda: Path.of_length(lambda s: (s, 0.0), 1e-3, -1),
-    "path.length = ": lambda: Path.of_length(lambda s: (s, 0.0), math.inf, 1e-6),
-}
-
-
-@pytest.mark.parametrize("told", REFUSED)
-def test_what_is_no_path_and_no_heading_is_refused_in_one_line(told):
-    with pytest.raises(ScenarioError, match=told) as refusal:
-        REFUSED[told]()
-    assert "\n" not in str(refusal.value)

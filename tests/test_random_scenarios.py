@@ -1,40 +1,46 @@
-"""Random scenarios over wide ranges: each ends, with finite numbers and a possible motion."""
+"""Random scenarios over wide ranges: each ends, with finite numbers and a possible motion.
+
+`make nightly` draws more: `--hypothesis-profile nightly --hypothesis-seed N`. The scenario that is
+being run stands in .hypothesis/running, for a crash or a hang that leaves no other trace.
+"""
 
 import math
+import os
+import re
 import subprocess
 import sys
+from pathlib import Path
 
+import numpy as np
 import pytest
-from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import laws
+from fine_record import recorded
 from helpers import MOMENT, WEIGHT, violations
-from stickslip import Scenario, simulate
+from populations import EXTREME, PAPER, WIDE, WILD, decades, number
+from stickslip import Scenario, Solver, _core, simulate, simulate_batch
+from stickslip.scenario.keys import known_keys
+from stickslip.scenario.sections import SAWTOOTH
+
+# A hang in the core hears no signal: the thread of pytest-timeout ends the process.
+pytestmark = pytest.mark.timeout(1800, method="thread")
+
+ROOT = Path(__file__).resolve().parents[1]
+RUNNING = ROOT / ".hypothesis" / "running"
+SANITIZED = ROOT / "build" / "asan" / "stickslip_fuzz"
 
 STEPS_AT_MOST = 10**6  # a run of a few pulses takes some thousand; what takes more goes nowhere
-
-SETTINGS = {
-    "derandomize": True,
-    "deadline": None,
-    "database": None,
-    "suppress_health_check": list(HealthCheck),
-    # A failing example is reported as it was drawn; shrinking it would take minutes.
-    "phases": (Phase.explicit, Phase.generate),
-}
+BUDGET = 3 * STEPS_AT_MOST  # a stiff scenario is to say so, not to keep the others waiting
+TIGHT = 1e-10  # relative tolerance at which balances are looked at
+REFERENCE = {"solver.rtol": 1e-11, "solver.method": "tsit5", "solver.max_step": 0.0}
+FLOOR = 1e-6  # m/s, a thousandth of the paper's speed: smaller ones are compared relative to it
 
 
-# Drawn as whole numbers, which hypothesis spreads over the range; floats it would crowd about zero.
-STEPS = 10**6
-
-
-def number(low, high):
-    """Uniform, with both ends likely."""
-    inside = st.integers(0, STEPS).map(lambda k: low + (high - low) * k / STEPS)
-    return st.one_of(st.sampled_from([low, high]), inside, inside)
-
-
-def decades(low, high):
-    return st.integers(0, STEPS).map(lambda k: low * (high / low) ** (k / STEPS))
+def share(part):
+    """Examples of a dear test, of those of the profile."""
+    return math.ceil(part * settings.default.max_examples)
 
 
 def often(value, other):
@@ -116,30 +122,148 @@ with_rebound = scenarios(restitution=number(0.0, 0.9))
 
 
 @pytest.mark.nightly
-@settings(max_examples=300, **SETTINGS)
+@settings(max_examples=300)
 @given(scenario=st.one_of(without_rebound, with_rebound))
 def test_invariants_hold_at_a_tight_tolerance(scenario):
     assert_sound(scenario, rtol=1e-10, slack=1e-9, speed_slack=1e-9)
 
 
-@settings(max_examples=300, **SETTINGS)
+@settings(max_examples=300)
 @given(scenario=st.one_of(without_rebound, with_rebound))
 def test_invariants_hold_at_the_default_tolerance(scenario):
     assert_sound(scenario, rtol=1e-7, slack=1e-2, speed_slack=1e-4, gap_slack=1e-9)
 
 
 @pytest.mark.nightly
-@settings(max_examples=100, **SETTINGS)
+@settings(max_examples=100)
 @given(scenario=scenarios(restitution=number(0.9, 1.0)))
 def test_elastic_bounces_end(scenario):
     simulated(scenario, endless=True)
 
 
-@settings(max_examples=60, **SETTINGS)
+@settings(max_examples=60)
 @given(scenario=st.one_of(without_rebound, with_rebound))
 def test_a_run_repeats_to_the_last_bit(scenario):
     # As text, where NaN equals itself.
     assert repr(simulate(scenario).summary()) == repr(simulate(scenario).summary())
+
+
+def noted(*scenarios):
+    """The scenarios, which are written down before they run."""
+    RUNNING.mkdir(parents=True, exist_ok=True)
+    name = f"{os.environ.get('PYTEST_XDIST_WORKER', 'alone')}.toml"
+    (RUNNING / name).write_text("\n".join(each.to_toml() for each in scenarios))
+    return list(scenarios)
+
+
+def assert_ended(run, extreme=False):
+    """With a known status and a message, with finite numbers where it is ok."""
+    text = f"{run.status}: {run.message}\n{run.scenario.to_toml()}"
+    assert run.status in _core.statuses, text
+    assert run.message.strip(), text
+    if run.ok:
+        for name, value in run.summary().items():
+            assert not isinstance(value, float) or math.isfinite(value), f"{name}: {text}"
+        return
+    # Bounces that lose little are ever smaller, and a patch's coefficient jumps where a face
+    # becomes a corner, so that neither lasts.
+    endless = run.scenario.contact.restitution >= 0.95
+    endless |= run.scenario.get("effects.friction_patches.amplitude") != 0.0
+    damped = re.search(r"damps a motion in (\S+) s", run.message)
+    step = run.summary()["simulated_time"] / float(run.scenario.get("solver.max_steps"))
+    fine = {
+        "left_workspace": True,
+        "too_many_events": endless,
+        "too_many_steps": endless or (damped is not None and float(damped[1]) < 10 * step),
+    }
+    assert extreme or fine.get(run.status, False), text
+
+
+@given(scenario=st.one_of(PAPER, WIDE, WILD))
+def test_a_run_ends(scenario):
+    assert_ended(simulate(*noted(scenario.replace({"solver.max_steps": BUDGET}))))
+
+
+@given(scenario=EXTREME)
+def test_a_run_of_any_allowed_values_ends_or_says_why_not(scenario):
+    assert_ended(simulate(*noted(scenario)), extreme=True)
+
+
+@settings(max_examples=share(0.1))
+@given(scenarios=st.lists(st.one_of(PAPER, WIDE, WILD), min_size=12, max_size=12))
+def test_runs_of_a_batch_end_as_they_do_alone(scenarios):
+    quiet = {"solver.max_steps": BUDGET, "record.rate": "none"}
+    some = noted(*(each.replace(quiet) for each in scenarios))
+    runs = simulate_batch(some, threads=1)
+    for run in runs:
+        assert_ended(run)
+    for index in range(0, len(some), 4):
+        # As text, where NaN equals itself.
+        assert repr(simulate(some[index]).summary()) == repr(runs[index].summary())
+
+
+@given(scenario=st.one_of(PAPER, WIDE, WILD))
+def test_a_motion_keeps_the_laws_of_contact_momentum_and_energy(scenario):
+    (scenario,) = noted(scenario.replace({"solver.max_steps": BUDGET}))
+    for rtol in (scenario.solver.rtol, TIGHT):
+        (record,) = recorded([scenario], rtol)
+        if record is None:
+            return
+        found = laws.contact_violations(record)
+        if rtol == TIGHT:
+            found += laws.unbalanced(record)
+        if scenario.contact.restitution and scenario.contact.static_friction:
+            # Newton's restitution can add energy to an oblique impact with friction.
+            found = [line for line in found if "gained across an event" not in line]
+        assert not found, "\n".join([*found, scenario.to_toml()])
+
+
+@given(scenario=PAPER)
+@settings(max_examples=share(0.5))
+@pytest.mark.parametrize(
+    ("tried", "reference"),
+    [({"solver.rtol": Solver().rtol}, REFERENCE), ({"solver.method": "arkode"}, REFERENCE)],
+    ids=["tolerance", "integrator"],
+)
+def test_the_mean_velocity_is_that_of_a_tight_tolerance(scenario, tried, reference):
+    (scenario,) = noted(scenario.replace(reference))
+    first, second = simulate(scenario.replace(tried)), simulate(scenario)
+    assert first.status == second.status
+    off = relative(first.mean_velocity, second.mean_velocity)
+    if off > 1e-3:
+        # A motion that amplifies every error has no mean velocity to compare: the default
+        # tolerance's part of the robot's mass moves it as far, and no step can do better.
+        heavier = {"robot.mass": scenario.robot.mass * (1.0 + Solver().rtol)}
+        again = simulate(scenario.replace(heavier))
+        moved = relative(again.mean_velocity, second.mean_velocity)
+        assert moved > 0.1 * off, f"off by {off:.3g}:\n{scenario.to_toml()}"
+
+
+def relative(value, reference):
+    return abs(value - reference) / max(abs(reference), FLOOR)
+
+
+@pytest.mark.nightly
+@settings(max_examples=share(0.3))
+@pytest.mark.skipif(not SANITIZED.exists(), reason="cmake --build --preset asan builds it")
+@given(scenario=st.one_of(PAPER, WIDE, WILD, EXTREME))
+def test_the_sanitizers_are_silent(scenario):
+    keys = {}
+    program = scenario.drive.program
+    for name in known_keys():
+        if name not in SAWTOOTH or program is None:
+            value = scenario.get(name)
+            keys[name] = repr(value) if isinstance(value, float) else str(value)
+    if program is not None:
+        ((times, voltages, repeats),) = program.to_core()
+        rows = np.column_stack([times, voltages]).tolist()
+        keys["program"] = ";".join([str(repeats), *(" ".join(map(repr, row)) for row in rows)])
+    text = "".join(f"{key}={value}\n" for key, value in keys.items())
+    try:
+        done = subprocess.run([SANITIZED], input=text, capture_output=True, text=True, timeout=25)
+    except subprocess.TimeoutExpired:
+        return  # sanitized runs take ten times as long; other tests look for hangs
+    assert done.returncode == 0, f"{done.stderr}\n{scenario.to_toml()}"
 
 
 # Drawn elsewhere and once wrong: a touch-down that the forces undo at once, with adhesion or

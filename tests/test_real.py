@@ -1,6 +1,5 @@
 """Measured sets with a known cause, diagnosed by the bench and judged."""
 
-import json
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -72,17 +71,6 @@ def test_each_judgement_is_given(segments):
         assert judged(found, known) == said
     (nearest,) = missed.verdict.leader.names
     assert judged(missed, Truth((nearest,))) == "silent, the truth nearest"
-
-
-def test_results_are_kept_beside_those_of_other_sets(tmp_path):
-    out = tmp_path / "new" / "real.json"
-    found = {}
-    for key, value in (("a", 1), ("b", 2), ("a", 3)):
-        study.keep(found, {key: {"value": value}}, out)
-    rows = json.loads(out.read_text(encoding="utf-8"))["rows"]
-    assert rows == {"a": {"value": 3}, "b": {"value": 2}}
-    with pytest.raises(SystemExit):
-        study.main(["axes", "--out", str(out)])
 
 
 def record(pump):

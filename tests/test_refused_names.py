@@ -5,7 +5,6 @@ import re
 import pytest
 
 from stickslip import Scenario, ScenarioError, Waveform, reproduce
-from stickslip.control.tasks import task_named
 from stickslip.diagnosis import Cause, Parameter, Table, diagnose_model
 from stickslip.scenario.keys import known_keys, meant, nearest, suggestion
 from stickslip.scenario.priors import Prior
@@ -19,7 +18,6 @@ def cause(_):
 
 WRONG = {
     "coil": (lambda _: Waveform.hold(0.1, {"clmap": 1.0}), "clamp"),
-    "task": (lambda _: task_named("raech"), "reach"),
     "key": (lambda _: Scenario().replace({"frequency": 3.0}), "drive.frequency"),
     "key in another case": (lambda _: Scenario().get("DRIVE.EDGE"), "drive.edge"),
     "word": (lambda _: Scenario().replace({"drive.clamp": "dwon"}), "down"),

@@ -93,6 +93,14 @@ def test_the_swing_of_the_field_is_that_of_the_simulated_current(frequency):
     assert swing == pytest.approx(field_swing(frequency, tau), rel=2e-3)
 
 
+def test_the_swing_of_a_coil_far_from_its_time_constant_is_that_of_the_limit():
+    # Of s = T / tau it is s / 8 up to a term in s^3, and 1 for a coil that follows at once.
+    for share in (1e-3, 1e-5, 1e-7, 1e-300):
+        assert field_swing(1.0, 1.0 / share) == pytest.approx(share / 8.0, rel=1e-6)
+    assert field_swing(1.0, 1e-9) == pytest.approx(1.0, abs=1e-7)
+    assert field_swing(1e-300, 1e-300) == 1.0
+
+
 def test_a_program_that_is_over_before_the_current_has_followed_is_noted():
     def noted(duration):
         program = Waveform.ramp(duration, {"xp": 5.0}, {"xp": 10.0})

@@ -7,8 +7,20 @@ falls as 1/(1 + (v/vs)^2), drag goes with |cos theta|, patches are triangles.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
+
+from reference.laws import ARGUMENTS, laws_of, total
+
+Array = NDArray[np.float64]
 
 Value = float | str
 
@@ -17,23 +29,14 @@ Value = float | str
 class Entry:
     """Something to hide.
 
-    Attributes
-    ----------
-    sizes : tuple of dict
-        Variants, of which one is drawn: parameters at an amount of 1, SI units.
-    offset : dict
-        What a parameter has at an amount of 0, if that is not 0.
-    fixed : dict
-        Parameters that no amount changes. An entry without them has the library's form.
-    drawn : dict of (low, high)
-        Parameters that are drawn, uniform in the logarithm.
-    least, most : float
-        Range of the amount; one below 0 may have either sign.
-    accepted : tuple of str
-        Names that are as right as its own, since no velocity tells them apart.
-    rivals : tuple of str
-        Causes and constants of another kind that look alike. A law has to be as strong as its kind
-        asks for beside each of them: what one of them explains is no truth outside the library.
+    sizes: Variants, of which one is drawn: parameters at an amount of 1, SI units. offset: What
+    a parameter has at an amount of 0, if that is not 0. fixed: Parameters that no amount
+    changes. An entry without them has the library's form. drawn: Parameters that are drawn,
+    uniform in the logarithm. least, most: Range of the amount; one below 0 may have either
+    sign. accepted: Names that are as right as its own, since no velocity tells them apart.
+    rivals: Causes and constants of another kind that look alike. A law has to be as strong as
+    its kind asks for beside each of them: what one of them explains is no truth outside the
+    library.
     """
 
     sizes: tuple[Mapping[str, float], ...]
@@ -196,3 +199,32 @@ def parameters(name: str, base: Mapping[str, Value], amount: float) -> dict[str,
         else value
         for key, value in base.items()
     }
+
+
+_BELL = ("a (1 - exp(-(u / b)^2))", "a exp(-(u / b)^2)")
+_LEVELLING = ("a (1 - exp(-|u| / b))", "a exp(-|u| / b)", "a u / (b + |u|)")
+FORMULAS = {
+    "power": ("a sqrt(|u|)",),
+    "rise": _LEVELLING,
+    "saturation": (*_BELL, *_LEVELLING),
+    "gaussian": _BELL,
+    "rational": _BELL,
+    "hump": ("a (u / b) exp(1 - |u| / b)", "a exp(-((|u| - b) / c)^2)"),
+    # Of the size of a sine, which begins with a corner: no square of one does.
+    "sine": ("a |sin(u)|", *_LEVELLING),
+}
+"""Formulas that a diagnosis may propose and that are a law's form, or bend as it does.
+
+The free constant of a law makes up for a level, so that what rises to 0 is what falls from it.
+"""
+
+
+def law_change(law: Mapping[str, Any], values: Array) -> Array:
+    """How a hidden law changes what it is of, relative, at values of its argument of any sign."""
+    words = tuple(str(law[key]) for key in ("target", "argument", "form"))
+    # Angles have no scale.
+    numbers = (law["amplitude"], law.get("scale", 1.0), law["exponent"])
+    terms = getattr(laws_of([(*words, *numbers)]), words[0])
+    at = np.zeros((len(values), len(ARGUMENTS)))
+    at[:, ARGUMENTS.index(words[1])] = np.abs(values)
+    return np.array([total(terms, row) for row in at])

@@ -28,13 +28,9 @@ _HIDING = (25.0, 40.0)  # S of a cause that hides another one
 class Made:
     """A data set without its noise.
 
-    Attributes
-    ----------
-    strength : float
-        The least of the hidden causes' S.
-    more : dict of float
-        `error`: size of a model error over that of the cause beside it. `cosine` and `like`: of a
-        thing that no cause lists, the largest cosine to a listed cause and its name.
+    strength: The least of the hidden causes' S. more: `error`: size of a model error over that
+    of the cause beside it. `cosine` and `like`: of a thing that no cause lists, the largest
+    cosine to a listed cause and its name.
     """
 
     truth: Truth

@@ -23,17 +23,10 @@ TABLES = ("velocity", "angle", "field")
 class Noise:
     """Errors of the readings beyond independent normal ones.
 
-    Attributes
-    ----------
-    t4 : bool
-        Student's law with four degrees of freedom.
-    setups : bool
-        The robot was put down anew for every trial: half the noise, or a relative change.
-    outlier : bool
-        One wild trial of all.
-    correlated : (float, float), optional
-        Range of a first-order correlation along the frequencies of a curve and the frames of a
-        film.
+    t4: Student's law with four degrees of freedom. setups: The robot was put down anew for
+    every trial: half the noise, or a relative change. outlier: One wild trial of all.
+    correlated: Range of a first-order correlation along the frequencies of a curve and the
+    frames of a film.
     """
 
     t4: bool = False
@@ -46,28 +39,15 @@ class Noise:
 class Kind:
     """A kind of data set.
 
-    Attributes
-    ----------
-    count : int
-        How many there are to choose by: seeds from 23000 on.
-    study : int
-        How many there are to judge by, once: seeds from 25000 on.
-    family : str
-        Whose demands it is judged by; see scoring.py.
-    hidden : tuple of tuple of str
-        What is hidden in one data set after the other, names of the catalogue or constants.
-    wanted : (float, float), optional
-        Signal to noise of each hidden thing after recalibration, low and high end; of a law also
-        beside each of its rivals.
-    tables : tuple of str
-        What was measured.
-    noise : Noise
-    error : bool
-        The last hidden thing is a model error beside the cause: its effect, after recalibration,
-        is a share of that of the cause; see ERROR_SHARE.
-    alike : (float, float), optional
-        Range in which the largest cosine between the effect and that of any listed cause should
-        be, after recalibration; another thing is hidden where it is not.
+    count: How many there are to choose by: seeds from 23000 on. study: How many there are to
+    judge by, once: seeds from 25000 on. family: Whose demands it is judged by; see scoring.py.
+    hidden: What is hidden in one data set after the other, names of the catalogue or constants.
+    wanted: Signal to noise of each hidden thing after recalibration, low and high end; of a law
+    also beside each of its rivals. tables: What was measured. noise. error: The last hidden
+    thing is a model error beside the cause: its effect, after recalibration, is a share of that
+    of the cause; see ERROR_SHARE. alike: Range in which the largest cosine between the effect
+    and that of any listed cause should be, after recalibration; another thing is hidden where
+    it is not.
     """
 
     count: int

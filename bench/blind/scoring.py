@@ -1,196 +1,355 @@
-"""Counts of a blind study beside what is asked, with 95 % intervals of Wilson (1927)."""
+"""Counts of a blind study beside what is asked, and its tables in Markdown.
+
+Intervals are those of Wilson (1927), 95 %.
+"""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from blind.kinds import KINDS
-from blind.questions import (
-    Row,
-    alarm,
-    alike,
-    any_claim,
-    any_row,
-    band_holds,
-    band_holds_all,
-    comparable,
-    comparable_beside,
-    consistent,
-    dominant,
-    exact_pair,
-    false_cause,
-    false_term,
-    few_members,
-    first_in_rank,
-    followed,
-    followed_right,
-    form_right,
-    form_said,
-    found,
-    gained,
-    halved,
-    halved_by_truth,
-    hook_right,
-    in_few,
-    in_set,
-    instrument_said,
-    named,
-    pair_claimed,
-    parameters_within,
-    physical_claimed,
-    right_beside_error,
-    right_shape,
-    right_when_dominant,
-    rightly_named,
-    second_said,
-    set_said,
-    strong_enough,
-    structure_blamed,
-    unexplained,
-    unlike,
-    wrongly_claimed,
-    wrongly_dominant_beside_error,
-    wrongly_dominant_unlisted,
-    wrongly_named_beside_error,
-    wrongly_named_unlisted,
+from blind.catalogue import CAUSES, FORMULAS, HOOK_OF, INSTRUMENT_NAMES, LAWS, entry, law_change
+from blind.kinds import ALIKE, KINDS
+
+Row = dict[str, Any]
+
+# Share of the wanted signal to noise below which a data set is not counted: with its constants the
+# cause cannot be as strong as the kind asks for.
+_REACHED = 0.9
+_FEW = 6  # members of a set that are still an answer
+# Codes of a verdict's reasons that say that a cause was named and something is left over; those in
+# capitals are in the record of an earlier engine.
+_LEFT_OVER = ("SMOOTH_REST", "PAIR_LEADS_TOO_LITTLE", "second-cause-predicts-nothing")
+# Parameters whose library form is the generator's too, so that their values can be compared.
+_SAME_FORM = {
+    f"{name}.{key}"
+    for name, each in CAUSES.items()
+    if not each.fixed
+    for size in each.sizes
+    for key in size
+}
+_CONSTANT = {
+    "friction": "contact.kinetic_friction", "sliding": "contact.kinetic_friction",
+    "adhesion": "contact.adhesion", "drag": "drag.linear", "fluid": "drag.linear",
+}  # fmt: skip
+# What a diagnosis may cost, CPU seconds: in the median, and at most (two minutes on two cores).
+_MEDIAN, _MOST = 20.0, 240.0
+
+
+class Case:
+    """A row of a record, and what it says: one question each."""
+
+    def __init__(self, row: Row) -> None:
+        self.row, self.answer, self.said = row, row["answer"], row["said"]
+        self.kind, self.seed = self.answer["kind"], self.answer["seed"]
+        self.verdict, self.hook = str(self.said["verdict"]), self.answer.get("hook")
+        self.truth = set(self.answer["answer"])
+        cause = self.said["cause"]
+        self.causes = {cause} if isinstance(cause, str) else set(cause or ())
+
+    @property
+    def counted(self) -> bool:
+        """Whether what is hidden is as strong as its kind asks for."""
+        wanted = KINDS[self.kind].wanted
+        return wanted is None or self.answer["strength"] >= _REACHED * wanted[0]
+
+    alarm = property(lambda self: self.verdict != "none")
+    found = property(lambda self: self.verdict not in ("none", "data-problem"))
+    named = property(lambda self: self.verdict == "named")
+    pair = property(lambda self: self.verdict == "pair")
+    # A cause that takes most of the model's error: a claim of another grade than a name.
+    dominant = property(lambda self: self.verdict == "dominant")
+    ambiguous = property(lambda self: self.verdict == "ambiguous")
+    unexplained = property(lambda self: self.verdict == "unexplained")
+    claimed = property(lambda self: self.named or self.pair)
+    any_claim = property(lambda self: self.claimed or self.dominant)
+    right = property(lambda self: self.causes == self.truth)
+    rightly_named = property(lambda self: self.named and self.right)
+    wrongly_claimed = property(lambda self: self.claimed and not self.right)
+    # Of two causes, one or both.
+    right_when_dominant = property(lambda self: self.dominant and self.causes <= self.truth)
+    in_set = property(lambda self: bool(self.truth) and self.truth <= self.causes)
+    few = property(lambda self: len(self.causes) <= _FEW)
+    alike = property(lambda self: bool(self.answer["cosine"] >= ALIKE))
+
+    @property
+    def right_beside_error(self) -> bool:
+        """A claim that has the cause beside a model error, which may be a second cause itself."""
+        hidden = self.truth | set(self.answer["hidden"])
+        return self.any_claim and self.truth <= self.causes <= hidden
+
+    @property
+    def structure_blamed(self) -> bool:
+        """A claim of something that is no constant, or a set that has none."""
+        structural = ["." not in name for name in self.causes]
+        return any(structural) if self.claimed else bool(structural) and all(structural)
+
+    @property
+    def first_in_rank(self) -> bool:
+        chance = {name: p for name, p in self.said["probabilities"].items()
+                  if name not in ("none", "unknown")}  # fmt: skip
+        return max(chance, key=lambda name: chance[name], default="") in self.truth
+
+    @cached_property
+    def pulls(self) -> list[float]:
+        """Gaps of the comparable parameters, in standard deviations."""
+        result = []
+        for name, each in self.said["parameters"].items():
+            if name in _SAME_FORM:
+                effect, parameter = name.split(".")
+                truth = self.answer["effects"].get(effect, {}).get(parameter, 0.0)
+                result.append((each["value"] - truth) / max(each["sd"], 1e-300))
+        return result
+
+    @property
+    def within(self) -> bool:
+        return all(abs(gap) <= 2.0 for gap in self.pulls)
+
+    @property
+    def gained(self) -> bool:
+        gain = self.said["gain"] or {"before": 0.0, "after": 0.0}
+        before, after = (
+            gain.get(key, gain.get(f"heldout_chi2_{key}")) for key in ("before", "after")
+        )
+        return bool(after < before)
+
+    @property
+    def consistent(self) -> bool:
+        return self.row["gain"] is not None and bool(self.row["gain"]["p_value"] > 0.05)
+
+    def error(self, when: str) -> float:
+        """Mean absolute error of held-out velocities, m/s, before or after; or NaN."""
+        gain = self.said["gain"] if self.shape is None else self.shape["gain"]
+        error = np.nan if gain is None else gain[f"mae_{when}"]
+        return float(error["velocity"] if isinstance(error, dict) else error)
+
+    @property
+    def halved(self) -> bool:
+        return self.error("after") <= 0.5 * self.error("before")
+
+    @property
+    def halved_by_truth(self) -> bool:
+        """Whether the noise lets the truth itself halve the error."""
+        left = self.row.get("truth_error")
+        return left is not None and bool(left <= 0.5 * self.error("before"))
+
+    @property
+    def followed_right(self) -> bool:
+        said = self.row.get("followed")
+        return said is not None and Case({"answer": self.answer, "said": said}).rightly_named
+
+    @property
+    def second_said(self) -> bool:
+        """The hidden second cause is said, or that something is left beside the first."""
+        if self.answer["answer"][1] in self.causes or self.right_when_dominant:
+            return True
+        return self.named and any(code in _LEFT_OVER for code in self.row.get("reasons", ()))
+
+    @cached_property
+    def shape(self) -> dict[str, Any] | None:
+        """The law of another shape that is said, and no other cause beside it."""
+        shape = self.said.get("open_set")
+        alone = self.causes <= set(self.said.get("laws", {}))
+        return shape if shape is not None and shape["accepted"] and alone else None
+
+    @property
+    def hook_right(self) -> bool:
+        """All that is said acts where the truth acts."""
+        laws = self.said.get("laws", {})
+        said = {laws.get(name, name) for name in self.causes}
+        # The record of an earlier engine has laws where no cause is claimed.
+        said = said or (set() if self.shape is None else {self.shape["effect"]})
+        return {HOOK_OF.get(name) for name in said} == {self.hook}
+
+    # A wave acts nowhere.
+    place_right = property(lambda self: self.hook is not None and self.hook_right)
+    right_shape = property(lambda self: self.shape is not None and self.hook_right)
+
+    def form_among(self, others: bool) -> bool:
+        """Whether its formula, or one that is nearly as likely, is the truth's or bends as it."""
+        if self.shape is None or self.shape["formula"] is None:
+            return False
+        said = [self.shape["formula"], *(self.shape["others"] if others else ())]
+        return bool(set(FORMULAS[str(LAWS[self.hook].fixed["form"])]) & set(said))
+
+    @cached_property
+    def inside(self) -> float:
+        """Share of the points of its curve at which the band holds the truth."""
+        if self.shape is None:
+            return 0.0
+        law, curve = self.answer["effects"]["law"], self.shape["curve"]
+        constant = self.answer["constants"].get(_CONSTANT.get(law["target"], ""), 1.0)
+        true = constant * (1.0 + law_change(law, np.array(curve["argument"])))
+        return float(np.mean((np.array(curve["low"]) <= true) & (true <= np.array(curve["high"]))))
+
+    @property
+    def instrument_said(self) -> bool:
+        """The distortion is said, or one that no reading could tell from it."""
+        (truth,) = self.truth
+        return bool(self.causes & {truth, *entry(truth).accepted})
+
+    @property
+    def physical_claimed(self) -> bool:
+        """A claim of a cause in the robot where a reading is wrong."""
+        return self.claimed and not self.causes <= set(INSTRUMENT_NAMES)
+
+
+Question = Callable[[Case], bool]
+Demand = tuple[str, Question, Question, float | None, bool]
+
+
+def _most(
+    what: str, counts: Question, limit: float | None = None, among: Question | None = None
+) -> Demand:
+    return what, counts, among or (lambda c: True), limit, True
+
+
+def _least(
+    what: str, counts: Question, limit: float | None = None, among: Question | None = None
+) -> Demand:
+    return what, counts, among or (lambda c: True), limit, False
+
+
+_ALARM = _most("false alarm", lambda c: c.alarm, 0.05)
+_BLAMED = _most("structure blamed", lambda c: c.structure_blamed, 0.05)
+_WRONG = _most("wrongly named", lambda c: c.wrongly_claimed, 0.02)
+_UNEXPLAINED = _least("unexplained", lambda c: c.unexplained)
+# Of two grades of a claim, the lower one; of sets, those that are small enough to be an answer.
+_GRADES = (
+    _least("right when dominant", lambda c: c.right_when_dominant, None, lambda c: c.dominant),
+    _least("sets of at most six causes", lambda c: c.few, None, lambda c: c.ambiguous),
+)
+_TWINS = (
+    _least("in the set or right, of detected", lambda c: c.in_set, 0.90, lambda c: c.found),
+    _most("wrongly named", lambda c: c.wrongly_claimed, 0.03),
+    *_GRADES,
 )
 
-Counts = Callable[[Row], bool]
-
-_NORMAL = 1.959964  # 97.5 % point
+# Family: what it is in a reader's words, and its demands: what is counted, by which question, the
+# limit, of which rows.
+FAMILIES: dict[str, tuple[str, tuple[Demand, ...]]] = {
+    "none": ("nothing", (_ALARM,)),
+    "none, hard": ("nothing, hard noise", (_most("false alarm", lambda c: c.alarm, 0.08),)),
+    "none, correlated": ("nothing, errors correlated", (
+        _ALARM, _most("wrongly named", lambda c: c.any_claim, 0.02),
+    )),
+    "constant 3 sd": ("a constant 3 sd off", (_BLAMED,)),
+    "constant 5 sd": ("a constant 5 sd off", (
+        _least("that constant named", lambda c: c.rightly_named, 0.80), _BLAMED,
+    )),
+    "single": ("one cause, S of 6 or more", (
+        _least("first in rank", lambda c: c.first_in_rank, 0.92),
+        _least("named", lambda c: c.named, 0.75),
+        _least("right when named", lambda c: c.rightly_named, 0.98, lambda c: c.named),
+        _least("parameters within 2 sd when rightly named", lambda c: c.within, 0.90,
+               lambda c: c.rightly_named and bool(c.pulls)),
+        _least("held-out error consistent when rightly named", lambda c: c.consistent, 0.90,
+               lambda c: c.rightly_named),
+        _least("held-out better when rightly named", lambda c: c.gained, 0.89,
+               lambda c: c.rightly_named),
+        _most("a pair claimed", lambda c: c.pair),
+        *_GRADES,
+    )),
+    "single, correlated": ("one cause, errors correlated", (
+        _least("in the set when detected", lambda c: c.in_set, None, lambda c: c.found),
+        _WRONG, *_GRADES,
+    )),
+    "weak": ("one cause, S = 4", (
+        _least("detected", lambda c: c.found, 0.70),
+        _least("in the set when detected", lambda c: c.in_set, 0.92, lambda c: c.found),
+        _least("the same, in at most six causes", lambda c: c.in_set and c.few, None,
+               lambda c: c.found),
+        _WRONG, *_GRADES,
+    )),
+    "near twins": ("one of near twins", (
+        *_TWINS,
+        _least("rightly named before more experiments", lambda c: c.rightly_named),
+        _least("rightly named after three proposed", lambda c: c.followed_right, 0.90),
+    )),
+    "exact twins": ("one of exact twins", _TWINS),
+    "pair": ("two causes", (
+        _least("exact pair", lambda c: c.pair and c.right, 0.80),
+        _least("both in what is said", lambda c: c.in_set),
+        _most("a single cause named", lambda c: c.named),
+        *_GRADES,
+    )),
+    "hiding": ("two, of which one hides the other", (
+        _least("the second said", lambda c: c.second_said, 0.75),
+        _least("exact pair", lambda c: c.pair and c.right),
+        _most("a wrong cause claimed", lambda c: c.claimed and not c.causes <= c.truth),
+        *_GRADES,
+    )),
+    "unknown": ("a wave that no cause has", (
+        _least("unexplained", lambda c: c.unexplained, 0.85),
+        _most("wrongly named", lambda c: c.named, 0.05),
+        _most("a pair claimed", lambda c: c.pair, 0.08),
+        _GRADES[0],
+    )),
+    "law": ("a law outside the library", (
+        _least("hook right", lambda c: c.hook_right, 0.70),
+        _most("false terms", lambda c: c.claimed and not c.hook_right, 0.05),
+        _least("its formula has the right form", lambda c: c.form_among(False), 0.50,
+               lambda c: c.right_shape),
+        _least("this formula or one nearly as likely has it", lambda c: c.form_among(True), None,
+               lambda c: c.right_shape),
+        _least("the band holds the truth on 80 % of its range", lambda c: c.inside >= 0.8, None,
+               lambda c: c.right_shape),
+        _least("the band holds all of it", lambda c: c.inside == 1.0, 0.90,
+               lambda c: c.right_shape),
+        _least("held-out error at least halved", lambda c: c.halved, 0.80),
+        _least("the same, where the truth itself halves it", lambda c: c.halved, None,
+               lambda c: c.halved_by_truth),
+        _UNEXPLAINED,
+    )),
+    "instrument": ("an instrument", (
+        _least("in the set or named", lambda c: c.instrument_said, 0.90),
+        _most("a physical cause claimed in its place", lambda c: c.physical_claimed, 0.02),
+        _least("detected or a problem of the data", lambda c: c.alarm),
+        _least("right when dominant", lambda c: c.instrument_said, None, lambda c: c.dominant),
+    )),
+    "none, correlated strong": ("nothing, errors strongly correlated", (
+        _most("false alarm", lambda c: c.alarm),
+        _most("named, a pair or dominant", lambda c: c.any_claim, 0.02),
+    )),
+    "model error": ("one cause, and an error of the model", (
+        _least("right as named or dominant", lambda c: c.right_beside_error, 0.75),
+        _most("wrongly named", lambda c: c.claimed and not c.right_beside_error, 0.03),
+        _most("wrongly dominant", lambda c: c.dominant and not c.right_beside_error, 0.03),
+        _least("first in rank", lambda c: c.first_in_rank),
+        _least("parameters within 2 sd when right", lambda c: c.within, 0.90,
+               lambda c: c.right_beside_error and bool(c.pulls)),
+        _UNEXPLAINED,
+    )),
+    "unlisted": ("a strong cause that no list has", (
+        _most("unlike all causes: wrongly named", lambda c: c.claimed and not c.place_right, 0.03,
+              lambda c: not c.alike),
+        _most("unlike all causes: wrongly dominant", lambda c: c.dominant and not c.place_right,
+              0.10, lambda c: not c.alike),
+        _least("unlike all causes: unexplained", lambda c: c.unexplained, None,
+               lambda c: not c.alike),
+        _most("like a cause: wrongly named", lambda c: c.claimed and not c.place_right, 0.03,
+              lambda c: c.alike),
+        _least("like a cause: said to act like one", lambda c: c.dominant, None,
+               lambda c: c.alike),
+        _least("like a cause: unexplained", lambda c: c.unexplained, None, lambda c: c.alike),
+    )),
+    "shuffled": ("nothing, readings shuffled", (_most("named", lambda c: c.any_claim, 0.0),)),
+}  # fmt: skip
 
 
 def interval(count: int, total: int) -> tuple[float, float]:
     """95 % interval of a share, by Wilson's score."""
-    share, square = count / total, _NORMAL**2
+    share, square = count / total, 1.959964**2
     middle = share + square / (2 * total)
-    half = _NORMAL * np.sqrt(share * (1.0 - share) / total + square / (4 * total**2))
-    scale = 1.0 + square / total
-    low, high = (middle - half) / scale, (middle + half) / scale
+    half = np.sqrt(square * (share * (1.0 - share) / total + square / (4 * total**2)))
+    low, high = (float(end / (1.0 + square / total)) for end in (middle - half, middle + half))
     # At the ends the formula gives 0 and 1 up to rounding.
-    return (0.0 if count == 0 else float(low)), (1.0 if count == total else float(high))
-
-
-# Family, what is counted, by which questions, of which rows, limit, and whether that is the most.
-_OPEN = float("nan")
-# Of two grades of a claim, the lower one; of sets, those that are small enough to be an answer.
-_DOMINANT = ("right when dominant", right_when_dominant, dominant, _OPEN, False)
-_MEMBERS = ("sets of at most six causes", few_members, set_said, _OPEN, False)
-_SINGLE = (
-    ("first in rank", first_in_rank, any_row, 0.92, False),
-    ("named", named, any_row, 0.75, False),
-    ("right when named", rightly_named, named, 0.98, False),
-    ("parameters within 2 sd when rightly named", parameters_within, comparable, 0.90, False),
-    ("held-out error consistent when rightly named", consistent, rightly_named, 0.90, False),
-    ("held-out better when rightly named", gained, rightly_named, 0.89, False),
-    ("a pair claimed", pair_claimed, any_row, _OPEN, True),
-    _DOMINANT,
-    _MEMBERS,
-)
-_TWINS = (
-    ("in the set or right, of detected", in_set, found, 0.90, False),
-    ("wrongly named", wrongly_claimed, any_row, 0.03, True),
-    _DOMINANT,
-    _MEMBERS,
-)
-_Demand = tuple[str, Counts, Counts, float, bool]
-DEMANDS: dict[str, tuple[_Demand, ...]] = {
-    "none": (("false alarm", alarm, any_row, 0.05, True),),
-    "none, hard": (("false alarm", alarm, any_row, 0.08, True),),
-    "none, correlated": (
-        ("false alarm", alarm, any_row, 0.05, True),
-        ("wrongly named", any_claim, any_row, 0.02, True),
-    ),
-    "constant 3 sd": (("structure blamed", structure_blamed, any_row, 0.05, True),),
-    "constant 5 sd": (
-        ("that constant named", rightly_named, any_row, 0.80, False),
-        ("structure blamed", structure_blamed, any_row, 0.05, True),
-    ),
-    "single": _SINGLE,
-    "single, correlated": (
-        ("in the set when detected", in_set, found, _OPEN, False),
-        ("wrongly named", wrongly_claimed, any_row, 0.02, True),
-        _DOMINANT,
-        _MEMBERS,
-    ),
-    "weak": (
-        ("detected", found, any_row, 0.70, False),
-        ("in the set when detected", in_set, found, 0.92, False),
-        ("the same, in at most six causes", in_few, found, _OPEN, False),
-        ("wrongly named", wrongly_claimed, any_row, 0.02, True),
-        _DOMINANT,
-        _MEMBERS,
-    ),
-    "near twins": (
-        *_TWINS,
-        ("rightly named before more experiments", rightly_named, any_row, _OPEN, False),
-        ("rightly named after three proposed", followed_right, any_row, 0.90, False),
-    ),
-    "exact twins": _TWINS,
-    "pair": (
-        ("exact pair", exact_pair, any_row, 0.80, False),
-        ("both in what is said", in_set, any_row, _OPEN, False),
-        ("a single cause named", named, any_row, _OPEN, True),
-        _DOMINANT,
-        _MEMBERS,
-    ),
-    "hiding": (
-        ("the second said", second_said, any_row, 0.75, False),
-        ("exact pair", exact_pair, any_row, _OPEN, False),
-        ("a wrong cause claimed", false_cause, any_row, _OPEN, True),
-        _DOMINANT,
-        _MEMBERS,
-    ),
-    "unknown": (
-        ("unexplained", unexplained, any_row, 0.85, False),
-        ("wrongly named", named, any_row, 0.05, True),
-        ("a pair claimed", pair_claimed, any_row, 0.08, True),
-        _DOMINANT,
-    ),
-    "law": (
-        ("hook right", hook_right, any_row, 0.70, False),
-        ("false terms", false_term, any_row, 0.05, True),
-        ("its formula has the right form", form_right, right_shape, 0.50, False),
-        ("this formula or one nearly as likely has it", form_said, right_shape, _OPEN, False),
-        ("the band holds the truth on 80 % of its range", band_holds, right_shape, _OPEN, False),
-        ("the band holds all of it", band_holds_all, right_shape, 0.90, False),
-        ("held-out error at least halved", halved, any_row, 0.80, False),
-        ("the same, where the truth itself halves it", halved, halved_by_truth, _OPEN, False),
-        ("unexplained", unexplained, any_row, _OPEN, False),
-    ),
-    "instrument": (
-        ("in the set or named", instrument_said, any_row, 0.90, False),
-        ("a physical cause claimed in its place", physical_claimed, any_row, 0.02, True),
-        ("detected or a problem of the data", alarm, any_row, _OPEN, False),
-        ("right when dominant", instrument_said, dominant, _OPEN, False),
-    ),
-    "none, correlated strong": (
-        ("false alarm", alarm, any_row, _OPEN, True),
-        ("named, a pair or dominant", any_claim, any_row, 0.02, True),
-    ),
-    "model error": (
-        ("right as named or dominant", right_beside_error, any_row, 0.75, False),
-        ("wrongly named", wrongly_named_beside_error, any_row, 0.03, True),
-        ("wrongly dominant", wrongly_dominant_beside_error, any_row, 0.03, True),
-        ("first in rank", first_in_rank, any_row, _OPEN, False),
-        ("parameters within 2 sd when right", parameters_within, comparable_beside, 0.90, False),
-        ("unexplained", unexplained, any_row, _OPEN, False),
-    ),
-    "unlisted": (
-        ("unlike all causes: wrongly named", wrongly_named_unlisted, unlike, 0.03, True),
-        ("unlike all causes: wrongly dominant", wrongly_dominant_unlisted, unlike, 0.10, True),
-        ("unlike all causes: unexplained", unexplained, unlike, _OPEN, False),
-        ("like a cause: wrongly named", wrongly_named_unlisted, alike, 0.03, True),
-        ("like a cause: said to act like one", dominant, alike, _OPEN, False),
-        ("like a cause: unexplained", unexplained, alike, _OPEN, False),
-    ),
-    "shuffled": (("named", any_claim, any_row, 0.0, True),),
-}  # fmt: skip
+    return (0.0 if count == 0 else low), (1.0 if count == total else high)
 
 
 def read(path: Path) -> list[Row]:
@@ -199,52 +358,31 @@ def read(path: Path) -> list[Row]:
     return list({(row["answer"]["kind"], row["answer"]["seed"]): row for row in rows}.values())
 
 
-def slim(row: Row) -> Row:
-    """What the counts need of a row, and what makes the data set again."""
-    result = {**row, "said": _slim(row["said"]), "cpu_seconds": round(row["cpu_seconds"], 1)}
-    return {**result, "followed": _slim(row["followed"])} if followed(row) else result
-
-
-def _slim(said: dict[str, Any]) -> dict[str, Any]:
-    likely = sorted(said["probabilities"].items(), key=lambda item: -item[1])[:5]
-    parameters = {
-        name: {key: each[key] for key in ("value", "sd", "unit")}
-        for name, each in said["parameters"].items()
-    }
-    kept = {key: said[key] for key in ("verdict", "cause", "p_value", "gain", "laws", "open_set")}
-    return {**kept, "parameters": parameters, "probabilities": dict(likely)}
-
-
-def counted(rows: Sequence[Row]) -> list[Row]:
-    """Rows whose hidden things are as strong as their kind asks for."""
-    return [row for row in rows if strong_enough(row)]
-
-
 def judged(rows: Sequence[Row], pooled: bool = False) -> list[dict[str, Any]]:
     """Count, total, interval and demand of each line of the table, and the seeds that missed it.
 
-    By kind, or `pooled` over all kinds of a family.
+    By kind, or `pooled` over all kinds of a family. Data sets whose hidden things are weaker than
+    their kind asks for are not counted.
     """
     result = []
-    name_of = (lambda kind: KINDS[kind].family) if pooled else (lambda kind: kind)
-    families = {name_of(kind): plan.family for kind, plan in KINDS.items()}
-    for kind, family in families.items():
-        mine = [row for row in counted(rows) if name_of(row["answer"]["kind"]) == kind]
-        for what, counts, among, asked, at_most in DEMANDS[family]:
-            some = [row for row in mine if among(row)]
+    cases = [case for case in map(Case, rows) if case.counted]
+    groups = {plan.family if pooled else kind: plan.family for kind, plan in KINDS.items()}
+    for group, family in groups.items():
+        mine = [c for c in cases if (KINDS[c.kind].family if pooled else c.kind) == group]
+        for what, counts, among, asked, at_most in FAMILIES[family][1]:
+            some = [(case.seed, counts(case)) for case in mine if among(case)]
             if not some:
                 continue
-            hits = [counts(row) for row in some]
-            low, high = interval(sum(hits), len(some))
-            share = sum(hits) / len(some)
-            limited = asked == asked
+            count, total = sum(hit for _, hit in some), len(some)
+            low, high = interval(count, total)
+            met = None
+            if asked is not None:
+                met = count / total <= asked if at_most else count / total >= asked
+            missed = [seed for seed, hit in some if asked is not None and hit == at_most]
             result.append(
                 {
-                    "kind": kind, "what": what, "count": sum(hits), "total": len(some), "low": low,
-                    "high": high, "asked": asked if limited else None, "at_most": at_most,
-                    "met": (share <= asked if at_most else share >= asked) if limited else None,
-                    "missed": [row["answer"]["seed"] for row, hit in zip(some, hits, strict=True)
-                               if limited and hit == at_most],
+                    "kind": group, "what": what, "count": count, "total": total, "low": low,
+                    "high": high, "asked": asked, "at_most": at_most, "met": met, "missed": missed,
                 }
             )  # fmt: skip
     return result
@@ -261,49 +399,124 @@ def calibration(rows: Sequence[Row]) -> list[dict[str, Any]]:
     """
     thought = []
     for row in rows:
-        family = KINDS[row["answer"]["kind"]].family
-        chance, truth = row["said"]["probabilities"], None
+        family, chance = KINDS[row["answer"]["kind"]].family, row["said"]["probabilities"]
         if family == "unknown":
-            # The engine before this one had a name for what no cause explains.
+            # The record of an earlier engine has a name for what no cause explains.
             truth = "unknown" if "unknown" in chance else "none"
-        if family.startswith("none"):
+        elif family.startswith("none"):
             truth = "none"
-        if family in _ONE_ANSWER:
+        elif family in _ONE_ANSWER:
             (truth,) = row["answer"]["answer"]
-        if truth is not None:
-            best = max(chance, key=lambda name: chance[name])
-            thought.append((chance[best], best == truth))
+        else:
+            continue
+        best = max(chance, key=lambda name: chance[name])
+        thought.append((chance[best], best == truth))
     result = []
     for low, high in _SURE:
         inside = [(p, right) for p, right in thought if low <= p < high or p == high == 1.0]
         if inside:
-            count = sum(right for _, right in inside)
             result.append(
                 {
                     "from": low, "to": high, "mean": float(np.mean([p for p, _ in inside])),
-                    "count": count, "total": len(inside),
+                    "count": sum(right for _, right in inside), "total": len(inside),
                 }
             )  # fmt: skip
     return result
 
 
-def by_cause(rows: Sequence[Row]) -> list[dict[str, Any]]:
-    """Of each cause that is hidden by itself: how often it is in the set, named, and wrongly so."""
-    mine: dict[tuple[str, str], list[Row]] = {}
-    for row in counted(rows):
-        names = row["answer"]["answer"]
-        hook = row["answer"].get("hook")
-        # Shuffled labels leave nothing to be found.
-        if (len(names) == 1 or hook) and row["answer"]["kind"] != "shuffled":
-            mine.setdefault((hook or names[0], row["answer"]["kind"]), []).append(row)
-    result = []
-    for (name, kind), some in sorted(mine.items()):
-        law = KINDS[kind].family in ("law", "unlisted")
-        right, wrong = (hook_right, false_term) if law else (in_set, wrongly_claimed)
-        result.append(
-            {
-                "cause": name, "kind": kind, "total": len(some), "in_set": sum(map(right, some)),
-                "named": sum(map(named, some)), "wrong": sum(map(wrong, some)),
-            }
+def _markdown(heads: str, rows: Sequence[Sequence[object]]) -> str:
+    columns = heads.split(";")
+    lines = [columns, ["---"] * len(columns), *rows]
+    return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
+
+
+def _counts(rows: Sequence[Row], pooled: bool) -> str:
+    """Counts beside what is asked, by kind or pooled by family."""
+    lines = []
+    for each in judged(rows, pooled):
+        bound = "at most" if each["at_most"] else "at least"
+        lines.append(
+            (
+                FAMILIES[each["kind"]][0] if pooled else each["kind"], each["what"],
+                f"{each['count']} of {each['total']}", f"{each['count'] / each['total']:.0%}",
+                f"{each['low']:.0%} to {each['high']:.0%}",
+                "-" if each["asked"] is None else f"{bound} {each['asked']:.0%}",
+                {None: "-", True: "yes", False: "no"}[each["met"]],
+            )
         )  # fmt: skip
+    return _markdown("hidden;counted;count;share;95 % interval;asked;met", lines)
+
+
+def table(rows: Sequence[Row]) -> str:
+    """Counts of each family beside what is asked, calibration of the probabilities, and cost."""
+    sure = [
+        (
+            f"{each['from']:.0%} to {each['to']:.0%}", f"{each['mean']:.0%}",
+            f"{each['count']} of {each['total']}, {each['count'] / each['total']:.0%}",
+        )
+        for each in calibration(rows)
+    ]  # fmt: skip
+    parts = [
+        _counts(rows, pooled=True),
+        _markdown("most likely, thought to be so by;on average;true", sure),
+    ]
+    if rows:
+        seconds = [row["cpu_seconds"] for row in rows]
+        some = [row["cpu_seconds"] for row in rows if Case(row).found] or [0.0]
+        parts.append(
+            f"{len(rows)} data sets of up to 30 conditions; a diagnosis took "
+            f"{np.median(seconds):.0f} s CPU time in the median (asked: {_MEDIAN:.0f}), "
+            f"{np.median(some):.0f} s where something is found, {max(seconds):.0f} s at most "
+            f"(asked: {_MOST:.0f})."
+        )
+    return "\n\n".join(parts)
+
+
+def by_cause(rows: Sequence[Row]) -> list[tuple[object, ...]]:
+    """Of each cause that is hidden by itself: kind, data sets, in the set, named, wrongly so."""
+    mine: dict[tuple[str, str], list[Case]] = {}
+    for case in map(Case, rows):
+        # Shuffled labels leave nothing to be found.
+        if case.counted and (len(case.truth) == 1 or case.hook) and case.kind != "shuffled":
+            mine.setdefault((case.hook or next(iter(case.truth)), case.kind), []).append(case)
+    result = []
+    for (name, kind), cases in sorted(mine.items()):
+        law = KINDS[kind].family in ("law", "unlisted")
+        right = sum(c.hook_right if law else c.in_set for c in cases)
+        wrong = sum(c.claimed and not (c.hook_right if law else c.right) for c in cases)
+        result.append((name, kind, len(cases), right, sum(c.named for c in cases), wrong))
     return result
+
+
+def misses(rows: Sequence[Row]) -> list[tuple[object, ...]]:
+    """Every data set that missed what is asked: kind, seed, truth, S, what was said, and missed."""
+    cases = {(case.kind, case.seed): case for case in map(Case, rows)}
+    failed: dict[tuple[str, int], list[str]] = {}
+    for each in judged(rows):
+        for seed in each["missed"]:
+            failed.setdefault((each["kind"], seed), []).append(each["what"])
+    result = []
+    for name, what in sorted(failed.items()):
+        case = cases[name]
+        truth = case.hook or " + ".join(case.answer["answer"]) or "-"
+        said = " ".join([case.verdict, ", ".join(sorted(case.causes))])
+        result.append((*name, truth, f"{case.answer['strength']:.1f}", said, "; ".join(what)))
+    return result
+
+
+def report(rows: Sequence[Row]) -> str:
+    """All tables, and what they are of."""
+    parts = [table(rows)]
+    left = sum(not case.counted for case in map(Case, rows))
+    if left:
+        parts.append(
+            f"Not counted: {left} data sets whose hidden cause cannot be as strong as asked for."
+        )
+    states = {tuple(sorted(row.get("state", {}).items())) for row in rows}
+    parts += [", ".join(f"{key} {value}" for key, value in each) for each in sorted(states) if each]
+    parts.append("Each kind by itself:\n\n" + _counts(rows, pooled=False))
+    parts.append(
+        _markdown("cause;hidden as;data sets;in the set;named;wrong claims", by_cause(rows))
+    )
+    parts.append(_markdown("kind;seed;truth;S;said;missed", misses(rows)))
+    return "\n\n".join(parts)

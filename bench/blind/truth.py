@@ -27,18 +27,10 @@ class Hidden:
 class Truth:
     """What is behind one data set.
 
-    Attributes
-    ----------
-    kind : str
-    answer : tuple of str
-        Names in the library's words; empty where nothing of the library is hidden.
-    constants : dict
-        By dotted key, SI units.
-    hidden : dict of Hidden
-        By name of the catalogue; ``ripple`` is a wave of the velocity that no cause has, and
-        ``smooth_error`` and ``correlated_error`` are errors of the model, see model_errors.py.
-    correlation : float
-        Of neighbouring errors.
+    kind. answer: Names in the library's words; empty where nothing of the library is hidden.
+    constants: By dotted key, SI units. hidden: By name of the catalogue; ``ripple`` is a wave
+    of the velocity that no cause has, and ``smooth_error`` and ``correlated_error`` are errors
+    of the model, see model_errors.py. correlation: Of neighbouring errors.
     """
 
     kind: str

@@ -3,24 +3,102 @@
 from __future__ import annotations
 
 import argparse
-import json
+import importlib
+import importlib.metadata
 import os
 import sys
-from dataclasses import replace
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from measure import cpu_seconds_in_turn, machine, pin
+from measure import cpu_seconds_in_turn, pin, saved
 
 import stickslip
 from peers import stickslip_side
-from peers.accuracy import rms_error, tolerance_within
-from peers.entries import ENTRIES, WRONG, Entry, installed_version
-from peers.problem import FAMILY, REFERENCE, problem_of
+from peers.problem import FAMILY, REFERENCE, Problem, problem_of
 
 POINTS = 100_000
 TARGETS = {"scipy": 400.0, "heyoka": 25.0, "mujoco": 400.0, "magpylib": 20.0}
 SHARE, SECONDS = 0.5, 1.0  # of the friction limit, s: the test for creep
+WRONG = 1e-2  # relative velocity error from which a peer's physics counts as wrong
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One row: a peer with settings.
+
+    velocity: of a problem, m/s. compile_seconds: CPU time spent once before the first run. checked:
+    whether an error above `WRONG` fails the benchmark.
+    """
+
+    peer: str
+    settings: str
+    velocity: Callable[[Problem], float]
+    compile_seconds: float = 0.0
+    checked: bool = True
+
+
+def scipy_entries() -> Iterator[Entry]:
+    """solve_ivp, with the methods that suit; tolerances for a velocity error below 1e-4."""
+    from peers.scipy_peer import simulate
+
+    for method, rtol in (("RK45", 1e-4), ("LSODA", 1e-5), ("DOP853", 1e-7)):
+        settings = f"solve_ivp {method}, rtol {rtol:.0e}"
+        yield Entry("scipy", settings, lambda p, m=method, r=rtol: simulate(p, m, r))
+
+
+def heyoka_entries() -> Iterator[Entry]:
+    """The field expanded beforehand, and by the formula of the coils at every step."""
+    import heyoka
+
+    from peers.heyoka_peer import Compiled, simulate
+
+    # Or the compile time would be that of reading an earlier one from disk.
+    heyoka.llvm_state.set_diskcache_enabled(False)
+    heyoka.llvm_state.clear_memcache()
+    for tol, exact in ((1e-4, False), (1e-6, False), (1e-4, True), (1e-7, True)):
+        started = time.process_time()
+        compiled = Compiled(problem_of(), tol, exact)
+        spent = time.process_time() - started
+        settings = f"tol {tol:.0e}, {'coil formula' if exact else 'expanded field'}"
+        yield Entry("heyoka", settings, lambda p, c=compiled: simulate(p, c), spent)
+
+
+def mujoco_entries() -> Iterator[Entry]:
+    """The best settings that the search has found."""
+    from peers.mujoco_peer import ACCURATE, QUICK, simulate
+
+    for settings in (QUICK, ACCURATE):
+        name = f"step {settings.timestep * 1e3:.0f} us"
+        yield Entry("mujoco", name, lambda p, s=settings: simulate(p, s), checked=False)
+
+
+ENTRIES = {"scipy": scipy_entries, "heyoka": heyoka_entries, "mujoco": mujoco_entries}
+
+
+def installed_version(name: str) -> str | None:
+    """Version of a package, or None where it is not there or cannot be imported."""
+    try:
+        importlib.import_module(name)
+        return importlib.metadata.version(name)
+    except Exception:  # a broken installation raises what it likes
+        return None
+
+
+def rms_error(velocities: list[float], exact: np.ndarray) -> float:
+    """Root mean square of the relative errors."""
+    return float(np.sqrt(np.mean((np.array(velocities) / exact - 1.0) ** 2)))
+
+
+def tolerance_within(error: float, own_errors: dict[float, float]) -> float:
+    """The loosest tolerance of stickslip whose error, and that of all tighter ones, is within."""
+    within = [rtol for rtol in own_errors
+              if all(own <= error for each, own in own_errors.items() if each <= rtol)]  # fmt: skip
+    if not within:
+        raise RuntimeError(f"no tolerance of stickslip reaches a velocity error of {error:.1e}")
+    return max(within)
 
 
 def motion_rows(entries: list[Entry], repeats: int) -> list[dict]:
@@ -106,12 +184,11 @@ def creep_rows(with_mujoco: bool) -> list[dict]:
     if with_mujoco:
         from peers import mujoco_peer
 
-        for settings in mujoco_peer.available():
+        for settings in (mujoco_peer.QUICK, mujoco_peer.ACCURATE):
             softer = replace(settings, friction_impedance=1.0)
             for each, name in {settings: "", softer: ", impratio 1"}.items():
                 drift = mujoco_peer.creep(problem_of(), each, SHARE, SECONDS)
-                kind = ", adhesive geoms" if settings.passive else ""
-                drifts[f"mujoco, step {settings.timestep * 1e3:.0f} us{kind}{name}"] = drift
+                drifts[f"mujoco, step {settings.timestep * 1e3:.0f} us{name}"] = drift
     return [{"who": who, "drift_mm": 1e3 * drift} for who, drift in drifts.items()]
 
 
@@ -131,18 +208,8 @@ def show(rows: list[dict]) -> None:
         )
 
 
-def show_batches(rows: list[dict]) -> None:
-    """What it brings to have many runs go together, and what is the peer's own."""
-    for row in rows:
-        print(
-            f"heyoka, {row['settings']}: {row['cost']:.2e}, of which {row['inner_cost']:.2e} in"
-            f" heyoka itself; stickslip {row['stickslip_cost']:.2e}, or"
-            f" {row['stickslip_single_cost']:.2e} one by one"
-        )
-
-
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="peers", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m bench peers", description=__doc__)
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--out", type=Path, default=Path("bench/results/peers.json"))
     options = parser.parse_args()
@@ -152,18 +219,11 @@ def main() -> int:
     missing = [name for name, version in versions.items() if version is None]
     entries = [e for name, make in ENTRIES.items() if name not in missing for e in make()]
     rows = motion_rows(entries, options.repeats)
-    batches = []
-    if "heyoka" not in missing:
-        from peers.batch_rows import batch_rows
-
-        batches = batch_rows(options.repeats)
-        rows += batches
     if "magpylib" not in missing:
         rows += field_rows(options.repeats)
     creep = creep_rows("mujoco" not in missing)
 
     show(rows)
-    show_batches(batches)
     for name in missing:
         print(f"{name:9}not installable here: not measured")
     compiled = [f"{row['compile_seconds']:.2g} s" for row in rows if row["compile_seconds"]]
@@ -176,19 +236,10 @@ def main() -> int:
         + ", ".join(f"{name} {version}" for name, version in versions.items() if version)
     )
 
-    result = {
-        "machine": machine(),
-        "core": core,
-        "stickslip": stickslip.__version__,
-        "versions": versions,
-        "rows": rows,
-        "creep": creep,
-        "load_average": os.getloadavg(),
-    }
-    options.out.parent.mkdir(parents=True, exist_ok=True)
-    options.out.write_text(json.dumps(result, indent=2) + "\n")
-    print("load average: " + ", ".join(f"{load:.1f}" for load in result["load_average"]))
-    print(f"written: {options.out}")
+    load = os.getloadavg()
+    print("load average: " + ", ".join(f"{each:.1f}" for each in load))
+    result = {"core": core, "versions": versions, "rows": rows, "creep": creep}
+    saved(options.out, {**result, "load_average": load})
     wrong = [f"{row['peer']} ({row['settings']})" for row in rows if row["wrong"]]
     if wrong:
         print(f"wrong physics: {', '.join(wrong)}", file=sys.stderr)

@@ -9,9 +9,7 @@ omega passes zero.
 
 from __future__ import annotations
 
-import functools
 import math
-from collections.abc import Callable
 from typing import ClassVar
 
 import heyoka as hy
@@ -38,7 +36,7 @@ AWAY = 1e-15
 
 # Slots of the parameters: six of the currents, then these.
 TURNING, SLIDING, PIVOT = hy.par[6], hy.par[7], hy.par[8]
-_TURNING, _SLIDING, _PIVOT = 6, 7, 8
+_TURNING = 6
 
 
 def _expanded_field(problem: Problem, x, z):
@@ -100,11 +98,6 @@ def _turn(integrator, slope_sign: int) -> bool:
     return True
 
 
-def _turn_lane(integrator, slope_sign: int, lane: int) -> bool:
-    integrator.pars[_TURNING, lane] = slope_sign
-    return True
-
-
 def _integrator(system, events, tol: float):
     """Compiled; `events` stop it where they fall through zero, and omega's sign is followed."""
     falling = hy.event_direction.negative
@@ -118,36 +111,11 @@ def _integrator(system, events, tol: float):
     )
 
 
-def _batch_integrator(system, events, tol: float, lanes: int):
-    """The same of `lanes` runs; `stopped` names (lane, event) where an event has ended it."""
-    stopped: list[tuple[int, int]] = []
-
-    def stop(integrator, slope_sign: int, lane: int, event: int) -> bool:
-        stopped.append((lane, event))
-        return False
-
-    falling = hy.event_direction.negative
-    terminal = [
-        hy.t_event_batch(expression, direction=falling, callback=functools.partial(stop, event=k))
-        for k, expression in enumerate(events)
-    ]
-    omega = hy.expression("omega")
-    integrator = hy.taylor_adaptive_batch(
-        system,
-        [[0.0] * lanes for _ in system],
-        tol=tol,
-        t_events=[*terminal, hy.t_event_batch(omega, callback=_turn_lane)],
-    )
-    integrator.stopped = stopped
-    return integrator
-
-
 class Compiled:
     """The three integrators, for any drive.
 
     tol: heyoka's tolerance; it sets the order of the Taylor series too. exact: the field of the
-    coils by their formula instead of its expansion. lanes: runs in heyoka's batch mode, or 0 for
-    integrators of one run. `clock`, where it is set, measures what heyoka itself takes: `spent`.
+    coils by their formula instead of its expansion.
     """
 
     events: ClassVar = {
@@ -156,12 +124,10 @@ class Compiled:
         "flight": ("touch",),
     }
 
-    def __init__(self, problem: Problem, tol: float, exact: bool = False, lanes: int = 0) -> None:
+    def __init__(self, problem: Problem, tol: float, exact: bool = False) -> None:
         self._problem = problem.scaled(**UNITS)
         self._field = _exact_field if exact else _expanded_field
-        self._tol, self._lanes = tol, lanes
-        self.clock: Callable[[], float] | None = None
-        self.spent = 0.0
+        self._tol = tol
         self.stick, self.slip, self.flight = self._stick(), self._slip(), self._flight()
 
     def _stick(self):
@@ -200,46 +166,25 @@ class Compiled:
         return self._integrator(system, [pz])
 
     def _integrator(self, system, events):
-        if self._lanes:
-            return _batch_integrator(system, events, self._tol, self._lanes)
         return _integrator(system, events, self._tol)
-
-    def propagate(self, integrator, until):
-        """heyoka's propagate_until."""
-        if self.clock is None:
-            return integrator.propagate_until(until)
-        begun = self.clock()
-        result = integrator.propagate_until(until)
-        self.spent += self.clock() - begun
-        return result
 
     def _forces(self, *motion):
         return _forces(self._problem, self._field, *motion)
 
     def start(self, mode: Mode, state: State, tau: float, currents: list[float]):
         """The integrator of `mode`, put to `state` at the time tau of a stretch."""
+        px, pz, theta, vx, vz, omega = state
         integrator = getattr(self, mode.kind)
-        integrator.state[:] = self.values(mode, state)
+        integrator.state[:] = {
+            "stick": [theta, omega],
+            "slip": [px, vx or mode.sign * AWAY, theta, omega],
+            "flight": [px, pz or AWAY, theta, vx, vz, omega],
+        }[mode.kind]
         pars = integrator.pars
-        pars[:] = self.parameters(mode, state, currents)[: len(pars)]
+        pars[:] = [*currents, math.copysign(1.0, omega), mode.sign, px][: len(pars)]
         integrator.time = tau
         integrator.reset_cooldowns()
         return integrator
-
-    @staticmethod
-    def values(mode: Mode, state: State) -> tuple[float, ...]:
-        """The integrator's numbers at `state`."""
-        px, pz, theta, vx, vz, omega = state
-        if mode.kind == "stick":
-            return theta, omega
-        if mode.kind == "slip":
-            return px, vx or mode.sign * AWAY, theta, omega
-        return px, pz or AWAY, theta, vx, vz, omega
-
-    @staticmethod
-    def parameters(mode: Mode, state: State, currents: list[float]) -> list[float]:
-        """The parameters of a stretch; each integrator has as many of them as it needs."""
-        return [*currents, math.copysign(1.0, state.omega), mode.sign, state.px]
 
     @staticmethod
     def state(mode: Mode, before: State, values: list[float]) -> State:
@@ -266,7 +211,7 @@ def simulate(problem: Problem, compiled: Compiled) -> float:
         law = force_law(problem, segment)
         while True:
             integrator = compiled.start(mode, state, tau, currents)
-            outcome = compiled.propagate(integrator, length)[0]
+            outcome = integrator.propagate_until(length)[0]
             tau = integrator.time
             state = compiled.state(mode, state, integrator.state.tolist())
             if outcome == hy.taylor_outcome.time_limit:

@@ -4,12 +4,9 @@ Millimetres, milligrams and milliseconds. Linear drag is MuJoCo's joint damping;
 wrench and the quadratic drag are applied before each step. MuJoCo knows one friction coefficient a
 contact, so that is set before each step: static below a slip speed, kinetic above.
 
-Adhesion is applied by hand with them, as a pull that lasts up to a small gap, or is that of
-MuJoCo's geoms (3.11 or later). The latter acts at each contact, two while the body stands on an
-edge and four while it lies flat, and only with a `gap`: without it a contact ends where its forces
-balance without adhesion, and never pulls. MuJoCo's adhesion actuator is not used: a corner that is
-lifted for one step loses its pull there, so that it leaves some 1300 times instead of 21, and
-smaller steps do not help.
+Adhesion is applied by hand with them, as a pull that lasts up to a small gap. MuJoCo's adhesion
+actuator is not used: a corner that is lifted for one step loses its pull there, so that it leaves
+some 1300 times instead of 21, and smaller steps do not help.
 """
 
 from __future__ import annotations
@@ -22,7 +19,6 @@ import mujoco
 from peers.problem import KINETIC_FRICTION, PULSES, STATIC_FRICTION, Problem, mean_velocity
 
 UNITS = {"length": 1e3, "mass": 1e6, "time": 1e3}  # mm, mg, ms
-FLAT_CONTACTS, EDGE_CONTACTS = 4, 2
 TILTED = 1e-5  # rad, from where on the body stands on an edge
 
 
@@ -33,8 +29,7 @@ class Settings:
     timestep: ms. stiffness_time: time constant of the contact (solref), in time steps.
     damping_ratio: of the contact (solref). impedance: solimp, the same at any depth.
     friction_impedance: impratio. stick_speed: below it friction is static, mm/ms.
-    release_gap: up to it a corner is pulled, mm; by hand only one that has touched. passive: with
-    the adhesion of MuJoCo's geoms.
+    release_gap: up to it a corner is pulled, mm; only one that has touched.
     """
 
     timestep: float
@@ -44,21 +39,10 @@ class Settings:
     friction_impedance: float
     stick_speed: float
     release_gap: float
-    passive: bool = False
 
 
 QUICK = Settings(0.04, 3.0, 1.0, 0.9, 100.0, 2.25e-5, 2.96e-5)
 ACCURATE = Settings(0.01, 6.0, 4.0, 0.99, 10.0, 2.44e-5, 4.96e-6)
-QUICK_PASSIVE = Settings(0.04, 2.0, 2.0, 0.999, 100.0, 4.60e-4, 4.54e-7, passive=True)
-FINE_PASSIVE = Settings(0.02, 4.0, 1.0, 0.99, 1.0, 1.85e-4, 2.83e-6, passive=True)
-
-
-def available() -> list[Settings]:
-    """What this version of MuJoCo can do."""
-    by_hand = [QUICK, ACCURATE]
-    if not hasattr(mujoco.MjModel, "geom_adhesion"):
-        return by_hand
-    return [*by_hand, QUICK_PASSIVE, FINE_PASSIVE]
 
 
 def model_of(problem: Problem, settings: Settings) -> mujoco.MjModel:
@@ -66,10 +50,6 @@ def model_of(problem: Problem, settings: Settings) -> mujoco.MjModel:
     body = problem.body
     a, w, b = body.half_length, body.half_width, body.half_height
     d = settings.impedance
-    sticky = ""
-    if settings.passive:
-        each = body.adhesion / FLAT_CONTACTS
-        sticky = f' adhesion="{each!r}" gap="{settings.release_gap!r}"'
     inertia = " ".join([repr(body.inertia)] * 3)
     return mujoco.MjModel.from_xml_string(f"""
 <mujoco>
@@ -87,7 +67,7 @@ def model_of(problem: Problem, settings: Settings) -> mujoco.MjModel:
       <joint type="slide" axis="0 0 1" damping="{body.linear_drag!r}"/>
       <joint type="hinge" axis="0 1 0"/>
       <inertial pos="0 0 0" mass="{body.mass!r}" diaginertia="{inertia}"/>
-      <geom name="body" type="box" size="{a!r} {w!r} {b!r}"{sticky}/>
+      <geom name="body" type="box" size="{a!r} {w!r} {b!r}"/>
     </body>
   </worldbody>
 </mujoco>""")
@@ -107,10 +87,7 @@ def simulate(problem: Problem, settings: Settings) -> float:
     rate = -1.0 / problem.time_constant
     exp, cos, sin = math.exp, math.cos, math.sin
     path = []
-    release_gap, touches, passive = settings.release_gap, True, settings.passive
-    by_hand = 0.0 if passive else body.adhesion
-    sticky, box = model.geom_adhesion if passive else None, model.geom("body").id
-    at_edge, flat = body.adhesion / EDGE_CONTACTS, body.adhesion / FLAT_CONTACTS
+    touches = True
     count = 0
     for segment in problem.segments:
         terms = list(zip(*(segment.current.T @ problem.field).tolist(), strict=True))
@@ -130,11 +107,9 @@ def simulate(problem: Problem, settings: Settings) -> float:
             field_z = bz + 0.5 * ((gxz + nxz) * dx + (gzz + nzz) * dz)
             height = a * s + b * c
             gap = z + b - height
-            touches = gap <= (release_gap if touches else 0.0)
-            pull = by_hand if touches else 0.0
+            touches = gap <= (settings.release_gap if touches else 0.0)
+            pull = body.adhesion if touches else 0.0
             lever = a * c - b * s if theta > TILTED else 0.0
-            if passive:
-                sticky[box] = at_edge if theta > TILTED else flat
             applied[:] = (
                 c * nxx - s * nxz,
                 c * nxz - s * nzz - pull,
@@ -154,7 +129,6 @@ def creep(problem: Problem, settings: Settings, share: float, seconds: float) ->
     model = model_of(problem.scaled(**UNITS), settings)
     data = mujoco.MjData(model)
     data.qfrc_applied[0] = share * STATIC_FRICTION * (body.weight + body.adhesion)
-    if not settings.passive:
-        data.qfrc_applied[1] = -body.adhesion
+    data.qfrc_applied[1] = -body.adhesion
     mujoco.mj_step(model, data, round(seconds * UNITS["time"] / settings.timestep))
     return float(data.qpos[0]) / UNITS["length"]

@@ -1,7 +1,5 @@
 """Search for MuJoCo's settings: `PYTHONPATH=bench python -m peers.mujoco_search --seconds 300`.
 
-With `--passive`, those for the adhesion of its geoms.
-
 Draws settings at random (with a seed), runs them on the tuning runs, and prints for each time step
 the best by root-mean-square velocity error. Nothing of `python -m bench peers` depends on it.
 """
@@ -21,7 +19,7 @@ TIMESTEPS = (0.04, 0.02, 0.01)  # ms
 SHOWN = 5
 
 
-def draw(rng: np.random.Generator, passive: bool) -> Settings:
+def draw(rng: np.random.Generator) -> Settings:
     """One set of settings; see `Settings` for units."""
     return Settings(
         timestep=float(rng.choice(TIMESTEPS)),
@@ -30,8 +28,7 @@ def draw(rng: np.random.Generator, passive: bool) -> Settings:
         impedance=float(rng.choice([0.9, 0.99, 0.999])),
         friction_impedance=float(rng.choice([1.0, 10.0, 100.0])),
         stick_speed=float(10.0 ** rng.uniform(-5.0, -3.0)),
-        release_gap=float(10.0 ** rng.uniform(-6.5 if passive else -6.0, -4.0)),
-        passive=passive,
+        release_gap=float(10.0 ** rng.uniform(-6.0, -4.0)),
     )
 
 
@@ -39,7 +36,6 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seconds", type=float, default=300.0)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--passive", action="store_true")
     options = parser.parse_args()
     rng = np.random.default_rng(options.seed)
     problems = [problem_of(drive) for drive in TUNING]
@@ -47,7 +43,7 @@ def main() -> None:
     found = []
     end = time.monotonic() + options.seconds
     while time.monotonic() < end:
-        settings = draw(rng, options.passive)
+        settings = draw(rng)
         velocities = np.array([simulate(problem, settings) for problem in problems])
         found.append((float(np.sqrt(np.mean((velocities / exact - 1.0) ** 2))), settings))
     found.sort(key=lambda pair: pair[0])

@@ -54,13 +54,6 @@ FAMILY = (
 )
 """Runs over which the velocity error is taken: one run alone can be right by luck."""
 
-BATCH = tuple(
-    Drive(float(peak), float(frequency))
-    for peak in np.linspace(2.3e-3, 2.7e-3, 8)
-    for frequency in np.linspace(80.0, 120.0, 8)
-)
-"""Runs that are simulated together."""
-
 TUNING = (
     REFERENCE,
     Drive(2.45e-3, 85.0, 1.05e-3),

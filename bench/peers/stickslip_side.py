@@ -44,16 +44,6 @@ def exact_velocities(drives: Iterable[Drive]) -> np.ndarray:
     return np.array([velocity(drive, EXACT) for drive in drives])
 
 
-def together(drives: Iterable[Drive], rtol: float) -> list[float]:
-    """Mean velocities of runs that are simulated in one call on one thread, m/s."""
-    scenarios = [scenario_of(drive, rtol) for drive in drives]
-    runs = stickslip.simulate_batch(scenarios, threads=1)
-    for run in runs:
-        if not run.ok:
-            raise RuntimeError(run.message)
-    return [run.mean_velocity for run in runs]
-
-
 def creep(share: float, seconds: float) -> float:
     """Drift in m of a flat block on a slope where gravity takes `share` of the friction limit."""
     nominal = stickslip.Scenario()

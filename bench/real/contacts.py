@@ -40,19 +40,11 @@ _QUARTER = np.pi / 2
 class ContactGeometry:
     """What the heights at contact say.
 
-    Attributes
-    ----------
-    angle_offset : float
-        What is read too much of theta, against the plate, rad.
-    plate : float
-        Height of the plate at x = `ABOUT`, m.
-    slope : float
-        Its rise by x.
-    middle_x, middle_z : float
-        The square's middle from its centre of mass, m, in the body's axes.
-    rounding : float
-        Radius of its corners, m: a rounded square touches as one whose corners lie at
-        `SIDE` / 2 - rounding does on a plate that is higher by the rounding.
+    angle_offset: What is read too much of theta, against the plate, rad. plate: Height of the
+    plate at x = `ABOUT`, m. slope: Its rise by x. middle_x, middle_z: The square's middle from
+    its centre of mass, m, in the body's axes. rounding: Radius of its corners, m: a rounded
+    square touches as one whose corners lie at `SIDE` / 2 - rounding does on a plate that is
+    higher by the rounding.
     """
 
     angle_offset: float
@@ -67,11 +59,8 @@ class ContactGeometry:
 class Impacts:
     """States of the centre of mass just before and after impacts that stand alone.
 
-    Attributes
-    ----------
-    drop : numpy.ndarray, shape (n,)
-    before, after : numpy.ndarray, shape (n, 6)
-        x, z, theta, vx, vz, omega; theta as it is read.
+    drop: shape (n,). before, after: shape (n, 6): x, z, theta, vx, vz, omega; theta as it is
+    read.
     """
 
     drop: np.ndarray

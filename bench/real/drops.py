@@ -1,4 +1,4 @@
-"""``python -m real.drops FILE``: drops of a real square, fitted and predicted by the core.
+"""``python -m bench drops FILE``: drops of a real square, fitted and predicted by the core.
 
 Constants are fitted on one half of the drops and the other half is predicted from its free frames,
 both ways; with --fit they come from all drops of another file. Prints tables, writes JSON.
@@ -7,15 +7,12 @@ both ways; with --fit they come from all drops of another file. Prints tables, w
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from dataclasses import asdict, fields
 from pathlib import Path
 
 import numpy as np
-from measure import machine
-
-import stickslip
+from measure import saved
 
 from .fits import (
     VARIANTS,
@@ -108,7 +105,7 @@ def study(drops: Drops, fitted: Drops | None = None) -> tuple[dict[str, object],
 
 def main(arguments: list[str] | None = None) -> int:
     """Read, fit, predict; the exit status."""
-    parser = argparse.ArgumentParser(prog="python -m real.drops", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m bench drops", description=__doc__)
     parser.add_argument("file", type=Path, help="drops to predict, CSV, possibly compressed")
     parser.add_argument("--fit", type=Path, help="drops to fit; else the other half of FILE")
     parser.add_argument("--out", type=Path, default=Path("bench/results/drops.json"))
@@ -125,10 +122,7 @@ def main(arguments: list[str] | None = None) -> int:
     result, model = study(*read)
     if options.table:
         options.table.write_text(table(read[0], model) + "\n")
-    options.out.parent.mkdir(parents=True, exist_ok=True)
-    about = {"machine": machine(), "stickslip": stickslip.__version__, "file": options.file.name}
-    options.out.write_text(json.dumps({**about, **result}, indent=2) + "\n")
-    print(f"written: {options.out}")
+    saved(options.out, {"file": options.file.name, **result})
     return 0
 
 

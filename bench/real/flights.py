@@ -32,12 +32,8 @@ z to 1 mm/s, and more of them would only rely more on the drag."""
 class Drops:
     """Poses of a marker on each body, in this project's sense of theta.
 
-    Attributes
-    ----------
-    name : numpy.ndarray, shape (n,)
-        What the file calls each drop.
-    poses : numpy.ndarray, shape (n, frames, 3)
-        x, z (m) and theta (rad) of the marker.
+    name: shape (n,): What the file calls each drop. poses: shape (n, frames, 3): x, z (m) and
+    theta (rad) of the marker.
     """
 
     name: np.ndarray
@@ -73,14 +69,9 @@ def read_drops(path: Path) -> Drops:
 class FlightConstants:
     """What free flights depend on.
 
-    Attributes
-    ----------
-    drag, spin_drag : float
-        Rates at which velocity and spin die away, 1/s.
-    gravity_x, gravity_z : float
-        m/s^2, in the camera's axes.
-    marker_x, marker_z : float
-        The marker from the centre of mass, m, in axes that turn with the angle as it is read.
+    drag, spin_drag: Rates at which velocity and spin die away, 1/s. gravity_x, gravity_z:
+    m/s^2, in the camera's axes. marker_x, marker_z: The marker from the centre of mass, m, in
+    axes that turn with the angle as it is read.
     """
 
     drag: float = 0.5

@@ -40,18 +40,12 @@ _STILL = Drive(mode="program", program=Waveform.hold(1.0, {}))
 class ImpactConstants:
     """What is fitted to the motion after the first contact.
 
-    Attributes
-    ----------
-    restitution, friction, tangential_restitution : float
-        See `stickslip.Contact`; static and kinetic friction are the same.
-    side : float
-        Of the square that the core simulates, m: its corners lie where a rounded square's arcs have
-        their middles, and its inertia belongs to it.
-    height : float
-        Of the plate that it meets at x = 0, m; the rounding's radius is a part of it.
-    lean : float
-        Angle by which the simulated square is turned on against the real one, rad: it takes up what
-        the model lacks, and is no part of the camera's offset.
+    restitution, friction, tangential_restitution: See `stickslip.Contact`; static and kinetic
+    friction are the same. side: Of the square that the core simulates, m: its corners lie where
+    a rounded square's arcs have their middles, and its inertia belongs to it. height: Of the
+    plate that it meets at x = 0, m; the rounding's radius is a part of it. lean: Angle by which
+    the simulated square is turned on against the real one, rad: it takes up what the model
+    lacks, and is no part of the camera's offset.
     """
 
     restitution: float
@@ -108,11 +102,8 @@ class Model:
 class Starts:
     """Last free frame of each drop.
 
-    Attributes
-    ----------
-    drop, frame : numpy.ndarray, shape (n,)
-    state : numpy.ndarray, shape (n, 6)
-        x, z, theta, vx, vz, omega of the centre of mass there, theta as it is read.
+    drop, frame: shape (n,): state: shape (n, 6): x, z, theta, vx, vz, omega of the centre of
+    mass there, theta as it is read.
     """
 
     drop: np.ndarray

@@ -23,14 +23,9 @@ _MOST_SHOWN = 4
 class Truth:
     """What is known of a set without the diagnosis.
 
-    Attributes
-    ----------
-    present, possible : tuple of str
-        Causes that act for certain, and further ones of which it is not known whether they do.
-    values : mapping of tuple
-        Parameters that are known, each by its value and standard deviation.
-    certain : bool
-        Whether it is known at all, or only what can be said from the same data.
+    present, possible: Causes that act for certain, and further ones of which it is not known
+    whether they do. values: Parameters that are known, each by its value and standard
+    deviation. certain: Whether it is known at all, or only what can be said from the same data.
     """
 
     present: tuple[str, ...]
@@ -43,14 +38,8 @@ class Truth:
 class Measured:
     """A measured set.
 
-    Attributes
-    ----------
-    name : str
-    unit : tuple
-        Factor from SI to the unit of errors in the table, and its name.
-    truth : Truth
-    diagnosed : callable
-        ``diagnosed(without)``: the diagnosis, with these causes not listed.
+    name. unit: Factor from SI to the unit of errors in the table, and its name. truth.
+    diagnosed: ``diagnosed(without)``: the diagnosis, with these causes not listed.
     """
 
     name: str
@@ -63,12 +52,7 @@ class Measured:
 class Row:
     """A row of the table, as text.
 
-    Attributes
-    ----------
-    listed : str
-        Whether the causes that act were offered.
-    judgement : str
-        See `judged`.
+    listed: Whether the causes that act were offered. judgement: See `judged`.
     """
 
     set: str

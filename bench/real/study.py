@@ -2,7 +2,7 @@
 
 Each set is diagnosed twice: with the cause that acts among those that are listed, and without it.
 Rows are written as they come, into a file that keeps those of other sets. The status is 1 where a
-wrong cause is claimed. ``halves`` says how far the angle offset of the drops scatters.
+wrong cause is claimed.
 """
 
 from __future__ import annotations
@@ -15,9 +15,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from measure import machine
-
-import stickslip
+from measure import saved
 
 from . import axis, impacts, robots, slider, tanks
 from .flights import read_drops
@@ -78,43 +76,30 @@ def heads() -> str:
     return "\n".join("| " + " | ".join(line) + " |" for line in (names, ["---"] * len(names)))
 
 
-def keep(found: dict[str, Any], rows: dict[str, Any], out: Path) -> None:
-    """Write rows into the file, in place of those of the same sets."""
-    found["rows"] = {**found.get("rows", {}), **rows}
-    found |= {"machine": machine(), "stickslip": stickslip.__version__}
-    out.parent.mkdir(parents=True, exist_ok=True)
-    out.write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
-
-
 def main(arguments: list[str] | None = None) -> int:
     """Diagnose, print and write; the exit status."""
     parser = argparse.ArgumentParser(prog="python -m bench real", description=__doc__)
-    parser.add_argument("sets", nargs="*", metavar="SET", help=", ".join((*NAMES, "halves")))
+    parser.add_argument("sets", nargs="*", metavar="SET", help=", ".join(NAMES))
     parser.add_argument("--drops", type=Path, default=DROPS, help="CSV of drops")
     parser.add_argument("--out", type=Path, default=Path("bench/results/real.json"))
     options = parser.parse_args(arguments)
     for name in options.sets:
-        if name not in (*NAMES, "halves"):
-            parser.error(f"{name}: allowed are {', '.join((*NAMES, 'halves'))}")
-    found = json.loads(options.out.read_text(encoding="utf-8")) if options.out.is_file() else {}
+        if name not in NAMES:
+            parser.error(f"{name}: allowed are {', '.join(NAMES)}")
+    kept = json.loads(options.out.read_text()) if options.out.is_file() else {}
+    found: dict[str, Any] = kept.get("rows", {})
     wrong = False
     try:
-        if "halves" in options.sets:
-            said = impacts.angle_by_halves(impacts.first_impacts(read_drops(options.drops)))
-            print("angle offset of {drops} drops: {angle:.4f} rad".format(**said), end=" ")
-            print("± {stated:.4f} stated, {by_halves:.4f} by halves".format(**said))
-            found["halves"] = said
-            keep(found, {}, options.out)
-        chosen = [name for name in options.sets or NAMES if name in NAMES]
-        print(heads() if chosen else "", end="\n" if chosen else "")
-        for name in chosen:
+        print(heads())
+        for name in options.sets or NAMES:
             for measured in measured_sets(name, options.drops):
                 for listed in (True, False):
                     made = row(measured, listed)
                     wrong |= made.judgement.startswith("wrong")
                     print(text(made), flush=True)
                     key = f"{made.set}, listed: {made.listed}"
-                    keep(found, {key: asdict(made)}, options.out)
+                    found[key] = asdict(made)
+                    saved(options.out, {"rows": found}, said=False)
     except (OSError, ValueError) as error:
         print(error, file=sys.stderr)
         return 2

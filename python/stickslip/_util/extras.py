@@ -15,7 +15,7 @@ EXTRAS = {
     "netcdf": ("h5netcdf", "h5py", "xarray", "pandas"),
     "plot": ("matplotlib",),
     "diagnosis": ("scipy", "pandas", "matplotlib", "jinja2"),
-    "optimise": ("cma", "matplotlib", "jinja2"),
+    "optimise": ("cma", "pandas", "matplotlib"),
     "gym": ("gymnasium",),
     "dask": ("distributed",),
 }

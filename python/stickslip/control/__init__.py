@@ -1,6 +1,6 @@
-"""What controllers need beside a `Simulator`: a camera, paths, and environments of Gymnasium.
+"""What controllers need beside a `Simulator`: a camera, paths, voltages along a heading.
 
-The environments, `stickslip.control.environments`, need the extra ``gym``.
+`stickslip.control.environments` has environments of Gymnasium; it needs the extra ``gym``.
 """
 
 from __future__ import annotations

@@ -28,8 +28,7 @@ class Camera:
     latency : float
         From the end of an exposure to the controller, s.
     noise_x, noise_theta, noise_heading : float
-        Standard deviations of the tracking: of x, and alike of y, m; of the tilt and of the
-        heading, rad.
+        Standard deviations of the tracking: of x and y, m; of the tilt and the heading, rad.
     pixel : float
         Quantum of x and y, m; 0: none.
     dropped : float
@@ -48,7 +47,7 @@ class Camera:
     def __post_init__(self) -> None:
         for each in fields(self):  # the frame rate first: the range of the exposure is by it
             value = getattr(self, each.name)
-            low, high = (1e-3, math.inf) if each.name == "frame_rate" else (0.0, math.inf)
+            low, high = (1e-3 if each.name == "frame_rate" else 0.0), math.inf
             if each.name == "dropped":
                 high = 1.0
             elif each.name == "exposure":

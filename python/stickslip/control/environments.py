@@ -7,10 +7,10 @@ from copy import deepcopy
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from stickslip._util.extras import naming_the_extra
-from stickslip._util.numbers import Array
+from stickslip._util.numbers import Array, Indices, Mask
 
 with naming_the_extra("stickslip.control.environments"):
     import gymnasium
@@ -18,31 +18,41 @@ with naming_the_extra("stickslip.control.environments"):
 
 from stickslip import _core
 from stickslip._util.numbers import worker_count
-from stickslip.control.camera import Camera
-from stickslip.control.checks import (
-    check_above_zero,
-    check_within_coils,
-    checked_actions,
-    coils_named,
-    numbers_of,
-)
-from stickslip.control.observations import PLACE, Observer, columns_of
+from stickslip.control.camera import Camera, Film
+from stickslip.control.checks import check_above_zero, numbers_of
 from stickslip.control.path import Path
 from stickslip.control.steering import heading_voltages
-from stickslip.control.tasks import PathTargets, PointTargets, Targets, task_named
+from stickslip.control.tasks import TASKS, Targets
+from stickslip.design.space import coil_places
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import check_kind, check_whole
+from stickslip.field.coils import Coils
+from stickslip.scenario.keys import check_kind, check_whole, refuse, shown, suggestion
 from stickslip.scenario.priors import Prior
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import COIL_NAMES
 from stickslip.scenario.state import CONTACT_WORDS, STATE_COLUMNS
 from stickslip.scenario.uncertain import JointPrior
 
+_BODY = {"goal ahead": 1e-3, "goal left": 1e-3, "cos heading": 1.0, "sin heading": 1.0}
+OBSERVED = {
+    **_BODY,
+    "x": 1e-3, "y": 1e-3, "z": 1e-4, "theta": 1.0,
+    "vx": 1e-2, "vy": 1e-2, "vz": 1e-2, "omega": 100.0,
+    **{f"current_{coil}": 1.0 for coil in COIL_NAMES},
+}  # fmt: skip
+"""Columns of an observation without a camera: how far the goal is ahead of the robot and to its
+left, where it faces, and its state; with what one stands for in each, SI units."""
+
+CAMERA_OBSERVED = {**_BODY, "x": 1e-3, "y": 1e-3, "theta": 1.0, "age": 0.1}
+"""Columns with a camera: of the pose that the newest frame shows, and the age of that, s."""
+
 _FARTHEST = 1e6  # chosen: finite, as libraries want it, and beyond all that moves
 # Part of the voltage that the field along the surface always has. Chosen: of 26 V it makes 0.5 mT,
 # ten times the field below which friction may hold the heading.
 _LEAST = 0.2
-_CONTACT, _HEADING = columns_of(["contact", "heading"])
+_STATE = [STATE_COLUMNS.index(name) for name in OBSERVED if name not in _BODY]
+_POSE = [STATE_COLUMNS.index(name) for name in ("x", "y", "theta", "heading")]
+_CONTACT = STATE_COLUMNS.index("contact")
 _RESTS = [CONTACT_WORDS.index(name) for name in ("corner_stick", "face_stick")]
 
 
@@ -50,28 +60,20 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
     """Robots that are stepped together in the core.
 
     An action has values from -1 to 1, to which values beyond are clipped, and holds for `period`.
-    Where a robot stays in its plane, they
-    are the voltages of `coils` over `voltage`. Where it is steered, in "reach" and "follow", they
-    are how fast the field along the surface turns to the left, over `turning`; the voltage that
-    makes this field, from a fifth of `voltage` at -1, which keeps the heading of the default robot
-    if `voltage` is near 26 V, to `voltage` at 1, see `stickslip.control.heading_voltages`; and the
-    voltage of the clamp coil over `voltage`. The field begins at the robot's heading.
+    In "walk" and "place" they are the voltages of `coils` over `voltage`. In "reach" and "follow"
+    they are how fast the field along the surface turns to the left, over `turning`; the voltage
+    that makes this field, see `stickslip.control.heading_voltages`, from a fifth of `voltage` at -1
+    to all at 1; and the voltage of the clamp coil over `voltage`.
 
-    An observation has the columns `stickslip.control.observations.OBSERVED` where a robot stays in
-    its plane, else `stickslip.control.observations.OBSERVED_IN_PLANE`; through a camera
-    `stickslip.control.observations.CAMERA_OBSERVED` or
-    `stickslip.control.observations.CAMERA_OBSERVED_IN_PLANE`. Each is divided by its unit there.
+    An observation has the columns of `OBSERVED`, or through a camera of `CAMERA_OBSERVED`.
 
-    A robot whose simulation fails ends its episode (terminated), and ``info["failure"]`` names the
-    status, among them ``heading_lost`` and ``turns_too_fast``; where a robot has left its path, it
-    is ``left_path``. A robot that follows a path has its ``progress`` and its distance to the left
-    of the path, ``across``, in `info`, m.
+    A robot whose simulation fails, or that leaves its path, ends its episode (terminated), and
+    ``info["failure"]`` names the status, ``left_path``, or ``not_finite`` where its action is not.
+    Actions of another shape are a ``ScenarioError``. A robot that follows a path has its
+    ``progress``, and its distance to the left of it, ``across``, in `info`, m.
 
-    Actions of another shape are a ``ScenarioError``, before anything has moved. A robot whose row
-    has a value that is not finite fails with the status ``not_finite``, and the others go on.
-
-    The same seed gives the same bits for any number of threads. Copies (`copy`, `pickle`) are
-    independent environments that go on with the same bits.
+    The same seed gives the same bits for any number of threads. Copies are independent and go on
+    with the same bits.
 
     Parameters
     ----------
@@ -79,42 +81,31 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
     task : {"walk", "reach", "place", "follow"}
         See `stickslip.control.tasks.TASKS`.
     scenario : Scenario, optional
-        The robot; its drive is not played, see `stickslip.Simulator`.
+        The robot; its drive is not played.
     uncertain : JointPrior, mapping of str to Prior, or Scenario, optional
-        What is drawn anew for each episode, as `Measurement.uncertain` or a scenario has it, see
-        ``Scenario.with_uncertain``; an empty mapping is nothing. If it is not given, what is
-        uncertain in `scenario`.
+        What is drawn for each episode, see ``Scenario.with_uncertain``; by default what is
+        uncertain in `scenario`. An empty mapping is nothing.
     camera : Camera, optional
-        What the robots are seen through.
     coils : sequence of str, optional
-        Coils whose voltages the actions are; if not given, the xp and the clamp coil of a robot
-        that stays in its plane, and one that is steered is driven along a heading. A robot that is
-        steered by coils needs the clamp and another one; actions that make the field jump, such as
-        random ones, end its episode by ``turns_too_fast``.
+        Coils whose voltages the actions are: by default xp and the clamp in "walk" and "place". In
+        "reach" and "follow" the clamp and another one are needed; actions that make the field jump
+        end an episode by ``turns_too_fast``.
     path : Path or array_like of shape (k, 2), optional
-        What is to be followed, m, from where the robot begins; if not given, a figure of eight of
-        4 mm, `stickslip.control.Path.figure_of_eight`.
+        What is to be followed, m; by default a figure of eight of 4 mm.
     goal : array_like of shape (2,), optional
-        What is to be reached by "reach", x and y, m; if not given, it is drawn for each episode,
-        0.5 to 2 mm from where the robot begins.
-    voltage : float
-        V, at an action of one; above 0.
-    turning : float
-        Rate at which the heading is turned at an action of one, rad/s; above 0.
-    period : float
-        Of a step, s; above 0.
+        What "reach" is to reach, m; by default drawn for each episode.
+    voltage, turning, period : float
+        V and rad/s of an action of one; s of a step.
     threads : int
     autoreset_mode : AutoresetMode
     max_episode_steps : int, optional
-        After which an episode is truncated, at least 1; to ``gymnasium.make`` -1 says that none
-        is.
+        After which an episode is truncated.
 
     Raises
     ------
     ScenarioError
-        If one of these is not what it should be: with its name, its value and what is allowed. Also
-        if a path begins, as far as that is known, more than 0.25 mm from the robot, or if a path or
-        a goal lies beyond the coils, or outside of the field map.
+        If one of these is not what it should be: also a path that begins, as far as that is known,
+        more than 0.25 mm from the robot, or a path or goal where no field is known.
     """
 
     def __init__(
@@ -144,8 +135,9 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         for name, value, kind in (("scenario", scenario, Scenario), ("camera", camera, Camera)):
             if value is not None:
                 check_kind(name, value, kind)
-        self.num_envs = num_envs
-        self.task = task_named(task)
+        if not isinstance(task, str) or task not in TASKS:
+            raise ScenarioError(f"task = {shown(task)}: {suggestion(str(task), TASKS)}")
+        self.num_envs, self.task = num_envs, task
         given = scenario or Scenario()
         given = given if uncertain is None else given.with_uncertain(uncertain or None)
         self.scenario, self.uncertain = given.with_uncertain(None), given.uncertain
@@ -153,26 +145,28 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         self.voltage, self.turning, self.period = voltage, turning, period
         self.max_episode_steps = max_episode_steps
         self.render_mode = render_mode
+        self.metadata = {"autoreset_mode": AutoresetMode(autoreset_mode), "render_modes": []}
         self._threads = worker_count(threads, "threads")
-        in_plane = self.task.in_plane
-        if coils is None and not in_plane:
+        self._steered = TASKS[task].steered
+        if coils is None and not self._steered:
             coils = ("xp", "clamp")
-        self._coils = None if coils is None else coils_named(coils, in_plane)
+        self._coils = None if coils is None else coil_places(coils)
+        if self._steered and coils is not None and ("clamp" not in coils or len(coils) < 2):
+            refuse("coils", coils, '"clamp" and one or more of the others, or it does not walk')
         self._targets = self._made_targets(path, goal)
-        mode = AutoresetMode(autoreset_mode)
-        self.metadata = {"autoreset_mode": mode, "render_modes": []}
-        self._observer = Observer(camera, in_plane, period, num_envs)
-        box, columns = gymnasium.spaces.Box, (len(self._observer.units),)
-        self.single_observation_space = box(-_FARTHEST, _FARTHEST, columns, np.float64)
-        self.values = 3 if self._coils is None else len(self._coils)
-        """How many an action has of one robot."""
-        self.single_action_space = box(-1.0, 1.0, (self.values,), np.float32)
+        units = OBSERVED if camera is None else CAMERA_OBSERVED
+        self._units = np.array(list(units.values()))
+        box = gymnasium.spaces.Box
+        self.single_observation_space = box(-_FARTHEST, _FARTHEST, (len(units),), np.float64)
+        values = 3 if self._coils is None else len(self._coils)
+        self.single_action_space = box(-1.0, 1.0, (values,), np.float32)
         batched = gymnasium.vector.utils.batch_space
         self.observation_space = batched(self.single_observation_space, num_envs)
         self.action_space = batched(self.single_action_space, num_envs)
         self._random = [np.random.default_rng() for _ in range(num_envs)]
         self._robots = [self.scenario] * num_envs  # each with its draw of what is uncertain
-        self._batch = _core.SimulatorBatch([self.scenario.to_core()] * num_envs, in_plane)
+        self._films: list[Film | None] = [None] * num_envs
+        self._batch = _core.SimulatorBatch([self.scenario.to_core()] * num_envs, self._steered)
         self._states = np.zeros((num_envs, len(STATE_COLUMNS)))
         self._heading = np.zeros(num_envs)  # of the field along the surface, rad
         self._steps = np.zeros(num_envs, dtype=np.int64)
@@ -188,9 +182,32 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         robots = [robot.to_core() for robot in self._robots]
-        self._batch = _core.SimulatorBatch(robots, self.task.in_plane)
+        self._batch = _core.SimulatorBatch(robots, self._steered)
         for i, snapshot in enumerate(state["_batch"]):
             self._batch.restore(i, _core.Snapshot.from_bytes(snapshot))
+
+    def _made_targets(self, path: Path | ArrayLike | None, goal: ArrayLike | None) -> Targets:
+        """Where the robots are to go, once all that is known of it is checked."""
+        task, follows = TASKS[self.task], self.task == "follow"
+        if path is not None and not follows:
+            raise ScenarioError(f'path: the task "{self.task}" follows none')
+        if goal is not None and self.task != "reach":
+            raise ScenarioError(f'goal: the task "{self.task}" takes none')
+        if goal is not None:
+            goal = numbers_of("goal", goal, "x and y, m")
+            if goal.shape != (2,):
+                raise ScenarioError(f"goal of shape {goal.shape}: allowed is (2,), x and y, m")
+            _check_within_coils("goal", goal[None], self.scenario)
+        way = Path.figure_of_eight() if follows and path is None else None
+        if path is not None:
+            way = path if isinstance(path, Path) else Path(path)
+        targets = Targets(task, self.num_envs, way, goal)
+        if way is not None:
+            _check_within_coils("path", way.points, self.scenario)
+            drawn = set() if self.uncertain is None else set(self.uncertain.names)
+            if not drawn & {"initial.x", "initial.y"}:
+                targets.check_begin(np.array([self.scenario.initial.x, self.scenario.initial.y]))
+        return targets
 
     def reset(
         self,
@@ -200,96 +217,60 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
     ) -> tuple[Array, dict[str, Any]]:
         """Begin all episodes anew, or those of ``options["reset_mask"]``."""
         mask = (options or {}).get("reset_mask", np.ones(self.num_envs, dtype=bool))
-        if seed is None:
-            seeds: Sequence[int | None] = [None] * self.num_envs
-        elif isinstance(seed, Sequence):
-            seeds = seed
-            if len(seeds) != self.num_envs:
-                raise ScenarioError(f"seed has {len(seeds)} entries: allowed are {self.num_envs}")
-        else:
+        seeds = seed if isinstance(seed, Sequence) else [None] * self.num_envs
+        if seed is not None and not isinstance(seed, Sequence):
             seeds = [int(seed) + i for i in range(self.num_envs)]
+        if len(seeds) != self.num_envs:
+            raise ScenarioError(f"seed has {len(seeds)} entries: allowed are {self.num_envs}")
         for i, own in enumerate(seeds):
             if mask[i] and own is not None:
                 self._random[i] = np.random.default_rng(own)
         self._begin(mask)
-        return self._observed(), {}
+        return self._observed(np.arange(self.num_envs)), {}
 
-    def _made_targets(self, path: Path | ArrayLike | None, goal: ArrayLike | None) -> Targets:
-        task = self.task
-        if path is not None and not task.look_ahead:
-            raise ScenarioError(f'path: the task "{task.name}" follows none')
-        if goal is not None:
-            if task.name != "reach":
-                raise ScenarioError(f'goal: the task "{task.name}" takes none')
-            goal = numbers_of("goal", goal, "x and y, m")
-            if goal.shape != (2,):
-                raise ScenarioError(f"goal of shape {goal.shape}: allowed is (2,), x and y, m")
-            check_within_coils("goal", goal[None], self.scenario)
-        if not task.look_ahead:
-            return PointTargets(task, self.num_envs, goal)
-        if path is None:
-            path = Path.figure_of_eight()
-        way = path if isinstance(path, Path) else Path(path)
-        check_within_coils("path", way.points, self.scenario)
-        targets = PathTargets(task, self.num_envs, way)
-        if self.uncertain is None or not {"initial.x", "initial.y"} & set(self.uncertain.names):
-            targets.check_begin(np.array([self.scenario.initial.x, self.scenario.initial.y]))
-        return targets
-
-    def _begin(self, mask: NDArray[np.bool_]) -> None:
-        robots = np.flatnonzero(mask)
+    def _begin(self, mask: Mask) -> None:
+        robots = np.flatnonzero(mask).tolist()
         for i in robots:
-            self._robots[i] = self._drawn(self._random[i])
-            self._batch.reset(int(i), self._robots[i].to_core())
+            if self.uncertain is not None:
+                self._robots[i] = self.uncertain.draw(self.scenario, self._random[i])
+            self._batch.reset(i, self._robots[i].to_core())
         self._batch.states(self._states)
         for i in robots:
-            self._targets.begin(int(i), self._states[i, PLACE], self._random[i])
-            self._observer.begin(int(i), self._states[i])
-        self._heading[mask] = self._states[mask, _HEADING]
+            self._targets.begin(i, self._states[i, _POSE[:2]], self._random[i])
+            if self.camera is not None:
+                self._films[i] = Film(self.camera, self.period, self._states[i, _POSE])
+        self._heading[mask] = self._states[mask, _POSE[3]]
         self._steps[mask], self._over[mask] = 0, False
 
-    def _drawn(self, random: np.random.Generator) -> Scenario:
-        """The scenario with new values of what is uncertain."""
-        return self.uncertain.draw(self.scenario, random) if self.uncertain else self.scenario
-
-    def step(
-        self, actions: Array
-    ) -> tuple[Array, Array, NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+    def step(self, actions: Array) -> tuple[Array, Array, Mask, Mask, dict[str, Any]]:
         """Play one period of all robots; see `gymnasium.vector.VectorEnv.step`."""
-        played = checked_actions("actions", actions, (self.num_envs, self.values))
+        played = _checked("actions", actions, self.action_space)
         mode, mask = self.metadata["autoreset_mode"], self._over.copy()
         if mode == AutoresetMode.DISABLED and mask.any():
             raise ValueError("an episode is over: reset, or options={'reset_mask': mask} of many")
-        unknown: NDArray[np.bool_] = np.any(np.isnan(played), axis=1)
-        voltages = self._voltages(np.where(unknown[:, None], 0.0, played))
-        voltages[unknown] = np.nan  # with which the core lets this robot fail
-        voltages[mask] = 0.0  # what is over is begun anew below, whatever it does now
-        self._batch.step(voltages, self.period, False, self._threads)
+        self._batch.step(self._voltages(played), self.period, False, self._threads)
         self._batch.states(self._states)
         status = self._batch.statuses()
         self._steps += 1
         if mask.any():
             self._begin(mask)
         rests = np.isin(self._states[:, _CONTACT], _RESTS)
-        judged = self._targets.judge(self._states[:, PLACE], rests)
+        judged = self._targets.judge(self._states[:, _POSE[:2]], rests)
         rewards = np.where(mask, 0.0, judged.rewards)
-        failed = (status != 0) & ~mask
+        failed, reached = (status != 0) & ~mask, judged.reached & ~mask
         lost = judged.lost & ~mask & ~failed
-        reached = judged.reached & ~mask
         terminations = failed | lost | reached
         truncations = np.zeros(self.num_envs, dtype=bool)
         if self.max_episode_steps is not None:
             truncations = (self._steps >= self.max_episode_steps) & ~mask & ~terminations
-        info: dict[str, Any] = {"success": reached, "_success": ~mask}
-        for name, values in judged.figures.items():
-            info |= {name: values, f"_{name}": ~mask}
+        info: dict[str, Any] = {"success": reached, **judged.figures}
+        info |= {f"_{name}": ~mask for name in info}
         if failed.any() or lost.any():
-            names = tuple(_core.statuses)
-            words = np.where(failed, [names[each] for each in status], "")
+            words = np.where(failed, np.array(tuple(_core.statuses))[status], "")
             words = np.where(lost, "left_path", words)
             info |= {"failure": words, "_failure": failed | lost}
         self._over = terminations | truncations
-        observations = self._observed()
+        observations = self._observed(np.arange(self.num_envs))
         if mode == AutoresetMode.SAME_STEP and self._over.any():
             ended = self._over.copy()
             finals = np.full(self.num_envs, None, dtype=object)
@@ -304,21 +285,39 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         return observations, rewards, terminations, truncations, info
 
     def _voltages(self, actions: Array) -> Array:
-        """Voltages of the five coils, (n, 5), V."""
+        """Voltages of the five coils, (n, 5), V; those of a robot without a whole action NaN."""
+        unknown: Mask = np.any(~np.isfinite(actions), axis=1)
+        actions = np.clip(np.where(unknown[:, None], 0.0, actions), -1.0, 1.0)
         if self._coils is not None:
             voltages = np.zeros((self.num_envs, len(COIL_NAMES)))
             voltages[:, self._coils] = self.voltage * actions
-            return voltages
-        self._heading += self.turning * self.period * actions[:, 0]
-        along = self.voltage * (_LEAST + (1.0 - _LEAST) * 0.5 * (1.0 + actions[:, 1]))
-        return heading_voltages(self._heading, along, self.voltage * actions[:, 2])
+        else:
+            self._heading += self.turning * self.period * actions[:, 0]
+            along = self.voltage * (_LEAST + (1.0 - _LEAST) * 0.5 * (1.0 + actions[:, 1]))
+            voltages = heading_voltages(self._heading, along, self.voltage * actions[:, 2])
+        voltages[unknown] = np.nan  # with which the core lets this robot fail
+        return voltages
 
-    def _observed(self, rows: NDArray[np.int64] | None = None) -> Array:
-        """Observations of some robots, or all; a camera's are to be asked for once a step."""
-        robots = np.arange(self.num_envs) if rows is None else rows
-        times = np.asarray(self._steps[robots] * self.period, dtype=float)
+    def _observed(self, robots: Indices) -> Array:
+        """Observations of some robots; a camera's are to be asked for once a step."""
         states = self._states[robots]
-        return self._observer.observed(robots, states, times, self._targets, self._random)
+        if self.camera is None:
+            poses, seen = states[:, _POSE], states[:, _STATE]
+        else:
+            rows = []
+            for i, state in zip(robots.tolist(), states, strict=True):
+                film = self._films[i]
+                assert film is not None  # from the first reset on
+                time = float(self._steps[i] * self.period)
+                pose, age = film.watch(time, state[_POSE], self._random[i])
+                rows.append([*pose, age])
+            poses = np.array(rows)[:, :4]
+            seen = np.array(rows)[:, [0, 1, 2, 4]]
+        offsets = self._targets.offsets(robots, poses[:, :2], exact=self.camera is None)
+        cosine, sine = np.cos(poses[:, 3]), np.sin(poses[:, 3])
+        ahead = cosine * offsets[:, 0] + sine * offsets[:, 1]
+        left = cosine * offsets[:, 1] - sine * offsets[:, 0]
+        return np.asarray(np.column_stack([ahead, left, cosine, sine, seen]) / self._units)
 
 
 class RobotEnv(gymnasium.Env[Array, Array]):
@@ -347,25 +346,50 @@ class RobotEnv(gymnasium.Env[Array, Array]):
 
     def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
         """Play one period."""
-        played = checked_actions("action", action, (self._many.values,))
-        many = self._many.step(played[None])
-        observations, rewards, terminations, truncations, info = many
+        played = _checked("action", action, self.action_space, finite=True)
+        observations, rewards, terminated, truncated, info = self._many.step(played[None])
         own = {key: value[0] for key, value in info.items() if not key.startswith("_")}
-        return (
-            observations[0],
-            float(rewards[0]),
-            bool(terminations[0]),
-            bool(truncations[0]),
-            own,
+        ends = bool(terminated[0]), bool(truncated[0])
+        return observations[0], float(rewards[0]), *ends, own
+
+
+def _checked(
+    name: str, actions: object, space: gymnasium.Space[Array], finite: bool = False
+) -> Array:
+    """Actions of the shape of a space, as numbers; else refuse them."""
+    allowed = f"shape {space.shape} of finite numbers, which are clipped to -1 to 1"
+    try:
+        given = np.asarray(actions, dtype=float)
+    except (TypeError, ValueError):
+        refuse(name, actions, allowed)
+    if given.shape != space.shape or (finite and not np.isfinite(given).all()):
+        told = f"{name} = {shown(given.tolist())} of shape {given.shape}"
+        raise ScenarioError(f"{told}: allowed is {allowed}")
+    return given
+
+
+def _check_within_coils(name: str, points: Array, scenario: Scenario) -> None:
+    """Refuse places (k, 2), m, of which one lies where no field of the coils is known."""
+    coils = Coils.of(scenario)
+    far = float(np.min(coils.distance))
+    low, high = np.array([[-far, -far], [far, far]])
+    if coils.box is not None:
+        low, high = (np.array(corner[:2]) for corner in coils.box)
+    beyond = ((points < low) | (points > high)).any(axis=-1)
+    if beyond.any():
+        (x, y), (x0, y0), (x1, y1) = points[np.argmax(beyond)], low, high
+        raise ScenarioError(
+            f"{name}: ({x:g}, {y:g}) m lies beyond the coils' field: allowed are x from {x0:g} to "
+            f"{x1:g} m and y from {y0:g} to {y1:g} m"
         )
 
 
 # Steps of 1 ms: about twice what a robot of some 2 mm/s needs.
-for _name, _steps in (("Walk", 1000), ("Reach", 2000), ("Place", 1000), ("Follow", 12_000)):
+for _name, _most in (("Walk", 1000), ("Reach", 2000), ("Place", 1000), ("Follow", 12_000)):
     gymnasium.register(
         id=f"stickslip/{_name}-v0",
         entry_point=f"{__name__}:RobotEnv",
         vector_entry_point=f"{__name__}:RobotVectorEnv",
-        max_episode_steps=_steps,
+        max_episode_steps=_most,
         kwargs={"task": _name.lower()},
     )

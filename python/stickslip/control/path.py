@@ -1,9 +1,6 @@
-"""Paths along the surface, by their length: for tasks, and for controllers of one's own."""
+"""Paths along the surface, by their length."""
 
 from __future__ import annotations
-
-import math
-from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -65,23 +62,6 @@ class Path:
         # Sides that lie within what is looked at from a progress, at most.
         ends = np.searchsorted(self._starts, self._starts[:-1] + _BEHIND + _AHEAD, side="right")
         self._looked_at = int(np.max(ends - np.arange(len(lengths)))) + 1
-
-    @staticmethod
-    def of_length(function: Callable[[float], ArrayLike], length: float, step: float) -> Path:
-        """The path that a function of the arc length (m) to x and y (m) describes.
-
-        Parameters
-        ----------
-        function : callable
-        length : float
-            Where it ends, m.
-        step : float
-            Greatest distance of corners, m.
-        """
-        check_above_zero("path.length", length, "m")
-        check_above_zero("path.step", step, "m")
-        count = math.ceil(length / step) + 1
-        return Path([np.asarray(function(s)) for s in np.linspace(0.0, length, count)])
 
     @staticmethod
     def figure_of_eight(width: float = 4e-3) -> Path:

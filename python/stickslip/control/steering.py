@@ -16,7 +16,7 @@ def heading_voltages(heading: ArrayLike, along: ArrayLike, clamp: ArrayLike) -> 
 
     Of each axis the coil that lies ahead makes its part of the field along the surface, as a drive
     with ``coils = "single"`` does, so that the robot is pulled the way it faces. The coils are
-    taken as equal; where they differ, the field points a little beside the heading.
+    taken as equal.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def heading_voltages(heading: ArrayLike, along: ArrayLike, clamp: ArrayLike) -> 
     Raises
     ------
     ScenarioError
-        If one of these is no number, or not finite, or if their shapes do not broadcast.
+        If one of these is not finite, or if their shapes do not broadcast.
 
     Examples
     --------

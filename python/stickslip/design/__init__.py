@@ -1,1 +1,1 @@
-"""Search for the drive that walks best."""
+"""Design of drives: the drive that is best under limits, robust to uncertain parameters."""

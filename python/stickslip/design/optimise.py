@@ -2,34 +2,39 @@
 
 from __future__ import annotations
 
-import functools
+import math
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from stickslip._util.numbers import Array, worker_count
-from stickslip.design.design_space import DesignSpace, design_space
-from stickslip.design.goal import Changes, Goal, Judged, judge_all, made_goal
-from stickslip.design.landscape import ABOUT, OFFSETS, Slice, slices
-from stickslip.design.optimum import Optimum, Origin, SearchInterrupted
-from stickslip.design.sawtooth import POINTS, played, sawtooths
-from stickslip.design.search import LEADERS, Candidate, Key, search
+from stickslip.design.goal import Goal, best_first, made_goal
+from stickslip.design.optimum import COMPARED, Optimum, SearchInterrupted
+from stickslip.design.sawtooth import POINTS, sawtooths
+from stickslip.design.search import search
+from stickslip.design.space import Space, Values, made_space
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import RECORD_RATE, Value, check_kind, check_whole
+from stickslip.scenario.keys import RECORD_RATE, check_kind, check_whole, find_key
 from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.simulate import Progress, simulate, simulate_batch
 
-if TYPE_CHECKING:
-    from stickslip.simulation.simulate import Progress
+LEADERS = 24
+"""Best candidates that meet other draws. Chosen: enough to find one among them that is no luck."""
 
-VOLTAGE = "voltage_max"
-"""The figure whose limit is the range of a free waveform's knots."""
+ABOUT = 32
+"""Draws of the landscape; chosen: enough for differences, not for its level."""
 
-MOST_MOVES = 4
-"""Neighbours that are taken one after another at most; chosen: each costs a whole landscape."""
+OFFSETS = (-0.2, -0.1, -0.05, -0.02, 0.02, 0.05, 0.1, 0.2)
+"""Steps from the best drive, in parts of a range; chosen: from a good setting to a bad one."""
 
+NEAR, LOSS, RISE = 0.05, 0.1, 0.01
+"""Within the part `NEAR` of a range (as well as a lab repeats a setting) a peak loses more than the
+part `LOSS` of the score, and a slope at a limit gains more than `RISE` beyond it. All chosen."""
+
+_MOST_MOVES = 4  # chosen: each costs a whole landscape
 _SEARCHING, _CHOOSING, _FRESH, _LANDSCAPE = range(4)  # streams of draws of one seed
 
 
@@ -51,44 +56,41 @@ def optimise(
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Optimum:
-    """Look for the drive that is best under limits, over draws of what is uncertain.
+    """Search for the drive that is best under limits, over draws of what is uncertain.
 
-    CMA-ES (Hansen, arXiv:1604.00772) by ranks alone. Every candidate meets the same draws of
-    ``scenario.uncertain``. A limit has to hold in every draw: candidates that pass one rank behind
-    all that do not, by how much they pass it, and those whose simulation fails rank last. The best
-    is judged on fresh draws beside the start and the best sawtooth of a grid; if the sawtooth is
-    better there, it is the result. So is a neighbour, a step along one number, that is better.
-
-    The peak of a drive is the field that its voltage would have if it were held for ever. A coil
-    lets little of a fast pulse through, so the field at the robot is smaller: where a field is to
-    be limited, limit ``field_max``, not `drive.peak`.
+    CMA-ES (Hansen, arXiv:1604.00772) by ranks alone. Every candidate meets the same draws. Those
+    that pass a limit in a draw rank behind all others, by how much they pass it, and those whose
+    simulation fails rank last. The best is judged on fresh draws beside the start and the best
+    sawtooth of a grid. If the sawtooth is better there, it is the result, and so is a better
+    neighbour, a step along one number.
 
     Parameters
     ----------
     scenario : Scenario
         The start. Without anything uncertain it is its own only draw.
     maximise, minimise : str
-        Name of a number of `Run.summary`; one of the two. ``mean_velocity`` is along x: at a
-        heading name ``velocity_along`` or ``velocity_across``, which `Run.velocity` has.
+        A number of `Run.summary`, or ``velocity_along`` or ``velocity_across`` of the drive's
+        heading; one of the two.
     free : mapping, optional
-        By key ``(low, high)`` of a number, or a list of words; each combination of words is a
-        restart. A positive range of a decade or more is searched in its logarithm. Where
-        ``drive.frequency`` is free, the pulses change with it, so that all drives last as long as
-        the start, but at least four pulses.
+        By key ``(low, high)`` of a number, or a list of words, each combination of which is a
+        restart. A positive range of a decade or more is searched in its logarithm. With
+        ``drive.frequency`` the pulses change too, to at least four, so that all drives last as
+        long as the start.
     limits : mapping, optional
-        Greatest value of numbers of the summary, SI; or of ``tilt_max``, the largest abs(theta).
+        Greatest value of numbers of the summary, or of ``tilt_max``, the largest abs(theta), rad.
+        To limit the field, limit ``field_max`` and not ``drive.peak``: the coil lets little of a
+        fast pulse through.
     allow_flight : bool
-        By default a drive has to walk: ``airborne_fraction`` up to 0.2 and ``tilt_max`` up to 1.5
-        rad, where `limits` has no other value. True leaves these two out.
+        Leaves out the default limits: ``airborne_fraction`` 0.2 and ``tilt_max`` 1.5 rad.
     knots : int, optional
-        Makes the drive a periodic voltage program, linear between so many knots of each coil, with
-        the frequency, pulses and ramp of the scenario. It needs a limit on ``voltage_max``, and is
-        measured over all of it, as every program is; the start and the sawtooths are then too.
+        Makes the drive a periodic voltage program, linear between so many knots of each coil, which
+        needs a limit on ``voltage_max``. It is measured over all of its time, and so are start and
+        sawtooth then.
     coils : sequence of str
-        Coils that such a program drives; all others stay without voltage.
+        Coils of such a program; all others stay without voltage.
     score : str
-        What of the draws counts: ``"q10"``, the 10 % quantile, or another per cent; ``"mean"``;
-        ``"worst"``. Of a figure that is minimised it is counted from the greatest value.
+        What of the draws counts: ``"q10"``, the 10 % quantile, or another per cent, counted from
+        the greatest value of a figure that is minimised; ``"mean"``; ``"worst"``.
     draws, fresh : int
         Draws in the search, and others to judge what it found.
     evaluations : int
@@ -101,239 +103,272 @@ def optimise(
     Returns
     -------
     Optimum
-        The best drive that was found.
 
     Raises
     ------
     KeyboardInterrupt
-        On Ctrl-C in the search. Its ``best`` is the best Optimum until then, or None if no drive
-        was within the limits.
+        On Ctrl-C. Its ``best`` is the best Optimum until then, or None.
     ScenarioError
-        If something is not allowed, or no drive satisfies the limits; then it says by how much the
+        If something is not allowed, or no drive is within the limits; then it says by how much the
         nearest passes them.
     MissingExtra
-        If the package ``cma`` is missing.
+        If a package of the extra ``optimise`` is missing.
     """
-    begin = time.perf_counter()
     check_kind("scenario", scenario, Scenario)
     limits = limits or {}
     goal = made_goal(maximise, minimise, score, limits, walking=not allow_flight)
     for name, count in {"draws": draws, "fresh": fresh, "evaluations": evaluations}.items():
         check_whole(name, count, 1)
     check_whole("seed", seed)
-    space = design_space(scenario, free or {}, knots, coils, limits.get(VOLTAGE))
-    drawn = _draws(scenario, draws, seed, _SEARCHING)
-    trials = _Trials(space, goal, drawn, worker_count(threads, "threads"), progress)
-    trials.expect(evaluations, fresh)
-    if progress is not None:
-        progress(0.0, "starting")
-    starts = [space.start(arm) for arm in range(len(space.arms))]
+    space = made_space(scenario, free or {}, knots, coils, limits.get("voltage_max"))
+    streams = [_drawn(scenario, n, [seed, k]) for k, n in enumerate((draws, fresh, fresh, ABOUT))]
+    design = _Design(space, goal, streams, worker_count(threads, "threads"), progress)
     try:
-        found = search(starts, trials.compared, max(1, evaluations // len(drawn)), seed)
+        leaders = design.search(evaluations, seed)
+        design.compare(leaders)
+        design.climb()
     except KeyboardInterrupt:
-        raise SearchInterrupted(None) from None
-    leaders = [each for each in found.leaders + found.centres if each.known.feasible]
-    if not leaders:
-        if found.interrupted:
-            raise SearchInterrupted(None)
-        raise ScenarioError(trials.unmet())
-    chosen = _Selection(trials, leaders, found.interrupted)
-    chosen.judge(fresh, seed)
-    changes = chosen.best.changes
-    assert not isinstance(changes, ScenarioError)  # it was simulated
-    best = Optimum(
-        scenario=scenario.replace(changes),
-        start=scenario,
-        values=chosen.best.values,
-        space=space,
-        goal=goal,
-        origin=chosen.origin,
-        moves=chosen.moves,
-        judged=chosen.best.known,
-        fresh=chosen.fresh,
-        sawtooth=chosen.sawtooth,
-        slices=chosen.slices,
-        draws=len(drawn),
-        runs=trials.runs,
-        seed=seed,
-        interrupted=chosen.interrupted,
-        seconds=time.perf_counter() - begin,
-    )
-    if best.interrupted:
-        raise SearchInterrupted(best)
+        raise SearchInterrupted(design.optimum(seed, interrupted=True)) from None
+    best = design.optimum(seed, interrupted=False)
+    assert best is not None  # or the search has raised
     return best
 
 
-class _Trials:
-    """Candidates that are simulated, and the best of them."""
-
-    def __init__(
-        self,
-        space: DesignSpace,
-        goal: Goal,
-        draws: Sequence[Scenario],
-        threads: int,
-        progress: Progress | None,
-    ) -> None:
-        self.space, self.goal, self.draws, self.threads = space, goal, draws, threads
-        self.nearest: Judged | None = None
-        self.message = ""
-        self.runs = 0  # of the search
-        self._progress = progress
-        self._done, self._total = 0, 1
-
-    def expect(self, evaluations: int, fresh: int) -> None:
-        """Count what is to be done, for `progress`."""
-        self._total = evaluations + 2 * POINTS * len(self.draws)
-        if self.space.scenario.uncertain is not None:
-            self._total += 2 * LEADERS * fresh + len(self.space.axes) * len(OFFSETS) * ABOUT
-
-    def compared(self, candidates: Sequence[tuple[int, Array]]) -> list[tuple[Key, Judged]]:
-        """Candidates of the search, as `search.Evaluate` has them."""
-        changes = [self.space.changes_or_error(arm, point) for arm, point in candidates]
-        judged = self.judged(changes, self.draws, "searching")
-        sign = self.goal.sign
-        self.runs += len(candidates) * len(self.draws)
-        for each in judged:
-            if self.nearest is None or each.rank(sign) < self.nearest.rank(sign):
-                self.nearest = each
-            self.message = each.message or self.message
-        return [(each.rank(sign), each) for each in judged]
-
-    def judged(
-        self, drives: Sequence[Changes], draws: Sequence[Scenario], stage: str
-    ) -> list[Judged]:
-        """Drives in some draws, in one batch."""
-        count = len(drives) * len(draws)
-
-        def report(fraction: float, _: str) -> None:
-            if self._progress is not None:
-                self._progress(min((self._done + fraction * count) / self._total, 1.0), stage)
-
-        result = judge_all(self.goal, draws, drives, self.threads, report)
-        self._done += count
-        return result
-
-    def unmet(self) -> str:
-        """Why no candidate counts, in one line."""
-        tried = f"{self.runs // len(self.draws)} drives that were tried"
-        assert self.nearest is not None
-        if self.nearest.failed:
-            return f"a simulation fails of all {tried}; of the last: {self.message}"
-        passed = ", ".join(self.goal.passed(self.nearest.worst))
-        return f"limits: none of the {tried} is within all in every draw; the nearest has {passed}"
+def _drawn(scenario: Scenario, count: int, seeds: list[int]) -> list[Scenario]:
+    """Scenarios without a record; one alone where nothing is uncertain."""
+    quiet = scenario.replace({RECORD_RATE: "none"})
+    if quiet.uncertain is None:
+        return [quiet]
+    return quiet.draws(count, seed=int(np.random.SeedSequence(seeds).generate_state(1)[0]))
 
 
-class _Selection:
-    """The drive that is taken, and what it is compared with.
+class _Design:
+    """The best drive so far, and what it is compared with; Ctrl-C leaves what there is.
 
-    The best of a search is the best in its draws, in part by luck. So the leaders meet draws of
-    their own, and what is best there is judged in others again, beside the best sawtooth; of the
-    two the better is taken, and a neighbour of it that is better still. Ctrl-C leaves what there
-    is.
+    `best` is its row of `Goal.table` in the draws of the search, with its `values`. `compared` has
+    the numbers of drives in fresh draws, (draws, 1 + limits), by name.
     """
 
     def __init__(
-        self, trials: _Trials, leaders: Sequence[Candidate[Judged]], interrupted: bool
+        self,
+        space: Space,
+        goal: Goal,
+        streams: Sequence[Sequence[Scenario]],
+        threads: int,
+        progress: Progress | None,
     ) -> None:
-        self._trials = trials
-        self._leaders = [_Drive.of(trials.space, each) for each in leaders]
-        self.best = self._leaders[0]
-        self.origin: Origin = "search"
-        self.moves = 0
-        self.interrupted = interrupted
-        self.sawtooth: dict[str, Value] | None = None
-        self.slices: list[Slice] = []
-        self.fresh: dict[str, Judged] = {}
+        self._space, self._goal, self._threads, self._progress = space, goal, threads, progress
+        self._searching, self._choosing, self._fresh, self._about = streams
+        self._begin, self._done, self._expected = time.perf_counter(), 0, 1
+        self._message = ""  # of a simulation that failed
+        self.best: pd.Series[Any] | None = None
+        self.compared: dict[str, Array] = {}
+        self.sawtooth: Values | None = None
+        self.landscape: list[dict[str, Any]] = []
+        self.origin, self.moves, self.runs = "search", 0, 0
 
-    def judge(self, fresh: int, seed: int) -> None:
-        trials, space = self._trials, self._trials.space
-        try:
-            choosing = _draws(space.scenario, fresh, seed, _CHOOSING)
-            self.best = self._chosen(self._leaders, choosing)
-            drives: dict[str, Changes] = {"start": played(space, {}), "best": self.best.changes}
-            found = None if self.interrupted else self._best_sawtooth(choosing)
-            if found is not None:
-                self.sawtooth = found.values
-                drives["sawtooth"] = found.changes
-            others = _draws(space.scenario, fresh, seed, _FRESH)
-            judged = trials.judged(list(drives.values()), others, "fresh draws")
-            self.fresh = dict(zip(drives, judged, strict=True))
-            search, sawtooth = self.fresh["best"], self.fresh.get("sawtooth")
-            if found and sawtooth and self._order(sawtooth) < self._order(search):
-                self.best, self.origin = found, "sawtooth"
-                self.fresh.update(search=search, best=sawtooth)
-            if not self.interrupted:
-                self._climb(others, _draws(space.scenario, ABOUT, seed, _LANDSCAPE))
-        except KeyboardInterrupt:
-            self.interrupted = True
+    def search(self, evaluations: int, seed: int) -> pd.DataFrame:
+        """The leaders within the limits: rows of a table in the draws of the search."""
+        space, goal = self._space, self._goal
+        self._expected = evaluations + POINTS * (1 + len(self._searching))
+        self._expected += 2 * LEADERS * len(self._choosing)
+        self._expected += len(space.ranges) * len(OFFSETS) * len(self._about)
+        tables: list[pd.DataFrame] = []
+        least: tuple[float, ...] = (math.inf,)
 
-    def _climb(self, fresh: Sequence[Scenario], about: Sequence[Scenario]) -> None:
+        def evaluate(rows: Array) -> Array:
+            nonlocal least
+            table = self._judged([space.values(*row) for row in rows.tolist()], "searching")
+            keys = goal.keys(table)
+            tables.append(table)
+            self.runs += len(table) * len(self._searching)
+            first = best_first(keys)[0]
+            if not table["exceeding"][first] and tuple(keys[first]) < least:
+                least, self.best = tuple(keys[first]), table.loc[first]
+            return keys
+
+        budget = max(1, evaluations // len(self._searching))
+        centres = search(space.starts(), evaluate, budget, seed)
+        table = pd.concat(tables, ignore_index=True)
+        order = best_first(goal.keys(table))
+        if self.best is None:
+            nearest, tried = table.loc[order[0]], f"{len(table)} drives that were tried"
+            if nearest["failed"]:
+                raise ScenarioError(
+                    f"a simulation fails of all {tried}; of the last: {self._message}"
+                )
+            raise ScenarioError(
+                f"limits: none of the {tried} is within all in every draw; the nearest has "
+                + ", ".join(goal.passed(nearest))
+            )
+        # The best are so by luck, in part; the centres are less.
+        leading = [*order[:LEADERS], *range(len(table) - centres, len(table))]
+        return table.loc[leading].query("exceeding == 0")
+
+    def compare(self, leaders: pd.DataFrame) -> None:
+        """Choose among the leaders in draws of their own, and judge the best in others."""
+        self.best = self._chosen(leaders)
+        drives: dict[str, Values] = {"start": {}, "best": self.best["values"]}
+        sawtooth = self._best_sawtooth()
+        if sawtooth is not None:
+            self.sawtooth, drives["sawtooth"] = sawtooth["sawtooth"], sawtooth["values"]
+        numbers = self._judge(list(drives.values()), self._fresh, "fresh draws")
+        self.compared = dict(zip(drives, numbers, strict=True))
+        best = self.compared["best"]
+        if sawtooth is not None and self._is_better(self.compared["sawtooth"], best):
+            self.best, self.origin = sawtooth, "sawtooth"
+            self.compared |= {"search": best, "best": self.compared["sawtooth"]}
+
+    def climb(self) -> None:
         """Look at the neighbours, and go to the best as long as it is better on fresh draws too."""
-        trials, space, sign = self._trials, self._trials.space, self._trials.goal.sign
-        judged = functools.partial(trials.judged, draws=about, stage="landscape")
-        while self.best.place is not None:
-            arm, point = self.best.place
-            self.slices, better = slices(space, arm, point, sign, judged)
-            if better is None or self.moves == MOST_MOVES:
+        assert self.best is not None
+        while self._space.ranges.keys() <= self.best["values"].keys():
+            drives = [self.best["values"], *neighbours(self._space, self.best["values"])]
+            table = self._goal.table(self._judge(drives, self._about, "landscape"))
+            self.landscape = landscape(self._space, self._goal, drives, table)
+            gain = self._goal.sign * (table["score"] - table["score"][0])
+            better = gain[(table["exceeding"] == 0) & (gain > 0.0)]
+            if better.empty or self.moves == _MOST_MOVES:
                 return
-            changes = space.changes(arm, better)
-            known, new = (judged([changes], draws=each)[0] for each in (trials.draws, fresh))
-            if not known.feasible or self._order(new) >= self._order(self.fresh["best"]):
+            values = drives[int(better.idxmax())]
+            row = self._judged([values], "landscape").loc[0]
+            new = self._judge([values], self._fresh, "landscape")[0]
+            if row["exceeding"] or not self._is_better(new, self.compared["best"]):
                 return
-            self.best = _Drive(space.values(arm, better), changes, known, (arm, better))
-            self.fresh = {"search": self.fresh["best"], **self.fresh, "best": new}
-            self.slices = []  # those of the drive before
+            self.best, self.landscape = row, []
+            self.compared = {"search": self.compared["best"], **self.compared, "best": new}
             self.moves += 1
 
-    def _order(self, judged: Judged) -> tuple[float, float]:
-        # What passes a limit in no draw of the search may pass it in one of many others: that is
-        # told, and costs it nothing here, or a drive at its limit would lose to any far from it.
-        failed = judged.failed
-        return failed, 0.0 if failed else -self._trials.goal.sign * judged.score
-
-    def _chosen(self, drives: Sequence[_Drive], draws: Sequence[Scenario]) -> _Drive:
-        judged = self._trials.judged([each.changes for each in drives], draws, "choosing")
-        order = [self._order(each) for each in judged]
-        return drives[order.index(min(order))]
-
-    def _best_sawtooth(self, choosing: Sequence[Scenario]) -> _Drive | None:
-        """None where the drive is a program, or no sawtooth satisfies the limits."""
-        trials, space = self._trials, self._trials.space
-        if space.scenario.drive.mode == "program":
+    def optimum(self, seed: int, interrupted: bool) -> Optimum | None:
+        """What is found until now; None before a drive was within the limits."""
+        if self.best is None:
             return None
-        evaluate = functools.partial(trials.judged, draws=trials.draws, stage="sawtooths")
-        values = sawtooths(space, trials.goal, evaluate)
-        places = [None if space.periodic else space.place(each) for each in values]
-        changes = [
-            played(space, each) if place is None else space.changes_or_error(*place)
-            for each, place in zip(values, places, strict=True)
-        ]
-        judged = evaluate(changes)
-        made = map(_Drive, values, changes, judged, places)
-        drives = sorted(made, key=lambda each: each.known.rank(trials.goal.sign))[:LEADERS]
-        leading = [each for each in drives if each.known.feasible]
-        return self._chosen(leading, choosing) if leading else None
+        fresh = {name: self.compared[name] for name in COMPARED if name in self.compared}
+        table = pd.DataFrame()
+        if fresh:
+            table = self._goal.table(np.array(list(fresh.values()))).set_axis(list(fresh))
+        scenario = self._space.start.replace(self._space.changes(self.best["values"]))
+        return Optimum(
+            scenario=scenario,
+            start=self._space.start,
+            run=simulate(scenario.replace({RECORD_RATE: "none"})),
+            table=table,
+            fresh=pd.DataFrame({name: each[:, 0] for name, each in fresh.items()}),
+            search=self.best.drop(["values", "sawtooth"], errors="ignore"),
+            values=dict(self.best["values"]),
+            sawtooth=None if self.sawtooth is None else dict(self.sawtooth),
+            landscape=pd.DataFrame(self.landscape),
+            goal=self._goal,
+            origin=self.origin,
+            moves=self.moves,
+            runs=self.runs,
+            seed=seed,
+            interrupted=interrupted,
+            seconds=time.perf_counter() - self._begin,
+        )
+
+    def _judge(self, drives: Sequence[Values], draws: Sequence[Scenario], stage: str) -> Array:
+        """Numbers of drives in each draw, (drives, draws, 1 + limits), by one batch."""
+        made: list[list[Scenario]] = []
+        for values in drives:
+            try:
+                changes = self._space.changes(values)
+                made.append([draw.replace(changes) for draw in draws])
+            except ScenarioError as error:  # it fails in every draw
+                self._message = str(error)
+                made.append([])
+        batch = [one for each in made for one in each]
+
+        def report(fraction: float, _: str) -> None:
+            if self._progress is not None:
+                done = self._done + fraction * len(batch)
+                self._progress(min(done / self._expected, 1.0), stage)
+
+        runs = simulate_batch(batch, self._threads, report)
+        self._done += len(batch)
+        self._message = next((run.message for run in runs if not run.ok), self._message)
+        numbers = iter([self._goal.numbers(run) for run in runs])
+        lost = [math.nan] * (1 + len(self._goal.limits))
+        return np.array([[next(numbers) if each else lost for _ in draws] for each in made])
+
+    def _judged(self, drives: Sequence[Values], stage: str) -> pd.DataFrame:
+        """The table of drives in the draws of the search, with their values."""
+        return self._goal.table(self._judge(drives, self._searching, stage)).assign(values=drives)
+
+    def _best_sawtooth(self) -> pd.Series[Any] | None:
+        """None where there is none to compare with, or none satisfies the limits."""
+        space, goal, draws = self._space, self._goal, self._searching
+
+        def probe(drives: Sequence[Values], draw: int) -> Array:
+            return self._judge(drives, [draws[draw]], "sawtooths")[:, 0]
+
+        of_start = self._judge([{}], draws, "sawtooths")[0]
+        found = sawtooths(space, goal, of_start, probe)
+        if not found:
+            return None
+        free = space.values(0, *space.starts()[0])
+        drives = (
+            found if space.knots else [{k: each.get(k, free[k]) for k in free} for each in found]
+        )
+        table = self._judged(drives, "sawtooths").assign(sawtooth=found)
+        leaders = table.loc[best_first(goal.keys(table))[:LEADERS]].query("exceeding == 0")
+        return None if leaders.empty else self._chosen(leaders)
+
+    def _chosen(self, leaders: pd.DataFrame) -> pd.Series[Any]:
+        numbers = self._judge(list(leaders["values"]), self._choosing, "choosing")
+        keys = self._goal.keys(self._goal.table(numbers), limited=False)
+        return leaders.iloc[best_first(keys)[0]]
+
+    def _is_better(self, one: Array, other: Array) -> bool:
+        keys = self._goal.keys(self._goal.table(np.stack([one, other])), limited=False)
+        return bool(tuple(keys[0]) < tuple(keys[1]))
 
 
-@dataclass(frozen=True)
-class _Drive:
-    """A drive that may be taken: by names, as changes, in the search's draws, and in the space."""
-
-    values: dict[str, Value]
-    changes: Changes
-    known: Judged
-    place: tuple[int, Array] | None  # arm and point; None of a sawtooth beside a free waveform
-
-    @staticmethod
-    def of(space: DesignSpace, found: Candidate[Judged]) -> _Drive:
-        place = found.arm, found.point
-        return _Drive(space.values(*place), space.changes(*place), found.known, place)
+def neighbours(space: Space, values: Values) -> list[Values]:
+    """Drives that differ in one number, within its range."""
+    found: list[Values] = []
+    for name in space.ranges:
+        place = space.coordinate(name, float(values[name]))
+        for other in dict.fromkeys(np.clip(place + np.array(OFFSETS), 0.0, 1.0).tolist()):
+            if other != place:
+                found.append({**values, name: space.number(name, other)})
+    return found
 
 
-def _draws(scenario: Scenario, count: int, seed: int, stream: int) -> list[Scenario]:
-    """Scenarios without a record; one alone where nothing is uncertain."""
-    quiet = scenario.replace({RECORD_RATE: "none"})
-    if scenario.uncertain is None:
-        return [quiet]
-    return quiet.draws(count, seed=int(np.random.SeedSequence([seed, stream]).generate_state(1)[0]))
+def landscape(
+    space: Space, goal: Goal, drives: Sequence[Values], table: pd.DataFrame
+) -> list[dict[str, Any]]:
+    """The score along each free number: of the best drive, the first, and its neighbours.
+
+    A number is on a slope at a limit if more than `RISE` is gained within `NEAR` where a limit does
+    not hold, or may be beyond the end of its range; else on a peak, if more than `LOSS` is lost.
+    """
+    found = []
+    for name in space.ranges:
+        values = pd.Series([float(each[name]) for each in drives])
+        own = table.assign(value=values)[(values != values[0]) | (values.index == 0)]
+        own = own.sort_values("value")
+        place = space.coordinate(name, values[0])
+        away = np.array([space.coordinate(name, each) for each in own["value"]]) - place
+        near = own[np.abs(away) <= NEAR * (1.0 + 1e-9)]  # but for rounding
+        score = table["score"][0]
+        lost = goal.sign * (score - near["score"]) / (abs(score) or 1.0)
+        loss = float(lost.fillna(math.inf).max())
+        end = "low" if place < 0.01 else "high" if place > 0.99 else ""
+        beyond = bool((lost < -RISE)[near["exceeding"] > 0].any())
+        steep = loss > LOSS
+        limited = beyond or (steep and end)
+        found.append(
+            {
+                "name": name,
+                "unit": "V" if " " in name else find_key(name).unit,
+                "best": values[0],
+                "kind": "slope at a limit" if limited else "peak" if steep else "plateau",
+                "loss": loss,
+                "at_end": end,
+                "values": own["value"].tolist(),
+                "scores": own["score"].tolist(),
+                "feasible": (own["exceeding"] == 0).tolist(),
+            }
+        )
+    return found

@@ -3,45 +3,52 @@
 from __future__ import annotations
 
 import functools
+import itertools
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pandas as pd
 
-from stickslip._util import units
+from stickslip._util import palette, units
 from stickslip._util.files import text_writer, write_together
+from stickslip._util.picture import Picture
 from stickslip._util.text import OneLine
-from stickslip.design.design_space import DesignSpace
-from stickslip.design.goal import Goal, Judged, judge
-from stickslip.design.landscape import Kind, Slice
-from stickslip.scenario.keys import RECORD_RATE, Value, known_keys
+from stickslip.design.goal import Goal
+from stickslip.design.space import drive_waveform
+from stickslip.field.map_files import map_text
+from stickslip.scenario.keys import RECORD_RATE, Value, find_key
 from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.sections import COIL_NAMES
 from stickslip.scenario.toml_file import scenario_text
+from stickslip.scenario.waveform_csv import write_rows
 from stickslip.simulation.note import shown_lines
 from stickslip.simulation.run import Run
 from stickslip.simulation.simulate import simulate
 
-BEST, VOLTAGES, MAP, PAGE = FILES = "best.toml", "best.csv", "best.map.json", "report.html"
-"""Names of the files of `Optimum.save_report`; the voltages are there with a free waveform only."""
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
-ACTIVE = 0.02
-"""Part of a limit up to which its figure counts as at it; chosen."""
+BEST, VOLTAGES, MAP, FIGURE = FILES = "best.toml", "best.csv", "best.map.json", "best.png"
+"""Names of the files of `Optimum.save_report`; voltages and map are there where there are any."""
 
+COMPARED = ("start", "search", "sawtooth", "best")
+"""The drives that are judged on fresh draws."""
 
+_ACTIVE = 0.02  # part of a limit up to which its figure counts as at it; chosen
 _FEW = 6  # names on a line; chosen
-
-Origin = Literal["search", "sawtooth"]
+_PERIODS, _SAMPLES = 3, 400  # of the drive that is drawn, and a period; chosen
+_COLUMNS = 4  # slices in a row of the landscape
 
 
 class SearchInterrupted(KeyboardInterrupt):
     """Ctrl-C in an optimisation.
 
-    Attributes
-    ----------
-    best : Optimum or None
-        The best that was found until then; None where no drive within the limits was.
+    `best` is the best Optimum until then, or None where no drive within the limits was found.
     """
 
     def __init__(self, best: Optimum | None) -> None:
@@ -60,203 +67,149 @@ class Optimum(OneLine):
 
     Attributes
     ----------
-    scenario : Scenario
-        The best drive.
-    start : Scenario
-        What the search began with.
+    scenario, start : Scenario
+        The best drive, and what the search began with.
+    run : Run
+        The best drive at the middle of what is uncertain, without a record.
+    table : pandas.DataFrame
+        Fresh draws of "start", "search" and "sawtooth", where these are not the best, and "best":
+        score, mean and worst of the figure, draws, draws that exceed a limit or fail, those that
+        fail, the relative excess, and the greatest value of each figure with a limit.
+    fresh : pandas.DataFrame
+        The figure of these drives, a column each, in every fresh draw.
+    search : pandas.Series
+        The best drive in the draws of the search, which favour it; as a row of `table`.
     values : dict
-        Words and numbers that were free, by name; knots are volts. Of a sawtooth that is taken
+        Words and numbers of the best drive that were free, by name, knots in V; of a sawtooth
         beside a free waveform all its keys.
-    space : DesignSpace
-        What was free.
+    sawtooth : dict or None
+        The best sawtooth by its keys; None where none is within the limits.
+    landscape : pandas.DataFrame
+        A row for each free number: name, unit, best, kind ("peak", "plateau", "slope at a limit"),
+        loss (part of the score that is lost nearby), at_end ("low", "high" or ""), and lists of
+        values, scores and whether they are feasible. Empty of a sawtooth beside a free waveform.
     goal : Goal
     origin : {"search", "sawtooth"}
-        Whose drive is the best: that of the search, or the reference sawtooth, which was better.
+        Whose drive is the best.
     moves : int
-        Neighbours that were better and taken, one after another.
-    judged : Judged
-        The best in the draws of the search, which favour it.
-    fresh : dict of Judged
-        ``"start"``, ``"search"``, ``"sawtooth"`` and ``"best"`` in fresh draws; without the search
-        where its drive is the best, without the sawtooth where there is none, and empty after
-        Ctrl-C twice.
-    sawtooth : dict or None
-        The reference sawtooth by its keys, the best of a grid; None where none satisfies the
-        limits, the start is a program of voltages, or Ctrl-C came before.
-    slices : list of Slice
-        The landscape about the best; empty after Ctrl-C, or of a sawtooth beside a free waveform.
-    draws, runs : int
-        Draws in the search, and its simulations.
-    seed : int
+        Better neighbours that were taken.
+    runs, seed : int
+        Simulations of the search, and the seed of all draws.
     interrupted : bool
-        Whether Ctrl-C ended it.
     seconds : float
         What it took, s.
     """
 
     scenario: Scenario
     start: Scenario
+    run: Run
+    table: pd.DataFrame
+    fresh: pd.DataFrame
+    search: pd.Series[Any]
     values: dict[str, Value]
-    space: DesignSpace
-    goal: Goal
-    origin: Origin
-    moves: int
-    judged: Judged
-    fresh: dict[str, Judged]
     sawtooth: dict[str, Value] | None
-    slices: list[Slice]
-    draws: int
+    landscape: pd.DataFrame
+    goal: Goal
+    origin: str
+    moves: int
     runs: int
     seed: int
     interrupted: bool
     seconds: float
 
     @property
-    def frequency(self) -> float:
-        """Periods a second of the best drive, Hz; of a program that was given it is not known."""
-        return float(self.values.get("drive.frequency", self.start.drive.frequency))
-
-    @property
     def active(self) -> list[str]:
-        """Figures whose greatest value in the search's draws is within `ACTIVE` of its limit."""
-        return [
-            name
-            for name, limit in self.goal.limits.items()
-            if limit - self.judged.worst[name] <= ACTIVE * abs(limit)
-        ]
-
-    @functools.cached_property
-    def run(self) -> Run:
-        """A run of the best drive at the middle of what is uncertain, without a record."""
-        return simulate(self.scenario.replace({RECORD_RATE: "none"}))
-
-    @property
-    def findings(self) -> list[str]:
-        """What a reader should know of how the drive was found, a line each."""
-        lines = []
-        if self.origin == "sawtooth":
-            lines.append("the best sawtooth of the grid is better than the search")
-        if self.moves:
-            times = f", {self.moves} times" if self.moves > 1 else ""
-            lines.append(f"a neighbour is better within the limits, and is taken{times}")
-        return lines + ([self.beyond] if self.beyond else [])
+        """Figures whose greatest value in the draws of the search is at its limit."""
+        limits = self.goal.limits.items()
+        return [name for name, most in limits if most - self.search[name] <= _ACTIVE * abs(most)]
 
     @property
     def beyond(self) -> str:
         """Where the best drive is beyond its limits, in one line; empty if nowhere."""
-        found = {"the run at the middle": judge(self.goal, [self.run])}
-        if "best" in self.fresh:
-            best = self.fresh["best"]
-            found[f"{best.exceeding} of {len(best.figures)} fresh draws"] = best
-        found = {where: judged for where, judged in found.items() if judged.exceeding}
-        if not found:
+        middle = self.goal.table(np.array([[self.goal.numbers(self.run)]]))
+        rows = pd.concat([middle, self.table.query("index == 'best'")])
+        rows = rows[rows["exceeding"] > 0]
+        if rows.empty:
             return ""
-        whole = [each for each in found.values() if not each.failed]
-        worst = {
-            name: max(each.worst[name] for each in whole) for name in self.goal.limits if whole
-        }
-        passed = self.goal.passed(worst) + ["a simulation fails"] * (len(whole) < len(found))
-        return f"beyond the limits in {' and '.join(found)}: {', '.join(passed)}"
-
-    @property
-    def drive_lines(self) -> list[str]:
-        """The values of the best drive, a line for each key and for the knots of each coil."""
-        knots: dict[str, list[str]] = {}
-        lines = []
-        for name, value in self.values.items():
-            coil, _, number = name.partition(" ")
-            if number:
-                knots.setdefault(coil, []).append(f"{value:.4g}")
-            elif isinstance(value, str):
-                lines.append(f"{name} = {value}")
-            else:
-                unit = units.unit_label(known_keys()[name].unit)
-                lines.append(f"{name} = {value:.6g} {unit}".rstrip())
-        return lines + [f"{coil} = {' '.join(each)} V" for coil, each in knots.items()]
+        where = [
+            "the run at the middle" if name == 0 else f"{over} of {draws} fresh draws"
+            for name, over, draws in rows[["exceeding", "draws"]].itertuples()
+        ]
+        passed = self.goal.passed(rows[list(self.goal.limits)].max())
+        passed += ["a simulation fails"] * bool(rows["failed"].any())
+        return f"beyond the limits in {' and '.join(where)}: {', '.join(passed)}"
 
     def summary(self) -> str:
         """What was found, in some lines."""
-        goal, unit = self.goal, self.goal.unit
-        best = "largest" if goal.sign > 0.0 else "least"
-        lines = [f"{best} {goal.figure} found, {goal.score} of the draws, {unit}:"]
-        lines.append(f"  {'best':<9} {self.judged.score:.6g} on {self.draws} draw(s) of the search")
-        for name in ("start", "sawtooth", "search", "best"):
-            if name in self.fresh:
-                lines.append(f"  {name:<9} {self._on_fresh(self.fresh[name])}")
-        if self.sawtooth is None:
-            lines.append("  no sawtooth to compare with")
-        lines += [f"  {line}" for line in self.findings]
-        lines.append("the best drive:")
-        flight = f"in flight {100.0 * self.run.numbers['airborne_fraction']:.3g} % of the time"
-        shown = (*self.drive_lines, flight, *shown_lines(self.run.notes))
-        if self.origin == "sawtooth" and self.space.periodic is not None:
-            lines.append(f"  a sawtooth, written as voltages ({VOLTAGES})")
-        lines += [f"  {line}" for line in shown]
-        lines.append("its limits, in every draw of the search:")
-        for name, worst in self.judged.worst.items():
+        goal = self.goal
+        rows = pd.concat([self.search.to_frame("best, in the search").T, self.table])
+        columns = ["score", "mean", "worst", "draws", "exceeding"]
+        lines = [
+            f"{'largest' if goal.sign > 0.0 else 'least'} {goal.figure} found, {goal.unit}; the "
+            f"score is the {goal.score} of the draws:",
+            *rows[columns].to_string(float_format="{:.6g}".format).splitlines(),
+            *["no sawtooth to compare with"] * (self.sawtooth is None),
+            *["the best sawtooth is better than the search"] * (self.origin == "sawtooth"),
+            *[f"better neighbours that were taken: {self.moves}"] * (self.moves > 0),
+            *[self.beyond] * (self.beyond != ""),
+            "the best drive:",
+            *(f"  {line}" for line in self._drive_lines()),
+            f"  in flight {100.0 * self.run.numbers['airborne_fraction']:.3g} % of the time",
+            *(f"  {line}" for line in shown_lines(self.run.notes)),
+            "its limits, in every draw of the search:",
+        ]
+        for name in goal.limits:
             active = ", active" if name in self.active else ""
-            lines.append(f"  {goal.beside_limit(name, worst)}{active}")
-        for kind in get_args(Kind):
-            names = [each.axis.name for each in self.slices if each.kind == kind]
-            if names:  # plateaus ask for no care: many of them need no names
-                many = kind == "plateau" and len(names) > _FEW
+            lines.append(f"  {goal.beside_limit(name, self.search[name])}{active}")
+        if not self.landscape.empty:
+            for kind, names in self.landscape.groupby("kind")["name"]:
+                many = kind == "plateau" and len(names) > _FEW  # it asks for no care
                 told = f"{len(names)} numbers" if many else ", ".join(names)
                 lines.append(f"  on a {kind}: {told}")
-        lines.append(f"  {self.runs} runs of the search, seed {self.seed}, {self.seconds:.0f} s")
+        lines.append(f"{self.runs} runs of the search, seed {self.seed}, {self.seconds:.0f} s")
         return "\n".join(lines)
 
-    def _on_fresh(self, judged: Judged) -> str:
-        count = len(judged.figures)
-        passed = f", {judged.exceeding} of them exceed a limit or fail" if judged.exceeding else ""
-        return f"{judged.score:.6g} on {count} fresh draw(s){passed}"
+    def _drive_lines(self) -> list[str]:
+        """A line for each key, and for the knots of each coil."""
+        lines, knots = [], dict[str, list[str]]()
+        for name, value in self.values.items():
+            if isinstance(value, str):
+                lines.append(f"{name} = {value}")
+            elif " " in name:
+                knots.setdefault(name.partition(" ")[0], []).append(f"{value:.4g}")
+            else:
+                unit = units.unit_label(find_key(name).unit)
+                lines.append(f"{name} = {value:.6g} {unit}".rstrip())
+        return lines + [f"{coil} = {' '.join(each)} V" for coil, each in knots.items()]
 
     def as_dict(self) -> dict[str, Any]:
         """The result of plain types, as ``stickslip optimise --json`` prints it."""
+        goal = self.goal
+
+        def judged(row: pd.Series[Any]) -> dict[str, Any]:
+            names = ("score", "mean", "worst")
+            return {
+                **{name: float(row[name]) for name in names},
+                **{name: int(row[name]) for name in ("draws", "exceeding")},
+                "limited": {name: float(row[name]) for name in goal.limits},
+            }
+
         return {
-            "figure": self.goal.figure,
-            "unit": self.goal.unit,
-            "maximise": self.goal.sign > 0.0,
-            "score": self.goal.score,
-            "values": self.values,
-            "origin": self.origin,
-            "moves": self.moves,
+            "figure": goal.figure,
+            "unit": goal.unit,
+            "maximise": goal.sign > 0.0,
+            "score": goal.score,
             "beyond_limits": self.beyond or None,
             **{name: self.run.summary()[name] for name in ("airborne_fraction", "notes")},
-            "search": self._judged(self.judged),
-            "fresh": {name: self._judged(each) for name, each in self.fresh.items()},
-            "sawtooth": self.sawtooth,
-            "limits": dict(self.goal.limits),
-            "default_limits": list(self.goal.assumed),
+            "search": judged(self.search),
+            "fresh": {name: judged(row) for name, row in self.table.iterrows()},
+            "limits": dict(goal.limits),
+            "default_limits": list(goal.assumed),
             "active": self.active,
-            "landscape": [
-                {
-                    "name": each.axis.name,
-                    "unit": each.axis.unit,
-                    "best": each.best,
-                    "kind": each.kind,
-                    "loss": each.loss,
-                    "at_end": each.at_end,
-                    "values": each.values.tolist(),
-                    "scores": each.scores.tolist(),
-                    "feasible": each.feasible.tolist(),
-                }
-                for each in self.slices
-            ],
-            "draws": self.draws,
-            "runs": self.runs,
-            "seed": self.seed,
-            "interrupted": self.interrupted,
-            "seconds": self.seconds,
-        }
-
-    def _judged(self, judged: Judged) -> dict[str, Any]:
-        return {
-            "score": judged.score,
-            "mean": float(np.mean(judged.figures)),
-            "worst": float(np.min(self.goal.sign * judged.figures) * self.goal.sign),
-            "draws": len(judged.figures),
-            "exceeding": judged.exceeding,
-            "limited": judged.worst,
+            "landscape": self.landscape.to_dict("records"),
+            "draws": int(self.search["draws"]),
+            **{name: getattr(self, name) for name in ("values", "origin", "moves", "sawtooth")},
+            **{name: getattr(self, name) for name in ("runs", "seed", "interrupted", "seconds")},
         }
 
     @property
@@ -266,33 +219,76 @@ class Optimum(OneLine):
         return tuple(name for name in FILES if parts.get(name, name) is not None)
 
     def save_report(self, out: str | PathLike[str]) -> None:
-        """Write the best drive and one HTML page into the folder `out`, which is made: all or none.
+        """Write the best drive and its figure into the folder `out`, which is made: all or none.
 
         ``best.toml`` is an ordinary scenario, ``best.csv`` the voltages of a free waveform,
-        ``best.map.json`` the field of ``coil.map``, if there is one, and ``report.html`` needs no
-        other file.
-
-        Raises
-        ------
-        OSError
-            If a file cannot be written.
+        ``best.map.json`` the field of ``coil.map``, and ``best.png`` is `figure`. An OSError says
+        that one cannot be written.
         """
-        from stickslip.design.optimum_page import page_text
-        from stickslip.field.map_files import map_text
-        from stickslip.scenario.waveform_csv import write_rows
-
-        folder = Path(out)
-        writers = {
-            folder / BEST: text_writer(
-                (f"# {self.beyond}\n" if self.beyond else "")
-                + scenario_text(self.scenario, VOLTAGES, MAP)
-            ),
-            folder / PAGE: text_writer(page_text(self)),
+        folder, program = Path(out), self.scenario.drive.program
+        text = scenario_text(self.scenario, VOLTAGES, MAP)
+        writers: dict[Path, Callable[[Path], object]] = {
+            folder / BEST: text_writer((f"# {self.beyond}\n" if self.beyond else "") + text),
+            folder / FIGURE: functools.partial(self.figure().savefig, dpi=150),
         }
-        program = self.scenario.drive.program
         if program is not None:
             writers[folder / VOLTAGES] = functools.partial(write_rows, program)
         if self.scenario.coil.map is not None:
             writers[folder / MAP] = text_writer(map_text(self.scenario.coil.map))
         folder.mkdir(parents=True, exist_ok=True)
         write_together(writers)
+
+    def figure(self) -> Figure:
+        """Voltages and field of the best drive, the scores of all fresh draws, the landscape."""
+        rows = -(-len(self.landscape) // _COLUMNS)
+        heights = [5.6, 1.5 * rows] if rows else [5.6]
+        figure = Picture(figsize=(8.4, sum(heights)), layout="constrained")
+        parts = figure.subfigures(len(heights), 1, squeeze=False, height_ratios=heights)[:, 0]
+        self._draw_drive(*parts[0].subplots(3, 1))
+        if rows:
+            self._draw_landscape(parts[1].subplots(rows, _COLUMNS, sharey=True, squeeze=False).flat)
+        return figure
+
+    def _draw_drive(self, volts: Axes, field: Axes, scores: Axes) -> None:
+        frequency = float(self.values.get("drive.frequency", self.start.drive.frequency))
+        begin = max(self.scenario.window[1] - _PERIODS / frequency, 0.0)
+        record = {RECORD_RATE: _SAMPLES * frequency, "record.from": begin}
+        run = simulate(self.scenario.replace(record))
+        if run.ok:  # it may fail at the middle, which was none of the draws
+            asked = drive_waveform(self.scenario)
+            voltages = asked.voltages(np.minimum(run.t, asked.duration))
+            for name, each in zip(COIL_NAMES, voltages.T, strict=True):
+                if each.any():
+                    volts.plot(run.t, each, label=name)
+            for name in ("bx", "by", "bz"):
+                field.plot(run.t, 1e3 * getattr(run, name), label=name)
+        for axes, label in ((volts, "voltage asked for (V)"), (field, "field (mT)")):
+            axes.set_ylabel(label)
+            axes.set_xlabel("time (s)")
+            axes.legend(loc="upper right", ncols=5)
+        factor, label = units.in_handy_units(self.goal.figure, self.goal.unit)
+        for place, (name, each) in enumerate(self.fresh.items()):
+            values = np.sort(each) * factor
+            spread = place + 0.28 * np.sin(2.4 * np.arange(len(values)))  # not on one another
+            scores.plot(values, spread, ".", markersize=4, alpha=0.7)
+            score = self.table["score"][name] * factor
+            scores.vlines(score, place - 0.42, place + 0.42, palette.BLACK)
+        scores.set_yticks(range(len(self.table)), list(self.table.index))
+        scores.set_xlabel(f"{label}; the line is the score, {self.goal.score}")
+
+    def _draw_landscape(self, grid: Iterable[Axes]) -> None:
+        factor, label = units.in_handy_units(self.goal.score, self.goal.unit)
+        for axes, each in itertools.zip_longest(grid, self.landscape.to_dict("records")):
+            if each is None:
+                axes.set_visible(False)
+                continue
+            scale, unit = units.handy(each["unit"])
+            x, y = np.array(each["values"]) * scale, np.array(each["scores"]) * factor
+            good = np.array(each["feasible"])
+            axes.plot(x, y, color=palette.BLUE)
+            axes.plot(x[good], y[good], ".", color=palette.BLUE)
+            axes.plot(x[~good], y[~good], "x", color=palette.VERMILION, markersize=4)
+            axes.axvline(each["best"] * scale, color=palette.DARK_GREY, linewidth=0.8)
+            axes.set_title(f"{each['name']} ({unit})".replace(" ()", ""), fontsize=8.0)
+            axes.tick_params(labelsize=7.0)
+        axes.figure.supylabel(label, fontsize=9.0)

@@ -1,26 +1,21 @@
-"""The reference sawtooth of an optimised drive: the best of a grid, under the same limits.
-
-Of a sawtooth, too, only what is free changes.
-"""
+"""The reference of an optimised drive: the best sawtooth of a grid, under the same limits."""
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from stickslip.design.design_space import DesignSpace, as_program, drive_waveform
-from stickslip.design.goal import Changes, Evaluate, Goal, Judged
-from stickslip.errors import ScenarioError
+from stickslip._util.numbers import Array
+from stickslip.design.goal import Goal
+from stickslip.design.space import Space, Values, drive_waveform
 from stickslip.scenario.keys import Value
 from stickslip.scenario.sections import COIL_NAMES
 
-Grid = Mapping[str, Sequence[Any]]
-
-GRID: Grid = {
+GRID: Mapping[str, Sequence[Any]] = {
     "drive.mode": ("IPP", "OPP"),
     "drive.edge": ("rise", "fall"),
     "drive.clamp": ("down", "up"),
@@ -35,76 +30,64 @@ POINTS = math.prod(map(len, GRID.values()))
 """Sawtooths of the grid."""
 
 _FIELDS = ("drive.peak", "drive.base", "drive.hold")
-
 # Power of the voltages with which a figure grows.
 _GROWTH = {"voltage_max": 1.0, "current_max": 1.0, "field_max": 1.0, "power_mean": 2.0}
 _BELOW = 0.999  # chosen: a field is not quite proportional where the robot moves
 
 
-def sawtooths(
-    space: DesignSpace, goal: Goal, evaluate: Evaluate, grid: Grid = GRID
-) -> list[dict[str, Value]]:
-    """The sawtooths of a grid and the start, each once, as near as what is free allows, by keys.
+Probe = Callable[[Sequence[Values], int], Array]
+"""From drives and the index of a draw to their numbers in it, (drives, 1 + limits)."""
 
-    Where the peak is free, limits on voltage, current, field and power decide how high each is;
-    without them all have the top of the peaks that are free, or the start's peak. `evaluate` judges
-    drives in the draws in which the limits have to hold.
+
+def sawtooths(space: Space, goal: Goal, of_start: Array, probe: Probe) -> list[dict[str, Value]]:
+    """The sawtooths of the grid and the start, each once, as near as what is free allows, by keys.
+
+    Where the peak is free, limits on voltage, current, field and power decide how strong each is,
+    by one run in the draw in which the start has most of them. `of_start` are its numbers, (draws,
+    1 + limits). Without such limits all have the top of the free peaks, or the start's peak. None
+    are comparable with a program, or drive a coil that a free waveform may not.
     """
-    ends = [axis.high for axis in space.axes if axis.name == "drive.peak"]
-    top = max([*ends, 0.0]) or space.scenario.drive.peak
+    drive, ends = space.start.drive, space.ranges.get("drive.peak")
+    if drive.mode == "program":
+        return []
+    top = ends[1] if ends and ends[1] > 0.0 else drive.peak
     shapes = [
-        {"drive.peak": 1.0, **dict(zip(grid, each, strict=True))}
-        for each in itertools.product(*grid.values())
+        _scaled({"drive.peak": 1.0, **dict(zip(GRID, each, strict=True))}, top)
+        for each in itertools.product(*GRID.values())
     ]
-    growing = [name for name in goal.limits if name in _GROWTH and (ends or space.periodic)]
-    kept = _FIELDS if growing else ()  # until they are scaled
-    found = _each_once(space, [_scaled(each, top) for each in shapes], kept)
-    if space.periodic and found:  # a sawtooth drives no coil that the waveform may not
-        drive = space.scenario.drive
-        asked = drive_waveform(space.scenario.replace(found[0])).voltages([drive.ramp])[0]
-        if not {COIL_NAMES[k] for k in np.flatnonzero(asked)} <= set(space.periodic.coils):
+    own = {key: space.start.get(key) for key in ("drive.peak", *GRID)}
+    growing = {name: 1 + place for place, name in enumerate(goal.limits) if name in _GROWTH}
+    if not (ends or space.knots):
+        growing = {}
+    found = _each_once(space, shapes, _FIELDS if growing else ())
+    if space.knots:
+        asked = drive_waveform(space.start.replace(found[0])).voltages([drive.ramp])[0]
+        if not {COIL_NAMES[k] for k in np.flatnonzero(asked)} <= set(space.coils):
             return []
-    own = {key: space.scenario.get(key) for key in ("drive.peak", *grid)}  # the start
-    if not growing:
-        return _each_once(space, [*found, own])
-    measured = evaluate([played(space, values) for values in found])
-    scaled = [
-        _scaled(values, min(_room(goal, each, name) for name in growing), *ends)
-        for values, each in zip(found, measured, strict=True)
-    ]
-    return _each_once(space, [*scaled, own])
+    if growing:
+        of_draws = np.nan_to_num(of_start[:, list(growing.values())])
+        relative = of_draws / np.maximum(of_draws.max(axis=0), np.finfo(float).tiny)
+        hardest = np.argmax(relative.sum(axis=1))
+        numbers = probe(found, int(hardest))
+        factors = np.full(len(found), math.inf)
+        for name, column in growing.items():
+            grown = numbers[:, column]
+            room = np.ones(len(found))
+            np.divide(max(goal.limits[name], 0.0), grown, out=room, where=grown > 0.0)
+            factors = np.minimum(factors, _BELOW * room ** (1.0 / _GROWTH[name]))
+        if ends:
+            factors = np.minimum(factors, ends[1] / top)
+        found = [_scaled(each, by) for each, by in zip(found, factors.tolist(), strict=True)]
+    return _each_once(space, [*found, own])
 
 
-def _each_once(
-    space: DesignSpace, shapes: Sequence[dict[str, Value]], kept: Sequence[str] = ()
-) -> list[dict[str, Value]]:
-    allowed = [{**space.nearest(each), **{name: each[name] for name in kept}} for each in shapes]
-    return list({tuple(each.items()): space.as_long(each) for each in allowed}.values())
-
-
-def _room(goal: Goal, judged: Judged, name: str) -> float:
-    """Factor by which the voltages may grow until a figure is at its limit."""
-    room = max(goal.limits[name], 0.0) / judged.worst[name] if judged.worst[name] > 0.0 else 1.0
-    return _BELOW * float(room ** (1.0 / _GROWTH[name]))
-
-
-def _scaled(values: dict[str, Value], factor: float, *highest: float) -> dict[str, Value]:
-    """All fields of a sawtooth times a factor, up to a highest peak; as it is if that is none."""
-    peak = float(values["drive.peak"])
-    if not np.isfinite(factor):
-        return values
-    factor = min([factor, *(each / peak for each in highest)])
+def _scaled(values: Values, factor: float) -> dict[str, Value]:
     return {**values, **{name: factor * float(values[name]) for name in _FIELDS}}
 
 
-def played(space: DesignSpace, values: Mapping[str, Value]) -> Changes:
-    """Changes for a draw that plays a pulsed drive, as a program where that is compared with one.
-
-    A program is measured over all of it, and a pulsed drive after its third pulse only.
-    """
-    if space.periodic is None:
-        return dict(values)
-    try:
-        return as_program(drive_waveform(space.scenario.replace(values)), values)
-    except ScenarioError as error:
-        return error
+def _each_once(
+    space: Space, shapes: Sequence[Values], kept: Sequence[str] = ()
+) -> list[dict[str, Value]]:
+    """As near as what is free allows, but for some keys that are kept."""
+    allowed = [{**space.nearest(each), **{key: each[key] for key in kept}} for each in shapes]
+    return list({tuple(each.items()): space.timed(each) for each in allowed}.values())

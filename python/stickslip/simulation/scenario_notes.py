@@ -82,7 +82,9 @@ def field_swing(frequency: float, time_constant: float) -> float:
     jump, a sawtooth of swing 1 that falls from 1 gives i(t) = 1 - t/T + c - exp(-t/tau) /
     (1 - exp(-T/tau)) with c = tau/T, which is least at the jump.
     """
-    share = 1.0 / (frequency * time_constant)
+    share = 1.0 / max(frequency * time_constant, 1e-300)
+    if share < 1e-6:
+        return share / 8.0  # the first term in it, of which rounding would leave nothing
     fall = -math.expm1(-share)
     top = -math.log(fall / share)  # t/tau where i is largest
     return (1.0 - math.exp(-top)) / fall - top / share

@@ -1,17 +1,32 @@
 """A robot follows a path by what a camera shows: pure pursuit, pulse by pulse.
 
 ``python steer.py`` takes it along a figure of eight and draws its path into path.png.
+``python steer.py --robots 100`` judges that on robots that differ.
 """
 
 from __future__ import annotations
 
+import argparse
 import math
+from collections.abc import Sequence
 
 import numpy as np
+from controllers import drawn
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from stickslip import Drive, Run, Scenario, Simulator, State, Waveform, plot, simulate
+from stickslip import (
+    STATE_COLUMNS,
+    Drive,
+    Run,
+    Scenario,
+    Simulator,
+    State,
+    Waveform,
+    plot,
+    rollout,
+    simulate,
+)
 from stickslip.control import Camera, Film, Path, heading_voltages
 
 Array = NDArray[np.float64]
@@ -92,9 +107,56 @@ def replayed(played: Array) -> Run:
     return simulate(steered.replace({"record.rate": 1e3}))
 
 
-if __name__ == "__main__":
-    eight = Path.figure_of_eight()
+LOST = 0.25e-3  # m; a robot one body length beside the path has lost it
+ARRIVED = 50e-6  # m, from the end; a pulse and a half, and the error of the place expected
+PLACE = [STATE_COLUMNS.index("x"), STATE_COLUMNS.index("y")]
+
+
+def judged(places: Array, path: Path) -> tuple[bool, Array]:
+    """Whether a robot came to the end and was never lost, and its distances from the path.
+
+    `places` are where it truly was after each step, (steps, 2), m, NaN where the simulation
+    failed; the distances are those after each pulse, m, as long as it was not lost.
+    """
+    progress, across = 0.0, [0.0]
+    for place in places[len(PULSE) - 1 :: len(PULSE)]:
+        if np.isnan(place).any() or across[-1] > LOST:
+            break
+        progress, off = path.project(place, progress)
+        across.append(abs(float(off)))
+    return progress >= path.length - ARRIVED and across[-1] <= LOST, np.array(across[1:])
+
+
+def row(name: str, robots: Sequence[Array], path: Path) -> str:
+    """A row of the table; what a robot does once it is lost does not count in it."""
+    outcomes = [judged(places, path) for places in robots]
+    times = [STEP * len(PULSE) * len(off) for followed, off in outcomes if followed]
+    errors = 1e6 * np.quantile(np.concatenate([off for _, off in outcomes]), [0.5, 0.95, 1.0])
+    numbers = " | ".join(f"{error:.0f}" for error in errors)
+    spans = "{:.1f} ({:.1f} to {:.1f})".format(*np.quantile(times or [math.nan], [0.5, 0.0, 1.0]))
+    return f"| {name} | {len(times)} of {len(outcomes)} | {numbers} | {spans} |"
+
+
+def main() -> None:
+    """Draw the path of one robot, or print how many follow it."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--robots", type=int, default=0)
+    count, eight = parser.parse_args().robots, Path.figure_of_eight()
+    if count:
+        robots = drawn(count, seed=2)
+        seen = [follow(robot, eight, np.random.default_rng(k)) for k, robot in enumerate(robots)]
+        _, volts = follow(Scenario(), eight, np.random.default_rng(0))
+        blind = rollout(robots, None, volts, STEP, record=("x", "y")).states
+        print("| by | followed | error, um | 95 % | largest | time, s |")
+        print("| --- | --- | --- | --- | --- | --- |")
+        print(row("camera", [states[:, PLACE] for states, _ in seen], eight))
+        print(row("the voltages of another robot", list(blind), eight))
+        return
     _, volts = follow(Scenario(), eight, np.random.default_rng(1))
     figure = Figure(figsize=(6.0, 4.0), layout="constrained")
     plot.path(replayed(volts), along=eight, ax=figure.subplots())
     plot.save(figure, "path.png")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,12 +1,12 @@
-"""A coarse and a fine controller put robots to x = 3 mm, on fresh draws of what is uncertain.
+"""Put robots that differ to x = 3 mm: a coarse controller walks there, a fine one gives pulses.
 
-`python -m bench controllers` prints the table of docs/howto/control.md.
+``python controllers.py`` makes the tables of both from 64 robots and judges them on 256 others.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,21 +18,21 @@ from stickslip.control import Camera, Film
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-GOAL, TOLERANCE = 3e-3, 2e-6  # m
-LIMIT = 30.0  # s; a robot that is not there by then has failed
-X, THETA = STATE_COLUMNS.index("x"), STATE_COLUMNS.index("theta")
-
-# [robots]
-PRIORS = {
+PRIORS = {  # of friction, adhesion and drag
     "contact.kinetic_friction": {"mean": 0.145, "sd": 0.01},
     "contact.static_friction": {"mean": 0.2, "sd": 0.014},
     "contact.adhesion": {"mean": 0.22e-6, "sd": 0.03e-6},
     "drag.linear": {"low": 3e-6, "high": 3e-5},
     "drag.rotational": {"median": 9e-17, "factor": 2.0},
 }
+GOAL, TOLERANCE = 3e-3, 2e-6  # m
+LIMIT = 30.0  # s; a robot that is not there by then has failed
 STEP, WINDOW = 1e-3, 20  # s; steps from one decision to the next
 PERIOD = STEP * WINDOW
 REST, CLAMP = 13.0, -10.0  # V, of xp and the clamp while a robot stands
+EXACT = Camera(frame_rate=1000.0)
+CAMERA = Camera(frame_rate=30.0, latency=0.05, noise_x=3e-6)
+X, THETA = STATE_COLUMNS.index("x"), STATE_COLUMNS.index("theta")
 
 
 def drawn(count: int, seed: int) -> list[Scenario]:
@@ -41,15 +41,14 @@ def drawn(count: int, seed: int) -> list[Scenario]:
 
 
 def play(robots: Sequence[Scenario], states: Array | None, xp: Array) -> Array:
-    """States after each step, (n, steps, 21), under voltages of xp, (n, steps)."""
+    """States after each step, (n, steps, columns), under voltages of xp, (n, steps)."""
     volts = np.zeros((len(robots), xp.shape[-1], 5))
     volts[:, :, 0], volts[:, :, 4] = xp, CLAMP
-    found = rollout(robots, states, volts, STEP, hold="linear", record=STATE_COLUMNS)
-    return found.states
+    return rollout(robots, states, volts, STEP, hold="linear", record=STATE_COLUMNS).states
 
 
 def standing(robots: Sequence[Scenario]) -> Array:
-    """States of robots that have stood up, (n, 21)."""
+    """States of robots that have stood up, (n, columns)."""
     return play(robots, None, np.full(150, REST))[:, -1]
 
 
@@ -62,7 +61,6 @@ def teeth(heights: Array, steps: int) -> Array:
     return xp
 
 
-# [coarse]
 HEIGHTS = np.arange(5.0, 21.0)  # V
 PULSES = (1, 2, 4)  # in a window: 50, 100 and 200 Hz
 HORIZON = 0.1  # s; an image is up to 83 ms old, and a decision holds for 20 ms
@@ -84,13 +82,17 @@ class Coarse:
         xp = np.concatenate([np.tile(teeth(HEIGHTS, WINDOW // n), n) for n in PULSES])
         start, speeds, coasts = standing(robots), [], []
         for each in xp:
-            rested = np.append(np.tile(each, 10), np.full(100, REST))
-            x = play(robots, start, rested)[:, :, X]
+            x = play(robots, start, np.append(np.tile(each, 10), np.full(100, REST)))[:, :, X]
             before, end = x[:, 4 * WINDOW - 1], x[:, 10 * WINDOW - 1]
             speeds.append((end - before) / (6 * PERIOD))
             coasts.append(x[:, -1] - end)
         low, median, high = np.quantile(speeds, [0.1, 0.5, 0.9], axis=1)
         return Coarse(xp, low, median, high, np.median(coasts, axis=1))
+
+    @property
+    def slowest(self) -> np.intp:
+        """The pulses for the last steps."""
+        return np.argmin(self.high)
 
     def choose(self, distance: Array) -> NDArray[np.intp]:
         """Of pulses that take almost no robot beyond the goal soon, the surely fastest."""
@@ -98,18 +100,11 @@ class Coarse:
         allowed[:, self.slowest] = True
         return np.argmax(np.where(allowed, self.low, -np.inf), axis=1)
 
-    @property
-    def slowest(self) -> np.intp:
-        """The pulses for the last steps."""
-        return np.argmin(self.high)
 
-
-# [fine]
 SINGLE = np.concatenate([np.arange(-16.0, -4.5, 0.5), np.arange(2.5, 11.5, 0.5)])  # V
 BEHIND = 5e-6  # m; so far behind the goal goes a step back: steps forward are surer
 SETTLE = 0.06  # s after a pulse, until what still rocks is below 0.1 um
-ENOUGH = 1e-6  # m; so near to the goal a robot is done, by a mean of images
-SURE = 0.6e-6  # m; of this standard deviation
+ENOUGH, SURE = 1e-6, 0.6e-6  # m; done is a mean of images so near, with this standard deviation
 
 
 @dataclass(frozen=True)
@@ -118,7 +113,6 @@ class Fine:
 
     heights: Array  # V, ascending, (k,)
     steps: Array  # median over the robots, m
-    spread: Array  # standard deviation over them, m
 
     @staticmethod
     def simulated(robots: Sequence[Scenario]) -> Fine:
@@ -127,7 +121,7 @@ class Fine:
         for pulse in teeth(SINGLE, WINDOW):
             rested = np.append(pulse, np.full(100, REST))
             steps.append(play(robots, start, rested)[:, -1, X] - start[:, X])
-        return Fine(SINGLE, np.median(steps, axis=1), np.std(steps, axis=1))
+        return Fine(SINGLE, np.median(steps, axis=1))
 
     def choose(self, wanted: Array) -> Array:
         """Pulses, (n, WINDOW), whose steps are as wanted (m), or the longest there are."""
@@ -161,7 +155,6 @@ class FineControl:
         return looks & ~pushed & (sd <= SURE), pushed, self._table.choose(wanted[pushed])
 
 
-# [loop]
 @dataclass
 class Outcome:
     """When robots were done, s (NaN: never), and how far beyond the goal they are then, m."""
@@ -169,6 +162,11 @@ class Outcome:
     time: Array
     error: Array
     pulses: NDArray[np.int64]  # single ones
+
+    @property
+    def within(self) -> float:
+        """Share of robots that are done, and within the tolerance."""
+        return float(np.mean(np.isfinite(self.time) & (np.abs(self.error) <= TOLERANCE)))
 
 
 def put(
@@ -188,6 +186,7 @@ def put(
     while np.isnan(done_at).any() and time < LIMIT:
         seen, taken = film.pose[:, 0], film.taken
         xp, onward = np.full((n, WINDOW), REST), np.zeros(n)
+        # Where a robot is now: the newest image, and the way since then by the table.
         distance = GOAL - seen - (way[-1] - way[round(taken / STEP)])
         walks &= distance > near
         choice = coarse.choose(distance[walks])
@@ -211,11 +210,6 @@ def put(
     return Outcome(done_at, error, np.zeros(n, int) if control is None else control.pulses)
 
 
-# [judge]
-EXACT = Camera(frame_rate=1000.0)
-CAMERA = Camera(frame_rate=30.0, latency=0.05, noise_x=3e-6)
-
-
 def judged(robots: Sequence[Scenario], coarse: Coarse, fine: Fine) -> dict[str, Outcome]:
     """Both controllers, by the exact state and by a camera."""
     return {
@@ -226,66 +220,21 @@ def judged(robots: Sequence[Scenario], coarse: Coarse, fine: Fine) -> dict[str, 
     }
 
 
-def within(outcome: Outcome) -> float:
-    """Share of robots that are done, and within the tolerance."""
-    return float(np.mean(np.isfinite(outcome.time) & (np.abs(outcome.error) <= TOLERANCE)))
-
-
-def table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """Print a table as a page has it."""
-    for cells in (heading, ["---"] * len(heading), *rows):
-        print("| " + " | ".join(cells) + " |")
-    print()
-
-
-def print_what_pulses_do(coarse: Coarse, fine: Fine) -> None:
-    """The pulses that the coarse controller takes as it comes nearer, and some single ones."""
-    taken = coarse.choose(np.linspace(1e-3, 0.0, 1000))
-    speeds = 1e3 * np.array([coarse.low, coarse.median, coarse.high])
-    table(
-        ["height, V", "Hz", "speed, 10 %, mm/s", "median", "90 %"],
-        (
-            [
-                f"{HEIGHTS[k % len(HEIGHTS)]:.0f}",
-                f"{PULSES[k // len(HEIGHTS)] / PERIOD:.0f}",
-                *(f"{each:.2f}" for each in speeds[:, k]),
-            ]
-            for k in dict.fromkeys(taken.tolist())
-        ),
-    )
-    shown = [k for k, height in enumerate(fine.heights) if height in (-14, -10, -6, 3, 5, 8, 11)]
-    table(
-        ["height, V", *(f"{fine.heights[k]:+.0f}" for k in shown)],
-        [
-            ["step, um", *(f"{1e6 * fine.steps[k]:+.1f}" for k in shown)],
-            ["deviation, um", *(f"{1e6 * fine.spread[k]:.1f}" for k in shown)],
-        ],
-    )
-
-
-def judgement(name: str, outcome: Outcome) -> list[str]:
-    """A row of the judge's table."""
-    time, error = np.nan_to_num(outcome.time, nan=np.inf), 1e6 * np.abs(outcome.error)
-    return [
-        name,
-        *(f"{each:.1f}" for each in np.quantile(time, [0.5, 0.9], method="higher")),
-        *(f"{each:.1f}" for each in np.quantile(error, [0.5, 0.9])),
-        f"{100 * within(outcome):.1f} %",
-        f"{np.median(outcome.pulses):.0f}",
-    ]
-
-
 def main() -> None:
-    """Make the tables, and print them and that of the judge."""
+    """Make the tables, and print what the controllers reach."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--robots", type=int, default=256)
     count = parser.parse_args().robots
     learned = drawn(64, seed=1)
     coarse, fine = Coarse.simulated(learned), Fine.simulated(learned)
-    print_what_pulses_do(coarse, fine)
-    outcomes = judged(drawn(count, seed=2), coarse, fine)
-    heading = ["by", "time, s", "90 %", "error, um", "90 %", "within 2 um", "single pulses"]
-    table(heading, (judgement(*each) for each in outcomes.items()))
+    print("| by | time, s | 90 % | error, um | 90 % | within 2 um | single pulses |")
+    print("| --- | --- | --- | --- | --- | --- | --- |")
+    for name, each in judged(drawn(count, seed=2), coarse, fine).items():
+        time = np.quantile(np.nan_to_num(each.time, nan=np.inf), [0.5, 0.9], method="higher")
+        error = 1e6 * np.quantile(np.abs(each.error), [0.5, 0.9])
+        numbers = " | ".join(f"{number:.1f}" for number in (*time, *error))
+        pulses = np.median(each.pulses)
+        print(f"| {name} | {numbers} | {100 * each.within:.1f} % | {pulses:.0f} |")
 
 
 if __name__ == "__main__":

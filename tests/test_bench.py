@@ -1,12 +1,17 @@
-"""What `python -m bench lines` counts."""
+"""What `python -m bench` lists, what `lines` counts, and what `mutations` changes."""
 
 import ast
+import importlib.util
+import runpy
 import sys
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 
 import lines
+from mutations import python as mutations
+
+ROOT = Path(__file__).resolve().parents[1]
 
 MODULE = '''"""A module.
 
@@ -68,3 +73,41 @@ def test_every_file_of_the_package_and_the_tests_belongs_to_one_part(capsys, mon
     said = capsys.readouterr().out
     assert "words of documentation" in said
     assert "longest functions:" in said
+
+
+def test_each_program_of_the_list_is_there(capsys):
+    bench = runpy.run_path(str(ROOT / "bench" / "__main__.py"))
+    assert bench["main"](["list"]) == 0
+    said = capsys.readouterr().out
+    for name, (module, text) in bench["PROGRAMS"].items():
+        assert f"{name:<14}{text}" in said
+        assert importlib.util.find_spec(module) is not None
+    assert bench["main"](["lost"]) == 2
+
+
+def test_changes_are_of_what_runs_and_can_be_read():
+    source = (
+        b"if TYPE_CHECKING:\n    x = 1 + 2\n"
+        b"def f(a: int = 3) -> float:\n"
+        b'    """One + two."""\n'
+        b"    if a < 0.5 and not a:\n        raise ValueError(f'{a + 1}')\n"
+        b"    g(a)\n"
+        b"    return zip(a, -a, strict=True)\n"
+    )
+    made = list(mutations.mutations("one.py", source))
+    assert [(each.line, each.text) for each in made] == [
+        (3, "4"), (5, "False"), (5, "or"), (5, ">="), (5, "0.75"), (5, ""), (7, "None"), (8, ""),
+    ]  # fmt: skip
+    for each in made:
+        compile(source[: each.start] + each.text.encode() + source[each.stop :], "one", "exec")
+    package = ROOT / "python" / "stickslip"
+    drawn = mutations.drawn(package, [], seed=1, count=12)
+    assert drawn == mutations.drawn(package, [], seed=1, count=12)
+    assert len({(each.file, each.line) for each in drawn}) == 12
+    assert not any(each.file.startswith("diagnosis") for each in drawn)
+
+
+def test_tests_near_a_module_come_first():
+    near = [path.name for path in mutations.near_tests(ROOT, "sweeping/points.py")]
+    assert "test_sweep.py" in near[:3]
+    assert near.index("test_sweep.py") < near.index("test_predict.py")

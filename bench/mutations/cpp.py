@@ -1,6 +1,6 @@
 """Whether the table of effects and ways to run sees an effect that one way has lost.
 
-``python bench/mutations.py`` takes one mutation for each way to run, drawn by a seed. Each edits
+Takes one mutation for each way to run, drawn by a seed. Each edits
 one place of a copy of the C++ sources so that one way leaves out one effect, builds that copy, and
 runs the table with it (`tests/ways_to_run.py`). The table has to find a difference that the
 sources as they are do not have. The status is 1 if it overlooks one.
@@ -23,7 +23,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 SCRATCH = ROOT / "build" / "mutations"
 SOURCE, BUILD, PACKAGE = (SCRATCH / name for name in ("source", "build", "package"))
 CORE = "cpp/stickslip/"
@@ -249,13 +249,13 @@ def place_of(mutation: Mutation) -> Path:
     return path
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+def main(words: list[str]) -> int:
+    parser = argparse.ArgumentParser("bench mutations cpp", description=__doc__.splitlines()[0])
     parser.add_argument("--seed", type=int, default=1, help="draws one mutation of each way")
     parser.add_argument("--only", type=int, metavar="N", help="the Nth alone, from 1")
     parser.add_argument("--all", action="store_true", help="all that there are of each way")
     parser.add_argument("--jobs", type=int, default=1, help="of the compiler")
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(words)
     chosen = list(MUTATIONS) if arguments.all else drawn(arguments.seed)
     if arguments.only is not None:
         chosen = chosen[arguments.only - 1 : arguments.only]
@@ -289,7 +289,3 @@ def main() -> int:
         )
     print(f"{len(chosen) - overlooked} of {len(chosen)} found")
     return 1 if overlooked else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,84 +1,68 @@
-"""Populations of random scenarios. (population, seed, number) alone determine a scenario.
+"""Populations of random scenarios, as Hypothesis strategies.
 
-`paper`  near the paper's: what it states is drawn within a factor of about two.
-`wide`   the paper's robot and coils over wide ranges of drive, friction, adhesion, drag and
-         restitution, none of the last three among them.
-`wild`   wide ranges of every key, with the corners of the model (no drag, no adhesion, no friction,
-         elastic impacts, all named extensions) likely.
-`extreme` any allowed value of any key, the ends of its range among them.
+`PAPER`   near the paper's: what it states is drawn within a factor of about two.
+`WIDE`    the paper's robot and coils over wide ranges of drive, friction, adhesion, drag and
+          restitution, none of the last three among them.
+`WILD`    wide ranges of every key, with the corners of the model (no drag, no adhesion, no
+          friction, elastic impacts, all named extensions) likely.
+`EXTREME` any allowed value of any key, the ends of its range among them.
 """
-
-from __future__ import annotations
 
 import json
 import math
-from typing import Any, NamedTuple
 
 import numpy as np
+from hypothesis import strategies as st
 
 from stickslip import Robot, Scenario, ScenarioError, Waveform
-from stickslip.scenario.keys import Key, known_keys
+from stickslip.scenario.keys import known_keys
 
-POPULATIONS = ("paper", "wild", "extreme", "wide")
+# Of a recording of `EXTREME`: enough to be seen, and in no danger of filling the memory.
+MOST_SAMPLES = 1e5
+MOST_STEPS = 100_000
 
-Keys = dict[str, Any]
-
-# Of a recording of `extreme`: enough to be seen, and in no danger of filling the memory.
-_MOST_SAMPLES = 1e5
+# Drawn as whole numbers, which hypothesis spreads over the range; floats it would crowd about zero.
+STEPS = 10**6
 
 
-class Identity(NamedTuple):
-    """What names a scenario, written ``population:seed:number``."""
+def number(low, high):
+    """Uniform, with both ends likely."""
+    inside = st.integers(0, STEPS).map(lambda k: low + (high - low) * k / STEPS)
+    return st.one_of(st.sampled_from([low, high]), inside, inside)
 
-    population: str
-    seed: int
-    number: int
 
-    def __str__(self) -> str:
-        return f"{self.population}:{self.seed}:{self.number}"
-
-    @staticmethod
-    def parse(text: str) -> Identity:
-        population, seed, number = text.split(":")
-        return Identity(population, int(seed), int(number))
+def decades(low, high):
+    """Uniform in the logarithm."""
+    return st.integers(0, STEPS).map(lambda k: low * (high / low) ** (k / STEPS))
 
 
 class Draw:
     """Draws by name of the distribution."""
 
-    def __init__(self, identity: Identity) -> None:
-        index = POPULATIONS.index(identity.population)
-        self.random = np.random.default_rng([index, identity.seed, identity.number])
+    def __init__(self, draw):
+        self.of = draw
 
-    def uniform(self, low: float, high: float) -> float:
-        return float(self.random.uniform(low, high))
+    def uniform(self, low, high):
+        return self.of(number(low, high))
 
-    def decades(self, low: float, high: float) -> float:
-        """Uniform in the logarithm."""
-        return float(low * (high / low) ** self.random.random())
+    def decades(self, low, high):
+        return self.of(decades(low, high))
 
-    def chance(self, probability: float) -> bool:
-        return bool(self.random.random() < probability)
+    def chance(self, probability):
+        return self.of(st.integers(0, STEPS - 1)) < probability * STEPS
 
-    def word(self, *words: str) -> str:
-        return words[self.random.integers(len(words))]
+    def word(self, *words):
+        return self.of(st.sampled_from(words))
 
-    def whole(self, low: int, high: int) -> int:
-        return int(self.random.integers(low, high + 1))
+    def whole(self, low, high):
+        return self.of(st.integers(low, high))
 
-    def corner(self, value: float, other: float, probability: float = 0.2) -> float:
+    def corner(self, value, other, probability=0.2):
         """`value` with the probability, else `other`."""
         return value if self.chance(probability) else other
 
 
-def scenario(identity: Identity) -> Scenario:
-    """The scenario of that name."""
-    draw = Draw(identity)
-    make = {"paper": _paper, "wild": _wild, "extreme": _extreme, "wide": _wide}[identity.population]
-    return make(draw)
-
-
-def _words(draw: Draw) -> Keys:
+def words(draw):
     return {
         "drive.mode": draw.word("IPP", "OPP"),
         "drive.clamp": draw.word("down", "up"),
@@ -87,11 +71,11 @@ def _words(draw: Draw) -> Keys:
     }
 
 
-def _paper(draw: Draw) -> Scenario:
+def paper(draw):
     peak = draw.decades(1e-3, 6e-3)
     static = draw.decades(0.1, 0.4)
     keys = {
-        **_words(draw),
+        **words(draw),
         "drive.frequency": draw.decades(5.0, 200.0),
         "drive.peak": peak,
         "drive.base": draw.corner(0.0, draw.uniform(0.0, 0.5) * peak),
@@ -106,11 +90,11 @@ def _paper(draw: Draw) -> Scenario:
     return Scenario().replace(keys)
 
 
-def _wide(draw: Draw) -> Scenario:
+def wide(draw):
     base = draw.uniform(-0.5e-3, 1.5e-3)
     static = draw.decades(0.05, 2.0)
     keys = {
-        **_words(draw),
+        **words(draw),
         "drive.frequency": draw.decades(2.0, 300.0),
         "drive.base": base,
         "drive.peak": max(base, 0.0) + draw.decades(0.5e-3, 5e-3),
@@ -126,12 +110,12 @@ def _wide(draw: Draw) -> Scenario:
     return Scenario().replace(keys)
 
 
-def _wild(draw: Draw) -> Scenario:
+def wild(draw):
     frequency = draw.decades(1.0, 1e3)
     base = draw.corner(0.0, draw.uniform(-2e-3, 5e-3))
     static = draw.corner(0.0, draw.decades(0.01, 10.0), 0.1)
     keys = {
-        **_words(draw),
+        **words(draw),
         "drive.frequency": frequency,
         "drive.base": base,
         "drive.peak": max(base, 0.0) + draw.decades(1e-4, 1e-2),
@@ -141,9 +125,9 @@ def _wild(draw: Draw) -> Scenario:
         "drive.ramp_down": draw.corner(0.0, draw.decades(1e-3, 0.1), 0.7),
         "drive.pulses": draw.whole(1, 12),
         "contact.static_friction": static,
-        "contact.kinetic_friction": static * draw.corner(1.0, draw.random.random()),
+        "contact.kinetic_friction": static * draw.corner(1.0, draw.uniform(0.0, 1.0)),
         "contact.adhesion": draw.corner(0.0, draw.decades(1e-9, 1e-5)),
-        "contact.restitution": draw.corner(0.0, draw.corner(1.0, draw.random.random(), 0.1), 0.5),
+        "contact.restitution": draw.corner(0.0, draw.corner(1.0, draw.uniform(0.0, 1.0), 0.1), 0.5),
         "drag.linear": draw.corner(0.0, draw.decades(1e-8, 1e-3)),
         "drag.rotational": draw.corner(0.0, draw.decades(1e-19, 1e-12)),
         "environment.gravity": draw.corner(9.81, draw.corner(0.0, draw.decades(0.1, 100.0)), 0.8),
@@ -151,19 +135,19 @@ def _wild(draw: Draw) -> Scenario:
     if draw.chance(0.2):
         keys["solver.rtol"] = draw.decades(1e-10, 1e-4)
     if draw.chance(0.3):
-        keys.update(_wild_body(draw, keys))
+        keys.update(wild_body(draw, keys))
     if draw.chance(0.3):
-        keys.update(_wild_coils(draw))
+        keys.update(wild_coils(draw))
     if draw.chance(0.15):
         keys = {key: value for key, value in keys.items() if not key.startswith("drive.")}
-        keys.update(_wild_program(draw))
-    for name in draw.random.permutation(list(_EFFECTS))[: draw.whole(0, 3)]:
-        keys.update({f"effects.{name}.{key}": value for key, value in _EFFECTS[name](draw).items()})
-    keys = _allowed_together(keys)
+        keys.update(wild_program(draw))
+    for name in draw.of(st.lists(st.sampled_from(list(EFFECTS)), max_size=3, unique=True)):
+        keys.update({f"effects.{name}.{key}": value for key, value in EFFECTS[name](draw).items()})
+    keys = allowed_together(keys)
     return Scenario().replace(keys)
 
 
-def _wild_body(draw: Draw, keys: Keys) -> Keys:
+def wild_body(draw, keys):
     """A body of another size, in a fluid that damps it as much in its own time."""
     length = draw.decades(2e-5, 2e-3)
     width, height = (length * draw.decades(0.1, 3.0) for _ in range(2))
@@ -183,7 +167,7 @@ def _wild_body(draw: Draw, keys: Keys) -> Keys:
     }
 
 
-def _wild_coils(draw: Draw) -> Keys:
+def wild_coils(draw):
     return {
         "coil.resistance": draw.decades(1.0, 100.0),
         "coil.inductance": draw.decades(1e-6, 1.0),
@@ -193,7 +177,7 @@ def _wild_coils(draw: Draw) -> Keys:
     }
 
 
-def _wild_program(draw: Draw) -> Keys:
+def wild_program(draw):
     """Straight lines between random voltages, some of them jumps, played a few times."""
     count = draw.whole(2, 12)
     steps = [draw.corner(0.0, draw.decades(1e-4, 0.05), 0.3) for _ in range(count - 1)]
@@ -202,7 +186,8 @@ def _wild_program(draw: Draw) -> Keys:
         if steps[k - 1] == 0.0:
             steps[k] = steps[k] or draw.decades(1e-4, 0.05)
     times = np.concatenate([[0.0], np.cumsum(steps)])
-    voltages = draw.random.normal(0.0, 20.0, (count, 5)) * draw.random.integers(0, 2, (1, 5))
+    voltages = np.array([[draw.uniform(-60.0, 60.0) for _ in range(5)] for _ in range(count)])
+    voltages *= [draw.whole(0, 1) for _ in range(5)]
     voltages[:, 3] = -voltages[:, 2]  # equal coils of y, which together have no field across
     waveform = Waveform([(times, voltages, draw.whole(1, 4))])
     return {
@@ -213,7 +198,7 @@ def _wild_program(draw: Draw) -> Keys:
 
 
 # Values of the named extensions at which each of them counts.
-_EFFECTS = {
+EFFECTS = {
     "coil_heating": lambda d: {"coefficient": d.decades(1e-4, 1.0)},
     "amplifier_limit": lambda d: {"voltage": d.decades(1.0, 100.0)},
     "eddy_lag": lambda d: {"time": d.decades(1e-6, 0.1)},
@@ -236,38 +221,42 @@ _EFFECTS = {
 }
 
 
-def _extreme(draw: Draw) -> Scenario:
-    keys: Keys = {}
-    share = draw.random.random()
+def extreme(draw):
+    keys = {}
+    share = draw.uniform(0.0, 1.0)
     for key in known_keys().values():
         if key.section != "record" and draw.chance(share):
-            keys[key.name] = _any_value(draw, key)
+            keys[key.name] = any_value(draw, key)
     if keys.get("drive.mode") == "program":
         keys = {key: value for key, value in keys.items() if not key.startswith("drive.")}
-        keys.update(_wild_program(draw))
-    keys = _allowed_together(keys)
+        keys.update(wild_program(draw))
+    keys = allowed_together(keys)
+    steps = min(keys.pop("solver.max_steps", MOST_STEPS), MOST_STEPS)
     # What the ranges of single keys do not say is refused; the refusal is a draw's end too, but
     # tells little: such keys are left out one by one.
     while True:
         try:
-            made = Scenario().replace(keys)
+            made = Scenario().replace({**keys, "solver.max_steps": steps})
             rate = draw.word("none", "events", "grid")
             if rate == "grid":
-                rate = draw.decades(1.0, _MOST_SAMPLES) / max(made.duration, 1e-300)
+                rate = draw.decades(1.0, MOST_SAMPLES) / max(made.duration, 1e-300)
             return made.replace({"record.rate": rate})
         except ScenarioError as error:
-            named = [key for key in keys if key in str(error)]
-            keys.pop(named[0] if named else next(iter(keys)))
+            named = [key for key in keys if key in str(error)] or list(keys)
+            if named:
+                del keys[named[0]]
+            else:
+                steps = MOST_STEPS
 
 
 # A key without an upper end gets this much, in its unit.
-_LARGE = 1e6
+LARGE = 1e6
 
 
-def _any_value(draw: Draw, key: Key) -> float | int | str:
+def any_value(draw, key):
     if key.kind == "word":
         return draw.word(*json.loads(f"[{key.allowed.removeprefix('one of ')}]"))
-    low, high = key.low, key.high if math.isfinite(key.high) else _LARGE
+    low, high = key.low, key.high if math.isfinite(key.high) else LARGE
     if key.kind == "whole":
         choices = [low, high, draw.decades(max(low, 1.0), high), draw.uniform(1.0, 30.0)]
         return round(choices[draw.whole(0, 3)])
@@ -283,17 +272,17 @@ def _any_value(draw: Draw, key: Key) -> float | int | str:
     return min(max(choices[draw.whole(0, 5)], choices[0]), high)
 
 
-def _allowed_together(keys: Keys) -> Keys:
+def allowed_together(keys):
     """The draws with what excludes each other brought into order."""
     # The balances that are checked are those of one plane.
     result = {**keys, "drive.heading": 0.0, "initial.y": 0.0, "initial.vy": 0.0}
     result |= {"effects.ambient_field.By": 0.0, "effects.surface_tilt.azimuth": 0.0}
 
-    def limit(key: str, most: float) -> None:
+    def limit(key, most):
         if key in result:
             result[key] = min(result[key], most)
 
-    def get(key: str) -> Any:
+    def get(key):
         return result.get(key, known_keys()[key].default)
 
     limit("contact.kinetic_friction", get("contact.static_friction"))
@@ -308,3 +297,10 @@ def _allowed_together(keys: Keys) -> Keys:
     if 0.0 < get("solver.max_step") < 1e-9:
         result["solver.max_step"] = 1e-9
     return result
+
+
+def population(make):
+    return st.composite(lambda draw: make(Draw(draw)))()
+
+
+PAPER, WIDE, WILD, EXTREME = map(population, (paper, wide, wild, extreme))

@@ -1,0 +1,351 @@
+"""The flow of the study: data sets and their answers, what is said of them, the record.
+
+A folder has `sets.jsonl.xz`, a data set a line with the text of its files by name;
+`answers.jsonl.xz`, which nothing reads before all sets are diagnosed; `said.jsonl`, what was said
+of each set by which state of the engine; `record.jsonl`, the same with the answers.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import lzma
+import subprocess
+import tempfile
+import time
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import norm
+
+import stickslip
+from blind.readings import velocities
+from blind.truth import Truth
+from blind.writing import KEYS, write_case, write_more
+from stickslip import Cause, Diagnosis, Drive, Scenario, diagnose, read_measurement, simulate_batch
+from stickslip.diagnosis.candidate import spread_of
+from stickslip.diagnosis.data.velocity import VelocityTable
+from stickslip.diagnosis.decision.formulas import Formula, formula
+from stickslip.diagnosis.result import CLAIMS
+
+Row = dict[str, Any]
+Array = NDArray[np.float64]
+
+HERE = Path(__file__).resolve().parent
+SETS, ANSWERS, SAID, RECORD = "sets.jsonl.xz", "answers.jsonl.xz", "said.jsonl", "record.jsonl"
+# Packages that decide about a verdict.
+_ENGINE = ("diagnosis", "measurement", "scenario")
+_POINTS = 13  # of a law's curve
+
+
+def sets(path: Path) -> Iterator[Row]:
+    """Lines of a file of data sets or answers; none of a file that is not there."""
+    if path.exists():
+        with lzma.open(path, "rt") as file:
+            for line in file:
+                yield json.loads(line)
+
+
+def lines(path: Path) -> Iterator[Row]:
+    """Rows of a file that is appended to, without those that were not written to their end."""
+    for line in path.read_text().splitlines() if path.exists() else ():
+        with contextlib.suppress(json.JSONDecodeError):
+            yield json.loads(line)
+
+
+def append(path: Path, row: Row) -> None:
+    """Append a row, on a line of its own after one that was cut off."""
+    with path.open("a") as file:
+        cut = file.tell() and not path.read_text().endswith("\n")
+        file.write(("\n" if cut else "") + json.dumps(row) + "\n")
+
+
+def unpacked(one: Row, folder: Path) -> Path:
+    """The files of a data set in a folder; the path of its measurement."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in one["files"].items():
+        (folder / name).write_text(text)
+    return folder / "measurement.toml"
+
+
+def generator_files() -> list[Path]:
+    """Files that decide what a data set is; of the reference simulator, those of one plane."""
+    own = (
+        "catalogue", "generator", "kinds", "model_errors", "noise", "readings", "settings",
+        "strength", "truth", "writing",
+    )  # fmt: skip
+    reference = (
+        "circuit", "contact", "drive", "effects", "field", "laws", "simulate", "statics",
+        "stepper", "switching",
+    )  # fmt: skip
+    simulator = HERE.parents[1] / "tests" / "reference"
+    return [
+        *(HERE / f"{name}.py" for name in own),
+        *(simulator / f"{name}.py" for name in reference),
+    ]
+
+
+def _checksum(paths: Iterable[Path], more: bytes = b"") -> str:
+    """Of the names and contents of files."""
+    total = hashlib.sha256(more)
+    for path in sorted(paths):
+        total.update(path.name.encode() + path.read_bytes())
+    return total.hexdigest()[:12]
+
+
+def state() -> dict[str, str]:
+    """Which engine and which generator made a row: version, commit, sums of what decides.
+
+    Of the engine these are the files of its packages without the report, and velocities that the
+    core computes: two builds of one source differ in their bytes.
+    """
+    package = Path(stickslip.__file__).resolve().parent
+    deciding = [
+        path
+        for name in _ENGINE
+        for path in (package / name).rglob("*.py")
+        if "report" not in path.parts
+    ]
+    base = Scenario(drive=Drive(base=0.5e-3, pulses=5))
+    runs = simulate_batch(
+        [
+            base.replace({"drive.frequency": 20.0 + 7.0 * k, "drive.mode": mode})
+            for k, mode in enumerate(("IPP", "OPP") * 5)
+        ]
+    )
+    asked = ("git", "-C", str(HERE), "rev-parse", "--short", "HEAD")
+    commit = subprocess.run(asked, capture_output=True, text=True, check=False).stdout.strip()
+    return {
+        "version": stickslip.__version__,
+        "commit": commit,
+        "engine": _checksum(deciding, np.array([run.mean_velocity for run in runs]).tobytes()),
+        "data": _checksum(generator_files()),
+    }
+
+
+def name_of(kind: str, seed: int) -> str:
+    """A name that says nothing of what is in a data set."""
+    return hashlib.sha256(f"{kind} {seed}".encode()).hexdigest()[:8]
+
+
+def make(folder: Path, asked: Iterable[tuple[str, int]], minutes: float) -> None:
+    """Make the data sets that a folder still lacks, and begin none after some minutes.
+
+    A data set is kept as soon as it is made, and the files are packed at the end by the names: the
+    order in which they were made would say of which kind each is.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    parts = {folder / name: folder / f"{name}.part" for name in (ANSWERS, SETS)}
+    _pack(parts)
+    there = {each["name"] for each in sets(folder / SETS)}
+    data, end = _checksum(generator_files()), time.monotonic() + 60.0 * minutes
+    for kind, seed in asked:
+        name = name_of(kind, seed)
+        if time.monotonic() > end:
+            break
+        if name in there:
+            continue
+        begin = time.process_time()
+        with tempfile.TemporaryDirectory() as work:
+            answer = {**write_case(Path(work) / "data", kind, seed), "data": data}
+            files = {each.name: each.read_text() for each in sorted(Path(work, "data").iterdir())}
+        # The data set last: one without its answer is made again.
+        append(parts[folder / ANSWERS], {"name": name, "answer": answer})
+        append(parts[folder / SETS], {"name": name, "files": files})
+        print(f"{name}: {time.process_time() - begin:.1f} CPU s", flush=True)
+    _pack(parts)
+
+
+def _pack(parts: dict[Path, Path]) -> None:
+    """Move the rows of each part into its file, the last one of each name."""
+    for path, part in parts.items():
+        if part.exists():
+            kept = {each["name"]: each for each in (*sets(path), *lines(part))}
+            whole = path.with_suffix(".new")
+            with lzma.open(whole, "wt", preset=9) as file:
+                file.writelines(json.dumps(kept[name]) + "\n" for name in sorted(kept))
+            whole.replace(path)
+            part.unlink()
+
+
+def said(folder: Path, now: dict[str, str]) -> dict[str, Row]:
+    """Rows of the present engine and generator by the names of their data sets."""
+    return {
+        row["name"]: row
+        for row in lines(folder / SAID)
+        if all(row["state"].get(key) == now[key] for key in ("engine", "data"))
+    }
+
+
+def diagnose_sets(folder: Path, minutes: float, part: int = 1, parts: int = 1) -> None:
+    """Diagnose what has no row yet, every `parts`-th data set from the `part`-th on."""
+    now, end = state(), time.monotonic() + 60.0 * minutes
+    done = said(folder, now)
+    for one in list(sets(folder / SETS))[part - 1 :: parts]:
+        if one["name"] in done:
+            continue
+        if time.monotonic() > end:
+            break
+        with tempfile.TemporaryDirectory() as work:
+            row = diagnosed(unpacked(one, Path(work) / "data"))
+        append(folder / SAID, {"name": one["name"], "state": now, **row})
+        # Nothing of the verdict is shown before all are judged.
+        print(f"{one['name']}: {row['cpu_seconds']:.0f} CPU s", flush=True)
+
+
+def judge(folder: Path) -> list[Row]:
+    """Open the answers of what was diagnosed, and write the record; its rows."""
+    rows, record = said(folder, state()), []
+    answers = {each["name"]: each["answer"] for each in sets(folder / ANSWERS)}
+    for one in sets(folder / SETS):
+        row = rows.get(one["name"])
+        if row is not None:
+            with tempfile.TemporaryDirectory() as work:
+                path = unpacked(one, Path(work) / "data")
+                more = Path(work) / "more"
+                record.append({"answer": answers[one["name"]], **row})
+                record[-1] |= _by_answer(record[-1], path, more)
+    (folder / RECORD).write_text("".join(json.dumps(row) + "\n" for row in record))
+    return record
+
+
+def _by_answer(row: Row, path: Path, more: Path) -> Row:
+    """What only the answer can tell.
+
+    The error that the truth leaves on all conditions; near twins, measured again at the experiments
+    that the diagnosis proposes.
+    """
+    answer, result = row["answer"], {"truth_error": None}
+    if answer["hook"] and row["gain"] is not None:
+        table = VelocityTable(read_measurement(path), threads=1, seed=0)
+        result["truth_error"] = truth_error(table, answer)
+    drives = [each["drive"] for each in row["next_experiments"]]
+    if answer["kind"] == "near twins" and drives:
+        write_more(path.parent, more, answer, drives)
+        result["followed"] = diagnosed(more / path.name)["said"]
+    return result
+
+
+def truth_error(table: VelocityTable, answer: Row) -> float:
+    """Mean absolute error of the truth on all conditions, m/s: what noise leaves."""
+    drives = [{key: each[f"drive.{key}"] for key in KEYS} for each in table.conditions]
+    return float(np.mean(np.abs(table.mean - velocities(Truth.of(answer), drives))))
+
+
+def diagnosed(path: Path) -> Row:
+    """What is said of a data set by its files alone: what the counts need of it."""
+    start = time.process_time()
+    result = diagnose(read_measurement(path), threads=1)
+    seconds, gain, whole = time.process_time() - start, result.gain, result.as_dict()
+    laws = {
+        each.name: _effect(each)
+        for each in result.problem.causes
+        if each.curve is not None and each.name in result.verdict.causes
+    }
+    # By the normal law the error that is left has a mean of 0.80 errors.
+    middle, sd = np.sqrt(2.0 / np.pi), np.sqrt((1.0 - 2.0 / np.pi) / len(result.problem.y))
+    likely = sorted(whole["probabilities"].items(), key=lambda item: -item[1])[:5]
+    parameters = {
+        name: {key: each[key] for key in ("value", "sd", "unit")}
+        for name, each in whole["parameters"].items()
+    }
+    return {
+        "said": {
+            **{key: whole[key] for key in ("verdict", "cause", "p_value", "gain")},
+            "laws": laws, "open_set": _law(result, whole["gain"]), "parameters": parameters,
+            "probabilities": dict(likely),
+        },
+        "reasons": [each.code for each in result.verdict.reasons],
+        "gain": None if gain is None else {"p_value": norm.sf((gain.after - middle) / sd)},
+        "cpu_seconds": round(seconds, 1),
+        "next_experiments": whole["next_experiments"],
+    }  # fmt: skip
+
+
+def _effect(law: Cause) -> str:
+    """The effect of the simulator that a law of a free shape is."""
+    assert law.curve is not None
+    (span,) = law.curve.fixed
+    return span.split(".")[1]
+
+
+def _law(result: Diagnosis, gain: Row | None) -> Row | None:
+    """The claimed law of a free shape: its curve with the ends of 95 %, and its formula."""
+    causes = result.best.fit.causes if result.verdict.kind in CLAIMS else ()
+    for cause in causes:
+        if cause.curve is not None:
+            at = np.linspace(cause.curve.low, cause.curve.high, _POINTS)
+            low, high, found = drawn(result, cause, at)
+            return {
+                "accepted": True, "effect": _effect(cause), "gain": gain,
+                "curve": {"argument": at.tolist(), "low": low.tolist(), "high": high.tolist()},
+                "formula": None if found is None else found.text,
+                "others": [] if found is None else list(found.others),
+            }  # fmt: skip
+    return None
+
+
+def drawn(result: Diagnosis, law: Cause, argument: Array) -> tuple[Array, Array, Formula | None]:
+    """Ends of 95 % of a law of the extended model, shape (points,) each, and its formula."""
+    curve, problem, values = law.curve, result.problem, result.best.values()
+    assert curve is not None
+    f = values[:, [problem.names.index(each.name) for each in law.parameters]]
+    f = f @ curve.design(argument).T
+    told, base, constant = f, np.full((1, 1), curve.stated), None
+    if curve.constant is not None:
+        k = problem.names.index(curve.constant)
+        base, constant = values[:, [k]], problem.parameters[k]
+        told = np.hstack([f, base])
+    found = formula(argument, told[0], spread_of(told), curve, constant)
+    whole = base * (1.0 + f) if curve.relative else f
+    half = norm.ppf(0.975) * np.sqrt(np.diag(spread_of(whole)))
+    return whole[0] - half, whole[0] + half, found
+
+
+def frozen(out: Path, kinds: list[str], minutes: float) -> None:
+    """Diagnose the 200 frozen sets, and set each verdict beside that of an earlier engine.
+
+    Rows of the present engine that are in `out` are not made again.
+    """
+    now, end = state()["engine"], time.monotonic() + 60.0 * minutes
+    before = {(row["kind"], row["seed"]): row for row in lines(HERE / "frozen" / "rows.jsonl")}
+    done = {(row["kind"], row["seed"]): row for row in lines(out) if row["engine"] == now}
+    rows = []
+    for one in sets(HERE / "frozen" / SETS):
+        name = (one["kind"], one["seed"])
+        if one["kind"] not in kinds:
+            continue
+        if name not in done:
+            if time.monotonic() > end:
+                continue
+            with tempfile.TemporaryDirectory() as work:
+                begin = time.process_time()
+                measurement = read_measurement(unpacked(one, Path(work)))
+                verdict = diagnose(measurement, threads=1).verdict
+            done[name] = {
+                "engine": now, "kind": name[0], "seed": name[1], "verdict": verdict.kind,
+                "causes": list(verdict.causes), "cpu_seconds": time.process_time() - begin,
+            }  # fmt: skip
+            append(out, done[name])
+        row, old = done[name], before[name]
+        cause = old["cause"] or []
+        old["causes"] = [cause] if isinstance(cause, str) else cause
+        rows.append((row, old))
+        truth = " + ".join(old["truth"] or [old["hook"] or "-"])
+        said_before, said_now = (
+            f"{each['verdict']} {', '.join(each['causes'][:4])}" for each in (old, row)
+        )
+        costs = f"{old['cpu_seconds']:.0f} -> {row['cpu_seconds']:.0f} CPU s"
+        print(f"{name[0]} {name[1]} | {truth} | {said_before} -> {said_now} | {costs}", flush=True)
+    same = [(old["verdict"], set(old["causes"])) == (row["verdict"], set(row["causes"]))
+            for row, old in rows]  # fmt: skip
+    costs = np.array([[old["cpu_seconds"], row["cpu_seconds"]] for row, old in rows] or [[0, 0]])
+    median, most = np.median(costs, axis=0), costs.max(axis=0)
+    print(
+        f"{sum(same)} of {len(rows)} verdicts are those of before; CPU s before and now: median "
+        f"{median[0]:.1f} and {median[1]:.1f}, at most {most[0]:.0f} and {most[1]:.0f}"
+    )

@@ -1,1 +1,0 @@
-"""Random scenarios and damaged files, and what must hold for every one of them."""

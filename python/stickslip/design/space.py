@@ -1,0 +1,229 @@
+"""What an optimiser may change of a scenario: keys within ranges, words, and a free waveform."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip._util.numbers import Array
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import Value, checked, find_key, full_name, meant, refuse, shown
+from stickslip.scenario.path_keys import PROGRAM
+from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.sections import COIL_NAMES, SAWTOOTH, refuse_sawtooth
+from stickslip.scenario.waveform import Waveform
+
+Values = Mapping[str, Value]
+"""A drive by what is free of it: words and numbers by key, and knots such as "xp 3", V."""
+
+_DECADE = 10.0  # ratio of the ends of a range that is searched in its logarithm
+_OF_A_PROGRAM = ("drive.frequency", "drive.ramp")  # what a free waveform uses of a sawtooth
+_FEWEST = 4  # pulses where the frequency is free: the speed is measured after the third
+_MOST_KNOTS = 200  # of a coil; chosen: far more than a search of some thousand runs can place
+
+
+@dataclass(frozen=True)
+class Space:
+    """What may change of the scenario `start`.
+
+    `ranges` has low and high of each free number, the knots of a waveform last. `arms` has every
+    combination of the free words, that of the start first. `coils` are those of a waveform of
+    `knots` knots each; 0 for none.
+    """
+
+    start: Scenario
+    ranges: Mapping[str, tuple[float, float]]
+    arms: Sequence[Values]
+    knots: int = 0
+    coils: tuple[str, ...] = ()
+
+    def coordinate(self, name: str, value: float) -> float:
+        """A number as a coordinate from 0 to 1 along its range; of its nearer end outside."""
+        low, high = self.ranges[name]
+        inside = min(max(value, low), high)
+        if 0.0 < _DECADE * low <= high:
+            return math.log(inside / low) / math.log(high / low)
+        return (inside - low) / (high - low)
+
+    def number(self, name: str, coordinate: float) -> float:
+        """Inverse of `coordinate`."""
+        low, high = self.ranges[name]
+        bent = 0.0 < _DECADE * low <= high
+        value = low * (high / low) ** coordinate if bent else low + coordinate * (high - low)
+        return min(max(value, low), high)  # no rounding past an end
+
+    def starts(self) -> Array:
+        """The start with the words of each arm, as coordinates, shape (arms, ranges)."""
+        rows = []
+        for arm in self.arms:
+            row = [float(self.start.get(name)) for name in self.ranges if " " not in name]
+            if self.knots:
+                scenario = self.start.replace(arm)
+                times = np.arange(self.knots) / (self.knots * scenario.drive.frequency)
+                volts = drive_waveform(scenario).voltages(scenario.drive.ramp + times)
+                row += [each for coil in self.coils for each in volts[:, COIL_NAMES.index(coil)]]
+            rows.append([self.coordinate(*each) for each in zip(self.ranges, row, strict=True)])
+        return np.array(rows, dtype=float)
+
+    def values(self, arm: float, *point: float) -> Values:
+        """A candidate of the search, by the index of its arm and its coordinates."""
+        numbers = map(self.number, self.ranges, point)
+        return {**self.arms[int(arm)], **dict(zip(self.ranges, numbers, strict=True))}
+
+    def changes(self, values: Values) -> dict[str, Any]:
+        """What ``Scenario.replace`` needs for values by name.
+
+        Where a waveform is free, any drive is played as a program: a program is measured over all
+        of it, and a pulsed drive after its third pulse only.
+        """
+        keys = self.timed({name: each for name, each in values.items() if " " not in name})
+        if not self.knots:
+            return keys
+        scenario = self.start.replace(keys)
+        volts = [each for name, each in values.items() if " " in name]
+        waveform = self._waveform(scenario, np.array(volts)) if volts else drive_waveform(scenario)
+        others = {key: value for key, value in keys.items() if key not in SAWTOOTH}
+        return {**others, "drive.mode": "program", PROGRAM: waveform}
+
+    def timed(self, values: Values) -> dict[str, Value]:
+        """Where the frequency is free, with as many pulses as take the start's time.
+
+        Of drives that are equally long the rise to the first pulse is the same part.
+        """
+        if "drive.frequency" not in self.ranges or "drive.frequency" not in values:
+            return dict(values)
+        drive = self.start.drive
+        pulses = round(drive.pulses * float(values["drive.frequency"]) / drive.frequency)
+        return {**values, "drive.pulses": max(_FEWEST, pulses)}
+
+    def nearest(self, sawtooth: Values) -> dict[str, Value]:
+        """A sawtooth as near to another as what is free allows; all else is as at the start.
+
+        A free waveform can be any sawtooth, but for its frequency.
+        """
+        found = dict(sawtooth)
+        for key, value in sawtooth.items():
+            if key in self.ranges:
+                low, high = self.ranges[key]
+                found[key] = min(max(float(value), low), high)
+            elif not self.knots or key in _OF_A_PROGRAM:
+                words = [arm[key] for arm in self.arms if key in arm] or [self.start.get(key)]
+                found[key] = value if value in words else words[0]
+        return found
+
+    def _waveform(self, scenario: Scenario, volts: Array) -> Waveform:
+        """The ramp of a scenario to the first knot, and a period for each pulse.
+
+        A coil is not mirrored in the one across from it, so that each has the limits of the
+        sawtooth's single coil.
+        """
+        drive = scenario.drive
+        period = np.zeros((self.knots + 1, len(COIL_NAMES)))
+        columns = [COIL_NAMES.index(coil) for coil in self.coils]
+        period[:-1, columns] = volts.reshape(len(self.coils), -1).T
+        period[-1] = period[0]
+        pulses = (np.linspace(0.0, 1.0 / drive.frequency, self.knots + 1), period, drive.pulses)
+        rise = ([0.0, drive.ramp], [np.zeros(len(COIL_NAMES)), period[0]], 1)
+        return Waveform([rise, pulses] if drive.ramp > 0.0 else [pulses])
+
+
+def drive_waveform(scenario: Scenario) -> Waveform:
+    """The voltages of any drive as a program."""
+    return Waveform(scenario.to_core().program())
+
+
+def made_space(
+    scenario: Scenario,
+    free: Mapping[str, Any],
+    knots: int | None,
+    coils: Sequence[str],
+    volts: float | None,
+) -> Space:
+    """What may change of a scenario, once all is checked; `volts` is the limit on the voltages."""
+    if not free and knots is None:
+        raise ScenarioError("nothing is free: allowed are keys with a range, or knots, or both")
+    by_name = {full_name(key): value for key, value in free.items()}
+    names: tuple[str, ...] = ()
+    if knots is None:
+        refuse_sawtooth(scenario.drive.mode, by_name)
+    else:
+        _check_waveform(scenario, by_name, knots, volts)
+        names = tuple(COIL_NAMES[k] for k in coil_places(coils))
+    ranges: dict[str, tuple[float, float]] = {}
+    words: dict[str, list[Value]] = {}
+    for key, given in by_name.items():
+        if scenario.uncertain is not None and key in scenario.uncertain.names:
+            raise ScenarioError(f"{key}: allowed is either free or uncertain, not both")
+        if find_key(key).kind == "word":
+            words[key] = _words(scenario, key, given)
+        else:
+            ranges[key] = _range(key, given)
+    most = volts or 0.0  # used with knots alone, and above 0 then
+    for coil in names:
+        ranges |= {f"{coil} {k}": (-most, most) for k in range(1, (knots or 0) + 1)}
+    arms = [dict(zip(words, each, strict=True)) for each in itertools.product(*words.values())]
+    return Space(scenario, ranges, arms, knots or 0, names)
+
+
+def coil_places(coils: object) -> list[int]:
+    """Where in `COIL_NAMES` the named coils stand, each once; else refuse them."""
+    names = list(coils) if isinstance(coils, Sequence) and not isinstance(coils, str) else []
+    unknown = [name for name in names if name not in COIL_NAMES]
+    if unknown or not names or len(set(names)) < len(names):
+        hint = meant(unknown[0], COIL_NAMES) if unknown else ""
+        refuse("coils", coils, f"a list of some of {', '.join(COIL_NAMES)}, each coil once{hint}")
+    return [COIL_NAMES.index(name) for name in names]
+
+
+def _range(key: str, given: Any) -> tuple[float, float]:
+    known = find_key(key)
+    if known.kind != "real" or known.section in ("solver", "record"):
+        raise ScenarioError(f"{key}: cannot be free; allowed are words and real numbers of a model")
+    if isinstance(given, str) or not isinstance(given, Sequence) or len(given) != 2:
+        refuse(key, given, "(low, high) of a number, or a list of words")
+    low, high = (float(checked(key, each)) for each in given)
+    if not low < high:
+        raise ScenarioError(f"{key} = {shown(low)}:{shown(high)}: allowed is low below high")
+    return low, high
+
+
+def _words(scenario: Scenario, key: str, given: Any) -> list[Value]:
+    if isinstance(given, str) or not isinstance(given, Sequence) or not given:
+        refuse(key, given, "a list of words")
+    words = list(dict.fromkeys(checked(key, each) for each in given))
+    if key == "drive.mode" and "program" in words:
+        raise ScenarioError(f'{key} = "program": cannot be tried; a free waveform has knots')
+    return sorted(words, key=lambda word: word != scenario.get(key))
+
+
+def _check_waveform(
+    scenario: Scenario,
+    free: Mapping[str, Any],
+    knots: object,
+    volts: float | None,
+) -> None:
+    if isinstance(knots, bool) or not isinstance(knots, int) or not 2 <= knots <= _MOST_KNOTS:
+        refuse("knots", knots, f"a whole number from 2 to {_MOST_KNOTS}")
+    if scenario.drive.mode == "program":
+        raise ScenarioError(
+            'knots: not allowed with drive.mode = "program", whose period is not known; allowed '
+            'is "IPP" or "OPP"'
+        )
+    if scenario.drive.heading != 0.0:
+        raise ScenarioError(
+            f"knots: not allowed with drive.heading = {scenario.drive.heading:g}: a free waveform "
+            "goes where its coils pull"
+        )
+    for key in free:
+        if key in SAWTOOTH and key not in _OF_A_PROGRAM and find_key(key).kind != "word":
+            allowed = ", ".join(_OF_A_PROGRAM)
+            raise ScenarioError(f"{key}: of no use with knots; of the drive, allowed are {allowed}")
+    if volts is None or not volts > 0.0:
+        raise ScenarioError(
+            "knots: a limit on voltage_max above 0 V is missing, within which the knots are placed"
+        )
