@@ -1,137 +1,464 @@
-"""Pictures of runs: what they show, and that all text can be read."""
+"""Pictures: what is drawn has the numbers of the run or sweep, and all text can be read."""
+
+import itertools
+import math
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+from matplotlib.patches import FancyArrowPatch, Polygon
 
-from pictures import assert_legible
-from stickslip import Drive, Record, Scenario, plot, simulate
+from measured_maps import formula_fields, grid
+from pictures import RATE, RUNS, assert_legible, heading_of, recorded, way_of
+from stickslip import (
+    COIL_NAMES,
+    Coil,
+    Coils,
+    Drive,
+    FieldMap,
+    Scenario,
+    State,
+    Waveform,
+    plot,
+    simulate,
+    sweep,
+)
+from stickslip.control import Path
+from stickslip.plot import style
 
-DRIVES = {
-    "IPP 30": Drive(mode="IPP", frequency=30, base=0.5e-3, pulses=12),
-    "IPP 100": Drive(mode="IPP", frequency=100, base=0.5e-3, pulses=12),
-    "OPP 30": Drive(mode="OPP", frequency=30, hold=2.5e-3, edge="fall", pulses=12),
-    "OPP 100": Drive(mode="OPP", frequency=100, hold=2.5e-3, edge="fall", pulses=40),
-    "backwards": Drive(direction="-x", base=0.5e-3, pulses=5, clamp="up"),
+WANTED = Path([(0.0, 0.0), (1.5e-3, 0.0), (1.5e-3, 0.5e-3)])
+BASE = Scenario(drive=Drive(base=0.5e-3, pulses=5))
+FREQUENCIES = [20.0, 50.0, 100.0]
+FIVE = [2.0, -1.0, 0.5, 0.0, -3.0]
+EACH = {
+    "run": plot.run,
+    "fields": plot.fields,
+    "angle_and_contact_velocity": plot.angle_and_contact_velocity,
+    "trajectory": plot.trajectory,
+    "phase_portrait": plot.phase_portrait,
+    "path": plot.path,
+    "filmstrip": lambda run: plot.filmstrip(run, np.linspace(0.01, run.t[-1], 6).tolist()),
+    "animation": lambda run: plot.animation(run).frame(-1),
 }
 
 
-PATH = 3
-"""Place of the panel of the position."""
+@pytest.fixture(scope="module")
+def by_mode():
+    return sweep(BASE, {"drive.frequency": FREQUENCIES, "drive.mode": ["IPP", "OPP"]})
 
 
-@pytest.fixture(scope="module", params=DRIVES)
-def run(request):
-    return simulate(Scenario(drive=DRIVES[request.param], record=Record(rate=20e3)))
+@pytest.fixture(scope="module")
+def by_two():
+    friction = {"contact.static_friction": [0.15, 0.2, 0.3]}
+    return sweep(BASE, {"drive.frequency": FREQUENCIES, **friction})
 
 
-def curve(figure, panel):
-    line = figure.axes[panel].get_lines()[0]
-    return np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
+@pytest.fixture(scope="module")
+def without_ym():
+    """A map in which the coil at -y has zeros, as one that is not there."""
+    points = grid(count=(3, 3, 3))
+    fields = formula_fields(points)
+    fields[:, COIL_NAMES.index("ym")] = 0.0
+    return Coil(map=FieldMap.from_points(points, fields))
 
 
-def test_panels_share_time_and_show_the_run(run):
+def panels(figure):
+    """The axes by the words of their vertical label, without its unit."""
+    return {axes.get_ylabel().replace("\n", " ").partition(" (")[0]: axes for axes in figure.axes}
+
+
+def factor_of(axes):
+    return 1e3 if axes.get_xlabel().endswith("(mm)") else 1e6
+
+
+def arrows(axes):
+    """Ends of all arrows, begin and tip, shape (n, 2, 2)."""
+    return np.array([each._posA_posB for each in axes.patches if isinstance(each, FancyArrowPatch)])
+
+
+def outlines(axes):
+    return [each.get_xy()[:4] for each in axes.patches if isinstance(each, Polygon)]
+
+
+def angle_of(arrow):
+    return math.atan2(*(arrow[1] - arrow[0])[::-1])
+
+
+@pytest.mark.parametrize("draw", EACH.values(), ids=EACH)
+@pytest.mark.parametrize("name", RUNS)
+def test_pictures_of_a_run_can_be_read(name, draw):
+    figure = draw(recorded(name))
+    assert_legible(figure, least=7)
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            assert high - low >= 1e-3
+            assert axis.get_offset_text().get_text() == ""
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 5, 7])
+def test_a_filmstrip_of_any_length_can_be_read(count):
+    assert_legible(plot.filmstrip(recorded("opp"), np.linspace(0.1, 0.2, count).tolist()), least=7)
+
+
+@pytest.mark.parametrize("name", ["a turn to the right", "210 degrees", "along -x"])
+def test_panels_of_a_run_have_its_numbers(name):
+    run = recorded(name)
+    shown = panels(plot.run(run))
+    slip = [run.slip_velocity * 1e3]
+    expected = {
+        "tilt $\\theta$": [np.degrees(run.theta)],
+        "normal force": [run.normal_force * 1e6],
+        "field": [run.bx * 1e3, run.bz * 1e3],
+    }
+    if run.scenario.turns:
+        expected["position"] = [run.x * 1e6, run.y * 1e6]
+        expected["heading"] = [np.degrees(heading_of(run))]
+        expected["field"].insert(1, run.by * 1e3)
+        slip.append(run.slip_across * 1e3)
+    else:
+        expected["x"] = [run.x * 1e6]
+    expected["contact velocity"] = slip
+    assert shown.keys() == {*expected, "contact"}
+    for label, values in expected.items():
+        for line, each in zip(shown[label].get_lines(), values, strict=False):
+            np.testing.assert_allclose(line.get_xdata(), run.t)
+            np.testing.assert_allclose(line.get_ydata(), each)
+    for draw, label, values in (
+        (plot.fields, "field", expected["field"]),
+        (plot.angle_and_contact_velocity, "contact velocity", slip),
+    ):
+        one = panels(draw(run, 0.05, 0.08))[label]
+        seen = (run.t >= 0.05) & (run.t <= 0.08)
+        for line, each in zip(one.get_lines(), values, strict=True):
+            np.testing.assert_allclose(line.get_ydata(), each[seen])
+
+
+def test_a_heading_that_passes_half_a_turn_has_no_jump():
+    run = recorded("a turn to the right")
+    assert np.abs(np.diff(run.heading)).max() > 6.0  # from -pi to pi
+    (line,) = panels(plot.run(run))["heading"].get_lines()
+    assert np.abs(np.diff(line.get_ydata())).max() < 30.0
+
+
+def test_the_contact_band_has_the_time_of_each_mode():
+    run = recorded("a turn")
     figure = plot.run(run)
-    assert len(figure.axes) == 6  # none has a second axis at its right
-    labels = [axes.get_ylabel() for axes in figure.axes]
-    for label, unit in [("field", "mT"), ("contact velocity", "mm/s"), ("x", "m)")]:
-        assert any(each.startswith(label) and unit in each for each in labels)
-    assert any("tilt" in each and "degrees" in each for each in labels)
-    assert any("normal force" in each and "µN" in each for each in labels)
-    assert len({axes.get_xlim() for axes in figure.axes}) == 1
-
-    t, tilt = curve(figure, 1)
-    chosen = np.isin(run.t, t)
-    np.testing.assert_allclose(tilt, np.degrees(run.theta[chosen]))
-    np.testing.assert_allclose(curve(figure, 2)[1], run.slip_velocity[chosen] * 1e3)
-    _, x = curve(figure, PATH)
-    # Above 1000 µm, lengths are in mm.
-    unit, factor = ("mm", 1e3) if run.x[chosen].max() > 1e-3 else ("µm", 1e6)
-    assert figure.axes[PATH].get_ylabel() == f"x\n({unit})"
-    np.testing.assert_allclose(x, run.x[chosen] * factor)
-    sample = 1.5 / 20e3  # and half of one for rounding
-    assert t[-1] == pytest.approx(run.scenario.window[1], abs=sample)
-    # Forty pulses are too many to see: the last six of 10 ms.
-    expected = 0.06 if run.scenario.drive.pulses == 40 else run.scenario.duration
-    assert t[-1] - t[0] == pytest.approx(expected, abs=sample)
-
-
-def test_text_is_neither_clipped_nor_overlapping(run):
-    assert_legible(plot.run(run), least=30)
-
-
-def test_the_contact_band_has_the_time_of_each_mode(run):
-    figure = plot.run(run)
-    band = next(axes for axes in figure.axes if axes.get_ylabel() == "contact")
-    t, _ = curve(figure, PATH)
-    chosen = run.contact[np.isin(run.t, t)]
-    present = sorted(set(chosen.tolist()))
-    # What is there for less than a dot's width is drawn, but not named.
-    visible = [code for code in present if np.mean(chosen[:-1] == code) >= 1e-3]
-    names = [run.contact_names[code].replace("_", " ") for code in visible]
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == names
-    for code, bars in zip(present, band.collections, strict=True):
+    band = panels(figure)["contact"]
+    share = {code: np.mean(run.contact[:-1] == code) for code in np.unique(run.contact)}
+    assert len(share) >= 4
+    for bars, expected in zip(band.collections, share.values(), strict=True):
         widths = [path.get_extents().width for path in bars.get_paths()]
-        share = np.mean(chosen[:-1] == code)
-        assert sum(widths) == pytest.approx(share * (t[-1] - t[0]), abs=1e-9)
+        assert sum(widths) == pytest.approx(expected * run.t[-1], abs=1e-9)
+    # What is there for less than a dot's width is drawn, but not named.
+    named = [run.contact_names[code].replace("_", " ") for code in share if share[code] >= 1e-3]
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == named
 
 
-def test_a_stretch_can_be_chosen():
-    run = simulate(Scenario(drive=DRIVES["IPP 100"], record=Record(rate=20e3)))
-    t, _ = curve(plot.run(run, start=0.06, stop=0.08), PATH)
-    assert (t[0], t[-1]) == (pytest.approx(0.06), pytest.approx(0.08))
-    with pytest.raises(ValueError, match="less than two samples"):
-        plot.run(run, start=0.08, stop=0.06)
+def test_a_long_run_is_shown_with_its_last_pulses_and_a_short_one_with_its_window():
+    run = recorded("forty pulses")
+    t = panels(plot.run(run))["x"].get_lines()[0].get_xdata()
+    start, end = run.scenario.window
+    assert (t[0], t[-1]) == pytest.approx((end - 0.06, end), abs=1.5 / RATE)  # six of 10 ms
+    assert not plot.run(run, start + 0.01, end - 0.01).axes[0].patches
 
-
-def test_what_cannot_be_drawn_is_refused(tmp_path):
-    silent = Scenario(drive=Drive(base=0.5e-3, pulses=2))
-    with pytest.raises(AttributeError, match=r"set record\.rate"):
-        plot.run(simulate(silent))
-    with pytest.raises(ValueError, match=r"set record\.rate"):
-        plot.run(simulate(silent.replace({"record.rate": "events"})))
-    figure = plot.run(simulate(silent.replace({"record.rate": 1e4})))
-    with pytest.raises(ValueError, match=r"\.png"):
-        plot.save(figure, tmp_path / "a.docx")
-    with pytest.raises(OSError, match="no folder"):
-        plot.save(figure, tmp_path / "missing" / "a.png")
-    plot.save(figure, tmp_path / "a.svg")
-    assert [each.name for each in tmp_path.iterdir()] == ["a.svg"]
+    run = recorded("walk")
+    for axes in plot.run(run).axes[:5]:
+        box = axes.patches[0].get_extents().transformed(axes.transData.inverted())
+        assert (box.x0, box.x1) == pytest.approx(run.scenario.window)
 
 
 def test_a_failed_run_is_drawn_and_says_so():
-    changes = {
-        "effects.surface_tilt.angle": 1.4,
-        "contact.static_friction": 0.0,
-        "contact.kinetic_friction": 0.0,
-        "drag.linear": 0.0,
-        "record.rate": 1000.0,
-    }
+    keys = ("contact.static_friction", "contact.kinetic_friction", "drag.linear")
+    changes = {"effects.surface_tilt.angle": 1.4, "record.rate": 1000.0, **dict.fromkeys(keys, 0.0)}
     run = simulate(Scenario().replace(changes))
     figure = plot.run(run)
-    assert "left_workspace" in figure._suptitle.get_text()
+    assert_legible(figure)
+    assert run.status in figure._suptitle.get_text()
     # Six pulses of 10 ms, up to where it ended.
-    t, _ = curve(figure, PATH)
-    assert t[-1] == run.t[-1]
-    assert t[-1] - t[0] == pytest.approx(0.06, abs=1.5e-3)
+    t = panels(figure)["x"].get_lines()[0].get_xdata()
+    assert (t[-1], t[-1] - t[0]) == pytest.approx((run.t[-1], 0.06), abs=1.5e-3)
 
 
-def test_a_robot_that_stands_still_has_axes_that_can_be_read():
-    drive = Drive(peak=0.0, hold=0.0, pulses=3)
-    run = simulate(Scenario(drive=drive, record=Record(rate=2e3)))
-    for draw in (plot.run, plot.trajectory, plot.phase_portrait):
-        figure = draw(run)
+@pytest.mark.parametrize("name", ["a turn", "along -x"])
+@pytest.mark.parametrize("draw", [plot.trajectory, plot.phase_portrait])
+def test_paths_have_every_step_in_the_colour_of_its_contact(name, draw):
+    run = recorded(name)
+    (axes,) = draw(run).axes
+    modes = run.contact[:-1]
+    present = np.unique(modes)
+    assert len(present) >= 4
+    if draw is plot.trajectory:
+        x, y = way_of(run) * factor_of(axes), run.z * 1e6
+        tolerance = 3e-6 * factor_of(axes)  # of the trapezoidal rule
+    else:
+        x, y, tolerance = np.degrees(run.theta), run.omega, 1e-9
+    names = [text.get_text().replace(" ", "_") for text in axes.get_legend().get_texts()]
+    assert names == [run.contact_names[code] for code in present]
+    for lines, code in zip(axes.collections, present, strict=True):
+        assert (
+            to_hex(lines.get_color()[0]) == style.CONTACT_COLOURS[run.contact_names[code]].lower()
+        )
+        steps = np.array(lines.get_segments())
+        first = np.flatnonzero(modes == code)
+        for end in (0, 1):
+            np.testing.assert_allclose(steps[:, end, 0], x[first + end], atol=tolerance)
+            np.testing.assert_allclose(steps[:, end, 1], y[first + end])
+
+
+@pytest.mark.parametrize("name", ["a turn", "210 degrees", "along -x", "a tumble"])
+def test_the_view_from_above_has_the_path_and_arrows_that_point_to_the_heading(name):
+    run = recorded(name)
+    above, height, tilt = plot.path(run).axes
+    factor, heading = factor_of(above), heading_of(run)
+    places = np.column_stack([run.x, run.y]) * factor
+    np.testing.assert_allclose(above.get_lines()[0].get_xydata(), places)
+    assert above.get_aspect() == 1.0
+    moment, *along = arrows(above)
+    samples = [np.hypot(*(places - begin).T).argmin() for begin, _ in along]
+    for sample, arrow in [*zip(samples, along, strict=True), (-1, moment)]:
+        turned = angle_of(arrow) - heading[sample]
+        assert math.remainder(turned, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-9)
+    if name == "a turn":
+        assert len(along) >= 8
+    for (one, tip), (two, _) in itertools.combinations(along, 2):
+        assert np.hypot(*(one - two)) > 0.7 * np.hypot(*(tip - one))
+    for axes, values in ((height, run.z * 1e6), (tilt, np.degrees(run.theta))):
+        (line,) = axes.get_lines()
+        np.testing.assert_allclose(line.get_ydata(), values)
+        np.testing.assert_allclose(line.get_xdata(), way_of(run) * factor, atol=3e-6 * factor)
+
+
+@pytest.mark.parametrize("name", ["a turn", "210 degrees", "along -x"])
+def test_the_outlines_are_the_body_as_seen_from_above(name):
+    run = recorded(name)
+    above = plot.path(run).axes[0]
+    robot = run.scenario.robot
+    for outline, k in zip(outlines(above), (0, -1), strict=True):
+        signs = np.array(list(itertools.product([-0.5, 0.5], repeat=3)))
+        a, b, c = (signs * [robot.length, robot.width, robot.height]).T
+        psi, s = heading_of(run)[k], a * np.cos(run.theta[k]) + c * np.sin(run.theta[k])
+        corners = np.array([run.x[k], run.y[k]]) + np.column_stack(
+            [s * np.cos(psi) - b * np.sin(psi), s * np.sin(psi) + b * np.cos(psi)]
+        )
+        for angle in np.linspace(0.0, np.pi, 19):  # the same extent in every direction
+            way = np.array([np.cos(angle), np.sin(angle)])
+            expected = factor_of(above) * (corners @ way)
+            extent = (outline @ way).min(), (outline @ way).max()
+            assert extent == pytest.approx((expected.min(), expected.max()))
+
+
+@pytest.mark.parametrize("along", [WANTED, WANTED.points.tolist()])
+def test_the_wanted_path_is_drawn_under_the_one_that_was_walked(along):
+    figure = plot.path(recorded("a turn"), along=along)
+    above = figure.axes[0]
+    (wanted,) = [line for line in above.get_lines() if line.get_label() == "wanted"]
+    np.testing.assert_allclose(wanted.get_xydata(), WANTED.points * factor_of(above))
+    assert above.get_xlim()[1] > 1.5  # mm: it is shown whole
+    assert wanted.get_zorder() < above.get_lines()[0].get_zorder()
+    assert_legible(figure, least=15)
+
+
+@pytest.mark.parametrize("name", ["a turn", "along -x", "opp"])
+def test_a_filmstrip_shows_outline_contact_and_the_contact_before(name):
+    run = recorded(name)
+    samples = np.linspace(600, run.t.size - 1, 4).astype(int)
+    figure = plot.filmstrip(run, run.t[samples].tolist())
+    psi, way = heading_of(run), way_of(run)
+    touched = []
+    for axes, k in zip(figure.axes, samples, strict=True):
+        (outline,) = outlines(axes)
+        assert outline[:, 1].mean() == pytest.approx(run.z[k] * 1e6)
+        assert outline[:, 0].mean() == pytest.approx(way[k] * 1e6, abs=3.0)
+        assert outline[0, 0] > outline[1, 0]  # the front is at the right
+        mark = next(each for each in axes.get_lines() if each.get_marker() == "^")
+        touched.append(float(mark.get_xdata()[0]))
+        assert touched[-1] == outline[outline[:, 1].argmin(), 0]
+        if np.isfinite(run.contact_x[k]):
+            y = run.contact_y[k] if run.scenario.turns else 0.0
+            ahead = (run.contact_x[k] - run.x[k]) * np.cos(psi[k]) + (y - run.y[k]) * np.sin(psi[k])
+            assert touched[-1] - outline[:, 0].mean() == pytest.approx(ahead * 1e6)
+        dashed = [each for each in axes.get_lines() if each.get_linestyle() == "--"]
+        assert [float(each.get_xdata()[0]) for each in dashed] == touched[-2:-1]
+        assert axes.get_aspect() == 1.0
+
+
+def test_given_axes_are_drawn_in(by_mode):
+    run = recorded("a turn")
+    figure = Figure(layout="constrained", figsize=(9, 9))
+    upper, lower = figure.subfigures(2, 1)
+    draws = [EACH[name] for name in EACH if name not in ("run", "filmstrip", "animation")]
+    draws += [lambda _, ax: plot.velocity(by_mode, ax), lambda _, ax: plot.coils(BASE, ax=ax)]
+    for draw, ax in zip(draws, upper.subplots(2, 4).ravel(), strict=False):
+        assert draw(run, ax=ax) is figure
+        assert ax.has_data() or ax.collections
+    strip = lower.subplots(1, 2)
+    assert plot.filmstrip(run, [0.1, 0.11], labels=["a", "b"], ax=strip) is figure
+    assert [ax.get_title(loc="left") for ax in strip] == ["a", "b"]
+
+
+def test_a_picture_is_written_whole(tmp_path):
+    plot.save(plot.fields(recorded("walk")), tmp_path / "a.svg")
+    assert [each.name for each in tmp_path.iterdir()] == ["a.svg"]
+
+
+def test_a_sweep_has_a_line_a_mode_and_gaps(by_mode):
+    broken = by_mode.copy(deep=True)
+    broken.mean_velocity[1, 0] = np.nan
+    for data in (by_mode, broken):
+        figure = plot.velocity(data)
+        (axes,) = figure.axes
+        for line, mode in zip(axes.get_lines(), ["IPP", "OPP"], strict=True):
+            np.testing.assert_allclose(line.get_xdata(), FREQUENCIES)
+            row = data.mean_velocity[:, list(data.coords[data.mean_velocity.dims[1]]).index(mode)]
+            np.testing.assert_allclose(line.get_ydata(), row * 1e3)
+            assert line.get_label() == mode
+        one, two = axes.get_lines()
+        assert to_hex(one.get_color()) != to_hex(two.get_color())
+        labels = axes.get_xlabel(), axes.get_ylabel()
+        assert labels == ("drive frequency (Hz)", "mean velocity (mm/s)")
+        assert_legible(figure, least=10)
+
+
+def test_a_heat_map_over_two_keys(by_two):
+    figure = plot.velocity(by_two)
+    axes, bar = figure.axes
+    (mesh,) = axes.collections
+    np.testing.assert_allclose(mesh.get_array(), by_two.mean_velocity.values.T * 1e3)
+    edges = mesh.get_coordinates()
+    np.testing.assert_allclose(edges[0, :, 0], [5.0, 35.0, 75.0, 125.0])
+    np.testing.assert_allclose(edges[:, 0, 1], [0.125, 0.175, 0.25, 0.35])
+    assert (axes.get_xlabel(), axes.get_ylabel()) == (
+        "drive frequency (Hz)",
+        "contact static friction",
+    )
+    assert bar.get_ylabel() == "mean velocity (mm/s)"
+    assert axes.get_legend() is None
+    assert_legible(figure, least=10)
+
+
+def test_a_list_of_points_is_drawn_in_order():
+    points = [
+        {"drive.frequency": f, "drive.mode": m} for f in (100.0, 20.0, 50.0) for m in ("IPP", "OPP")
+    ]
+    (axes,) = plot.velocity(sweep(BASE, points)).axes
+    for line in axes.get_lines():
+        assert line.get_xdata().tolist() == FREQUENCIES
+    (axes,) = plot.velocity(sweep(BASE, [{"contact.adhesion": a} for a in (0.3e-6, 0.1e-6)])).axes
+    np.testing.assert_allclose(axes.get_lines()[0].get_xdata(), [0.1, 0.3])
+    assert axes.get_xlabel() == "contact adhesion (µN)"
+
+
+def test_wide_ranges_are_logarithmic():
+    wide = {"drag.linear": [1e-7, 1e-6, 1e-5]}
+    (axes,) = plot.velocity(sweep(BASE, wide)).axes
+    assert axes.get_xscale() == "log"
+    figure = plot.velocity(sweep(BASE, {**wide, "drag.rotational": [1e-17, 1e-14]}))
+    axes = figure.axes[0]
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+    edges = axes.collections[0].get_coordinates()[0, :, 0]
+    np.testing.assert_allclose(edges, 1e-7 * 10 ** np.array([-0.5, 0.5, 1.5, 2.5]))
+    assert_legible(figure)
+
+
+def test_the_legend_of_a_map_says_which_cells_have_no_velocity_and_why():
+    # On steep slopes the robot slides away, unless drag holds it; kinetic friction of 0.145 is
+    # above the least static one.
+    steep = {"effects.surface_tilt.angle": [0.0, 0.8, 1.4], "drag.linear": [0.0, 1e-7, 1e-5]}
+    refused = {"effects.surface_tilt.angle": [0.0, 0.01], "contact.static_friction": [0.1, 0.2]}
+    for keys, words in ((steep, "4 left workspace"), (refused, "2 refused")):
+        figure = plot.velocity(sweep(BASE.replace({"drive.pulses": 100}), keys))
+        axes = figure.axes[0]
+        assert [text.get_text() for text in axes.get_legend().get_texts()] == [
+            f"no velocity: {words}"
+        ]
+        (patch,) = axes.get_legend().get_patches()
+        assert to_hex(patch.get_facecolor()) == to_hex(axes.get_facecolor())
         assert_legible(figure)
-        for axes in figure.axes:
-            for axis in (axes.xaxis, axes.yaxis):
-                low, high = sorted(axis.get_view_interval())
-                assert high - low >= 1e-3
-                assert axis.get_offset_text().get_text() == ""
 
 
-def test_the_measuring_window_is_shaded_where_it_is_a_part():
-    run = simulate(Scenario(drive=DRIVES["IPP 100"], record=Record(rate=20e3)))
-    start, end = run.scenario.window
-    for axes in plot.run(run).axes[:5]:
-        box = axes.patches[0].get_extents().transformed(axes.transData.inverted())
-        assert (box.x0, box.x1) == pytest.approx((start, end))
-    assert not plot.run(run, start + 0.01, end - 0.01).axes[0].patches
+def test_of_headings_the_velocity_along_them_is_drawn():
+    data = sweep(BASE, {"drive.heading": [0.0, 0.5, 1.5]})
+    (axes,) = plot.velocity(data).axes
+    np.testing.assert_allclose(axes.get_lines()[0].get_ydata(), data.velocity_along.values * 1e3)
+    assert axes.get_ylabel() == "mean velocity along the heading (mm/s)"
+
+
+def test_a_map_of_the_field_is_that_of_the_coils():
+    figure = plot.coils(Scenario(), FIVE)
+    axes = figure.axes[0]
+    mesh = axes.collections[0]
+    corners = mesh.get_coordinates()
+    # The corners are half way between the places where the field is computed.
+    x, z = (0.5 * (corners[:-1, :-1, k] + corners[1:, 1:, k]) * 1e-3 for k in (0, 1))
+    expected = Coils().field(np.stack([x, np.zeros_like(x), z], axis=-1), FIVE)
+    drawn = np.asarray(mesh.get_array())
+    np.testing.assert_allclose(drawn, np.linalg.norm(expected, axis=-1) * 1e3, rtol=1e-9)
+    words = {text.get_text() for text in axes.texts}
+    assert {"xp: 2 A", "xm: -1 A", "clamp: -3 A", "yp: 0.5 A, ym: 0 A"} <= words
+    assert_legible(figure, least=15)
+
+
+@pytest.mark.parametrize("name", ["xp", "xm", "clamp"])
+@pytest.mark.parametrize("current", [1.0, -1.0])
+def test_dots_and_crosses_are_the_directions_of_the_currents(name, current):
+    currents = np.where(np.array(COIL_NAMES) == name, current, 0.0)
+    drawn = {"x": [], ".": []}
+    for line in plot.coils(Scenario(), currents).axes[0].get_lines():
+        if line.get_marker() in drawn:
+            drawn[line.get_marker()].append(line.get_xydata()[0] * 1e-3)
+    assert [len(drawn[each]) for each in "x."] == [1, 1]
+    # Ampere: around a current away from the reader, who sees x to the right and z upwards, the
+    # field goes with the clock: to the right above it.
+    for marker, sign in (("x", 1.0), (".", -1.0)):
+        x, z = drawn[marker][0]
+        above = Coils().field([x, 0.0, z + 1e-3], currents)
+        assert sign * above[0] > 5.0 * abs(above[2])
+
+
+def test_coils_of_ones_own_are_drawn_where_they_are_with_the_highest_currents():
+    own = Coil(xp={"resistance": 20.0, "side": 0.1, "distance": 0.12})
+    program = Waveform.ramp(0.1, {"xp": 8.0}) + Waveform.ramp(0.1, {"ym": -3.0}, {"xp": 4.0})
+    scenario = Scenario(drive=Drive(mode="program", program=program), coil=own)
+    axes = plot.coils(scenario).axes[0]
+    places = {tuple(np.round(line.get_xydata()[0], 6)) for line in axes.get_lines()}
+    assert {(120.0, 50.0), (120.0, -50.0), (-99.0, 69.25), (-99.0, -69.25)} <= places
+    assert "xp: 0.4 A" in [text.get_text() for text in axes.texts]
+
+
+@pytest.mark.parametrize(
+    ("drive", "initial", "heading"),
+    [
+        ({}, {}, 0.0),
+        ({"direction": "-x"}, {"theta": 0.3}, np.pi),
+        ({"direction": "-x", "heading": 0.7}, {"x": 0.02}, np.pi + 0.7),
+        ({}, {"heading": 1.0}, 1.0),
+    ],
+)
+def test_the_robot_is_a_mark_with_its_moment_and_the_field(drive, initial, heading):
+    # At the top of the sawtooth the peak and the holding field.
+    given = Drive(peak=2.5e-3, base=0.5e-3, hold=1e-3, **drive)
+    scenario = Scenario(drive=given, initial=State(**initial))
+    axes = plot.coils(scenario).axes[0]
+    moment = arrows(axes)[-1]  # above those of the field lines
+    theta = scenario.initial.theta
+    expected = np.array([np.cos(theta) * np.cos(heading), -np.sin(theta)])
+    length = 0.14 * np.ptp(axes.get_xlim())
+    np.testing.assert_allclose(moment[1] - moment[0], length * expected, atol=1e-9)
+    assert moment[0][0] == scenario.initial.x * 1e3
+    (words,) = (text.get_text() for text in axes.texts if "robot" in text.get_text())
+    if "x" not in initial:
+        # In the middle, but for the height of the robot's centre.
+        assert float(words.split()[-2]) == pytest.approx(math.hypot(2.5, 1.0), abs=0.01)
+
+
+def test_a_map_is_drawn_in_its_box_and_the_robot_outside_without_a_field(without_ym):
+    for x, words in ((0.007, "robot, B = "), (0.009, "robot")):
+        figure = plot.coils(Scenario(coil=without_ym, initial=State(x=x)), FIVE)
+        axes = figure.axes[0]
+        assert any(text.get_text().startswith(words) for text in axes.texts)
+        assert sum("B = " in text.get_text() for text in axes.texts) == ("B" in words)
+        assert axes.get_xlim()[1] == pytest.approx(max(8.0, x * 1e3), abs=0.1)
+        assert "ym: 0 A" in axes.get_title()
+        assert_legible(figure)

@@ -59,7 +59,7 @@ class Pictures:
         if self.plot is not None:
             check_plot(self.plot, inputs)
         if self.animate is not None:
-            from stickslip.plot.moving_picture import check_moving_format
+            from stickslip.plot.moving import check_moving_format
 
             check_target("--animate", self.animate, inputs)
             with prefixed("--animate", RuntimeError), prefixed("--animate", ValueError):
@@ -67,11 +67,11 @@ class Pictures:
 
     def check_recorded(self, scenario: Scenario) -> None:
         """Say before a long simulation that its record could not be drawn after it."""
-        from stickslip.plot.motion import DRAWN, DRAWN_ACROSS
-        from stickslip.plot.moving_picture import stretch, timing
+        from stickslip.plot.motion import _DRAWN, _DRAWN_ACROSS
+        from stickslip.plot.moving import _stretch, _timing
 
         fields = str(scenario.record.fields)
-        drawn = (*DRAWN, *DRAWN_ACROSS) if scenario.turns else DRAWN
+        drawn = (*_DRAWN, *_DRAWN_ACROSS) if scenario.turns else _DRAWN
         missing = [name for name in drawn if name not in recorded_fields(fields)]
         if missing:
             raise ScenarioError(
@@ -81,10 +81,9 @@ class Pictures:
         with prefixed(self.option):
             check_memory(scenario)
         if self.animate is not None:
-            drive = vars(scenario.drive)
-            first, last = stretch(drive, 0.0, scenario.duration, self.start, self.stop)
+            first, last = _stretch(scenario, 0.0, scenario.duration, self.start, self.stop)
             with prefixed("--animate", ValueError):
-                timing(last - first, self.slowdown)
+                _timing(last - first, self.slowdown)
 
     def draw(self, run: Run) -> bool:
         """Write all pictures; False if there was nothing to draw."""
@@ -97,13 +96,12 @@ class Pictures:
 
     def _animate(self, run: Run, path: Path) -> bool:
         from stickslip import plot
-        from stickslip.plot.moving_picture import STAGE
 
         try:
             picture = plot.animation(run, self.start, self.stop, self.slowdown)
         except ValueError as error:  # of a run that failed before the time that is drawn
             return nothing_drawn("--animate", error)
         # What --out has written is there already.
-        with ProgressBar(STAGE, kept=lambda stage: "") as bar:
+        with ProgressBar("drawing frames", kept=lambda stage: "") as bar:
             picture.save(path, progress=bar)
         return True

@@ -7,17 +7,17 @@ module here may have the name of one of them.
 """
 
 from stickslip.plot.above import path
-from stickslip.plot.canvas import check_format, save
 from stickslip.plot.coil_map import coils
-from stickslip.plot.film import filmstrip
-from stickslip.plot.moving_picture import Animation, animation
-from stickslip.plot.one_motion import (
+from stickslip.plot.curves import (
     angle_and_contact_velocity,
     fields,
     phase_portrait,
+    run,
     trajectory,
 )
-from stickslip.plot.run_figure import run
+from stickslip.plot.film import filmstrip
+from stickslip.plot.moving import Animation, animation
+from stickslip.plot.style import check_format, save
 from stickslip.plot.velocities import velocity
 
 __all__ = [
@@ -35,7 +35,3 @@ __all__ = [
     "trajectory",
     "velocity",
 ]
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)

@@ -1,29 +1,24 @@
-"""Mean velocity against what a sweep or a prediction varied."""
+"""Mean velocity over what a sweep or a prediction varied."""
 
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from numpy.typing import NDArray
 
 from stickslip._util import palette
+from stickslip._util.numbers import Array
 from stickslip._util.units import in_handy_units
 from stickslip.plot import style
-from stickslip.plot.canvas import drawing, legend_above, root_figure
-from stickslip.plot.scales import readable
 from stickslip.simulation.seen_from_drive import shown_velocities
 
 if TYPE_CHECKING:
     import xarray
-
-    _Array = NDArray[np.float64]
 
 _QUANTILE = "quantile"
 MOST_LINES = 8
@@ -31,6 +26,7 @@ MOST_LINES = 8
 
 # Values whose ratio is this or more are shown on a logarithmic axis; chosen: two decades.
 _LOG_RATIO = 100.0
+_LEGEND = 70  # characters of a line of the legend
 _SHADE = 0.2  # opacity of a band; chosen by eye
 
 _STYLES = list(
@@ -43,30 +39,23 @@ _STYLES = list(
 )
 
 
-@dataclass(frozen=True, eq=False)
-class _Axis:
+class _Axis(NamedTuple):
     """A numeric key that was varied."""
 
     name: str
-    values: _Array
-    factor: float  # from SI to what is shown
+    values: Array  # in the unit of the label
     label: str
-
-    @property
-    def log(self) -> bool:
-        return bool(
-            (self.values > 0.0).all() and self.values.max() >= _LOG_RATIO * self.values.min()
-        )
+    log: bool
 
 
 def velocity(data: xarray.Dataset, ax: Axes | None = None) -> Figure:
-    """Draw the mean velocities of a sweep: lines over one key, a heat map over two.
+    """Draw the mean velocities of a sweep: lines over one number, a map over two.
 
-    Of a sweep in which a robot left the plane y = 0, this is the velocity along the heading of the
-    drive, and the label says so; of programs, which have no heading, that along x. Over one key
-    there is a line for each combination of the words that were varied, such as
-    ``drive.mode``. Points without a velocity are gaps in a line, and grey cells in a map, whose
-    legend says how many there are and why. Of a prediction the line is the median, and two
+    Of a sweep in the whole plane this is the velocity along the heading of the drive, and the label
+    says so; of programs, which have no heading, that along x. Over one number there is a line for
+    each combination of the words that were varied, such as ``drive.mode``. Points without a
+    velocity are gaps in a line, and grey cells in a map, whose legend says how many there are and
+    why. With a dimension ``quantile``, as a prediction has it, the line is the median, and two
     quantiles that lie as far from it make a band: 10 % and 90 % that of 80 % of the draws.
 
     Parameters
@@ -76,11 +65,6 @@ def velocity(data: xarray.Dataset, ax: Axes | None = None) -> Figure:
         where it varied more than can be drawn.
     ax : matplotlib.axes.Axes, optional
         Where to draw; a new figure, if not given.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The one that holds the axes.
 
     Raises
     ------
@@ -100,24 +84,23 @@ def velocity(data: xarray.Dataset, ax: Axes | None = None) -> Figure:
     gaps = _gaps(table, speeds)
     if "point" in speeds.dims:
         speeds = _unlisted(speeds)
-    varied = [str(d) for d in speeds.dims if d != _QUANTILE]
-    numeric = [name for name in varied if speeds[name].dtype.kind in "if"]
-    words = [name for name in varied if name not in numeric]
-    along = [_axis(speeds, name) for name in numeric]
+    varied = [str(name) for name in speeds.dims if name != _QUANTILE]
+    numbers = [_axis(speeds[name]) for name in varied if speeds[name].dtype.kind in "iuf"]
+    words = [name for name in varied if speeds[name].dtype.kind not in "iuf"]
 
-    with drawing(ax, (5.4, 3.6)) as axes:
-        if len(along) == 1:
-            _draw_lines(axes, speeds, along[0], words)
-        elif len(along) == 2 and not words and _QUANTILE not in speeds.dims:
-            _draw_map(axes, speeds, along, gaps)
+    with style.drawing(ax, (5.4, 3.6)) as axes:
+        if len(numbers) == 1:
+            _draw_lines(axes, speeds, numbers[0], words)
+        elif len(numbers) == 2 and not words and _QUANTILE not in speeds.dims:
+            _draw_map(axes, speeds, numbers, gaps)
         else:
-            found = ", ".join([*numeric, *words]) or "nothing"
+            found = ", ".join([*(axis.name for axis in numbers), *words]) or "nothing"
             raise ValueError(
                 f"the sweep varies {found}: allowed are one number with words, or two numbers "
                 "without bands; take a part of it with .sel"
             )
-        readable(axes)
-    return root_figure(axes)
+        style.readable(axes, y=0.0)
+    return style.root_figure(axes)
 
 
 def _gaps(table: Any, speeds: Any) -> str:
@@ -136,32 +119,33 @@ def _gaps(table: Any, speeds: Any) -> str:
 
 def _unlisted(speeds: Any) -> Any:
     """A list of points as a grid of the keys that differ between them."""
-    names = [str(name) for name in speeds.coords if name not in ("point", _QUANTILE)]
-    index = [name for name in names if np.unique(speeds[name].values).size > 1]
-    plain = speeds.drop_vars([name for name in names if name not in index])
+    listed = [name for name in speeds.coords if name not in ("point", _QUANTILE)]
+    index = [name for name in listed if np.unique(speeds[name].values).size > 1]
+    plain = speeds.drop_vars([name for name in listed if name not in index])
     rows = set(zip(*(plain[name].values.tolist() for name in index), strict=True))
     if len(rows) < plain.sizes["point"]:
         raise ValueError("the list of the sweep has a point twice")
-    attributes = {name: plain[name].attrs for name in index}
     if len(index) == 1:
         return plain.swap_dims(point=index[0]).sortby(index[0])
     grid = plain.set_index(point=index).unstack("point")
-    for name, about in attributes.items():
-        grid[name].attrs.update(about)
+    for name in index:  # which the index does not keep
+        grid[name].attrs.update(plain[name].attrs)
     return grid
 
 
-def _axis(speeds: Any, name: str) -> _Axis:
-    coordinate = speeds[name]
-    unit = str(coordinate.attrs.get("units", ""))
-    shown = in_handy_units(_words(speeds, name), unit)
-    return _Axis(name, coordinate.values.astype(np.float64), *shown)
+def _axis(coordinate: Any) -> _Axis:
+    """A coordinate as it is shown, in a handy unit."""
+    name = str(coordinate.name)
+    factor, label = in_handy_units(_words(coordinate), str(coordinate.attrs.get("units", "")))
+    values = coordinate.values.astype(np.float64) * factor
+    log = bool(values.min() > 0.0 and values.max() >= _LOG_RATIO * values.min())
+    return _Axis(name, values, label, log)
 
 
-def _words(speeds: Any, name: str) -> str:
-    """What the key of a coordinate is called in a picture."""
-    key = str(speeds[name].attrs.get("key", name))
-    return key.rpartition(".")[2].replace("_", " ")
+def _words(coordinate: Any) -> str:
+    """The key that a coordinate has the values of, or its name, in words."""
+    key = str(coordinate.attrs.get("key", coordinate.name)).removeprefix("effects.")
+    return key.replace(".", " ").replace("_", " ")
 
 
 def _draw_lines(axes: Axes, speeds: Any, along: _Axis, words: list[str]) -> None:
@@ -170,41 +154,30 @@ def _draw_lines(axes: Axes, speeds: Any, along: _Axis, words: list[str]) -> None
         raise ValueError(
             f"{len(choices)} lines: allowed are at most {MOST_LINES}; take a part with .sel"
         )
-    bands = _QUANTILE in speeds.dims
     handles: list[Artist] = []
     for choice, (colour, dashes, marker) in zip(choices, _STYLES, strict=False):
         line = speeds.sel(dict(zip(words, choice, strict=True)))
         name = ", ".join(map(str, choice))
         shades: list[Artist] = []
-        if bands:
+        if _QUANTILE in line.dims:
             prefix = f"{name}, " if name else ""
-            line, shades = _draw_bands(axes, line, along, colour, prefix)
-            name = f"{prefix}median of draws"
-        handles += axes.plot(
-            along.values * along.factor,
-            line.values,
-            color=colour,
-            linestyle=dashes,
-            marker=marker,
-            markersize=3.5,
-            label=name,
-        )
+            shades = _draw_bands(axes, line, along, colour, prefix)
+            line, name = line.sel(quantile=0.5), f"{prefix}median of draws"
+        look: Any = {"color": colour, "linestyle": dashes, "marker": marker, "markersize": 3.5}
+        handles += axes.plot(along.values, line.values, label=name, **look)
         handles += shades
     if along.log:
         axes.set_xscale("log")
     axes.set_xlabel(along.label)
     axes.set_ylabel(speeds.name)
-    if words or bands:
-        look: Any = {"fontsize": "small", "framealpha": 0.8, "edgecolor": "none"}
-        axes.legend(
-            handles=handles, title=", ".join(_words(speeds, name) for name in words), **look
-        )
+    if len(handles) > 1:
+        title = ", ".join(_words(speeds[name]) for name in words)
+        longest = max(len(str(each.get_label())) for each in handles)
+        style.legend_above(axes, handles, max(1, _LEGEND // (longest + 6)), title)
 
 
-def _draw_bands(
-    axes: Axes, line: Any, along: _Axis, colour: str, prefix: str
-) -> tuple[Any, list[Artist]]:
-    """Shade what lies between each two opposite quantiles; the median, and a handle for each."""
+def _draw_bands(axes: Axes, line: Any, along: _Axis, colour: str, prefix: str) -> list[Artist]:
+    """Shade what lies between each two opposite quantiles; a handle for each."""
     levels = line[_QUANTILE].values
     if not np.allclose(levels + levels[::-1], 1.0) or 0.5 not in levels:
         shown = ", ".join(f"{each:g}" for each in levels)
@@ -213,55 +186,36 @@ def _draw_bands(
             "take one of them with .sel"
         )
     handles: list[Artist] = []
-    pairs = zip(levels[: len(levels) // 2], levels[::-1], strict=False)
-    for number, (low, high) in enumerate(pairs, start=1):
-        axes.fill_between(
-            along.values * along.factor,
-            line.sel(quantile=low).values,
-            line.sel(quantile=high).values,
-            color=colour,
-            alpha=_SHADE,
-            linewidth=0.0,
-        )
+    for number, low in enumerate(levels[: len(levels) // 2]):
+        ends = line.isel(quantile=number).values, line.isel(quantile=-1 - number).values
+        look: Any = {"color": colour, "linewidth": 0.0}
+        axes.fill_between(along.values, *ends, alpha=_SHADE, **look)
         # An inner band lies on the outer ones, and is as dark as all of them together.
-        alpha = 1.0 - (1.0 - _SHADE) ** number
+        alpha = 1.0 - (1.0 - _SHADE) ** (number + 1)
         share = f"{prefix}{100.0 * (1.0 - 2.0 * low):.4g} % of draws"
-        handles.append(Patch(facecolor=colour, alpha=alpha, linewidth=0.0, label=share))
-    return line.sel(quantile=0.5), handles
+        handles.append(Patch(alpha=alpha, label=share, **look))
+    return handles
 
 
-def _draw_map(axes: Axes, speeds: Any, along: list[_Axis], gaps: str) -> None:
-    across, up = along
-    values = speeds.transpose(up.name, across.name).values
-    largest = float(np.nanmax(np.abs(values)))
-    both_ways = float(np.nanmin(values)) < 0.0 < float(np.nanmax(values))
-    mesh = axes.pcolormesh(
-        _edges(across) * across.factor,
-        _edges(up) * up.factor,
-        np.ma.masked_invalid(values),
-        cmap="PuOr_r" if both_ways else "viridis",
-        vmin=-largest if both_ways else None,
-        vmax=largest if both_ways else None,
-        rasterized=True,
-    )
-    for axis, set_scale in ((across, axes.set_xscale), (up, axes.set_yscale)):
-        if axis.log:
-            set_scale("log")
-    axes.set_facecolor(style.NO_VALUE)
+def _draw_map(axes: Axes, speeds: Any, numbers: list[_Axis], gaps: str) -> None:
+    across, up = numbers
+    values = np.ma.masked_invalid(speeds.transpose(up.name, across.name).values)
+    look: Any = {"cmap": "viridis", "rasterized": True}
+    if values.min() < 0.0 < values.max():
+        largest = float(np.abs(values).max())
+        look |= {"cmap": "PuOr_r", "vmin": -largest, "vmax": largest}
+    mesh = axes.pcolormesh(_edges(across), _edges(up), values, **look)
+    axes.set(xlabel=across.label, ylabel=up.label, facecolor=style.NO_VALUE)
+    axes.set(xscale="log" if across.log else "linear", yscale="log" if up.log else "linear")
     axes.grid(visible=False)
-    axes.set_xlabel(across.label)
-    axes.set_ylabel(up.label)
-    if np.isnan(values).any():
-        legend_above(axes, [Patch(facecolor=style.NO_VALUE, label=gaps)])
-    bar = root_figure(axes).colorbar(mesh, ax=axes)
-    bar.set_label(speeds.name)
+    if np.ma.is_masked(values):
+        style.legend_above(axes, [Patch(facecolor=style.NO_VALUE, label=gaps)])
+    style.root_figure(axes).colorbar(mesh, ax=axes, label=speeds.name)
 
 
-def _edges(axis: _Axis) -> _Array:
+def _edges(axis: _Axis) -> Array:
     """Borders of the cells around values, half way between them."""
     values = np.log(axis.values) if axis.log else axis.values
-    middle = 0.5 * (values[1:] + values[:-1])
-    edges = np.concatenate(
-        [[1.5 * values[0] - 0.5 * values[1]], middle, [1.5 * values[-1] - 0.5 * values[-2]]]
-    )
+    first, last = 2.0 * values[0] - values[1], 2.0 * values[-1] - values[-2]
+    edges = 0.5 * (np.append(first, values) + np.append(values, last))
     return np.asarray(np.exp(edges) if axis.log else edges)

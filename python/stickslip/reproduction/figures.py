@@ -19,8 +19,8 @@ from stickslip import plot
 from stickslip._util import palette
 from stickslip._util.numbers import Array
 from stickslip._util.units import in_handy_units
-from stickslip.plot.canvas import drawing, root_figure
 from stickslip.plot.motion import corners, lowest_corner, motion
+from stickslip.plot.style import drawing, root_figure
 from stickslip.reproduction.settings import (
     BASE,
     FIELDS_TOGETHER,
