@@ -29,6 +29,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from instrument_files import write_all
+from stickslip import _core
 
 ROOT = Path(__file__).parents[1]
 LANGUAGES = ("python", "console", "text", "toml", "csv", "sh", "cpp")
@@ -133,6 +134,8 @@ def play(page: Path) -> Iterator[Path]:
             yield folder
         finally:
             os.chdir(before)
+            for effect in _core.registered_effects():
+                _core.unregister_effect(effect)
 
 
 def _run(sequence: list[Block], folder: Path) -> None:
