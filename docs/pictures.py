@@ -1,9 +1,9 @@
 """Make the pictures of the README and of the pages, into docs/images/.
 
-``python docs/pictures.py`` makes all of them, ``python docs/pictures.py gallery drawings`` those of
-some sources: a page by its path in docs/ without suffix, ``readme`` or ``drawings``. The pictures
-of a page are those that its own code saves, and those of the README what its commands write in
-examples. ``diagnosis.png`` needs the browser chromium; without it the stored one stays.
+``python docs/pictures.py`` makes all of them, ``python docs/pictures.py gallery readme`` those of
+some sources: a page by its path in docs/ without suffix, or ``readme``. The pictures of a page are
+those that its own code saves, and those of the README what its commands write in examples.
+``diagnosis.png`` needs the browser chromium; without it the stored one stays.
 """
 
 from __future__ import annotations
@@ -24,9 +24,7 @@ from PIL import Image
 DOCS = Path(__file__).resolve().parent
 IMAGES = DOCS / "images"
 README = DOCS.parent / "README.md"
-sys.path[:0] = [str(DOCS / "_extensions"), str(DOCS.parent / "tests")]
-
-from drawings import DRAWINGS  # noqa: E402
+sys.path.insert(0, str(DOCS.parent / "tests"))
 
 from documentation_blocks import EXAMPLES, pages, play  # noqa: E402
 from play.browser import PROGRAM as BROWSER  # noqa: E402
@@ -48,15 +46,6 @@ def make_page(page: Path) -> None:
         for picture in linked(page):
             if (folder / picture.name).is_file():
                 _keep(folder / picture.name, picture)
-
-
-def make_drawings() -> None:
-    """Write every panel of every drawing."""
-    for name, draw in DRAWINGS.items():
-        for number, panel in enumerate(draw(), start=1):
-            picture = IMAGES / "drawings" / f"{name}-{number}.svg"
-            picture.parent.mkdir(parents=True, exist_ok=True)
-            picture.write_text(panel.svg(), encoding="utf-8")
 
 
 def readme_commands() -> list[str]:
@@ -109,7 +98,7 @@ def _keep(made: Path, picture: Path) -> None:
 
 def sources() -> dict[str, Callable[[], None]]:
     """What makes pictures, by name."""
-    found: dict[str, Callable[[], None]] = {"readme": make_readme, "drawings": make_drawings}
+    found: dict[str, Callable[[], None]] = {"readme": make_readme}
     for page in pages(DOCS):
         if any("drawings" not in picture.parts for picture in linked(page)):
             name = page.relative_to(DOCS).with_suffix("").as_posix()

@@ -15,6 +15,7 @@ from hypothesis import HealthCheck, Phase, settings
 
 from command_line import stickslip_process
 from made_measurement import write
+from stickslip import Drive, Record, Scenario, Waveform, simulate
 
 # Shells start what runs in the background with interrupts ignored, and so would be all commands
 # that the tests interrupt.
@@ -74,3 +75,38 @@ def tilted(tmp_path_factory, worker_id):
             assert done.returncode == 0, done.stderr
             (folder / "said.json").write_text(done.stdout)
     return folder, json.loads((folder / "said.json").read_text())
+
+
+@pytest.fixture(scope="session")
+def walk_ipp():
+    """The paper's robot in twelve pulses in the plane, recorded at 2 kHz."""
+    return simulate(Scenario(drive=Drive(base=0.5e-3, pulses=12), record=Record(rate=2000.0)))
+
+
+@pytest.fixture(scope="session")
+def walk_opp():
+    """A walk by pulses of the holding coil, which hops."""
+    drive = Drive(mode="OPP", base=0.0, hold=2.5e-3, pulses=12)
+    return simulate(Scenario(drive=drive, record=Record(rate=2000.0)))
+
+
+@pytest.fixture(scope="session")
+def steered():
+    """A walk along a heading of 1.5 rad, in the whole plane."""
+    drive = Drive(base=0.5e-3, pulses=5, heading=1.5)
+    return simulate(Scenario(drive=drive, record=Record(rate=2000.0)))
+
+
+@pytest.fixture(scope="session")
+def tilted_walk(walk_ipp):
+    """A walk down a slope of 0.02 rad."""
+    return simulate(walk_ipp.scenario.replace({"effects.surface_tilt.angle": 0.02}))
+
+
+@pytest.fixture(scope="session")
+def program():
+    """A program of voltages that turns the robot."""
+    waveform = Waveform.hold(0.02, {"xp": 20.0, "yp": 9.0})
+    return simulate(
+        Scenario(drive=Drive(mode="program", program=waveform), record=Record(rate=2000.0))
+    )

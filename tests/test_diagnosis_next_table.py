@@ -1,4 +1,4 @@
-"""The table of ``stickslip diagnose --next``: what is written, filled in, read and refused."""
+"""The table of ``stickslip diagnose --next``: what is written, filled in and read."""
 
 import json
 
@@ -8,9 +8,8 @@ import pytest
 from asking_results import SAFE, asking, measurement
 from command_line import stickslip
 from made_measurement import write
-from stickslip.cli.next_table import PREDICTIONS, TABLE, with_measured
 from stickslip.diagnosis.decision.experiments import LEAST_WORTH, next_step
-from stickslip.errors import ScenarioError
+from stickslip.diagnosis.report.next_table import PREDICTIONS, TABLE, with_measured
 from stickslip.measurement.tables import read_rows
 from stickslip.measurement.velocity import velocity_units
 
@@ -109,45 +108,6 @@ def test_where_nothing_is_worth_measuring_no_table_is_written(begun, options, sa
     assert (told["safe"], told["proposed"], told["table"]) == ("said" in options, 0, None)
 
 
-def test_a_table_of_another_measurement_is_refused(begun):
-    folder, data, rounds = begun
-    rounds.write(asking(data))
-    (folder / "report.json").write_text(json.dumps({"name": "glass"}))
-    with pytest.raises(ScenarioError, match='is of another measurement, "glass"'):
-        with_measured(data, folder, 1, 3)
-
-
-HEADER = "mode,direction,frequency,peak,hold,edge,trial,velocity"
-
-
-@pytest.mark.parametrize(
-    ("table", "said"),
-    [
-        (
-            f"{HEADER}\nIPP,-x,50,2.5e-3,1e-3,rise,1,1.1 mm/s\n",
-            'next.csv line 2: velocity "1.1 mm/s" is not',
-        ),
-        (
-            f"{HEADER}\nIPP,-x,fast,2.5e-3,1e-3,rise,1,1e-3\n",
-            'next.csv line 2: frequency "fast" is not',
-        ),
-        (
-            f"{HEADER}\nIPP,z,50,2.5e-3,1e-3,rise,1,1e-3\n",
-            'next.csv line 2: drive.direction = "z": allowed',
-        ),
-        ("frequency,velocity\n50,1e-3\n", 'column "mode" is missing'),
-    ],
-)
-def test_a_bad_table_is_one_line_and_exit_code_two(tmp_path, table, said):
-    path = write(tmp_path, {})
-    (tmp_path / "found").mkdir()
-    (tmp_path / "found" / TABLE).write_text(table)
-    done = stickslip("diagnose", path, "--out", tmp_path / "found", "--next", 1)
-    assert (done.returncode, done.stdout) == (2, "")
-    (line,) = done.stderr.splitlines()
-    assert said in line
-
-
 def test_without_a_finding_nothing_is_proposed(tmp_path):
     path, found = write(tmp_path, {}), tmp_path / "found"
     done = stickslip("diagnose", path, "--out", found, "--next", 2, "--seed", 3, "--json")
@@ -168,4 +128,3 @@ def test_a_table_that_is_not_read_is_mentioned(tmp_path):
     done = stickslip("diagnose", path, "--out", found)
     assert "Verdict: data-problem" in done.stdout
     assert f"{found / TABLE} is not read, as --next is not given" in done.stderr
-    assert "--budget" in stickslip("diagnose", path, "--budget", 2).stderr

@@ -59,7 +59,7 @@ rate = 2e3
 
 BASE = """
 import numpy as np
-from stickslip import (Drive, Scenario, Simulator, Waveform, load, open_run, rollout, show_versions,
+from stickslip import (Drive, Scenario, Simulator, Waveform, load, rollout, show_versions,
                        simulate, simulate_batch)
 
 scenario = load("scenario.toml")
@@ -68,9 +68,7 @@ assert run.ok and run.summary()["notes"] is not None
 assert simulate_batch([scenario, scenario.replace({"drive.frequency": 50})])[0].ok
 
 run.save("run.csv")
-again = open_run("run.csv")
-for name in ("t", "x", "slip_velocity", "current", "contact"):
-    np.testing.assert_array_equal(getattr(again, name), getattr(run, name))
+assert open("run.csv").read().startswith("t (s),x (m),")
 assert simulate(scenario, out="kept.csv").recorded
 
 rest = Waveform.hold(0.02, {"xp": 5.0}) + Waveform.ramp(0.01, {"xp": 10.0}, {"xp": 5.0})
@@ -110,51 +108,44 @@ def test_the_base_simulates(tmp_path):
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["run", "scenario.toml", "--json"],
-        ["run", "scenario.toml", "--out", "run.csv"],
-        ["keys", "drive"],
-        ["effects"],
-        ["init", "new.toml"],
-        ["--help"],
-        ["sweep", "--help"],
-        ["predict", "-h"],
+        "run scenario.toml --out run.csv",
+        "keys drive",
+        "effects",
+        "init new.toml",
+        "--help",
+        "sweep --help",
+        "predict -h",
     ],
-    ids=" ".join,
 )
 def test_commands_of_the_base(arguments, tmp_path):
-    result = without(OPTIONAL, ["-m", "stickslip", *arguments], tmp_path)
+    result = without(OPTIONAL, ["-m", "stickslip", *arguments.split()], tmp_path)
     assert result.returncode == 0, result.stderr
 
 
 @pytest.mark.parametrize(
-    ("arguments", "module", "extra"),
+    ("blocked", "arguments", "module", "extra"),
     [
-        (["sweep", "scenario.toml", "--vary", "drive.frequency=30,50"], "h5netcdf", "netcdf"),
-        (["predict", "scenario.toml"], "h5netcdf", "netcdf"),
-        (["optimise", "scenario.toml"], "cma", "optimise"),
-        (["diagnose", "measurement.toml"], "scipy", "diagnosis"),
-        (["reproduce"], "h5netcdf", "netcdf,diagnosis"),
-        (["run", "scenario.toml", "--plot", "run.png"], "matplotlib", "plot"),
-        (["run", "scenario.toml", "--out", "run.nc"], "h5netcdf", "netcdf"),
+        (OPTIONAL, "stickslip sweep scenario.toml --vary drive.peak=0", "h5netcdf", "netcdf"),
+        (OPTIONAL, "stickslip predict scenario.toml", "h5netcdf", "netcdf"),
+        (OPTIONAL, "stickslip optimise scenario.toml", "cma", "optimise"),
+        (OPTIONAL, "stickslip diagnose measurement.toml", "scipy", "diagnosis"),
+        (OPTIONAL, "stickslip reproduce", "h5netcdf", "netcdf,diagnosis"),
+        (OPTIONAL, "stickslip run scenario.toml --plot run.png", "matplotlib", "plot"),
+        (OPTIONAL, "stickslip run scenario.toml --out run.nc", "h5netcdf", "netcdf"),
+        (OPTIONAL, "stickslip.demo", "matplotlib", "plot"),
+        # Not begun where its page could not be written.
+        (["jinja2"], "stickslip diagnose no.toml", "jinja2", "diagnosis"),
     ],
-    ids=lambda value: " ".join(value) if isinstance(value, list) else None,
 )
-def test_a_command_names_its_extra_in_one_line(arguments, module, extra, tmp_path):
-    result = without(OPTIONAL, ["-m", "stickslip", *arguments], tmp_path)
-    assert result.returncode == 2
+def test_a_missing_extra_is_named_in_one_line(blocked, arguments, module, extra, tmp_path):
+    result = without(blocked, ["-m", *arguments.split()], tmp_path)
+    assert (result.returncode, result.stdout) == (2, "")
     assert re.fullmatch(
         rf'stickslip: .* needs {module}: pip install "stickslip\[{extra}\]"\n', result.stderr
     )
-    assert not (tmp_path / "run.nc").exists()
-
-
-def test_the_tour_names_its_extra_in_one_line(tmp_path):
-    result = without(OPTIONAL, ["-m", "stickslip.demo"], tmp_path)
-    assert (result.returncode, result.stdout) == (2, "")
-    assert re.fullmatch(
-        r'stickslip: .* needs matplotlib: pip install "stickslip\[plot\]"\n', result.stderr
-    )
-    assert not (tmp_path / "demo_output").exists()
+    assert {each.name for each in tmp_path.iterdir()} <= {
+        *("sitecustomize.py", "scenario.toml", "__pycache__")
+    }
 
 
 EVERY_NAME = """
@@ -178,7 +169,7 @@ def test_every_public_name_is_there_or_names_its_extra(tmp_path):
         **dict.fromkeys(["diagnose", "free_law"], "scipy"),
         **dict.fromkeys(["diagnose_in_rounds", "diagnose_model", "instruments"], "scipy"),
         **dict.fromkeys(["Table", "events", "read_measurement"], "scipy"),
-        "optimise": "cma",
+        **dict.fromkeys(["Optimum", "optimise"], "cma"),
         "plot": "matplotlib",
     }
 
@@ -189,12 +180,6 @@ def test_a_run_names_the_extra_of_its_tables(method, tmp_path):
     result = without(OPTIONAL, ["-c", code], tmp_path)
     assert result.stderr.endswith('pip install "stickslip[netcdf]"\n')
     assert "MissingExtra" in result.stderr
-
-
-def test_a_diagnosis_is_not_begun_where_its_page_could_not_be_written(tmp_path):
-    result = without(["jinja2"], ["-m", "stickslip", "diagnose", "no.toml"], tmp_path)
-    assert result.returncode == 2
-    assert "stickslip diagnose needs jinja2" in result.stderr
 
 
 def test_another_missing_module_is_not_taken_for_an_extra(tmp_path):

@@ -12,14 +12,15 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
+from test_bad_input import CSV, HEAD, PROGRAM, check
+
 from command_line import stickslip, stickslip_process
 from made_measurement import write
 from stickslip import Scenario, ScenarioError, Waveform
-from stickslip._util.files import check_folder, check_writable, read_bytes
+from stickslip._util.files import check_folder, read_bytes
 from stickslip.measurement import read_measurement
 from stickslip.measurement.tables import read_rows
 from stickslip.measurement.velocity import velocity_units
-from test_bad_input import CSV, HEAD, PROGRAM, check
 
 MEASUREMENT = 'stickslip_measurement = 1\nscenario = "s.toml"\n'
 NOT_UTF8 = "caf\udce9"  # how Python spells the bytes "café" has in Latin-1
@@ -173,27 +174,6 @@ def test_voltages_that_are_written_can_be_read(tmp_path):
     assert Waveform.from_csv(tmp_path / "v.csv").points()[1][1, 0] == longest
     row = ",".join([repr(longest)] * 6) + "\n"
     assert len(row) * waveform_file._MOST_ROWS < waveform_file._MOST_BYTES
-
-
-def test_a_file_that_is_read_only_is_not_replaced(tmp_path):
-    (tmp_path / "s.toml").write_text(HEAD + "pulses = 4\n")
-    for name in ("a.nc", "a.csv", "a.png", "report.html"):
-        (tmp_path / name).write_text("mine")
-        (tmp_path / name).chmod(0o444)
-    for option, name in (("--out", "a.nc"), ("--out", "a.csv"), ("--plot", "a.png")):
-        check(stickslip("run", "s.toml", option, name, cwd=tmp_path), name, "read-only")
-    (tmp_path / "link.nc").symlink_to("a.nc")
-    with pytest.raises(PermissionError, match="read-only"):
-        check_writable(tmp_path / "link.nc")
-    (tmp_path / "velocity.csv").write_text("velocity\n1e-3\n")
-    (tmp_path / "m.toml").write_text(f'{MEASUREMENT}[[velocity]]\nfile = "velocity.csv"\n')
-    done = stickslip("diagnose", "m.toml", "--out", ".", cwd=tmp_path)
-    check(done, "--out", "report.html", "read-only")
-    (tmp_path / "a.png").rename(tmp_path / "fig8.png")
-    done = stickslip("reproduce", "--only=fig8", "--out", ".", cwd=tmp_path)
-    check(done, "--out", "fig8.png", "read-only")
-    for name in ("a.nc", "a.csv", "fig8.png", "report.html"):
-        assert (tmp_path / name).read_text() == "mine"
 
 
 def test_whole_numbers_of_64_bits_are_read(tmp_path):

@@ -1,6 +1,5 @@
 """Records that go into a file while a run is simulated."""
 
-import json
 import signal
 import subprocess
 import sys
@@ -11,17 +10,11 @@ import pytest
 import xarray
 
 from command_line import COMMAND, stickslip, stickslip_process
+from killed_recordings import killed
+from own_effects import register
 from recorded_runs import COARSE, DENSE, ENDLESS, assert_same_record
-from stickslip import (
-    EffectParameter,
-    ScenarioError,
-    open_run,
-    register_effect,
-    simulate,
-    unregister_effect,
-)
-from stickslip.simulation.record_blocks import BLOCK
-from stickslip.simulation.simulate import MOST_IN_MEMORY
+from stickslip import open_run, simulate, unregister_effect
+from stickslip.simulation.record_file import BLOCK, PART
 
 
 @pytest.fixture(scope="module")
@@ -31,29 +24,23 @@ def dense():
     return run
 
 
-@pytest.mark.parametrize(
-    ("name", "fields"), [("run.nc", "all"), ("run.csv", "x, slip_velocity, current, contact")]
-)
-def test_a_run_that_is_recorded_into_a_file_is_the_one_in_memory(tmp_path, name, fields):
+def names(folder):
+    return sorted(each.name for each in folder.iterdir())
+
+
+def test_a_run_that_is_recorded_into_a_file_is_the_one_in_memory(dense, tmp_path):
     told = []
-    scenario = DENSE.replace({"record.fields": fields})
-    dense = simulate(scenario)
-    run = simulate(scenario, out=tmp_path / name, progress=lambda *each: told.append(each))
-    dense.save(tmp_path / f"saved-{name}")
-    for each in (run, open_run(tmp_path / name), open_run(tmp_path / f"saved-{name}")):
+    run = simulate(DENSE, out=tmp_path / "run.nc", progress=lambda *each: told.append(each))
+    dense.save(tmp_path / "saved.nc")
+    assert names(tmp_path) == ["run.nc", "saved.nc"]
+    for each in (run, open_run(tmp_path / "run.nc"), open_run(tmp_path / "saved.nc")):
         assert repr(each) == repr(dense)
-        assert each.scenario == scenario
+        assert each.scenario == DENSE
         assert each.final_state == dense.final_state
         assert (each.complete, each.recorded_until) == (True, 0.17)
         assert repr(each.summary()) == repr(dense.summary())
         assert_same_record(each, dense)
         assert each.to_xarray().identical(dense.to_xarray())
-    # The same bytes, whether the blocks come from the core or from arrays.
-    assert (tmp_path / name).read_bytes() == (tmp_path / f"saved-{name}").read_bytes()
-    beside = [f"{name}.json", f"saved-{name}.json"] if name.endswith("csv") else []
-    assert sorted(each.name for each in tmp_path.iterdir()) == sorted(
-        [name, f"saved-{name}", *beside]
-    )
     assert {stage for _, stage in told} <= {"simulating"}
 
 
@@ -68,63 +55,50 @@ def test_the_file_is_compressed_and_the_same_for_other_programs(dense, tmp_path)
     assert (tmp_path / "run.nc").stat().st_size < 0.6 * plain
 
 
-@pytest.mark.parametrize("name", [None, "run.nc", "run.csv"])
-def test_single_precision_is_the_rounded_record(dense, tmp_path, name):
-    scenario = DENSE.replace({"record.dtype": "float32", "record.fields": "x, current, contact"})
-    run = simulate(scenario, out=name and tmp_path / name)
-    assert run.t.tobytes() == dense.t.tobytes()
-    assert run.x.tobytes() == dense.x.astype(np.float32).tobytes()
-    assert run.current.tobytes() == dense.current.astype(np.float32).tobytes()
-    assert run.contact.tobytes() == dense.contact.tobytes()
-    # Why t is not rounded: after five minutes float32 has steps of 31 us.
-    assert np.float32(333.0) + np.float32(1e-5) == np.float32(333.0)
-
-
-@pytest.mark.parametrize("name", [None, "run.nc", "run.csv"])
-def test_a_record_begins_where_it_is_to_and_has_the_fields_that_were_asked_for(
-    dense, tmp_path, name
-):
-    scenario = DENSE.replace({"record.from": 0.1, "record.fields": "theta,x"})
-    run = simulate(scenario, out=name and tmp_path / name)
+@pytest.mark.parametrize("name", [None, "run.nc"])
+def test_a_record_keeps_what_it_is_asked_for(dense, tmp_path, name):
+    keys = {"record.from": 0.1, "record.fields": "theta,x, current", "record.dtype": "float32"}
+    run = simulate(DENSE.replace(keys), out=name and tmp_path / name)
     # 0.1 s at 500 kHz: the samples before number 50 000 are left out.
-    assert run.t[0] == 0.1
-    assert_same_record(run, simulate(scenario))
-    for field in ("t", "x", "theta"):
-        assert getattr(run, field).tobytes() == getattr(dense, field)[50_000:].tobytes()
-    assert set(run.to_xarray().variables) == {"t", "x", "theta", "coil"}
+    assert run.t.tobytes() == dense.t[50_000:].tobytes()
+    for field in ("x", "theta", "current"):
+        expected = getattr(dense, field)[50_000:].astype(np.float32)
+        assert getattr(run, field).tobytes() == expected.tobytes()
+    assert set(run.to_xarray().variables) == {"t", "x", "theta", "current", "coil"}
     with pytest.raises(AttributeError, match=r"did not record z: set record\.fields to name it"):
         _ = run.z
     # The motion is the same, whatever is recorded of it.
     assert repr(run.summary()) == repr(dense.summary())
+    # Why t is not rounded: after five minutes float32 has steps of 31 us.
+    assert np.float32(333.0) + np.float32(1e-5) == np.float32(333.0)
 
 
-@pytest.mark.parametrize("name", ["run.nc", "run.csv"])
-def test_events_are_recorded_from_a_time_on(tmp_path, name):
+def test_events_are_recorded_from_a_time_on(tmp_path):
     scenario = COARSE.replace({"record.rate": "events"})
     every = simulate(scenario)
-    some = simulate(scenario.replace({"record.from": 0.1}), out=tmp_path / name)
+    some = simulate(scenario.replace({"record.from": 0.1}), out=tmp_path / "run.nc")
     later = every.t >= 0.1
     assert 0 < later.sum() < len(later)
     assert_same_record(some, every, later)
-    none = simulate(scenario.replace({"record.from": 0.17}), out=tmp_path / name)
-    assert len(none.event) == 0
-    assert none.current.shape == (0, 5)
-    assert np.isnan(open_run(tmp_path / name).recorded_until)
+    none = simulate(scenario.replace({"record.from": 0.17}), out=tmp_path / "run.nc")
+    assert (len(none.event), none.current.shape) == (0, (0, 5))
+    assert np.isnan(open_run(tmp_path / "run.nc").recorded_until)
 
 
-@pytest.mark.parametrize("name", ["run.nc", "run.csv"])
-def test_what_was_recorded_before_an_interrupt_is_kept_and_marked(tmp_path, name):
+def test_what_was_recorded_before_an_interrupt_is_kept_as_a_part(tmp_path):
     def interrupt(fraction, stage):
         raise KeyboardInterrupt
 
-    path = tmp_path / name
+    path = tmp_path / "run.nc"
     path.write_text("older")
     scenario = ENDLESS.replace({"record.fields": ["x", "theta", "contact"]})
-    with pytest.raises(KeyboardInterrupt, match=r"run\.\w+ has the record up to [\d.]+ s"):
+    with pytest.raises(KeyboardInterrupt, match=r"run\.nc\.part has the record up to [\d.]+ s"):
         simulate(scenario, out=path, progress=interrupt)
-    run = open_run(path)
+    assert path.read_text() == "older"
+    assert names(tmp_path) == ["run.nc", f"run.nc{PART}"]
+    run = open_run(tmp_path / f"run.nc{PART}")
     assert (run.status, run.complete, run.ok) == ("interrupted", False, False)
-    assert run.message.endswith("the run was stopped")
+    assert run.notes[0].code == "record-cut"
     assert run.recorded_until == run.t[-1] > 0.0
     # Where the run was stopped within a step, the step's other samples are not recorded.
     assert 0.0 <= run.summary()["simulated_time"] - run.recorded_until < 0.01
@@ -133,8 +107,6 @@ def test_what_was_recorded_before_an_interrupt_is_kept_and_marked(tmp_path, name
     shorter = simulate(scenario.replace({"drive.pulses": max(pulses, 4)}))
     for field in ("t", "x", "theta", "contact"):
         assert getattr(run, field).tobytes() == getattr(shorter, field)[: len(run.t)].tobytes()
-    files = {path.name, f"{name}.json"} if name.endswith("csv") else {path.name}
-    assert {each.name for each in tmp_path.iterdir()} == files
 
 
 def test_an_error_of_the_caller_passes_and_keeps_the_record(tmp_path):
@@ -143,11 +115,11 @@ def test_an_error_of_the_caller_passes_and_keeps_the_record(tmp_path):
 
     with pytest.raises(LookupError, match="enough"):
         simulate(ENDLESS, out=tmp_path / "run.nc", progress=stop)
-    assert open_run(tmp_path / "run.nc").status == "interrupted"
+    assert open_run(tmp_path / f"run.nc{PART}").status == "interrupted"
     late = ENDLESS.replace({"record.from": 9000.0})
     with pytest.raises(LookupError, match="enough"):
         simulate(late, out=tmp_path / "none.nc", progress=stop)
-    assert [each.name for each in tmp_path.iterdir()] == ["run.nc"]  # nothing was recorded
+    assert names(tmp_path) == [f"run.nc{PART}"]  # nothing was recorded
 
 
 def test_an_effect_that_fails_keeps_the_record(tmp_path):
@@ -159,18 +131,15 @@ def test_an_effect_that_fails_keeps_the_record(tmp_path):
             raise LookupError("broken")
         return 0.0, 0.0, 0.0
 
-    parameter = EffectParameter(name="k", unit="-", low=-1.0, high=1.0, meaning="of a test")
-    register_effect("own", failing, [parameter], meaning="an effect of a test")
+    register(failing, name="own")
     try:
-        scenario = COARSE.replace({"own.k": 0.5})
         with pytest.raises(LookupError, match="broken"):
-            simulate(scenario, out=tmp_path / "run.nc")
-        run = open_run(tmp_path / "run.nc")
+            simulate(COARSE.replace({"effects.own.k": 0.5}), out=tmp_path / "run.nc")
+        run = open_run(tmp_path / f"run.nc{PART}")
+        assert (run.status, run.complete) == ("interrupted", False)
+        assert 0 < len(run.t) < 341
     finally:
         unregister_effect("own")
-    assert (run.status, run.complete) == ("interrupted", False)
-    assert run.message == "the run was stopped by LookupError: broken"
-    assert 0 < len(run.t) < 341
 
 
 def test_an_interrupted_command_says_what_it_kept(tmp_path):
@@ -181,50 +150,71 @@ def test_an_interrupted_command_says_what_it_kept(tmp_path):
     process = subprocess.Popen(
         list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
-    limit = time.monotonic() + 60.0
-    while not any(each.stat().st_size > 1 << 20 for each in out.iterdir()):
+    part, limit, seen = out / f"run.nc{PART}", time.monotonic() + 60.0, [0]
+    while seen[-1] < 4 * BLOCK:  # meanwhile it is read
         assert time.monotonic() < limit
-        time.sleep(0.05)
-    for _ in range(2):  # the second, of someone in a hurry, must not undo what the first keeps
-        process.send_signal(signal.SIGINT)
-        time.sleep(0.05)
+        if part.exists():
+            run = open_run(part)
+            assert not run.complete
+            assert len(run.t) == run.samples >= seen[-1]
+            assert np.array_equal(run.t, np.arange(run.samples) / 5e4)
+            seen.append(run.samples)
+    process.send_signal(signal.SIGINT)
     printed, said = process.communicate(timeout=60)
-    assert process.returncode == 130
-    assert printed == ""
+    assert (process.returncode, printed) == (130, "")
     last = said.replace("\r", "\n").strip().splitlines()[-1]
-    run = open_run(out / "run.nc")
-    assert last.startswith("stickslip: interrupted at ")
-    assert last.endswith(f"run.nc has the record up to {run.recorded_until:.6g} s")
-    assert len(run.t) >= BLOCK
-    assert [each.name for each in out.iterdir()] == ["run.nc"]
+    run = open_run(part)
+    assert last.startswith("stickslip: interrupted, ")
+    assert last.endswith(f"run.nc.part has the record up to {run.recorded_until:.6g} s")
+    assert names(out) == [f"run.nc{PART}"]
 
 
 # Room for one block of 65 536 samples of 169 bytes and a margin, not for two.
-@pytest.mark.parametrize(("limit", "samples"), [(12_500_000, BLOCK), (100_000, 0)])
-def test_where_the_disk_is_full_the_summary_is_printed_and_the_record_kept(
-    tmp_path, limit, samples
-):
-    whole = simulate(DENSE.replace({"drive.pulses": 20}))
-    whole.scenario.to_toml(tmp_path / "scenario.toml")
+@pytest.mark.parametrize(("limit", "samples"), [(13_500_000, BLOCK), (100_000, 0)])
+def test_a_full_disk_ends_the_run_and_keeps_whole_blocks(tmp_path, limit, samples):
+    scenario = DENSE.replace({"drive.pulses": 20})
+    scenario.to_toml(tmp_path / "scenario.toml")
     out = tmp_path / "out"
     out.mkdir()
     path = out / "run.nc"
-    done = stickslip_process(
-        "run", tmp_path / "scenario.toml", "--out", path, "--json", largest_file=limit
-    )
-    assert done.returncode == 1
-    printed = json.loads(done.stdout)
-    assert printed["mean_velocity"] == whole.mean_velocity
-    kept = f"; it has the record up to {whole.t[samples - 1]:.6g} s" if samples else ""
+    done = stickslip_process("run", tmp_path / "scenario.toml", "--out", path, largest_file=limit)
+    assert (done.returncode, done.stdout) == (1, "")
+    said = f"stickslip: cannot write {path}{PART}: File too large"
+    if not samples:
+        assert done.stderr.endswith(f"{said}\n")
+        assert names(out) == []
+        return
     # A slow machine shows a progress bar before.
-    assert done.stderr.endswith(f"stickslip: cannot write {path}: File too large{kept}\n")
-    assert [each.name for each in out.iterdir()] == (["run.nc"] if samples else [])
-    if samples:
-        run = open_run(path)
-        assert (run.status, run.complete) == ("ok", False)
-        assert run.summary()["notes"] == printed["notes"]
-        assert "the record ends at 0.13107 s" in run.notes[0].text
-        assert_same_record(run, whole, slice(samples))
+    assert done.stderr.endswith(f"{said}; {path}{PART} has the record up to 0.13107 s\n")
+    assert names(out) == [f"run.nc{PART}"]
+    run = open_run(f"{path}{PART}")
+    assert (run.status, run.complete) == ("interrupted", False)
+    assert_same_record(run, simulate(scenario), slice(samples))
+
+
+# Two within the writing of a block, and two at any time.
+@pytest.mark.parametrize("k", range(4))
+def test_a_killed_recording_leaves_whole_blocks_or_no_file(tmp_path, k):
+    killed(tmp_path, np.random.default_rng([7, k]), inside=k % 2 == 0)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("k", range(60))
+def test_many_killed_recordings(tmp_path, k):
+    killed(tmp_path, np.random.default_rng([8, k]), inside=k % 3 == 0)
+
+
+def test_two_recordings_of_one_name_never_mix(tmp_path):
+    part = tmp_path / f"run.nc{PART}"
+    simulate(COARSE).save(tmp_path / "other.nc")
+
+    def replace(fraction, stage):
+        if (tmp_path / "other.nc").exists():  # as another process does, which began later
+            (tmp_path / "other.nc").replace(part)
+
+    with pytest.raises(OSError, match="another process has replaced it"):
+        simulate(ENDLESS, out=tmp_path / "run.nc", progress=replace)
+    assert open_run(part).samples == 341
 
 
 def test_memory_does_not_grow_with_the_record(tmp_path):
@@ -242,21 +232,6 @@ def test_memory_does_not_grow_with_the_record(tmp_path):
     short, long = map(int, done.stdout.split())  # KiB
     # 0.36 s at 500 kHz are 180 000 samples more, which would be 30 MB.
     assert long - short < 12_000
-
-
-def test_a_record_of_any_length_has_to_go_into_a_file(tmp_path):
-    with pytest.raises(ScenarioError) as refusal:
-        simulate(ENDLESS)
-    assert "\n" not in str(refusal.value)
-    for word in ("record.rate = 50000.0", f"{MOST_IN_MEMORY} samples in memory", "--out"):
-        assert word in str(refusal.value)
-    with pytest.raises(ScenarioError, match=r'record\.rate = "none": allowed with out'):
-        simulate(COARSE.replace({"record.rate": "none"}), out=tmp_path / "run.nc")
-    with pytest.raises(ValueError, match=r"run\.txt: allowed are names that end in"):
-        simulate(COARSE, out=tmp_path / "run.txt")
-    with pytest.raises(OSError, match="there is no folder"):
-        simulate(COARSE, out=tmp_path / "missing" / "run.nc")
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_picture_needs_all_that_it_draws(tmp_path):

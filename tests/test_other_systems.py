@@ -71,4 +71,4 @@ def test_runs_and_sweeps_need_nothing_that_other_systems_lack(tmp_path):
     result = python(HIDDEN + WORK, tmp_path)
     assert result.returncode == 0, result.stderr
     written = {each.name for each in tmp_path.iterdir()}
-    assert written == {"run.nc", "sweep.nc", "s.toml", "again.csv", "again.csv.json", "run.png"}
+    assert written == {"run.nc", "sweep.nc", "s.toml", "again.csv", "run.png"}

@@ -17,7 +17,6 @@ from stickslip import (
     simulate,
     sweep,
 )
-from stickslip.cli.settings import read_with
 from stickslip.diagnosis.terms.library import library
 from stickslip.scenario.sections import OneCoil
 
@@ -157,8 +156,8 @@ def test_single_coils_in_a_file(tmp_path):
     assert "[coil.xm]" not in text
     assert load(path) == scenario
     # A value of all coils that is set is of all coils.
-    assert read_with(path, ["coil.resistance=8"]) == Scenario(coil=Coil(resistance=8.0))
-    assert read_with(path, ["coil.ym.turns=9"]) == scenario.replace({"coil.ym.turns": 9.0})
+    assert load(path).replace({"coil.resistance": 8.0}) == Scenario(coil=Coil(resistance=8.0))
+    assert load(path).replace({"coil.ym.turns": 9.0}) == scenario.replace({"coil.ym.turns": 9.0})
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""What a bare import costs and offers."""
+"""What an import costs and offers."""
 
 import importlib.metadata
 import re
@@ -44,15 +44,15 @@ def test_the_library_does_not_need_the_command():
         assert "stickslip.cli" not in path.read_text(encoding="utf-8"), path
 
 
-ROOMS = ("_util", "scenario", "simulation", "sweeping", "measurement", "diagnosis")
-ROOMS += ("plot", "control", "reproduction", "cli")
+ORDER = ("_util", "scenario", "field", "simulation", "sweeping", "design", "control")
+ORDER += ("measurement", "diagnosis", "plot", "reproduction", "cli")
 IMPORTED = re.compile(r"^\s*(?:from|import) stickslip\.(\w+)", re.MULTILINE)
 
 
-@pytest.mark.parametrize("room", ROOMS)
-def test_a_room_imports_only_rooms_below_it(room):
-    allowed = {*ROOMS[: ROOMS.index(room) + 1], "errors", "_core"}
-    files = list((Path(stickslip.__file__).parent / room).rglob("*.py"))
+@pytest.mark.parametrize("name", ORDER)
+def test_a_package_imports_only_those_above_it(name):
+    allowed = {*ORDER[: ORDER.index(name) + 1], "errors", "_core"}
+    files = list((Path(stickslip.__file__).parent / name).rglob("*.py"))
     assert files
     for path in files:
         assert set(IMPORTED.findall(path.read_text(encoding="utf-8"))) <= allowed, path

@@ -115,6 +115,6 @@ def test_a_page_that_github_shows_has_no_markup_of_sphinx(page):
 
 
 def test_a_source_of_pictures_that_is_unknown_is_refused(maker):
-    assert {"readme", "drawings", "gallery", "howto/steering"} <= set(maker.sources())
-    with pytest.raises(SystemExit, match=r"no/page: known are readme, drawings, .*gallery"):
+    assert {"readme", "gallery", "howto/steering"} <= set(maker.sources())
+    with pytest.raises(SystemExit, match=r"no/page: known are readme, .*gallery"):
         maker.main(["no/page"])

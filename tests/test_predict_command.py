@@ -46,7 +46,7 @@ def test_the_command_gives_what_python_gives(files):
     assert (files / "b.png").stat().st_size > 5000
 
     table = stickslip("predict", *COMMON, *VARY, cwd=files).stdout
-    assert ["60", "IPP", f"{velocities[3][0] * 1e3:.4f}"] in [
+    assert ["60", "IPP", f"{velocities[3][0]:.6g}"] in [
         line.split()[:3] for line in table.splitlines()
     ]
     # The share of 0.1 of 24 draws is known to within sqrt(0.09 / 24).
@@ -75,35 +75,6 @@ def test_the_command_says_what_was_drawn_again(files):
     assert f"{again} more draws made no scenario" in done.stderr
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (["s.toml"], "or --uncertain FILE"),
-        (["m.toml"], "m.toml: is a measurement and no scenario; predict takes"),
-        (["s.toml", "--uncertain", "s.toml"], "s.toml: there is no section [uncertain]"),
-        (["s.toml", "--uncertain", "none.toml"], "none.toml: cannot be read"),
-        ([*COMMON, "--draws", "1"], "--draws"),
-        ([*COMMON, "--set", "contact.adhesion=1e-7"], "--set contact.adhesion: has no influence"),
-        ([*COMMON, "--vary", "contact.adhesion=1e-7,2e-7"], "either varied or uncertain"),
-        ([*COMMON, "--plot", "b.png"], "one --vary of numbers"),
-        ([*COMMON, *VARY, "--vary", "drive.hold=1e-3,2e-3", "--plot", "b.png"], "one --vary"),
-        ([*COMMON, *VARY, "--plot", "b.xyz"], "--plot: b.xyz"),
-        ([*COMMON, "--out", "b.txt"], "--out: b.txt"),
-        ([*COMMON, "--out", "none/b.csv"], "none"),
-        ([*COMMON, *VARY, "--out", "b.svg", "--plot", "b.svg"], "cannot be both"),
-        (["s.toml", "--uncertain", "u.csv", "--out", "u.csv"], "which it would overwrite"),
-    ],
-)
-def test_the_command_refuses_in_one_line(files, options, said):
-    (files / "u.csv").write_text((files / "u.toml").read_text())
-    (files / "m.toml").write_text("stickslip_measurement = 1\n")
-    done = stickslip("predict", *options, cwd=files)
-    assert (done.returncode, done.stdout) == (2, "")
-    assert said in done.stderr
-    assert done.stderr.count("\n") == 1
-    assert sorted(each.name for each in files.iterdir()) == ["m.toml", "s.toml", "u.csv", "u.toml"]
-
-
 def test_a_value_of_a_covariance_can_be_set_where_the_other_file_has_none(files):
     about = '[uncertain.covariance]\nkeys = ["drag.linear"]\nmatrix = [[1e-12]]\n'
     (files / "c.toml").write_text(about)
@@ -116,7 +87,7 @@ def test_a_value_of_a_covariance_can_be_set_where_the_other_file_has_none(files)
         said[value] = own.stdout
         done = stickslip("predict", "s.toml", *options, "--uncertain", "extended.toml", cwd=files)
         assert done.returncode == 2
-        assert "--set drag.linear: has no influence, as extended.toml has" in done.stderr
+        assert "--set drag.linear: has no influence" in done.stderr
     assert said["1e-5"] != said["9e-5"]
 
 
@@ -124,7 +95,7 @@ def test_an_interrupt_leaves_no_file(files):
     options = ("--out", "b.csv", "--set", "solver.max_step=1e-7")
     done, _ = ended_at_the_bar("predict", *COMMON, *options, cwd=files)
     assert done.returncode == 130
-    assert b"nothing written" in done.stderr
+    assert done.stderr.endswith(b"stickslip: interrupted\n")
     assert not (files / "b.csv").exists()
 
 

@@ -1,6 +1,7 @@
 """What notebooks show of objects, and tables of runs and sweeps: small, escaped, with units."""
 
 import re
+from html import escape
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -10,7 +11,6 @@ from stickslip import (
     COIL_NAMES,
     Cause,
     Drive,
-    Record,
     Scenario,
     Waveform,
     diagnose_model,
@@ -26,11 +26,6 @@ from toys import SLOPE, WAVE, data
 
 BAD = "<script>alert('1')</script>&\x1b[31m"
 TEXT = re.compile(r"<(script|img|iframe|object|embed|link)\b|\son\w+=|javascript:", re.IGNORECASE)
-
-
-@pytest.fixture(scope="module")
-def run():
-    return simulate(Scenario(drive=Drive(base=0.5e-3, pulses=4), record=Record(rate=5e3)))
 
 
 @pytest.fixture(scope="module")
@@ -73,20 +68,25 @@ def test_a_scenario_of_a_program_shows_the_program():
     assert "drive.peak" not in shown
 
 
-def test_a_run_shows_its_summary(run):
-    shown = rows(run._repr_html_())
-    assert shown["status"] == "ok"
-    assert shown["mean velocity"] == f"{run.mean_velocity * 1e3:.4g} mm/s"
-    assert shown["record"] == f"{run.t.size} samples, to {run.t[-1]:.6g} s"
-    assert "stick" in shown["events"]
+def test_a_run_shows_its_headline_and_its_numbers(walk_ipp):
+    shown = walk_ipp._repr_html_()
+    assert f"<p>ok, {walk_ipp.mean_velocity * 1e3:.6g} mm/s, 341 samples</p>" in shown
+    table = {name: rest for name, *rest in re.findall(3 * r"<td>(.*?)</td>\s*", shown)}
+    theta, unit = table["theta_max"]
+    assert float(theta) == pytest.approx(walk_ipp.summary()["theta_max"], rel=1e-5)
+    assert unit == "rad"
+    assert "stick" in table["events"][0]
+    for note in walk_ipp.notes:
+        assert escape(note.text) in shown
 
 
 def test_a_run_that_failed_or_has_no_record_says_so():
     slide = {"effects.surface_tilt.angle": 1.4, "drag.linear": 0.0, "drive.pulses": 100}
-    shown = rows(simulate(Scenario().replace(slide))._repr_html_())
-    assert shown["status"].startswith("left_workspace: ")
-    assert "mean velocity" not in shown
-    assert "record" not in shown
+    run = simulate(Scenario().replace(slide))
+    shown = run._repr_html_()
+    assert "<p>left_workspace, nan mm/s, no record</p>" in shown
+    assert f"<p>{escape(run.message)}</p>" in shown
+    assert "mean_velocity" not in shown
 
 
 def test_a_diagnosis_is_shown_escaped():
@@ -113,16 +113,22 @@ def test_a_sweep_is_shown_escaped(swept):
     assert not TEXT.search(re.sub(r"<style>.*?</style>", "", shown, flags=re.DOTALL))
 
 
-def test_a_figure_is_shown_once_with_and_without_pyplot(run, swept):
+def test_a_figure_is_shown_once_with_and_without_pyplot(walk_ipp, swept):
     before = plt.get_fignums()
-    drawn = (plot.run(run), plot.path(run), plot.filmstrip(run, [0.06]), plot.velocity(swept))
+    drawn = (
+        plot.run(walk_ipp),
+        plot.path(walk_ipp),
+        plot.filmstrip(walk_ipp, [0.06]),
+        plot.velocity(swept),
+    )
     for figure in drawn:
         assert figure._repr_png_().startswith(b"\x89PNG")
     # What pyplot does not have it does not show at the end of a cell.
     assert plt.get_fignums() == before
 
 
-def test_a_table_of_a_run_has_a_row_a_sample_with_units(run, tmp_path):
+def test_a_table_of_a_run_has_a_row_a_sample_with_units(walk_ipp, tmp_path):
+    run = walk_ipp
     run.save(tmp_path / "run.nc")
     for each in (run, open_run(tmp_path / "run.nc")):
         table = each.to_dataframe()
@@ -144,14 +150,14 @@ def test_a_table_of_a_run_has_a_row_a_sample_with_units(run, tmp_path):
                 assert units[name] == column.unit
 
 
-def test_a_table_of_events_names_them(run):
-    events = simulate(run.scenario.replace({"record.rate": "events"}))
+def test_a_table_of_events_names_them(walk_ipp):
+    events = simulate(walk_ipp.scenario.replace({"record.rate": "events"}))
     table = events.to_dataframe()
     assert table["event"].tolist() == [events.event_names[k] for k in events.event]
 
 
-def test_a_table_of_a_run_without_a_record_is_refused(run):
-    silent = simulate(run.scenario.replace({"record.rate": "none"}))
+def test_a_table_of_a_run_without_a_record_is_refused(walk_ipp):
+    silent = simulate(walk_ipp.scenario.replace({"record.rate": "none"}))
     assert silent.samples == 0
     with pytest.raises(AttributeError, match=r"set record\.rate"):
         silent.to_dataframe()
@@ -180,11 +186,3 @@ def test_a_table_of_a_list_of_points_has_their_order():
     table = sweep_dataframe(sweep(Scenario(drive=Drive(base=0.5e-3, pulses=4)), points))
     assert table["drive_frequency"].tolist() == [60.0, 30.0]
     assert "point" not in table
-
-
-def test_a_run_at_a_heading_shows_its_velocity_along_it_and_where_it_ends():
-    made = simulate(Scenario(drive=Drive(base=0.5e-3, pulses=4, heading=1.5)))
-    shown = rows(made._repr_html_())
-    assert shown["mean velocity along the heading"] == f"{made.velocity[0] * 1e3:.4g} mm/s"
-    assert "mean velocity" not in shown
-    assert f"y {made.final_state.y * 1e6:.4g} µm" in shown["final place"]

@@ -8,41 +8,62 @@ from stickslip.simulation.scenario_notes import field_swing, scenario_notes
 
 WEIGHT = 25.6e-9 * 9.81
 
-# One key of each is nonsense with the others at their defaults; the note has the text.
+VOLUME = 250e-6 * 130e-6 * 100e-6  # m^3, of the robot
+# 10 ohm over 0.96258 mT/A: 10389 V for 1 T in one coil, half of that in each of a pair.
+VOLTS = 10389.0
+
+# One key of each is nonsense with the others at their defaults: the note's code, and its value.
 NONSENSE = [
-    ({"robot.mass": 25.6e-6}, "robot.mass = 2.56e-05 kg makes a density of 7.88e+06 kg/m3: is"),
-    ({"robot.mass": 25.6e-12}, "robot.mass = 2.56e-11 makes a density of 7.88 kg/m3"),
-    ({"robot.length": 25e-3}, "density of 78.8 kg/m3"),
-    ({"robot.height": 1e-6}, "density of 7.88e+05 kg/m3"),
-    ({"robot.width": 0.13}, "density of 7.88 kg/m3"),
-    ({"effects.surface_tilt.angle": 0.7}, "effects.surface_tilt.angle = 0.7 rad is steeper"),
-    ({"effects.surface_tilt.angle": -1.5}, "effects.surface_tilt.angle = 1.5 rad is steeper"),
-    (
-        {"contact.static_friction": 0.01, "contact.kinetic_friction": 0.01, "contact.adhesion": 0.0,
-         "effects.surface_tilt.angle": 0.02},
-        "the robot slides",
-    ),
-    ({"drive.frequency": 5e3}, "a pulse of 0.2 ms is 0.029 times the time constant"),
-    ({"drive.frequency": 400.0}, "L/R = 7 ms, so that the field comes to swing by 0.11 mT"),
-    ({"coil.inductance": 7.0}, "L/R = 700 ms"),
-    ({"drive.frequency": 200.0, "drive.pulses": 4}, "the measuring window lasts 5 ms, less than"),
-    ({"coil.resistance": 0.1}, "the field comes to swing by 0.0045 mT"),
-    ({"contact.adhesion": 1e-3}, "contact.adhesion = 0.001 N is 3.98e+03 times the weight"),
-    ({"contact.adhesion": 6e-6}, "contact.adhesion = 6e-06 N is 23.9 times the weight"),
-    ({"environment.gravity": 0.0}, "acts on a robot without weight"),
-    ({"solver.rtol": 1e-2}, "solver.rtol = 0.01 is looser than 1e-05"),
-    ({"drive.peak": 0.1}, "the drive asks for"),
-    ({"drive.pulses": 2}, "drive.pulses = 2 is fewer than 4"),
-    ({"contact.tangential_restitution": 0.5}, "has no effect while contact.restitution is 0"),
-    ({"drive.base": 2.5e-3}, "drive.base = drive.peak = 0.0025 T: the voltage is constant"),
+    ({"robot.mass": 25.6e-6}, "unit-mass", 25.6e-6),
+    ({"robot.mass": 25.6e-12}, "density", 25.6e-12 / VOLUME),
+    ({"robot.length": 25e-3}, "unit-length", 25e-3),
+    ({"robot.height": 1e-6}, "density", 100.0 * 25.6e-9 / VOLUME),
+    ({"robot.width": 0.13}, "unit-length", 0.13),
+    ({"effects.surface_tilt.angle": 0.7}, "steep-surface", 0.7),
+    ({"effects.surface_tilt.angle": -1.5}, "steep-surface", 1.5),
+    ({"contact.static_friction": 0.01, "contact.kinetic_friction": 0.01, "contact.adhesion": 0.0,
+      "effects.surface_tilt.angle": 0.02}, "steep-surface", 0.02),
+    ({"drive.frequency": 400.0}, "pulses-short", 2.5e-3 * field_swing(400.0, 7e-3)),
+    ({"drive.frequency": 5e3}, "pulses-short", 2.5e-3 * field_swing(5e3, 7e-3)),
+    ({"coil.inductance": 7.0}, "pulses-short", 2.5e-3 * field_swing(100.0, 0.7)),
+    ({"coil.resistance": 0.1}, "pulses-short", 2.5e-3 * field_swing(100.0, 0.7)),
+    ({"drive.frequency": 200.0, "drive.pulses": 4}, "window-short", 5e-3),
+    ({"contact.adhesion": 1e-3}, "adhesion", 1e-3),
+    ({"contact.adhesion": 6e-6}, "adhesion", 6e-6),
+    ({"environment.gravity": 0.0}, "adhesion", 0.22e-6),
+    ({"solver.rtol": 1e-2}, "tolerance", 1e-2),
+    ({"drive.peak": 40e-3, "drive.coils": "pairs"}, "voltage", 0.5 * 40e-3 * VOLTS),
+    ({"drive.hold": 20e-3, "drive.direction": "-x"}, "voltage", 20e-3 * VOLTS),
+    ({"drive.mode": "OPP", "drive.peak": 20e-3, "drive.edge": "fall"}, "voltage", 20e-3 * VOLTS),
+    ({"drive.pulses": 3}, "start-up", 3.0),
+    ({"contact.tangential_restitution": 0.5}, "tangential-restitution", 0.5),
+    ({"drive.base": 2.5e-3}, "no-pulses", 2.5e-3),
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("changes", "text"), NONSENSE)
-def test_nonsense_gets_a_note(changes, text):
-    assert not scenario_notes(Scenario())
-    notes = scenario_notes(Scenario().replace(changes))
-    assert any(text in str(note) for note in notes), notes
+@pytest.mark.parametrize(("changes", "code", "value"), NONSENSE)
+def test_nonsense_gets_a_note(changes, code, value):
+    notes = {note.code: note for note in scenario_notes(Scenario().replace(changes))}
+    assert notes[code].value == pytest.approx(value, rel=1e-4)
+    assert "\n" not in str(notes[code])
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"drive.pulses": 4},
+        {"solver.rtol": 1e-5},
+        {"contact.tangential_restitution": 0.6, "contact.restitution": 0.1},
+    ],
+)
+def test_what_is_just_sound_gets_none(changes):
+    assert scenario_notes(Scenario().replace(changes)) == []
+
+
+def test_the_voltage_of_a_program_is_noted_with_its_coil():
+    scenario = Scenario(drive=Drive(mode="program", program=Waveform.hold(0.02, {"ym": -300.0})))
+    assert any("300 V at coil ym, 30 A" in str(note) for note in scenario_notes(scenario))
 
 
 def test_sound_scenarios_get_none():

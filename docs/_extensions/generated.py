@@ -13,7 +13,7 @@ from sphinx.util.docutils import SphinxDirective
 from take_results import COMMANDS
 
 from stickslip import _core, effects
-from stickslip.cli.commands import stickslip
+from stickslip.cli.commands import loaded, stickslip
 from stickslip.scenario.keys import Key, known_keys
 
 MEASURED = Path(__file__).parents[1] / "measured"
@@ -103,8 +103,7 @@ class CommandHelp(SphinxDirective):
         outer = click.Context(stickslip, info_name="stickslip", **stickslip.context_settings)
         found: list[tuple[str, click.Command, click.Context]] = [("stickslip", stickslip, outer)]
         for name in stickslip.list_commands(outer):
-            command = stickslip.get_command(outer, name)
-            assert command is not None
+            command = loaded(name)
             context = click.Context(command, info_name=name, parent=outer)
             found.append((f"stickslip {name}", command, context))
         result: list[nodes.Node] = []

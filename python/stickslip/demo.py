@@ -1,4 +1,4 @@
-"""A short tour: both modes of driving at two frequencies, as a table, pictures and a film.
+"""A short tour: both modes of driving at two frequencies, as lines, pictures and a film.
 
 ``python -m stickslip.demo`` writes to ``demo_output/`` in the current folder.
 """
@@ -9,70 +9,40 @@ import math
 import sys
 from pathlib import Path
 
+import stickslip
 from stickslip._util.extras import MissingExtra
-from stickslip.cli import BAD_INPUT, INTERRUPTED
-from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.sections import Drive, Record
-from stickslip.simulation.run import Run
-from stickslip.simulation.simulate import simulate_batch
+from stickslip.cli import BAD_INPUT, FAILED, INTERRUPTED
 
 OUTPUT = Path("demo_output")
 
 # The paper gives neither base, hold, edge nor clamp. With an in-plane base of zero the ramp would
 # stand the body on end; these edges make both modes walk forwards at both frequencies.
-_SETTINGS = {
-    "IPP": {"base": 0.5e-3, "hold": 1.0e-3, "edge": "rise", "clamp": "down"},
-    "OPP": {"base": 0.0, "hold": 2.5e-3, "edge": "fall", "clamp": "down"},
-}
-_FREQUENCIES = (30.0, 100.0)
-
-
-def scenarios() -> list[Scenario]:
-    """IPP and OPP at 30 Hz and 100 Hz, twelve pulses each."""
-    return [
-        Scenario(
-            drive=Drive(mode=mode, frequency=frequency, pulses=12, **fields),  # type: ignore[arg-type]
-            record=Record(rate=20e3),
-        )
-        for mode, fields in _SETTINGS.items()
-        for frequency in _FREQUENCIES
-    ]
-
-
-def table(runs: list[Run]) -> str:
-    """The summaries of the runs, one a row."""
-    lines = [
-        "mode  frequency  base  hold  edge  clamp  velocity  theta from       to  slip up  "
-        "slip down  airborne",
-        "             Hz    mT    mT                    mm/s     degrees  degrees     mm/s  "
-        "     mm/s         %",
-    ]
-    for run in runs:
-        drive, s = run.scenario.drive, run.summary()
-        lines.append(
-            f"{drive.mode:<4}  {drive.frequency:9g}  {drive.base * 1e3:4.1f}  "
-            f"{drive.hold * 1e3:4.1f}  {drive.edge:<4}  {drive.clamp:<5}  "
-            f"{s['mean_velocity'] * 1e3:8.4f}  {math.degrees(s['theta_min']):10.2f}  "
-            f"{math.degrees(s['theta_max']):7.2f}  {s['slip_up'] * 1e3:7.4f}  "
-            f"{s['slip_down'] * 1e3:9.4f}  {s['airborne_fraction'] * 100:8.2f}"
-        )
-    return "\n".join(lines)
+_SETTINGS = [
+    {"drive.mode": mode, "drive.frequency": frequency, "drive.base": base, "drive.hold": hold}
+    | {"drive.edge": edge, "drive.pulses": 12, "record.rate": 20e3}
+    for mode, base, hold, edge in (("IPP", 0.5e-3, 1.0e-3, "rise"), ("OPP", 0.0, 2.5e-3, "fall"))
+    for frequency in (30.0, 100.0)
+]
 
 
 def main() -> int:
-    """Simulate, print the table, write film and pictures; 1 if a simulation failed.
+    """Simulate, print a line for each run, write film and pictures; 1 if a simulation failed.
 
     Raises
     ------
     MissingExtra
         If matplotlib is not installed, before anything is simulated.
     """
-    from stickslip import plot
-
-    runs = simulate_batch(scenarios())
-    print(table(runs))
+    plot = stickslip.plot
+    runs = stickslip.simulate_batch([stickslip.Scenario().replace(each) for each in _SETTINGS])
+    for run in runs:
+        drive, found = run.scenario.drive, run.summary()
+        low, high = (math.degrees(found[name]) for name in ("theta_min", "theta_max"))
+        print(
+            f"{drive.mode} at {drive.frequency:3g} Hz: {found['mean_velocity'] * 1e3:.3f} mm/s, "
+            f"tilt {low:.1f} to {high:.1f} degrees, {found['airborne_fraction']:.1%} in flight"
+        )
     OUTPUT.mkdir(exist_ok=True)
-    print()
     film = OUTPUT / "walk.webp"
     plot.animation(runs[0]).save(film)
     print(f"wrote {film.resolve()}")
@@ -84,7 +54,7 @@ def main() -> int:
     failed = [run for run in runs if not run.ok]
     for run in failed:
         print(f"stickslip: {run.status}: {run.message}", file=sys.stderr)
-    return 1 if failed else 0
+    return FAILED if failed else 0
 
 
 if __name__ == "__main__":

@@ -26,6 +26,7 @@ _DIAGNOSIS = (
     *("Series", "diagnose_model", "events", "free_law", "instruments", "read_measurement"),
 )
 _NEEDED: dict[str, tuple[str, ...]] = {
+    "Optimum": ("optimise",),
     "optimise": ("optimise",),
     "plot": ("plot",),
     "predict": ("netcdf",),

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import os
 import secrets
 import stat
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from os import PathLike
 from pathlib import Path
+from typing import BinaryIO
 
 from stickslip.errors import ScenarioError
 
 NETCDF_SUFFIXES = (".nc", ".nc4", ".h5")
-
-_WRITABLE = stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH
 
 
 class NotWritten(OSError):
@@ -42,6 +42,14 @@ def read_bytes(path: str | PathLike[str], most: int, kind: str) -> bytes:
     return data
 
 
+def sha256_of(file: BinaryIO) -> str:
+    """The SHA-256 of an open file from where it stands, hexadecimal."""
+    digest = hashlib.sha256()
+    while piece := file.read(1 << 20):
+        digest.update(piece)
+    return digest.hexdigest()
+
+
 def check_name(path: str | PathLike[str]) -> None:
     """Raise an OSError for a name that no file can have, or that no text can hold."""
     name = os.fspath(path)
@@ -60,94 +68,25 @@ def check_suffix(path: str | PathLike[str], allowed: tuple[str, ...]) -> None:
         raise ValueError(f"{path}: allowed are names that end in {', '.join(allowed)}")
 
 
-def check_writable(path: str | PathLike[str]) -> None:
-    """Raise an OSError for a path to which `replacing` could not write.
-
-    It is a folder, a device or read-only, or its folder is missing or cannot be written to.
-    """
-    target = _resolved(path)
-    folder = target.parent
-    if target.is_dir():
-        raise IsADirectoryError(f"cannot write {path}: it is a folder")
-    if target.exists():
-        if not target.is_file():
-            raise OSError(f"cannot write {path}: it is not an ordinary file")
-        # The folder decides who can replace it, and root always can: its mode says what is meant.
-        if not target.stat().st_mode & _WRITABLE or not os.access(target, os.W_OK):
-            raise PermissionError(f"cannot write {path}: it is read-only")
-    if not folder.is_dir():
-        raise FileNotFoundError(f"cannot write {path}: there is no folder {Path(path).parent}")
-    _try_to_write(path, folder)
-
-
-def _try_to_write(path: str | PathLike[str], folder: Path) -> None:
-    """Make an empty file and remove it: rights alone do not tell what a file system takes."""
-    trial = folder / f".{secrets.token_hex(8)}.tmp"
-    try:
-        trial.touch(exist_ok=False)
-    except PermissionError:
-        raise PermissionError(f"cannot write {path}: no permission to write in {folder}") from None
-    except OSError as error:
-        raise type(error)(f"cannot write {path}: {error.strerror}") from None
-    finally:
-        with contextlib.suppress(OSError):
-            trial.unlink()
-
-
-def _resolved(path: str | PathLike[str]) -> Path:
-    """Where links lead."""
-    try:
-        check_name(path)
-    except OSError as error:
-        raise OSError(f"cannot write {path}: {error}") from None
-    target = Path(os.path.realpath(path))
-    try:
-        mode = os.lstat(target).st_mode
-    except (FileNotFoundError, NotADirectoryError):
-        return target
-    except OSError as error:  # a name that is too long, say
-        raise OSError(f"cannot write {path}: {error.strerror}") from None
-    if stat.S_ISLNK(mode):
-        raise OSError(f"cannot write {path}: its links lead in a circle")
-    return target
-
-
-def check_folder(path: str | PathLike[str], files: Iterable[str] = ()) -> None:
-    """Raise an OSError for a folder that could not be made, or where `files` could not be written.
-
-    It need not be there yet; the error names what is in the way.
-    """
-    target = _resolved(path)
-    if target.exists() and not target.is_dir():
-        raise NotADirectoryError(f"cannot write {path}: it is not a folder")
-    made: list[Path] = []
-    try:
-        for folder in reversed([target, *target.parents]):
-            if not folder.exists():
-                folder.mkdir()
-                made.append(folder)
-    except OSError as error:
-        raise type(error)(f"cannot write {path}: {error.strerror}") from None
-    finally:
-        for folder in reversed(made):
-            folder.rmdir()
-    if target.exists():
-        _try_to_write(path, target)
-        for name in files:
-            check_writable(Path(path) / name)
-
-
 @contextlib.contextmanager
 def replacing(path: str | PathLike[str]) -> Iterator[Path]:
-    """A temporary path in the same folder that becomes `path` when the block ends without error.
+    """A new file in the same folder that becomes `path` when the block ends without error.
 
-    An OSError says that the file cannot be written; then `path` is as it was before.
+    An OSError that names `path` says what is in the way; `path` is then as it was before.
     """
-    check_writable(path)
-    target = _resolved(path)
-    # A suffix is kept: matplotlib takes the format from it.
-    temporary = target.with_name(f".{secrets.token_hex(8)}.tmp{target.suffix}")
+    temporary = None
     try:
+        check_name(path)
+        target = Path(os.path.realpath(path))
+        if target.is_dir():
+            raise OSError("it is a folder")
+        if target.exists() and not target.is_file():
+            raise OSError("it is not an ordinary file")
+        if not target.parent.is_dir():
+            raise FileNotFoundError(f"there is no folder {Path(path).parent}")
+        # matplotlib takes the format from the suffix.
+        temporary = target.with_name(f".{secrets.token_hex(8)}.part{target.suffix}")
+        temporary.touch(exist_ok=False)
         yield temporary
         os.replace(temporary, target)
     except NotWritten:  # of another file, which it names
@@ -155,7 +94,43 @@ def replacing(path: str | PathLike[str]) -> Iterator[Path]:
     except OSError as error:
         raise NotWritten(f"cannot write {path}: {error.strerror or error}") from error
     finally:
-        temporary.unlink(missing_ok=True)
+        if temporary is not None:
+            with contextlib.suppress(OSError):
+                temporary.unlink()
+
+
+def check_writable(path: str | PathLike[str]) -> None:
+    """Raise an OSError for a path to which `replacing` could not write."""
+    with contextlib.suppress(_Tried), replacing(path):
+        raise _Tried
+
+
+class _Tried(Exception):
+    """Ends a trial without a file."""
+
+
+def check_folder(path: str | PathLike[str], files: Iterable[str] = ()) -> None:
+    """Raise an OSError for a folder that could not be made, or where `files` could not be written.
+
+    It need not be there yet; the error names what is in the way.
+    """
+    folder, made = Path(path), list[Path]()
+    try:
+        check_name(path)
+        if folder.exists() and not folder.is_dir():
+            raise NotADirectoryError("it is not a folder")
+        for each in reversed([folder, *folder.parents]):
+            if not each.exists():
+                each.mkdir()
+                made.append(each)
+    except OSError as error:
+        raise NotWritten(f"cannot write {path}: {error.strerror or error}") from None
+    else:
+        for name in files or (secrets.token_hex(8),):
+            check_writable(folder / name)
+    finally:
+        for each in reversed(made):
+            each.rmdir()
 
 
 def write_together(writers: Mapping[Path, Callable[[Path], object]]) -> None:
@@ -164,8 +139,6 @@ def write_together(writers: Mapping[Path, Callable[[Path], object]]) -> None:
     `writers` has for each path a function that writes what belongs there to the path that it gets.
     An OSError says that one cannot be written; then all are as they were before.
     """
-    for path in writers:  # before another file's error could name this one
-        check_writable(path)
     with contextlib.ExitStack() as stack:
         for path, write in writers.items():
             write(stack.enter_context(replacing(path)))

@@ -7,7 +7,6 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
-from decimal import ROUND_FLOOR, Context
 from typing import Any, TypeGuard
 
 
@@ -73,8 +72,10 @@ def comma_hint(cell: str) -> str:
 
 def highest(limit: float) -> str:
     """A computed limit in six digits and not above it, so that what is printed is allowed."""
-    below = Context(prec=6, rounding=ROUND_FLOOR).create_decimal(repr(float(limit)))
-    return f"{float(below):.6g}"
+    text = f"{limit:.6g}"
+    if float(text) > limit:
+        text = f"{float(text) - 10.0 ** (math.floor(math.log10(abs(limit))) - 5):.6g}"
+    return text
 
 
 def alike(step: float, *values: float) -> list[str]:

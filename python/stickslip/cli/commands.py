@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any
 
 import click
 
-from stickslip._util.extras import check_extras, naming_the_extra
-
-if TYPE_CHECKING:
-    from click.shell_completion import CompletionItem
+from stickslip._util.extras import MissingExtra, check_extras, naming_the_extra
+from stickslip._util.text import printable
+from stickslip.cli import BAD_INPUT, INTERRUPTED
+from stickslip.errors import ScenarioError
 
 COMMANDS = {
     "diagnose": "Find what in measured data the model does not explain.",
@@ -25,75 +26,35 @@ COMMANDS = {
 }
 """What each command does, in a line of a terminal of 80 columns. It stands here and not beside the
 command, whose import would cost up to a second for the list of all."""
-_HELP = ["-h", "--help"]
+
+_HELP = ("-h", "--help")
 
 
-class LazyGroup(click.Group):
-    """Imports the module of a command when it is called, and not those of the others."""
+def loaded(name: str) -> click.Command:
+    """The command of that name."""
+    command: click.Command = importlib.import_module(f"stickslip.cli.{name}_command").command
+    return command
 
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        return list(COMMANDS)
 
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        if cmd_name not in COMMANDS:
-            return None
-        module = importlib.import_module(f"stickslip.cli.{cmd_name}_command")
-        command: click.Command = module.command
-        return command
+class LazyCommand(click.Command):
+    """A command that is known by its name and its line until it is called."""
 
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        with formatter.section("Commands"):
-            formatter.write_dl(list(COMMANDS.items()))
-
-    def resolve_command(
-        self, ctx: click.Context, args: list[str]
-    ) -> tuple[str | None, click.Command | None, list[str]]:
-        name = args[0]
-        if name not in COMMANDS and not ctx.resilient_parsing:
-            from stickslip.scenario.keys import suggestion
-
-            hint = suggestion(name, COMMANDS)
-            raise click.UsageError(f"{name}: there is no such command; {hint}", ctx)
-        if not ctx.resilient_parsing and not {*args} & {*_HELP}:
+    def make_context(
+        self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any
+    ) -> click.Context:
+        name = str(self.name)
+        if not extra.get("resilient_parsing") and not {*_HELP} & {*args}:
             check_extras(f"stickslip {name}", name)
-        return super().resolve_command(ctx, args)
-
-    def invoke(self, ctx: click.Context) -> Any:
-        try:
-            return super().invoke(ctx)
-        except ModuleNotFoundError:
-            with naming_the_extra(f"stickslip {ctx.invoked_subcommand}"):
-                raise
-
-    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
-        from click.shell_completion import CompletionItem
-
-        found = [
-            CompletionItem(name, help=text)
-            for name, text in COMMANDS.items()
-            if name.startswith(incomplete)
-        ]
-        return found + click.Command.shell_complete(self, ctx, incomplete)
-
-
-def unknown_option(error: click.NoSuchOption) -> str:
-    """The line that refuses an option which a command does not have."""
-    from stickslip.scenario.keys import suggestion
-
-    context = error.ctx or click.Context(stickslip)
-    options = [
-        name
-        for each in context.command.get_params(context)
-        if isinstance(each, click.Option)
-        for name in each.opts
-    ]
-    hint = suggestion(error.option_name, options)
-    return f"{error.option_name}: there is no such option of {context.command_path}; {hint}"
+        return loaded(name).make_context(info_name, args, parent, **extra)
 
 
 @click.group(
-    cls=LazyGroup,
-    context_settings={"help_option_names": _HELP, "max_content_width": 100},
+    commands=[LazyCommand(name, help=line) for name, line in COMMANDS.items()],
+    context_settings={
+        "help_option_names": [*_HELP],
+        "max_content_width": 100,
+        "show_default": True,
+    },
     epilog="\b\nExample:\n"
     "  stickslip init scenario.toml\n"
     "  stickslip run scenario.toml --set drive.frequency=30 --plot run.png",
@@ -103,3 +64,20 @@ def unknown_option(error: click.NoSuchOption) -> str:
 )
 def stickslip() -> None:
     """Simulate magnetic micro-robots that walk by stick-slip in the field of five coils."""
+
+
+def run(arguments: Sequence[str] | None) -> tuple[int, str]:
+    """Run the command; its exit status and the line for standard error, "" for none."""
+    try:
+        with naming_the_extra("this command"):
+            done = stickslip.main(arguments, prog_name="stickslip", standalone_mode=False)
+        return int(done or 0), ""
+    except click.exceptions.NoArgsIsHelpError as error:
+        error.show()
+        return BAD_INPUT, ""
+    except (click.ClickException, ScenarioError, MissingExtra) as error:
+        text = error.format_message() if isinstance(error, click.ClickException) else str(error)
+        return BAD_INPUT, printable(" ".join(text.split()))
+    except click.Abort as error:  # Ctrl-C, with a text that says what was kept
+        kept = error.__cause__.args if error.__cause__ else ()
+        return INTERRUPTED, printable(", ".join(["interrupted", *map(str, kept)]))

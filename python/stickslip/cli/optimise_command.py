@@ -7,17 +7,14 @@ from typing import Any
 
 import click
 
-from stickslip._util.text import json_text, printable_lines
-from stickslip.cli.common import JSON, PATH, SET, THREADS, UNCERTAIN, WholeNumber, say
-from stickslip.cli.completion import coils, figure_after, settings
-from stickslip.cli.progress import ProgressBar
-from stickslip.cli.settings import by_key, parse_value, read_with, with_uncertain_file
-from stickslip.cli.targets import check_folder_target, input_files
-from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import Value
-
-_FREE = "allowed is key=low:high or key=word,word, such as drive.frequency=5:300"
-_LIMIT = "allowed is figure=value, such as field_max=2.5e-3"
+import stickslip
+from stickslip._util.files import check_folder
+from stickslip._util.text import printable_lines
+from stickslip.cli import options, output
+from stickslip.cli.loading import load_uncertain
+from stickslip.cli.progress import progress_bar
+from stickslip.design.optimum import SearchInterrupted
+from stickslip.errors import ScenarioError, prefixed
 
 
 @click.command(
@@ -29,96 +26,80 @@ Examples:
   stickslip optimise scenario.toml --maximise mean_velocity --limit voltage_max=26 \\
     --knots 12 --coils xp,clamp --free drive.frequency=50:300 --out best""",
 )
-@click.argument("scenario", type=PATH)
+@click.argument("scenario", type=options.PATH)
 @click.option(
     "--maximise",
     metavar="FIGURE",
-    shell_complete=figure_after(""),
     help="A number of the summary, as large as may be. mean_velocity is along x, velocity_along "
     "along the heading of the drive.",
 )
-@click.option(
-    "--minimise",
-    metavar="FIGURE",
-    shell_complete=figure_after(""),
-    help="The same, as small as may be.",
-)
-@click.option(
+@click.option("--minimise", metavar="FIGURE", help="The same, as small as may be.")
+@options.pairs(
     "--limit",
-    "limits",
-    multiple=True,
+    options.number,
+    "figure=value, such as field_max=2.5e-3",
+    "Greatest value of a number of the summary, or of tilt_max, the largest |theta|, in every draw",
     metavar="FIGURE=VALUE",
-    shell_complete=figure_after("="),
-    help="Greatest value of a number of the summary, or of tilt_max, the largest |theta|, in every "
-    "draw; repeatable.",
 )
 @click.option(
     "--allow-flight",
     is_flag=True,
     help="Without the default limits of walking, airborne_fraction=0.2 and tilt_max=1.5 (rad).",
 )
-@click.option(
+@options.pairs(
     "--free",
-    multiple=True,
-    metavar="KEY=VALUES",
-    shell_complete=settings,
-    help="A key and its range, low:high, or words to try, a,b; repeatable.",
+    options.range_or_words,
+    "key=low:high or key=word,word, such as drive.frequency=5:300",
+    "A key and its range, low:high, or words to try, a,b",
+    **options.KEYS,
 )
 @click.option(
     "--knots",
-    type=WholeNumber(2, 200),
+    type=click.IntRange(2, 200),
     help="A free waveform with so many knots of each coil; needs --limit voltage_max.",
 )
 @click.option(
     "--coils",
     default="xp,clamp",
-    show_default=True,
-    shell_complete=coils,
     help="Coils that a free waveform drives.",
 )
-@UNCERTAIN
+@options.UNCERTAIN
 @click.option(
     "--score",
     default="q10",
-    show_default=True,
     help="What of the draws counts: q10 for the 10 % quantile, mean or worst.",
 )
-@click.option(
-    "--draws", type=WholeNumber(1), default=8, show_default=True, help="Draws in the search."
-)
+@click.option("--draws", type=click.IntRange(1), default=8, help="Draws in the search.")
 @click.option(
     "--fresh",
-    type=WholeNumber(1),
+    type=click.IntRange(1),
     default=64,
-    show_default=True,
     help="Other draws, to judge what was found.",
 )
 @click.option(
     "--evaluations",
-    type=WholeNumber(1),
+    type=click.IntRange(1),
     default=10_000,
-    show_default=True,
     help="Simulations of the search.",
 )
-@click.option("--seed", type=WholeNumber(0), default=0, show_default=True, help="Of all draws.")
+@options.SEED
 @click.option(
     "--out",
-    type=click.Path(path_type=Path, file_okay=False),
-    help="Folder for best.toml, best.csv and report.html.  [default: best; with --json none]",
+    type=options.FOLDER,
+    help="Folder for best.toml, best.csv and best.png.  [default: best; with --json none]",
 )
-@SET
-@THREADS
-@JSON
+@options.SET
+@options.THREADS
+@options.JSON
 def command(
     scenario: Path,
-    limits: tuple[str, ...],
-    free: tuple[str, ...],
-    coils: str,
+    set: dict[str, Any],
     uncertain: Path | None,
+    limit: dict[str, float],
+    coils: str,
     out: Path | None,
-    settings: tuple[str, ...],
     as_json: bool,
-    **options: Any,
+    **how: Any,
 ) -> None:
     """Find the drive of a SCENARIO (a TOML file) that is best under limits.
 
@@ -133,48 +114,31 @@ def command(
 
     Ctrl-C ends the search, and writes the best so far.
     """
-    from stickslip.design.optimise import optimise
-    from stickslip.design.optimum import FILES, SearchInterrupted
-
-    base = with_uncertain_file(read_with(scenario, settings), uncertain, settings)
-    options["free"] = by_key("--free", free, _FREE, _values)
-    options["limits"] = by_key("--limit", limits, _LIMIT, _number)
-    options["coils"] = [name.strip() for name in coils.split(",")]
+    base, read = load_uncertain(scenario, set, uncertain)
     if out is None and not as_json:
         out = Path("best")
     if out is not None:
-        check_folder_target(out, FILES, input_files(scenario, settings, uncertain))
-    with ProgressBar("searching") as bar:
+        for path in read:
+            if path.resolve().parent == out.resolve():
+                raise ScenarioError(
+                    f"--out: {out} has {path}, which is read; choose another folder"
+                )
+        with prefixed("--out", OSError):
+            check_folder(out)
+    how |= {"limits": limit, "coils": [name.strip() for name in coils.split(",")]}
+    with progress_bar() as bar:
         try:
-            found = optimise(base, progress=bar, **options)
+            found = stickslip.optimise(base, progress=bar, **how)
         except SearchInterrupted as interrupt:
             if interrupt.best is None:
                 raise
             found = interrupt.best
-        if out is not None:
-            bar(1.0, "report")
-            found.save_report(out)
-    click.echo(json_text(found.as_dict()) if as_json else printable_lines(found.summary()))
+    if as_json:
+        output.print_json(found.as_dict())
+    else:
+        click.echo(printable_lines(found.summary()))
+    if out is not None:
+        found.save_report(out)
+        output.say(f"  in {out}: {', '.join(found.files)}", err=as_json)
     if found.interrupted:
-        kept = "nothing written" if out is None else f"the best so far is in {out}"
-        say(f"stickslip: interrupted, {kept}", err=True)
-        raise KeyboardInterrupt
-    if out is not None and not as_json:
-        say(f"  in {out}: {', '.join(found.files)}")
-
-
-def _values(text: str) -> list[Value]:
-    """The two ends of a range, or words."""
-    separator = ":" if ":" in text else ","
-    values = [parse_value(part.strip()) for part in text.split(separator)] if text else []
-    are_numbers = all(isinstance(each, int | float) for each in values)
-    if (separator == ":") != are_numbers or (are_numbers and len(values) != 2):
-        raise ScenarioError(_FREE)
-    return values
-
-
-def _number(text: str) -> float:
-    number = parse_value(text)
-    if isinstance(number, str):
-        raise ScenarioError(_LIMIT)
-    return number
+        raise KeyboardInterrupt("this is the best so far")

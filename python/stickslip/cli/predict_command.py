@@ -2,33 +2,23 @@
 
 from __future__ import annotations
 
+import json
+import math
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
+import stickslip
 from stickslip._util.files import replacing
-from stickslip._util.text import json_text
-from stickslip.cli.common import (
-    JSON,
-    PATH,
-    SET,
-    THREADS,
-    UNCERTAIN,
-    WholeNumber,
-    draw,
-    say,
-    vary_option,
-)
-from stickslip.cli.progress import ProgressBar
-from stickslip.cli.settings import read_with, swept_points, with_uncertain_file
-from stickslip.cli.tables import prediction_as_dict, prediction_failures, prediction_table
-from stickslip.cli.targets import check_out_and_plot, input_files
-from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import known_keys
+from stickslip.cli import options, output
+from stickslip.cli.loading import load_uncertain
+from stickslip.cli.progress import progress_bar
+from stickslip.simulation.note import lines_of_json
+from stickslip.simulation.run import SUFFIXES
+from stickslip.simulation.seen_from_drive import shown_velocities
 from stickslip.sweeping.files import write
-from stickslip.sweeping.points import Points
-from stickslip.sweeping.predict import DRAWS, predict
+from stickslip.sweeping.predict import DRAWS
 
 if TYPE_CHECKING:
     import xarray
@@ -40,27 +30,30 @@ if TYPE_CHECKING:
     "  stickslip predict scenario.toml --uncertain measurement.toml \\\n"
     "    --vary drive.frequency=20:200:10 --out bands.csv --plot bands.png",
 )
-@click.argument("scenario", type=PATH)
-@UNCERTAIN
-@vary_option(required=False)
-@SET
+@click.argument("scenario", type=options.PATH)
+@options.UNCERTAIN
+@options.vary_option(required=False)
+@options.SET
 @click.option(
     "--draws",
-    type=WholeNumber(2),
+    type=click.IntRange(2),
     default=DRAWS,
-    show_default=True,
     help="Simulations of each point, all with other values of what is uncertain.",
 )
-@click.option("--seed", type=WholeNumber(0), default=0, show_default=True, help="Of the draws.")
-@THREADS
-@click.option("--out", type=PATH, help="Write the quantiles: .nc (netCDF; also .nc4, .h5) or .csv.")
-@click.option("--plot", type=PATH, help="Draw velocities with bands: .png, .pdf, .svg and others.")
-@JSON
+@options.SEED
+@options.THREADS
+@click.option(
+    "--out", type=options.PATH, help="Write the quantiles: .nc (netCDF; also .nc4, .h5) or .csv."
+)
+@click.option(
+    "--plot", type=options.PATH, help="Draw velocities with bands: .png, .pdf, .svg and others."
+)
+@options.JSON
 def command(
     scenario: Path,
     uncertain: Path | None,
-    vary: tuple[str, ...],
-    settings: tuple[str, ...],
+    vary: dict[str, list[Any]],
+    set: dict[str, Any],
     draws: int,
     seed: int,
     threads: int | None,
@@ -74,47 +67,83 @@ def command(
     from its [uncertain], or from that of another file. Draws that fail are in no quantile; how many
     there are is said on standard error, and the exit status is then 1.
     """
-    points = swept_points(scenario, vary, settings) if vary else None
-    base = read_with(scenario, settings) if points is None else points.scenario
-    base = with_uncertain_file(base, uncertain, settings)
+    loaded, read = load_uncertain(scenario, set, uncertain)
+    output.check_files(read, out=(out, SUFFIXES), plot=(plot, ()))
     if plot is not None:
-        _check_drawable(points)
-    check_out_and_plot(out, plot, input_files(scenario, settings, uncertain))
+        options.check_drawable(vary, 1)
+    count = math.prod(map(len, vary.values())) * draws
+    with progress_bar(count) as bar:
+        data = stickslip.predict(loaded, vary, draws, seed, threads=threads, progress=bar)
+    if as_json:
+        output.print_json(_as_dict(data))
+    else:
+        _print(data)
+    failed, redrawn = int(data.attrs["failed_draws"]), int(data.attrs["redrawn"])
+    if redrawn:
+        output.say(
+            f"stickslip: note: {redrawn} more draws made no scenario, and are drawn again", err=True
+        )
+    if failed:
+        said = f"{failed} of {count} draws failed and are in no quantile; the first: "
+        output.say(f"stickslip: {said}{data.attrs['message']}", err=True)
+    if out is not None:
+        _save(data, out)
+    done = output.drawn("--plot", plot, output.save_plot("velocity", data))
+    return 0 if done and not failed else 1
 
-    columns = {} if points is None else points.columns
-    varied = {key: values for key, (_, values) in columns.items()}
-    with ProgressBar(points=draws * (1 if points is None else points.count)) as bar:
-        found = predict(base, varied, draws, seed, threads=threads, progress=bar)
-    drawn = True
-    try:
-        if out is not None:
-            _save(found, out)
-        if plot is not None:
-            drawn = draw(plot, "velocity", found)
-    finally:  # the table is printed even if a disk was full
-        click.echo(json_text(prediction_as_dict(found)) if as_json else prediction_table(found))
-        for failure in prediction_failures(found):
-            say(f"stickslip: {failure}", err=True)
-    return 1 if found.attrs["failed_draws"] or not drawn else 0
 
-
-def _save(found: xarray.Dataset, path: Path) -> None:
+def _save(data: xarray.Dataset, path: Path) -> None:
     """Write the quantiles as netCDF, or as CSV whose headings name the units."""
     if path.suffix.lower() != ".csv":
-        write(found, path)
+        write(data, path)
         return
-    from stickslip.sweeping.sweep_table import sweep_dataframe
-
-    table = sweep_dataframe(found)
+    table = stickslip.sweep_dataframe(data)
     units = table.attrs["units"].items()
     names = {name: f"{name} ({unit})" for name, unit in units if unit not in ("", "1")}
     with replacing(path) as temporary:
         table.rename(columns=names).to_csv(temporary, index=False)
 
 
-def _check_drawable(points: Points | None) -> None:
-    """Refuse what `plot.velocity` draws no bands of."""
-    sizes = () if points is None else zip(points.keys, points.shape, strict=True)
-    numbers = [key for key, size in sizes if size > 1 and known_keys()[key].kind != "word"]
-    if len(numbers) != 1:
-        raise ScenarioError("--plot: allowed with one --vary of numbers, and others of words")
+def _as_dict(data: xarray.Dataset) -> dict[str, Any]:
+    """The points in order: quantiles of each figure and their errors, lists as `quantiles`."""
+    table = stickslip.sweep_dataframe(data)
+    keys = {str(name): each.attrs["key"] for name, each in data["failed"].coords.items()}
+    columns = table[[*keys, "failed"]].rename(columns=keys).to_dict("list")
+    for name, values in data.data_vars.items():
+        if "quantile" in values.dims:
+            columns[str(name)] = values.values.reshape(-1, data.sizes["quantile"]).tolist()
+    rows = zip(*columns.values(), strict=True)
+    return {
+        "points": data["failed"].size,
+        **{name: int(data.attrs[name]) for name in ("draws", "seed", "redrawn")},
+        "failed": int(data.attrs["failed_draws"]),
+        "status": json.loads(data.attrs["statuses"]),
+        "notes": json.loads(data.attrs["notes"]),
+        "quantiles": data["quantile"].values.tolist(),
+        "results": [dict(zip(columns, row, strict=True)) for row in rows],
+    }
+
+
+def _print(data: xarray.Dataset) -> None:
+    """The points, if they are few, counts, and the precision of the quantiles."""
+    table = stickslip.sweep_dataframe(data)
+    units = table.attrs["units"]
+    figures = (next(iter(shown_velocities(data))), "airborne_fraction")
+    names = [f"{name}_q{100.0 * level:g}" for name in figures for level in data["quantile"].values]
+    shown = [*map(str, data["failed"].coords), *names, "failed"]
+    output.print_points({(name, units[name] or "-"): table[name] for name in shown})
+    points, draws, failures = (
+        data["failed"].size,
+        int(data.attrs["draws"]),
+        int(data.attrs["failed_draws"]),
+    )
+    rows = [
+        ("points", str(points)),
+        ("draws", f"{draws} of each, {failures} of all failed"),
+    ]
+    if failures < points * draws:
+        lowest = float(data["quantile"].min())
+        error = math.sqrt(lowest * (1.0 - lowest) / draws)
+        shares = f"{100 * max(lowest - error, 0.0):.3g} to {100 * (lowest + error):.3g} %"
+        rows.append(("precision", f"the quantile of {100 * lowest:.4g} % is one of {shares}"))
+    output.print_rows([*rows, *(("note", line) for line in lines_of_json(data.attrs["notes"]))])

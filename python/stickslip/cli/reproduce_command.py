@@ -6,9 +6,10 @@ from pathlib import Path
 
 import click
 
-from stickslip._util.text import json_text
-from stickslip.cli.common import JSON, PATH, THREADS, say
-from stickslip.cli.progress import ProgressBar
+import stickslip
+from stickslip.cli.options import FOLDER, JSON, THREADS
+from stickslip.cli.output import print_json, say
+from stickslip.cli.progress import progress_bar
 from stickslip.errors import prefixed
 
 
@@ -18,9 +19,8 @@ from stickslip.errors import prefixed
 )
 @click.option(
     "--out",
-    type=PATH,
+    type=FOLDER,
     default=Path("reproduction"),
-    show_default=True,
     help="Folder for figures (PNG and CSV), statements.csv and settings.csv.",
 )
 @click.option("--only", metavar="FIGURES", help="Figures to make, such as fig8,fig12; else all.")
@@ -32,10 +32,11 @@ def command(out: Path, only: str | None, threads: int | None, as_json: bool) -> 
     Tries what the paper leaves open, says for each of its statements S1 to S17 whether it is
     reproduced, and with which settings, and draws Figs. 2 (e) to (h) and 4 to 15.
     """
-    from stickslip.reproduction.study import reproduce
-
     names = None if only is None else [name.strip() for name in only.split(",")]
-    with ProgressBar("trying settings") as bar, prefixed("--out", OSError):
-        result = reproduce(out, only=names, threads=threads, progress=bar)
-    click.echo(json_text(result.as_dict()) if as_json else result.summary())
+    with progress_bar() as bar, prefixed("--out", OSError):
+        result = stickslip.reproduce(out, only=names, threads=threads, progress=bar)
+    if as_json:
+        print_json(result.as_dict())
+    else:
+        click.echo(result.summary())
     say(f"{len(result.figures)} figures: {out}", err=as_json)

@@ -2,47 +2,45 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import click
 
-from stickslip._util.text import json_text
-from stickslip.cli.common import JSON, PATH, SET, say
-from stickslip.cli.progress import ProgressBar
-from stickslip.cli.run_pictures import Pictures
-from stickslip.cli.settings import read_with
-from stickslip.cli.tables import summary_table
-from stickslip.cli.targets import check_different, check_target, input_files
-from stickslip.errors import ScenarioError
+import stickslip
+from stickslip import _core
+from stickslip._util.text import highest
+from stickslip._util.units import handy
+from stickslip.cli.loading import load_with
+from stickslip.cli.options import JSON, PATH, SET
+from stickslip.cli.output import check_files, drawn, print_json, print_rows, save_plot, say
+from stickslip.cli.progress import progress_bar
+from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.record_blocks import RecordNotWritten
+from stickslip.simulation.columns import NUMBERS
+from stickslip.simulation.note import shown_lines
 from stickslip.simulation.run import SUFFIXES, Run
+from stickslip.simulation.seen_from_drive import VELOCITIES
 from stickslip.simulation.simulate import simulate
 
 # Ten samples a period of the fastest free swing, some 850 Hz at 2.5 mT, with margin; Hz.
 _RATE = 2e4
 # Chosen: at high frequencies a sawtooth's edge is then at most a fiftieth of a pulse wide.
 _SAMPLES_PER_PULSE = 50
-# Chosen: with fewer a sawtooth's edge is drawn in a wrong place, and whole slips are missed.
-_FEWEST_PER_PULSE = 20
 # Chosen: some 145 MB of arrays; of a longer run the picture and the file are coarser.
 _MOST_SAMPLES = 1_000_000
+
+_MOVING = (".gif", ".webp", ".mp4")
+_EVENTS = "\n".join(f"  {name:<10}  {meaning}" for name, meaning in _core.events.items())
 
 
 @click.command(
     "run",
-    epilog="""\b
+    epilog=f"""\b
 Events that the summary counts:
-  slip_start  a sticking contact slips
-  stick       a slipping contact sticks
-  reversal    a slip stops and goes on the other way
-  lift_off    the last contact is lost
-  touch_down  a corner meets the surface out of flight
-  landing     a body on one corner comes to lie on a face
-  tip         a body on a face goes to one corner
-  roll_over   a body on one corner goes to the next at once, as the face between lands
-  rebound     the second corner of a body on one corner meets the surface and bounces off
-  painleve    a slip had no solution and was stopped by an impulse
+{_EVENTS}
 
 \b
 "stickslip init scenario.toml" writes a scenario with all keys; "stickslip keys" lists them.
@@ -72,21 +70,21 @@ Example:
 )
 @click.option(
     "--start",
-    type=float,
+    type=click.FloatRange(0.0),
     metavar="SECONDS",
     help="Begin of the time that --plot and --animate show.",
 )
-@click.option("--stop", type=float, metavar="SECONDS", help="End of that time.")
+@click.option("--stop", type=click.FloatRange(0.0), metavar="SECONDS", help="End of that time.")
 @click.option(
     "--slowdown",
-    type=float,
+    type=click.FloatRange(0.0, min_open=True),
     metavar="FACTOR",
     help="Seconds of --animate for one second of the motion; default: it lasts 10 s at most.",
 )
 @JSON
 def command(
     scenario: Path,
-    settings: tuple[str, ...],
+    set: dict[str, Any],
     out: Path | None,
     until: str | None,
     plot: Path | None,
@@ -102,75 +100,90 @@ def command(
     the end of the third pulse to the end of the last; with a program of voltages, all of it.
 
     --out, --plot and --animate record on a uniform grid if the scenario's record.rate is "none".
-    What --out recorded before Ctrl-C or a failure is kept. The exit status is 1 if the simulation
-    failed or there was nothing to draw, with the reason on standard error.
+    What --out recorded before Ctrl-C or a full disk stays in FILE.part. The exit status is 1 if the
+    simulation failed or there was nothing to draw, with the reason on standard error.
     """
-    loaded = read_with(scenario, settings)
-    pictures = Pictures(plot, animate, start, stop, slowdown)
-    pictures.check_stretch(loaded)
-    if out is not None or pictures.option:
-        inputs = input_files(scenario, settings)
-        check_different({"--out": out, "--plot": plot, "--animate": animate})
-        if out is not None:
-            check_target("--out", out, inputs, SUFFIXES)
-        pictures.check_files(inputs)
-        loaded = _with_record(loaded, pictures.option)
-    if pictures.option:
-        pictures.check_recorded(loaded)
-    run, failure = _simulated(loaded, until, out)
+    loaded, read = load_with(scenario, set)
+    check_files(read, out=(out, SUFFIXES), plot=(plot, ()), animate=(animate, _MOVING))
+    pictures = plot is not None or animate is not None
+    _check_times(loaded, start, stop, pictures)
+    if slowdown is not None and animate is None:
+        raise click.UsageError("--slowdown: allowed with --animate only")
+    if (pictures or out is not None) and loaded.record.rate == "none":
+        loaded = loaded.replace({"record.rate": _rate(loaded)})
+    if pictures:  # said before a long run
+        with prefixed("--plot" if plot is not None else "--animate"):
+            stickslip.plot.motion.check_drawable(loaded)
 
-    drawn = True
-    try:
-        if failure is not None:
-            raise failure
-        drawn = pictures.draw(run)
-    finally:  # the summary is printed even if a disk was full
-        click.echo(json_text(run.summary()) if as_json else summary_table(run))
-        if not run.ok:
-            say(f"stickslip: the simulation failed: {run.status}, {run.message}", err=True)
-    return 0 if run.ok and drawn else 1
+    with progress_bar() as bar:
+        run = simulate(loaded, progress=bar, until=until, out=out)
+    # Before what may find a disk full: nobody simulates it again.
+    if as_json:
+        print_json(run.summary())
+    else:
+        print_rows(_rows(run))
+    if not run.ok:
+        say(f"stickslip: the simulation failed: {run.status}, {run.message}", err=True)
 
-
-def _simulated(
-    scenario: Scenario, until: str | None, out: Path | None
-) -> tuple[Run, RecordNotWritten | None]:
-    """The run, and what kept its record from being written, if anything did."""
-    try:
-        with ProgressBar() as bar:
-            return simulate(scenario, progress=bar, until=until, out=out), None
-    except RecordNotWritten as error:
-        return error.run, error
-
-
-def _with_record(scenario: Scenario, picture: str) -> Scenario:
-    """The scenario with a uniform grid of its own or ours; notes on standard error.
-
-    `picture` is the option that asks for a picture, "" if none does.
-    """
-    rate, pulsed = scenario.record.rate, scenario.drive.mode != "program"
-    frequency = scenario.drive.frequency if pulsed else 0.0
-    if rate == "none":
-        wanted = max(_RATE, _SAMPLES_PER_PULSE * frequency)
-        given = min(wanted, _MOST_SAMPLES / scenario.duration)
-        if given < wanted:
-            _note(
-                f"{given:.4g} Hz in place of {wanted:.4g} Hz, as the run is long; "
-                "set record.rate for another"
-            )
-        return scenario.replace({"record.rate": given})
-    if rate == "events":
-        if picture:
-            raise ScenarioError(
-                f'{picture}: record.rate = "events": allowed is a number of Hz or "none", '
-                "as a curve needs a uniform grid"
-            )
-    elif pulsed and rate < _FEWEST_PER_PULSE * frequency:
-        _note(
-            f"{rate:g} Hz gives {rate / frequency:.3g} samples a pulse, which shows the motion "
-            f'wrongly; {_FEWEST_PER_PULSE} or more are needed, or record.rate = "none"'
+    done = run.ok and drawn("--plot", plot, save_plot("run", run, start, stop))
+    with progress_bar() as bar:
+        shown = (run, start, stop, slowdown)
+        done &= drawn(
+            "--animate", animate, lambda to: stickslip.plot.animation(*shown).save(to, bar)
         )
-    return scenario
+    return 0 if done else 1
 
 
-def _note(text: str) -> None:
-    say(f"stickslip: note: record.rate: {text}", err=True)
+def _check_times(
+    scenario: Scenario, start: float | None, stop: float | None, pictures: bool
+) -> None:
+    """Refuse a stretch of time that the run does not have, or that nothing shows."""
+    if (start is not None or stop is not None) and not pictures:
+        raise click.UsageError("--start, --stop: allowed with --plot or --animate only")
+    # The sum of the drive's parts has the rounding of each: 0.16999... s is 0.17 s.
+    end = max(round(scenario.duration, 12), scenario.duration)
+    first, last = start or 0.0, end if stop is None else stop
+    if not first < last <= end:
+        raise ScenarioError(
+            f"--start, --stop: {first!r} to {last!r} s: allowed is a stretch of the run's "
+            f"{highest(round(end, 12))} s"
+        )
+
+
+def _rate(scenario: Scenario) -> float:
+    """The rate of a record that a picture or a file needs, Hz."""
+    drive = scenario.drive
+    frequency = drive.frequency if drive.mode != "program" else 0.0
+    wanted = max(_RATE, _SAMPLES_PER_PULSE * frequency)
+    return min(wanted, _MOST_SAMPLES / scenario.duration)
+
+
+def _rows(run: Run) -> Iterator[tuple[str, str]]:
+    """The summary: names, values in SI units and in handier ones."""
+    summary = run.summary()
+    yield "status", run.status
+    for name, (unit, _) in {**VELOCITIES, **NUMBERS}.items():
+        across = name in (*VELOCITIES, "mean_velocity_y", "turning_speed")
+        if name not in summary or (across and not run.scenario.turns):
+            continue
+        yield name, _in_two_units(summary[name], unit)
+    if run.scenario.turns:
+        end = run.final_state
+        for name, unit in {"x": "m", "y": "m", "heading": "rad"}.items():
+            yield f"final {name}", _in_two_units(getattr(end, name), unit)
+    window = f"over {summary['window_start']:.6g} to {summary['window_end']:.6g} s"
+    yield "measured", window if math.isfinite(summary["mean_velocity"]) else "nothing"
+    counts = {**summary["events"], "painleve": summary["painleve_events"]}
+    yield (
+        "events",
+        ", ".join(f"{kind} {count}" for kind, count in counts.items() if count) or "none",
+    )
+    for line in shown_lines(run.notes):
+        yield "note", line
+
+
+def _in_two_units(value: float, unit: str) -> str:
+    factor, other = (100.0, "%") if unit == "1" else handy(unit)
+    value += 0.0  # no negative zero
+    in_si = f"{value:.6g} {unit}".removesuffix(" 1")
+    return in_si if other == unit else f"{in_si:<20}  {value * factor:.5g} {other}"

@@ -2,30 +2,38 @@
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
+import importlib
+import json
+import logging
 import math
+from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
+import stickslip
+from stickslip._util.extras import naming_the_extra
 from stickslip._util.files import NETCDF_SUFFIXES
-from stickslip._util.text import json_text
-from stickslip.cli.cluster import cluster
-from stickslip.cli.common import JSON, PATH, SET, THREADS, draw, say, vary_option
-from stickslip.cli.progress import ProgressBar
-from stickslip.cli.settings import swept_points
-from stickslip.cli.tables import sweep_as_dict, sweep_failure, sweep_table
-from stickslip.cli.targets import (
-    Inputs,
-    check_different,
-    check_plot,
-    check_target,
-    input_files,
-    same_file,
-)
+from stickslip.cli import options, output
+from stickslip.cli.loading import load_with
+from stickslip.cli.progress import progress_bar
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import known_keys
-from stickslip.sweeping.points import Points
-from stickslip.sweeping.run_sweep import sweep_points
+from stickslip.simulation.note import lines_of_json
+from stickslip.simulation.seen_from_drive import shown_velocities
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
+    import xarray
+    from pandas import DataFrame
+
+_PATIENCE = 4.0
+"""Time to reach a scheduler, s. Chosen: as long as a user waits."""
+
+_SHOWN = ("theta_min", "theta_max", "slip_up", "slip_down", "airborne_fraction")
 
 
 @click.command(
@@ -34,24 +42,24 @@ from stickslip.sweeping.run_sweep import sweep_points
     "  stickslip sweep scenario.toml --vary drive.frequency=5:200:40 --vary drive.mode=IPP,OPP \\\n"
     "    --out sweep.nc --plot sweep.png",
 )
-@click.argument("scenario", type=PATH)
-@vary_option(required=True)
-@SET
-@THREADS
+@click.argument("scenario", type=options.PATH)
+@options.vary_option(required=True)
+@options.SET
+@options.THREADS
 @click.option("--dask", metavar="ADDRESS", help="Simulate on the workers of a Dask cluster.")
-@click.option("--out", type=PATH, help="Write the results to a netCDF file.")
+@click.option("--out", type=options.PATH, help="Write the results to a netCDF file.")
 @click.option("--resume", is_flag=True, help="Go on with the sweep that --out holds, if any.")
 @click.option(
     "--plot",
-    type=PATH,
+    type=options.PATH,
     help="Draw the mean velocities, lines over one number or a map over two: .png, .pdf, .svg and "
     "others.",
 )
-@JSON
+@options.JSON
 def command(
     scenario: Path,
-    vary: tuple[str, ...],
-    settings: tuple[str, ...],
+    vary: dict[str, list[Any]],
+    set: dict[str, Any],
     threads: int | None,
     dask: str | None,
     out: Path | None,
@@ -68,62 +76,117 @@ def command(
     after whatever stopped the sweep, without simulating a finished point again.
     The exit status is 1 if --plot had nothing to draw, as no point has a velocity.
     """
-    points = swept_points(scenario, vary, settings)
+    if both := vary.keys() & set.keys():
+        raise click.UsageError(f"{min(both)}: allowed is either --set or --vary, not both")
     if resume and out is None:
-        raise ScenarioError("--resume: allowed with --out only, the file to go on with")
+        raise click.UsageError("--resume: allowed with --out only, the file to go on with")
     if dask is not None and threads is not None:
-        raise ScenarioError("--threads: not allowed with --dask, whose workers are all used")
-    inputs = input_files(scenario, settings)
-    check_different({"--out": out, "--plot": plot})
-    if out is not None:
-        _check_out(out, resume, inputs)
+        raise click.UsageError("--threads: not allowed with --dask, whose workers are all used")
+    loaded, read = load_with(scenario, set)
+    output.check_files(read, out=(out, NETCDF_SUFFIXES), plot=(plot, ()))
+    if out is not None and out.exists() and not resume:
+        raise ScenarioError(f"--out: {out} is already there; --resume goes on with it")
     if plot is not None:
-        _check_drawable(points)
-        check_plot(plot, inputs)
+        options.check_drawable(vary, 2)
+    count = math.prod(map(len, vary.values()))
+    with progress_bar(count) as bar, _cluster(dask) as executor:
+        how: dict[str, Any] = {"threads": threads, "executor": executor, "resume": resume}
+        data = stickslip.sweep(loaded, vary, out=out, progress=bar, **how)
+    table = stickslip.sweep_dataframe(data)
+    if as_json:
+        output.print_json(_as_dict(data, table))
+    else:
+        _print(data, table)
+    if failed := int(data.attrs["failed_points"]):
+        first = next(filter(None, table["message"]))
+        output.say(f"stickslip: {failed} of {count} points failed; the first: {first}", err=True)
+    return 0 if output.drawn("--plot", plot, output.save_plot("velocity", data)) else 1
 
-    def kept(stage: str) -> str:
-        there = out is not None and out.is_file()
-        return f"--resume goes on with {out}" if there else "nothing written"
 
-    bar = ProgressBar(points=points.count, kept=kept)
+@contextlib.contextmanager
+def _cluster(address: str | None) -> Iterator[Executor | None]:
+    """An executor of the cluster whose scheduler has this address; None without an address."""
+    if address is None:
+        yield None
+        return
+    with naming_the_extra("--dask"):
+        distributed = importlib.import_module("distributed")
+    # Else it logs about an address that does not answer, beside the one line of the error.
+    logging.getLogger("distributed").setLevel(logging.CRITICAL + 1)
+
+    async def identity() -> Any:  # a client of what does not answer waits for ever
+        async with distributed.rpc(address) as scheduler:
+            return await asyncio.wait_for(scheduler.identity(), _PATIENCE)
+
     try:
-        with bar, cluster(dask) as executor:
-            data = sweep_points(
-                points, threads=threads, executor=executor, out=out, resume=resume, progress=bar
-            )
-    except (FileExistsError, PermissionError) as error:
-        if error.errno:  # of the system, in the midst of the work
+        asyncio.run(identity())
+        client = distributed.Client(address, timeout=_PATIENCE, set_as_default=False)
+        client.wait_for_workers(1, timeout=_PATIENCE)
+    except Exception as error:  # which depends on what the address is
+        reason = str(error) or "it does not answer"
+        raise ScenarioError(f"--dask {address}: there is no cluster: {reason}") from None
+    with client:
+        try:
+            yield client.get_executor()
+        except (ScenarioError, OSError):
             raise
-        raise ScenarioError(f"--out: {error}") from None
-    try:
-        drawn = plot is None or draw(plot, "velocity", data)
-    finally:  # the table is printed even if a disk was full
-        click.echo(json_text(sweep_as_dict(data)) if as_json else sweep_table(data))
-        failure = sweep_failure(data)
-        if failure:
-            say(f"stickslip: {failure}", err=True)
-    return 0 if drawn else 1
+        except Exception as error:  # of a worker
+            raise OSError(f"--dask {address}: {type(error).__name__}: {error}") from None
 
 
-def _check_drawable(points: Points) -> None:
-    """Say before a long sweep that it varies what `plot.velocity` cannot draw."""
-    from stickslip.plot.velocities import MOST_LINES
+def _as_dict(data: xarray.Dataset, table: DataFrame) -> dict[str, Any]:
+    """Counts, extremes and the points in order, in the words of a single run's summary."""
+    keys = _keys(data)
+    table = table.rename(columns=keys)
+    counts = table.filter(regex="^events_").rename(
+        columns=lambda name: name.removeprefix("events_")
+    )
+    results = table.drop(columns=table.filter(regex="^events_").columns).to_dict("records")
+    for point, events in zip(results, counts.to_dict("records"), strict=True):
+        point["events"] = events
+    return {
+        "points": len(table),
+        "failed": int(data.attrs["failed_points"]),
+        "status": json.loads(data.attrs["statuses"]),
+        "notes": json.loads(data.attrs["notes"]),
+        **_extremes(data, table),
+        "results": results,
+    }
 
-    sizes = {key: size for key, size in zip(points.keys, points.shape, strict=True) if size > 1}
-    lines = [size for key, size in sizes.items() if known_keys()[key].kind == "word"]
-    numbers = len(sizes) - len(lines)
-    if not (numbers == 1 and math.prod(lines) <= MOST_LINES) and not (numbers == 2 and not lines):
-        raise ScenarioError(
-            f"--plot: allowed with one --vary of numbers, and others of words for at most "
-            f"{MOST_LINES} lines; or with two of numbers"
+
+def _extremes(data: xarray.Dataset, table: DataFrame) -> dict[str, dict[str, Any]]:
+    """The keys and the velocity of the slowest and of the fastest point."""
+    figure = next(iter(shown_velocities(data)))
+    if table[figure].isna().all():
+        return {}
+    columns = table[[*_keys(data).values(), figure]]
+    places = {"lowest": table[figure].idxmin(), "highest": table[figure].idxmax()}
+    return {name: columns.loc[[place]].to_dict("records")[0] for name, place in places.items()}
+
+
+def _print(data: xarray.Dataset, table: DataFrame) -> None:
+    """The points, if they are few, counts and extremes."""
+    velocities, keys, units = shown_velocities(data), _keys(data), table.attrs["units"]
+    names = [*keys, "status", *velocities, *_SHOWN]
+    output.print_points({(name, units[name] or "-"): table[name] for name in names})
+    sizes = " x ".join(f"{size} {name}" for name, size in data["status"].sizes.items())
+    statuses = json.loads(data.attrs["statuses"])
+    rows = [
+        ("points", f"{len(table)} ({sizes})"),
+        ("status", ", ".join(f"{name} {count}" for name, count in statuses.items())),
+    ]
+    for name, point in _extremes(data, table.rename(columns=keys)).items():
+        figure, value = point.popitem()
+        at = ", ".join(
+            f"{keys[each]} = {point[keys[each]]} {units[each]}".removesuffix(" 1").rstrip()
+            for each in keys
         )
+        direction = f"{value * 1e3:.6g} mm/s {velocities[figure]}".rstrip()
+        rows.append((name, f"{direction} at {at}"))
+    output.print_rows([*rows, *(("note", line) for line in lines_of_json(data.attrs["notes"]))])
 
 
-def _check_out(out: Path, resume: bool, inputs: Inputs) -> None:
-    """Say before a long sweep what could not be written after it."""
-    if not out.is_file() or any(same_file(out, read) for read in inputs.values()):
-        check_target("--out", out, inputs, NETCDF_SUFFIXES)
-    elif not resume:
-        raise ScenarioError(
-            f"--out: {out} is already there; --resume goes on with it, and another name begins anew"
-        )
+def _keys(data: xarray.Dataset) -> dict[str, str]:
+    """The keys that vary by their names in the Dataset."""
+    coordinates = data["status"].coords.items()
+    return {str(name): each.attrs["key"] for name, each in coordinates if "key" in each.attrs}

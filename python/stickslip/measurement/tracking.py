@@ -18,8 +18,7 @@ from stickslip.measurement.tables import counted, read_numbers, stated_number
 from stickslip.scenario.keys import refuse, shown
 from stickslip.scenario.path_keys import FILE
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.columns import COLUMNS
-from stickslip.simulation.csv_export import headings
+from stickslip.simulation.columns import COLUMNS, headings
 from stickslip.simulation.note import Note
 
 _REQUIRED = {"t": "s", "x": "m", "theta": "rad"}

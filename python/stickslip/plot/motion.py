@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from stickslip._util.numbers import Array
 from stickslip.scenario.keys import refuse
 from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.columns import recorded_names
 from stickslip.simulation.run import Run
 
 _DRAWN = (
@@ -62,6 +63,16 @@ class Motion:
     def sample(self, time: float) -> int:
         """Index of the sample that is nearest to a time, s."""
         return int(np.abs(self.t - time).argmin())
+
+
+def check_drawable(scenario: Scenario) -> None:
+    """Raise a ScenarioError if the record of a scenario lacks what pictures of the motion draw."""
+    record = scenario.record
+    if record.rate == "events":
+        refuse("record.rate", "events", "a number of Hz, as a picture needs a uniform grid")
+    drawn = (*_DRAWN, *_DRAWN_ACROSS) if scenario.turns else _DRAWN
+    if missing := [name for name in drawn if name not in recorded_names(scenario)]:
+        refuse("record.fields", record.fields, f"a record of {', '.join(missing)} too, to draw it")
 
 
 def motion(run: Run) -> Motion:

@@ -1,11 +1,13 @@
-"""The quantities of a run: names, units, and what their numbers stand for."""
+"""The quantities of a run: names, units and meanings as the core's tables have them."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from stickslip import _core
-from stickslip.scenario.sections import COIL_NAMES
+
+if TYPE_CHECKING:
+    from stickslip.scenario.scenario import Scenario
 
 
 class Column(NamedTuple):
@@ -28,7 +30,30 @@ WORDS = {"contact": tuple(_core.contact_words)[1:], "event": tuple(_core.events)
 """What the numbers of a quantity stand for, where they stand for words."""
 
 
+def recorded_names(scenario: Scenario) -> tuple[str, ...]:
+    """The quantities that a run of a scenario keeps; none without a record."""
+    record = scenario.record
+    if record.rate == "none":
+        return ()
+    left_out = set() if record.rate == "events" else {"event"}
+    if not scenario.turns:
+        left_out |= {*PLANE_COLUMNS}
+    if record.fields != "all":
+        left_out |= {*COLUMNS} - {"t", *str(record.fields).split(", ")}
+    return tuple(name for name in COLUMNS if name not in left_out)
+
+
 def column_units(name: str) -> dict[str, str]:
     """The columns of a quantity in a table, with the SI unit of each; "" for words."""
     unit = "" if name in WORDS else COLUMNS[name].unit
-    return {f"current_{coil}": unit for coil in COIL_NAMES} if name == "current" else {name: unit}
+    if name != "current":
+        return {name: unit}
+    return {f"current_{coil}": unit for coil in _core.coil_names}
+
+
+def headings(name: str) -> list[str]:
+    """The headings of a quantity in a CSV file, such as ``current xp (A)``."""
+    return [
+        f"{column.replace('current_', 'current ')} ({unit})" if unit else column
+        for column, unit in column_units(name).items()
+    ]

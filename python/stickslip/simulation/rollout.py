@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from stickslip import _core
 from stickslip._util.numbers import worker_count
@@ -13,10 +16,6 @@ from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.state import STATE_COLUMNS, State
 from stickslip.simulation.simulate import Progress, fraction_of
 from stickslip.simulation.simulator import Hold, check_hold
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import ArrayLike, NDArray
 
 STATE_UNITS = {name: unit for name, (unit, _) in _core.state_columns.items()}
 """SI unit of each column of an array of states."""
@@ -106,8 +105,6 @@ def rollout(
     >>> rollout(Scenario(), None, volts, 1e-3).states.shape
     (4, 20, 2)
     """
-    import numpy as np
-
     linear = check_hold(hold)
     for name in record:
         if name not in STATE_COLUMNS:
@@ -116,18 +113,20 @@ def rollout(
     for index, each in enumerate(several):
         check_kind(f"scenario {index}", each, Scenario)
     volts = np.ascontiguousarray(voltages, dtype=float)
-    if volts.ndim not in (2, 3) or volts.shape[-1] != 5:
+    if volts.ndim not in (2, 3) or volts.shape[-1] != len(_core.coil_names):
         raise ScenarioError(
             f"voltages of shape {volts.shape}: allowed is (steps, 5) or (n, steps, 5)"
         )
     start = _rows(states)
-    runs = _number_of_runs(
-        {
-            "scenarios": None if isinstance(scenarios, Scenario) else len(several),
-            "states": None if start is None or len(start) == 1 else len(start),
-            "voltages": len(volts) if volts.ndim == 3 else None,
-        }
-    )
+    given = {} if isinstance(scenarios, Scenario) else {"scenarios": len(several)}
+    if start is not None and len(start) != 1:
+        given["states"] = len(start)
+    if volts.ndim == 3:
+        given["voltages"] = len(volts)
+    if len({*given.values()}) > 1:
+        told = " and ".join(f"{number} {name}" for name, number in given.items())
+        raise ScenarioError(f"{told}: allowed is the same number of runs")
+    runs = next(iter(given.values()), 1)
     if start is not None and len(start) == 1:
         start = np.repeat(start, runs, axis=0)
     shape = (runs, volts.shape[-2], len(record))
@@ -155,12 +154,9 @@ def rollout(
 
 
 def _rows(states: Any) -> NDArray[np.float64] | None:
-    import numpy as np
-
     if states is None:
         return None
-    if isinstance(states, State):
-        states = [states]
+    states = [states] if isinstance(states, State) else states
     if len(states) and isinstance(states[0], State):
         states = [each.row for each in states]
     rows = np.ascontiguousarray(states, dtype=float)
@@ -170,11 +166,3 @@ def _rows(states: Any) -> NDArray[np.float64] | None:
             "a row of STATE_COLUMNS for each run"
         )
     return rows
-
-
-def _number_of_runs(given: dict[str, int | None]) -> int:
-    numbers = {name: number for name, number in given.items() if number is not None}
-    if len(set(numbers.values())) > 1:
-        told = " and ".join(f"{number} {name}" for name, number in numbers.items())
-        raise ScenarioError(f"{told}: allowed is the same number of runs")
-    return next(iter(numbers.values()), 1)

@@ -2,28 +2,42 @@
 
 from __future__ import annotations
 
+import csv
 import functools
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from os import PathLike
-from typing import TYPE_CHECKING, Any, NamedTuple
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from stickslip import _core
-from stickslip._util.files import NETCDF_SUFFIXES, check_suffix
+from stickslip._util.extras import naming_the_extra
+from stickslip._util.files import NETCDF_SUFFIXES, check_suffix, replacing
 from stickslip.scenario.state import State, made_state
-from stickslip.simulation.columns import COLUMNS, PLANE_COLUMNS, WORDS
+from stickslip.simulation.columns import (
+    COLUMNS,
+    PLANE_COLUMNS,
+    WORDS,
+    column_units,
+    headings,
+    recorded_names,
+)
+from stickslip.simulation.display import headline, run_html
 from stickslip.simulation.note import Note, by_seriousness
-from stickslip.simulation.record_blocks import is_csv, recorded_names, turns, write_run
+from stickslip.simulation.record_file import dataset, stored, write_run
 from stickslip.simulation.run_notes import run_notes
+from stickslip.simulation.seen_from_drive import ACROSS, ALONG, seen_from_drive
 
 if TYPE_CHECKING:
-    import numpy as np
     import xarray
     from numpy.typing import NDArray
     from pandas import DataFrame
 
-    from stickslip._util.numbers import Array
     from stickslip.scenario.scenario import Scenario
-    from stickslip.simulation.stored_run import StoredRecord
+
+SUFFIXES = (*NETCDF_SUFFIXES, ".csv")
+"""Suffixes of the files that a run can be saved as."""
 
 
 def resting_force(scenario: Scenario) -> float:
@@ -32,44 +46,15 @@ def resting_force(scenario: Scenario) -> float:
     return weight + scenario.contact.adhesion
 
 
-SUFFIXES = (*NETCDF_SUFFIXES, ".csv")
-"""Suffixes of the files that a run can be saved as."""
-
-
-class Outcome(NamedTuple):
-    """What a run comes to, beside its record: see `Run`."""
-
-    status: str
-    message: str
-    numbers: Mapping[str, Any]  # the summary without status, notes and window
-    final_state: State
-    condition_met: bool
-    complete: bool
-    recorded_until: float
-    condition: str  # `until` of `simulate`; "" without one
-
-    @staticmethod
-    def of(
-        result: _core.RunResult, recorded_until: float, until: str | None, cut: bool = False
-    ) -> Outcome:
-        """What the core found; `cut`: whether the record could not be kept to its end."""
-        return Outcome(
-            result.status,
-            result.message,
-            result.summary(),
-            made_state(result.final_state),
-            result.stopped,
-            result.status == "ok" and not cut,
-            recorded_until,
-            "" if until is None else " ".join(until.split()),
-        )
-
-
 class Run:
     """One simulation's result. SI units and radians; x and velocities in the world's frame.
 
-    Arrays have one entry for each recorded sample; n is the number of samples. Those of a run that
-    was recorded into a file, or is read back from one, are read when they are first asked for.
+    Each recorded quantity is an attribute, an array with an entry for each of the n samples: `t`,
+    `x`, `theta`, ... of shape (n,), `current` of shape (n, 5) for the coils xp, xm, yp, ym, clamp.
+    The page *What a run gives* lists them with units and meanings. `contact` and `event` are
+    indices (int8) of `contact_names` and `event_names`. A contact without a value, in flight, is
+    NaN. The heading jumps between -pi and pi; ``np.unwrap`` takes the jumps away. Arrays of a run
+    that is in a file are read when they are first asked for.
 
     Attributes
     ----------
@@ -79,131 +64,103 @@ class Run:
         ``"ok"``, or how the simulation failed; it never raises for that.
     message : str
         What happened and what to do about it.
+    numbers : mapping
+        The numbers and counts of `summary`.
     final_state : State
-        Where the run ended; a scenario can begin there.
+        Where the run ended; a scenario can begin there. Not of a run whose process was killed.
     condition_met : bool
         Whether the run ended where its condition `until` was met.
     condition : str
         That condition; "" for a run without one.
     complete : bool
-        Whether the run came to its end, and its record too: not after a failure or Ctrl-C, or where
-        a file could not be written on.
+        Whether the run came to its end and its record with it: not after Ctrl-C, an error, or a
+        disk that was full.
+    samples : int
+        Number of recorded samples, n; 0 without a record.
     recorded_until : float
         Time of the last recorded sample, s; NaN without one.
-    t, x, z, theta, vx, vz, omega : numpy.ndarray, shape (n,)
-        Time (s); position (m), tilt (rad) and their rates, at the centre of mass, Eqs. (10)-(14).
-    normal_force, friction_force : numpy.ndarray, shape (n,)
-        Forces of the surface on the body, N; zero in flight.
-    contact_x, slip_velocity : numpy.ndarray, shape (n,)
-        Position (m) and velocity (m/s) of the contact point, P_x in Eq. (13); NaN in flight.
-    bx, by, bz : numpy.ndarray, shape (n,)
-        Field at the centre of mass, T, Eqs. (2)-(7).
-    y, vy, heading : numpy.ndarray, shape (n,)
-        Position (m) and velocity (m/s) across the x axis, and where the robot faces (rad from +x to
-        the left). The heading is from -pi to pi, and jumps where it passes these: ``np.unwrap``
-        gives it without the jumps, as the pictures draw it. Recorded of runs in the whole plane
-        alone (`Scenario.turns`), as are the next; in other runs these three are constant.
-    friction_across, contact_y, slip_across : numpy.ndarray, shape (n,)
-        Beside `friction_force` and `slip_velocity`, which are along the heading there, those to its
-        left (N, m/s); y of the contact point (m).
-    current : numpy.ndarray, shape (n, 5)
-        Currents of the coils xp, xm, yp, ym, clamp, A, Eq. (1).
-    contact : numpy.ndarray of int8, shape (n,)
-        Mode of the contact, an index of `contact_names`.
-    event : numpy.ndarray of int8, shape (n,)
-        Kind of the event, an index of `event_names`; with ``record.rate = "events"`` only.
     """
 
     contact_names = WORDS["contact"]
     event_names = WORDS["event"]
 
     scenario: Scenario
-    final_state: State
-    condition_met: bool
-    condition: str
     status: str
     message: str
     numbers: Mapping[str, Any]
+    final_state: State
+    condition_met: bool
+    condition: str
     complete: bool
+    samples: int
     recorded_until: float
-    t: Array
-    x: Array
-    z: Array
-    theta: Array
-    vx: Array
-    vz: Array
-    omega: Array
-    normal_force: Array
-    friction_force: Array
-    contact_x: Array
-    slip_velocity: Array
-    bx: Array
-    by: Array
-    bz: Array
-    y: Array
-    vy: Array
-    heading: Array
-    friction_across: Array
-    contact_y: Array
-    slip_across: Array
-    current: Array
-    contact: NDArray[np.int8]
-    event: NDArray[np.int8]
 
     def __init__(
         self,
         scenario: Scenario,
-        outcome: Outcome,
-        record: Mapping[str, NDArray[Any]] | StoredRecord | None,
+        outcome: Mapping[str, Any],
+        record: Mapping[str, NDArray[Any]],
     ) -> None:
         self.scenario = scenario
-        vars(self).update(outcome._asdict())
-        self._stored: StoredRecord | None = None
-        if isinstance(record, Mapping):
-            vars(self).update(record)
-        else:
-            self._stored = record
+        self._record = record
+        vars(self).update(outcome)
 
-    # Hidden from type checkers, which would else take any name for an attribute.
-    if not TYPE_CHECKING:
+    @classmethod
+    def of(
+        cls,
+        scenario: Scenario,
+        result: _core.RunResult,
+        until: str | None = None,
+        *,
+        complete: bool = True,
+        samples: int = 0,
+        recorded_until: float = float("nan"),
+        record: Mapping[str, NDArray[Any]] | None = None,
+    ) -> Run:
+        """The run of a result of the core; one that is not complete was interrupted."""
+        message, _ = _core.statuses["interrupted"]
+        outcome = {
+            "status": result.status if complete else "interrupted",
+            "message": result.message if complete else message,
+            "numbers": result.summary(),
+            "final_state": made_state(result.final_state),
+            "condition_met": result.stopped,
+            "condition": "" if until is None else " ".join(until.split()),
+            "complete": complete,
+            "samples": samples,
+            "recorded_until": recorded_until,
+        }
+        return cls(scenario, outcome, {} if record is None else record)
 
-        def __getattr__(self, name: str) -> Any:
-            if name not in COLUMNS:
-                raise AttributeError(f"a Run has no attribute {name!r}")
-            record = self.scenario.record
-            if self._stored is not None and name in recorded_names(self.scenario):
-                vars(self)[name] = self._stored.read(name)
-                return vars(self)[name]
-            if self.recorded and name in PLANE_COLUMNS and not turns(self.scenario):
-                return self._in_one_plane(name)
-            needed = 'record.rate to "events"' if name == "event" else "record.fields to name it"
-            if record.rate == "none":
-                needed = 'record.rate to a number of Hz, or "events"'
-            raise AttributeError(f"this run did not record {name}: set {needed}")
+    def __getattr__(self, name: str) -> NDArray[Any]:
+        if name not in COLUMNS:
+            raise AttributeError(f"a Run has no attribute {name!r}")
+        if name in self._record:
+            values = vars(self)[name] = self._record[name]
+            return values
+        if self.recorded and name in PLANE_COLUMNS and not self.scenario.turns:
+            return self._in_one_plane(name)
+        needed = 'record.rate to "events"' if name == "event" else "record.fields to name it"
+        if self.scenario.record.rate == "none":
+            needed = 'record.rate to a number of Hz, or "events"'
+        raise AttributeError(f"this run did not record {name}: set {needed}")
 
-    def _in_one_plane(self, name: str) -> Array:
+    def _in_one_plane(self, name: str) -> NDArray[Any]:
         """A quantity of `PLANE_COLUMNS` of a robot that stays in the plane y = 0."""
-        import numpy as np
-
-        if name not in ("y", "vy", "heading"):
+        state = getattr(self, "final_state", self.scenario.initial)
+        if not hasattr(state, name):
             raise AttributeError(
                 f"this run has no {name}: the robot stays in the plane y = 0, where it is zero"
             )
-        constant: float = getattr(self.final_state, name)
-        return np.full(self.samples, constant, dtype=self.scenario.record.dtype)
+        return np.full(self.samples, getattr(state, name), dtype=self.scenario.record.dtype)
+
+    def __dir__(self) -> Iterable[str]:
+        return [*super().__dir__(), *self._record]
 
     def __repr__(self) -> str:
-        samples = f"{self.samples} samples" if self.recorded else "no record"
-        from stickslip.simulation.run_display import velocities
-
-        velocity = ", ".join(
-            f"{value:.6g} m/s {words}".rstrip() for words, value in velocities(self).items()
-        )
-        return f"<Run: {self.status}, {velocity}, {samples}>"
+        return f"<Run: {headline(self)}>"
 
     def _repr_html_(self) -> str:
-        from stickslip.simulation.run_display import run_html
-
         return run_html(self)
 
     @property
@@ -214,14 +171,7 @@ class Run:
     @property
     def recorded(self) -> bool:
         """Whether there are arrays."""
-        return self._stored is not None or "t" in vars(self)
-
-    @property
-    def samples(self) -> int:
-        """Number of recorded samples, n; 0 without a record."""
-        if self._stored is not None:
-            return self._stored.samples
-        return len(self.t) if self.recorded else 0
+        return bool(self._record)
 
     @property
     def mean_velocity(self) -> float:
@@ -242,8 +192,6 @@ class Run:
             Along the heading of the drive (``+x`` of a program) and to its left; NaN if not
             measured.
         """
-        from stickslip.simulation.seen_from_drive import seen_from_drive
-
         drive = self.scenario.drive
         x, y = self.numbers["mean_velocity"], self.numbers["mean_velocity_y"]
         along, across = seen_from_drive(x, y, drive.mode, drive.direction, drive.heading)
@@ -261,12 +209,12 @@ class Run:
         loose tolerance. Why a robot rests is found by a few short simulations.
         """
         notes = run_notes(self.scenario, self.status, self.numbers, self.condition_met)
-        if self.complete and self.condition and not self.condition_met:
+        if self.ok and self.condition and not self.condition_met:
             text = f"the condition {self.condition} was not met until the end of the run"
             notes.append(Note("condition-not-met", text))
-        if self.ok and not self.complete and self.recorded:
+        if self.recorded and not self.complete:
             until = self.recorded_until
-            text = f"the record ends at {until:.6g} s: it could not be written on"
+            text = f"the record ends at {until:.6g} s, before the end of the run"
             notes.append(Note("record-cut", text, until))
         return by_seriousness(notes)
 
@@ -285,21 +233,22 @@ class Run:
             integrator). What was not measured is NaN, such as the mean velocity of a run that ends
             before its window does.
         """
-        core: dict[str, Any] = {**self.numbers}
-        core["events"] = dict(core["events"])
-        core["steps"] = dict(core["steps"])
         start, end = self.scenario.window
         if self.condition_met:
-            end = max(start, min(end, core["simulated_time"]))
-        if turns(self.scenario) and self.scenario.drive.mode != "program":
-            core |= dict(zip(("velocity_along", "velocity_across"), self.velocity, strict=True))
+            end = max(start, min(end, self.numbers["simulated_time"]))
+        of_the_plane = {}
+        if self.scenario.turns and self.scenario.drive.mode != "program":
+            of_the_plane = dict(zip((ALONG, ACROSS), self.velocity, strict=True))
+        counts = {name: dict(self.numbers[name]) for name in ("events", "steps")}
         return {
             "status": self.status,
             "message": self.message,
             "notes": [note.as_dict() for note in self.notes],
             "window_start": start,
             "window_end": end,
-            **core,
+            **self.numbers,
+            **counts,
+            **of_the_plane,
         }
 
     def to_xarray(self) -> xarray.Dataset:
@@ -315,8 +264,6 @@ class Run:
         AttributeError
             If the run has no record.
         """
-        from stickslip.simulation.netcdf import dataset
-
         return dataset(self)
 
     def to_dataframe(self) -> DataFrame:
@@ -334,28 +281,46 @@ class Run:
         AttributeError
             If the run has no record.
         """
-        from stickslip.simulation.run_table import run_table
-
-        return run_table(self)
+        with naming_the_extra("Run.to_dataframe"):
+            import pandas as pd
+        columns: dict[str, Any] = {}
+        units: dict[str, str] = {}
+        for name in recorded_names(self.scenario) or ("t",):  # whose absence is the error
+            values = getattr(self, name)
+            units |= column_units(name)
+            if name in WORDS:
+                columns[name] = pd.Categorical.from_codes(values, list(WORDS[name]))
+            else:
+                parts = values.T if values.ndim == 2 else [values]
+                columns |= dict(zip(column_units(name), parts, strict=True))
+        table = pd.DataFrame(columns)
+        table.attrs["units"] = units
+        return table
 
     def to_netcdf(self, path: str | PathLike[str]) -> None:
         """Write `to_xarray` to a netCDF file, whole or not at all; errors are those of `save`."""
-        from stickslip.simulation.netcdf import netcdf_file
-
-        with netcdf_file(path, self.scenario) as file:
-            write_run(self, file)
+        write_run(self, path)
 
     def to_csv(self, path: str | PathLike[str]) -> None:
-        """Write the recorded columns to a CSV file, whole or not at all.
+        """Write the record to a CSV file, whole or not at all, for other programs.
 
         The headings name the units, such as ``t (s)``; contact and event are words. A cell without
-        a value, such as the slip of a contact in flight, is empty. What no column says, scenario
-        and summary, goes beside it, to ``<name>.csv.json``. Errors are those of `save`.
+        a value, such as the slip of a contact in flight, is empty. Errors are those of `save`.
         """
-        from stickslip.simulation.csv_export import csv_file
-
-        with csv_file(path) as file:
-            write_run(self, file)
+        titles: list[str] = []
+        columns: list[list[Any]] = []
+        for name in recorded_names(self.scenario) or ("t",):  # whose absence is the error
+            values = getattr(self, name)
+            titles += headings(name)
+            if name in WORDS:
+                columns.append([WORDS[name][code] for code in values])
+            else:
+                parts = values.T if values.ndim == 2 else [values]
+                columns += [
+                    np.where(np.isnan(part), "", part.astype(str)).tolist() for part in parts
+                ]
+        with replacing(path) as temporary, open(temporary, "w", encoding="utf-8") as file:
+            csv.writer(file, lineterminator="\n").writerows([titles, *zip(*columns, strict=True)])
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write the record in the format that the suffix names: `to_netcdf` or `to_csv`.
@@ -363,7 +328,7 @@ class Run:
         Parameters
         ----------
         path : path-like
-            Ends in ``.nc``, ``.nc4``, ``.h5`` (netCDF) or ``.csv``.
+            Ends in ``.nc``, ``.nc4``, ``.h5`` (netCDF) or ``.csv``. `open_run` reads netCDF only.
 
         Raises
         ------
@@ -375,7 +340,30 @@ class Run:
             If the file cannot be written; an older file of that name is then untouched.
         """
         check_suffix(path, SUFFIXES)
-        if is_csv(path):
+        if Path(path).suffix.lower() == ".csv":
             self.to_csv(path)
         else:
             self.to_netcdf(path)
+
+
+def open_run(path: str | PathLike[str]) -> Run:
+    """Read a run from a netCDF file that `Run.save`, `simulate` or ``stickslip run --out`` wrote.
+
+    Parameters
+    ----------
+    path : path-like
+        Also the ``NAME.part`` of a run that goes on or was ended by Ctrl-C, a full disk or
+        ``kill -9``: it has the samples of all whole blocks, is not `complete`, and has a note.
+
+    Returns
+    -------
+    Run
+        As it was, with scenario, summary and arrays. These are read when they are first asked for,
+        so the file has to stay as it is until then.
+
+    Raises
+    ------
+    ScenarioError
+        If the file cannot be read or holds no run; also when a quantity is read later.
+    """
+    return Run(*stored(path))

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from stickslip import _core
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import RECORD_RATE, known_keys
+from stickslip.scenario.waveform import Waveform
 from stickslip.simulation.note import Note, by_seriousness
 from stickslip.simulation.scenario_notes import (
     pulses_measured,
@@ -16,6 +16,7 @@ from stickslip.simulation.scenario_notes import (
     weight,
     without_pulses,
 )
+from stickslip.simulation.unit_notes import DEFAULTS
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
@@ -45,14 +46,19 @@ faster pulses through."""
 BASE = 0.2
 """Part of the peak that makes a sound base, as in the first example."""
 
-_ODD: tuple[tuple[str, tuple[str, ...], Callable[[float], bool]], ...] = (
-    ("rest-drag", ("drag.linear", "drag.rotational"), lambda ratio: ratio > 100.0),
-    ("rest-friction", ("contact.static_friction", "contact.kinetic_friction"),
-     lambda ratio: ratio > 10.0),
-    ("rest-adhesion", ("contact.adhesion",), lambda ratio: ratio > 20.0),
-    ("rest-torque", ("robot.magnetization",), lambda ratio: ratio < 0.05),
-)  # fmt: skip
-"""Ratios to the default beyond which a constant is tried first. Chosen: beyond published robots."""
+_DRAG = ("drag.linear", "drag.rotational")
+_FRICTION = ("contact.static_friction", "contact.kinetic_friction")
+
+_ODD = (
+    ("rest-drag", _DRAG, 100.0, math.inf),
+    ("rest-friction", _FRICTION, 10.0, math.inf),
+    ("rest-adhesion", ("contact.adhesion",), 20.0, math.inf),
+    ("rest-torque", ("robot.magnetization",), -math.inf, 0.05),
+)
+"""Code, keys, and the ratios to the default between which a constant is tried first. Chosen: beyond
+published robots."""
+
+_UNITS = {row["key"]: row["unit"].replace("-", "") for row in _core.parameters()}
 
 
 class Limit(NamedTuple):
@@ -60,67 +66,60 @@ class Limit(NamedTuple):
 
     number: str
     limit: float
-    said: Callable[[Scenario, float], str]  # of one run
+    text: str  # of one run: with the number (n, or 100 n as p) and what to do (do)
     of_many: str  # what some of many are
 
 
-def _flies(scenario: Scenario, part: float) -> str:
-    drive = scenario.drive
-    if weight(scenario) + scenario.contact.adhesion == 0.0:
-        return (
-            f"the robot is in flight for {100.0 * part:.0f} % of the measuring window: without "
-            "weight and adhesion nothing holds it down"
-        )
-    smaller = "let its voltages swing by less"
-    if not _is_program(scenario):
-        middle = 0.5 * (drive.base + drive.peak)
-        smaller = f"bring drive.base nearer to drive.peak, such as {middle:.2g}"
-    return (
-        f"the robot is in flight for {100.0 * part:.0f} % of the measuring window: it hops and "
-        f"does not walk, and its velocity depends on how it lands; {smaller}"
-    )
-
-
-def _is_pulled(scenario: Scenario, ratio: float) -> str:
-    drive = scenario.drive
-    if _is_program(scenario):
-        instead = "drive opposite coils with the same current"
-    elif drive.coils == "single":
-        instead = 'set drive.coils = "pairs" for the walk alone'
-    else:
-        instead = "work nearer to the centre"
-    return (
-        f"the gradient of the in-plane field pulls the robot with up to {ratio:.2g} of what "
-        f"friction holds, so that part of its velocity is no walk; {instead}"
-    )
-
-
-def _leaves_the_field(scenario: Scenario, change: float) -> str:
-    shorter = "a shorter program" if _is_program(scenario) else "fewer drive.pulses"
-    return (
-        f"the field of the coils where the run ends differs by {100.0 * change:.0f} % from that "
-        f"where it begins: the mean velocity mixes different fields; give {shorter}"
-    )
-
-
-def _grows(_: Scenario, growth: float) -> str:
-    return (
-        f"the velocity still grows, from each quarter of the window to the next by "
-        f"{100.0 * growth:.0f} % or more; more drive.pulses give the steady one"
-    )
-
-
 LIMITS: Mapping[str, Limit] = {
-    "flight": Limit("airborne_fraction", 0.5, _flies, "in flight for more than half of the window"),
+    "flight": Limit(
+        "airborne_fraction",
+        0.5,
+        "the robot is in flight for {p:.0f} % of the measuring window: it hops and does not walk, "
+        "and its velocity depends on how it lands; {do}",
+        "in flight for more than half of the window",
+    ),
     "pulled": Limit(
-        "pull_ratio", 0.5, _is_pulled, "pulled by more than half of what friction holds"
+        "pull_ratio",
+        0.5,
+        "the gradient of the in-plane field pulls the robot with up to {n:.2g} of what friction "
+        "holds, so that part of its velocity is no walk; {do}",
+        "pulled by more than half of what friction holds",
     ),
     "field-change": Limit(
-        "field_change", 0.1, _leaves_the_field, "more than 10 % off in field where the run ends"
+        "field_change",
+        0.1,
+        "the field of the coils where the run ends differs by {p:.0f} % from that where it begins: "
+        "the mean velocity mixes different fields; {do}",
+        "more than 10 % off in field where the run ends",
     ),
-    "velocity-grows": Limit("velocity_growth", 0.03, _grows, "still growing in velocity"),
+    "velocity-grows": Limit(
+        "velocity_growth",
+        0.03,
+        "the velocity still grows, from each quarter of the window to the next by {p:.0f} % or "
+        "more; more drive.pulses give the steady one",
+        "still growing in velocity",
+    ),
 }
 """By code: the notes that depend on one number of the summary."""
+
+
+def _advice(scenario: Scenario, code: str) -> str:
+    """What to do about a limit; other keys of a program than of a sawtooth."""
+    drive, program = scenario.drive, _is_program(scenario)
+    if code == "flight":
+        if weight(scenario) + scenario.contact.adhesion == 0.0:
+            return "without weight and adhesion nothing holds it down"
+        if program:
+            return "let its voltages swing by less"
+        middle = 0.5 * (drive.base + drive.peak)
+        return f"bring drive.base nearer to drive.peak, such as {middle:.2g}"
+    if code == "field-change":
+        return f"give {'a shorter program' if program else 'fewer drive.pulses'}"
+    if program:
+        return "drive opposite coils with the same current"
+    if drive.coils == "single":
+        return 'set drive.coils = "pairs" for the walk alone'
+    return "work nearer to the centre"
 
 
 def run_notes(
@@ -168,8 +167,9 @@ def _of_limits(scenario: Scenario, summary: Mapping[str, Any]) -> list[Note]:
     if _step(scenario, summary) < REST:
         beyond.pop("pulled", None)
     return [
-        Note(code, each.said(scenario, summary[each.number]), summary[each.number])
+        Note(code, each.text.format(n=n, p=100.0 * n, do=_advice(scenario, code)), n)
         for code, each in beyond.items()
+        for n in (summary[each.number],)
     ]
 
 
@@ -234,71 +234,68 @@ def _step(scenario: Scenario, summary: Mapping[str, Any]) -> float:
 
 def _why_it_rests(scenario: Scenario, summary: Mapping[str, Any]) -> Note:
     """What holds a robot that stays where it is: that whose change makes it walk, as tried."""
-    still = summary["theta_min"] == summary["theta_max"]
-    rests = "the robot never moved" if still and not any(summary["events"].values()) else (
-        "the robot stays in its place"
-    )  # fmt: skip
-    field, moment = summary["field_max"], _moment(scenario)
-    if field == 0.0:
+    still = summary["theta_min"] == summary["theta_max"] and not any(summary["events"].values())
+    rests = "the robot never moved" if still else "the robot stays in its place"
+    if summary["field_max"] == 0.0:
         more = "give voltages" if _is_program(scenario) else "set drive.peak and drive.hold"
         return Note("rest-no-field", f"{rests}: there is no field; {more}", 0.0)
-    if moment == 0.0:
+    if _moment(scenario) == 0.0:
         said = f"{rests}: it has no magnetic moment, which no field moves; set robot.magnetization"
         return Note("rest-no-moment", said, 0.0)
-    for code, text, changes, value in _odd_constants(scenario):
+    for code, changes, text, value in _trials(scenario, summary):
         if _walks_with(scenario, changes):
-            return Note(code, f"{rests}: {text}; with the default it walks", value)
-    torque, held = abs(moment) * field, _holding_torque(scenario, summary)
-    # A field that is too weak by more than a thousand is not what is meant.
-    for factor in (2.0, 20.0, 200.0) if 1e-3 * held < torque < 2.0 * held else ():
-        stronger = _with_field(scenario, factor * held / torque)
-        if _walks_with(scenario, stronger):
-            said = (
-                f"{rests}: the field, {1e3 * field:.3g} mT at most, turns it with at most "
-                f"{torque:.2g} N m, and weight and adhesion hold it with {held:.2g} N m; it walks "
-                f"with {_in_words(stronger)}"
-            )
-            return Note("rest-torque", said, torque)
-    tilting = 0.0 if _is_program(scenario) else 0.4 * scenario.drive.peak
-    if scenario.drive.hold < tilting and _walks_with(scenario, {"drive.hold": tilting}):
-        said = f"{rests}: no field across its moment tips it; it walks with drive.hold = "
-        return Note("rest-torque", f"{said}{tilting:.2g}", torque)
-    friction, drag = scenario.contact.static_friction, scenario.drag
-    keys = ("contact.kinetic_friction", "contact.static_friction")
-    if _walks_with(scenario, {key: 0.25 * float(scenario.get(key)) for key in keys}):
-        pressed = weight(scenario) + scenario.contact.adhesion
-        said = (
-            f"{rests}: friction holds it, contact.static_friction = {friction:g} with "
-            f"{friction * pressed:.3g} N under weight and adhesion of {pressed:.3g} N; with a "
-            "quarter of the friction it walks"
-        )
-        return Note("rest-friction", said, friction * pressed)
-    keys = ("drag.linear", "drag.rotational")
-    if _walks_with(scenario, {key: 1e-3 * float(scenario.get(key)) for key in keys}):
-        said = (
-            f"{rests}: drag holds it, drag.linear = {drag.linear:g} N s/m and drag.rotational = "
-            f"{drag.rotational:g} N m s^2; with a thousandth of both it walks"
-        )
-        return Note("rest-drag", said, drag.rotational)
-    for times in (2.0, 5.0):
-        stronger = _with_field(scenario, times)
-        if _walks_with(scenario, stronger):
-            said = f"{rests}: the field rocks it too little; it walks with {_in_words(stronger)}"
-            return Note("rest-torque", said, torque)
+            return Note(code, f"{rests}: {text}", value)
     tried = "5 times the field, a quarter of the friction or a thousandth of the drag"
     return Note("rest", f"{rests}; none of {tried} alone makes it walk")
 
 
-def _odd_constants(scenario: Scenario) -> Iterator[tuple[str, str, dict[str, float], float]]:
-    """Constants far from their defaults in the way that holds a robot: code, text, defaults."""
-    for code, keys, is_odd in _ODD:
+def _trials(
+    scenario: Scenario, summary: Mapping[str, Any]
+) -> Iterator[tuple[str, dict[str, Any], str, float]]:
+    """What may hold a robot, the likeliest first: code, changes that would free it, text, value."""
+    for code, keys, low, high in _ODD:
         for key in keys:
-            value, usual = float(scenario.get(key)), float(known_keys()[key].default)
-            if not is_odd(value / usual):
-                continue
-            text = f"{key} = {value:g} {known_keys()[key].unit} is {value / usual:.2g} times the "
-            changes = {each: float(known_keys()[each].default) for each in keys}
-            yield code, f"{text.replace(' - ', ' ')}default", changes, value
+            value = float(scenario.get(key))
+            if low < value / DEFAULTS[key] < high:
+                times = f"{value / DEFAULTS[key]:.2g} times the default"
+                given = f"{key} = {value:g} {_UNITS[key]}".rstrip()
+                changes = {each: DEFAULTS[each] for each in keys}
+                yield code, changes, f"{given} is {times}; with the default it walks", value
+    field = summary["field_max"]
+    torque, held = abs(_moment(scenario)) * field, _holding_torque(scenario, summary)
+    # A field that is too weak by more than a thousand is not what is meant.
+    for factor in (2.0, 20.0, 200.0) if 1e-3 * held < torque < 2.0 * held else ():
+        stronger = _with_field(scenario, factor * held / torque)
+        text = (
+            f"the field, {1e3 * field:.3g} mT at most, turns it with at most {torque:.2g} N m, and "
+            f"weight and adhesion hold it with {held:.2g} N m; it walks with {_in_words(stronger)}"
+        )
+        yield "rest-torque", stronger, text, torque
+    tilting = 0.0 if _is_program(scenario) else 0.4 * scenario.drive.peak
+    if scenario.drive.hold < tilting:
+        changes = {"drive.hold": tilting}
+        text = f"no field across its moment tips it; it walks with {_in_words(changes)}"
+        yield "rest-torque", changes, text, torque
+    friction, drag = scenario.contact.static_friction, scenario.drag
+    pressed = weight(scenario) + scenario.contact.adhesion
+    text = (
+        f"friction holds it, contact.static_friction = {friction:g} with "
+        f"{friction * pressed:.3g} N under weight and adhesion of {pressed:.3g} N; with a quarter "
+        "of the friction it walks"
+    )
+    # The kinetic one first, which may not be the larger one.
+    quarter = {key: 0.25 * float(scenario.get(key)) for key in reversed(_FRICTION)}
+    yield "rest-friction", quarter, text, friction * pressed
+    text = (
+        f"drag holds it, drag.linear = {drag.linear:g} N s/m and drag.rotational = "
+        f"{drag.rotational:g} N m s^2; with a thousandth of both it walks"
+    )
+    thousandth = {key: 1e-3 * float(scenario.get(key)) for key in _DRAG}
+    yield "rest-drag", thousandth, text, drag.rotational
+    for factor in (2.0, 5.0):
+        stronger = _with_field(scenario, factor)
+        text = f"the field rocks it too little; it walks with {_in_words(stronger)}"
+        yield "rest-torque", stronger, text, torque
 
 
 def _in_words(changes: Mapping[str, Any]) -> str:
@@ -323,10 +320,9 @@ def _holding_torque(scenario: Scenario, summary: Mapping[str, Any]) -> float:
 
 def _with_field(scenario: Scenario, factor: float) -> dict[str, Any]:
     """A drive whose fields are so many times as large."""
-    program = scenario.drive.program
-    if program is not None:
-        blocks = [(t, factor * volts, repeats) for t, volts, repeats in program.blocks]
-        return {"drive.program": type(program)(blocks)}
+    if _is_program(scenario):
+        blocks = scenario.to_core().program()
+        return {"drive.program": Waveform([(t, factor * volts, n) for t, volts, n in blocks])}
     keys = ("drive.peak", "drive.base", "drive.hold")
     stronger = {key: factor * float(scenario.get(key)) for key in keys}
     # At no base the holding coil alone turns it upright.
@@ -338,7 +334,7 @@ def _walks_with(scenario: Scenario, changes: Mapping[str, Any]) -> bool:
     if not _is_program(scenario):
         changes = {"drive.pulses": min(scenario.drive.pulses, _TRIED_PULSES), **changes}
     try:
-        tried = scenario.replace({RECORD_RATE: "none", **changes})
+        tried = scenario.replace({"record.rate": "none", **changes})
     except ScenarioError:  # a value beyond its range
         return False
     (result,) = _core.simulate_batch([tried.to_core()], 1, lambda _: None, None)

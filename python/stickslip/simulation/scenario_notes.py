@@ -6,12 +6,12 @@ Each limit lies beyond what robots, coils and drives of this kind have; within i
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from stickslip import _core
-from stickslip.scenario.sections import Solver
 from stickslip.simulation.note import Note
-from stickslip.simulation.unit_notes import time_constants, unit_notes
+from stickslip.simulation.unit_notes import DEFAULTS, time_constants, unit_notes
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
@@ -43,11 +43,6 @@ def pulses_measured(pulses: Any) -> Any:
     return pulses - (STEADY_PULSES - 1) * (pulses >= STEADY_PULSES)
 
 
-def counts_start_up(scenario: Scenario) -> bool:
-    """Whether a pulsed drive is so short that its measuring window begins after the ramp."""
-    return scenario.drive.mode != "program" and scenario.drive.pulses < STEADY_PULSES
-
-
 def without_pulses(scenario: Scenario) -> bool:
     """Whether a pulsed drive has a constant voltage."""
     drive = scenario.drive
@@ -60,19 +55,13 @@ def scenario_notes(scenario: Scenario) -> list[Note]:
     units = unit_notes(scenario, core)
     # A unit explains the density that it makes.
     explained = any(note.code in ("unit-mass", "unit-length") for note in units)
-    return [
-        *_of_drive(scenario, core),
-        *_of_coils(scenario, core),
-        *([] if explained else _of_body(scenario)),
-        *units,
-        *_of_contact(scenario),
-        *_of_solver(scenario),
-    ]
+    others = [*_of_drive(scenario, core), *_of_robot(scenario)]
+    return [*units, *(note for note in others if not (explained and note.code == "density"))]
 
 
 def peak_voltages(scenario: Scenario) -> dict[str, float]:
     """Largest magnitude of the voltage that the drive asks of each coil, V."""
-    return _asked_voltages(scenario.to_core())
+    return dict(zip(_core.coil_names, scenario.to_core().asked_voltages(), strict=True))
 
 
 def field_swing(frequency: float, time_constant: float) -> float:
@@ -95,128 +84,95 @@ def weight(scenario: Scenario) -> float:
     return scenario.robot.mass * scenario.environment.gravity
 
 
-def _asked_voltages(core: _core.Scenario) -> dict[str, float]:
-    return dict(zip(_core.coil_names, core.asked_voltages(), strict=True))
-
-
-def _of_drive(scenario: Scenario, core: _core.Scenario) -> list[Note]:
-    notes = []
-    drive = scenario.drive
+def _of_drive(scenario: Scenario, core: _core.Scenario) -> Iterator[Note]:
+    drive, pulsed = scenario.drive, scenario.drive.mode != "program"
     if without_pulses(scenario):
         text = (
             f"drive.base = drive.peak = {drive.peak:g} T: the voltage is constant and gives no "
             "pulses; set drive.peak above drive.base"
         )
-        notes.append(Note("no-pulses", text, drive.peak))
-    if counts_start_up(scenario):
+        yield Note("no-pulses", text, drive.peak)
+    if pulsed and drive.pulses < STEADY_PULSES:
         text = (
             f"drive.pulses = {drive.pulses} is fewer than {STEADY_PULSES}: the measuring window "
             "begins after the ramp and includes the start-up"
         )
-        notes.append(Note("start-up", text, float(drive.pulses)))
-    resistances = core.resistances()
-    for (name, volts), ohms in zip(_asked_voltages(core).items(), resistances, strict=True):
+        yield Note("start-up", text, float(drive.pulses))
+    asked = dict(zip(_core.coil_names, core.asked_voltages(), strict=True))
+    ohms = dict(zip(_core.coil_names, core.resistances(), strict=True))
+    for name, volts in asked.items():
         if volts > HIGH_VOLTAGE:
-            text = (
-                f"the drive asks for {volts:.4g} V at coil {name}, {volts / ohms:.4g} A in the "
-                "steady state"
-            )
-            notes.append(Note("voltage", text, volts))
-    return notes
-
-
-def _of_coils(scenario: Scenario, core: _core.Scenario) -> list[Note]:
-    field_map = scenario.coil.map
-    told = []
-    if field_map is not None:
-        told.append(Note("map", f"the field of the coils is that of {field_map}"))
-    return [*told, *_of_window(scenario, core), *_of_pulses(scenario, core)]
-
-
-def _of_window(scenario: Scenario, core: _core.Scenario) -> list[Note]:
-    """Whether all that is measured is over before a current has followed its voltage."""
+            amperes = volts / ohms[name]
+            text = f"the drive asks for {volts:.4g} V at coil {name}, {amperes:.4g} A when steady"
+            yield Note("voltage", text, volts)
+    if scenario.coil.map is not None:
+        yield Note("map", f"the field of the coils is that of {scenario.coil.map}")
+    times = time_constants(scenario, core)
     start, end = scenario.window
-    asked = _asked_voltages(core)
-    times = {n: each for n, each in time_constants(scenario, core).items() if asked[n] > 0.0}
-    slowest = max(times, key=lambda name: times[name], default=None)
-    if slowest is None or end - start >= times[slowest]:
-        return []
-    text = (
-        f"the measuring window lasts {1e3 * (end - start):.3g} ms, less than the time constant of "
-        f"coil {slowest}, L/R = {1e3 * times[slowest]:.3g} ms: the field is "
-        "still changing from before, and what is measured is no steady motion"
-    )
-    return [Note("window-short", text, end - start)]
-
-
-def _of_pulses(scenario: Scenario, core: _core.Scenario) -> list[Note]:
-    drive = scenario.drive
-    asked = drive.peak - drive.base
-    if drive.mode == "program" or asked == 0.0:
-        return []
-    name = core.in_plane_coil if drive.mode == "IPP" else "clamp"
-    time_constant = time_constants(scenario, core)[name]
-    share = field_swing(drive.frequency, time_constant)
-    if share >= LEAST_SWING:
-        return []
-    text = (
-        f"drive.frequency = {drive.frequency:g}: a pulse of {1e3 / drive.frequency:.3g} ms is "
-        f"{1.0 / (drive.frequency * time_constant):.2g} times the time constant of its coil, "
-        f"L/R = {1e3 * time_constant:.3g} ms, so that the field comes to swing by "
-        f"{1e3 * share * asked:.2g} mT of the {1e3 * asked:.3g} mT between drive.base and "
-        "drive.peak"
-    )
-    return [Note("pulses-short", text, share * asked)]
-
-
-def _of_body(scenario: Scenario) -> list[Note]:
-    robot = scenario.robot
-    density = robot.mass / (robot.length * robot.width * robot.height)
-    if DENSITIES[0] <= density <= DENSITIES[1]:
-        return []
-    text = (
-        f"robot.mass = {robot.mass:g} makes a density of {density:.3g} kg/m3 with robot.length, "
-        f"width and height: bodies have {DENSITIES[0]:g} to {DENSITIES[1]:g} kg/m3"
-    )
-    return [Note("density", text, density)]
-
-
-def _of_contact(scenario: Scenario) -> list[Note]:
-    notes = []
-    contact, pull = scenario.contact, weight(scenario)
-    tilt = abs(float(scenario.get("effects.surface_tilt.angle")))
-    # Along the surface, and what presses the robot on it.
-    along, across = pull * math.sin(tilt), pull * math.cos(tilt) + contact.adhesion
-    if along > contact.static_friction * across:
+    used = [name for name, volts in asked.items() if volts > 0.0]
+    slowest = max(used, key=lambda name: times[name], default=None)
+    if slowest is not None and end - start < times[slowest]:
         text = (
-            f"effects.surface_tilt.angle = {tilt:.3g} rad is steeper than friction holds: without "
-            f"any field the robot slides, as {along:.3g} N of its weight act along the surface and "
-            f"contact.static_friction = {contact.static_friction:g} gives "
-            f"{contact.static_friction * across:.3g} N"
+            f"the measuring window lasts {1e3 * (end - start):.3g} ms, less than the time constant "
+            f"of coil {slowest}, L/R = {1e3 * times[slowest]:.3g} ms: the field still changes from "
+            "before, and what is measured is no steady motion"
         )
-        notes.append(Note("steep-surface", text, tilt))
+        yield Note("window-short", text, end - start)
+    if not pulsed or without_pulses(scenario):
+        return
+    tau = times[core.in_plane_coil if drive.mode == "IPP" else "clamp"]
+    swing = drive.peak - drive.base
+    share = field_swing(drive.frequency, tau)
+    if share < LEAST_SWING:
+        text = (
+            f"drive.frequency = {drive.frequency:g}: a pulse of {1e3 / drive.frequency:.3g} ms is "
+            f"{1.0 / (drive.frequency * tau):.2g} times the time constant of its coil, L/R = "
+            f"{1e3 * tau:.3g} ms: the field swings by {1e3 * share * swing:.2g} mT of the "
+            f"{1e3 * swing:.3g} mT between drive.base and drive.peak"
+        )
+        yield Note("pulses-short", text, share * swing)
+
+
+def _of_robot(scenario: Scenario) -> Iterator[Note]:
+    """Notes on its body and contact, and on the tolerance."""
+    robot, contact, pull = scenario.robot, scenario.contact, weight(scenario)
+    density = robot.mass / (robot.length * robot.width * robot.height)
+    if not DENSITIES[0] <= density <= DENSITIES[1]:
+        text = (
+            f"robot.mass = {robot.mass:g} makes a density of {density:.3g} kg/m3 with "
+            f"robot.length, width and height: bodies have {DENSITIES[0]:g} to {DENSITIES[1]:g}"
+        )
+        yield Note("density", text, density)
+    tilt = abs(float(scenario.get("effects.surface_tilt.angle")))
+    # Along the surface, and the largest friction against it.
+    along = pull * math.sin(tilt)
+    held = contact.static_friction * (pull * math.cos(tilt) + contact.adhesion)
+    if along > held:
+        text = (
+            f"effects.surface_tilt.angle = {tilt:.3g} rad is steeper than friction holds: the "
+            f"robot slides without any field, as its weight pulls along the surface with "
+            f"{along:.3g} N and contact.static_friction = {contact.static_friction:g} gives "
+            f"{held:.3g} N"
+        )
+        yield Note("steep-surface", text, tilt)
     if contact.adhesion > MUCH_ADHESION * pull:
         much = "acts on a robot without weight"
         if pull > 0.0:
             much = f"is {contact.adhesion / pull:.3g} times the weight"
-        text = f"contact.adhesion = {contact.adhesion:g} N {much}"
-        notes.append(Note("adhesion", text, contact.adhesion))
+        yield Note(
+            "adhesion", f"contact.adhesion = {contact.adhesion:g} N {much}", contact.adhesion
+        )
     back = contact.tangential_restitution
     if back and not contact.restitution:
         text = (
             f"contact.tangential_restitution = {back:g} has no effect while contact.restitution is "
             "0: only a corner that rebounds gives slip back"
         )
-        notes.append(Note("tangential-restitution", text, back))
-    return notes
-
-
-def _of_solver(scenario: Scenario) -> list[Note]:
+        yield Note("tangential-restitution", text, back)
     rtol = scenario.solver.rtol
-    if rtol <= LOOSE_TOLERANCE:
-        return []
-    text = (
-        f"solver.rtol = {rtol:g} is looser than {LOOSE_TOLERANCE:g}: the mean velocity may be off "
-        f"by a per cent or more; the default, {Solver().rtol:g}, is recommended"
-    )
-    return [Note("tolerance", text, rtol)]
+    if rtol > LOOSE_TOLERANCE:
+        text = (
+            f"solver.rtol = {rtol:g} is looser than {LOOSE_TOLERANCE:g}: the mean velocity may be "
+            f"off by a per cent or more; set {DEFAULTS['solver.rtol']:g}, the default"
+        )
+        yield Note("tolerance", text, rtol)

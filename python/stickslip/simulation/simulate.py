@@ -6,21 +6,32 @@ import math
 import re
 from collections.abc import Callable, Iterable
 from os import PathLike
+from pathlib import Path
 
 from stickslip import _core
+from stickslip._util.files import NETCDF_SUFFIXES, check_suffix, replacing
 from stickslip._util.numbers import worker_count
 from stickslip._util.text import highest
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import check_kind, refuse
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.record_blocks import kept, recorded_names
-from stickslip.simulation.run import Outcome, Run
+from stickslip.simulation.columns import recorded_names
+from stickslip.simulation.record_file import RecordFile, StoredRecord
+from stickslip.simulation.run import SUFFIXES, Run
 
 Progress = Callable[[float, str], object]
 """Called some twenty times a second with the fraction that is done, 0 to 1, and the stage."""
 
 STAGE = "simulating"
 """The one stage of a simulation, a batch and a sweep."""
+
+Condition = tuple[str, bool, float]
+"""Quantity of `until`, whether it is met from below, and value."""
+
+MOST_IN_MEMORY = 10_000_000
+"""Samples that a record without a file can have, at some 170 bytes each."""
+
+_CONDITION = re.compile(r"\s*(\w+)\s*([<>]=)\s*(\S+)\s*")
 
 
 def fraction_of(total: float, progress: Progress | None) -> Callable[[float], object] | None:
@@ -30,53 +41,6 @@ def fraction_of(total: float, progress: Progress | None) -> Callable[[float], ob
     return lambda done: progress(min(done / total, 1.0) if total > 0.0 else 1.0, STAGE)
 
 
-_CONDITION = re.compile(r"\s*(\w+)\s*([<>]=)\s*(\S+)\s*")
-
-
-OF_THE_WHOLE_PLANE = ("y", "heading")
-"""Quantities of a condition that a robot which stays in one plane does not have."""
-
-
-def _check_whole_plane(until: str, quantity: str, scenarios: Iterable[Scenario]) -> None:
-    if all(each.turns for each in scenarios):
-        return
-    refuse(
-        "until",
-        until,
-        f"no condition of {quantity} for a robot that nothing turns or pushes across: it stays in "
-        "the plane y = 0",
-    )
-
-
-def parsed_condition(
-    until: str | None, scenarios: Iterable[Scenario]
-) -> tuple[str, bool, float] | None:
-    """Quantity, whether it is met from below, and value; a ScenarioError for what is none."""
-    if until is None:
-        return None
-    found = _CONDITION.fullmatch(until) if isinstance(until, str) else None
-    if found is not None and found[1] in _core.stop_quantities:
-        try:
-            value = float(found[3])
-        except ValueError:
-            value = math.nan
-        if math.isfinite(value):
-            if found[1] in OF_THE_WHOLE_PLANE:
-                _check_whole_plane(until, found[1], scenarios)
-            if found[1] == "heading" and abs(value) > math.pi:
-                refuse("until", until, "a heading from -pi to pi, beyond which it goes on at -pi")
-            return found[1], found[2] == ">=", value
-    allowed = (
-        'a condition such as "x >= 3e-3" or "theta <= -1.5", of time (s), x, y, z (m), theta, '
-        "heading (rad)"
-    )
-    refuse("until", until, f"{allowed} or turns")
-
-
-MOST_IN_MEMORY = 10_000_000
-"""Samples that a record without a file can have, at some 170 bytes each."""
-
-
 def check_memory(scenario: Scenario) -> None:
     """Refuse a record that memory is not meant to hold."""
     rate = scenario.record.rate
@@ -84,9 +48,38 @@ def check_memory(scenario: Scenario) -> None:
     if isinstance(rate, float) and rate * span > MOST_IN_MEMORY:
         raise ScenarioError(
             f"record.rate = {rate!r}: allowed is at most {MOST_IN_MEMORY} samples in memory, "
-            f"here {highest(MOST_IN_MEMORY / span)} Hz; a file that is written as the run goes on, "
-            "with --out or simulate(out=...), takes more"
+            f"here {highest(MOST_IN_MEMORY / span)} Hz; a netCDF file that is written as the run "
+            "goes on, with --out or simulate(out=...), takes more"
         )
+
+
+def _parsed(until: str | None, scenarios: Iterable[Scenario]) -> Condition | None:
+    """The condition of a text; a ScenarioError for what is none."""
+    if until is None:
+        return None
+    found = _CONDITION.fullmatch(until) if isinstance(until, str) else None
+    try:
+        value = math.nan if found is None else float(found[3])
+    except ValueError:
+        value = math.nan
+    if found is None or found[1] not in _core.stop_quantities or not math.isfinite(value):
+        refuse(
+            "until",
+            until,
+            'a condition such as "x >= 3e-3" or "theta <= -1.5", of '
+            f"{', '.join(_core.stop_quantities)} (SI units and rad)",
+        )
+    quantity = found[1]
+    if quantity in _core.plane_columns and not all(each.turns for each in scenarios):
+        refuse(
+            "until",
+            until,
+            f"no condition of {quantity} for a robot that nothing turns or pushes across: it stays "
+            "in the plane y = 0",
+        )
+    if quantity == "heading" and abs(value) > math.pi:
+        refuse("until", until, "a heading from -pi to pi, beyond which it goes on at -pi")
+    return quantity, found[2] == ">=", value
 
 
 def simulate(
@@ -117,10 +110,11 @@ def simulate(
         jumps from pi to -pi, which meets ``heading <= -1``) with ``>=`` or ``<=``. A robot that
         stays in one plane has no y and no heading. See `Run.condition_met`.
     out : path-like, optional
-        Write the record to this file while the run goes on, with memory that does not grow: a
-        netCDF file (``.nc``, ``.nc4``, ``.h5``) or ``.csv``, as `Run.save` writes them. What was
-        recorded before Ctrl-C, another exception or a failure of the simulation is kept, and
-        marked as incomplete. The run's arrays are read from the file when they are first asked for.
+        Write the record to this file. A netCDF file (``.nc``, ``.nc4``, ``.h5``) grows while the
+        run goes on, as NAME.part, with memory that does not, and gets its name at the end. What was
+        recorded before Ctrl-C, another exception, a full disk or ``kill -9`` stays in NAME.part,
+        see `open_run`. The run's arrays are read from the file when they are first asked for. A
+        ``.csv`` file is written at the end.
 
     Returns
     -------
@@ -134,8 +128,7 @@ def simulate(
         If `scenario` is not a Scenario, or `until` no condition of its robot; if the record is too
         long for memory, or there is none for `out`.
     OSError
-        If `out` cannot be written. If that shows during the run, as where the disk is full, the run
-        goes on without its record and is the error's attribute `run`.
+        If `out` cannot be written, or there is no room for more of it, which ends the run.
     KeyboardInterrupt
         On Ctrl-C, within a fraction of a second.
 
@@ -148,12 +141,49 @@ def simulate(
     """
     if out is None:
         return simulate_batch([scenario], threads=1, progress=progress, until=until)[0]
-    from stickslip.simulation.recording_to_file import simulate_into
-
     check_kind("scenario 0", scenario, Scenario)
-    condition = parsed_condition(until, [scenario])
+    check_suffix(out, SUFFIXES)
+    if scenario.record.rate == "none":
+        raise ScenarioError('record.rate = "none": allowed with out is a number of Hz, or "events"')
+    if Path(out).suffix.lower() in NETCDF_SUFFIXES:
+        return _simulated_into(out, scenario, progress, until)
+    with replacing(out) as temporary:
+        run = simulate_batch([scenario], threads=1, progress=progress, until=until)[0]
+        run.to_csv(temporary)
+    return run
+
+
+def _simulated_into(
+    out: str | PathLike[str], scenario: Scenario, progress: Progress | None, until: str | None
+) -> Run:
+    """See `simulate`, with a netCDF file."""
+    condition = _parsed(until, [scenario])
     report = fraction_of(scenario.duration, progress)
-    return simulate_into(scenario, out, report, until, condition)
+    result = _core.RunResult()
+    file = RecordFile(out, Run.of(scenario, result, until, complete=False))
+
+    def ended(complete: bool, record: StoredRecord | None = None) -> Run:
+        return Run.of(
+            *(scenario, result, until),
+            complete=complete,
+            samples=file.samples,
+            recorded_until=file.recorded_until,
+            record=record,
+        )
+
+    try:
+        _core.stream(result, scenario.to_core(), file.write, report, condition)
+    except BaseException as error:
+        if not file.samples:
+            file.discard()
+            raise
+        if not isinstance(error, OSError):  # for which there may be no room
+            file.describe(ended(complete=False))
+        if isinstance(error, KeyboardInterrupt):
+            raise KeyboardInterrupt(file.extent) from None
+        raise
+    file.finish(ended(complete=True))
+    return ended(True, StoredRecord(out, recorded_names(scenario)))
 
 
 def simulate_batch(
@@ -195,7 +225,7 @@ def simulate_batch(
         check_kind(f"scenario {index}", scenario, Scenario)
         check_memory(scenario)
     threads = worker_count(threads, "threads")
-    condition = parsed_condition(until, scenarios)
+    condition = _parsed(until, scenarios)
 
     cores = [scenario.to_core() for scenario in scenarios]
     report = fraction_of(sum(core.duration for core in cores), progress)
@@ -204,9 +234,14 @@ def simulate_batch(
 
 
 def _run_of(scenario: Scenario, result: _core.RunResult, until: str | None) -> Run:
-    # Empty arrays would cost a run without a record the import of numpy.
-    if not recorded_names(scenario):
-        return Run(scenario, Outcome.of(result, math.nan, until), None)
-    record = kept(scenario, result.take_recording())
-    recorded_until = float(record["t"][-1]) if len(record["t"]) else math.nan
-    return Run(scenario, Outcome.of(result, recorded_until, until), record)
+    arrays = result.take_recording() if scenario.record.rate != "none" else {}
+    dtype = scenario.record.dtype
+    record = {
+        name: arrays[name].astype(dtype, copy=False)
+        if name != "t" and arrays[name].dtype.kind == "f"
+        else arrays[name]
+        for name in recorded_names(scenario)
+    }
+    samples = len(record["t"]) if record else 0
+    end = float(record["t"][-1]) if samples else math.nan
+    return Run.of(scenario, result, until, samples=samples, recorded_until=end, record=record)

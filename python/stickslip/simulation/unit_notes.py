@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,13 +11,14 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.numbers import Array
 from stickslip._util.units import NEAR, unit_meant
-from stickslip.scenario.sections import COIL_NAMES, Coil, Robot
 from stickslip.simulation.note import Note
 
 if TYPE_CHECKING:
     from stickslip.field.field_map import FieldMap
     from stickslip.scenario.scenario import Scenario
-    from stickslip.scenario.waveform import Waveform
+
+DEFAULTS = {row["key"]: row["default"] for row in _core.parameters()}
+"""Numbers of a scenario where none are given, by key."""
 
 LONG_PULSE = 1.0
 """Shortest pulse that is noted, s. Chosen: the paper drives at 1 to 200 Hz."""
@@ -57,10 +59,10 @@ def unit_notes(scenario: Scenario, core: _core.Scenario) -> list[Note]:
 
 def time_constants(scenario: Scenario, core: _core.Scenario) -> dict[str, float]:
     """L/R of each coil, s."""
-    found = {}
-    for name, resistance in zip(COIL_NAMES, core.resistances(), strict=True):
-        found[name] = float(scenario.get(f"coil.{name}.inductance")) / resistance
-    return found
+    return {
+        name: float(scenario.get(f"coil.{name}.inductance")) / resistance
+        for name, resistance in zip(_core.coil_names, core.resistances(), strict=True)
+    }
 
 
 def _of_map(scenario: Scenario) -> list[Note]:
@@ -95,8 +97,12 @@ def _of_places(field_map: FieldMap, made: _core.Scenario, distance: float) -> li
 
 def _decay_lengths(made: _core.Scenario) -> Array:
     """Field over its derivative along itself, at the centre, of each coil with a field, m."""
-    coils, centre, each = made.coils(), np.zeros((len(COIL_NAMES), 3)), np.eye(len(COIL_NAMES))
-    at = np.arange(len(COIL_NAMES))
+    coils, centre, each = (
+        made.coils(),
+        np.zeros((len(_core.coil_names), 3)),
+        np.eye(len(_core.coil_names)),
+    )
+    at = np.arange(len(_core.coil_names))
     field = coils.field(centre, each)[at, _AXES]
     slope = coils.gradient(centre, each).reshape(-1, 3, 3)[at, _AXES, _AXES]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -109,9 +115,9 @@ def _of_background(field_map: FieldMap, made: _core.Scenario) -> list[Note]:
     At the centre a coil has no field across its axis, but by its mounting, which differs from coil
     to coil. A frame that is turned as a whole gives coils of two axes opposite fields.
     """
-    fields = made.coils().field(np.zeros((len(COIL_NAMES), 3)), np.eye(len(COIL_NAMES)))
+    fields = made.coils().field(np.zeros((len(_core.coil_names), 3)), np.eye(len(_core.coil_names)))
     used = np.flatnonzero(np.linalg.norm(fields, axis=1) > 0.0)
-    if len(used) < len(COIL_NAMES) - 1:
+    if len(used) < len(_core.coil_names) - 1:
         return []
     across = [fields[used[_AXES[used] != axis], axis] for axis in range(3)]
     common = np.array([np.mean(each) for each in across])
@@ -135,29 +141,30 @@ def _of_background(field_map: FieldMap, made: _core.Scenario) -> list[Note]:
 def _of_pulses(scenario: Scenario, core: _core.Scenario) -> list[Note]:
     drive = scenario.drive
     lasting = 1.0 / drive.frequency
-    if drive.program is not None:
-        lasting = shortest_tooth(drive.program)
+    meant = f"is drive.frequency = {drive.frequency:g} in kHz? Multiply it by 1000"
+    if drive.mode == "program":
+        lasting = shortest_tooth(core.program())
+        meant = "are the times of the voltages in ms? Divide them by 1000"
     slowest = max(time_constants(scenario, core).values())
     if not max(LONG_PULSE, MANY_TIME_CONSTANTS * slowest) < lasting < math.inf:
         return []
-    meant = f"is drive.frequency = {drive.frequency:g} in kHz? Multiply it by 1000"
-    if drive.program is not None:
-        meant = "are the times of the voltages in ms? Divide them by 1000"
     times = f"{lasting / slowest:.3g} times the longest time constant of a coil"
     return [Note("unit-time", f"a pulse lasts {lasting:.4g} s, {times}; {meant}", lasting)]
 
 
-def shortest_tooth(program: Waveform) -> float:
+def shortest_tooth(blocks: Sequence[tuple[Array, Array, int]]) -> float:
     """Shortest time between two edges of a coil's voltage between which it comes back, s.
 
-    An edge is a jump, or a slope of over five times the mean of its block. Slow ramps have no
-    edges, and after the edge of a hold the voltage stays; infinity where no block has two teeth.
+    `blocks` are times (s), voltages (n x 5) and repeats. An edge is a jump, or a slope of over five
+    times the mean of its block. Slow ramps have no edges, and after the edge of a hold the voltage
+    stays; infinity where no block has two teeth.
     """
     shortest = math.inf
-    for t, v, repeats in program.blocks:
-        times, voltages = type(program)([(t, v, min(repeats, 3))]).points()
-        each = [_shortest_tooth(times, voltages[:, k]) for k in range(len(COIL_NAMES))]
-        shortest = min(shortest, *each)
+    for t, v, repeats in blocks:
+        count = min(repeats, 3)
+        times = np.concatenate([t + k * t[-1] for k in range(count)])
+        voltages = np.tile(v, (count, 1))
+        shortest = min(shortest, *(_shortest_tooth(times, coil) for coil in voltages.T))
     return shortest
 
 
@@ -173,25 +180,29 @@ def _shortest_tooth(times: Array, volts: Array) -> float:
 
 
 def _of_coils(scenario: Scenario) -> list[Note]:
-    coil, table_1 = scenario.coil, Coil()
+    # Coils without iron have a third to three times this inductance.
+    likely = _times_default(scenario, "coil.turns") ** 2 * _times_default(scenario, "coil.side")
+    cases = [
+        ("coil.side", 1.0, _TIMES_TABLE_I, "m", "unit-length", "that of Table I"),
+        ("coil.distance", 1.0, _TIMES_TABLE_I, "m", "unit-length", "that of Table I"),
+    ]
+    if scenario.coil.map is None:  # beside which turns and side are not stated
+        what = "what coil.turns and coil.side make likely"
+        cases.append(("coil.inductance", likely, NEAR, "H", "unit-inductance", what))
     notes = []
-    for name in ("side", "distance"):
-        size, usual = getattr(coil, name), getattr(table_1, name)
-        found = unit_meant("m", size / usual, _TIMES_TABLE_I)
+    for key, usual, within, unit, code, what in cases:
+        ratio = _times_default(scenario, key) / usual
+        found = unit_meant(unit, ratio, within)
         if found is not None:
-            text = f"coil.{name} = {size:g} m is {size / usual:.3g} times that of Table I"
-            notes.append(Note("unit-length", f"{text}: {_question(found)}", size))
-    # Coils without iron have a third to three times this.
-    likely = coil.inductance / table_1.inductance
-    likely /= (coil.turns / table_1.turns) ** 2 * coil.side / table_1.side
-    found = unit_meant("H", likely)
-    if found is not None and coil.map is None:  # beside which turns and side are not stated
-        text = (
-            f"coil.inductance = {coil.inductance:g} H is {likely:.3g} times what coil.turns and "
-            f"coil.side make likely: {_question(found)}"
-        )
-        notes.append(Note("unit-inductance", text, coil.inductance))
+            value = float(scenario.get(key))
+            text = f"{key} = {value:g} {unit} is {ratio:.3g} times {what}: {_question(found)}"
+            notes.append(Note(code, text, value))
     return notes
+
+
+def _times_default(scenario: Scenario, *keys: str) -> float:
+    """Product of the values of some keys, over that of their defaults."""
+    return math.prod(float(scenario.get(key)) / DEFAULTS[key] for key in keys)
 
 
 def _of_robot(scenario: Scenario) -> list[Note]:
@@ -199,25 +210,19 @@ def _of_robot(scenario: Scenario) -> list[Note]:
 
     Magnets and what is made with them have 2 500 to 25 000 kg/m3.
     """
-    robot, table_2 = scenario.robot, Robot()
-    names = ("length", "width", "height")
-    sizes = np.array([getattr(robot, name) for name in names])
-    density = robot.mass / float(np.prod(sizes))
-    usual = table_2.mass / (table_2.length * table_2.width * table_2.height)
-    said = f"a density of {density:.3g} kg/m3"
-    found = unit_meant("kg", density / usual)
+    names = [f"robot.{each}" for each in ("length", "width", "height")]
+    mass, sizes = scenario.robot.mass, np.array([float(scenario.get(name)) for name in names])
+    said = f"a density of {mass / float(np.prod(sizes)):.3g} kg/m3"
+    times_usual = _times_default(scenario, "robot.mass") / _times_default(scenario, *names)
+    found = unit_meant("kg", times_usual)
     if found is not None:
-        text = f"robot.mass = {robot.mass:g} kg makes {said}: {_question(found)}"
-        return [Note("unit-mass", text, robot.mass)]
+        text = f"robot.mass = {mass:g} kg makes {said}: {_question(found)}"
+        return [Note("unit-mass", text, mass)]
     for wrong in (sizes > _LONG * np.min(sizes), np.ones(3, dtype=bool)):
         share = 1.0 / max(int(wrong.sum()), 1)  # each of them has the factor
-        found = unit_meant("m", (usual / density) ** share, NEAR**share)
+        found = unit_meant("m", times_usual**-share, NEAR**share)
         if found is not None and wrong.any():
-            given = [
-                f"robot.{name} = {size:g} m"
-                for name, size, is_wrong in zip(names, sizes, wrong, strict=True)
-                if is_wrong
-            ]
+            given = [f"{names[k]} = {sizes[k]:g} m" for k in np.flatnonzero(wrong)]
             text = f"{' and '.join(given)} make{'s' if len(given) == 1 else ''} {said}"
             largest = float(np.max(sizes[wrong]))
             return [Note("unit-length", f"{text}: {_question(found, len(given))}", largest)]

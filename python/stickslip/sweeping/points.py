@@ -22,7 +22,7 @@ from stickslip.scenario.sections import (
     refuse_sawtooth,
     refuse_sawtooth_values,
 )
-from stickslip.simulation.run_attributes import origin
+from stickslip.simulation.record_file import origin
 
 if TYPE_CHECKING:
     from pandas import DataFrame

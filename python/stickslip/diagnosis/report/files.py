@@ -20,8 +20,7 @@ import scipy
 from markupsafe import Markup
 
 from stickslip import _core
-from stickslip._util.checksum import sha256_of
-from stickslip._util.files import check_folder, text_writer, write_together
+from stickslip._util.files import check_folder, sha256_of, text_writer, write_together
 from stickslip._util.html import page_text, svg
 from stickslip._util.palette import BLUE, DARK_GREY, VERMILION
 from stickslip._util.text import json_text

@@ -8,18 +8,23 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip._util.csv_rows import csv_line, text_lines
-from stickslip._util.files import read_bytes, text_writer, write_together
+from stickslip._util.files import text_writer, write_together
 from stickslip._util.units import handy
+from stickslip.diagnosis.decision.experiments import Experiment, advice, prediction_table
+from stickslip.diagnosis.report.amounts import amount, title
+from stickslip.diagnosis.report.files import JSON
+from stickslip.diagnosis.result import Diagnosis, setting_columns
 from stickslip.errors import ScenarioError
+from stickslip.measurement.new_trials import unmeasured
+from stickslip.measurement.reading import Measurement
+from stickslip.measurement.tables import check_columns, read_rows
+from stickslip.measurement.velocity import velocity_units
 from stickslip.scenario.keys import shown
 
 if TYPE_CHECKING:
-    from stickslip.diagnosis.decision.experiments import Experiment
-    from stickslip.diagnosis.result import Diagnosis
-    from stickslip.measurement.reading import Measurement
+    from pandas import DataFrame
 
-TABLE, PREDICTIONS = "next.csv", "next-predictions.csv"
-_MOST_BYTES = 1 << 26  # of a report, as of a table
+TABLES = TABLE, PREDICTIONS = "next.csv", "next-predictions.csv"
 
 
 @dataclass(frozen=True)
@@ -42,8 +47,8 @@ class Rounds:
     folder: Path
     most: int
     budget: int
-    measured: int
-    trials: int
+    measured: int = 0
+    trials: int = 0
 
     def proposed(self, result: Diagnosis) -> list[Experiment]:
         """What is to be measured next, within the budget."""
@@ -51,44 +56,48 @@ class Rounds:
 
     def write(self, result: Diagnosis) -> None:
         """Write both tables, if something is proposed; what was filled in stays as it is."""
-        from stickslip.diagnosis.decision.experiments import prediction_table
-        from stickslip.diagnosis.result import setting_columns
-
         experiments = self.proposed(result)
         if not experiments or result.measurement is None:
             return
         path = self.folder / TABLE
-        trials = result.trial_table(experiments)
         predictions = prediction_table(experiments, setting_columns(result.measurement))
         texts = {
-            path: _below_what_was_measured(path, trials),
+            path: _below_what_was_measured(path, result.trial_table(experiments)),
             self.folder / PREDICTIONS: predictions.to_csv(index=False, float_format="%.6g"),
         }
         write_together({path: text_writer(text) for path, text in texts.items()})
 
     def lines(self, result: Diagnosis) -> list[str]:
         """What was read, whether the name is safe, and else what to measure and why."""
-        from stickslip.diagnosis.decision.experiments import advice
-        from stickslip.diagnosis.report.amounts import title
-
-        path = self.folder / TABLE
-        lines = [f"  read from {path}: {self.trials} trials of {_count(self.measured)}"]
-        lines = [*(lines if self.measured else []), f"  {result.next_step}"]
-        experiments = self.proposed(result)
+        path, experiments = self.folder / TABLE, self.proposed(result)
+        lines = []
+        if self.measured:
+            lines.append(f"  read from {path}: {self.trials} trials of {_count(self.measured)}")
+        lines.append(f"  {result.next_step}")
         if experiments:
-            far = f"{self.measured} of at most {self.budget} measured"
             lines += [
-                f"  to measure: {_count(len(experiments))}, in {path}; {far}",
+                f"  to measure: {_count(len(experiments))}, in {path}; {self.measured} of at most "
+                f"{self.budget} measured",
                 "    Fill in its column velocity (m/s), and run this command again.",
             ]
         elif result.next_step.code == "no-safe-name":
-            lines.append(f"  no drive is in {path}: {self._why_none()}")
+            why = "none that was tried would decide anything."
+            if self.measured >= self.budget:
+                more = self.measured + self.most
+                why = (
+                    f"the budget of {_count(self.budget)} is used up; --budget {more} allows more."
+                )
+            lines.append(f"  no drive is in {path}: {why}")
+        factor, unit = handy("m/s")
         for number, each in enumerate(experiments, start=1):
-            lines.append(f"  {number}. {each}")
-            lines.append(f"     expected: {_expected(each)}")
+            expected = "; ".join(
+                f"{amount(factor * said['velocity'], factor * said['sd'], unit)} with {title(name)}"
+                for name, said in each.predictions.items()
+            )
+            lines += [f"  {number}. {each}", f"     expected: {expected}"]
         causes = result.verdict.causes if result.verdict.kind == "ambiguous" else ()
-        said = advice({name: title(name) for name in causes}, experiments)
-        return lines + [f"  beside the drive: {note}" for note in said]
+        notes = advice({name: title(name) for name in causes}, experiments)
+        return lines + [f"  beside the drive: {note}" for note in notes]
 
     def as_dict(self, result: Diagnosis) -> dict[str, Any]:
         """The key `next` of ``--json``."""
@@ -102,60 +111,40 @@ class Rounds:
             "table": str(self.folder / TABLE) if experiments else None,
         }
 
-    def _why_none(self) -> str:
-        if self.measured >= self.budget:
-            more = self.measured + self.most
-            return f"the budget of {_count(self.budget)} is used up; --budget {more} allows more."
-        return "none that was tried would decide anything."
-
 
 def with_measured(
     data: Measurement, folder: Path, most: int, budget: int
 ) -> tuple[Measurement, Rounds]:
-    """The measurement with what was filled in since the last round, and how far this has come."""
-    from stickslip.diagnosis.result import setting_columns
-    from stickslip.measurement.new_trials import unmeasured
-    from stickslip.measurement.tables import check_columns, read_rows
-    from stickslip.measurement.velocity import velocity_units
+    """The measurement with what was filled in since the last round, and how far this has come.
 
+    A ScenarioError if the table is of another measurement, or lacks a column.
+    """
     path = folder / TABLE
     if not path.exists():
-        return data, Rounds(folder, most, budget, 0, 0)
-    _check_owner(data, folder)
+        return data, Rounds(folder, most, budget)
+    try:
+        name = json.loads((folder / JSON).read_bytes())["name"]
+    except (OSError, ValueError, KeyError, TypeError):  # no report, or none that says
+        name = data.name
+    if name != data.name:
+        raise ScenarioError(
+            f"{path} is of another measurement, {shown(name)}, by the report beside it: "
+            "allowed is a folder --out for each measurement"
+        )
     table = read_rows(path, velocity_units())
     check_columns(path, table.header, [*setting_columns(data), "velocity"])
     if len(unmeasured(table)) == len(table.rows):
-        return data, Rounds(folder, most, budget, 0, 0)
+        return data, Rounds(folder, most, budget)
     data = data.with_velocities(path)
     new = data.velocity[-1]
     return data, Rounds(folder, most, budget, len(new.conditions), len(new.velocity))
 
 
-def _check_owner(data: Measurement, folder: Path) -> None:
-    """Refuse what was proposed for another measurement, as far as the report beside it tells."""
-    from stickslip.diagnosis.report.files import JSON
-
-    path = folder / JSON
-    try:
-        name = json.loads(read_bytes(path, _MOST_BYTES, "report"))["name"]
-    except (ScenarioError, ValueError, KeyError, TypeError):
-        return  # no report, or none that says
-    if name != data.name:
-        raise ScenarioError(
-            f"{folder / TABLE} is of another measurement, {shown(name)}, by the report beside it: "
-            "allowed is a folder --out for each measurement"
-        )
-
-
-def _below_what_was_measured(path: Path, trials: Any) -> str:
+def _below_what_was_measured(path: Path, trials: DataFrame) -> str:
     """The text of the table: its lines without those that were not measured, and new ones below.
 
     Comments stay, and so do lines that have the cells that were read, in SI units between commas.
     """
-    from stickslip.measurement.new_trials import unmeasured
-    from stickslip.measurement.tables import read_rows
-    from stickslip.measurement.velocity import velocity_units
-
     if not path.exists():
         return str(trials.to_csv(index=False))
     table = read_rows(path, velocity_units())
@@ -170,17 +159,6 @@ def _below_what_was_measured(path: Path, trials: Any) -> str:
             kept.append(line.replace(",", ";") if alike else line)
     new = trials.reindex(columns=table.header).to_csv(index=False, header=False)
     return "\n".join([*kept, str(new)])
-
-
-def _expected(experiment: Experiment) -> str:
-    """What each candidate predicts, with the error of its fit."""
-    from stickslip.diagnosis.report.amounts import amount, title
-
-    factor, unit = handy("m/s")
-    return "; ".join(
-        f"{amount(factor * each['velocity'], factor * each['sd'], unit)} with {title(name)}"
-        for name, each in experiment.predictions.items()
-    )
 
 
 def _count(experiments: int) -> str:

@@ -1,0 +1,179 @@
+"""Types and options of the commands."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from decimal import Decimal
+from pathlib import Path
+from typing import Any, TypeVar
+
+import click
+from click.shell_completion import CompletionItem
+
+from stickslip.scenario.keys import Value, full_name, known_keys, shown
+from stickslip.scenario.path_keys import PATHS
+
+_F = TypeVar("_F", bound=Callable[..., Any])
+
+_WITH_UNIT = re.compile(r"[-+]?\.?\d[\d.eE+-]*\s*([^\W\d]|[°%])")
+_QUOTES = "'\""
+_MOST_VALUES = 10_000_000  # of a range; chosen: a sweep of as many points is refused too
+
+
+def key_names(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """The keys of a scenario that begin as a word does, for a shell."""
+    keys = known_keys().values()
+    return [CompletionItem(k.name, help=k.meaning) for k in keys if k.name.startswith(incomplete)]
+
+
+class KeyValue(click.ParamType[Any]):
+    """``KEY=VALUE`` as a pair; `parse` makes the value of the key and its text."""
+
+    name = "pair"
+
+    def __init__(self, example: str, parse: Callable[[str, str], Any]) -> None:
+        self.example = example
+        self.parse = parse
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The pair, or a usage error."""
+        key, equals, text = (part.strip() for part in value.partition("="))
+        if not equals or not key or not text:
+            self.fail(f"{shown(value)}: allowed is {self.example}", param, ctx)
+        try:
+            return full_name(key), self.parse(key, text)
+        except ValueError as error:
+            self.fail(f"{shown(value)}: {error}", param, ctx)
+
+
+def number_or_word(text: str) -> Value:
+    """A number if it reads as one, else a word, with or without quotes around it."""
+    for number in (int, float):
+        try:
+            return number(text)
+        except ValueError:
+            continue
+    if _WITH_UNIT.match(text):
+        raise ValueError("allowed is a number in SI units without its unit: 2.5 mT is 2.5e-3")
+    return text.strip(_QUOTES)
+
+
+def number(key: str, text: str) -> float:
+    """A number."""
+    found = number_or_word(text)
+    if isinstance(found, str):
+        raise ValueError("allowed is a number, in SI units")
+    return float(found)
+
+
+def range_or_words(key: str, text: str) -> list[Value]:
+    """The ends of ``low:high``, or the words of ``a,b``."""
+    found = _list(text, ":" if ":" in text else ",")
+    is_range = not any(isinstance(each, str) for each in found)
+    if is_range != (":" in text) or (is_range and len(found) != 2):
+        raise ValueError("allowed is key=low:high with two numbers, or key=word,word")
+    return found
+
+
+def _list(text: str, separator: str) -> list[Value]:
+    return [number_or_word(part.strip()) for part in text.split(separator)]
+
+
+def _values(key: str, text: str) -> list[Value]:
+    """The values of ``start:stop:count``, with both ends, or of ``a,b,c``."""
+    if ":" not in text:
+        return _list(text, ",")
+    try:
+        first, last, number = text.split(":")
+        # Decimals, so that 0.1:0.5:5 gives 0.3 and not the sum of rounded steps.
+        start, stop, count = Decimal(first.strip()), Decimal(last.strip()), int(number)
+        step = (stop - start) / max(count - 1, 1)
+        allowed = step.is_finite() and 1 <= count <= _MOST_VALUES
+    except (ArithmeticError, ValueError):
+        allowed = False
+    if not allowed or (count == 1) != (start == stop):
+        raise ValueError(
+            "allowed is start:stop:count with two numbers, and a whole number of values from 2 to "
+            f"{_MOST_VALUES}"
+        )
+    return [float(start + place * step) for place in range(count)]
+
+
+def _of_a_file(key: str, text: str) -> Value | Path:
+    return Path(text.strip(_QUOTES)) if key in PATHS else number_or_word(text)
+
+
+def _once(ctx: click.Context, param: click.Parameter, pairs: Any) -> dict[str, Any]:
+    """The values by key."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        raise click.BadParameter("a key is there twice", ctx, param)
+    return found
+
+
+def pairs(
+    name: str, parse: Callable[[str, str], Any], example: str, help: str, **more: Any
+) -> Callable[[_F], _F]:
+    """A repeatable option of pairs, which a command gets as a dict."""
+    how: dict[str, Any] = {"metavar": "KEY=VALUES", "callback": _once, "multiple": True, **more}
+    return click.option(name, type=KeyValue(example, parse), help=f"{help}; repeatable.", **how)
+
+
+def _keys_and_sign(*about: Any) -> list[CompletionItem]:
+    return [CompletionItem(f"{item.value}=", help=item.help) for item in key_names(*about)]
+
+
+KEYS: dict[str, Any] = {"shell_complete": _keys_and_sign}
+
+SET = pairs(
+    "--set",
+    _of_a_file,
+    "key=value, such as drive.frequency=30",
+    "Change a key, in SI units without their names; the last of a key counts",
+    metavar="KEY=VALUE",
+    callback=lambda ctx, param, pairs: dict(pairs),
+    **KEYS,
+)
+
+
+def vary_option(required: bool) -> Callable[[_F], _F]:
+    """``--vary``, of which a sweep needs one."""
+    return pairs(
+        "--vary",
+        _values,
+        "key=start:stop:count or key=a,b,c, such as drive.frequency=5:200:40",
+        "A key and its values, start:stop:count with both ends, or a,b,c",
+        required=required,
+        **KEYS,
+    )
+
+
+def check_drawable(vary: Mapping[str, list[Any]], most: int) -> None:
+    """Refuse, before the work, what lines, or with two numbers at `most` a map, cannot show."""
+    kinds = [isinstance(values[0], str) for values in vary.values() if len(values) > 1]
+    numbers = kinds.count(False)
+    if not (numbers == 1 or (numbers == 2 == most and True not in kinds)):
+        several = ", or with two of numbers" if most == 2 else ""
+        raise click.UsageError(
+            f"--plot: allowed with one --vary of numbers, and others of words{several}"
+        )
+
+
+PATH = click.Path(path_type=Path)
+FOLDER = click.Path(path_type=Path, file_okay=False)
+UNCERTAIN = click.option(
+    "--uncertain",
+    type=PATH,
+    help="A TOML file whose [uncertain] takes the place of the scenario's: a measurement, another "
+    "scenario, or the extended.toml of a diagnosis.",
+)
+SEED = click.option("--seed", type=click.IntRange(0), default=0, help="Of all draws.")
+THREADS = click.option(
+    "--threads",
+    "--jobs",
+    "threads",
+    type=click.IntRange(1),
+    help="Simulations at a time; default: processors.",
+)
+JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")

@@ -1,0 +1,80 @@
+"""What a command prints and writes: lines, tables, JSON, files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+import stickslip
+from stickslip._util.files import check_suffix, check_writable
+from stickslip._util.text import json_text, printable
+from stickslip.errors import ScenarioError, prefixed
+
+MOST_ROWS = 50
+"""Points that are printed. Chosen: about one page; a longer table is in the file alone."""
+
+
+def say(line: object, err: bool = False) -> None:
+    """Print one line, in which control characters of file names and columns are escaped."""
+    click.echo(printable(line), err=err)
+
+
+def print_json(found: Mapping[str, Any]) -> None:
+    """Print one JSON object."""
+    click.echo(json_text(found))
+
+
+def print_rows(rows: Iterable[tuple[str, object]]) -> None:
+    """Print names and what belongs to each."""
+    rows = list(rows)
+    width = max(len(name) for name, _ in rows)
+    for name, text in rows:
+        say(f"{name:<{width}}  {text}".rstrip())
+
+
+def print_points(columns: Mapping[Any, Sequence[Any]]) -> None:
+    """Print columns with a row for each point, if these are few; a name is a tuple of lines."""
+    import pandas
+
+    table = pandas.DataFrame(columns)
+    if 0 < len(table) <= MOST_ROWS:
+        shown = table.to_string(index=False, sparsify=False, float_format="%.6g")
+        click.echo(f"{shown}\n")
+
+
+def check_files(read: Iterable[Path], /, **written: tuple[Path | None, tuple[str, ...]]) -> None:
+    """Refuse, before the work, files of options that cannot be written, or are another's.
+
+    `written` has the path and the suffixes of each option; () are those of a picture.
+    """
+    taken = {path.resolve(): "is read, and would be overwritten" for path in read}
+    for name, (path, suffixes) in written.items():
+        if path is None:
+            continue
+        with prefixed(f"--{name}", OSError):
+            check_writable(path)
+        place = path.resolve()
+        if place in taken:
+            raise ScenarioError(f"--{name}: {path} {taken[place]}")
+        with prefixed(f"--{name}", ValueError):
+            check_suffix(path, suffixes) if suffixes else stickslip.plot.check_format(path)
+        taken[place] = f"is that of --{name} too"
+
+
+def drawn(option: str, path: Path | None, draw: Callable[[Path], object]) -> bool:
+    """Whether a picture, if it is wanted, could be drawn; else it says why not."""
+    try:
+        if path is not None:
+            draw(path)
+    except (AttributeError, RuntimeError, ValueError) as error:  # a run that ended too early, say
+        say(f"stickslip: {option}: nothing drawn: {error}", err=True)
+        return False
+    return True
+
+
+def save_plot(figure: str, *what: Any) -> Callable[[Path], object]:
+    """A function that draws by one of `stickslip.plot` and writes to a path."""
+    return lambda path: stickslip.plot.save(getattr(stickslip.plot, figure)(*what), path)

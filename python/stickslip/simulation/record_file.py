@@ -1,0 +1,374 @@
+"""The netCDF file of a run: written block by block, and read back.
+
+HDF5 ends the process where it cannot write, so all that can fail is tried before, without HDF5.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.metadata
+import io
+import json
+import math
+import os
+import shutil
+from collections.abc import Iterator, Mapping
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip import _core
+from stickslip._util.extras import naming_the_extra
+from stickslip._util.files import NotWritten, check_writable, replacing
+from stickslip.errors import ScenarioError, prefixed
+from stickslip.field.map_files import map_text, stored_map
+from stickslip.scenario.state import State
+from stickslip.scenario.toml_file import scenario_of
+from stickslip.scenario.waveform import Waveform
+from stickslip.simulation.columns import COLUMNS, WORDS, recorded_names
+from stickslip.simulation.note import notes_json
+
+if TYPE_CHECKING:
+    import xarray
+    from numpy.typing import NDArray
+
+    from stickslip.scenario.scenario import Scenario
+    from stickslip.simulation.run import Run
+
+    Block = Mapping[str, NDArray[Any]]
+
+PART = ".part"
+"""What the name of a file ends with until it is complete."""
+
+BLOCK = 65536
+"""Samples of a block: as many as the core hands over at a time."""
+
+# zlib's fastest level after a shuffle of the bytes. Measured on 262 144 samples of a walking robot:
+# the slowest level takes half as long again for a file that is 2 % smaller.
+_STORED: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+
+# Of what HDF5 writes beside the samples, bytes; chosen: a block adds less than a tenth of it.
+_MARGIN = 1 << 20
+
+# The first format that can be read while it is written, or where its writer was killed (SWMR).
+_FORMAT = {"libver": "v110"}
+
+
+def origin(scenario: Scenario) -> dict[str, str]:
+    """What a file says of where its numbers come from: versions, scenario, voltages and map."""
+    about = {"stickslip_version": _core.__version__, "numpy_version": np.__version__}
+    with contextlib.suppress(importlib.metadata.PackageNotFoundError):  # it comes with an extra
+        about["xarray_version"] = importlib.metadata.version("xarray")
+    about["scenario"] = scenario.to_toml()
+    if scenario.drive.mode == "program":  # a scenario's text names a file in place of the voltages
+        blocks = scenario.to_core().program()
+        about["voltage_blocks"] = json.dumps(
+            [{"t": t.tolist(), "V": v.tolist(), "repeats": n} for t, v, n in blocks]
+        )
+    if scenario.coil.map is not None:
+        about["coil_map"] = map_text(scenario.coil.map)
+    return about
+
+
+def attributes(run: Run) -> dict[str, Any]:
+    """What a file says of a run beside its record: all that makes it a `Run` again."""
+    summary = run.summary()
+    about = {
+        "title": "stick-slip motion of a magnetic micro-robot",
+        "source": f"stickslip {_core.__version__}",
+        **origin(run.scenario),
+        **{name: value for name, value in summary.items() if not isinstance(value, dict | list)},
+        "notes": notes_json(run.notes),
+        "events": json.dumps(summary["events"]),
+        "steps": json.dumps(summary["steps"]),
+        "condition_met": int(run.condition_met),
+        "condition": run.condition,
+        "complete": int(run.complete),
+        "recorded_until": run.recorded_until,
+    }
+    if run.complete or run.numbers["simulated_time"]:  # else nobody knows where it is
+        about["final_state"] = json.dumps(vars(run.final_state))
+    return about
+
+
+def dataset(run: Run) -> xarray.Dataset:
+    """See `Run.to_xarray`."""
+    with naming_the_extra("Run.to_xarray"):
+        import xarray
+    variables = {
+        name: (_dimensions(name), getattr(run, name), _about(name))
+        for name in recorded_names(run.scenario) or ("t",)  # whose absence is the error
+    }
+    coil = ("coil", list(_core.coil_names), {"long_name": "coil"})
+    return xarray.Dataset(variables, {"t": variables.pop("t"), "coil": coil}, attributes(run))
+
+
+def _dimensions(name: str) -> tuple[str, ...]:
+    return ("t", "coil") if name == "current" else ("t",)
+
+
+def _about(name: str) -> dict[str, Any]:
+    """Attributes of a quantity."""
+    column = COLUMNS[name]
+    about: dict[str, Any] = {"units": column.unit, "long_name": column.meaning}
+    if name in WORDS:
+        about["flag_values"] = np.arange(len(WORDS[name]), dtype=np.int8)
+        about["flag_meanings"] = " ".join(WORDS[name])
+    return about
+
+
+class RecordFile:
+    """A netCDF file that takes the record of a run block by block, as NAME.part until its end.
+
+    It is closed after each block. Whatever ends the process, also within a block, NAME.part can be
+    opened with all blocks before.
+
+    Parameters
+    ----------
+    path : path-like
+    run : Run
+        What is known before the run; with it the file is made.
+
+    Attributes
+    ----------
+    samples : int
+        How many it has.
+    recorded_until : float
+        Time of the last one, s; NaN without one.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be made, and by `write` and `finish` where there is no room.
+    """
+
+    def __init__(self, path: str | PathLike[str], run: Run) -> None:
+        with naming_the_extra("a netCDF file"):
+            import h5netcdf
+            import h5py
+
+        self.path, self.part = Path(path), Path(f"{os.fspath(path)}{PART}")
+        self.samples, self.recorded_until = 0, math.nan
+        self._scenario = run.scenario
+        record = run.scenario.record
+        chunk = 1024  # events; chosen: a run has some thousand
+        if isinstance(record.rate, float):
+            span = run.scenario.duration - record.from_
+            chunk = max(1, min(BLOCK, math.ceil(record.rate * span) + 1))
+        image = io.BytesIO()
+        with h5netcdf.File(image, "w", **_FORMAT) as file:
+            file.dimensions = {"t": None, "coil": len(_core.coil_names)}
+            coil = file.create_variable("coil", ("coil",), h5py.string_dtype())
+            coil[:] = np.array(_core.coil_names, dtype=object)
+            coil.attrs["long_name"] = "coil"
+            for name in recorded_names(run.scenario):
+                file.create_variable(
+                    name,
+                    _dimensions(name),
+                    np.int8 if name in WORDS else "float64" if name == "t" else record.dtype,
+                    fillvalue=None if name in WORDS else np.nan,
+                    chunks=(chunk, 1) if name == "current" else (chunk,),
+                    **_STORED,
+                ).attrs.update(_about(name))
+            _set_attributes(file, run, complete=False)
+        check_writable(path)
+        with replacing(self.part) as temporary:
+            temporary.write_bytes(image.getbuffer())
+        self._inode = os.stat(self.part).st_ino
+
+    def write(self, recording: Block) -> None:
+        """Add samples as the core recorded them, or raise an OSError and add none."""
+        import h5py
+
+        block = {name: recording[name] for name in recorded_names(self._scenario)}
+        self._try(sum(array.nbytes for array in block.values()))
+        end = self.samples + len(block["t"])
+        access = h5py.h5p.create(h5py.h5p.FILE_ACCESS)
+        access.set_libver_bounds(h5py.h5f.LIBVER_V110, h5py.h5f.LIBVER_LATEST)
+        access.set_file_locking(False, True)  # a reader must not stop the run
+        flags = h5py.h5f.ACC_RDWR | h5py.h5f.ACC_SWMR_WRITE
+        with h5py.File(h5py.h5f.open(os.fsencode(self.part), flags, access)) as file:
+            self._check_own(file.id.get_vfd_handle(access))
+            for name, array in block.items():
+                file[name].resize(end, axis=0)
+                file[name][self.samples :] = array
+        if end > self.samples:
+            self.samples, self.recorded_until = end, float(block["t"][-1])
+
+    def describe(self, run: Run, path: Path | None = None) -> None:
+        """Add what is known at the end of a run."""
+        import h5netcdf
+
+        self._try(0, path)
+        with h5netcdf.File(str(path or self.part), "r+", locking=False, **_FORMAT) as file:
+            _set_attributes(file, run, run.complete)
+
+    def finish(self, run: Run) -> None:
+        """The same for a run that came to its end, and give the file its name."""
+        self._try(0)
+        try:
+            with replacing(self.path) as temporary:  # a kill within this leaves NAME.part
+                shutil.copyfile(self.part, temporary)
+                self.describe(run, temporary)
+            self.part.unlink()
+        except OSError:  # there is no room for a copy
+            self.describe(run)
+            os.replace(self.part, self.path)
+
+    def discard(self) -> None:
+        """Remove NAME.part, unless another process has written one."""
+        with contextlib.suppress(OSError):
+            if os.stat(self.part).st_ino == self._inode:
+                self.part.unlink()
+
+    @property
+    def extent(self) -> str:
+        """How far the record goes, for an error."""
+        return f"{self.part} has the record up to {self.recorded_until:.6g} s"
+
+    def _check_own(self, file: int) -> None:
+        """Raise an OSError for an open file that is not the one that was made."""
+        if os.fstat(file).st_ino != self._inode:
+            raise NotWritten(f"cannot write {self.part}: another process has replaced it")
+
+    def _try(self, size: int, path: Path | None = None) -> None:
+        """Write so many bytes, and take them away; an OSError says that there is no room."""
+        try:
+            with open(path or self.part, "r+b", buffering=0) as file:
+                if path is None:
+                    self._check_own(file.fileno())
+                end = file.seek(0, os.SEEK_END)
+                rest = memoryview(bytes(size + _MARGIN))
+                try:
+                    while rest:
+                        rest = rest[file.write(rest) :]
+                finally:
+                    file.truncate(end)
+        except NotWritten:
+            raise
+        except OSError as error:
+            text = f"cannot write {self.part}: {error.strerror or error}"
+            raise NotWritten(f"{text}; {self.extent}" if self.samples else text) from error
+
+
+def _set_attributes(file: Any, run: Run, complete: bool) -> None:
+    for name, value in {**attributes(run), "complete": int(complete)}.items():
+        file.attrs[name] = value if isinstance(value, str) else np.atleast_1d(value)
+
+
+def write_run(run: Run, path: str | PathLike[str]) -> None:
+    """Write a run whose arrays are at hand, whole or not at all."""
+    arrays = {name: getattr(run, name) for name in recorded_names(run.scenario) or ("t",)}
+    with replacing(path) as temporary:  # and NAME.part, which may be what is saved, stays
+        part = Path(f"{temporary}{PART}")
+        try:
+            file = RecordFile(temporary, run)
+            for start in range(0, len(arrays["t"]), BLOCK):
+                file.write({name: array[start : start + BLOCK] for name, array in arrays.items()})
+            file.describe(run)
+            part.replace(temporary)
+        except NotWritten as error:
+            reason: Any = error.__cause__ or error
+            text = f"cannot write {path}: {reason.strerror or reason}"
+            raise NotWritten(text) from None
+        finally:
+            part.unlink(missing_ok=True)
+
+
+class StoredRecord(Mapping[str, "NDArray[Any]"]):
+    """The record of a file, of which each quantity is read when it is wanted."""
+
+    def __init__(self, path: str | PathLike[str], names: tuple[str, ...]) -> None:
+        self._path = Path(path).absolute()
+        self._names = names
+        with _opened(path) as file:
+            missing = [name for name in names if name not in file]
+            if missing:
+                raise ScenarioError(f"is no whole run: it has no {', '.join(missing)}")
+            # A process that was killed may have written the last block of some columns only.
+            self.samples = min(len(file[name]) for name in names)
+            self.recorded_until = float(file["t"][self.samples - 1]) if self.samples else math.nan
+        self._identity = self._identified()
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        if name not in self._names:
+            raise KeyError(name)
+        with prefixed(self._path), _opened(self._path) as file:
+            if self._identified() != self._identity:
+                raise ScenarioError("is not the file that was opened: open it again")
+            array: NDArray[Any] = file[name][: self.samples]
+            return array
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    def _identified(self) -> tuple[int, int]:
+        found = os.stat(self._path)
+        # One that is being written may grow.
+        return found.st_ino, 0 if self._path.suffix == PART else found.st_mtime_ns
+
+
+@contextlib.contextmanager
+def _opened(path: str | PathLike[str]) -> Iterator[Any]:
+    """An HDF5 file, also one that is being written or whose writer was killed."""
+    with naming_the_extra("a netCDF file"):
+        import h5py
+    try:
+        with open(path, "rb"):  # whose errors say more than those of HDF5
+            pass
+        with h5py.File(path, "r", swmr=True) as file:
+            yield file
+    except (OSError, RuntimeError) as error:
+        if isinstance(error, OSError) and error.strerror is not None:
+            raise ScenarioError(f"cannot be read: {error.strerror}") from None
+        raise ScenarioError(f"is no netCDF file, or a damaged one; {_ALLOWED}") from None
+
+
+_ALLOWED = "allowed is a netCDF file that Run.save or --out wrote"
+
+
+def stored(path: str | PathLike[str]) -> tuple[Scenario, dict[str, Any], StoredRecord]:
+    """Scenario, outcome and record of a run's file, as `Run` takes them."""
+    with prefixed(path):
+        with _opened(path) as file:
+            about = {
+                name: value.item() if isinstance(value, np.ndarray) and value.size == 1 else value
+                for name, value in file.attrs.items()
+            }
+            if "t" not in file or "scenario" not in about:
+                raise ScenarioError(
+                    f"is no run; {_ALLOWED}; a sweep is opened with xarray.open_dataset"
+                )
+        try:
+            program = None
+            if "voltage_blocks" in about:
+                blocks = json.loads(about["voltage_blocks"])
+                program = Waveform([(each["t"], each["V"], each["repeats"]) for each in blocks])
+            field_map = stored_map(about["coil_map"]) if "coil_map" in about else None
+            scenario = scenario_of(about["scenario"], program, field_map)
+            record = StoredRecord(path, recorded_names(scenario))
+            outcome = {
+                "status": about["status"],
+                "message": about["message"],
+                "numbers": {
+                    name: json.loads(about[name]) if isinstance(like, dict) else about[name]
+                    for name, like in _core.RunResult().summary().items()
+                },
+                "condition_met": bool(int(about["condition_met"])),
+                "condition": about["condition"],
+                "complete": bool(int(about["complete"])),
+                "samples": record.samples,
+                "recorded_until": record.recorded_until,
+            }
+            if "final_state" in about:
+                outcome["final_state"] = State(**json.loads(about["final_state"]))
+        except ScenarioError:
+            raise
+        except (KeyError, TypeError, ValueError):
+            raise ScenarioError(f"is no run of this version; {_ALLOWED}") from None
+    return scenario, outcome, record

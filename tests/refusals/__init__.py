@@ -1,0 +1,1 @@
+"""Tables of what is refused, and with which words: see `test_refusals`."""

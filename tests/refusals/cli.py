@@ -1,0 +1,229 @@
+"""What the command refuses: its arguments, with other files than usual where these are bad."""
+
+from command_line import check, stickslip
+
+HEAD = "stickslip = 1\n[drive]\n"
+CSV = "t,xp,xm,yp,ym,clamp\n0,0,0,0,0,0\n1,1,0,0,0,0\n"
+PROGRAM = {"s.toml": HEAD + 'mode = "program"\nfile = "v.csv"\n'}
+PRIOR = {"u.toml": '[uncertain]\n"contact.adhesion" = { mean = 0.22e-6, sd = 0.01e-6 }\n'}
+MEASURED = {
+    "m.toml": 'stickslip_measurement = 1\nscenario = "s.toml"\n'
+    '[[velocity]]\nfile = "velocity.csv"\n',
+    "velocity.csv": "velocity\n1e-3\n",
+}
+NEXT = "mode,direction,frequency,peak,hold,edge,trial,velocity\n"
+SWEEP = "sweep s.toml --vary drive.peak=0"
+HOPS = (
+    "--set drive.mode=OPP --set drive.frequency=400 --set robot.length=0.4e-3 "
+    "--set robot.width=0.25e-3 --set robot.height=0.15e-3"
+)
+
+
+def lay_out(folder, files):
+    """Write files, a scenario with an empty drive and voltages; return what is there."""
+    for name, text in {"s.toml": HEAD, "v.csv": CSV, **files}.items():
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_text(text)
+    return contents(folder)
+
+
+def contents(folder):
+    """The files of a folder."""
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def by_command(folder, bad):
+    """A command in a folder with a scenario: exit status 2, one line, and nothing written."""
+    arguments, files = (bad, {}) if isinstance(bad, str) else bad
+    before = lay_out(folder, files)
+    done = stickslip(*arguments.split(), cwd=folder)
+    check(done)
+    assert contents(folder) == before
+    return done.stderr
+
+
+def by_set(folder, bad):
+    """A value of ``--set``."""
+    return by_command(folder, f"run s.toml --out a.nc --set {bad}")
+
+
+def by_vary(folder, bad):
+    """A value of ``--vary``."""
+    return by_command(folder, f"sweep s.toml --out a.nc --vary {bad}")
+
+
+def by_next(folder, bad):
+    """A table of proposed drives that was filled in."""
+    files = {**MEASURED, "found/next.csv": bad}
+    return by_command(folder, ("diagnose m.toml --out found --next 1", files))
+
+
+def by_optimise(folder, bad):
+    """Options of a short search."""
+    few = "--evaluations 20 --set drive.pulses=6 --set drive.ramp=0.02 --set drive.base=0.5e-3"
+    return by_command(folder, f"optimise s.toml --maximise mean_velocity {few} {bad}")
+
+
+WAYS = {
+    "command": by_command,
+    "--set": by_set,
+    "--vary": by_vary,
+    "--next": by_next,
+    "optimise": by_optimise,
+}
+
+REFUSALS = [
+    (
+        "command",
+        ("run s.toml", {"s.toml": HEAD + "freqency = 3\n"}),
+        ["s.toml: drive.freqency = 3", 'mean "drive.frequency"?'],
+    ),
+    (
+        "command",
+        ("run s.toml", {**PROGRAM, "v.csv": CSV + "2,0,0\n"}),
+        ["s.toml", '"v.csv": row 4'],
+    ),
+    ("command", "run no.toml", ["no.toml", "No such file"]),
+    ("--set", "drive.frequency", ["drive.frequency", "key=value"]),
+    ("--set", "=3", "key=value"),
+    ("--set", "drive.freqency=3", 'did you mean "drive.frequency"?'),
+    ("--set", "robto.length=3", ["robto.length", "robot.length"]),
+    ("--set", "Drive.Peak=0", 'did you mean "drive.peak"?'),
+    ("--set", "mode=IPP", 'did you mean "drive.mode"?'),
+    ("--set", "effects.surface_tlt.angle=0", "effects.surface_tilt.angle"),
+    ("--set", "drive.peak=high", ['drive.peak = "high"', "a number"]),
+    ("--set", "drive.frequency=-1", "drive.frequency = -1"),
+    ("--set", "drive.mode=opp", 'did you mean "OPP"?'),
+    ("--set", "drive.frequency=nan", "drive.frequency = nan"),
+    ("--set", "drive.base=1", ["drive.peak", "drive.base"]),
+    ("--set", "drive.peak=2.5mT", "2.5 mT is 2.5e-3"),
+    ("--set", "drive.heading=30", "30 degrees are 0.5236 rad"),
+    ("--set", "surface_tilt.angle=-20", "-20 degrees are -0.3491 rad"),
+    ("--set", "robot.length=0.25", "0.25 mm are 0.00025 m"),
+    ("--set", "record.fields=thta", 'did you mean "theta"?'),
+    ("--set", "record.rate=event", 'did you mean "events"?'),
+    ("--set", "drive.program=v.csv", "drive.program"),
+    ("--set", "drive.file=v.csv --set drive.pulses=3", "drive.pulses"),
+    ("--set", "drive.file=no.csv", ["no.csv", "No such file"]),
+    ("command", "sweep s.toml", "--vary"),
+    ("--vary", "drive.frequency", ["drive.frequency", "key=start:stop:count"]),
+    ("--vary", "drive.frequency=", "key=start:stop:count"),
+    ("--vary", "drive.frequency=1,,2", 'drive.frequency = ""'),
+    ("--vary", "drive.freqency=1,2", ["did you mean", "drive.frequency"]),
+    ("--vary", "drive.peak=1e-3 --vary drive.peak=2e-3", ["--vary", "there twice"]),
+    ("--vary", "drive.frequency=1,2,1.0", "twice"),
+    ("--vary", "drive.mode=IPP,IPO", ['drive.mode = "IPO"', '"IPP", "OPP"']),
+    ("--vary", "drive.frequency=-5:5:3", ["drive.frequency = -5.0", "from 1e-06"]),
+    ("--vary", "drive.pulses=1:4:3", ["drive.pulses = 2.5", "whole number"]),
+    ("--vary", "drive.peak=1mT,2mT", "2.5 mT is 2.5e-3"),
+    ("--vary", "drive.frequency=5:5:3", "start:stop:count"),
+    ("--vary", "drive.frequency=5:6:1", "start:stop:count"),
+    ("--vary", "drive.frequency=5:200:1.5", "start:stop:count"),
+    ("--vary", "drive.frequency=5:200:-3", "start:stop:count"),
+    ("--vary", "drive.frequency=5:200:1" + "0" * 5000, "start:stop:count"),
+    ("--vary", "drive.frequency=5:200:100000000", "10000000"),
+    ("--vary", "drive.frequency=5:200", "start:stop:count"),
+    ("--vary", "drive.frequency=a:b:3", "start:stop:count"),
+    ("--vary", "drive.frequency=1:inf:3", "start:stop:count"),
+    ("--vary", "drive.frequency=1:1e999999999999:3", "drive.frequency"),
+    ("--vary", "drive.frequency=5:6:9999 --vary drive.hold=0:1:9999", "99980001 points"),
+    ("--vary", "record.rate=100,200", ["record.rate", "summaries"]),
+    ("--vary", "drive.file=a.csv,b.csv", "drive.file"),
+    ("--vary", "drive.mode=IPP --set drive.mode=OPP", ["drive.mode", "--set", "--vary"]),
+    ("command", "rnu", ["rnu", "'run'"]),
+    ("command", "run s.toml --sett drive.peak=0", ["--sett", "'--set'"]),
+    ("command", "run", "SCENARIO"),
+    ("command", "run s.toml other.toml", "other.toml"),
+    ("command", "keys wxyz", ["wxyz", '"drive"', '"effects"']),
+    ("command", "keys frequncy", 'did you mean "drive.frequency"?'),
+    ("command", "effects surface_tlt", 'did you mean "surface_tilt"?'),
+    ("command", "run s.toml --plot a.png --start 9", ["--start", "9.0", "1.05 s"]),
+    (
+        "command",
+        "run s.toml --plot a.png --set drive.ramp=0.123456789 --start 1.12346",
+        ["1.12346", "the run's 1.12345 s"],
+    ),
+    ("command", "run s.toml --plot a.png --set drive.pulses=12 --stop 5", "0.17 s"),
+    ("command", "run s.toml --plot a.png --start -1", ["--start", "-1"]),
+    ("command", "run s.toml --plot a.png --start 0.1 --stop 0.1", ["--start", "--stop"]),
+    ("command", "run s.toml --start 0.1", ["--start", "--plot"]),
+    ("command", "run s.toml --slowdown 10", ["--slowdown", "--animate"]),
+    ("command", "run s.toml --animate a.gif --slowdown 0", "--slowdown"),
+    ("command", "run s.toml --until x>>1", "x>>1"),
+    ("command", "run s.toml --out missing/a.nc", ["missing/a.nc", "no folder"]),
+    ("command", "run s.toml --out .", "is a folder"),
+    ("command", "run s.toml --out /dev/null", "not an ordinary file"),
+    ("command", "run s.toml --out a.txt", ["--out", ".nc, .nc4, .h5, .csv"]),
+    ("command", "run s.toml --plot a.docx", ["--plot", "a.docx", ".png"]),
+    ("command", "run s.toml --animate a.png", ["--animate", ".gif, .webp"]),
+    ("command", "run s.toml --out s.toml", ["--out", "s.toml is read"]),
+    ("command", "run s.toml --plot ./s.toml", "--plot"),
+    ("command", ("run s.toml --out v.csv", PROGRAM), "v.csv is read"),
+    ("command", "run s.toml --set drive.file=v.csv --out v.csv", "v.csv is read"),
+    ("command", "run s.toml --plot a.png --animate a.png", "--animate"),
+    ("command", f"{SWEEP} --out a.nc --plot a.nc", "a.nc"),
+    ("command", f"run s.toml --out {'a' * 500}.nc", "File name too long"),
+    ("command", "run s.toml --out /proc/a.nc", "/proc/a.nc"),
+    ("command", "init s.toml", "s.toml is already there"),
+    ("command", "init missing/s.toml", ["missing/s.toml", "no folder"]),
+    ("command", f"{SWEEP} --threads 0", ["--threads", "0"]),
+    ("command", f"{SWEEP} --dask nonsense", "--dask nonsense"),
+    ("command", f"{SWEEP} --resume", ["--resume", "--out"]),
+    ("command", (f"{SWEEP} --out a.nc", {"a.nc": "other"}), "--resume"),
+    ("command", f"{SWEEP} --out a.csv", ".nc, .nc4, .h5"),
+    ("command", "predict s.toml", "--uncertain FILE"),
+    (
+        "command",
+        ("predict s.toml --uncertain u.toml --set contact.adhesion=1e-7", PRIOR),
+        "--set contact.adhesion: has no influence",
+    ),
+    (
+        "command",
+        ("predict s.toml --uncertain u.toml --vary contact.adhesion=1e-7,2e-7", PRIOR),
+        "either varied or uncertain",
+    ),
+    ("command", "predict s.toml --draws 1", "--draws"),
+    ("command", "optimise s.toml --maximise mean_velocty", 'did you mean "mean_velocity"?'),
+    ("optimise", "--free drive.frequency", "key=low:high"),
+    ("optimise", "--free drive.frequency=5:10:300", "drive.frequency"),
+    ("optimise", "--free drive.frequency=50,100", "drive.frequency"),
+    ("optimise", "--free drive.hold=5:300 --free drive.hold=5:30", "there twice"),
+    ("optimise", "--free drive.frequency=5Hz:300Hz", "without its unit"),
+    ("optimise", "--free drive.frequency=low:high", "drive.frequency"),
+    ("optimise", "--limit voltage_max", "figure=value"),
+    ("optimise", "--limit voltage_max=high", ["--limit", "a number"]),
+    ("optimise", "--limit voltage_max=26V", "without its unit"),
+    ("optimise", "--limit voltage_max=26 --limit voltage_max=20", "there twice"),
+    ("optimise", "--limit voltage_max=-1 --free drive.hold=1e-3:2e-3", "the nearest has"),
+    ("optimise", "--limit airborne_fraction=0 --free drive.hold=1e-3:2e-3", "of 0"),
+    ("optimise", f"{HOPS} --free drive.peak=2.4e-3:2.5e-3", "--allow-flight"),
+    ("optimise", "--knots 8", "voltage_max"),
+    ("optimise", "--knots 8 --limit voltage_max=26 --coils xp,up", "up"),
+    ("optimise", "--free drive.hold=1e-3:2e-3 --uncertain none.toml", "none.toml"),
+    ("optimise", "", "nothing is free"),
+    ("command", ("optimise best/s.toml", {"best/s.toml": "stickslip = 1\n[drive]\n"}), "is read"),
+    ("command", ("diagnose m.toml --budget 2", MEASURED), ["--budget", "--next"]),
+    ("command", ("diagnose m.toml --out /proc", MEASURED), ["cannot write", "/proc"]),
+    ("command", ("diagnose m.toml", {"m.toml": MEASURED["m.toml"]}), "velocity.csv"),
+    (
+        "command",
+        (
+            "diagnose m.toml --out found --next 1",
+            {**MEASURED, "found/next.csv": NEXT, "found/report.json": '{"name": "glass"}'},
+        ),
+        'is of another measurement, "glass"',
+    ),
+    ("--next", NEXT + "IPP,-x,50,2.5e-3,1e-3,rise,1,1.1 mm/s\n", 'velocity "1.1 mm/s" is not'),
+    ("--next", NEXT + "IPP,-x,fast,2.5e-3,1e-3,rise,1,1e-3\n", 'frequency "fast" is not'),
+    ("--next", NEXT + "IPP,z,50,2.5e-3,1e-3,rise,1,1e-3\n", 'drive.direction = "z": allowed'),
+    ("--next", "frequency,velocity\n50,1e-3\n", 'column "mode" is missing'),
+    ("command", "reproduce --only fig88", 'did you mean "fig8"?'),
+    ("command", "reproduce --out s.toml", "s.toml"),
+    ("command", f"{SWEEP} --plot a.png", "--plot: allowed with one --vary of numbers"),
+    ("--vary", "drive.mode=IPP,OPP --plot a.png", "--plot: allowed with one --vary of numbers"),
+    ("command", (f"{SWEEP} --out a.nc --resume", {"a.nc": "other"}), "cannot be resumed"),
+    ("command", f"{SWEEP} --out ./s.toml --resume", "s.toml is read"),
+    ("command", f"{SWEEP} --threads 2 --dask tcp://127.0.0.1:1", ["--threads", "--dask"]),
+    ("command", ("predict m.toml", MEASURED), "m.toml: is a measurement and no scenario"),
+    ("command", "predict s.toml --uncertain s.toml", "there is no section [uncertain]"),
+]

@@ -1,0 +1,51 @@
+"""Bad input of every kind: one line that names the place, the value and what is allowed.
+
+Each module of `refusals` has a table of rows ``(name, function, error, words)``, where the function
+is given an empty folder, or of rows ``(where, bad input, words)``, with ``WAYS``: for each `where`
+a function that is given a folder and the bad input. A function raises the error, or returns what a
+command printed of it.
+"""
+
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+TABLES = [
+    import_module(f"refusals.{path.stem}")
+    for path in sorted((Path(__file__).parent / "refusals").glob("[a-z]*.py"))
+]
+
+
+def given(way, bad):
+    """The function of a folder that `way` is with a bad input."""
+    return lambda folder: way(folder, bad)
+
+
+def cases():
+    for table in TABLES:
+        for number, (name, bad, *error, words) in enumerate(table.REFUSALS):
+            way = bad if error else given(table.WAYS[name], bad)
+            allowed = error[0] if error else (ValueError, TypeError)
+            place = f"{table.__name__.rpartition('.')[2]}-{number}-{name}"
+            yield pytest.param(way, allowed, words, id=place)
+
+
+@pytest.mark.parametrize(("way", "error", "words"), list(cases()))
+def test_bad_input_is_refused_in_one_line(tmp_path, way, error, words):
+    try:
+        message = way(tmp_path)
+    except error as raised:
+        message = str(raised)
+    assert isinstance(message, str), "it was taken"
+    message = message.removesuffix("\n")
+    assert message.isprintable()
+    assert len(message) < 700
+    for word in [words] if isinstance(words, str) else words:
+        assert word in message, message
+
+
+def test_every_way_is_tried():
+    for table in TABLES:
+        if hasattr(table, "WAYS"):
+            assert {where for where, *_ in table.REFUSALS} == set(table.WAYS)
