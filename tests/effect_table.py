@@ -31,8 +31,8 @@ from stickslip import (
     register_effect,
     simulate_batch,
 )
+from stickslip.scenario.effects import is_free_shape
 from stickslip.scenario.keys import Key, known_keys, until_registration
-from stickslip.scenario.named_effects import is_free_shape
 
 Keys = Mapping[str, Any]
 
@@ -296,7 +296,7 @@ class Case:
 
 def _fits(case: Case) -> bool:
     try:
-        return not case.scenario.turns or (settings()[case.drive].across and not _fades(case))
+        return not case.scenario.whole_plane or (settings()[case.drive].across and not _fades(case))
     except ScenarioError:  # a coil's geometry beside a map, an effect of one's own across
         return False
 
@@ -311,7 +311,7 @@ def _fades(case: Case) -> bool:
 
 def _with_pushed(case: Case) -> Iterator[Case]:
     yield case
-    leaves = settings()[case.drive].across and not case.scenario.turns
+    leaves = settings()[case.drive].across and not case.scenario.whole_plane
     if leaves and not _fades(case) and not case.is_own:
         yield from (Case(case.effects, case.drive, push) for push in PUSHES)
 

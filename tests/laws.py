@@ -175,7 +175,7 @@ def unbalanced(record):
 
     The balances are those of one plane, so that a robot that leaves it is not looked at.
     """
-    if not record.fine or record.scenario.turns:
+    if not record.fine or record.scenario.whole_plane:
         return []
     load = record.magnetic_load
     return [line for line in (*_momenta(record, load), *_energies(record, load)) if line]

@@ -14,7 +14,7 @@ from stickslip.diagnosis.steps import run
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.laws import free_law
 from stickslip.diagnosis.terms.parameter import Parameter
-from stickslip.scenario.priors import Prior
+from stickslip.scenario.uncertain import Prior
 from stickslip.simulation.note import Note
 
 SD, BUMP = 0.05, 0.9

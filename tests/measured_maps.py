@@ -3,7 +3,6 @@
 import csv
 
 import numpy as np
-import xarray
 
 from reference import coil_wires
 from reference.field import wire_loop_field
@@ -69,17 +68,3 @@ def write_csv(
             for place, field in zip(points.tolist(), own.tolist(), strict=True):
                 rows.writerow([*place, name, *field])
     return path
-
-
-def dataset(fields, half=HALF, count=COUNT):
-    """Fields on `grid(half, count)` as a Dataset."""
-    axes = {
-        name: ("xyz"[k], np.linspace(-half[k], half[k], count[k]), {"units": "m"})
-        for k, name in enumerate("xyz")
-    }
-    table = fields.reshape(*count, 5, 3).copy()
-    variables = {
-        name: (("x", "y", "z", "coil"), table[..., k], {"units": "T/A"})
-        for k, name in enumerate(("Bx", "By", "Bz"))
-    }
-    return xarray.Dataset(variables, {**axes, "coil": list(COIL_NAMES)})

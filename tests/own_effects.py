@@ -3,7 +3,7 @@
 import pytest
 from numba import cfunc
 
-from stickslip import EffectParameter, _core, register_effect, unregister_effect
+from stickslip import EffectParameter, _core, register_effect
 
 SIGNATURE = "void(CPointer(float64), CPointer(float64), CPointer(float64))"
 PULSES = {"drive.base": 0.5e-3, "drive.pulses": 10}
@@ -21,7 +21,12 @@ def nothing_stays():
     """Around every test of a file that imports it."""
     yield
     for name in _core.registered_effects():
-        unregister_effect(name)
+        unregister(name)
+
+
+def unregister(name):
+    """Take an effect back, which no user has to do."""
+    _core.unregister_effect(name)
 
 
 def parameter(name="k", low=-1.0, high=1.0, unit="-", **more):

@@ -14,7 +14,7 @@ import pytest
 import stickslip
 from documentation_blocks import NOT_RUN, TIMED, blocks, pages, play, prints
 from stickslip import Drive, Scenario, simulate
-from stickslip.scenario.named_effects import is_free_shape
+from stickslip.scenario.effects import is_free_shape
 from test_reference_agreement import AGREEMENT, SCENARIOS
 
 ROOT = Path(__file__).parents[1]

@@ -28,7 +28,7 @@ from helpers import (
     volts,
 )
 from stickslip import Coils, Waveform
-from stickslip.scenario.named_effects import is_free_shape
+from stickslip.scenario.effects import is_free_shape
 
 KINETIC, DRAG = 0.145, 1e-5  # -, N s/m
 

@@ -27,9 +27,9 @@ from helpers import (
     still_for,
     volts,
 )
-from own_effects import nothing, register
+from own_effects import nothing, register, unregister
 from stickslip import Coils, Scenario, Waveform, sweep
-from stickslip.scenario.named_effects import effects, is_free_shape
+from stickslip.scenario.effects import effects, is_free_shape
 
 STATIC, KINETIC, DRAG, TURNING = 0.2, 0.145, 1e-5, 9e-17  # -, -, N s/m, N m s^2
 # Walking and hopping, with slips both ways.
@@ -55,7 +55,7 @@ def test_a_users_extension_is_no_free_shape_whatever_its_name():
     try:
         assert not is_free_shape("free_fall")
     finally:
-        stickslip.unregister_effect("free_fall")
+        unregister("free_fall")
 
 
 @names

@@ -6,7 +6,7 @@ import pytest
 
 import effect_table
 from effect_table import OWN, Case, Table, rows
-from stickslip import unregister_effect
+from own_effects import unregister
 from ways_to_run import TWO_PROGRAMS, WAYS
 
 table_of = functools.cache(Table)
@@ -19,7 +19,7 @@ def own_rows():
     yield
     table_of.cache_clear()
     for name in OWN:
-        unregister_effect(name)
+        unregister(name)
 
 
 def differences(choice, way):
@@ -56,7 +56,7 @@ def test_what_acts_in_one_plane_acts_in_the_whole_plane_too():
     planar = {
         case.effects[0]
         for case in table.cases
-        if case.effects and not case.scenario.turns and acts(table, case)
+        if case.effects and not case.scenario.whole_plane and acts(table, case)
     }
     assert {case.effects[0] for case in pushed} == planar - set(OWN)
 

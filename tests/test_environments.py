@@ -16,7 +16,7 @@ from gymnasium.vector import AutoresetMode
 from stickslip import Scenario, ScenarioError, Simulator, State
 from stickslip.control import Camera
 from stickslip.control.environments import OBSERVED, RobotEnv, RobotVectorEnv
-from stickslip.scenario.priors import Prior
+from stickslip.scenario.uncertain import Prior
 
 TASKS = ("Walk", "Reach", "Place", "Follow")
 UNCERTAIN = {

@@ -16,6 +16,12 @@ from measured_maps import (
     wire_fields,
     with_map,
 )
+from own_effects import (
+    nothing,
+    nothing_stays,  # noqa: F401 (around every test here)
+    parameter,
+    register,
+)
 from stickslip import (
     COIL_NAMES,
     Coil,
@@ -150,8 +156,8 @@ def test_unequal_coils_are_the_same_as_a_map_whichever_way_the_robot_faces(
 def test_a_state_that_a_run_in_one_plane_has_left_is_of_that_plane(direction, heading):
     drive = Drive(base=0.5e-3, pulses=5, direction=direction, heading=heading)
     first = simulate(Scenario(drive=drive))
-    assert not first.scenario.turns
-    assert not Scenario(drive=drive, initial=first.final_state).turns
+    assert not first.scenario.whole_plane
+    assert not Scenario(drive=drive, initial=first.final_state).whole_plane
 
 
 def test_batches_sweeps_and_steps_give_the_bits_of_single_runs():
@@ -328,11 +334,12 @@ def test_a_map_takes_the_place_of_the_geometry(exact):
     base = with_map(exact)
     same = base.replace({"coil.resistance": 12.0, "coil.xp.inductance": 0.05})
     assert simulate(same).ok
-    for key, value in (("coil.turns", 400.0), ("coil.clamp.side", 0.1)):
-        with pytest.raises(ScenarioError, match="allowed beside coil"):
-            base.replace({key: value})
-    with pytest.raises(ScenarioError, match=r"coil\.side: cannot be uncertain beside coil.map"):
-        base.with_uncertain({"coil.side": {"mean": 0.14, "sd": 0.01}})
+    register(nothing, parameter("distance"), name="recoil")
+    uncertain = {"effects.recoil.distance": {"mean": 0.1, "sd": 0.01}}
+    assert base.with_uncertain(uncertain).uncertain.names == ("effects.recoil.distance",)
+    again = Scenario(drive=base.drive, coil=base.coil)  # sections of another scenario
+    assert again == base
+    assert simulate(again).summary() == simulate(base).summary()
     assert base.replace({"coil.map": None}).coil == Coil()
 
 
@@ -346,10 +353,6 @@ def test_the_coils_of_a_map_are_drawn_where_it_is(exact):
 
 
 def test_what_is_no_map_is_refused_where_one_belongs(exact):
-    with pytest.raises(ScenarioError, match=r'coil\.map = "map\.csv"'):
-        Coil(map="map.csv")
-    with pytest.raises(ScenarioError, match="such key here; in Python"):
-        Scenario().get("coil.map")
     base = with_map(exact)
     with pytest.raises(ScenarioError, match="not voltages or maps"):
         sweep(base, {"coil.map": [exact]})

@@ -2,13 +2,12 @@
 
 import json
 import pickle
-import re
 
 import numpy as np
 import pytest
 
 from command_line import check, stickslip
-from measured_maps import COUNT, HALF, dataset, formula_fields, grid, with_map, write_csv
+from measured_maps import COUNT, formula_fields, grid, with_map, write_csv
 from stickslip import (
     Coils,
     FieldMap,
@@ -24,7 +23,6 @@ from stickslip.measurement import read_measurement
 
 HEAD = "stickslip = 1\n\n[drive]\nbase = 0.5e-3\npulses = 8\n"
 SCENARIO = HEAD + '\n[coil]\nmap = "map.csv"\n'
-SMALL = (3, 3, 3)
 
 
 @pytest.fixture(scope="module")
@@ -44,14 +42,6 @@ def folder(tmp_path, file):
     return tmp_path
 
 
-def refusal_of(path):
-    with pytest.raises(ScenarioError) as refusal:
-        FieldMap.from_file(path)
-    assert "\n" not in str(refusal.value)
-    assert str(refusal.value).startswith(f"{path}: ")
-    return str(refusal.value)
-
-
 def test_rows_and_columns_stand_in_any_order(file, tmp_path, fields):
     expected = FieldMap.from_points(grid(), fields)
     assert FieldMap.from_file(file) == expected
@@ -69,15 +59,6 @@ def test_rows_and_columns_stand_in_any_order(file, tmp_path, fields):
     np.testing.assert_allclose(found, exact, rtol=0, atol=1e-12 * np.abs(exact).max())
 
 
-def test_netcdf_and_csv_give_the_same_map(tmp_path, fields, file):
-    data = dataset(fields)
-    data.transpose("coil", "z", "y", "x").isel(coil=[4, 2, 0, 1, 3]).to_netcdf(tmp_path / "map.nc")
-    assert FieldMap.from_file(tmp_path / "map.nc") == FieldMap.from_file(file)
-    data["Bx"][0, 0, 0] = data["By"][0, 0, 0] = data["Bz"][0, 0, 0] = np.nan
-    data.to_netcdf(tmp_path / "gap.nc")
-    assert FieldMap.from_file(tmp_path / "gap.nc").points == (len(grid()) - 1,) * 5
-
-
 def test_a_scenario_with_a_map_is_written_and_read_to_the_last_bit(folder):
     scenario = load(folder / "s.toml")
     text = scenario.to_toml(folder / "again.toml")
@@ -89,8 +70,8 @@ def test_a_scenario_with_a_map_is_written_and_read_to_the_last_bit(folder):
     assert simulate(again).summary() == simulate(scenario).summary()
 
 
-@pytest.mark.parametrize("name", ["run.nc", "run.csv"])
-def test_a_stored_run_has_its_map(folder, name):
+def test_a_stored_run_has_its_map(folder):
+    name = "run.nc"
     done = stickslip("run", "s.toml", "--out", name, "--json", cwd=folder)
     assert done.returncode == 0, done.stderr
     summary = json.loads(done.stdout)
@@ -107,10 +88,10 @@ def test_a_sweep_with_another_map_is_not_resumed(tmp_path, fields):
     base = with_map(FieldMap.from_points(grid(), fields), drive__pulses=4)
     sweep(base, values, out=tmp_path / "s.nc")
     other = base.replace({"coil.map": FieldMap.from_points(grid(), 1.01 * fields)})
-    with pytest.raises(ScenarioError, match="its map of the field"):
+    with pytest.raises(ScenarioError, match="it belongs to another sweep"):
         sweep(other, values, out=tmp_path / "s.nc", resume=True)
     kept = sweep(base, values, out=tmp_path / "s.nc", resume=True)
-    assert kept.sizes["frequency"] == 2
+    assert kept.sizes["drive_frequency"] == 2
 
 
 def test_a_sweep_whose_map_has_another_name_is_resumed(tmp_path, fields):
@@ -130,18 +111,15 @@ def test_the_command_takes_a_map_by_set(folder):
     assert json.loads(stickslip("run", "plain.toml", *options, cwd=folder).stdout) == with_file
     (folder / "map.csv").rename(folder / "other.csv")
     options = ["--set", "coil.map=other.csv", "--json"]
-    assert json.loads(stickslip("run", "s.toml", *options, cwd=folder).stdout)["status"] == "ok"
+    assert json.loads(stickslip("run", "plain.toml", *options, cwd=folder).stdout) != with_file
     check(stickslip("run", "s.toml", cwd=folder), "s.toml", 'coil.map = "map.csv"', "No such file")
     options = ["--vary", "coil.map=a.csv,b.csv"]
-    check(stickslip("sweep", "plain.toml", *options, cwd=folder), "coil.map", "maps of the field")
-    assert "x, y, z (m), coil, Bx, By, Bz (T/A)" in " ".join(
-        stickslip("keys", "coil.map").stdout.split()
-    )
+    check(stickslip("sweep", "plain.toml", *options, cwd=folder), "coil.map", "voltages or maps")
 
 
 @pytest.mark.parametrize("option", ["--out", "--plot"])
 def test_a_map_is_not_overwritten(folder, option):
-    check(stickslip("run", "s.toml", option, "map.csv", cwd=folder), option, "map.csv", "coil.map")
+    check(stickslip("run", "s.toml", option, "map.csv", cwd=folder), option, "map.csv is read")
 
 
 def test_optimise_and_predict_take_a_map(folder):
@@ -161,31 +139,6 @@ def test_optimise_and_predict_take_a_map(folder):
     assert done.returncode == 0, done.stderr
 
 
-HEADER = "x,y,z,coil,Bx,By,Bz\n"
-CSV = {
-    "empty": ("", ["is empty", "x,y,z,coil,Bx,By,Bz"]),
-    "no coil": ("x,y,z,Bx,By,Bz\n0,0,0,1,1,1\n", ["row 1: the column coil is missing"]),
-    "other name": ("x,y,z,coil,bx,By,Bz\n", ["the column Bx is missing", '"bx" may be meant']),
-    "another column": ("x,y,z,coil,Bx,By,Bz,B\n", ['column "B": there is no such column']),
-    "twice": ("x,x,y,z,coil,Bx,By,Bz\n", ["column x: is there twice"]),
-    "cells": (HEADER + "0,0,0,xp,1e-3\n", ["row 2 has 5 cells: allowed are 7"]),
-    "coil": (HEADER + "0,0,0,clmp,1e-3,0,0\n", ['row 2, column coil = "clmp"', '"clamp"?']),
-    "text": (HEADER + "0,0,0,xp,1mT,0,0\n", ['row 2, column Bx = "1mT"', "number of T/A"]),
-    "nan": (HEADER + "0,nan,0,xp,1e-3,0,0\n", ['row 2, column y = "nan"', "number of m"]),
-    "few": (HEADER + "0,0,0,xp,1e-3,0,0\n", ["coil xp: 1 points: allowed are 8 or more"]),
-}
-
-
-@pytest.mark.parametrize("case", CSV)
-def test_bad_csv_files_are_refused(tmp_path, case):
-    text, words = CSV[case]
-    path = tmp_path / "map.csv"
-    path.write_text(text)
-    said = refusal_of(path)
-    for word in words:
-        assert word in said
-
-
 @pytest.mark.parametrize(
     ("change", "said"),
     [
@@ -203,45 +156,14 @@ def test_a_point_out_of_place_is_named_by_its_row(tmp_path, fields, change, said
     cells[column] = repr(value if column == 0 else value * float(cells[column]))
     lines[at] = ",".join(cells)
     path.write_text("\n".join(["# of Monday", *lines]))
-    assert re.search(said.format(row=at + 2), refusal_of(path))
+    with pytest.raises(ScenarioError, match=said.format(row=at + 2)):
+        FieldMap.from_file(path)
 
 
 def test_a_coil_that_is_missing_is_named(tmp_path, fields):
     path = write_csv(tmp_path / "m.csv", grid(), fields, coils=("xp", "xm", "yp", "clamp"))
-    assert "coil ym: 0 points" in refusal_of(path)
-
-
-@pytest.mark.parametrize(
-    ("points", "fields", "said"),
-    [
-        (np.zeros((9, 2)), np.zeros((9, 5, 3)), "points of shape (9, 2)"),
-        (grid(count=(2, 2, 1)), None, "coil xp: 4 points: allowed are 8 or more"),
-        (grid() * 1e3, None, "x = -8.0: allowed are -1 to 1 m; are these millimetres?"),
-        (grid() + np.array([0.02, 0, 0]), None, "x goes from 0.012 to 0.028 m"),
-        (grid() * [1, 1, 0], None, "z = 0.0 m at all points: allowed are maps of some width"),
-        (
-            np.linspace(-1e-3, 1e-3, 20)[:, None] * [1.0, 0.0, 1.0],
-            None,
-            "the gradient of the field",
-        ),
-        (grid(), np.nan, "coil xp, point 1: Bx = nan"),
-        (grid(), 1e3, "T/A; are these mT/A or gauss?"),
-        (
-            grid(),
-            -1.0,
-            "coil xp: Bx = -0.0009626 T/A at x = y = z = 0: allowed is a positive field",
-        ),
-    ],
-)
-def test_points_that_make_no_map_are_refused(points, fields, said):
-    given = fields
-    if fields is None or np.ndim(fields) == 0:
-        safe = np.clip(points, -0.05, 0.05) if points.shape[1] == 3 else points
-        given = formula_fields(safe) * (1.0 if fields is None else fields)
-    with pytest.raises(ScenarioError) as refusal:
-        FieldMap.from_points(points, given)
-    assert said in str(refusal.value)
-    assert "\n" not in str(refusal.value)
+    with pytest.raises(ScenarioError, match="coil ym: 0 points"):
+        FieldMap.from_file(path)
 
 
 def test_what_no_coil_makes_is_refused():
@@ -252,54 +174,6 @@ def test_what_no_coil_makes_is_refused():
         ScenarioError, match="coil xp: the field of a coil comes near to the values"
     ):
         FieldMap.from_points(points, fields)
-
-
-def bad_netcdf(data, case):
-    if case == "variable":
-        return data.drop_vars("By")
-    if case == "coordinate":
-        return data.drop_vars("x")
-    if case == "dimension":
-        return data.isel(y=1)
-    if case == "coil":
-        return data.assign_coords(coil=["xp", "xm", "yp", "ym", "below"])
-    if case == "coils":
-        return data.isel(coil=[0, 1, 2, 3])
-    if case == "unit":
-        return data.assign(Bz=data["Bz"].assign_attrs(units="mT/A"))
-    return data.assign_coords(x=("x", list("abc")))
-
-
-@pytest.mark.parametrize(
-    ("case", "said"),
-    [
-        ("variable", "the variable By is missing: allowed are coordinates x, y, z and coil"),
-        ("coordinate", "the variable x is missing"),
-        ("dimension", "y has the dimensions none: allowed are y"),
-        ("coil", 'coil = "below": allowed is one of xp, xm, yp, ym, clamp'),
-        ("coils", "coil clamp is there 0 times: allowed is once"),
-        ("unit", 'units of Bz = "mT/A": allowed is "T/A", or no such attribute'),
-        ("words", "x has values of type"),
-    ],
-)
-def test_bad_netcdf_files_are_refused(tmp_path, case, said):
-    data = dataset(formula_fields(grid(count=SMALL)), HALF, SMALL)
-    path = tmp_path / "map.nc"
-    bad_netcdf(data, case).to_netcdf(path)
-    assert said in refusal_of(path)
-
-
-def test_other_files_are_refused(tmp_path):
-    (tmp_path / "a.txt").write_text("")
-    assert "allowed are names that end in .csv, .json, .nc" in refusal_of(tmp_path / "a.txt")
-    (tmp_path / "a.nc").write_text("no netCDF")
-    assert "is no netCDF file" in refusal_of(tmp_path / "a.nc")
-    assert "No such file" in refusal_of(tmp_path / "b.nc")
-    for text in ("", "[]", "{}", '{"stickslip_map": 2}', "[" * 100_000):
-        (tmp_path / "a.json").write_text(text)
-        assert "is no fitted map" in refusal_of(tmp_path / "a.json")
-    (tmp_path / "s.toml").write_text(HEAD + "\n[coil]\nmap = 3\n")
-    check(stickslip("run", tmp_path / "s.toml"), "coil.map = 3", "path of a CSV or netCDF file")
 
 
 def measured(folder, rows, uncertain=""):

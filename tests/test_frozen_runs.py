@@ -12,7 +12,7 @@ import pytest
 
 from frozen import freeze
 from frozen.scenarios import OWN_NAME, register_own_effect, scenarios
-from stickslip import unregister_effect
+from own_effects import unregister
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -20,7 +20,7 @@ def own_effect():
     """Some scenarios have an effect of the user."""
     register_own_effect()
     yield
-    unregister_effect(OWN_NAME)
+    unregister(OWN_NAME)
 
 
 @pytest.fixture(scope="module")

@@ -11,9 +11,9 @@ import xarray
 
 from command_line import COMMAND, stickslip, stickslip_process
 from killed_recordings import killed
-from own_effects import register
+from own_effects import register, unregister
 from recorded_runs import COARSE, DENSE, ENDLESS, assert_same_record
-from stickslip import open_run, simulate, unregister_effect
+from stickslip import open_run, simulate
 from stickslip.simulation.record_file import BLOCK, PART
 
 
@@ -139,7 +139,7 @@ def test_an_effect_that_fails_keeps_the_record(tmp_path):
         assert (run.status, run.complete) == ("interrupted", False)
         assert 0 < len(run.t) < 341
     finally:
-        unregister_effect("own")
+        unregister("own")
 
 
 def test_an_interrupted_command_says_what_it_kept(tmp_path):

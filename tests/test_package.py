@@ -1,7 +1,6 @@
 """What an import costs and offers."""
 
 import importlib.metadata
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -42,20 +41,6 @@ def test_the_library_does_not_need_the_command():
     programs = [folder / "__main__.py", folder / "demo.py", *folder.glob("cli/*.py")]
     for path in set(folder.rglob("*.py")) - set(programs):
         assert "stickslip.cli" not in path.read_text(encoding="utf-8"), path
-
-
-ORDER = ("_util", "scenario", "field", "simulation", "sweeping", "design", "control")
-ORDER += ("measurement", "diagnosis", "plot", "reproduction", "cli")
-IMPORTED = re.compile(r"^\s*(?:from|import) stickslip\.(\w+)", re.MULTILINE)
-
-
-@pytest.mark.parametrize("name", ORDER)
-def test_a_package_imports_only_those_above_it(name):
-    allowed = {*ORDER[: ORDER.index(name) + 1], "errors", "_core"}
-    files = list((Path(stickslip.__file__).parent / name).rglob("*.py"))
-    assert files
-    for path in files:
-        assert set(IMPORTED.findall(path.read_text(encoding="utf-8"))) <= allowed, path
 
 
 def test_every_public_name_is_there():

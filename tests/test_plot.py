@@ -112,7 +112,7 @@ def test_panels_of_a_run_have_its_numbers(name):
         "normal force": [run.normal_force * 1e6],
         "field": [run.bx * 1e3, run.bz * 1e3],
     }
-    if run.scenario.turns:
+    if run.scenario.whole_plane:
         expected["position"] = [run.x * 1e6, run.y * 1e6]
         expected["heading"] = [np.degrees(heading_of(run))]
         expected["field"].insert(1, run.by * 1e3)
@@ -276,7 +276,7 @@ def test_a_filmstrip_shows_outline_contact_and_the_contact_before(name):
         touched.append(float(mark.get_xdata()[0]))
         assert touched[-1] == outline[outline[:, 1].argmin(), 0]
         if np.isfinite(run.contact_x[k]):
-            y = run.contact_y[k] if run.scenario.turns else 0.0
+            y = run.contact_y[k] if run.scenario.whole_plane else 0.0
             ahead = (run.contact_x[k] - run.x[k]) * np.cos(psi[k]) + (y - run.y[k]) * np.sin(psi[k])
             assert touched[-1] - outline[:, 0].mean() == pytest.approx(ahead * 1e6)
         dashed = [each for each in axes.get_lines() if each.get_linestyle() == "--"]

@@ -101,7 +101,7 @@ def test_every_frame_has_body_contact_and_field_of_its_instant(name):
         assert field.get_lines()[-1].get_xdata()[0] == pytest.approx(
             (run.t[sample] - run.t[begin]) * 1e3
         )
-        assert len(above) == run.scenario.turns
+        assert len(above) == run.scenario.whole_plane
     np.testing.assert_allclose(field.get_lines()[0].get_ydata(), run.bx[begin:] * 1e3)
     assert len(seen) >= 2
 

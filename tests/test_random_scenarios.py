@@ -21,8 +21,7 @@ from fine_record import recorded
 from helpers import MOMENT, WEIGHT, violations
 from populations import EXTREME, PAPER, WIDE, WILD, decades, number
 from stickslip import Scenario, Solver, _core, simulate, simulate_batch
-from stickslip.scenario.keys import known_keys
-from stickslip.scenario.sections import SAWTOOTH
+from stickslip.scenario.keys import SAWTOOTH, known_keys
 
 # A hang in the core hears no signal: the thread of pytest-timeout ends the process.
 pytestmark = pytest.mark.timeout(1800, method="thread")

@@ -11,7 +11,7 @@ from made_measurement import few_causes
 from stickslip import Coils, Measurement, Prior, Scenario, _core, diagnose, simulate_batch
 from stickslip.diagnosis.measured import pose
 from stickslip.measurement import read_measurement
-from stickslip.scenario.sections import COIL_NAMES
+from stickslip.scenario.keys import COIL_NAMES
 
 FIELDS = 1e-3 * np.array([[2.0, z] for z in (-3, -2.5, -2, -1.6, -1.3, -1, 1, 1.3, 1.6, 2, 2.5, 3)])
 

@@ -243,7 +243,7 @@ def test_a_run_at_a_heading_tells_its_velocity_along_it(steered):
 
 
 def test_other_runs_tell_their_velocity_along_the_axes(program, walk_ipp):
-    assert program.scenario.turns
+    assert program.scenario.whole_plane
     assert f"{program.mean_velocity * 1e3:.6g} mm/s along x, " in repr(program)
     velocity = f"{walk_ipp.mean_velocity * 1e3:.6g} mm/s"
     assert repr(walk_ipp) == f"<Run: ok, {velocity}, 341 samples>"

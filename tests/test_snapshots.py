@@ -6,7 +6,7 @@ import pickle
 import numpy as np
 import pytest
 
-from own_effects import register
+from own_effects import register, unregister
 from steps import STEP, named, random_rows
 from stickslip import (
     Coil,
@@ -18,7 +18,6 @@ from stickslip import (
     Simulator,
     Snapshot,
     State,
-    unregister_effect,
 )
 
 
@@ -143,4 +142,4 @@ def test_an_effect_that_raises_leaves_the_simulator_where_it_was():
         assert sim.voltages == twin.voltages
         assert sim.step({"xp": -5.0}, STEP) == twin.step({"xp": -5.0}, STEP)
     finally:
-        unregister_effect("own")
+        unregister("own")

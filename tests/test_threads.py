@@ -6,6 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
+from own_effects import unregister
 from stickslip import (
     EffectParameter,
     Scenario,
@@ -14,7 +15,6 @@ from stickslip import (
     rollout,
     simulate,
     simulate_batch,
-    unregister_effect,
 )
 
 BASE = Scenario().replace({"drive.base": 0.5e-3, "drive.pulses": 5, "record.rate": 2e3})
@@ -43,7 +43,7 @@ def pushed():
         meaning="a constant force",
     )
     yield
-    unregister_effect("pushed")
+    unregister("pushed")
 
 
 def work(scenario):

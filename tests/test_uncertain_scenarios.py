@@ -17,7 +17,7 @@ from stickslip import (
     sweep,
 )
 from stickslip.measurement import read_measurement
-from stickslip.scenario.toml_file import with_uncertain_of
+from stickslip.scenario.scenario import with_uncertain_of
 
 KEYS = ("coil.resistance", "effects.surface_tilt.angle", "drag.linear")
 # Correlations of 0.5, -0.8 and 0.1; the middles below lie at least 5 standard deviations inside.
@@ -155,54 +155,6 @@ def test_a_singular_covariance_is_drawn_from():
         assert each.robot.mass == given.robot.mass
 
 
-TWO = ["drag.linear", "robot.mass"]
-
-
-@pytest.mark.parametrize(
-    ("table", "said"),
-    [
-        ({}, "is empty"),
-        (3, "allowed is a section"),
-        ({"covarience": {"keys": TWO, "matrix": np.eye(2)}}, "[uncertain.covarience]: there is no"),
-        ({"covarience": {"keys": TWO, "matrix": np.eye(2)}}, 'did you mean "covariance"'),
-        ({"covariance": {"keys": [], "matrix": []}}, "[uncertain.covariance] keys is empty"),
-        ({"drag.liner": {"mean": 1.0, "sd": 1.0}}, "[uncertain]: drag.liner = "),
-        ({"drag.liner": {"mean": 1.0, "sd": 1.0}}, 'did you mean "drag.linear"'),
-        ({"drag": {"linear": {"mean": 1.0, "sd": 1.0}}}, "quotation marks"),
-        ({"drive.peak": {"mean": 1e-3, "sd": 1e-4}}, "constant of the model"),
-        ({"drag.linear": {"mean": 1.0}}, "allowed is { mean, sd }"),
-        ({"robot.mass": {"mean": -1.0, "sd": 1.0}}, "allowed is a number from"),
-        ({"covariance": 3}, "allowed is a section"),
-        ({"covariance": {"key": TWO}}, 'did you mean "keys"'),
-        ({"covariance": {"keys": TWO}}, "matrix is missing"),
-        ({"covariance": {"keys": "drag.linear", "matrix": [[1.0]]}}, "a list of keys"),
-        ({"covariance": {"keys": ["drag.liner"], "matrix": [[1.0]]}}, 'mean "drag.linear"'),
-        ({"covariance": {"keys": ["drive.pulses"], "matrix": [[1.0]]}}, "constant of the model"),
-        ({"covariance": {"keys": TWO[:1] * 2, "matrix": np.eye(2)}}, "is there twice"),
-        ({"covariance": {"keys": TWO, "matrix": [[1.0, 0.0]]}}, "2 rows"),
-        ({"covariance": {"keys": TWO, "matrix": [[1.0], [0.0]]}}, "2 numbers"),
-        ({"covariance": {"keys": TWO, "matrix": [[1.0, "a"], [0.0, 1.0]]}}, "2 numbers"),
-        ({"covariance": {"keys": TWO, "matrix": [[1.0, math.nan], [0.0, 1.0]]}}, "finite"),
-        ({"covariance": {"keys": TWO, "matrix": [[-1.0, 0.0], [0.0, 1.0]]}}, '"drag.linear" is -1'),
-        ({"covariance": {"keys": TWO, "matrix": [[0.0, 0.1], [0.1, 1.0]]}}, '"drag.linear" is 0'),
-        ({"covariance": {"keys": TWO, "matrix": [[1.0, 0.2], [0.1, 1.0]]}}, "not symmetric"),
-        ({"covariance": {"keys": TWO, "matrix": [[1.0, 2.0], [2.0, 1.0]]}}, "eigenvalue"),
-        (
-            {
-                "covariance": {"keys": ["drag.linear"], "matrix": [[1e-12]]},
-                "drag.linear": {"mean": 1e-5, "sd": 1e-6},
-            },
-            "one of the two",
-        ),
-    ],
-)
-def test_what_is_no_uncertainty_is_refused_in_one_line(table, said):
-    with pytest.raises(ScenarioError) as error:
-        Scenario(uncertain=table)
-    assert said in str(error.value)
-    assert "\n" not in str(error.value)
-
-
 def test_what_cannot_be_drawn_is_refused_in_one_line():
     with pytest.raises(ScenarioError, match="nothing to draw"):
         Scenario().draws(3)
@@ -212,13 +164,6 @@ def test_what_cannot_be_drawn_is_refused_in_one_line():
     above = {"contact.kinetic_friction": {"mean": 0.9, "sd": 0.01}}  # of the static friction
     with pytest.raises(ScenarioError, match=r"100 draws.*contact\.kinetic_friction"):
         Scenario(uncertain=above).draws(1)
-
-
-def test_a_file_that_is_refused_is_named(tmp_path):
-    path = tmp_path / "scenario.toml"
-    path.write_text("stickslip = 1\n[drive]\n[uncertain]\ndrag.linear = { mean = 1, sd = 1 }\n")
-    with pytest.raises(ScenarioError, match=r"scenario\.toml: \[uncertain\] drag\.linear: a key"):
-        load(path)
 
 
 def test_a_measurement_takes_what_its_scenario_says_unless_it_says_it_itself(tmp_path):
@@ -260,9 +205,6 @@ def test_a_file_says_what_is_uncertain_in_another_scenario(tmp_path):
     assert with_uncertain_of(other, path).uncertain == JointPrior(
         {"drag.linear": Prior("normal", 1e-5, 1e-6)}
     )
-    path.write_text("stickslip = 1\n[drive]\n")
-    with pytest.raises(ScenarioError, match=r"uncertain\.toml: there is no section \[uncertain\]"):
-        with_uncertain_of(other, path)
     with pytest.raises(ScenarioError, match="holds nothing"):
         other.with_uncertain(Scenario())
 

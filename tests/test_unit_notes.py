@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from frozen.scenarios import OWN_NAME, register_own_effect, scenarios
 from measured_maps import formula_fields, formula_map, grid
+from own_effects import unregister
 from stickslip import (
     COIL_NAMES,
     Coil,
@@ -16,7 +17,6 @@ from stickslip import (
     FieldMap,
     Scenario,
     Waveform,
-    unregister_effect,
 )
 from stickslip._util.units import factor_text, unit_factor, unit_meant
 from stickslip.simulation.note import CODES
@@ -119,7 +119,7 @@ def test_sound_scenarios_of_all_kinds_get_none():
     try:
         found = {name: notes_of(each) for name, each in scenarios().items()}
     finally:
-        unregister_effect(OWN_NAME)
+        unregister(OWN_NAME)
     assert {name: notes for name, notes in found.items() if notes} == {}
 
 

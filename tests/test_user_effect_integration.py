@@ -20,6 +20,7 @@ from own_effects import (
     parameter,
     python_wrench,
     register,
+    unregister,
 )
 from stickslip import (
     Scenario,
@@ -28,7 +29,6 @@ from stickslip import (
     simulate,
     simulate_batch,
     sweep,
-    unregister_effect,
 )
 from stickslip.cli.commands import stickslip as command
 
@@ -44,7 +44,7 @@ def test_at_its_defaults_it_is_absent_to_the_last_bit(method):
     assert with_it.scenario == scenario(keys, {"record.rate": 2e3})
     assert _core.simulate_batch([at_core])[0].mean_velocity == with_it.mean_velocity
     assert calls == []
-    unregister_effect("own")
+    unregister("own")
     without = run(keys, rate=2e3)
     for array in ("t", "x", "z", "theta", "vx", "vz", "omega", "normal_force", "friction_force"):
         assert np.array_equal(getattr(with_it, array), getattr(without, array)), array
@@ -79,32 +79,31 @@ def test_it_is_listed_and_checked_like_the_others(tmp_path):
     assert "k: of a test; a number from -1 to 1 N; default 0.0" in text
     assert "length = 0.001" in CliRunner().invoke(command, ["keys", "effects.own"]).output
 
-    unregister_effect("own")
+    unregister("own")
     assert stickslip.effects() == before
     assert Scenario.keys() == keys
     with pytest.raises(ScenarioError, match="has to be registered first"):
         Scenario.from_toml(tmp_path / "own.toml")
-    with pytest.raises(ValueError, match=r"effects\.own\.k = 0\.5: there is no such key"):
+    with pytest.raises(ScenarioError, match=r"effects\.own\.k: there is no such key; an effect of"):
         simulate(changed)
 
 
-def test_registering_the_same_again_is_fine():
-    register(nothing)
+def test_an_effect_that_is_registered_again_takes_the_place_of_the_old_one():
+    register(lambda state, parameters: (1e-7, 0.0, 0.0))
+    scenario_of_both = scenario(PULSES, {"effects.own.k": 1.0})
+    pushed = simulate(scenario_of_both).mean_velocity
+    assert pushed > 1.001 * run(PULSES).mean_velocity
     register(nothing)
     register(numba_wrench, name="compiled")
     register(numba_wrench.address, name="compiled")
     assert _core.registered_effects() == ["own", "compiled"]
-
-
-def test_a_new_definition_comes_after_the_old_one_is_gone():
-    register(lambda state, parameters: (1e-7, 0.0, 0.0))
-    pushed = run(PULSES, {"effects.own.k": 1.0}).mean_velocity
-    unregister_effect("own")
-    register(nothing)
-    assert run(PULSES, {"effects.own.k": 1.0}).mean_velocity == pytest.approx(
-        run(PULSES).mean_velocity, rel=ROUNDING
-    )
-    assert pushed > 1.001 * run(PULSES).mean_velocity
+    # Also in a scenario that is there already.
+    unmoved = pytest.approx(run(PULSES).mean_velocity, rel=ROUNDING)
+    assert simulate(scenario_of_both).mean_velocity == unmoved
+    assert run(PULSES, {"effects.own.k": 1.0}).mean_velocity == unmoved
+    register(nothing, parameter("length"))
+    with pytest.raises(ScenarioError, match=r"effects\.own\.k: there is no such key"):
+        simulate(scenario_of_both)
 
 
 @pytest.mark.parametrize("function", [numba_wrench, python_wrench], ids=["numba", "python"])

@@ -10,7 +10,6 @@ import threading
 import numpy as np
 import pytest
 
-import stickslip
 from helpers import run, scenario
 from own_effects import (
     C_SOURCE,
@@ -21,8 +20,10 @@ from own_effects import (
     parameter,
     python_wrench,
     register,
+    unregister,
 )
-from stickslip import _core, simulate_batch, unregister_effect
+from stickslip import _core, simulate_batch
+from stickslip.scenario.effects import EffectState
 
 
 @pytest.fixture(scope="module")
@@ -46,9 +47,7 @@ CALLBACK = ctypes.CFUNCTYPE(None, *3 * [ctypes.POINTER(ctypes.c_double)])
 
 @CALLBACK
 def ctypes_callback(state, parameters, out):
-    out[0], out[1], out[2] = python_wrench(
-        stickslip.scenario.user_effects.EffectState(*state[:9]), parameters[:2]
-    )
+    out[0], out[1], out[2] = python_wrench(EffectState(*state[:9]), parameters[:2])
 
 
 @by_method
@@ -90,7 +89,7 @@ def test_the_function_is_kept_as_long_as_it_is_in_use():
     expected = _core.simulate_batch([core])[0].mean_velocity
     gc.collect()
     assert _core.simulate_batch([core])[0].mean_velocity == expected
-    unregister_effect("own")
+    unregister("own")
     gc.collect()
     assert _core.simulate_batch([core])[0].mean_velocity == expected
 

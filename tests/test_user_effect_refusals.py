@@ -1,6 +1,5 @@
 """Effects of the user's own: what goes wrong in a run, and what is refused before one."""
 
-import ctypes
 import math
 
 import numpy as np
@@ -16,11 +15,10 @@ from own_effects import (
     by_method,
     nothing,
     nothing_stays,  # noqa: F401 (around every test here)
-    numba_wrench,
     parameter,
     register,
 )
-from stickslip import register_effect, simulate, simulate_batch, sweep, unregister_effect
+from stickslip import simulate, simulate_batch, sweep
 
 
 class BoomError(Exception):
@@ -89,76 +87,9 @@ def test_a_function_that_returns_something_else(result):
         simulate(scenario(PULSES, {"effects.own.k": 1.0}))
 
 
-def one_pointer(argument):
-    return ctypes.CFUNCTYPE(None, argument)(lambda *arguments: None)
-
-
-@cfunc("float64(float64)")
-def of_one_number(x):
-    return x
-
-
-class Addressed:
-    def __init__(self, address):
-        self.address = address
-
-
-REFUSED = {
-    "built-in": ({"name": "surface_tilt"}, ValueError, "the model has one of this name itself"),
-    "another": ({"name": "taken"}, ValueError, "another definition; unregister_effect"),
-    "no word": ({"name": "my effect"}, ValueError, "letters, digits and _"),
-    "no name": ({"name": ""}, ValueError, "letters, digits and _"),
-    "number": ({"name": 3}, TypeError, "allowed is a text"),
-    "meaning": ({"meaning": None}, TypeError, "allowed is a text"),
-    "source": ({"source": 1}, TypeError, "allowed is a text"),
-    "no parameter": ({"parameters": []}, ValueError, "needs a parameter"),
-    "not a list": ({"parameters": 3}, TypeError, "a list of EffectParameter"),
-    "not one": ({"parameters": ["k"]}, TypeError, "allowed is an EffectParameter"),
-    "twice": ({"parameters": 2 * [parameter()]}, ValueError, '"k": is given twice'),
-    "parameter word": ({"parameters": [parameter("a.b")]}, ValueError, "letters, digits and _"),
-    "order": ({"parameters": [parameter(low=1, high=0)]}, ValueError, "low below the high"),
-    "endless": ({"parameters": [parameter(high=math.inf)]}, ValueError, "finite ends"),
-    "default": ({"parameters": [parameter(default=2)]}, ValueError, "outside its range"),
-    "nan": ({"parameters": [parameter(default=math.nan)]}, ValueError, "outside its range"),
-    "bool": ({"parameters": [parameter(low=False)]}, TypeError, "allowed is a number"),
-    "unit": ({"parameters": [parameter(unit=1)]}, TypeError, "unit = 1: allowed is a text"),
-    "no function": ({"function": None}, TypeError, "allowed is an address"),
-    "text": ({"function": "f"}, TypeError, "allowed is an address"),
-    "true": ({"function": True}, TypeError, "address = true"),
-    "null": ({"function": 0}, ValueError, "there can be no function"),
-    "negative": ({"function": -8}, ValueError, "there can be no function"),
-    "huge": ({"function": 2**64}, ValueError, "there can be no function"),
-    "address": ({"function": Addressed("here")}, TypeError, "allowed is an integer"),
-    "nothing there": ({"function": Addressed(0)}, ValueError, "there can be no function"),
-    "arguments": ({"function": one_pointer(ctypes.c_void_p)}, TypeError, "other arguments"),
-    "numbers": ({"function": of_one_number}, TypeError, "other arguments"),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("case", REFUSED)
-def test_what_is_refused_is_refused_in_one_line(case):
-    register(nothing, name="taken")
-    before = stickslip.effects()
-    changes, error, text = REFUSED[case]
-    given = {"name": "own", "function": numba_wrench, "parameters": [parameter()], "meaning": "m"}
-    given |= changes
-    with pytest.raises(error) as caught:
-        register_effect(given.pop("name"), given.pop("function"), given.pop("parameters"), **given)
-    assert text in str(caught.value)
-    assert "\n" not in str(caught.value)
-    assert "effect" in str(caught.value)
-    assert stickslip.effects() == before
-
-
 def test_the_ends_of_a_range_are_printed_short_and_allowed():
     register(nothing, parameter(low=1 / 3, high=0.1 + 0.2 + 1 / 3, default=0.5), name="ends")
     with pytest.raises(stickslip.ScenarioError, match=r"a number from 0\.333334 to 0\.633333"):
         stickslip.Scenario(effects={"ends": {"k": 9.0}})
     for end in (0.333334, 0.633333):
         assert stickslip.Scenario(effects={"ends": {"k": end}}).effects["ends"]["k"] == end
-
-
-def test_what_is_not_registered_cannot_be_taken_back():
-    for name in ("own", "surface_tilt", 3):
-        with pytest.raises(ValueError, match="is not registered"):
-            unregister_effect(name)

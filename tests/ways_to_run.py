@@ -224,7 +224,7 @@ def restored(table: Table) -> Iterator[str]:
         for number, (first, last, duration) in enumerate(steps):
             if number == len(steps) // 2:
                 # What it did before must leave nothing behind. (A sudden field turns it too fast.)
-                if not case.scenario.turns:
+                if not case.scenario.whole_plane:
                     rest.step(last, 0.4 * duration, "linear", first)
                 rest.restore(Snapshot.from_bytes(whole.snapshot().to_bytes()))
             state = whole.step(last, duration, "linear", first)
@@ -338,7 +338,7 @@ def _apart(run: Run, other: Run, sign: float, scale: float, tolerance: float = T
         "theta_min": (run.summary()["theta_min"], other.summary()["theta_min"], 1.0),
         "theta_max": (run.summary()["theta_max"], other.summary()["theta_max"], 1.0),
     }
-    if run.scenario.turns and other.scenario.turns:
+    if run.scenario.whole_plane and other.scenario.whole_plane:
         pairs["mean_velocity_y"] = (across(run), sign * across(other), scale)
     for name, (value, expected, size) in pairs.items():
         if not abs(value - expected) <= tolerance * size:

@@ -2,19 +2,21 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
-#include <bitset>
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
 #include "register.hpp"
 #include "stickslip/run/assembly.hpp"
-#include "stickslip/run/recording.hpp"
 #include "stickslip/scenario/coils.hpp"
 #include "stickslip/scenario/free_shapes.hpp"
 #include "stickslip/scenario/parameters.hpp"
+#include "tables.hpp"
 
 namespace py = pybind11;
 
@@ -23,45 +25,161 @@ namespace {
 
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-py::dict describe(const Parameter& p, double default_value) {
+/// A number or a word.
+using Value = std::variant<double, std::int64_t, std::string>;
+
+Value value_of(const Parameter& row, const Scenario& scenario) {
+    const double number = row.get(scenario);
+    if (row.integer) return static_cast<std::int64_t>(number);
+    return number;
+}
+
+/// Throws std::invalid_argument if there is no such key.
+Value value_of(const Scenario& scenario, const std::string& key) {
+    if (const Choice* choice = find_choice(key)) {
+        std::string word = choice->get(scenario);
+        if (!word.empty()) return word;
+    }
+    if (const Parameter* row = find_parameter(key)) return value_of(*row, scenario);
+    const std::optional<UserKey> own = find_user_key(key);
+    if (!own) throw unknown_key(key);
+    return get_parameter(scenario, *own);
+}
+
+void set_value(Scenario& scenario, const std::string& key, const py::handle& value) {
+    if (PyUnicode_Check(value.ptr())) {
+        const char* word = PyUnicode_AsUTF8(value.ptr());
+        if (word == nullptr) throw py::error_already_set();  // it is not UTF-8
+        return set_choice(scenario, key, word);
+    }
+    const bool is_number = PyFloat_Check(value.ptr()) || PyLong_Check(value.ptr());
+    if (!is_number || PyBool_Check(value.ptr())) throw py::type_error("a float, an int or a str");
+    const double number = PyFloat_AsDouble(value.ptr());
+    if (PyErr_Occurred() != nullptr) throw py::error_already_set();
+    set_parameter(scenario, key, number);
+}
+
+/// The same of a state alone, whose keys are those of a scenario's start.
+Value state_value(const SimulationState& state, const std::string& key) {
+    const std::size_t place = place_of(kStateColumns, key.substr(key.find('.') + 1));
+    if (place == kStateColumns.size()) throw unknown_key(key);
+    if (place != kContactColumn) return kStateColumns[place].get(state);
+    return std::string(kContactWords[static_cast<std::size_t>(state.contact)].name);
+}
+
+/// Unequal to that of the scenario without any change; of a single coil, to that of all coils.
+bool is_changed(const Parameter& row, const Scenario& scenario) {
+    static const Scenario kDefaults{};
+    const std::string_view key = row.key;
+    if (!is_of_one_coil(key)) return row.get(scenario) != row.get(kDefaults);
+    const std::string of_all = "coil" + std::string(key.substr(key.rfind('.')));
+    return row.get(scenario) != find_parameter(of_all)->get(scenario);
+}
+
+/// The values that make a scenario of the default one, by key in the order of the tables: equal
+/// scenarios have equal ones.
+py::dict changed_values(const Scenario& scenario) {
+    static const Scenario kDefaults{};
+    py::dict result;
+    for (const Choice& row : choices()) {
+        const std::string word = row.get(scenario);
+        if (!word.empty() && word != row.get(kDefaults)) result[row.key] = word;
+    }
+    for (const Parameter& row : parameters()) {
+        if (is_changed(row, scenario)) result[row.key] = value_of(row, scenario);
+    }
+    for (const UserSetting& each : scenario.user_effects) {
+        for (std::size_t i = 0; i < each.values.size(); ++i) {
+            if (each.values[i] == each.effect->parameters[i].absent) continue;
+            result[py::str(each.effect->key(i))] = each.values[i];
+        }
+    }
+    return result;
+}
+
+/// Sets all that another scenario has in a section, also what is no number or word.
+void take_section(Scenario& scenario, const Scenario& other, const std::string& section) {
+    const auto is_of_it = [start = section + "."](const std::string_view key) {
+        return key.starts_with(start);
+    };
+    for (const Choice& row : choices()) {
+        const std::string word = row.get(other);
+        if (is_of_it(row.key) && !word.empty()) set_choice(scenario, row.key, word);
+    }
+    for (const Parameter& row : parameters()) {
+        if (!is_of_it(row.key)) continue;
+        const Choice* words = find_choice(row.key);  // of a key that holds a word now
+        if (words == nullptr || words->get(other).empty()) row.set(scenario, row.get(other));
+    }
+    if (section == "drive") scenario.program = other.program;
+    if (section == "coil") scenario.map = other.map;
+}
+
+py::dict describe(const std::string& key, const char* kind, const char* meaning,
+                  const Value& default_value) {
     py::dict row;
-    row["key"] = p.key;
+    row["name"] = key;
+    row["kind"] = kind;
+    row["meaning"] = meaning;
+    row["default"] = default_value;
+    return row;
+}
+
+py::dict describe(const std::string& key, const Parameter& p, const Value& default_value) {
+    py::dict row = describe(key, p.integer ? "whole" : "real", p.meaning, default_value);
     row["unit"] = p.unit;
     row["low"] = p.low;
     row["high"] = p.high;
     row["allowed"] = allowed_range(p);
-    row["integer"] = p.integer;
-    row["default"] = default_value;
-    row["meaning"] = p.meaning;
     return row;
 }
 
-py::list describe_parameters() {
+std::string quoted_words(const std::vector<std::string>& words) {
+    std::string text;
+    for (const std::string& word : words) text += (text.empty() ? "\"" : ", \"") + word + "\"";
+    return text;
+}
+
+/// Every key of a scenario, section by section in the order of a file.
+py::list describe_keys() {
     const Scenario defaults;
-    py::list rows;
-    for (const Parameter& p : parameters()) rows.append(describe(p, p.get(defaults)));
+    std::vector<py::dict> rows;
+    for (const Choice& c : choices()) {
+        const Parameter* number = find_parameter(c.key);
+        py::dict row = describe(c.key, c.set_some ? "fields" : "word", c.meaning, c.get(defaults));
+        row["allowed"] = "one of " + quoted_words(c.allowed);
+        if (c.set_some) row["allowed"] = "one or more of " + quoted_words(c.allowed);
+        if (number != nullptr) {
+            row = describe(c.key, *number, c.get(defaults));
+            row["kind"] = "rate";
+            row["allowed"] = allowed_range(*number) + ", or one of " + quoted_words(c.allowed);
+        }
+        row["words"] = py::tuple(py::cast(c.allowed));
+        rows.push_back(row);
+    }
+    for (const Parameter& p : parameters()) {
+        if (find_choice(p.key) != nullptr) continue;
+        rows.push_back(describe(p.key, p, value_of(p, defaults)));
+    }
     for (const UserEffectHandle& effect : user_effects()) {
         for (std::size_t i = 0; i < effect->parameters.size(); ++i) {
             const std::string key = effect->key(i);
             const UserParameter& p = effect->parameters[i];
-            rows.append(describe(row_of(key, p), p.absent));
+            rows.push_back(describe(key, row_of(key, p), p.absent));
         }
     }
-    return rows;
-}
-
-py::list describe_choices() {
-    const Scenario defaults;
-    py::list rows;
-    for (const Choice& c : choices()) {
-        py::dict row;
-        row["key"] = c.key;
-        row["allowed"] = c.allowed;
-        row["default"] = c.get(defaults);
-        row["meaning"] = c.meaning;
-        rows.append(row);
-    }
-    return rows;
+    const auto place = [](const py::dict& row) {
+        const auto key = row["name"].cast<std::string>();
+        const auto found =
+            std::find_if(sections().begin(), sections().end(), [&](const Section& section) {
+                return key.starts_with(std::string(section.name) + ".");
+            });
+        return found - sections().begin();
+    };
+    std::stable_sort(rows.begin(), rows.end(), [&](const py::dict& one, const py::dict& other) {
+        return place(one) < place(other);
+    });
+    return py::cast(rows);
 }
 
 /// Those of the model, then those of the user.
@@ -80,7 +198,7 @@ py::list describe_effects() {
 }
 
 /// Blocks as (times, voltages (n, 5), repeats).
-VoltageProgram program_from(const py::list& blocks) {
+VoltageProgram program_from(const py::sequence& blocks) {
     std::vector<VoltageBlock> result;
     for (const py::handle item : blocks) {
         const auto [times, voltages, repeats] = item.cast<std::tuple<Array, Array, std::int64_t>>();
@@ -136,22 +254,6 @@ PerCoil asked_voltages(const Scenario& scenario) {
                                       : turned(program).largest_voltage();
 }
 
-std::vector<std::string> every_column() {
-    std::vector<std::string> names;
-    for (const RecordColumn& column : kRecordColumns) names.emplace_back(column.name);
-    return names;
-}
-
-/// The columns that are not among `fields`, t never among them.
-std::bitset<kColumns> all_but(const std::vector<std::string>& fields) {
-    std::bitset<kColumns> dropped;
-    for (std::size_t k = 1; k < kColumns; ++k) {
-        dropped[k] =
-            std::find(fields.begin(), fields.end(), kRecordColumns[k].name) == fields.end();
-    }
-    return dropped;
-}
-
 /// f of one of the effects with a free shape, as an array of the shape of `arguments`.
 Array free_curve_at(const Scenario& scenario, const std::string& effect, const Array& arguments) {
     const FreeCurve curve(free_shape(scenario, effect));
@@ -165,47 +267,39 @@ Array free_curve_at(const Scenario& scenario, const std::string& effect, const A
 }  // namespace
 
 void register_scenario(py::module_& module) {
-    module.def("parameters", &describe_parameters);
-    module.def("choices", &describe_choices);
+    module.def("key_table", &describe_keys);
     module.def("effects", &describe_effects);
+    module.attr("sections") = meanings_of(sections());
+
+    py::class_<SimulationState>(module, "State").def("get", &state_value, py::arg("key"));
 
     py::class_<Scenario>(module, "Scenario")
         .def(py::init<>())
-        .def(py::init<const Scenario&>())
+        .def(py::init([](const Scenario& other) {
+            Scenario made(other);
+            renew_user_effects(made);
+            return made;
+        }))
+        .def("set", &set_value, py::arg("key"), py::arg("value"))
         .def(
-            "set",
-            [](Scenario& self, const std::string& key,
-               const std::variant<double, std::string>& value) {
-                if (const auto* number = std::get_if<double>(&value)) {
-                    set_parameter(self, key, *number);
-                } else {
-                    set_choice(self, key, std::get<std::string>(value));
-                }
-            },
-            py::arg("key"), py::arg("value"))
+            "get", [](const Scenario& self, const std::string& key) { return value_of(self, key); },
+            py::arg("key"))
+        .def("changed", &changed_values)
+        .def("take", &take_section, py::arg("other"), py::arg("section"))
+        .def("take", [](Scenario& self, const SimulationState& state,
+                        const std::string& /*section*/) { self.initial = state; })
         .def(
             "set_program",
-            [](Scenario& self, const py::list& blocks) { self.program = program_from(blocks); },
+            [](Scenario& self, const std::optional<py::sequence>& blocks) {
+                self.program = blocks ? program_from(*blocks) : VoltageProgram();
+            },
             py::arg("blocks"))
         .def(
             "set_map",
-            [](Scenario& self, const FieldMap& map) {
-                self.map = std::make_shared<const FieldMap>(map);
+            [](Scenario& self, const FieldMap* map) {
+                self.map = map ? std::make_shared<const FieldMap>(*map) : nullptr;
             },
             py::arg("map"))
-        .def("record_nothing", [](Scenario& self) { self.record = {}; })
-        .def(
-            "record_events",
-            [](Scenario& self, double start, const std::vector<std::string>& fields) {
-                self.record = {RecordKind::events, 0.0, start, all_but(fields), {}};
-            },
-            py::arg("start") = 0.0, py::arg("fields") = every_column())
-        .def(
-            "record_uniform",
-            [](Scenario& self, double rate, double start, const std::vector<std::string>& fields) {
-                self.record = {RecordKind::uniform, rate, start, all_but(fields), {}};
-            },
-            py::arg("rate"), py::arg("start") = 0.0, py::arg("fields") = every_column())
         .def("check", &check)
         .def("coils", [](const Scenario& self) { return world_coil_set(self); })
         .def("resistances",
@@ -226,7 +320,8 @@ void register_scenario(py::module_& module) {
         .def_property_readonly(
             "in_plane_coil",
             [](const Scenario& self) { return name(in_plane_coil(drive_direction(self))); })
-        .def_property_readonly("turns", [](const Scenario& self) { return in_whole_plane(self); })
+        .def_property_readonly("whole_plane",
+                               [](const Scenario& self) { return in_whole_plane(self); })
         .def_property_readonly("duration", &duration)
         .def_property_readonly("window", [](const Scenario& self) {
             const Window window = measuring_window(self);

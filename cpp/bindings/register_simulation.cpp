@@ -9,7 +9,6 @@
 
 #include "register.hpp"
 #include "report_progress.hpp"
-#include "state_fields.hpp"
 #include "stickslip/batch/batch.hpp"
 #include "tables.hpp"
 
@@ -162,7 +161,7 @@ void register_simulation(py::module_& module) {
                                [](const RunResult& self) { return self.summary.mean_velocity; })
         .def_property_readonly("stopped", [](const RunResult& self) { return self.stopped; })
         .def_property_readonly("final_state",
-                               [](const RunResult& self) { return fields(self.final_state); })
+                               [](const RunResult& self) { return self.final_state; })
         .def("summary", &summary_dict)
         .def("take_recording",
              [](RunResult& self) { return recording_dict(std::move(self.recording)); });

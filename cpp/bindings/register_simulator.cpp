@@ -11,7 +11,6 @@
 
 #include "register.hpp"
 #include "report_progress.hpp"
-#include "state_fields.hpp"
 #include "stickslip/batch/rollout.hpp"
 #include "stickslip/batch/simulator.hpp"
 #include "stickslip/numbers/number_text.hpp"
@@ -75,14 +74,14 @@ struct Stepper {
     Stepper(const Scenario& scenario, bool whole_plane)
         : simulator(placed(scenario, whole_plane)) {}
 
-    py::dict step(const py::dict& changes, double seconds, bool linear,
-                  const std::optional<py::dict>& jump) {
+    SimulationState step(const py::dict& changes, double seconds, bool linear,
+                         const std::optional<py::dict>& jump) {
         const double duration = duration_of(seconds);
         const PerCoil before = simulator.voltages();
         const PerCoil start = jump ? changed(before, *jump, "start") : before;
         simulator.step(changed(start, changes, "voltages"), duration, linear,
                        jump ? &start : nullptr);
-        return fields(simulator.state());
+        return simulator.state();
     }
 
     static PerCoil changed(PerCoil next, const py::dict& changes, const std::string& argument) {
@@ -239,7 +238,7 @@ void register_simulator(py::module_& module) {
         .def("step", &Stepper::step, py::arg("voltages"), py::arg("duration"), py::arg("linear"),
              py::arg("start") = py::none())
         .def_property_readonly("time", [](const Stepper& self) { return self.simulator.time(); })
-        .def("state", [](const Stepper& self) { return fields(self.simulator.state()); })
+        .def("state", [](const Stepper& self) { return self.simulator.state(); })
         .def_property_readonly("voltages",
                                [](const Stepper& self) { return self.simulator.voltages(); })
         .def_property_readonly(

@@ -105,6 +105,7 @@ void register_user_effect(py::module_& module) {
         for (const UserEffectHandle& effect : user_effects()) names.push_back(effect->name);
         return names;
     });
+    module.def("registrations", &registrations);
 }
 
 }  // namespace stickslip::bindings

@@ -4,6 +4,7 @@
 #include "stickslip/scenario/free_shapes.hpp"
 #include "stickslip/scenario/parameters.hpp"
 #include "stickslip/scenario/plane.hpp"
+#include "stickslip/scenario/record_columns.hpp"
 #include "stickslip/scenario/scenario.hpp"
 #include "stickslip/scenario/scenario_rows.hpp"
 #include "stickslip/scenario/state.hpp"
@@ -12,6 +13,7 @@
 /// All that a run is told; data only.
 ///
 /// - scenario, state: the values
+/// - record_columns: what a recording has
 /// - parameters, free_shapes, coils: every key with its unit, range and meaning
 /// - plane: whether the robot leaves the plane of motion, which voltages keep it there, and which
 ///   way it faces

@@ -295,7 +295,7 @@ TEST_CASE("plane: a state that a run has left begins another run that goes on as
     scenario.drive.pulses = 4;
     const VoltageProgram whole = make_program(scenario);
     Scenario first = scenario;
-    first.drive.mode = DriveMode::program;
+    first.drive = {.mode = DriveMode::program};
     first.program = whole;
     const double middle = 0.0733;
     const RunResult half =
@@ -331,7 +331,7 @@ TEST_CASE("plane: a run ends where y or the heading comes to a value, at rest to
     CHECK(across.final_state.y == doctest::Approx(goal).epsilon(1e-9));
     // A field of 0.3 mT that turns, too weak to tip the robot.
     Scenario resting = walking();
-    resting.drive.mode = DriveMode::program;
+    resting.drive = {.mode = DriveMode::program};
     const VoltagePoint ahead = {0.1, {3.0, 0.0, 0.0, 0.0, 0.0}};
     resting.program = VoltageProgram(
         {{{{0.0, ahead.voltage}, ahead, {0.2, {0.0, 0.0, 3.0, 0.0, 0.0}}, {0.3, {}}}, 1}});

@@ -10,6 +10,7 @@
 #include "stickslip/batch/simulator.hpp"
 #include "stickslip/run/assembly.hpp"
 #include "stickslip/run/simulation.hpp"
+#include "stickslip/scenario/parameters.hpp"
 
 // How a run comes into the whole plane: by its scenario or by its state.
 
@@ -47,11 +48,16 @@ TEST_CASE("plane: before a program has a field along the surface, its direction 
     CHECK(turning.heading == doctest::Approx(std::numbers::pi).epsilon(1e-6));
 }
 
-TEST_CASE("plane: the heading of a drive is not that of a program") {
+TEST_CASE("plane: a program has no heading") {
     Scenario scenario = program_of({25.0, 0.0, 0.0, 0.0, -10.0}, 0.05);
-    const SimulationState expected = simulate(scenario).final_state;
     scenario.drive.heading = 3.0;
-    check_same(simulate(scenario).final_state, expected);
+    CHECK_THROWS_WITH_AS(check(scenario),
+                         "drive.heading: not allowed with drive.mode = \"program\", whose voltages "
+                         "(drive.file, or drive.program in Python) say it all; leave it out",
+                         std::invalid_argument);
+    set_choice(scenario, "drive.mode", "OPP");
+    set_choice(scenario, "drive.mode", "program");
+    check(scenario);
 }
 
 TEST_CASE("plane: coils of y that are unlike turn a stepped robot by voltages that cancel") {

@@ -47,7 +47,7 @@ std::array<CheckNumber, 4> check_numbers() {
 Scenario as_program(const Scenario& scenario) {
     Scenario result = scenario;
     result.program = make_program(scenario);
-    result.drive.mode = DriveMode::program;
+    result.drive = {.mode = DriveMode::program, .direction = scenario.drive.direction};
     return result;
 }
 

@@ -73,7 +73,8 @@ std::vector<Method> methods() {
 TEST_CASE("user effect: its keys are those of any other, while it is registered") {
     Scenario scenario;
     CHECK_THROWS_WITH_AS(set_parameter(scenario, "effects.own.strength", 1.0),
-                         "effects.own.strength: there is no such numeric key",
+                         "effects.own.strength: there is no such key; an effect of your own has to "
+                         "be registered in this process too",
                          std::invalid_argument);
     {
         const Registered effect([](const double*, const double*, double*) {});
@@ -122,6 +123,15 @@ TEST_CASE("user effect: a scenario takes the one that is registered now") {
     REQUIRE(scenario.user_effects.size() == 1);
     CHECK(scenario.user_effects[0].effect == find_user_key("effects.own.rate")->effect);
     CHECK(scenario.user_effects[0].values == std::vector{0.0, 3.0});
+    register_user_effect(described("own", {{"rate", "-", 0.0, 10.0, 0.0, ""}}));
+    renew_user_effects(scenario);
+    CHECK(scenario.user_effects[0].effect == find_user_key("effects.own.rate")->effect);
+    CHECK(scenario.user_effects[0].values == std::vector{3.0});
+    register_user_effect(described("own", {{"k", "-", 0.0, 1.0, 0.0, ""}}));
+    CHECK_THROWS_WITH_AS(renew_user_effects(scenario),
+                         "effects.own.rate: there is no such key; an effect of your own has to be "
+                         "registered in this process too",
+                         std::invalid_argument);
 }
 
 TEST_CASE("user effect: what is refused") {
@@ -149,8 +159,9 @@ TEST_CASE("user effect: what is refused") {
     CHECK(refusal(empty) == "effect fine: needs a function");
 
     const Registered first([](const double*, const double*, double*) {});
-    CHECK_THROWS_WITH_AS(register_user_effect(described("own", {good})),
-                         "effect own: is registered already", std::invalid_argument);
+    register_user_effect(described("own", {good}));  // takes the place of the first
+    CHECK(find_user_key("effects.own.k"));
+    CHECK(!find_user_key("effects.own.strength"));
     CHECK_THROWS_WITH_AS(unregister_user_effect("other"), "effect other: is not registered",
                          std::invalid_argument);
 }

@@ -6,7 +6,7 @@ import pytest
 from stickslip.diagnosis.decision.formulas import _FORMS, Formula, formula
 from stickslip.diagnosis.terms.laws import free_law
 from stickslip.diagnosis.terms.parameter import Parameter
-from stickslip.scenario.priors import Prior
+from stickslip.scenario.uncertain import Prior
 
 SD, LEVEL, READINGS = 0.02, 1.5, 40
 

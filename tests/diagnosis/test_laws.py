@@ -10,7 +10,7 @@ from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.curve import LENGTHS, SIZES
 from stickslip.diagnosis.terms.laws import Curves, beside_constants, find_spans, free_law, laws
 from stickslip.diagnosis.terms.parameter import Parameter
-from stickslip.scenario.named_effects import effects, is_free_shape
+from stickslip.scenario.effects import effects, is_free_shape
 
 BASE = Scenario(drive=Drive(base=0.5e-3, pulses=8)).replace({"solver.rtol": 1e-6})
 FREE = {each.name for each in effects() if is_free_shape(each.name)}

@@ -7,8 +7,8 @@ import pytest
 
 from stickslip import Scenario, simulate
 from stickslip.diagnosis.terms.library import _ALIKE, _SHAPES, _SIZES, CONSTANTS, library
-from stickslip.scenario.named_effects import effects
-from stickslip.scenario.priors import Prior
+from stickslip.scenario.effects import effects
+from stickslip.scenario.uncertain import Prior
 
 VOLTS = 20.0
 SHORT = Scenario().replace({"drive.frequency": 50.0, "drive.pulses": 5, "drive.base": 0.5e-3})

@@ -29,8 +29,8 @@ from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.laws import free_law
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
-from stickslip.scenario.priors import Prior
-from stickslip.scenario.toml_file import load
+from stickslip.scenario.scenario import load
+from stickslip.scenario.uncertain import Prior
 from stickslip.simulation.note import Note
 from toys import LEVEL, SLOPE, STEP, WAVE, data, line
 

@@ -146,8 +146,8 @@ REFUSALS = [
     *((f"resume: {n}", partial(resumed, **how), ScenarioError, words)
       for n, how, words in RESUMED),
     ("resume: run", a_run, ScenarioError, ANOTHER),
-    ("sweep: a folder", lambda folder: swept(folder, out=folder), IsADirectoryError, "a folder"),
-    ("sweep: no folder", lambda folder: swept(folder, out=folder / "no/a.nc"), FileNotFoundError,
+    ("sweep: a folder", lambda folder: swept(folder, out=folder), OSError, "a folder"),
+    ("sweep: no folder", lambda folder: swept(folder, out=folder / "no/a.nc"), OSError,
      "there is no folder"),
     ("sweep_dataframe: run", lambda folder: sweep_dataframe(simulate(BASE)), ScenarioError,
      "what sweep or predict gave"),

@@ -5,10 +5,12 @@
 #include <numbers>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "stickslip/numbers/number_text.hpp"
 #include "stickslip/run/initial_state.hpp"
 #include "stickslip/scenario/coils.hpp"
+#include "stickslip/scenario/parameters.hpp"
 
 namespace stickslip {
 namespace {
@@ -64,6 +66,22 @@ void check_work(const Scenario& s, double duration) {
     }
 }
 
+// A program of voltages says all of the drive but which way the robot faces.
+void check_no_sawtooth(const Scenario& s) {
+    static const Scenario kDefaults{};
+    const auto require_default = [&](const auto& row) {
+        const std::string_view key = row.key;
+        if (!key.starts_with("drive.") || key == "drive.mode" || key == "drive.direction") return;
+        if (row.get(s) == row.get(kDefaults)) return;
+        throw std::invalid_argument(std::string(key) +
+                                    ": not allowed with drive.mode = \"program\", whose voltages "
+                                    "(drive.file, or drive.program in Python) say it all; leave it "
+                                    "out");
+    };
+    for (const Parameter& row : parameters()) require_default(row);
+    for (const Choice& row : choices()) require_default(row);
+}
+
 // A sawtooth is given as the field of two coils at the centre.
 void check_drive_of_map(const Scenario& s) {
     for (const Coil coil : {in_plane_coil(drive_direction(s)), Coil::clamp}) {
@@ -104,6 +122,7 @@ void check(const Scenario& s) {
         if (s.program.blocks().empty()) {
             throw std::invalid_argument("drive.mode = \"program\": needs drive.file or a waveform");
         }
+        check_no_sawtooth(s);
     } else {
         const double period = 1.0 / s.drive.frequency;
         if (s.drive.peak < s.drive.base) {

@@ -10,7 +10,7 @@ namespace stickslip {
 
 /// Ends a run where a quantity comes to a value. Of a run in one plane neither y nor heading moves.
 struct StopCondition {
-    enum class Quantity : std::int8_t { time, x, y, z, theta, turns, heading };
+    enum class Quantity : std::int8_t { time, x, y, z, theta, revolutions, heading };
 
     Quantity quantity = Quantity::time;
     bool from_below = true;  ///< whether it is met at or above `value`, else at or below
@@ -35,7 +35,7 @@ private:
                 return body.z;
             case Quantity::theta:
                 return body.theta();
-            case Quantity::turns:
+            case Quantity::revolutions:
                 return body.theta() / (4.0 * kQuarterTurn);
             case Quantity::heading:
                 return body.heading;
@@ -50,7 +50,7 @@ inline constexpr auto kStopQuantities = std::to_array<Word<StopCondition::Quanti
     {StopCondition::Quantity::y, "y", "m, the same"},
     {StopCondition::Quantity::z, "z", "m, the same"},
     {StopCondition::Quantity::theta, "theta", "rad"},
-    {StopCondition::Quantity::turns, "turns", "theta over 2 pi"},
+    {StopCondition::Quantity::revolutions, "revolutions", "theta over 2 pi"},
     {StopCondition::Quantity::heading, "heading", "rad, from -pi to pi"},
 });
 static_assert(in_order(kStopQuantities));

@@ -1,6 +1,7 @@
 #include "stickslip/scenario/parameters.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -51,7 +52,8 @@ std::vector<Parameter> make_parameters() {
         {.key = "drive.edge_time", .unit = "s", .low = 0, .high = kAny,
          .meaning = "duration of the sudden edge", STICKSLIP_MEMBER(drive.edge_time)},
         {.key = "drive.heading", .unit = "rad", .low = -6.3, .high = 6.3,
-         .meaning = "where the robot is driven, from drive.direction to the left",
+         .meaning = "where the robot is driven, from drive.direction to the left; a program has none, "
+                    "and no choice of drive.coils",
          STICKSLIP_MEMBER(drive.heading)},
         {.key = "drive.ramp", .unit = "s", .low = 0, .high = 1e4,
          .meaning = "rise of both coils from zero before the first pulse",
@@ -85,7 +87,8 @@ std::vector<Parameter> make_parameters() {
          .meaning = "Newton restitution of a touch-down", STICKSLIP_MEMBER(contact.restitution)},
         {.key = "contact.tangential_restitution", .unit = "-", .low = 0, .high = 1,
          .meaning = "part of its slip that a corner which rebounds reverses, as far as friction "
-                    "can", STICKSLIP_MEMBER(contact.tangential_restitution)},
+                    "can; what the surfaces' tangential elasticity gives back (Walton, 1993)",
+         STICKSLIP_MEMBER(contact.tangential_restitution)},
         {.key = "drag.linear", .unit = "N s/m", .low = 0, .high = 1e3,
          .meaning = "drag force by velocity at the centre of mass, Eq. (18)",
          STICKSLIP_MEMBER(drag.linear)},
@@ -95,13 +98,25 @@ std::vector<Parameter> make_parameters() {
         {.key = "environment.gravity", .unit = "m/s^2", .low = 0, .high = 1e3,
          .meaning = "acceleration of gravity", STICKSLIP_MEMBER(gravity)},
         {.key = "solver.rtol", .unit = "-", .low = 1e-13, .high = 1e-2,
-         .meaning = "local error a step, relative to the natural scales of the motion",
+         .meaning = "local error a step, relative to the natural scales of the motion; tightened "
+                    "where the linear drag is low",
          STICKSLIP_MEMBER(solver.rtol)},
         {.key = "solver.max_step", .unit = "s", .low = 0, .high = kAny,
          .meaning = "longest step; 0: no limit", STICKSLIP_MEMBER(solver.max_step)},
         {.key = "solver.max_steps", .unit = "-", .low = 1, .high = 1e15, .integer = true,
          .meaning = "most steps of a run; one that needs more ends with a status that says why",
          STICKSLIP_MEMBER(solver.max_steps)},
+        {.key = "record.rate", .unit = "Hz", .low = 0, .high = kAny, .low_allowed = false,
+         .meaning = "rate of a uniform grid of samples, or a sample at each event of the contact, "
+                    "or none",
+         .get = [](const Scenario& s) { return s.record.rate; },
+         .set = [](Scenario& s, double value) {
+             s.record.kind = RecordKind::uniform;
+             s.record.rate = value;
+         }},
+        {.key = "record.from", .unit = "s", .low = 0, .high = kAny,
+         .meaning = "simulated time before which nothing is recorded",
+         STICKSLIP_MEMBER(record.from)},
     };
 }
 
@@ -195,11 +210,29 @@ std::vector<Parameter> all_parameters() {
     return rows;
 }
 
-std::vector<std::string> contact_words() {
-    std::vector<std::string> words;
-    words.reserve(kContactWords.size());
-    for (const auto& word : kContactWords) words.emplace_back(word.name);
-    return words;
+template <class Rows>
+std::vector<std::string> names_of(const Rows& rows, std::vector<std::string> before = {}) {
+    for (const auto& row : rows) before.emplace_back(row.name);
+    return before;
+}
+
+// The kept columns, or all of them as one word; t is always kept.
+std::string recorded(const Scenario& s) {
+    if (s.record.dropped.none()) return "all";
+    std::string text;
+    for (std::size_t k = 1; k < kColumns; ++k) {
+        if (s.record.dropped[k]) continue;
+        text += (text.empty() ? "" : ", ") + std::string(kRecordColumns[k].name);
+    }
+    return text.empty() ? std::string(kRecordColumns[0].name) : text;
+}
+
+void set_recorded(Scenario& s, const std::vector<std::size_t>& words) {
+    s.record.dropped.reset();
+    if (std::find(words.begin(), words.end(), 0) != words.end()) return;  // all
+    s.record.dropped.set();
+    s.record.dropped[0] = false;
+    for (const std::size_t word : words) s.record.dropped[word - 1] = false;
 }
 
 template <class Enum>
@@ -212,33 +245,93 @@ std::string word(const char* key, Enum value) {
     .get = [](const Scenario& s) { return word(key, s.path); }, \
     .set = [](Scenario& s, std::size_t index) { s.path = static_cast<decltype(s.path)>(index); }
 
+// A program has no use for the keys of the sawtooth.
+void set_mode(Scenario& s, std::size_t index) {
+    const auto mode = static_cast<DriveMode>(index);
+    const Direction direction = s.drive.direction;
+    if (mode == DriveMode::program && s.drive.mode != mode) s.drive = {};
+    s.drive.mode = mode;
+    s.drive.direction = direction;
+}
+
 std::vector<Choice> make_choices() {
     return {
         {.key = "drive.mode", .allowed = {"IPP", "OPP", "program"},
-         .meaning = "which coil pulses, or voltages from a file",
-         STICKSLIP_CHOICE("drive.mode", drive.mode)},
+         .meaning = "in-plane pulsing, where the clamp coil holds; out-of-plane pulsing, the "
+                    "reverse; or voltages from a file, with which all other keys but "
+                    "drive.direction have their defaults",
+         .get = [](const Scenario& s) { return word("drive.mode", s.drive.mode); },
+         .set = &set_mode},
         {.key = "drive.clamp", .allowed = {"down", "up"},
          .meaning = "sign of the clamp coil's field; down: B_z < 0, nose-down",
          STICKSLIP_CHOICE("drive.clamp", drive.clamp)},
         {.key = "drive.edge", .allowed = {"rise", "fall"},
          .meaning = "where the sawtooth is sudden", STICKSLIP_CHOICE("drive.edge", drive.edge)},
         {.key = "drive.direction", .allowed = {"+x", "-x"},
-         .meaning = "where the robot faces and is driven",
+         .meaning = "where the robot faces and is driven; -x: rotated by 180 degrees about z, and a "
+                    "pulsed drive with it, but not the voltages of a program",
          STICKSLIP_CHOICE("drive.direction", drive.direction)},
         {.key = "drive.coils", .allowed = {"single", "pairs"},
          .meaning = "which coils of an axis make its part of the field in the surface: the one "
                     "ahead, or both alike", STICKSLIP_CHOICE("drive.coils", drive.coils)},
-        {.key = "initial.contact",
-         .allowed = contact_words(),
+        {.key = "initial.contact", .allowed = names_of(kContactWords),
          .meaning = "mode of the contact at the start; from_motion: what touches is what lies on "
                     "the surface and does not leave it",
          STICKSLIP_CHOICE("initial.contact", initial.contact)},
-        {.key = "solver.method", .allowed = {"tsit5", "arkode"}, .meaning = "integrator",
+        {.key = "solver.method", .allowed = {"tsit5", "arkode"}, .meaning = "own Runge-Kutta method of fifth order, or that of SUNDIALS, where the build has it",
          STICKSLIP_CHOICE("solver.method", solver.method)},
+        {.key = "record.rate", .allowed = {"none", "events"},
+         .meaning = "",
+         .get = [](const Scenario& s) -> std::string {
+             constexpr std::array kWords = {"none", "events", ""};
+             return kWords[static_cast<std::size_t>(s.record.kind)];
+         },
+         .set = [](Scenario& s, std::size_t index) {
+             s.record.kind = static_cast<RecordKind>(index);
+             s.record.rate = 0.0;
+         }},
+        {.key = "record.fields", .allowed = names_of(kRecordColumns, {"all"}),
+         .meaning = "recorded quantities, with commas between them; t is always there",
+         .get = &recorded, .set_some = &set_recorded},
+        {.key = "record.dtype", .allowed = {"float64", "float32"},
+         .meaning = "precision of the recorded numbers; t always has float64, as in float32 the "
+                    "samples of a run of some minutes would share times",
+         STICKSLIP_CHOICE("record.dtype", record.dtype)},
     };
 }
 
 #undef STICKSLIP_CHOICE
+
+std::vector<Section> make_sections() {
+    return {
+        {"drive",
+         "What the coils are driven with, section V of the paper.\n"
+         "\n"
+         "A field given in tesla is the steady-state one of one coil, at the centre. The paper\n"
+         "gives the default of `peak` (Figs. 4-13) and uses 100 Hz in Figs. 8-11. It states\n"
+         "neither `base`, `hold`, `edge` nor `clamp`: their defaults are this package's, as are\n"
+         "those of all other keys."},
+        {"coil",
+         "The five coils, Table I.\n"
+         "\n"
+         "Where coils differ, `resistance` and its like are those of most coils (of xp, if all\n"
+         "differ)."},
+        {"robot",
+         "The magnetic body, Table II.\n"
+         "\n"
+         "Table II's \"ng\" are micrograms: the body's density leaves no other reading."},
+        {"contact", "Contact of the body with the surface, sections IV-C, VI-A and VI-B."},
+        {"drag", "Drag of the fluid, section VI-C."},
+        {"environment", "What is the same for everything."},
+        {"initial",
+         "Robot and coils at an instant, in the world's frame.\n"
+         "\n"
+         "A scenario begins at one, by default at rest and without current, and every run and step\n"
+         "ends at one."},
+        {"solver", "The integrator."},
+        {"record", "What a run keeps beside its summary."},
+    };
+}
 
 std::vector<EffectDescription> make_effects() {
     return {
@@ -306,6 +399,11 @@ const std::vector<Parameter>& parameters() {
         rows.insert(robot, coils.begin(), coils.end());
         return with_free_shapes(std::move(rows));
     }();
+    return table;
+}
+
+const std::vector<Section>& sections() {
+    static const std::vector<Section> table = make_sections();
     return table;
 }
 

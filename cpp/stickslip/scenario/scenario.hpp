@@ -1,7 +1,6 @@
 #pragma once
 
 #include <bitset>
-#include <cstddef>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -11,6 +10,7 @@
 #include "stickslip/drive/sawtooth.hpp"
 #include "stickslip/field/coil_set.hpp"
 #include "stickslip/numbers/free_curve.hpp"
+#include "stickslip/scenario/record_columns.hpp"
 #include "stickslip/scenario/state.hpp"
 
 namespace stickslip {
@@ -105,10 +105,8 @@ struct SolverSettings {
 
 enum class RecordKind { none, events, uniform };
 
-/// Number of the columns of a `Recording`.
-inline constexpr std::size_t kColumns = 23;
-
-struct Recording;
+/// Of the recorded numbers but t, which always has float64.
+enum class Precision { float64, float32 };
 
 struct RecordSettings {
     RecordKind kind = RecordKind::none;
@@ -118,6 +116,7 @@ struct RecordSettings {
     /// Takes the record chunk by chunk while the run goes on, on the thread that plays it; without
     /// it the record is kept to the end.
     std::function<void(Recording&&)> sink = nullptr;
+    Precision dtype = Precision::float64;  ///< of what is kept of the record outside of the core
 };
 
 /// All that defines one simulation.

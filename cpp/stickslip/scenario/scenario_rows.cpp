@@ -13,13 +13,7 @@ ScenarioRows::ScenarioRows(const Scenario& base, const std::vector<std::string>&
         Column column = {key, find_choice(key), std::nullopt, is_of_one_coil(key)};
         if (column.choice == nullptr && find_parameter(key) == nullptr) {
             column.own = find_user_key(key);
-            if (!column.own) {
-                const bool effect = key.starts_with("effects.");
-                throw std::invalid_argument(
-                    key + ": there is no such key" +
-                    (effect ? "; an effect of your own has to be registered in this process too"
-                            : ""));
-            }
+            if (!column.own) throw unknown_key(key);
         }
         columns_.push_back(std::move(column));
     }

@@ -3,6 +3,8 @@
 #include <sstream>
 #include <stdexcept>
 #include <unordered_map>
+#include <utility>
+#include <vector>
 
 #include "stickslip/numbers/number_text.hpp"
 #include "stickslip/scenario/parameters.hpp"
@@ -21,6 +23,23 @@ void require_in_range(const Parameter& parameter, double value) {
     const bool fits = std::isfinite(value) && above && value <= parameter.high &&
                       (!parameter.integer || value == std::floor(value));
     if (!fits) throw std::invalid_argument(out_of_range(parameter, value));
+}
+
+std::string_view without_blanks(std::string_view text) {
+    while (text.starts_with(' ')) text.remove_prefix(1);
+    while (text.ends_with(' ')) text.remove_suffix(1);
+    return text;
+}
+
+// Of one of the words; `value` is all that was given.
+std::size_t place_of_word(const Choice& choice, std::string_view word, std::string_view value) {
+    std::string allowed;
+    for (std::size_t i = 0; i < choice.allowed.size(); ++i) {
+        if (choice.allowed[i] == word) return i;
+        allowed += (i ? ", \"" : "\"") + choice.allowed[i] + "\"";
+    }
+    throw std::invalid_argument(std::string(choice.key) + " = \"" + std::string(value) +
+                                "\": allowed is one of " + allowed);
 }
 
 }  // namespace
@@ -69,7 +88,7 @@ void set_parameter(Scenario& scenario, std::string_view key, double value) {
         return;
     }
     const std::optional<UserKey> own = find_user_key(key);
-    if (!own) throw std::invalid_argument(std::string(key) + ": there is no such numeric key");
+    if (!own) throw unknown_key(key);
     set_parameter(scenario, *own, value);
 }
 
@@ -94,21 +113,48 @@ void set_parameter(Scenario& scenario, const UserKey& key, double value) {
     place->values[key.parameter] = value;
 }
 
+double get_parameter(const Scenario& scenario, const UserKey& key) {
+    const UserParameter& wanted = key.effect->parameters[key.parameter];
+    for (const UserSetting& each : scenario.user_effects) {
+        if (each.effect->name != key.effect->name) continue;
+        for (std::size_t i = 0; i < each.values.size(); ++i) {
+            if (each.effect->parameters[i].name == wanted.name) return each.values[i];
+        }
+    }
+    return wanted.absent;
+}
+
+void renew_user_effects(Scenario& scenario) {
+    for (const UserSetting& before : std::exchange(scenario.user_effects, {})) {
+        for (std::size_t i = 0; i < before.values.size(); ++i) {
+            if (before.values[i] == before.effect->parameters[i].absent) continue;
+            set_parameter(scenario, before.effect->key(i), before.values[i]);
+        }
+    }
+}
+
+std::invalid_argument unknown_key(std::string_view key) {
+    const bool of_effect = key.starts_with("effects.");
+    return std::invalid_argument(
+        std::string(key) + ": there is no such key" +
+        (of_effect ? "; an effect of your own has to be registered in this process too" : ""));
+}
+
 void set_choice(Scenario& scenario, std::string_view key, std::string_view value) {
     const Choice* choice = find_choice(key);
-    if (choice == nullptr) {
-        throw std::invalid_argument(std::string(key) + ": there is no such key");
+    if (choice == nullptr) throw unknown_key(key);
+    if (choice->set_some == nullptr) {
+        choice->set(scenario, place_of_word(*choice, value, value));
+        return;
     }
-    std::string allowed;
-    for (std::size_t i = 0; i < choice->allowed.size(); ++i) {
-        if (choice->allowed[i] == value) {
-            choice->set(scenario, i);
-            return;
-        }
-        allowed += (i ? ", \"" : "\"") + choice->allowed[i] + "\"";
+    std::vector<std::size_t> places;
+    for (std::string_view rest = value; !rest.empty();) {
+        const std::string_view word = rest.substr(0, rest.find(','));
+        rest.remove_prefix(std::min(word.size() + 1, rest.size()));
+        places.push_back(place_of_word(*choice, without_blanks(word), value));
     }
-    throw std::invalid_argument(std::string(key) + " = \"" + std::string(value) +
-                                "\": allowed is one of " + allowed);
+    if (places.empty()) place_of_word(*choice, "", value);
+    choice->set_some(scenario, places);
 }
 
 }  // namespace stickslip

@@ -13,6 +13,7 @@ namespace {
 struct Registry {
     std::mutex mutex;
     std::vector<UserEffectHandle> effects;
+    std::size_t changes = 0;
 };
 
 Registry& registry() {
@@ -71,10 +72,14 @@ void register_user_effect(UserEffect effect) {
     auto handle = std::make_shared<const UserEffect>(std::move(effect));
     Registry& all = registry();
     const std::lock_guard lock(all.mutex);
-    if (find_in(all.effects, handle->name) != all.effects.end()) {
-        refuse(handle->name, "is registered already");
+    ++all.changes;
+    const auto found = find_in(all.effects, handle->name);
+    // What was there is let go of after the lock: it may wait for others to be freed.
+    if (found == all.effects.end()) {
+        all.effects.push_back(std::move(handle));
+    } else {
+        found->swap(handle);
     }
-    all.effects.push_back(std::move(handle));
 }
 
 void unregister_user_effect(std::string_view name) {
@@ -84,6 +89,7 @@ void unregister_user_effect(std::string_view name) {
     const std::lock_guard lock(all.mutex);
     const auto found = find_in(all.effects, name);
     if (found == all.effects.end()) refuse(std::string(name), "is not registered");
+    ++all.changes;
     gone = std::move(*found);
     all.effects.erase(found);
 }
@@ -92,6 +98,12 @@ std::vector<UserEffectHandle> user_effects() {
     Registry& all = registry();
     const std::lock_guard lock(all.mutex);
     return all.effects;
+}
+
+std::size_t registrations() {
+    Registry& all = registry();
+    const std::lock_guard lock(all.mutex);
+    return all.changes;
 }
 
 std::optional<UserKey> find_user_key(std::string_view key) {

@@ -9,9 +9,9 @@
 
 namespace stickslip {
 
-/// Makes an effect known to all of this process. Throws std::invalid_argument, naming the effect,
-/// for a name that is taken or not a word, no parameter, or a range that does not hold its absent
-/// value.
+/// Makes an effect known to all of this process, in place of one of the same name. Throws
+/// std::invalid_argument, naming the effect, for a name that is the model's own or not a word, no
+/// parameter, or a range that does not hold its absent value.
 void register_user_effect(UserEffect effect);
 
 /// Throws std::invalid_argument if there is none of that name.
@@ -19,6 +19,9 @@ void unregister_user_effect(std::string_view name);
 
 /// All that are registered, in the order in which they were.
 std::vector<UserEffectHandle> user_effects();
+
+/// How often what is registered has changed.
+std::size_t registrations();
 
 /// One parameter of a registered effect.
 struct UserKey {

@@ -8,7 +8,8 @@ from stickslip.cli.keys_command import as_dict, having, indented
 from stickslip.cli.options import JSON
 from stickslip.cli.output import print_json
 from stickslip.errors import ScenarioError
-from stickslip.scenario.named_effects import PREFIX, Effect, effects, suggested_effect
+from stickslip.scenario.effects import Effect, effects, suggested_effect
+from stickslip.scenario.keys import PREFIX
 
 
 @click.command(

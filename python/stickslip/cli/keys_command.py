@@ -6,10 +6,11 @@ import textwrap
 
 import click
 
+from stickslip._util.messages import shown
 from stickslip.cli.options import JSON, key_names
 from stickslip.cli.output import print_json
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import Key, key_hint, known_keys, shown
+from stickslip.scenario.keys import Key, key_hint, known_keys
 
 FILES = {
     "drive": 'file = "voltages.csv": voltages, with mode = "program" and of the others direction '

@@ -11,9 +11,9 @@ from typing import Any
 
 import stickslip
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.path_keys import COIL_MAP, FILE, PATHS, PROGRAM
-from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.toml_file import named_files, with_uncertain_of
+from stickslip.scenario.keys import COIL_MAP, FILE, PATHS, PROGRAM
+from stickslip.scenario.scenario import Scenario, with_uncertain_of
+from stickslip.scenario.toml_file import named_files
 
 
 def load_with(path: Path, set: Mapping[str, Any]) -> tuple[Scenario, list[Path]]:

@@ -11,8 +11,8 @@ from typing import Any, TypeVar
 import click
 from click.shell_completion import CompletionItem
 
-from stickslip.scenario.keys import Value, full_name, known_keys, shown
-from stickslip.scenario.path_keys import PATHS
+from stickslip._util.messages import shown
+from stickslip.scenario.keys import PATHS, Value, full_name, known_keys
 
 _F = TypeVar("_F", bound=Callable[..., Any])
 

@@ -60,7 +60,7 @@ Example:
     "--until",
     metavar="CONDITION",
     help='End where a condition is met, such as "x >= 3e-3"; of time (s), x, y, z (m), theta, '
-    "heading (rad, from -pi to pi) or turns.",
+    "heading (rad, from -pi to pi) or revolutions.",
 )
 @click.option("--plot", type=PATH, help="Draw the run: .png, .pdf, .svg and others.")
 @click.option(
@@ -164,10 +164,10 @@ def _rows(run: Run) -> Iterator[tuple[str, str]]:
     yield "status", run.status
     for name, (unit, _) in {**VELOCITIES, **NUMBERS}.items():
         across = name in (*VELOCITIES, "mean_velocity_y", "turning_speed")
-        if name not in summary or (across and not run.scenario.turns):
+        if name not in summary or (across and not run.scenario.whole_plane):
             continue
         yield name, _in_two_units(summary[name], unit)
-    if run.scenario.turns:
+    if run.scenario.whole_plane:
         end = run.final_state
         for name, unit in {"x": "m", "y": "m", "heading": "rad"}.items():
             yield f"final {name}", _in_two_units(getattr(end, name), unit)

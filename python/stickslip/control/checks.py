@@ -7,8 +7,8 @@ import numbers
 
 import numpy as np
 
+from stickslip._util.messages import refuse
 from stickslip._util.numbers import Array
-from stickslip.scenario.keys import refuse
 
 
 def check_above_zero(name: str, value: object, unit: str) -> None:

@@ -17,6 +17,7 @@ with naming_the_extra("stickslip.control.environments"):
     from gymnasium.vector import AutoresetMode
 
 from stickslip import _core
+from stickslip._util.messages import check_kind, check_whole, refuse, shown, suggestion
 from stickslip._util.numbers import worker_count
 from stickslip.control.camera import Camera, Film
 from stickslip.control.checks import check_above_zero, numbers_of
@@ -26,12 +27,10 @@ from stickslip.control.tasks import TASKS, Targets
 from stickslip.design.space import coil_places
 from stickslip.errors import ScenarioError
 from stickslip.field.coils import Coils
-from stickslip.scenario.keys import check_kind, check_whole, refuse, shown, suggestion
-from stickslip.scenario.priors import Prior
+from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.sections import COIL_NAMES
-from stickslip.scenario.state import CONTACT_WORDS, STATE_COLUMNS
-from stickslip.scenario.uncertain import JointPrior
+from stickslip.scenario.sections import CONTACT_WORDS, STATE_COLUMNS
+from stickslip.scenario.uncertain import JointPrior, Prior
 
 _BODY = {"goal ahead": 1e-3, "goal left": 1e-3, "cos heading": 1.0, "sin heading": 1.0}
 OBSERVED = {

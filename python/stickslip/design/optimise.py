@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from stickslip._util.messages import check_kind, check_whole
 from stickslip._util.numbers import Array, worker_count
 from stickslip.design.goal import Goal, best_first, made_goal
 from stickslip.design.optimum import COMPARED, Optimum, SearchInterrupted
@@ -17,7 +18,7 @@ from stickslip.design.sawtooth import POINTS, sawtooths
 from stickslip.design.search import search
 from stickslip.design.space import Space, Values, made_space
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import RECORD_RATE, check_kind, check_whole, find_key
+from stickslip.scenario.keys import RECORD_RATE, find_key
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.simulate import Progress, simulate, simulate_batch
 

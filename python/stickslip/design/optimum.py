@@ -19,12 +19,9 @@ from stickslip._util.picture import Picture
 from stickslip._util.text import OneLine
 from stickslip.design.goal import Goal
 from stickslip.design.space import drive_waveform
-from stickslip.field.map_files import map_text
-from stickslip.scenario.keys import RECORD_RATE, Value, find_key
+from stickslip.scenario.keys import COIL_NAMES, RECORD_RATE, Value, find_key
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.sections import COIL_NAMES
 from stickslip.scenario.toml_file import scenario_text
-from stickslip.scenario.waveform_csv import write_rows
 from stickslip.simulation.note import shown_lines
 from stickslip.simulation.run import Run
 from stickslip.simulation.simulate import simulate
@@ -232,9 +229,9 @@ class Optimum(OneLine):
             folder / FIGURE: functools.partial(self.figure().savefig, dpi=150),
         }
         if program is not None:
-            writers[folder / VOLTAGES] = functools.partial(write_rows, program)
+            writers[folder / VOLTAGES] = program.write
         if self.scenario.coil.map is not None:
-            writers[folder / MAP] = text_writer(map_text(self.scenario.coil.map))
+            writers[folder / MAP] = text_writer(self.scenario.coil.map.to_json())
         folder.mkdir(parents=True, exist_ok=True)
         write_together(writers)
 

@@ -12,8 +12,7 @@ import numpy as np
 from stickslip._util.numbers import Array
 from stickslip.design.goal import Goal
 from stickslip.design.space import Space, Values, drive_waveform
-from stickslip.scenario.keys import Value
-from stickslip.scenario.sections import COIL_NAMES
+from stickslip.scenario.keys import COIL_NAMES, Value
 
 GRID: Mapping[str, Sequence[Any]] = {
     "drive.mode": ("IPP", "OPP"),

@@ -10,12 +10,20 @@ from typing import Any
 
 import numpy as np
 
+from stickslip._util.messages import meant, refuse, shown
 from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import Value, checked, find_key, full_name, meant, refuse, shown
-from stickslip.scenario.path_keys import PROGRAM
+from stickslip.scenario.keys import (
+    COIL_NAMES,
+    PROGRAM,
+    SAWTOOTH,
+    Value,
+    checked,
+    find_key,
+    full_name,
+    refuse_sawtooth,
+)
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.sections import COIL_NAMES, SAWTOOTH, refuse_sawtooth
 from stickslip.scenario.waveform import Waveform
 
 Values = Mapping[str, Value]

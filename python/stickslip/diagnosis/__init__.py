@@ -25,7 +25,7 @@ from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.curve import Curve
 from stickslip.diagnosis.terms.laws import Curves, free_law
 from stickslip.diagnosis.terms.parameter import Parameter
-from stickslip.scenario.priors import Prior
+from stickslip.scenario.uncertain import Prior
 
 __all__ = [
     "Candidate",

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from stickslip import _core
+from stickslip._util.messages import check_whole, shown
 from stickslip._util.numbers import worker_count
 from stickslip.diagnosis.data.angle import AngleTable
 from stickslip.diagnosis.data.checks import find_problem, find_velocity_problem, velocity_notes
@@ -22,7 +23,6 @@ from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
-from stickslip.scenario.keys import check_whole, shown
 from stickslip.simulation.note import Note
 from stickslip.sweeping.notes import notes_of
 from stickslip.sweeping.points import from_changes

@@ -21,7 +21,7 @@ from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import known_keys
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.sections import refuse_uncertain_geometry
+from stickslip.scenario.uncertain import refuse_geometry_beside_a_map
 from stickslip.simulation.scenario_notes import peak_voltages
 
 Measured = VelocityTable | AngleTable | FieldTable | FilmTable
@@ -66,7 +66,8 @@ def pose(measurement: Measurement, threads: int = 1, seed: int = 0) -> Problem:
         If nothing was measured that the diagnosis can use.
     """
     scenario, keys = measurement.scenario, known_keys()
-    refuse_uncertain_geometry(scenario.coil, measurement.uncertain)
+    if scenario.coil.map is not None:
+        refuse_geometry_beside_a_map(measurement.uncertain)
     _refuse_turns(measurement)
     tables = tables_of(measurement, threads, seed)
     constants = [
@@ -181,7 +182,7 @@ def _driven(measurement: Measurement) -> list[Scenario]:
 def _refuse_turns(measurement: Measurement) -> None:
     """Refuse drives that turn the robot: velocities and films are compared along x."""
     for each in _driven(measurement):
-        if each.turns and each.coil.map is None:
+        if each.whole_plane and each.coil.map is None:
             raise ScenarioError(
                 f"{measurement.path}: with drive.heading = {each.drive.heading:g} or what else "
                 "pushes it across the robot leaves its plane; allowed in a diagnosis are robots "

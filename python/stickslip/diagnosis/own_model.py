@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip._util.messages import meant
 from stickslip._util.numbers import Array
 from stickslip._util.text import OneLine, brief
 from stickslip.diagnosis.data.series import Series, with_repeats
@@ -22,7 +23,6 @@ from stickslip.diagnosis.terms.instruments import read_by
 from stickslip.diagnosis.terms.laws import Curves, beside_constants
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import meant
 from stickslip.simulation.note import Note
 
 Predict = Callable[..., Array]

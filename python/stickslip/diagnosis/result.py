@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip._util.html import ShownBySummary
+from stickslip._util.messages import check_whole, meant, refuse
 from stickslip._util.numbers import Array
 from stickslip._util.text import is_number, printable
 from stickslip.diagnosis.candidate import Candidate, frame, spread_of
@@ -28,7 +29,7 @@ from stickslip.diagnosis.steps import Findings
 from stickslip.diagnosis.terms.instruments import read_by
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
-from stickslip.scenario.keys import Value, check_whole, known_keys, meant, refuse
+from stickslip.scenario.keys import Value, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.uncertain import JointPrior
 from stickslip.simulation.note import Note

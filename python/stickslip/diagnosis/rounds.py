@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from stickslip._util.messages import check_whole, refuse, shown
 from stickslip._util.numbers import Array
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.decision.experiments import PROPOSED
@@ -17,7 +18,7 @@ from stickslip.diagnosis.fitting.search import Progress
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
-from stickslip.scenario.keys import Value, check_whole, refuse, shown
+from stickslip.scenario.keys import Value
 
 if TYPE_CHECKING:
     from pandas import DataFrame

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,8 +10,12 @@ from numpy.typing import ArrayLike
 from stickslip import _core
 from stickslip._util.numbers import Array
 
-if TYPE_CHECKING:
-    from stickslip.scenario.scenario import Scenario
+
+class HasCoils(Protocol):
+    """A `Scenario`."""
+
+    def to_core(self) -> _core.Scenario:
+        """The same as the compiled core takes it."""
 
 
 class Coils:
@@ -48,7 +52,7 @@ class Coils:
         self._core = _core.CoilSet(*map(_five, (side, distance, turns)))
 
     @classmethod
-    def of(cls, scenario: Scenario) -> Coils:
+    def of(cls, scenario: HasCoils) -> Coils:
         """The coils of a scenario, with what ``[coil.xp]`` .. say of single ones.
 
         With ``coil.map`` the field is that of the map, and known in its `box` only; side, distance

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from os import PathLike
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
+from stickslip._util.files import read_bytes
+from stickslip._util.messages import meant, refuse
 from stickslip._util.numbers import Array
-from stickslip.errors import ScenarioError
+from stickslip._util.tables import read_table
+from stickslip.errors import ScenarioError, prefixed
 from stickslip.field.map_fit import CoilFit, fit_coils, point_name
-from stickslip.scenario.sections import COIL_NAMES
 
 _AXES = "xxyyz"
 """Along which each coil's field points at the centre."""
@@ -24,6 +29,14 @@ _WORST = 0.05
 """Largest rms residual of a coil, relative to its rms field. Chosen: probes are read to a per cent
 or so, and what no source-free field comes near by 5 % has columns in a wrong order, places that are
 off, or iron within the map."""
+
+_COLUMNS = {
+    **dict.fromkeys(("x", "y", "z"), "m"),
+    "coil": None,
+    **dict.fromkeys(("Bx", "By", "Bz"), "T/A"),
+}
+
+_MOST_JSON = 1 << 20  # bytes; chosen: ten times those of a map of the highest degree
 
 
 @dataclass(frozen=True)
@@ -70,12 +83,10 @@ class FieldMap:
         for name in ("coefficients", "residual", "field", "points"):
             _check_count(name, getattr(self, name))
         core = _core.Scenario()
-        try:
+        with prefixed("", ValueError):
             core.set_map(self.to_core())
-        except ValueError as error:
-            raise ScenarioError(str(error)) from None
         fields = core.coils().centre_field_per_ampere
-        for name, axis, value in zip(COIL_NAMES, _AXES, fields, strict=True):
+        for name, axis, value in zip(_core.coil_names, _AXES, fields, strict=True):
             if value < 0.0:
                 raise ScenarioError(
                     f"coil {name}: B{axis} = {value:.4g} T/A at x = y = z = 0: allowed is a "
@@ -85,7 +96,10 @@ class FieldMap:
 
     @classmethod
     def from_file(cls, path: str | PathLike[str]) -> FieldMap:
-        """Read and fit a CSV or netCDF file, or read a ``.json`` that a scenario was stored with.
+        """Read and fit a CSV file, or read a ``.json`` that a scenario was stored with.
+
+        The columns are x, y, z (m), coil, and Bx, By, Bz (T/A), a row for each point and coil.
+        Headings may state other units, such as ``x (mm)``.
 
         Raises
         ------
@@ -93,9 +107,21 @@ class FieldMap:
             If the file cannot be read, a column, coil or value is not as it has to be, or no field
             of coils comes near to the values; the message names the file.
         """
-        from stickslip.field.map_files import read_map
-
-        return read_map(path)
+        path = Path(path)
+        if path.suffix.lower() == ".json":
+            with prefixed(path):
+                return cls.from_json(read_bytes(path, _MOST_JSON, "map of a scenario"))
+        table, words, lines = read_table(path, _COLUMNS)
+        names = _core.coil_names
+        with prefixed(path):
+            for line, coil in zip(lines, words["coil"], strict=True):
+                if coil not in names:
+                    allowed = f"one of {', '.join(names)}{meant(coil, names)}"
+                    refuse(f"row {line}, column coil", coil, allowed)
+            chosen = [np.flatnonzero(np.array(words["coil"]) == name) for name in names]
+            samples = [(table[rows, :3], table[rows, 3:]) for rows in chosen]
+            numbers = [[lines[row] for row in rows.tolist()] for rows in chosen]
+            return cls.from_coils(samples, path.name, numbers)
 
     @classmethod
     def from_points(cls, points: ArrayLike, fields: ArrayLike, source: str = "") -> FieldMap:
@@ -122,13 +148,12 @@ class FieldMap:
                 "points and fields: allowed are numbers of shapes (n, 3) and (n, 5, 3)"
             ) from None
         count = len(places) if places.ndim else 0
-        if places.shape != (count, 3) or values.shape != (count, len(COIL_NAMES), 3):
+        if places.shape != (count, 3) or values.shape != (count, len(_AXES), 3):
             raise ScenarioError(
                 f"points of shape {places.shape} and fields of shape {values.shape}: allowed are "
                 "(n, 3) and (n, 5, 3)"
             )
-        each = [(places, values[:, k]) for k in range(len(COIL_NAMES))]
-        return cls.from_coils(each, source)
+        return cls.from_coils([(places, values[:, k]) for k in range(len(_AXES))], source)
 
     @classmethod
     def from_coils(
@@ -157,8 +182,9 @@ class FieldMap:
         """
         _check_count("samples", samples)
         low, high, fits = fit_coils(samples, lines)
-        for k, (name, fit) in enumerate(zip(COIL_NAMES, fits, strict=True)):
-            _refuse_bad_fit(name, fit, point_name(lines, k, fit.farthest))
+        for k, (name, fit) in enumerate(zip(_core.coil_names, fits, strict=True)):
+            if fit.residual > _WORST * fit.field:
+                _refuse_bad_fit(name, fit, point_name(lines, k, fit.farthest))
         return cls(
             tuple(low.tolist()),
             tuple(high.tolist()),
@@ -168,6 +194,33 @@ class FieldMap:
             tuple(fit.points for fit in fits),
             source,
         )
+
+    def to_json(self) -> str:
+        """The fitted map as JSON, of which `from_json` makes the same again to the last bit."""
+        return json.dumps(dataclasses.asdict(self))
+
+    @classmethod
+    def from_json(cls, text: str | bytes) -> FieldMap:
+        """The map of which `to_json` gave the text; a ScenarioError for another text."""
+        try:
+            found = json.loads(text)
+            (x0, y0, z0), (x1, y1, z1) = map(_floats, (found["low"], found["high"]))
+            return cls(
+                (x0, y0, z0),
+                (x1, y1, z1),
+                tuple(map(_floats, found["coefficients"])),
+                _floats(found["residual"]),
+                _floats(found["field"]),
+                tuple(int(each) for each in found["points"]),
+                str(found["source"]),
+            )
+        except ScenarioError:
+            raise
+        except (KeyError, TypeError, ValueError, OverflowError, RecursionError):
+            raise ScenarioError(
+                "is no fitted map; allowed is the .json that a scenario was written with, or a "
+                "measured map as .csv"
+            ) from None
 
     @property
     def degrees(self) -> tuple[int, ...]:
@@ -195,28 +248,30 @@ class FieldMap:
         # What a unit that slipped would show.
         sizes = ", ".join(
             f"{name} {1e3 * strength * size:.3g}"
-            for name, size in zip(COIL_NAMES, self.field, strict=True)
+            for name, size in zip(_core.coil_names, self.field, strict=True)
         )
         return (
             f"{self.source or 'a map'} (harmonics up to degree {max(self.degrees)}; rms residual "
             f"{left:.2g} T/A, {self.relative_residual[worst]:.2g} of the field, at most, "
-            f"coil {COIL_NAMES[worst]}; {box} mm; rms strength of the field {sizes} mT/A)"
+            f"coil {_core.coil_names[worst]}; {box} mm; rms strength of the field {sizes} mT/A)"
         )
 
     def __repr__(self) -> str:
         return f"<FieldMap: {self}>"
 
 
+def _floats(values: Iterable[Any]) -> tuple[float, ...]:
+    return tuple(float(each) for each in values)
+
+
 def _check_count(name: str, given: Sequence[object]) -> None:
-    if len(given) != len(COIL_NAMES):
+    if len(given) != len(_AXES):
         raise ScenarioError(
-            f"{name} of {len(given)} coils: allowed is one for each of {len(COIL_NAMES)}"
+            f"{name} of {len(given)} coils: allowed is one for each of {len(_AXES)}"
         )
 
 
 def _refuse_bad_fit(name: str, fit: CoilFit, farthest: str) -> None:
-    if fit.residual <= _WORST * fit.field:
-        return
     raise ScenarioError(
         f"coil {name}: the field of a coil comes near to the values to {fit.residual:.3g} T/A rms "
         f"only, {fit.residual / fit.field:.2g} of the field: allowed is at most {_WORST:g}; the "

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip import _core
+from stickslip._util.messages import shown
 from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import shown
-from stickslip.scenario.sections import COIL_NAMES
 
 FEWEST = 8
 """Fewest points of a coil. Chosen: the corners of a box, whose 24 numbers determine the 8 harmonics
@@ -150,7 +149,7 @@ def _count(degree: int) -> int:
 
 
 def _check(coil: int, points: Array, fields: Array, lines: Sequence[Sequence[int]] | None) -> None:
-    name = COIL_NAMES[coil]
+    name = _core.coil_names[coil]
     if len(points) < FEWEST:
         raise ScenarioError(
             f"coil {name}: {len(points)} points: allowed are {FEWEST} or more, as every coil has "

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip._util.files import check_name
+from stickslip._util.messages import refuse, shown, suggestion
 from stickslip._util.numbers import Array
 from stickslip._util.text import OneLine, printable
 from stickslip.errors import ScenarioError, prefixed
@@ -29,12 +30,10 @@ from stickslip.measurement.velocity import (
     velocity_units,
     with_index_columns,
 )
-from stickslip.scenario.keys import known_keys, refuse, shown, suggestion
-from stickslip.scenario.priors import Prior
+from stickslip.scenario.keys import COIL_NAMES, known_keys
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.sections import COIL_NAMES
 from stickslip.scenario.toml_file import read_document
-from stickslip.scenario.uncertain import COVARIANCE, parse_priors
+from stickslip.scenario.uncertain import COVARIANCE, Prior, parse_priors
 from stickslip.simulation.note import Note
 
 if TYPE_CHECKING:

@@ -13,12 +13,12 @@ import numpy as np
 
 from stickslip._util.csv_rows import DECIMAL_COMMAS, CsvTable
 from stickslip._util.files import read_bytes
+from stickslip._util.messages import misspelt, nearest, refuse, shown
 from stickslip._util.numbers import Array
+from stickslip._util.tables import Units, without_units
 from stickslip._util.text import is_number, number
 from stickslip._util.units import split_unit, to_si
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.csv_cells import Units, without_units
-from stickslip.scenario.keys import misspelt, nearest, refuse, shown
 from stickslip.simulation.note import Note
 
 if TYPE_CHECKING:

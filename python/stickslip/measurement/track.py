@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from stickslip._util.messages import check_kind, refuse
 from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
 from stickslip.measurement.velocity import FASTEST
-from stickslip.scenario.keys import Value, check_kind, known_keys, refuse
+from stickslip.scenario.keys import Value, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import Drive
 

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from stickslip._util.messages import refuse, shown
 from stickslip._util.numbers import Array, are_equal
 from stickslip._util.text import OneLine, highest, is_number
 from stickslip._util.units import split_unit, unit_meant
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.measurement.tables import counted, read_numbers, stated_number
-from stickslip.scenario.keys import refuse, shown
-from stickslip.scenario.path_keys import FILE
+from stickslip.scenario.keys import FILE
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.columns import COLUMNS, headings
 from stickslip.simulation.note import Note

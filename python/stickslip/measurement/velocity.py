@@ -11,7 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from stickslip._util.messages import shown
 from stickslip._util.numbers import RELATIVE, Array, Indices, Mask, representatives
+from stickslip._util.tables import Units
 from stickslip._util.text import OneLine, comma_hint, number
 from stickslip._util.units import factor_text, unit_factor, unit_meant
 from stickslip.errors import ScenarioError
@@ -25,8 +27,7 @@ from stickslip.measurement.tables import (
     counted,
     not_used,
 )
-from stickslip.scenario.csv_cells import Units
-from stickslip.scenario.keys import Value, in_allowed_case, known_keys, shown
+from stickslip.scenario.keys import Value, in_allowed_case, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.note import Note
 

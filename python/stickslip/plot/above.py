@@ -12,11 +12,11 @@ from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike
 
 from stickslip._util import palette
+from stickslip._util.messages import refuse
 from stickslip._util.numbers import Array
 from stickslip._util.picture import Picture
 from stickslip.plot import style
 from stickslip.plot.motion import Motion, footprint, motion
-from stickslip.scenario.keys import refuse
 from stickslip.simulation.run import Run
 
 # Parts of the larger side of what is shown; chosen by eye.

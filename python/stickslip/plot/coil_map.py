@@ -12,12 +12,12 @@ from matplotlib.ticker import LogLocator
 from numpy.typing import ArrayLike
 
 from stickslip._util import palette
+from stickslip._util.messages import check_kind
 from stickslip._util.numbers import Array
 from stickslip.field.coils import Coils
 from stickslip.plot import style
-from stickslip.scenario.keys import check_kind
+from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.sections import COIL_NAMES
 
 _REACH = 1.3  # half of the width that is drawn, in distances of the farthest wire; chosen by eye
 _CELLS = 160  # along each side of the map; chosen: finer than the dots of half a page
@@ -143,7 +143,7 @@ def _draw_robot(axes: Axes, made: Coils, currents: Array, scenario: Scenario) ->
     """A mark where the scenario begins, with the moment, and in words the field there."""
     begin, drive = scenario.initial, scenario.drive
     heading = (0.0 if drive.direction == "+x" else np.pi) + float(drive.heading)
-    if scenario.turns and (drive.mode == "program" or begin.heading != 0.0):
+    if scenario.whole_plane and (drive.mode == "program" or begin.heading != 0.0):
         heading = float(begin.heading)
     place = np.array([begin.x, begin.y, max(begin.z, 0.5 * scenario.robot.height)])
     words = "robot"

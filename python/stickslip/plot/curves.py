@@ -47,7 +47,7 @@ def run(run: Run, start: float | None = None, stop: float | None = None) -> Figu
     last_pulses = start is None and stop is None and _last_pulses(run)
     shown = whole.between(*(last_pulses or (start, stop)))
     heights = {"field": 1.0, "tilt": 1.0, "slip": 1.0, "place": 0.8, "heading": 0.8, "force": 1.0}
-    if not shown.scenario.turns:
+    if not shown.scenario.whole_plane:
         del heights["heading"]
     with matplotlib.rc_context(style.RC):
         size = (6.4, 1.6 + 1.2 * len(heights))
@@ -59,7 +59,7 @@ def run(run: Run, start: float | None = None, stop: float | None = None) -> Figu
         draw_fields(curves["field"], shown)
         draw_tilt(curves["tilt"], shown)
         draw_contact_velocity(curves["slip"], shown)
-        if shown.scenario.turns:
+        if shown.scenario.whole_plane:
             style.legend_above(curves["slip"], curves["slip"].get_lines())
             curves["heading"].plot(shown.t, np.degrees(shown.heading), color=palette.BLACK)
             curves["heading"].set_ylabel("heading (degrees)")
@@ -189,10 +189,10 @@ def draw_tilt(axes: Axes, shown: Motion) -> None:
 def draw_contact_velocity(axes: Axes, shown: Motion) -> None:
     """Velocity of the contact point, mm/s: along the heading and, if it has one, to its left."""
     look: Any = {"linewidth": 0.9}
-    label = "contact velocity, forward" if shown.scenario.turns else "contact velocity"
+    label = "contact velocity, forward" if shown.scenario.whole_plane else "contact velocity"
     forward = shown.slip_velocity
     axes.plot(shown.t, forward * 1e3, color=palette.ORANGE, label=label, **look)
-    if shown.scenario.turns:
+    if shown.scenario.whole_plane:
         across = shown.slip_across * 1e3
         axes.plot(shown.t, across, color=palette.PURPLE, label="to the left", **look)
     axes.set_xlim(shown.t[0], shown.t[-1])
@@ -234,7 +234,7 @@ def _title(run: Run, last_pulses: bool) -> str:
     if np.isfinite(run.mean_velocity):
         along, across = (f"{each * 1e3:.4g}" for each in run.velocity)
         told = f"{run.mean_velocity * 1e3:.4g} mm/s"
-        if run.scenario.turns:
+        if run.scenario.whole_plane:
             told = f"{along} mm/s along x, {across} along y"
             if not program:
                 told = f"{along} mm/s along the drive, {across} to its left"
@@ -252,7 +252,7 @@ def _draw_place(axes: Axes, shown: Motion) -> None:
     factor, unit = style.length(shown.x, shown.y)
     lines = axes.plot(shown.t, shown.x * factor, color=palette.BLACK, label="x")
     axes.set_ylabel(f"x ({unit})")
-    if shown.scenario.turns:
+    if shown.scenario.whole_plane:
         look: Any = {"color": palette.BLACK, "linestyle": "--"}
         lines += axes.plot(shown.t, shown.y * factor, label="y", **look)
         axes.set_ylabel(f"position ({unit})")

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.messages import refuse
 from stickslip._util.numbers import Array
-from stickslip.scenario.keys import refuse
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.columns import recorded_names
 from stickslip.simulation.run import Run
@@ -70,7 +70,7 @@ def check_drawable(scenario: Scenario) -> None:
     record = scenario.record
     if record.rate == "events":
         refuse("record.rate", "events", "a number of Hz, as a picture needs a uniform grid")
-    drawn = (*_DRAWN, *_DRAWN_ACROSS) if scenario.turns else _DRAWN
+    drawn = (*_DRAWN, *_DRAWN_ACROSS) if scenario.whole_plane else _DRAWN
     if missing := [name for name in drawn if name not in recorded_names(scenario)]:
         refuse("record.fields", record.fields, f"a record of {', '.join(missing)} too, to draw it")
 
@@ -83,7 +83,7 @@ def motion(run: Run) -> Motion:
         raise ValueError("a record of events cannot be drawn: set record.rate to a number of Hz")
     arrays = {name: getattr(run, name) for name in (*_DRAWN, "y", "heading")}
     arrays["heading"] = heading = np.unwrap(arrays["heading"])
-    across = run.slip_across if run.scenario.turns else np.zeros_like(heading)
+    across = run.slip_across if run.scenario.whole_plane else np.zeros_like(heading)
     way = _way(arrays["x"], arrays["y"], heading)
     return Motion(run.scenario, **arrays, slip_across=across, way=way)
 

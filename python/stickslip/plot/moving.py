@@ -251,7 +251,7 @@ class Animation:
         top = max(highest + _HEADROOM, _LEAST_HEIGHT * diagonal)
         width = max(_DIAGONALS * diagonal, top)
         heights = _WIDTH * (top + _DEPTH) / width, _FIELD_HEIGHT
-        widths = [_WIDTH, _ABOVE_WIDTH] if shown.scenario.turns else [_WIDTH]
+        widths = [_WIDTH, _ABOVE_WIDTH] if shown.scenario.whole_plane else [_WIDTH]
         exact = ConstrainedLayoutEngine(hspace=0.0, wspace=0.0)  # lengths have one scale
         figure = Picture(figsize=(sum(widths), sum(heights)), layout=exact)
         left, *right = figure.subfigures(1, len(widths), width_ratios=widths, squeeze=False)[0]

@@ -14,6 +14,7 @@ import pandas as pd
 
 from stickslip import plot
 from stickslip._util.files import check_folder, replacing
+from stickslip._util.messages import meant, shown
 from stickslip._util.numbers import worker_count
 from stickslip.errors import ScenarioError
 from stickslip.reproduction.figures import (
@@ -30,7 +31,6 @@ from stickslip.reproduction.figures import (
 from stickslip.reproduction.settings import GRID, SCANS, Setting
 from stickslip.reproduction.statements import judge
 from stickslip.reproduction.walks import Walks, survey
-from stickslip.scenario.keys import meant, shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -1,67 +1,78 @@
-"""The keys of a scenario: what the core knows of each, and the check of a single value.
-
-The compiled core decides what a number or a word may be. Here stands only what it cannot see: the
-type that a value had before it became a number.
-"""
+"""The keys of a scenario, from the core's table, and setting them in the core's scenario."""
 
 from __future__ import annotations
 
-import difflib
 import functools
-import json
 import keyword
 import math
 import numbers
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from os import PathLike
-from typing import Literal, NoReturn, ParamSpec, TypeVar, cast
+from typing import Literal, ParamSpec, TypeVar
 
 from stickslip import _core
-from stickslip._util.text import quoted
+from stickslip._util.messages import meant, nearest, refuse, shown, suggestion
 from stickslip._util.units import unit_meant
 from stickslip.errors import ScenarioError
-from stickslip.scenario.path_keys import PATHS
 
 Value = float | int | str
-"""What a scalar key of a scenario can hold."""
+"""What a key of a scenario can hold."""
 
 RECORD_RATE = "record.rate"
-RECORD_WORDS = ("none", "events")
 RECORD_FIELDS = "record.fields"
-ALL_FIELDS = "all"
-"""The value of `RECORD_FIELDS` that keeps all."""
 
-DTYPES = ("float64", "float32")
+PREFIX = "effects."
+
+COIL_NAMES = _core.coil_names
+"""Order of the coils in every array of currents or voltages: +x, -x, +y, -y, and below (-z)."""
+
+PROGRAM = "drive.program"
+"""The waveform of a drive: in Python only, as a file has `FILE`."""
+
+FILE = "drive.file"
+"""The CSV file of voltages, which only a scenario's file and --set know."""
+
+COIL_MAP = "coil.map"
+"""The measured field of the coils: a `FieldMap`; in a scenario's file and with --set, its path."""
+
+OBJECTS = (PROGRAM, COIL_MAP)
+"""Keys whose value in Python is an object."""
+
+PROGRAM_HINT = f'{FILE} names the CSV file of voltages, with drive.mode = "program"'
+
+MAP_HINT = f"in Python, {COIL_MAP} takes a FieldMap, such as FieldMap.from_file(path)"
+
+PATHS = {
+    FILE: f"in Python, {PROGRAM} takes a Waveform, such as Waveform.from_csv(path)",
+    COIL_MAP: MAP_HINT,
+}
+"""Keys that hold a path in a scenario's file and with --set, with what Python has instead."""
 
 _MOST_DEGREES = 360.0  # a larger number is hardly an angle
 
 _USUAL = {"T": 1e-3}
 """Size that numbers of a unit have where a key is 0 by default."""
 
-_LONGEST_SHOWN = 60  # characters of a value in an error; chosen: the error stays one line
-
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
-_forgetting: list[Callable[[], None]] = []
 
 
 def until_registration(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """Cache what depends on the keys until the user registers an effect, which adds keys."""
-    cached = functools.cache(function)
-    _forgetting.append(cached.cache_clear)
-    return cast("Callable[_P, _R]", cached)
+    """Cache what depends on the keys until an effect is registered, which adds keys."""
+    cached = functools.lru_cache(maxsize=256)(
+        lambda _registrations, *args, **named: function(*args, **named)
+    )
 
+    @functools.wraps(function)
+    def kept(*args: _P.args, **named: _P.kwargs) -> _R:
+        return cached(_core.registrations(), *args, **named)  # type: ignore[arg-type]
 
-def forget_keys() -> None:
-    """Clear all that `until_registration` keeps."""
-    for forget in _forgetting:
-        forget()
+    return kept
 
 
 @dataclass(frozen=True)
 class Key:
-    """One scalar key of a scenario.
+    """One key of a scenario that holds a number or a word.
 
     Attributes
     ----------
@@ -98,136 +109,39 @@ class Key:
         """Everything before the last dot."""
         return self.name.rpartition(".")[0]
 
-
-def _one_of(words: Iterable[str]) -> str:
-    return "one of " + ", ".join(map(json.dumps, words))
-
-
-_RECORD_KEYS = (
-    Key(
-        RECORD_RATE,
-        "rate",
-        'a number above 0 Hz, "events" or "none"',
-        "none",
-        "rate of the uniform output grid, or one record an event, or no record",
-        *("Hz", 0.0, math.inf),
-        RECORD_WORDS,
-    ),
-    Key(
-        "record.from",
-        "real",
-        "a number from 0 s to the run's duration",
-        0.0,
-        "simulated time before which nothing is recorded",
-        *("s", 0.0, math.inf),
-    ),
-    Key(
-        RECORD_FIELDS,
-        "fields",
-        '"all", or some of ' + ", ".join(_core.record_columns),
-        ALL_FIELDS,
-        "recorded quantities, with commas between them; t is always there",
-        words=(ALL_FIELDS, *_core.record_columns),
-    ),
-    Key(
-        "record.dtype",
-        "word",
-        _one_of(DTYPES),
-        DTYPES[0],
-        "precision of the recorded numbers; t always has float64",
-        words=DTYPES,
-    ),
-)
-"""Keys that the core has no table of."""
-
-
-def field_of(key: str) -> str:
-    """The field of a section's class that holds a key: ``from`` is a word of Python."""
-    name = key.rpartition(".")[2]
-    return f"{name}_" if keyword.iskeyword(name) else name
+    @property
+    def field(self) -> str:
+        """The name in Python: ``from`` is a word of the language."""
+        name = self.name.rpartition(".")[2]
+        return f"{name}_" if keyword.iskeyword(name) else name
 
 
 @until_registration
 def known_keys() -> dict[str, Key]:
-    """All scalar keys by name, section by section."""
-    words = [
-        Key(
-            *(row["key"], "word", _one_of(row["allowed"]), row["default"], row["meaning"]),
-            words=tuple(row["allowed"]),
+    """All keys by name, section by section."""
+    return {row["name"]: Key(**row) for row in _core.key_table()}
+
+
+@until_registration
+def keys_of(section: str) -> tuple[Key, ...]:
+    """The keys of a section itself."""
+    return tuple(key for key in known_keys().values() if key.section == section)
+
+
+SAWTOOTH = tuple(
+    key.name for key in keys_of("drive") if key.name not in ("drive.mode", "drive.direction")
+)
+"""Keys that say what a pulsed drive does; a program of voltages has no use for them."""
+
+
+def refuse_sawtooth(mode: object, given: Iterable[str]) -> None:
+    """Refuse the first key of the sawtooth that is given together with a program of voltages."""
+    key = next((key for key in given if key in SAWTOOTH), None)
+    if mode == "program" and key is not None:
+        raise ScenarioError(
+            f'{key}: not allowed with drive.mode = "program", whose voltages ({FILE}, or {PROGRAM} '
+            "in Python) say it all; leave it out"
         )
-        for row in _core.choices()
-    ]
-    numbers = [
-        Key(
-            row["key"],
-            "whole" if row["integer"] else "real",
-            row["allowed"],
-            int(row["default"]) if row["integer"] else row["default"],
-            *(row["meaning"], row["unit"], row["low"], row["high"]),
-        )
-        for row in _core.parameters()
-    ]
-    sections = list(dict.fromkeys(key.section for key in numbers))
-    sections.insert(sections.index("solver") + 1, "record")
-    keys = sorted([*words, *numbers, *_RECORD_KEYS], key=lambda key: sections.index(key.section))
-    return {key.name: key for key in keys}
-
-
-def shown(value: object) -> str:
-    """A value as it would stand in a file, on one line and not too long."""
-    if isinstance(value, bool):
-        text = "true" if value else "false"
-    elif isinstance(value, str):
-        text = quoted(value)
-    elif isinstance(value, numbers.Real) and not isinstance(value, numbers.Integral):
-        text = repr(float(value))
-    elif isinstance(value, Mapping):
-        text = "{ " + ", ".join(f"{key} = {shown(each)}" for key, each in value.items()) + " }"
-    else:
-        try:
-            text = " ".join(repr(value).split())
-        except ValueError:  # an integer of thousands of digits
-            text = "a number too long to print"
-    return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."
-
-
-_SLIP = 0.8
-"""Likeness of a misspelt word. Chosen: one letter of five; "time" and "edge_time" have 0.6."""
-
-
-def nearest(word: str, known: Iterable[str]) -> str | None:
-    """The name of `known` that is most like a word, in whatever case; None if none is like it."""
-    names = {name.casefold(): name for name in known}
-    near = difflib.get_close_matches(word.casefold(), names, n=1, cutoff=0.6)
-    return names[near[0]] if near else None
-
-
-def misspelt(word: str, known: Iterable[str]) -> str | None:
-    """The name of `known` that a word is with a slip or two, or cut short; None if it is another.
-
-    Stricter than `nearest`, as the word may well be none of them.
-    """
-    whole = next((name for name in known if name.casefold().startswith(word.casefold())), None)
-    near = whole or nearest(word, known)
-    if near is None or whole:
-        return near
-    alike = difflib.SequenceMatcher(None, word.casefold(), near.casefold()).ratio()
-    return near if alike >= _SLIP else None
-
-
-def suggestion(word: str, known: Iterable[str], listed: Iterable[str] | None = None) -> str:
-    """What was probably meant of `known`, or all of `listed`, which is `known` if not given."""
-    known = list(known)
-    near = nearest(word, known)
-    if near is not None:
-        return f'did you mean "{near}"?'
-    return "known are " + ", ".join(f'"{each}"' for each in (known if listed is None else listed))
-
-
-def meant(word: object, known: Iterable[str]) -> str:
-    """What was probably meant, after a sentence that lists all of `known`; "" for nothing."""
-    near = nearest(word, known) if isinstance(word, str) else None
-    return "" if near is None else f'; did you mean "{near}"?'
 
 
 def in_allowed_case(key: Key, word: str) -> str:
@@ -237,51 +151,29 @@ def in_allowed_case(key: Key, word: str) -> str:
     return next((each for each in spelt if each in key.words), word)
 
 
-def refuse(key: str, value: object, allowed: str) -> NoReturn:
-    """Raise the one-line error of a value that is not allowed."""
-    raise ScenarioError(f"{key} = {shown(value)}: allowed is {allowed}")
-
-
-def check_whole(name: str, value: object, least: int = 0) -> None:
-    """Refuse what is not a whole number from `least`."""
-    if isinstance(value, bool) or not isinstance(value, numbers.Integral) or value < least:
-        refuse(name, value, f"a whole number from {least}")
-
-
-def check_kind(name: str, value: object, kind: type) -> None:
-    """Refuse what is not of a class of this package."""
-    if not isinstance(value, kind):
-        of_a_file = isinstance(value, str | PathLike) and kind.__name__ == "Scenario"
-        hint = ", such as stickslip.load makes of a file" if of_a_file else ""
-        refuse(name, value, f"a {kind.__name__}{hint}")
-
-
-def section_hint(section: str) -> str:
-    """The section that was probably meant, or all of them, with the extensions as one."""
-    sections = dict.fromkeys(key.section for key in known_keys().values())
-    listed = dict.fromkeys(each.partition(".")[0] for each in sections)
-    return suggestion(section, sections, listed)
-
-
 def key_hint(name: str, others: Iterable[str] = ()) -> str:
-    """The key that was probably meant, by its whole name or its last word, or what there is.
+    """The key that was probably meant, by its whole name or its last word, or its section.
 
     `others` are names of another kind that may be meant too.
     """
     keys = known_keys()
     section = name.rpartition(".")[0]
-    siblings = [key.name for key in keys.values() if key.section == section]
+    siblings = [key.name for key in keys_of(section)]
+    siblings += [key for key in PATHS if siblings and key.startswith(f"{section}.") and key != name]
     if siblings:
         return suggestion(name, siblings)
     last = {} if section else {key.rpartition(".")[2]: key for key in reversed(keys)}
     near = nearest(name, [*keys, *last, *others])
-    return section_hint(section) if near is None else f'did you mean "{last.get(near, near)}"?'
+    if near is not None:
+        return f'did you mean "{last.get(near, near)}"?'
+    sections = dict.fromkeys(key.section for key in keys.values())
+    return suggestion(section, sections, dict.fromkeys(each.partition(".")[0] for each in sections))
 
 
 def full_name(name: str) -> str:
     """The dotted key of a parameter of an effect that is named without ``effects.``."""
     keys = known_keys()
-    return f"effects.{name}" if name not in keys and f"effects.{name}" in keys else name
+    return f"{PREFIX}{name}" if name not in keys and f"{PREFIX}{name}" in keys else name
 
 
 def is_of_one_coil(key: str) -> bool:
@@ -295,31 +187,40 @@ def find_key(name: str, *value: object) -> Key:
     if name in keys:
         return keys[name]
     given = " = ".join([name, *map(shown, value)])
-    if name in PATHS:
-        raise ScenarioError(f"{given}: there is no such key here; {PATHS[name]}")
-    raise ScenarioError(f"{given}: there is no such key; {key_hint(name)}")
+    hint = f" here; {PATHS[name]}" if name in PATHS else f"; {key_hint(name)}"
+    raise ScenarioError(f"{given}: there is no such key{hint}")
 
 
-def checked(name: str, value: object, core: _core.Scenario | None = None) -> Value:
-    """The value of a key, converted to float, int or str, if the core allows it.
+def set_value(core: _core.Scenario, name: str, value: object) -> None:
+    """Set a key in the core's scenario, which decides what is allowed.
 
-    `core`, if given, gets it too, but for those of the record.
+    Here stands only what it cannot see, the type that a value had before it became a number or a
+    word, and the error, which says what was probably meant.
     """
-    core = _core.Scenario() if core is None else core
-    key = find_key(name, value)
-    if key.section == "record":  # the core takes them together
-        return _checked_record(key, value)
-    if key.kind == "word":
-        if not isinstance(value, str):
-            refuse(name, value, key.allowed)
-        converted: float | str = str(value)
-    else:
-        converted = _as_number(key, value)
     try:
-        core.set(name, converted)
-    except (ValueError, TypeError):  # the latter of a word that is not UTF-8
-        refuse(name, value, key.allowed + meant(value, key.words) + _unit_meant(key, value))
-    return int(converted) if key.kind == "whole" else converted
+        core.set(name, value)  # type: ignore[arg-type]
+        return
+    except (ValueError, TypeError, OverflowError):
+        key = find_key(name, value)
+    if key.kind == "fields" and isinstance(value, list | tuple) and value:
+        given: object = ", ".join(map(str, value))
+    elif isinstance(value, numbers.Real) and not isinstance(value, bool | int | float):
+        given = float(value)
+    else:
+        given = None
+    try:
+        core.set(name, given)  # type: ignore[arg-type]
+    except (ValueError, TypeError, OverflowError):
+        words = [word.strip() for word in value.split(",")] if isinstance(value, str) else []
+        wrong = next((word for word in words if word not in key.words), None)
+        refuse(name, value, key.allowed + meant(wrong, key.words) + _other_unit(key, value))
+
+
+def checked(name: str, value: object) -> Value:
+    """The value of a key as a scenario would hold it: a float, int or str, if it is allowed."""
+    core = _core.Scenario()
+    set_value(core, name, value)
+    return core.get(name)
 
 
 def in_radians(degrees: float) -> str:
@@ -327,11 +228,14 @@ def in_radians(degrees: float) -> str:
     return f"{degrees:g} degrees are {math.radians(degrees):.4g} rad"
 
 
-def _unit_meant(key: Key, value: object) -> str:
+def _other_unit(key: Key, value: object) -> str:
     """What a number beyond its range is in degrees, mT, um or ug; "" where that is no help."""
-    if not isinstance(value, numbers.Real) or isinstance(key.default, str):
+    try:
+        given = float(value) if isinstance(value, numbers.Real) else math.nan
+    except OverflowError:
+        given = math.nan
+    if math.isnan(given) or isinstance(key.default, str):
         return ""
-    given = float(value)
     if key.unit == "rad":
         within = key.low <= math.radians(given) <= key.high and abs(given) <= _MOST_DEGREES
         return f"; {in_radians(given)}" if within else ""
@@ -342,51 +246,6 @@ def _unit_meant(key: Key, value: object) -> str:
 
 
 def recorded_fields(fields: str) -> tuple[str, ...]:
-    """The quantities that a checked value of `RECORD_FIELDS` keeps, t first."""
-    if fields == ALL_FIELDS:
-        return tuple(_core.record_columns)
+    """The quantities that a value of `RECORD_FIELDS` keeps, t first."""
     kept = {"t", *fields.split(", ")}
-    return tuple(name for name in _core.record_columns if name in kept)
-
-
-def _as_number(key: Key, value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, numbers.Real):
-        refuse(key.name, value, key.allowed)
-    try:
-        return float(value)
-    except OverflowError:
-        refuse(key.name, value, key.allowed)
-
-
-def _checked_record(key: Key, value: object) -> Value:
-    if key.kind == "fields":
-        return _checked_fields(key, value)
-    if key.words and isinstance(value, str):
-        if value not in key.words:
-            refuse(key.name, value, key.allowed + meant(value, key.words))
-        return str(value)
-    if key.kind == "word":
-        refuse(key.name, value, key.allowed)
-    number = _as_number(key, value)
-    is_allowed = number > 0.0 if key.kind == "rate" else number >= 0.0
-    if not (math.isfinite(number) and is_allowed):
-        refuse(key.name, value, key.allowed)
-    return number
-
-
-def _checked_fields(key: Key, value: object) -> str:
-    """Names with commas between them, each once and in the order of the columns."""
-    names = value.split(",") if isinstance(value, str) else value
-    if not isinstance(names, list | tuple) or not all(isinstance(each, str) for each in names):
-        refuse(key.name, value, key.allowed)
-    names = {each.strip() for each in names}
-    if names == {ALL_FIELDS}:
-        return ALL_FIELDS
-    unknown = sorted(names - {*_core.record_columns})
-    if unknown or not names:
-        hint = "it names nothing"
-        if unknown:
-            near = meant(unknown[0], _core.record_columns)
-            hint = f"{shown(unknown[0])} is none of them{near}"
-        refuse(key.name, value, f"{key.allowed}; {hint}")
-    return ", ".join(name for name in _core.record_columns if name in names)
+    return tuple(name for name in _core.record_columns if name in kept or fields == "all")

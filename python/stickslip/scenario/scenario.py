@@ -6,30 +6,35 @@ when an object is made, so a scenario that exists can be simulated.
 
 from __future__ import annotations
 
-import dataclasses
-import functools
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, Generic, TypeVar
 
 from stickslip import _core
-from stickslip.errors import ScenarioError
+from stickslip._util.html import html_table
+from stickslip._util.messages import check_kind
+from stickslip._util.units import handy
+from stickslip.errors import ScenarioError, prefixed
+from stickslip.field.field_map import FieldMap
+from stickslip.scenario.effects import flat_effects
 from stickslip.scenario.keys import (
+    COIL_MAP,
+    OBJECTS,
+    PREFIX,
+    PROGRAM,
+    Key,
     Value,
-    check_kind,
-    checked,
-    field_of,
     find_key,
     full_name,
     is_of_one_coil,
     known_keys,
+    set_value,
 )
-from stickslip.scenario.named_effects import PREFIX, EffectSettings
-from stickslip.scenario.path_keys import OBJECTS
-from stickslip.scenario.section_table import SECTIONS
+from stickslip.scenario.section import Section
 from stickslip.scenario.sections import (
-    SAWTOOTH,
+    SECTIONS,
     Coil,
     Contact,
     Drag,
@@ -38,16 +43,38 @@ from stickslip.scenario.sections import (
     Record,
     Robot,
     Solver,
-    refuse_sawtooth_values,
-    refuse_uncertain_geometry,
+    State,
 )
-from stickslip.scenario.state import State
+from stickslip.scenario.toml_file import (
+    changes_of,
+    parse_toml,
+    read_document,
+    scenario_text,
+    write_scenario,
+)
+from stickslip.scenario.uncertain import (
+    JointPrior,
+    as_joint_prior,
+    counted_draws,
+    refuse_geometry_beside_a_map,
+)
+from stickslip.scenario.waveform import Waveform
 
-if TYPE_CHECKING:
-    from stickslip.scenario.uncertain import JointPrior
+_S = TypeVar("_S", bound=Section)
 
 
-@dataclass(frozen=True, kw_only=True)
+class _View(Generic[_S]):
+    """A section of a scenario: its class, and where the scenario has the object that it holds."""
+
+    def __init__(self, kind: type[_S], *held: str) -> None:
+        self._kind, self._held = kind, held
+
+    def __get__(self, scenario: Scenario | None, owner: object = None) -> _S:
+        if scenario is None:  # of the class itself
+            return self  # type: ignore[return-value]
+        return self._kind.view(scenario._core, *(getattr(scenario, name) for name in self._held))
+
+
 class Scenario:
     """All that defines one simulation. SI units and radians throughout.
 
@@ -78,47 +105,82 @@ class Scenario:
     30.0
     """
 
-    drive: Drive = field(default_factory=Drive)
-    coil: Coil = field(default_factory=Coil)
-    robot: Robot = field(default_factory=Robot)
-    contact: Contact = field(default_factory=Contact)
-    drag: Drag = field(default_factory=Drag)
-    environment: Environment = field(default_factory=Environment)
-    initial: State = field(default_factory=State)
-    solver: Solver = field(default_factory=Solver)
-    record: Record = field(default_factory=Record)
-    effects: Mapping[str, Mapping[str, float]] = field(default_factory=EffectSettings)
-    uncertain: JointPrior | None = None
+    __slots__ = ("__weakref__", "_core", "_map", "_program", "_uncertain")
 
-    def __post_init__(self) -> None:
-        for name, section in SECTIONS.items():
-            check_kind(name, getattr(self, name), section)
-        if not isinstance(self.effects, EffectSettings):
-            object.__setattr__(self, "effects", EffectSettings(self.effects))
-        if self.uncertain is not None:
-            from stickslip.scenario.uncertain import as_joint_prior
+    drive = _View(Drive, "_program")
+    coil = _View(Coil, "_map")
+    robot = _View(Robot)
+    contact = _View(Contact)
+    drag = _View(Drag)
+    environment = _View(Environment)
+    initial = _View(State)
+    solver = _View(Solver)
+    record = _View(Record)
 
-            object.__setattr__(self, "uncertain", as_joint_prior(self.uncertain))
+    def __init__(
+        self,
+        *,
+        drive: Drive | None = None,
+        coil: Coil | None = None,
+        robot: Robot | None = None,
+        contact: Contact | None = None,
+        drag: Drag | None = None,
+        environment: Environment | None = None,
+        initial: State | None = None,
+        solver: Solver | None = None,
+        record: Record | None = None,
+        effects: Mapping[str, Mapping[str, float]] | None = None,
+        uncertain: JointPrior | Mapping[str, Any] | None = None,
+    ) -> None:
+        self._core = _core.Scenario()
+        self._program: Waveform | None = None
+        self._map: FieldMap | None = None
+        given = (drive, coil, robot, contact, drag, environment, initial, solver, record)
+        for (name, kind), section in zip(SECTIONS.items(), given, strict=True):
+            if section is None:
+                continue
+            check_kind(name, section, kind)
+            self._core.take(section._core, name)
+        if drive is not None:
+            self._program = drive.program
+        if coil is not None:
+            self._map = coil.map
+        if effects is not None:
+            for key, value in flat_effects(effects).items():
+                set_value(self._core, key, value)
+        self._uncertain = None if uncertain is None else as_joint_prior(uncertain)
         self._check()
 
     def _check(self) -> None:
         """Refuse values that are allowed, but not together."""
-        if self.drive.program is not None and self.drive.mode != "program":
+        mode = self._core.get("drive.mode")
+        if self._program is not None and mode != "program":
             raise ScenarioError(
-                f'drive.mode = "{self.drive.mode}": allowed is "program" where voltages are given '
-                "by drive.file or a waveform"
+                f'drive.mode = "{mode}": allowed is "program" where voltages are given by '
+                "drive.file or a waveform"
             )
-        if self.uncertain is not None:
-            refuse_uncertain_geometry(self.coil, self.uncertain.names)
-        try:
-            self._kept_core().check()
-        except ValueError as error:
-            raise ScenarioError(str(error)) from None
+        if self._map is not None and self._uncertain is not None:
+            refuse_geometry_beside_a_map(self._uncertain.names)
+        with prefixed("", ValueError):
+            self._core.check()
 
-    def _repr_html_(self) -> str:
-        from stickslip.scenario.scenario_display import scenario_html
+    @property
+    def effects(self) -> Mapping[str, Mapping[str, float]]:
+        """Settings of the named extensions, ``{name: {parameter: value}}``, without defaults.
 
-        return scenario_html(self)
+        An extension that does nothing and none at all are the same settings.
+        """
+        found: dict[str, dict[str, float]] = {}
+        for key, value in sorted(self._core.changed().items()):
+            if key.startswith(PREFIX):
+                _, name, parameter = key.split(".")
+                found.setdefault(name, {})[parameter] = float(value)
+        return MappingProxyType({name: MappingProxyType(own) for name, own in found.items()})
+
+    @property
+    def uncertain(self) -> JointPrior | None:
+        """What is not known exactly."""
+        return self._uncertain
 
     @staticmethod
     def from_toml(path: str | PathLike[str]) -> Scenario:
@@ -139,9 +201,9 @@ class Scenario:
             If the file cannot be read, is not such a file, or holds a key or value that is not
             allowed.
         """
-        from stickslip.scenario.toml_file import read_scenario
-
-        return read_scenario(path)
+        with prefixed(path):
+            changes, uncertain = changes_of(read_document(Path(path)), Path(path).parent)
+            return _DEFAULT.replace(changes).with_uncertain(uncertain)
 
     def to_toml(self, path: str | PathLike[str] | None = None) -> str:
         """The scenario as the text of a TOML file, with every key.
@@ -161,9 +223,7 @@ class Scenario:
         OSError
             If a file cannot be written; nothing is left half-written.
         """
-        from stickslip.scenario.toml_file import scenario_text, write_scenario
-
-        return scenario_text(self) if path is None else write_scenario(self, path)
+        return scenario_text(self) if path is None else write_scenario(self, Path(path))
 
     @staticmethod
     def keys() -> tuple[str, ...]:
@@ -180,16 +240,9 @@ class Scenario:
         ScenarioError
             If there is no such key.
         """
-        key = full_name(key)
-        known = find_key(key)
-        if key.startswith(PREFIX):
-            _, name, parameter = key.split(".", 2)
-            return self.effects.get(name, {}).get(parameter, known.default)
-        section = functools.reduce(getattr, known.section.split("."), self)
-        value: Value = getattr(section, field_of(key))
-        return value
+        return self._core.get(find_key(full_name(key)).name)
 
-    def replace(self, changes: Mapping[str, Any]) -> Scenario:
+    def replace(self, changes: Mapping[str, Any] | None = None, /, **more: Any) -> Scenario:
         """A copy with other values.
 
         Parameters
@@ -199,6 +252,8 @@ class Scenario:
             coils, ``"coil.xp.turns"`` one. ``"drive.program"`` takes a
             `Waveform` or None, and ``"coil.map"`` a `FieldMap` or None. With a change of
             ``"drive.mode"`` to ``"program"`` the keys of the sawtooth get their defaults.
+        **more
+            The same, as ``**{"drive.frequency": 30.0}``.
 
         Returns
         -------
@@ -209,41 +264,40 @@ class Scenario:
         ScenarioError
             If a key is unknown or a value not allowed.
         """
-        changes = {full_name(key): value for key, value in changes.items()}
-        # A key of all coils would undo one of a single coil that came before it.
-        changes = dict(sorted(changes.items(), key=lambda change: is_of_one_coil(change[0])))
-        for key, value in changes.items():
-            if key not in OBJECTS:
-                find_key(key, value)
-        mode = changes.get("drive.mode", self.drive.mode)
-        if mode == "program":
-            sawtooth = {key: changes[key] for key in SAWTOOTH if key in changes}
-            refuse_sawtooth_values(mode, sawtooth)
-            if self.drive.mode != "program":
-                changes |= {key: find_key(key).default for key in SAWTOOTH}
-        # The core's scenario checks a value as it takes it. A copy of it and of the sections that
-        # change is a tenth of the work of making all of them anew.
-        core = self.to_core()
-        by_section: dict[str, dict[str, Any]] = {}
-        for key, value in changes.items():
-            section, name = key.split(".", 1)
-            given = value if key in OBJECTS else checked(key, value, core)
-            own = name if section in ("effects", "coil") else field_of(key)
-            by_section.setdefault(section, {})[own] = given
-        parts = {section: self._changed(section, values) for section, values in by_section.items()}
-        made = object.__new__(type(self))
-        vars(made).update({each.name: getattr(self, each.name) for each in _FIELDS}, **parts)
-        if "record" in parts:
-            made.record.give_to(core)
-        if not changes.keys() & {*OBJECTS}:
-            vars(made)[_KEPT] = (known_keys(), core)
+        made = self._copy()
+        given = {**(changes or {}), **more}
+        values = {full_name(str(key)): value for key, value in given.items()}
+        # A mode resets what another one has, and a key of all coils that of a single one.
+        for key in sorted(
+            values, key=lambda key: 0 if key == "drive.mode" else 1 + is_of_one_coil(key)
+        ):
+            value = values[key]
+            if key == PROGRAM:
+                Drive(program=value)
+                made._program = value
+                made._core.set_program(None if value is None else value.blocks)
+            elif key == COIL_MAP:
+                Coil(map=value)
+                made._map = value
+                made._core.set_map(None if value is None else value.to_core())
+            else:
+                set_value(made._core, key, value)
         made._check()
+        return made
+
+    def _copy(self) -> Scenario:
+        made = object.__new__(type(self))
+        made._core, made._program, made._map = self.to_core(), self._program, self._map
+        made._uncertain = self._uncertain
         return made
 
     def with_state(self, state: State) -> Scenario:
         """A copy that begins at `state`, such as ``run.final_state``, if it can."""
         check_kind("initial", state, State)
-        return self.replace({f"initial.{name}": value for name, value in vars(state).items()})
+        made = self._copy()
+        made._core.take(state._core, "initial")
+        made._check()
+        return made
 
     def with_uncertain(
         self, uncertain: JointPrior | Mapping[str, Any] | Scenario | None
@@ -253,13 +307,15 @@ class Scenario:
         Of a Scenario, such as `Diagnosis.extended`, it takes what is uncertain there, and the
         values of those keys that stand in its covariance, as that lies about them.
         """
-        changed = self
+        made = self._copy()
         if isinstance(uncertain, Scenario):
             source, uncertain = uncertain, uncertain.uncertain
             if uncertain is None:
                 raise ScenarioError("uncertain: the scenario holds nothing that is")
-            changed = self.replace({key: source.get(key) for key in uncertain.keys})
-        return dataclasses.replace(changed, uncertain=uncertain)  # type: ignore[arg-type]
+            made = self.replace({key: source.get(key) for key in uncertain.keys})
+        made._uncertain = None if uncertain is None else as_joint_prior(uncertain)
+        made._check()
+        return made
 
     def draws(self, n: int, seed: int = 0) -> list[Scenario]:
         """Scenarios with drawn values of what is uncertain, of which nothing is uncertain.
@@ -280,28 +336,12 @@ class Scenario:
             If nothing is uncertain, a number is not allowed, or a hundred draws in succession make
             no scenario.
         """
-        from stickslip.scenario.uncertain import counted_draws
-
         return counted_draws(self, n, seed)[0]
-
-    def _changed(self, section: str, values: dict[str, Any]) -> Any:
-        """A copy of a section with values that are checked already, but for those of OBJECTS."""
-        before = getattr(self, section)
-        if section == "effects":
-            return before.with_values(values)
-        if section == "coil":
-            kept = {"map": values.pop("map", before.map)}
-            return dataclasses.replace(before.with_values(values), **kept)
-        if any(f"{section}.{name}" in OBJECTS for name in values):
-            return dataclasses.replace(before, **values)
-        after = object.__new__(type(before))
-        vars(after).update(vars(before), **values)
-        return after
 
     @property
     def duration(self) -> float:
         """Simulated time from start to end, s."""
-        return self._kept_core().duration
+        return self._core.duration
 
     @property
     def window(self) -> tuple[float, float]:
@@ -310,61 +350,99 @@ class Scenario:
         From the end of the third pulse to the end of the last; from the end of the ramp with three
         pulses or fewer; all of a program.
         """
-        return self._kept_core().window
+        return self._core.window
 
     @property
-    def turns(self) -> bool:
+    def whole_plane(self) -> bool:
         """Whether the robot moves in the whole plane, and not along x alone.
 
         So it is with a heading of the drive that is not along x, a start that faces another way
         than the drive's direction, voltages of yp and ym that do not cancel, a measured map of the
         field, or a start, a field or a slope across x.
         """
-        return self._kept_core().turns
+        return self._core.whole_plane
 
     def to_core(self) -> _core.Scenario:
-        """The same scenario as the compiled core takes it; the caller's own."""
-        return _core.Scenario(self._kept_core())
+        """The same scenario as the compiled core takes it, with what is registered now."""
+        with prefixed("", ValueError):
+            return _core.Scenario(self._core)
 
-    def _kept_core(self) -> _core.Scenario:
-        """The same, shared and not to be changed; made anew once an effect was registered."""
-        kept = vars(self).get(_KEPT)
-        if kept is None or kept[0] is not known_keys():
-            kept = vars(self)[_KEPT] = (known_keys(), self._make_core())
-        core: _core.Scenario = kept[1]
-        return core
+    def _state(self) -> tuple[dict[str, Value], Waveform | None, FieldMap | None, Any]:
+        return self._core.changed(), self._program, self._map, self._uncertain
 
-    def __getstate__(self) -> dict[str, Any]:
-        return {each.name: getattr(self, each.name) for each in _FIELDS}
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Scenario) and self._state() == other._state()
 
-    def _make_core(self) -> _core.Scenario:
-        core = _core.Scenario()
-        for key, section, name in _core_keys():
-            core.set(key, getattr(getattr(self, section), name))
-        for key, value in self.coil.own_values().items():
-            core.set(key, value)
-        assert isinstance(self.effects, EffectSettings)
-        for key, value in self.effects.flat().items():
-            checked(key, value, core)  # an effect of the user may be gone
-        if self.drive.program is not None:
-            core.set_program(self.drive.program.to_core())
-        if self.coil.map is not None:
-            core.set_map(self.coil.map.to_core())
-        self.record.give_to(core)
-        return core
+    def __hash__(self) -> int:
+        changed, *others = self._state()
+        return hash((tuple(changed.items()), *others))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _made, self._state()
+
+    def __repr__(self) -> str:
+        names = (*SECTIONS, "effects", "uncertain")
+        values = {name: getattr(self, name) for name in names}
+        values["effects"] = {name: dict(own) for name, own in self.effects.items()}
+        return f"Scenario({', '.join(f'{name}={value!r}' for name, value in values.items())})"
+
+    def _repr_html_(self) -> str:
+        """A table of the keys of the drive, and of all others that are not as by default."""
+        rows = [(PROGRAM, repr(self._program))] if self._program is not None else []
+        if self._map is not None:
+            rows.append((COIL_MAP, str(self._map)))
+        changed = self._core.changed()
+        for key in known_keys().values():
+            if key.name in changed or (key.section == "drive" and self._program is None):
+                rows.append((key.name, _shown(key, self._core.get(key.name))))
+        if self._uncertain is not None:
+            rows.append(("uncertain", ", ".join(self._uncertain.names)))
+        rows.append(("duration", f"{self.duration:.6g} s"))
+        return html_table("Scenario; other keys are as by default", rows)
 
 
-_FIELDS = dataclasses.fields(Scenario)
-
-_KEPT = "_kept"
-"""Where an instance keeps its core, with the table of keys that it was made for."""
+_DEFAULT = Scenario()
 
 
-@functools.cache
-def _core_keys() -> tuple[tuple[str, str, str], ...]:
-    """Key, section and field of everything that `Scenario.to_core` takes from the sections."""
-    return tuple(
-        (key, *key.split(".", 1))  # type: ignore[misc]
-        for key in known_keys()
-        if not key.startswith(("record.", PREFIX)) and not is_of_one_coil(key)
-    )
+def _made(
+    changed: Mapping[str, Value],
+    program: Waveform | None,
+    field_map: FieldMap | None,
+    uncertain: JointPrior | None,
+) -> Scenario:
+    """The scenario of these parts."""
+    objects = {key: each for key, each in zip(OBJECTS, (program, field_map), strict=True) if each}
+    return _DEFAULT.replace({**changed, **objects}).with_uncertain(uncertain)
+
+
+def _shown(key: Key, value: Value) -> str:
+    if isinstance(value, str):
+        return value
+    factor, unit = handy(key.unit)
+    return f"{value * factor:.6g} {unit}".rstrip()
+
+
+def load(path: str | PathLike[str]) -> Scenario:
+    """Read a scenario file; the same as `Scenario.from_toml`."""
+    return Scenario.from_toml(path)
+
+
+def scenario_of(text: str, program: Waveform | None, field_map: FieldMap | None) -> Scenario:
+    """The scenario of the text that `to_toml` gave, whose voltages and map are apart from it."""
+    changes, uncertain = changes_of(parse_toml(text), None)
+    return _made(changes, program, field_map, uncertain)
+
+
+def with_uncertain_of(scenario: Scenario, path: str | PathLike[str]) -> Scenario:
+    """The scenario with what is uncertain in a file: a scenario, or any TOML with ``[uncertain]``.
+
+    See `Scenario.with_uncertain`. A ScenarioError if the file has none, or cannot be read.
+    """
+    path = Path(path)
+    with prefixed(path):
+        document = read_document(path)
+        if "uncertain" not in document:
+            raise ScenarioError("there is no section [uncertain]")
+        if "stickslip" not in document:
+            return scenario.with_uncertain(document["uncertain"])
+    return scenario.with_uncertain(Scenario.from_toml(path))

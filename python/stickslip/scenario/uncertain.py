@@ -2,29 +2,125 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from statistics import NormalDist
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from stickslip._util.messages import check_whole, shown
 from stickslip._util.numbers import Array
 from stickslip._util.text import is_number
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.keys import (
-    check_whole,
-    checked,
-    find_key,
-    full_name,
-    known_keys,
-    shown,
-    suggestion,
-)
-from stickslip.scenario.priors import Prior, parse_prior
+from stickslip.scenario.keys import COIL_MAP, checked, find_key, full_name, known_keys
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
+
+_FORMS = "{ mean, sd }, { median, factor } or { low, high }"
+_EDGE = 5.0
+"""Standard deviations at which a range ends. Chosen: 6e-7 of it lie beyond."""
+
+_NUMBERS: dict[Literal["normal", "log-normal", "log-uniform"], tuple[str, str]] = {
+    "normal": ("mean", "sd"),
+    "log-normal": ("median", "factor"),
+    "log-uniform": ("low", "high"),
+}
+
+
+@dataclass(frozen=True, repr=False)
+class Prior:
+    """A prior distribution of one parameter.
+
+    Attributes
+    ----------
+    kind : {"normal", "log-normal", "log-uniform"}
+    first, second : float
+        Mean and standard deviation; median and factor (one standard deviation is this factor); low
+        and high end. In the parameter's unit, except the factor; both have to be given.
+
+    Raises
+    ------
+    ScenarioError
+        If there is no such kind, or a number makes no distribution.
+    """
+
+    kind: Literal["normal", "log-normal", "log-uniform"]
+    first: float = math.nan
+    second: float = math.nan
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.kind, str) or self.kind not in _NUMBERS:
+            allowed = f'{", ".join(_NUMBERS)}, as in Prior("normal", 0.145, 0.01)'
+            raise ScenarioError(f"kind of a prior = {shown(self.kind)}: allowed is {allowed}")
+        one, two = _NUMBERS[self.kind]
+        for name, value in ((one, self.first), (two, self.second)):
+            if not is_number(value) or not math.isfinite(value):
+                raise ScenarioError(f"{name} = {shown(value)}: allowed is a number")
+        said = f"{one} = {self.first}, {two} = {self.second}"
+        if self.kind == "normal" and self.second <= 0.0:
+            raise ScenarioError(f"sd = {self.second}: allowed is a number above 0")
+        if self.kind == "log-normal" and not (self.first > 0.0 and self.second > 1.0):
+            raise ScenarioError(f"{said}: allowed is median > 0 and factor > 1")
+        if self.kind == "log-uniform" and not 0.0 < self.first < self.second:
+            raise ScenarioError(f"{said}: allowed is 0 < low < high")
+
+    def __repr__(self) -> str:
+        return f"{self.kind}({self.first:g}, {self.second:g})"
+
+    @property
+    def table(self) -> dict[str, float]:
+        """Its numbers by name, as a file has them."""
+        return dict(zip(_NUMBERS[self.kind], (self.first, self.second), strict=True))
+
+    @property
+    def has_middle(self) -> bool:
+        """Whether it says a most likely value, and not a range only."""
+        return self.kind != "log-uniform"
+
+    def value(self, z: ArrayLike) -> Array:
+        """Parameter at the coordinate `z`, which is standard normal under this prior."""
+        z = np.asarray(z, dtype=float)
+        if self.kind == "normal":
+            return np.asarray(self.first + self.second * z)
+        if self.kind == "log-normal":
+            return np.asarray(self.first * np.exp(math.log(self.second) * z))
+        share = _shares(np.clip(z, -_EDGE, _EDGE))
+        return np.asarray(self.first * np.exp(math.log(self.second / self.first) * share))
+
+    def coordinate(self, value: float) -> float:
+        """Inverse of `value`."""
+        if self.kind == "normal":
+            return (value - self.first) / self.second
+        if self.kind == "log-normal":
+            return math.log(value / self.first) / math.log(self.second)
+        share = math.log(value / self.first) / math.log(self.second / self.first)
+        if not 0.0 < share < 1.0:
+            return math.copysign(_EDGE, share - 0.5)
+        return min(max(NormalDist().inv_cdf(share), -_EDGE), _EDGE)
+
+
+def _shares(z: Array) -> Array:
+    """Standard normal distribution function; like SciPy's ndtr, exact to rounding at both ends."""
+    erfc = np.frompyfunc(math.erfc, 1, 1)
+    return np.asarray(0.5 * np.asarray(erfc(-z * math.sqrt(0.5)), dtype=float))
+
+
+def parse_prior(key: str, table: object) -> Prior:
+    """The prior of one entry of ``[uncertain]``; a ScenarioError if it is none of the forms."""
+    for kind, numbers in _NUMBERS.items():
+        if isinstance(table, Mapping) and set(numbers) == set(table):
+            try:
+                prior = Prior(kind, *(table[name] for name in numbers))
+            except ScenarioError as error:
+                raise ScenarioError(f'[uncertain] "{key}" {error}') from None
+            return Prior(kind, float(prior.first), float(prior.second))
+    raise ScenarioError(f'[uncertain] "{key}" = {shown(table)}: allowed is {_FORMS}')
+
 
 Matrix = tuple[tuple[float, ...], ...]
 
@@ -144,17 +240,10 @@ def as_joint_prior(given: object) -> JointPrior:
     priors = {key: each for key, each in given.items() if key != COVARIANCE}
     covariance = given.get(COVARIANCE, {"keys": (), "matrix": ()})
     section = f"[uncertain.{COVARIANCE}]"
-    if not isinstance(covariance, Mapping):
-        raise ScenarioError(f"{section} = {shown(covariance)}: allowed is a section {section}")
-    for name in covariance:
-        if name not in ("keys", "matrix"):
-            hint = suggestion(str(name), ("keys", "matrix"))
-            raise ScenarioError(f"{section} {name}: there is no such entry; {hint}")
-    for name in ("keys", "matrix"):
-        if name not in covariance:
-            raise ScenarioError(f"{section} {name} is missing: it has keys and matrix")
-    if not priors and COVARIANCE in given and covariance["keys"] in ([], ()):
-        raise ScenarioError(f"{section} keys is empty: allowed is a key or more")
+    if not isinstance(covariance, Mapping) or covariance.keys() != {"keys", "matrix"}:
+        raise ScenarioError(
+            f"{section} = {shown(covariance)}: allowed is a section {section} with keys and matrix"
+        )
     return JointPrior(priors, covariance["keys"], covariance["matrix"])
 
 
@@ -170,9 +259,6 @@ def parse_priors(table: object) -> dict[str, Prior]:
                     f"[uncertain] {name}.{inner}: a key with a dot is written in quotation marks, "
                     f'"{name}.{inner}" = ...'
                 )
-        if isinstance(entry, Mapping) and not {"keys", "matrix"}.isdisjoint(entry):
-            hint = suggestion(str(name), [COVARIANCE])
-            raise ScenarioError(f"[uncertain.{name}]: there is no such section; {hint}")
         with prefixed("[uncertain]"):
             name = _constant(name, entry)
         if name in priors:
@@ -182,6 +268,16 @@ def parse_priors(table: object) -> dict[str, Prior]:
             checked(name, float(prior.value(0.0)))
         priors[name] = prior
     return priors
+
+
+def refuse_geometry_beside_a_map(keys: Iterable[str]) -> None:
+    """Refuse the first key of the coils' geometry, which has no effect beside a map."""
+    for key in keys:
+        if key.startswith("coil.") and key.rpartition(".")[2] in ("side", "distance", "turns"):
+            raise ScenarioError(
+                f"{key}: cannot be uncertain beside {COIL_MAP}, which has the field of the coils; "
+                "effects.field_gain.in_plane and effects.field_gain.clamp can"
+            )
 
 
 def counted_draws(scenario: Scenario, count: int, seed: int) -> tuple[list[Scenario], int]:
@@ -216,58 +312,41 @@ def _checked_keys(keys: object, priors: Mapping[str, Prior]) -> tuple[str, ...]:
         raise ScenarioError(f"{where} = {shown(keys)}: allowed is a list of keys")
     with prefixed(where):
         names = tuple(_constant(key) for key in keys)
-    for place, name in enumerate(names):
-        if name in names[:place]:
-            raise ScenarioError(f'{where}: "{name}" is there twice; allowed is once')
-        if name in priors:
+        twice = next((name for name in names if names.count(name) > 1 or name in priors), None)
+        if twice is not None:
             raise ScenarioError(
-                f'{where}: "{name}" has a prior of its own too; allowed is one of the two'
+                f'"{twice}" is there twice: allowed is once, or with a prior of its own'
             )
     return names
 
 
 def _checked_matrix(given: object, keys: Sequence[str]) -> Matrix:
     """The covariance, if it is one of as many keys."""
-    where = f"[uncertain.{COVARIANCE}] matrix"
     size = len(keys)
-    rows: Any = given.tolist() if isinstance(given, np.ndarray) else given
-    if not _is_list(rows) or len(rows) != size:
-        found = f"{len(rows)} rows" if _is_list(rows) else shown(rows)
-        raise ScenarioError(f"{where} = {found}: allowed are {size} rows, one for each key")
-    for key, row in zip(keys, rows, strict=True):
-        if not _is_list(row) or len(row) != size or not all(map(is_number, row)):
-            allowed = f"{size} numbers, one for each key"
-            raise ScenarioError(f'{where}, row of "{key}" = {shown(row)}: allowed are {allowed}')
-    matrix = np.array(rows, dtype=float).reshape(size, size)
-    if not np.isfinite(matrix).all():
-        raise ScenarioError(f"{where}: allowed are finite numbers")
-    variance = np.diag(matrix)
-    for key, value in zip(keys, variance.tolist(), strict=True):
-        if value < 0.0 or (value == 0.0 and matrix[keys.index(key)].any()):
-            allowed = "a number above 0, or a row and a column of zeros"
-            raise ScenarioError(
-                f'{where}: the variance of "{key}" is {value:g}; allowed is {allowed}'
-            )
-    # In units of the standard deviations all entries of a covariance are within one.
-    unit = np.outer(*2 * (np.sqrt(variance),))
-    skew = np.argwhere(np.abs(matrix - matrix.T) > _ROUNDING * unit)
-    if len(skew):
-        i, j = skew[0].tolist()
+    try:
+        matrix = np.array(given, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        matrix = np.empty(0)
+    if matrix.size == 0 == size:
+        return ()
+    if matrix.shape != (size, size) or not _is_covariance(matrix):
         raise ScenarioError(
-            f'{where} is not symmetric: {matrix[i, j]:g} of "{keys[i]}" with "{keys[j]}", and '
-            f"{matrix[j, i]:g} the other way"
-        )
-    lowest = float(np.linalg.eigvalsh(_correlation(matrix)).min(initial=0.0))
-    if lowest < -_ROUNDING * size:
-        raise ScenarioError(
-            f"{where} is no covariance: the least eigenvalue of its correlations is {lowest:.3g}; "
-            "allowed is from 0"
+            f"[uncertain.{COVARIANCE}] matrix = {shown(given)}: allowed is a symmetric one of "
+            f"{size} x {size} numbers, a row for each key, without an eigenvalue below zero"
         )
     return tuple(map(tuple, matrix.tolist()))
 
 
-def _is_list(value: Any) -> bool:
-    return isinstance(value, list | tuple)
+def _is_covariance(matrix: Array) -> bool:
+    variance = np.diag(matrix)
+    if not (np.isfinite(matrix).all() and (variance >= 0.0).all()):
+        return False
+    # In units of the standard deviations all entries of a covariance are within one.
+    unit = np.sqrt(np.outer(variance, variance))
+    if (np.abs(matrix - matrix.T) > _ROUNDING * unit).any() or (matrix[unit == 0.0] != 0.0).any():
+        return False
+    lowest = float(np.linalg.eigvalsh(_correlation(matrix)).min(initial=0.0))
+    return lowest >= -_ROUNDING * len(matrix)
 
 
 def _correlation(covariance: Array) -> Array:

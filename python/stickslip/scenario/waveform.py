@@ -2,38 +2,41 @@
 
 from __future__ import annotations
 
+import csv
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from numbers import Real
 from os import PathLike
-from typing import Any, Literal, TypeGuard
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
 from stickslip._util.files import replacing
-from stickslip._util.numbers import Array
+from stickslip._util.messages import meant
+from stickslip._util.numbers import Array, Mask
+from stickslip._util.tables import read_table
 from stickslip._util.text import highest
-from stickslip.scenario.keys import meant
-from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.sections import COIL_NAMES, Coil, Drive
-from stickslip.scenario.waveform_csv import (
-    ROUNDING,
-    differing,
-    read_points,
-    third_at_one_time,
-    write_rows,
-)
+from stickslip.errors import prefixed
+from stickslip.scenario.keys import COIL_NAMES, set_value
+
+if TYPE_CHECKING:
+    from stickslip.scenario.sections import Coil
 
 _Block = tuple[Array, Array, int]
 
 Voltages = Mapping[str, float] | Sequence[float] | Array
 """Five voltages in the order of `COIL_NAMES`, or the ones that are not zero by coil name."""
 
-# Points that `*` may write out in full where blocks cannot be nested: repeats within repeats.
-# Chosen: some MB of memory.
-_MOST_POINTS = 100_000
+_COLUMNS = {"t": "s", **dict.fromkeys(COIL_NAMES, "V")}
+
+_ROUNDING = 1e-12
+"""Part of a time by which sums of times may be rounded. Chosen: a thousand sums of doubles."""
+
+_MOST_BLOCKS = 100_000  # of repeats within repeats; chosen: some MB of memory
+_MOST_ROWS = 2_000_000  # of a file; chosen: a minute of voltages at 30 kHz
 
 
 def volts_per_tesla(coil: Coil | None = None) -> float:
@@ -41,9 +44,15 @@ def volts_per_tesla(coil: Coil | None = None) -> float:
 
     Resistance over field per ampere, Eqs. (1)-(7); of coils without own values, or a map's +x coil.
     """
-    coil = coil or Coil()
-    fields = Scenario(coil=coil).to_core().coils().centre_field_per_ampere
-    return coil.resistance / fields[0]
+    core = _with_coil(coil)
+    return float(core.get("coil.resistance")) / core.coils().centre_field_per_ampere[0]
+
+
+def _with_coil(coil: Coil | None) -> _core.Scenario:
+    core = _core.Scenario()
+    if coil is not None:
+        core.take(coil._core, "coil")
+    return core
 
 
 class Waveform:
@@ -79,7 +88,14 @@ class Waveform:
 
     def __init__(self, blocks: Sequence[tuple[ArrayLike, ArrayLike, int]]) -> None:
         self._blocks: tuple[_Block, ...] = tuple(_frozen_block(*block) for block in blocks)
-        _core.Scenario().set_program(self.to_core())
+        _core.Scenario().set_program(self._blocks)
+
+    @classmethod
+    def _of(cls, blocks: tuple[_Block, ...]) -> Waveform:
+        """The waveform of blocks of others."""
+        made = object.__new__(cls)
+        made._blocks = blocks
+        return made
 
     @classmethod
     def from_points(cls, t: ArrayLike, voltages: ArrayLike) -> Waveform:
@@ -166,8 +182,12 @@ class Waveform:
 
     @classmethod
     def _pulsed(cls, mode: str, coil: Coil | None, fields: dict[str, Any]) -> Waveform:
-        drive = Drive(mode=mode, **fields)  # type: ignore[arg-type]
-        return cls(Scenario(drive=drive, coil=coil or Coil()).to_core().program())
+        core = _with_coil(coil)
+        for name, value in {"mode": mode, **fields}.items():
+            set_value(core, f"drive.{name}", value)
+        with prefixed("", ValueError):
+            core.check()
+        return cls(core.program())
 
     @classmethod
     def from_csv(cls, path: str | PathLike[str]) -> Waveform:
@@ -182,7 +202,10 @@ class Waveform:
             If the file cannot be read or a column or value is not as it has to be; the message
             names file, row and column.
         """
-        return cls.from_points(*read_points(path))
+        table, _, lines = read_table(path, _COLUMNS)
+        with prefixed(path, ValueError):
+            _check_points(table[:, 0], table[:, 1:], lines)
+            return cls.from_points(table[:, 0], table[:, 1:])
 
     def to_csv(self, path: str | PathLike[str]) -> None:
         """Write the points, every repeat in full, such that `from_csv` reads the same numbers.
@@ -195,7 +218,17 @@ class Waveform:
             If the file cannot be written; nothing is left half-written.
         """
         with replacing(path) as temporary:
-            write_rows(self, temporary)
+            self.write(temporary)
+
+    def write(self, path: Path) -> None:
+        """See `to_csv`; a file that is there is overwritten."""
+        rows = sum(len(t) * repeats for t, _, repeats in self._blocks)
+        if rows > _MOST_ROWS:
+            raise ValueError(f"{rows} rows of voltages: allowed are at most {_MOST_ROWS}")
+        with path.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(_COLUMNS)
+            writer.writerows(np.column_stack(self.points()).tolist())
 
     @property
     def blocks(self) -> tuple[_Block, ...]:
@@ -262,7 +295,7 @@ class Waveform:
             raise ValueError(
                 f"t = {t!r}: allowed is from 0 to less than {highest(self.duration)} s"
             )
-        near = ROUNDING * left
+        near = _ROUNDING * left
         rest: list[tuple[ArrayLike, ArrayLike, int]] = []
         for times, voltages, repeats in self._blocks:
             played = 0
@@ -300,19 +333,17 @@ class Waveform:
         ------
         ValueError
             If `times` is not a whole number above zero, or if repeats within repeats come to more
-            than a hundred thousand points.
+            than a hundred thousand blocks.
         """
         if isinstance(times, bool) or not isinstance(times, int | np.integer) or times < 1:
             raise ValueError(f"times = {times!r}: allowed is a whole number from 1")
         if len(self._blocks) == 1:
             t, v, repeats = self._blocks[0]
             return Waveform([(t, v, repeats * int(times))])
-        if sum(len(t) * repeats for t, _, repeats in self._blocks) <= _MOST_POINTS:
-            return Waveform([(*self.points(), int(times))])
-        if len(self._blocks) * times <= _MOST_POINTS:
-            return Waveform(self._blocks * int(times))
+        if len(self._blocks) * times <= _MOST_BLOCKS:
+            return self._of(self._blocks * int(times))
         raise ValueError(
-            f"repeats within repeats would need more than {_MOST_POINTS} points: "
+            f"repeats within repeats would need more than {_MOST_BLOCKS} blocks: "
             "repeat less, or fewer different pieces"
         )
 
@@ -336,17 +367,13 @@ class Waveform:
         between = np.zeros(len(t), dtype=bool)
         between[1:-1] = t[2:] == t[:-2]
         t, v = t[~between], v[~between]
-        kept = differing(t, v)
+        kept = _differing(t, v)
         return t[kept], v[kept]
-
-    def to_core(self) -> list[_Block]:
-        """The blocks as the compiled core takes them."""
-        return list(self._blocks)
 
     def __add__(self, other: Waveform) -> Waveform:
         if not isinstance(other, Waveform):
             return NotImplemented
-        return Waveform(self._blocks + other._blocks)
+        return self._of(self._blocks + other._blocks)
 
     def __mul__(self, times: int) -> Waveform:
         return self.repeat(times)
@@ -408,12 +435,8 @@ def _frozen_block(times: ArrayLike, voltages: ArrayLike, repeats: int) -> _Block
         )
     with np.errstate(invalid="ignore"):  # what is not finite is refused by the core
         risen = np.maximum.accumulate(t)
-        t = np.where(risen - t <= ROUNDING * risen, risen, t)
-    third = third_at_one_time(t, v)
-    if third is not None:
-        raise ValueError(
-            f"point {third + 1}: third point at t = {float(t[third])!r}: allowed are two, a jump"
-        )
+        t = np.where(risen - t <= _ROUNDING * risen, risen, t)
+    _check_points(t, v)
     t.flags.writeable = False
     v.flags.writeable = False
     return t, v, int(repeats)
@@ -427,3 +450,41 @@ def _interpolated(local: Array, times: Array, voltages: Array) -> Array:
     part = np.where(last > first, (local - first) / width, 1.0)
     part = np.clip(part, 0.0, 1.0)[..., np.newaxis]
     return voltages[index] * (1.0 - part) + voltages[index + 1] * part
+
+
+def _check_points(t: Array, v: Array, lines: Sequence[int] | None = None) -> None:
+    """Refuse points that are no program, by their lines if they are of a file.
+
+    Times have shape (n,), s, and voltages (n, 5).
+    """
+
+    def name(k: int) -> str:
+        return f"point {k + 1}" if lines is None else f"row {lines[k]}"
+
+    if len(t) < 2:
+        raise ValueError(f"{len(t)} rows of voltages: allowed are two points or more")
+    if t[0] != 0.0:
+        raise ValueError(f"{name(0)}: t = {float(t[0])!r}: the first time has to be at 0 s")
+    falls = np.flatnonzero(t[1:] < (1.0 - _ROUNDING) * t[:-1])
+    if len(falls):
+        before, time = map(float, t[falls[0] : falls[0] + 2])
+        raise ValueError(
+            f"{name(falls[0] + 1)}: t = {time!r} s follows {before!r} s: times must not fall"
+        )
+    if t[-1] == 0.0:
+        raise ValueError(f"{name(len(t) - 1)}: t = 0.0: no duration; allowed is above 0 s")
+    # Not counting points that repeat another: only the first and the last of them would count.
+    kept = np.flatnonzero(_differing(t, v))
+    third = np.flatnonzero(t[kept][2:] == t[kept][:-2])
+    if len(third):
+        at = int(kept[third[0] + 2])
+        raise ValueError(
+            f"{name(at)}: third point at t = {float(t[at])!r}: allowed are two, a jump; are the "
+            "times rounded, or in ms?"
+        )
+
+
+def _differing(t: Array, v: Array) -> Mask:
+    """Which points are not the one before them again."""
+    again = (t[1:] == t[:-1]) & (v[1:] == v[:-1]).all(axis=1)
+    return np.concatenate([[True], ~again])

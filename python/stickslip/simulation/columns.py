@@ -36,7 +36,7 @@ def recorded_names(scenario: Scenario) -> tuple[str, ...]:
     if record.rate == "none":
         return ()
     left_out = set() if record.rate == "events" else {"event"}
-    if not scenario.turns:
+    if not scenario.whole_plane:
         left_out |= {*PLANE_COLUMNS}
     if record.fields != "all":
         left_out |= {*COLUMNS} - {"t", *str(record.fields).split(", ")}

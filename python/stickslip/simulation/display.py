@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 def headline(run: Run) -> str:
     """Status, mean velocities in mm/s and number of samples, in one line."""
     words = IN_ONE_PLANE
-    if run.scenario.turns:
+    if run.scenario.whole_plane:
         words = FROM_AXES if run.scenario.drive.mode == "program" else FROM_DRIVE
     # Along x there is one, which `Run.velocity` sees from the drive.
-    velocities = run.velocity if run.scenario.turns else (run.mean_velocity,)
+    velocities = run.velocity if run.scenario.whole_plane else (run.mean_velocity,)
     factor, unit = handy("m/s")
     velocity = ", ".join(
         f"{value * factor:.6g} {unit} {direction}".rstrip()

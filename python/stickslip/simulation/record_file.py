@@ -23,9 +23,9 @@ from stickslip import _core
 from stickslip._util.extras import naming_the_extra
 from stickslip._util.files import NotWritten, check_writable, replacing
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.field.map_files import map_text, stored_map
-from stickslip.scenario.state import State
-from stickslip.scenario.toml_file import scenario_of
+from stickslip.field.field_map import FieldMap
+from stickslip.scenario.scenario import scenario_of
+from stickslip.scenario.sections import State
 from stickslip.scenario.waveform import Waveform
 from stickslip.simulation.columns import COLUMNS, WORDS, recorded_names
 from stickslip.simulation.note import notes_json
@@ -68,7 +68,7 @@ def origin(scenario: Scenario) -> dict[str, str]:
             [{"t": t.tolist(), "V": v.tolist(), "repeats": n} for t, v, n in blocks]
         )
     if scenario.coil.map is not None:
-        about["coil_map"] = map_text(scenario.coil.map)
+        about["coil_map"] = scenario.coil.map.to_json()
     return about
 
 
@@ -89,7 +89,7 @@ def attributes(run: Run) -> dict[str, Any]:
         "recorded_until": run.recorded_until,
     }
     if run.complete or run.numbers["simulated_time"]:  # else nobody knows where it is
-        about["final_state"] = json.dumps(vars(run.final_state))
+        about["final_state"] = json.dumps(run.final_state.as_dict())
     return about
 
 
@@ -349,7 +349,7 @@ def stored(path: str | PathLike[str]) -> tuple[Scenario, dict[str, Any], StoredR
             if "voltage_blocks" in about:
                 blocks = json.loads(about["voltage_blocks"])
                 program = Waveform([(each["t"], each["V"], each["repeats"]) for each in blocks])
-            field_map = stored_map(about["coil_map"]) if "coil_map" in about else None
+            field_map = FieldMap.from_json(about["coil_map"]) if "coil_map" in about else None
             scenario = scenario_of(about["scenario"], program, field_map)
             record = StoredRecord(path, recorded_names(scenario))
             outcome = {

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip import _core
+from stickslip._util.messages import check_kind, shown, suggestion
 from stickslip._util.numbers import worker_count
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import check_kind, shown, suggestion
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.state import STATE_COLUMNS, State
+from stickslip.scenario.sections import STATE_COLUMNS, State
 from stickslip.simulation.simulate import Progress, fraction_of
 from stickslip.simulation.simulator import Hold, check_hold
 

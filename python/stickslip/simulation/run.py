@@ -14,7 +14,7 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.extras import naming_the_extra
 from stickslip._util.files import NETCDF_SUFFIXES, check_suffix, replacing
-from stickslip.scenario.state import State, made_state
+from stickslip.scenario.sections import State
 from stickslip.simulation.columns import (
     COLUMNS,
     PLANE_COLUMNS,
@@ -123,7 +123,7 @@ class Run:
             "status": result.status if complete else "interrupted",
             "message": result.message if complete else message,
             "numbers": result.summary(),
-            "final_state": made_state(result.final_state),
+            "final_state": State.view(result.final_state),
             "condition_met": result.stopped,
             "condition": "" if until is None else " ".join(until.split()),
             "complete": complete,
@@ -138,7 +138,7 @@ class Run:
         if name in self._record:
             values = vars(self)[name] = self._record[name]
             return values
-        if self.recorded and name in PLANE_COLUMNS and not self.scenario.turns:
+        if self.recorded and name in PLANE_COLUMNS and not self.scenario.whole_plane:
             return self._in_one_plane(name)
         needed = 'record.rate to "events"' if name == "event" else "record.fields to name it"
         if self.scenario.record.rate == "none":
@@ -237,7 +237,7 @@ class Run:
         if self.condition_met:
             end = max(start, min(end, self.numbers["simulated_time"]))
         of_the_plane = {}
-        if self.scenario.turns and self.scenario.drive.mode != "program":
+        if self.scenario.whole_plane and self.scenario.drive.mode != "program":
             of_the_plane = dict(zip((ALONG, ACROSS), self.velocity, strict=True))
         counts = {name: dict(self.numbers[name]) for name in ("events", "steps")}
         return {

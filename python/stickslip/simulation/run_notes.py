@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from stickslip import _core
 from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import known_keys
 from stickslip.scenario.waveform import Waveform
 from stickslip.simulation.note import Note, by_seriousness
 from stickslip.simulation.scenario_notes import (
@@ -58,7 +59,7 @@ _ODD = (
 """Code, keys, and the ratios to the default between which a constant is tried first. Chosen: beyond
 published robots."""
 
-_UNITS = {row["key"]: row["unit"].replace("-", "") for row in _core.parameters()}
+_UNITS = {name: key.unit.replace("-", "") for name, key in known_keys().items()}
 
 
 class Limit(NamedTuple):

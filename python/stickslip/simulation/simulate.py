@@ -10,10 +10,10 @@ from pathlib import Path
 
 from stickslip import _core
 from stickslip._util.files import NETCDF_SUFFIXES, check_suffix, replacing
+from stickslip._util.messages import check_kind, refuse
 from stickslip._util.numbers import worker_count
 from stickslip._util.text import highest
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import check_kind, refuse
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.columns import recorded_names
 from stickslip.simulation.record_file import RecordFile, StoredRecord
@@ -70,7 +70,7 @@ def _parsed(until: str | None, scenarios: Iterable[Scenario]) -> Condition | Non
             f"{', '.join(_core.stop_quantities)} (SI units and rad)",
         )
     quantity = found[1]
-    if quantity in _core.plane_columns and not all(each.turns for each in scenarios):
+    if quantity in _core.plane_columns and not all(each.whole_plane for each in scenarios):
         refuse(
             "until",
             until,
@@ -106,9 +106,9 @@ def simulate(
     until : str, optional
         Ends the run earlier where a condition is met, which is located like any other event:
         ``"x >= 3e-3"``, or another of time (s), x, y, z (m, of the centre of mass), theta (rad),
-        turns (theta over 2 pi) or heading (rad, from -pi to pi; a robot that turns on to the left
-        jumps from pi to -pi, which meets ``heading <= -1``) with ``>=`` or ``<=``. A robot that
-        stays in one plane has no y and no heading. See `Run.condition_met`.
+        revolutions (theta over 2 pi) or heading (rad; a robot that turns on to the left jumps from
+        pi to -pi, which meets ``heading <= -1``) with ``>=`` or ``<=``. A planar run has no y and
+        no heading. See `Run.condition_met`.
     out : path-like, optional
         Write the record to this file. A netCDF file (``.nc``, ``.nc4``, ``.h5``) grows while the
         run goes on, as NAME.part, with memory that does not, and gets its name at the end. What was

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
+from stickslip._util.messages import check_kind, refuse, shown
 from stickslip.errors import ScenarioError, SimulationError, prefixed
-from stickslip.scenario.keys import check_kind, refuse, shown
+from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.sections import COIL_NAMES
-from stickslip.scenario.state import State, made_state
+from stickslip.scenario.sections import State
 
 Hold = Literal["constant", "linear"]
 
@@ -174,7 +174,7 @@ class Simulator:
             raise ScenarioError(reason) from None
         if self._core.message:
             raise SimulationError(self._core.message)
-        return made_state(fields)
+        return State.view(fields)
 
     @property
     def time(self) -> float:
@@ -184,7 +184,7 @@ class Simulator:
     @property
     def state(self) -> State:
         """Where the last step ended."""
-        return made_state(self._core.state())
+        return State.view(self._core.state())
 
     @property
     def voltages(self) -> dict[str, float]:

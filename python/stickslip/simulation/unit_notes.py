@@ -11,13 +11,18 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.numbers import Array
 from stickslip._util.units import NEAR, unit_meant
+from stickslip.scenario.keys import known_keys
 from stickslip.simulation.note import Note
 
 if TYPE_CHECKING:
     from stickslip.field.field_map import FieldMap
     from stickslip.scenario.scenario import Scenario
 
-DEFAULTS = {row["key"]: row["default"] for row in _core.parameters()}
+DEFAULTS = {
+    name: float(key.default)
+    for name, key in known_keys().items()
+    if not isinstance(key.default, str)
+}
 """Numbers of a scenario where none are given, by key."""
 
 LONG_PULSE = 1.0

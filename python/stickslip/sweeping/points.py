@@ -5,23 +5,27 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.messages import check_kind, shown
 from stickslip._util.numbers import ABSOLUTE, RELATIVE, Array, Indices, representatives
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import Value, check_kind, checked, is_of_one_coil, known_keys, shown
-from stickslip.scenario.path_keys import COIL_MAP, PROGRAM
-from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.sections import (
+from stickslip.scenario.keys import (
+    COIL_MAP,
     COIL_NAMES,
+    PROGRAM,
     SAWTOOTH,
+    Value,
+    checked,
+    is_of_one_coil,
+    known_keys,
     refuse_sawtooth,
-    refuse_sawtooth_values,
 )
+from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.record_file import origin
 
 if TYPE_CHECKING:
@@ -99,6 +103,9 @@ class Points:
         about = origin(self.scenario)
         for package in ("numpy_version", "xarray_version"):
             about.pop(package, None)
+        field_map = self.scenario.coil.map
+        if field_map is not None:  # whose file may have another name
+            about["coil_map"] = replace(field_map, source="").to_json()
         columns = {key: values.tolist() for key, (_, values) in self.columns.items()}
         return json.dumps({**about, "dimensions": dict(self.sizes), "vary": columns})
 
@@ -166,8 +173,8 @@ def from_changes(scenario: Scenario, rows: Sequence[Mapping[str, Value]]) -> Poi
     if scenario.coil.own_values() or any(is_of_one_coil(key) for row in rows for key in row):
         rows = [_by_single_coils(row) for row in rows]
     for row in rows:
-        sawtooth = {key: row[key] for key in SAWTOOTH if key in row}
-        refuse_sawtooth_values(row.get("drive.mode", scenario.drive.mode), sawtooth)
+        idle = [key for key in SAWTOOTH if key in row and row[key] != known_keys()[key].default]
+        refuse_sawtooth(row.get("drive.mode", scenario.drive.mode), idle)
     columns = {}
     # A list may change nothing, but the core needs a value for each point.
     for key in {key: None for row in rows for key in row} or ["drive.frequency"]:

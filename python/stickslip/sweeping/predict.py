@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip._util.messages import check_kind, check_whole, shown
 from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import check_kind, check_whole, shown
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.uncertain import JointPrior, counted_draws
 from stickslip.simulation.simulate import Progress

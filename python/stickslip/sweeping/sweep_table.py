@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 import xarray
 
-from stickslip.scenario.keys import refuse
+from stickslip._util.messages import refuse
 
 
 def sweep_dataframe(data: xarray.Dataset) -> pd.DataFrame:

@@ -15,8 +15,8 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.numbers import Array
 from stickslip.diagnosis.terms.instruments import marker
+from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.sections import COIL_NAMES
 
 Recording = Mapping[str, Array]
 
@@ -137,7 +137,7 @@ def record(
     simulation fails.
     """
     base = scenario.to_core()
-    base.record_uniform(rate)
+    base.set("record.rate", rate)
     driving, clamp = COIL_NAMES.index(base.in_plane_coil), COIL_NAMES.index("clamp")
     share = max(threads, int(_AT_A_TIME / (base.duration * rate + 1.0)))
     for start in range(0, len(values), share):

@@ -15,8 +15,8 @@ from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.instruments import of_fields, read_by
 from stickslip.errors import ScenarioError
 from stickslip.measurement.outliers import far_from_a_fit
+from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.sections import COIL_NAMES
 from stickslip.simulation.note import Note
 
 _STRONGEST, _FARTHEST = 1.0, 1.0

@@ -18,7 +18,7 @@ from stickslip.diagnosis.terms.instruments import of_films
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.measurement.outliers import far_from_their_phase
 from stickslip.measurement.tracking import FEWEST, TrackingRun
-from stickslip.scenario.priors import Prior
+from stickslip.scenario.uncertain import Prior
 from stickslip.simulation.note import Note
 
 _KINDS: dict[str, tuple[Kind, str]] = {

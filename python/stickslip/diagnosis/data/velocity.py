@@ -16,7 +16,7 @@ from stickslip.diagnosis.terms.instruments import of_velocities, read_by
 from stickslip.measurement.reading import Measurement
 from stickslip.measurement.velocity import VelocityData
 from stickslip.scenario.keys import Value, known_keys
-from stickslip.scenario.priors import Prior
+from stickslip.scenario.uncertain import Prior
 from stickslip.simulation.note import Note
 
 Conditions = Sequence[Mapping[str, Value]]
@@ -86,7 +86,9 @@ class VelocityTable(Table):
     def __init__(self, measurement: Measurement, *, threads: int = 1, seed: int = 0) -> None:
         self.name, self.unit = "velocity", "m/s"
         self.scenario, self.threads, self.simulated = measurement.scenario, threads, 0
-        self._words = {row["key"]: list(row["allowed"]) for row in _core.choices()}
+        self._words = {
+            key.name: list(key.words) for key in known_keys().values() if key.kind == "word"
+        }
         uncertain = measurement.uncertain
         self.conditions, trials = _pooled(measurement.velocity)
         middle = np.array([[float(prior.value(0.0)) for prior in uncertain.values()]])

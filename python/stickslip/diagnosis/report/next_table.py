@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip._util.csv_rows import csv_line, text_lines
 from stickslip._util.files import text_writer, write_together
+from stickslip._util.messages import shown
 from stickslip._util.units import handy
 from stickslip.diagnosis.decision.experiments import Experiment, advice, prediction_table
 from stickslip.diagnosis.report.amounts import amount, title
@@ -19,7 +20,6 @@ from stickslip.measurement.new_trials import unmeasured
 from stickslip.measurement.reading import Measurement
 from stickslip.measurement.tables import check_columns, read_rows
 from stickslip.measurement.velocity import velocity_units
-from stickslip.scenario.keys import shown
 
 if TYPE_CHECKING:
     from pandas import DataFrame

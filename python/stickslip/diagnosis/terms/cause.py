@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from stickslip._util.messages import refuse
 from stickslip._util.numbers import Array
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.curve import Curve
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import refuse
 
 Read = Callable[[Array, Array, dict[str, Array], Table], Array]
 """``read(readings, predicted, p, table)``: what an instrument makes of the readings of a table so

@@ -27,6 +27,7 @@ import math
 
 import numpy as np
 
+from stickslip._util.messages import refuse, shown
 from stickslip._util.numbers import Array
 from stickslip._util.text import is_number
 from stickslip.diagnosis.data.series import Series
@@ -34,8 +35,7 @@ from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import LARGEST_ERROR, Parameter
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import refuse, shown
-from stickslip.scenario.priors import Prior
+from stickslip.scenario.uncertain import Prior
 
 _WIDTH, _FINENESS = 0.4, 0.025
 """Standard deviation of the prior of a time, in the range, and the part of it over which

@@ -32,13 +32,13 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg import lapack
 from scipy.spatial.transform import Rotation
 
+from stickslip._util.messages import refuse
 from stickslip._util.numbers import Array, root_mean_square
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.cause import Cause, Read
 from stickslip.diagnosis.terms.parameter import LARGEST_ERROR, Parameter
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import refuse
 
 Rows = ArrayLike | slice
 

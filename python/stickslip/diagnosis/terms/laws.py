@@ -11,16 +11,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicHermiteSpline
 
+from stickslip._util.messages import check_whole, meant, refuse, shown
 from stickslip._util.numbers import Array
 from stickslip._util.text import is_number
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.curve import Curve
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import check_whole, known_keys, meant, refuse, shown
-from stickslip.scenario.named_effects import PREFIX
-from stickslip.scenario.priors import Prior
+from stickslip.scenario.keys import PREFIX, known_keys
 from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.uncertain import Prior
 from stickslip.simulation.simulate import simulate_batch
 
 _LARGEST = 10.0

@@ -13,10 +13,10 @@ import numpy as np
 
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
-from stickslip.scenario.keys import Key, known_keys
-from stickslip.scenario.named_effects import PREFIX, effects, is_free_shape
-from stickslip.scenario.priors import Prior
+from stickslip.scenario.effects import effects, is_free_shape
+from stickslip.scenario.keys import PREFIX, Key, known_keys
 from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.uncertain import Prior
 
 _SIZES = {
     "coil_heating.coefficient": (1e-3, 0.0, 0.02),

@@ -8,11 +8,11 @@ from functools import cached_property
 
 import numpy as np
 
+from stickslip._util.messages import refuse, shown
 from stickslip._util.numbers import Array
 from stickslip._util.text import is_number
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import refuse, shown
-from stickslip.scenario.priors import Prior
+from stickslip.scenario.uncertain import Prior
 
 _FARTHEST = 3.5
 """Largest coordinate of a range or a shape, whose ends it has nearly reached there. Chosen: a

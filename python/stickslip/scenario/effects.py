@@ -1,22 +1,110 @@
-"""Effects of the user's own: a force and a torque given by a function."""
+"""The named extensions of the model, and those that a user adds: a force given by a function."""
 
 from __future__ import annotations
 
 import ctypes
 import numbers
-import threading
-from _ctypes import CFuncPtr  # the base of all functions of ctypes, which it has no name for
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import astuple, dataclass
 from typing import Any, NamedTuple
 
 from stickslip import _core
-from stickslip.scenario.keys import forget_keys, shown
+from stickslip._util.messages import refuse, shown, suggestion
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import PREFIX, Key, keys_of, known_keys, until_registration
 
 UNSTATED = "not stated; registered by the user"
 """Source of an effect for which none is given."""
 
 Wrench = Callable[[Any, tuple[float, ...]], tuple[float, float, float]]
+
+_FUNCTION_OF_CTYPES: Any = ctypes.CFUNCTYPE(None).__base__
+
+
+@dataclass(frozen=True)
+class Effect:
+    """A named extension of the model.
+
+    Attributes
+    ----------
+    name : str
+        Name of its section: ``[effects.<name>]``.
+    meaning : str
+        What it adds, in a sentence.
+    source : str
+        Where its equation is from.
+    parameters : tuple of Key
+        Its parameters with units and ranges. The extension is absent while all of them have their
+        default.
+    """
+
+    name: str
+    meaning: str
+    source: str
+    parameters: tuple[Key, ...]
+
+
+@until_registration
+def effects() -> tuple[Effect, ...]:
+    """All named extensions of the model, and after them those of `register_effect`.
+
+    Returns
+    -------
+    tuple of Effect
+
+    Examples
+    --------
+    >>> tilt = next(effect for effect in effects() if effect.name == "surface_tilt")
+    >>> [key.name for key in tilt.parameters]
+    ['effects.surface_tilt.angle', 'effects.surface_tilt.azimuth']
+    """
+    return tuple(
+        Effect(
+            row["name"],
+            row["meaning"],
+            row["source"],
+            keys_of(PREFIX + row["name"]),
+        )
+        for row in _core.effects()
+    )
+
+
+def is_free_shape(name: str) -> bool:
+    """Whether the model's own extension `name` is a curve of free shape at a place of the model.
+
+    Its parameters are a ``span`` and the knots ``knot_1`` to ``knot_5``; see `theory/effects.md`.
+    """
+    return name.startswith("free_") and f"{PREFIX}{name}.knot_1" in known_keys()
+
+
+def suggested_effect(name: str, others: Iterable[str] = ()) -> str:
+    """Which extension `name` was probably meant to be, or all that could have been.
+
+    Those of a free shape are many and alike, and are not listed. `others` are words that may be
+    meant too.
+    """
+    names = [effect.name for effect in effects()]
+    listed = [each for each in names if not is_free_shape(each)]
+    return suggestion(name, [*names, *others], listed)
+
+
+def flat_effects(settings: object) -> dict[str, Any]:
+    """Values by dotted key of ``{name: {parameter: value}}``, as `Scenario` takes effects."""
+    if not isinstance(settings, Mapping):
+        refuse("effects", settings, "a table [effects.<name>] for each extension")
+    names = [effect.name for effect in effects()]
+    values: dict[str, Any] = {}
+    for name, parameters in settings.items():
+        if name not in names:
+            hint = suggested_effect(str(name))
+            raise ScenarioError(
+                f"effects.{name} = {shown(parameters)}: there is no such extension; {hint}; "
+                "one of your own has to be registered first"
+            )
+        if not isinstance(parameters, Mapping):
+            refuse(f"effects.{name}", parameters, f"a table [effects.{name}]")
+        values |= {f"{PREFIX}{name}.{key}": value for key, value in parameters.items()}
+    return values
 
 
 class EffectState(NamedTuple):
@@ -80,20 +168,6 @@ class EffectParameter:
     default: float = 0.0
 
 
-@dataclass(frozen=True)
-class _Definition:
-    """Everything by which two registrations of one name can differ."""
-
-    parameters: tuple[EffectParameter, ...]
-    meaning: str
-    source: str
-    code: object  # the address, or the Python function itself
-
-
-_registered: dict[str, _Definition] = {}
-_lock = threading.Lock()
-
-
 def register_effect(
     name: str,
     function: Any,
@@ -148,18 +222,20 @@ def register_effect(
     TypeError
         If an argument is of another type, or a compiled function takes other arguments.
     ValueError
-        If a name is not a word, is one of the model's own, or is registered with another definition
-        (the same again is fine); if there is no parameter, one is given twice, or its range is not
-        finite or does not hold its default.
+        If a name is not a word or is one of the model's own; if there is no parameter, one is given
+        twice, or its range is not finite or does not hold its default.
 
     Notes
     -----
     A force or torque that is not finite ends the simulation with the status ``not_finite``; an
     exception of a Python function ends it, or the batch or sweep, and passes through.
 
+    A name that is registered again stands for the new function from then on, in scenarios that are
+    there already too. What is being simulated is not disturbed.
+
     Examples
     --------
-    >>> from stickslip import EffectParameter, register_effect, unregister_effect
+    >>> from stickslip import EffectParameter, register_effect
     >>> def stream(state, parameters):
     ...     return 1e-5 * parameters[0], 0.0, 0.0
     >>> register_effect(
@@ -170,114 +246,56 @@ def register_effect(
     ... )
     >>> Scenario().replace({"effects.stream.velocity": 1e-3}).get("effects.stream.velocity")
     0.001
-    >>> unregister_effect("stream")
     """
-    _check_texts(f"effect {shown(name)}", name=name, meaning=meaning, source=source)
+    texts = {"name": name, "meaning": meaning, "source": source}
+    _check(f"effect {shown(name)}", texts, str, "a text")
     if not isinstance(parameters, Iterable):
         raise TypeError(f"effect {name}: parameters: allowed is a list of EffectParameter")
-    parameters = tuple(parameters)
     rows = []
     for each in parameters:
         if not isinstance(each, EffectParameter):
             raise TypeError(f"effect {name}: {shown(each)}: allowed is an EffectParameter")
-        rows.append(_row(name, each))
+        word, unit, low, high, what, default = astuple(each)
+        where = f"effect {name}, parameter {shown(word)}"
+        _check(where, {"name": word, "unit": unit, "meaning": what}, str, "a text")
+        _check(where, {"low": low, "high": high, "default": default}, numbers.Real, "a number")
+        rows.append((word, unit, float(low), float(high), float(default), what))
     address = _address(name, function)
-    definition = _Definition(parameters, meaning, source, address or function)
-    with _lock:
-        if name in _registered:
-            if _registered[name] == definition:
-                return
-            raise ValueError(
-                f"effect {name}: is registered with another definition; unregister_effect("
-                f'"{name}") comes first'
-            )
-        called = function if address else _checked(name, function)
-        _core.register_effect(name, meaning, source or UNSTATED, rows, called, address)
-        _registered[name] = definition
-        forget_keys()
+    called = function if address else _checked(name, function)
+    _core.register_effect(name, meaning, source or UNSTATED, rows, called, address)
 
 
-def unregister_effect(name: str) -> None:
-    """Take back a `register_effect`. Simulations that are going on are not disturbed.
-
-    Parameters
-    ----------
-    name : str
-        Name of the effect.
-
-    Raises
-    ------
-    ValueError
-        If no effect of this name is registered.
-    """
-    with _lock:
-        if name not in _registered:
-            raise ValueError(f"effect {shown(name)}: is not registered")
-        _core.unregister_effect(name)
-        del _registered[name]
-        forget_keys()
-
-
-_Row = tuple[str, str, float, float, float, str]
-
-
-def _check_texts(where: str, **texts: object) -> None:
-    for what, text in texts.items():
-        if not isinstance(text, str):
-            raise TypeError(f"{where}: {what} = {shown(text)}: allowed is a text")
-
-
-def _row(effect: str, parameter: EffectParameter) -> _Row:
-    name, unit, low, high, meaning, default = astuple(parameter)
-    where = f"effect {effect}, parameter {shown(name)}"
-    _check_texts(where, name=name, unit=unit, meaning=meaning)
-    for what, number in (("low", low), ("high", high), ("default", default)):
-        if isinstance(number, bool) or not isinstance(number, numbers.Real):
-            raise TypeError(f"{where}: {what} = {shown(number)}: allowed is a number")
-    return name, unit, float(low), float(high), float(default), meaning
+def _check(where: str, values: Mapping[str, object], kind: Any, allowed: str) -> None:
+    for what, value in values.items():
+        if isinstance(value, bool) or not isinstance(value, kind):
+            raise TypeError(f"{where}: {what} = {shown(value)}: allowed is {allowed}")
 
 
 def _address(effect: str, function: Any) -> int:
     """Address of compiled code; 0 for a Python function."""
-    address: Any
-    if isinstance(function, CFuncPtr):
-        address = ctypes.cast(function, ctypes.c_void_p).value or 0
-    elif isinstance(function, numbers.Integral):
-        address = function
-    elif hasattr(function, "address"):
-        address = function.address
-    elif callable(function):
+    if isinstance(function, _FUNCTION_OF_CTYPES):
+        address: Any = ctypes.cast(function, ctypes.c_void_p).value
+    elif callable(function) and not hasattr(function, "address"):
         return 0
     else:
+        address = getattr(function, "address", function)
+    most = 2 ** (8 * ctypes.sizeof(ctypes.c_void_p))
+    if isinstance(address, bool) or not isinstance(address, numbers.Integral):
         raise TypeError(
             f"effect {effect}: function = {shown(function)}: allowed is an address, an object with "
             "one, a ctypes function or a callable"
         )
-    if isinstance(address, bool) or not isinstance(address, numbers.Integral):
-        raise TypeError(f"effect {effect}: address = {shown(address)}: allowed is an integer")
     place = int(address)
-    if not 0 < place < 2 ** (8 * ctypes.sizeof(ctypes.c_void_p)):
+    if not 0 < place < most:
         raise ValueError(f"effect {effect}: address = {shown(place)}: there can be no function")
-    _check_arguments(effect, function)
-    return place
-
-
-def _check_arguments(effect: str, function: Any) -> None:
-    """Refuse compiled code that is known to take something else than three pointers."""
     # A cfunc of numba shows its signature as a ctypes function.
-    prototype = function if isinstance(function, CFuncPtr) else None
-    prototype = getattr(function, "ctypes", prototype)
-    arguments = getattr(prototype, "argtypes", None)
-    if arguments is None:
-        return
-    pointers = (ctypes._Pointer, ctypes.c_void_p)
-    if len(arguments) != 3 or not all(
-        isinstance(each, type) and issubclass(each, pointers) for each in arguments
-    ):
+    arguments = getattr(getattr(function, "ctypes", function), "argtypes", None)
+    if arguments is not None and len(arguments) != 3:
         raise TypeError(
             f"effect {effect}: the function takes other arguments: allowed is "
             "void function(const double* state, const double* parameters, double* wrench)"
         )
+    return place
 
 
 def _checked(effect: str, function: Wrench) -> Wrench:

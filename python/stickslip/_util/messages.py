@@ -1,0 +1,89 @@
+"""What errors say of a value that is not allowed, and of a name that is not known."""
+
+from __future__ import annotations
+
+import difflib
+import numbers
+from collections.abc import Iterable, Mapping
+from os import PathLike
+from typing import NoReturn
+
+from stickslip._util.text import quoted
+from stickslip.errors import ScenarioError
+
+_LONGEST_SHOWN = 60  # characters of a value in an error; chosen: the error stays one line
+
+_SLIP = 0.8
+"""Likeness of a misspelt word. Chosen: one letter of five; "time" and "edge_time" have 0.6."""
+
+
+def shown(value: object) -> str:
+    """A value as it would stand in a file, on one line and not too long."""
+    if isinstance(value, bool):
+        text = "true" if value else "false"
+    elif isinstance(value, str):
+        text = quoted(value)
+    elif isinstance(value, numbers.Real) and not isinstance(value, numbers.Integral):
+        text = repr(float(value))
+    elif isinstance(value, Mapping):
+        text = "{ " + ", ".join(f"{key} = {shown(each)}" for key, each in value.items()) + " }"
+    else:
+        try:
+            text = " ".join(repr(value).split())
+        except ValueError:  # an integer of thousands of digits
+            text = "a number too long to print"
+    return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."
+
+
+def refuse(key: str, value: object, allowed: str) -> NoReturn:
+    """Raise the one-line error of a value that is not allowed."""
+    raise ScenarioError(f"{key} = {shown(value)}: allowed is {allowed}")
+
+
+def check_whole(name: str, value: object, least: int = 0) -> None:
+    """Refuse what is not a whole number from `least`."""
+    if isinstance(value, bool) or not isinstance(value, numbers.Integral) or value < least:
+        refuse(name, value, f"a whole number from {least}")
+
+
+def check_kind(name: str, value: object, kind: type) -> None:
+    """Refuse what is not of a class of this package."""
+    if not isinstance(value, kind):
+        of_a_file = isinstance(value, str | PathLike) and kind.__name__ == "Scenario"
+        hint = ", such as stickslip.load makes of a file" if of_a_file else ""
+        refuse(name, value, f"a {kind.__name__}{hint}")
+
+
+def nearest(word: str, known: Iterable[str]) -> str | None:
+    """The name of `known` that is most like a word, in whatever case; None if none is like it."""
+    names = {name.casefold(): name for name in known}
+    near = difflib.get_close_matches(word.casefold(), names, n=1, cutoff=0.6)
+    return names[near[0]] if near else None
+
+
+def misspelt(word: str, known: Iterable[str]) -> str | None:
+    """The name of `known` that a word is with a slip or two, or cut short; None if it is another.
+
+    Stricter than `nearest`, as the word may well be none of them.
+    """
+    whole = next((name for name in known if name.casefold().startswith(word.casefold())), None)
+    near = whole or nearest(word, known)
+    if near is None or whole:
+        return near
+    alike = difflib.SequenceMatcher(None, word.casefold(), near.casefold()).ratio()
+    return near if alike >= _SLIP else None
+
+
+def suggestion(word: str, known: Iterable[str], listed: Iterable[str] | None = None) -> str:
+    """What was probably meant of `known`, or all of `listed`, which is `known` if not given."""
+    known = list(known)
+    near = nearest(word, known)
+    if near is not None:
+        return f'did you mean "{near}"?'
+    return "known are " + ", ".join(f'"{each}"' for each in (known if listed is None else listed))
+
+
+def meant(word: object, known: Iterable[str]) -> str:
+    """What was probably meant, after a sentence that lists all of `known`; "" for nothing."""
+    near = nearest(word, known) if isinstance(word, str) else None
+    return "" if near is None else f'; did you mean "{near}"?'

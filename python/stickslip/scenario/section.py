@@ -1,0 +1,126 @@
+"""What the sections of a scenario have in common: values, names and texts of the core's table."""
+
+from __future__ import annotations
+
+import inspect
+import textwrap
+from typing import Any, ClassVar, TypeVar
+
+from stickslip import _core
+from stickslip._util.messages import shown, suggestion
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import Key, keys_of, set_value
+
+_S = TypeVar("_S", bound="Section")
+
+
+class Section:
+    """A section of a scenario: read-only values, whose names are the core's keys.
+
+    It is made of values by name, where those that are not given are the defaults, or is the view
+    of a scenario. Two are equal if they have the same values.
+    """
+
+    __slots__ = ("_core",)
+
+    _name: ClassVar[str]
+    _keys: ClassVar[dict[str, str]]
+    """The dotted key of each field that is one."""
+
+    _fields: ClassVar[tuple[str, ...]]
+
+    _core: Any
+    """Who has the values: a scenario of the core, shared and not to be changed, or a state."""
+
+    def __init_subclass__(cls, key: str, **others: str) -> None:
+        keys = keys_of(key)
+        cls._name, cls._keys = key, {each.field: each.name for each in keys}
+        cls._fields = (*cls._keys, *others)
+        for each in keys:
+            setattr(cls, each.field, _property(each))
+        cls.__doc__ = "\n".join([_core.sections[key], *_documentation(keys, others)])
+        cls.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+            [_parameter(k.field, k.default) for k in keys] + [_parameter(n, None) for n in others]
+        )
+
+    def __init__(self, **values: object) -> None:
+        core = _core.Scenario()
+        # A mode that is set resets what another one has.
+        for field in sorted(values, key=lambda field: field != "mode"):
+            self._set(core, field, values[field])
+        self._core = core
+
+    def _set(self, core: _core.Scenario, field: str, value: object) -> None:
+        if field not in self._fields:
+            given = f"{self._name}.{field} = {shown(value)}"
+            hint = suggestion(field, self._fields)
+            raise ScenarioError(f"{given}: there is no such key; {hint}")
+        set_value(core, self._keys[field], value)
+
+    @classmethod
+    def view(cls: type[_S], core: Any, *held: Any) -> _S:
+        """The section of a scenario of the core, which nobody may change from then on.
+
+        `held` is the object that a section has beside its keys.
+        """
+        made = object.__new__(cls)
+        made._core = core
+        for slot, value in zip(cls.__slots__, held, strict=True):
+            setattr(made, slot, value)
+        return made
+
+    def as_dict(self) -> dict[str, Any]:
+        """The values by name."""
+        return {field: getattr(self, field) for field in self._fields}
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is type(self) and self.as_dict() == other.as_dict()
+
+    def __hash__(self) -> int:
+        return hash(tuple(self.as_dict().items()))
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{name}={value!r}" for name, value in self.as_dict().items())
+        return f"{type(self).__name__}({values})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _made, (type(self), self.as_dict())
+
+
+def _made(kind: type[_S], values: dict[str, Any]) -> _S:
+    return kind(**values)
+
+
+def _property(key: Key) -> property:
+    return property(lambda self: self._core.get(key.name), doc=_meaning(key))
+
+
+def _meaning(key: Key) -> str:
+    unit = "" if key.unit == "-" else f", {key.unit}"
+    return f"{key.meaning[:1].upper()}{key.meaning[1:]}{unit}; by default {shown(key.default)}."
+
+
+def kind_of(key: Key) -> str:
+    """The type of a key's values, as a docstring has it."""
+    if key.kind in ("real", "whole"):
+        return "float" if key.kind == "real" else "int"
+    words = "{" + ", ".join(f'"{word}"' for word in key.words) + "}"
+    return {"rate": f"float or {words}", "fields": "str or sequence of str"}.get(key.kind, words)
+
+
+def _documentation(keys: tuple[Key, ...], others: dict[str, str]) -> list[str]:
+    lines = ["", "Parameters", "----------"]
+    for key in keys:
+        lines += [f"{key.field} : {kind_of(key)}", *_indented(_meaning(key))]
+    for name, text in others.items():
+        kind, _, meaning = text.partition(": ")
+        lines += [f"{name} : {kind}", *_indented(meaning)]
+    return lines
+
+
+def _indented(text: str) -> list[str]:
+    return textwrap.wrap(text, 96, initial_indent="    ", subsequent_indent="    ")
+
+
+def _parameter(name: str, default: object) -> inspect.Parameter:
+    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default)

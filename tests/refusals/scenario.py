@@ -1,0 +1,435 @@
+"""What a scenario, its files, its effects and a field map are not."""
+
+import ctypes
+import math
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+from numba import cfunc
+
+import stickslip
+from measured_maps import formula_fields, formula_map, grid, write_csv
+from stickslip import (
+    COIL_NAMES,
+    Coil,
+    EffectParameter,
+    FieldMap,
+    Scenario,
+    ScenarioError,
+    Waveform,
+    load,
+    register_effect,
+)
+from stickslip.scenario.scenario import with_uncertain_of
+
+HEAD = "stickslip = 1\n[drive]\n"
+CSV = "t,xp,xm,yp,ym,clamp\n0,0,0,0,0,0\n1,1,0,0,0,0\n"
+PROGRAM = HEAD + 'mode = "program"\nfile = "v.csv"\n'
+ENDLESS = "1" + "0" * 5000
+
+
+def named(beginning, read, path):
+    """The error of a file, which begins with its name."""
+    with pytest.raises(ScenarioError) as refusal:
+        read(path)
+    assert str(refusal.value).startswith(beginning)
+    return str(refusal.value)
+
+
+def of_file(folder, text):
+    """A scenario's file, beside which there are voltages."""
+    path = folder / "my scenario.toml"
+    if isinstance(text, bytes):
+        path.write_bytes(text)
+    else:
+        path.write_text(text)
+    (folder / "v.csv").write_text(CSV)
+    return named(f"{path}: ", load, path)
+
+
+def of_voltages(folder, text):
+    """The CSV file of a scenario."""
+    (folder / "s.toml").write_text(PROGRAM)
+    if text is not None:
+        (folder / "v.csv").write_bytes(text if isinstance(text, bytes) else text.encode())
+    return named(f'{folder / "s.toml"}: drive.file = "v.csv": ', load, folder / "s.toml")
+
+
+def of_class(_, given):
+    """A class of this package by its name, with its arguments."""
+    name, arguments = given
+    getattr(stickslip, name)(**arguments)
+
+
+def of_waveform(_, given):
+    """A constructor of waveforms by its name, with its arguments."""
+    name, *arguments = given
+    getattr(Waveform, name)(*arguments)
+
+
+def of_hold(_, given):
+    """A method of a waveform of one second."""
+    name, argument = given
+    getattr(Waveform.hold(1.0, {}), name)(argument)
+
+
+def of_uncertain(_, table):
+    """What is uncertain."""
+    Scenario(uncertain=table)
+
+
+def of_uncertain_file(folder, text):
+    """A file with what is uncertain."""
+    (folder / "u.toml").write_text(text)
+    with_uncertain_of(Scenario(), folder / "u.toml")
+
+
+def of_effect(_, changes):
+    """An effect of one's own."""
+    given = {"name": "own", "function": lambda *_: None, "parameters": [PARAMETER], "meaning": "m"}
+    given |= changes
+    before = stickslip.effects()
+    try:
+        register_effect(given.pop("name"), given.pop("function"), given.pop("parameters"), **given)
+    finally:
+        assert stickslip.effects() == before
+
+
+def of_map(folder, changes):
+    """A field map of a small grid, of which some lines of the file are replaced."""
+    points = grid(count=(3, 3, 3))
+    path = write_csv(folder / "map.csv", points, formula_fields(points))
+    lines = path.read_text().splitlines()
+    for number, line in changes.items():
+        lines[number - 1] = line
+    path.write_text("\n".join(lines))
+    return named(f"{path}: ", FieldMap.from_file, path)
+
+
+def of_json(folder, text):
+    """A fitted map in a scenario."""
+    (folder / "map.json").write_text(text)
+    (folder / "s.toml").write_text(f'{HEAD}[coil]\nmap = "map.json"\n')
+    load(folder / "s.toml")
+
+
+def of_points(_, change):
+    """Measured fields in memory: what makes others of those of Table I's coils."""
+    points = grid(count=(3, 3, 3))
+    FieldMap.from_points(*change(points, formula_fields(points)))
+
+
+def of_scenario_with_map(_, changes):
+    """Keys beside a map."""
+    with_map = Scenario(coil=Coil(map=formula_map(count=(3, 3, 3))))
+    if isinstance(changes, Mapping):
+        with_map.replace(changes)
+    else:
+        with_map.with_uncertain({changes: {"mean": 0.1, "sd": 0.01}})
+
+
+def of_key(_, key):
+    """A key that is read."""
+    Scenario().get(key)
+
+
+def of_changes(_, changes):
+    """Values by key."""
+    Scenario().replace(changes)
+
+
+WAYS = {
+    "file": of_file,
+    "voltages": of_voltages,
+    "class": of_class,
+    "waveform": of_waveform,
+    "hold": of_hold,
+    "uncertain": of_uncertain,
+    "uncertain file": of_uncertain_file,
+    "effect": of_effect,
+    "map": of_map,
+    "json": of_json,
+    "points": of_points,
+    "with map": of_scenario_with_map,
+    "key": of_key,
+    "changes": of_changes,
+}
+
+PARAMETER = EffectParameter(name="k", unit="-", low=-1.0, high=1.0, meaning="of a test")
+
+
+def parameter(**changes):
+    """Parameters of an effect of which one is another."""
+    values = {name: getattr(PARAMETER, name) for name in ("name", "unit", "low", "high", "meaning")}
+    return {"parameters": [EffectParameter(**{**values, **changes})]}
+
+
+@cfunc("float64(float64)")
+def of_one_number(x):
+    """What no effect is."""
+    return x
+
+
+TWO = ["drag.linear", "robot.mass"]
+
+
+def covariance(matrix, keys=TWO):
+    """The tables of a covariance."""
+    return {"covariance": {"keys": keys, "matrix": matrix}}
+
+
+REFUSALS = [
+    ("file", "", ["is empty", "[drive]"]),
+    ("file", "\n \n", "is empty"),
+    ("file", HEAD + "frequency = = 3\n", ["not valid TOML", "line 3"]),
+    ("file", HEAD + "peak = 1\npeak = 2\n", ["not valid TOML", "line 4"]),
+    ("file", b"\x89PNG\r\n\x1a\n\xff\xfe" * 9, "is no text"),
+    ("file", b"\0" * 99, "not valid TOML"),
+    ("file", b"a" * (2 << 20), "is longer than"),
+    ("file", f"{HEAD}frequency = {ENDLESS}\n", "not valid TOML"),
+    ("file", f"{HEAD}x = {'[' * 9000}\n", "not valid TOML"),
+    ("file", "[drive]\n", '"stickslip = 1"'),
+    ("file", "stickslip = 2\n[drive]\n", ["stickslip = 2", "allowed is 1"]),
+    ("file", 'stickslip = "1"\n[drive]\n', 'stickslip = "1"'),
+    ("file", "stickslip = true\n[drive]\n", "stickslip = true"),
+    ("file", "stickslip_measurement = 1\n", "is a measurement"),
+    ("file", "stickslip = 1\n", "[drive] is missing"),
+    ("file", HEAD + "[contcat]\n", ["[contcat]", 'did you mean "contact"?']),
+    ("file", "stickslip = 1\ndrive = 3\n", ["drive = 3", "[drive]"]),
+    ("file", "stickslip = 1\n[[drive]]\n", ["drive = ", "[drive]"]),
+    ("file", HEAD + "freqency = 3\n", ["drive.freqency = 3", 'mean "drive.frequency"?']),
+    ("file", HEAD + "[effects.tilt_surface]\n", "effects.tilt_surface"),
+    ("file", HEAD + "[effects.surface_tilt]\nangel = 1\n", 'mean "effects.surface_tilt.angle"'),
+    ("file", "stickslip = 1\neffects = 3\n[drive]\n", "effects = 3"),
+    ("file", HEAD + "[effects]\neddy_lag = 3\n", "effects.eddy_lag = 3"),
+    ("file", HEAD + 'frequency = "30"\n', ['drive.frequency = "30"', "a number"]),
+    ("file", HEAD + "frequency = true\n", ["drive.frequency = true", "a number"]),
+    ("file", HEAD + "frequency = [1]\n", ["drive.frequency = [1]", "a number"]),
+    ("file", HEAD + "frequency = 2008-06-25\n", ["drive.frequency = ", "a number"]),
+    ("file", HEAD + "pulses = 1.5\n", ["drive.pulses = 1.5", "whole number"]),
+    ("file", HEAD + "pulses = 0\n", ["drive.pulses = 0", "from 1"]),
+    ("file", HEAD + "pulses = 1" + "0" * 400 + "\n", ["drive.pulses = 1", "whole"]),
+    ("file", HEAD + "frequency = -30\n", ["drive.frequency = -30", "from 1e-06"]),
+    ("file", HEAD + "peak = nan\n", ["drive.peak = nan", "from 0 to 1 T"]),
+    ("file", HEAD + "ramp = inf\n", ["drive.ramp = inf", "s"]),
+    ("file", HEAD + 'edge = "up"\n', ['drive.edge = "up"', '"rise", "fall"']),
+    ("file", HEAD + "mode = 1\n", ["drive.mode = 1", '"IPP", "OPP", "program"']),
+    ("file", HEAD + 'mode = "a\\u001b[31m\\nb"\n', r"drive.mode = "),
+    ("file", HEAD + "[contact]\nkinetic_friction = 0.5\n", "with contact.static_friction = 0.2"),
+    ("file", HEAD + "base = 3e-3\n", ["drive.peak", "drive.base"]),
+    ("file", HEAD + "edge_time = 0.01\n", ["drive.edge_time = 0.01", "period"]),
+    ("file", HEAD + "[record]\nrate = 0\n", ["record.rate = 0", "above 0"]),
+    ("file", HEAD + "[record]\nrate = nan\n", ["record.rate = nan", "above 0"]),
+    ("file", HEAD + '[record]\nrate = "all"\n', ['record.rate = "all"', '"events"']),
+    ("file", HEAD + "[record]\nrate = 1e9\n", ["record.rate = 1e+09", "1e9"]),
+    ("file", HEAD + "[record]\nfrom = 2\n", ["record.from = 2", "the duration of the run"]),
+    ("file", HEAD + '[record]\nfields = "x, tetha"\n', 'did you mean "theta"?'),
+    ("file", HEAD + '[record]\nfields = ""\n', "record.fields"),
+    ("file", HEAD + "[initial]\nz = -1\n", ["initial.z = -1", "from 0 to 100 m"]),
+    ("file", HEAD + "[coil]\nxp = 3", "coil.xp = 3: allowed is a table [coil.xp]"),
+    ("file", HEAD + "[coil.xq]\nturns = 3", ["coil.xq = { turns = 3 }", "did you mean"]),
+    ("file", HEAD + "[coil.xp]\nturn = 3", "coil.xp.turn = 3: there is no such key; did you mean"),
+    ("file", HEAD + "[coil.xp]\nturns = -3", "coil.xp.turns = -3: allowed is a number from 0.001"),
+    ("file", HEAD + "[coil]\nmap = 3", "coil.map = 3"),
+    ("file", HEAD + '[coil]\nmap = "no.csv"', ["no.csv", "No such file"]),
+    ("file", HEAD + 'mode = "program"\n', ["drive.mode", "drive.file"]),
+    ("file", PROGRAM + "heading = 0.5\n", ["drive.heading", '"program"']),
+    ("file", PROGRAM + 'coils = "pairs"\n', ["drive.coils", '"program"']),
+    ("file", PROGRAM + "pulses = 3\n", ["drive.pulses", "drive.file"]),
+    ("file", HEAD + 'file = "v.csv"\n', ['drive.mode = "IPP"', '"program"']),
+    ("file", HEAD + 'program = "v.csv"\n', ["drive.program", "drive.file", '"program"']),
+    ("file", HEAD + "file = 3\n", ["drive.file = 3", "path"]),
+    ("file", PROGRAM.replace("v.csv", "v\\u0000"), ["v\\u0000", "NUL"]),
+    ("file", PROGRAM.replace("v.csv", "/dev/zero"), ["/dev/zero", "device"]),
+    ("file", HEAD + "[uncertain]\ndrag.linear = { mean = 1, sd = 1 }\n", "quotation marks"),
+    ("voltages", None, "No such file"),
+    ("voltages", "", "is empty"),
+    ("voltages", "t,xp,xm,yp,ym,clamp\n", ["0 rows", "two points or more"]),
+    ("voltages", "t,xp,xm,yp,ym,clamp\n0,0,0,0,0,0\n", ["1 rows", "two points or more"]),
+    ("voltages", "t,xp,xm,yp,ym\n0,0,0,0,0\n", ["row 1", "column clamp is missing"]),
+    ("voltages", "0,0,0,0,0,0\n1,0,0,0,0,0\n", ["row 1", "column t is missing"]),
+    ("voltages", "t,xp,xm,yp,ym,clamp,zp\n0,0,0,0,0,0,0\n", ["row 1", '"zp"', "no such"]),
+    ("voltages", "t,xp,xm,yp,ym,clamp,xp\n0,0,0,0,0,0,0\n", ["row 1", "xp", "twice"]),
+    ("voltages", CSV.replace("clamp", "Clmap"), ["column clamp", '"Clmap" may be meant']),
+    ("voltages", CSV.replace("xp", "xp (mA)"), ["xp (mA)", "the unit is not known", "mV"]),
+    ("voltages", CSV.replace(",", " "), ["row 1", "column t is missing"]),
+    ("voltages", CSV + "0.5,0,0,0,0,0\n", ["row 4", "t = 0.5 s follows 1.0 s"]),
+    ("voltages", "# of Monday\n\n" + CSV + "0.5,0,0,0,0,0\n", ["row 6", "t = 0.5"]),
+    ("voltages", CSV.replace("\n0,", "\n0.5,"), ["row 2", "t = 0.5", "0 s"]),
+    ("voltages", CSV.replace("\n1,", "\n0,"), ["row 3", "t = 0.0", "above 0"]),
+    ("voltages", CSV + "2,0,nan,0,0,0\n", ["row 4", "column xm", "nan", "finite", "V"]),
+    ("voltages", CSV + "2,0,0,0,0,-inf\n", ["row 4", "column clamp", "-inf", "finite"]),
+    ("voltages", CSV + "2,0,0,off,0,0\n", ["row 4", "column yp", "off", "finite"]),
+    ("voltages", CSV + "2,0,0,0,,0\n", ["row 4", "column ym", "finite"]),
+    ("voltages", CSV + "later,0,0,0,0,0\n", ["row 4", "column t", "later", "of s"]),
+    ("voltages", CSV + "2,0,0\n", ["row 4", "3 cells", "6"]),
+    ("voltages", CSV + "2,0,0,0,0,0,0\n", ["row 4", "7 cells", "6"]),
+    ("voltages", CSV + '2,"a\nb",0,0,0,0\n', ["row 4", "2 cells"]),
+    ("voltages", CSV + "1,2,0,0,0,0\n1,3,0,0,0,0\n", ["row 5", "third point at t = 1.0"]),
+    ("voltages", b"\x89PNG\r\n\x1a\n\xff\xfe" * 9, "byte 1 is not UTF-8"),
+    ("voltages", b"\0" * 20_000, "row 1"),
+    ("class", ("Drive", {"frequency": -1.0}), ["drive.frequency = -1.0", "from 1e-06"]),
+    ("class", ("Drive", {"frequency": "3"}), ['drive.frequency = "3"', "a number"]),
+    ("class", ("Drive", {"frequency": True}), ["drive.frequency = true", "a number"]),
+    ("class", ("Drive", {"frequency": np.True_}), ["drive.frequency = ", "a number"]),
+    ("class", ("Drive", {"frequency": None}), ["drive.frequency = None", "a number"]),
+    ("class", ("Drive", {"frequency": math.nan}), "drive.frequency = nan"),
+    ("class", ("Drive", {"pulses": 10**400}), ["drive.pulses = 1000", "whole number"]),
+    ("class", ("Drive", {"mode": "ipp"}), ['drive.mode = "ipp"', '"IPP", "OPP", "program"']),
+    ("class", ("Drive", {"mode": "a\nb" * 1000}), 'drive.mode = "a'),
+    ("class", ("Drive", {"program": "file.csv"}), ["drive.program", "Waveform"]),
+    ("class", ("Drive", {"freqency": 3}), ["drive.freqency = 3", 'mean "frequency"']),
+    ("class", ("Contact", {"friction": 0.2}), "contact.friction = 0.2"),
+    ("class", ("Coil", {"side": math.inf}), ["coil.side = inf", "from 1e-06 to 100 m"]),
+    ("class", ("Coil", {"map": "map.csv"}), ['coil.map = "map.csv"', "FieldMap.from_file"]),
+    ("class", ("Coil", {"xp": 3}), "coil.xp = 3: allowed is a table"),
+    ("class", ("Record", {"rate": 0}), ["record.rate = 0", '"events"']),
+    ("class", ("Record", {"fields": ["x", 3]}), "record.fields"),
+    ("class", ("State", {"contact": "rolls"}), ["initial.contact", '"flight"']),
+    ("class", ("Scenario", {"drive": {"frequency": 3.0}}), ["drive = ", "a Drive"]),
+    ("class", ("Scenario", {"effects": {"surface_tlt": {}}}), 'did you mean "surface_tilt"?'),
+    ("class", ("Scenario", {"effects": {"surface_tilt": 3}}), "effects.surface_tilt = 3"),
+    ("class", ("Scenario", {"effects": []}), "effects = []"),
+    ("class", ("Prior", {"kind": "gaussian"}), ["kind of a prior", "normal"]),
+    ("class", ("Prior", {"kind": "normal", "first": 1.0, "second": 0.0}), "sd = 0.0"),
+    ("waveform", ("from_points", [0.0], np.zeros((1, 5))), "two points or more"),
+    ("waveform", ("from_points", [0.0, 0.0], np.zeros((2, 5))), "no duration"),
+    ("waveform", ("from_points", [0.1, 0.2], np.zeros((2, 5))), "has to be at 0"),
+    ("waveform", ("from_points", [0, 2, 1], np.zeros((3, 5))), "must not fall"),
+    (
+        "waveform",
+        ("from_points", [0, 1, 1, 1, 2], np.arange(25.0).reshape(5, 5)),
+        "point 4: third point at t = 1.0: allowed are two, a jump",
+    ),
+    ("waveform", ("from_points", [0, np.nan], np.zeros((2, 5))), "finite"),
+    ("waveform", ("from_points", [0, 1], np.full((2, 5), np.inf)), "finite"),
+    ("waveform", ("from_points", [0, 1], np.zeros((2, 4))), "(n, 5)"),
+    ("waveform", ("hold", 1.0, {"clmap": 3.0}), ["coil 'clmap'", 'did you mean "clamp"?']),
+    ("waveform", ("hold", 1.0, [1.0, 2.0]), "2 voltages"),
+    ("waveform", ("hold", 1.0, 2.0), "1 voltages"),
+    ("waveform", ("hold", 1.0, {"xp": "3"}), "voltages: '3': allowed are finite numbers"),
+    ("waveform", ("hold", "1", {}), "duration = '1': allowed is a finite number of s"),
+    ("waveform", ("sawtooth", np.inf, {}, {}), "period = inf: allowed is a finite number"),
+    ("waveform", ("sawtooth", 1.0, {}, {}, "up"), "edge"),
+    ("waveform", ("sawtooth", 1.0, {}, {}, "rise", "a"), "edge_time = 'a': allowed is"),
+    ("waveform", ("sawtooth", 1.0, {}, {}, "rise", 1.0), "edge_time"),
+    ("hold", ("after", "0.1"), "t = '0.1': allowed is from 0"),
+    ("hold", ("repeat", 0), "whole number"),
+    ("hold", ("repeat", True), "whole number"),
+    ("hold", ("voltages", 1.5), "from 0 to 1 s"),
+    ("hold", ("voltages", np.nan), "from 0 to 1 s"),
+    ("uncertain", {}, "is empty"),
+    ("uncertain", 3, "allowed is a section"),
+    ("uncertain", {"covarience": covariance(np.eye(2))["covariance"]}, "covarience"),
+    ("uncertain", covariance([], []), "is empty"),
+    ("uncertain", {"drag.liner": {"mean": 1.0, "sd": 1.0}}, 'did you mean "drag.linear"'),
+    ("uncertain", {"drive.peak": {"mean": 1e-3, "sd": 1e-4}}, "constant of the model"),
+    ("uncertain", {"drag.linear": {"mean": 1.0}}, "allowed is { mean, sd }"),
+    ("uncertain", {"robot.mass": {"mean": -1.0, "sd": 1.0}}, "allowed is a number from"),
+    ("uncertain", {"covariance": 3}, "allowed is a section"),
+    ("uncertain", {"covariance": {"key": TWO}}, "with keys and matrix"),
+    ("uncertain", {"covariance": {"keys": TWO}}, "with keys and matrix"),
+    ("uncertain", covariance([[1.0]], "drag.linear"), "a list of keys"),
+    ("uncertain", covariance([[1.0]], ["drag.liner"]), 'mean "drag.linear"'),
+    ("uncertain", covariance([[1.0]], ["drive.pulses"]), "constant of the model"),
+    ("uncertain", covariance(np.eye(2), TWO[:1] * 2), "is there twice"),
+    ("uncertain", covariance([[1.0, 0.0]]), "symmetric one of 2 x 2 numbers"),
+    ("uncertain", covariance([[1.0], [0.0]]), "symmetric one of 2 x 2 numbers"),
+    ("uncertain", covariance([[1.0, "a"], [0.0, 1.0]]), "symmetric one of 2 x 2 numbers"),
+    ("uncertain", covariance([[1.0, math.nan], [0.0, 1.0]]), "symmetric one of 2 x 2 numbers"),
+    ("uncertain", covariance([[-1.0, 0.0], [0.0, 1.0]]), "without an eigenvalue below zero"),
+    ("uncertain", covariance([[0.0, 0.1], [0.1, 1.0]]), "without an eigenvalue below zero"),
+    ("uncertain", covariance([[1.0, 0.2], [0.1, 1.0]]), "symmetric one of 2 x 2 numbers"),
+    ("uncertain", covariance([[1.0, 2.0], [2.0, 1.0]]), "without an eigenvalue below zero"),
+    (
+        "uncertain",
+        {**covariance([[1e-12]], ["drag.linear"]), "drag.linear": {"mean": 1e-5, "sd": 1e-6}},
+        "is there twice",
+    ),
+    ("uncertain file", "stickslip = 1\n[drive]\n", "u.toml: there is no section [uncertain]"),
+    ("effect", {"name": "surface_tilt"}, "the model has one of this name itself"),
+    ("effect", {"name": "my effect"}, "letters, digits and _"),
+    ("effect", {"name": ""}, "letters, digits and _"),
+    ("effect", {"name": 3}, "allowed is a text"),
+    ("effect", {"meaning": None}, "allowed is a text"),
+    ("effect", {"source": 1}, "allowed is a text"),
+    ("effect", {"parameters": []}, "needs a parameter"),
+    ("effect", {"parameters": 3}, "a list of EffectParameter"),
+    ("effect", {"parameters": ["k"]}, "allowed is an EffectParameter"),
+    ("effect", {"parameters": 2 * [PARAMETER]}, '"k": is given twice'),
+    ("effect", parameter(name="a.b"), "letters, digits and _"),
+    ("effect", parameter(low=1, high=0), "low below the high"),
+    ("effect", parameter(high=math.inf), "finite ends"),
+    ("effect", parameter(default=2), "outside its range"),
+    ("effect", parameter(default=math.nan), "outside its range"),
+    ("effect", parameter(low=False), "allowed is a number"),
+    ("effect", parameter(unit=1), "unit = 1: allowed is a text"),
+    ("effect", {"function": None}, "allowed is an address"),
+    ("effect", {"function": "f"}, "allowed is an address"),
+    ("effect", {"function": True}, "allowed is an address"),
+    ("effect", {"function": 0}, "there can be no function"),
+    ("effect", {"function": -8}, "there can be no function"),
+    ("effect", {"function": 2**64}, "there can be no function"),
+    ("effect", {"function": type("A", (), {"address": "here"})()}, "allowed is an address"),
+    (
+        "effect",
+        {"function": ctypes.CFUNCTYPE(None, ctypes.c_void_p)(lambda *arguments: None)},
+        "other arguments",
+    ),
+    ("effect", {"function": of_one_number}, "other arguments"),
+    ("map", {2: "0,0,0,zp,0,0,0"}, ["row 2, column coil", "one of xp, xm"]),
+    ("map", {3: "0,0,lost,xp,0,0,0"}, ["row 3, column z", "lost", "finite number of m"]),
+    ("map", {4: "0,0,0,xp,0,0,nan"}, ["row 4, column Bz", "finite number of T/A"]),
+    ("map", {1: "x,y,z,coil,Bx,By"}, "the column Bz is missing"),
+    ("map", {1: "x (mT),y,z,coil,Bx,By,Bz"}, "the unit is not known"),
+    ("map", {2: "8,0,0,xp,0,0,0"}, ["row 2", "x = 8.0", "millimetres"]),
+    ("map", {2: "0,0,0,xp,0.5,0,0"}, ["row 2", "Bx = 0.5", "mT/A"]),
+    ("json", "{}", ["coil.map", "is no fitted map"]),
+    ("json", "[" * 99_999, "is no fitted map"),
+    ("json", '{"low": [0, 1e999]}', "is no fitted map"),
+    ("points", lambda points, fields: ("text", fields), "points and fields: allowed are numbers"),
+    ("points", lambda points, fields: ([[10**400, 0, 0]], fields), "allowed are numbers"),
+    ("points", lambda points, fields: (points[:3], fields), "of shape (3, 3)"),
+    ("points", lambda points, fields: (points[:7], fields[:7]), "7 points: allowed are 8 or more"),
+    ("points", lambda points, fields: (points, -fields), "with the other sign"),
+    ("points", lambda points, fields: (points, fields[:, :, ::-1]), "columns that are exchanged"),
+    (
+        "points",
+        lambda points, fields: (points + np.array([0.1, 0, 0]), fields),
+        "hold the place x = y = z",
+    ),
+    ("points", lambda points, fields: (points * [1, 1, 0], fields), "z = 0.0 m at all points"),
+    ("points", lambda points, fields: (points, np.full_like(fields, np.nan)), "Bx = nan"),
+    ("with map", {"coil.turns": 400.0}, "coil.turns = 400: allowed beside coil.map"),
+    ("with map", {"coil.clamp.side": 0.1}, "coil.clamp.side = 0.1: allowed beside coil.map"),
+    ("with map", {"coil.map": "map.csv"}, "FieldMap.from_file"),
+    ("with map", "coil.side", "coil.side: cannot be uncertain beside coil.map"),
+    ("with map", "coil.clamp.distance", "cannot be uncertain beside coil.map"),
+    ("key", "drive.mod", 'did you mean "drive.mode"?'),
+    ("key", "DRIVE.EDGE", 'did you mean "drive.edge"?'),
+    ("key", "drive.file", "drive.program takes a Waveform"),
+    ("changes", {"drive.freqency": 3}, "drive.freqency = 3: there is no such key; did you mean"),
+    ("changes", {"frequency": 3.0}, 'did you mean "drive.frequency"?'),
+    ("changes", {"drive": 3}, "drive = 3"),
+    ("changes", {"": 3}, "there is no such key"),
+    ("changes", {3: 3}, "there is no such key"),
+    ("changes", {"drive.clamp": "dwon"}, 'did you mean "down"?'),
+    ("changes", {"drive.heading": 30}, "30 degrees are 0.5236 rad"),
+    ("changes", {"surface_tilt.angle": -20}, "-20 degrees are -0.3491 rad"),
+    ("changes", {"robot.length": 0.25}, "0.25 mm are 0.00025 m"),
+    ("changes", {"robot.width": 130}, "130 um are 0.00013 m"),
+    ("changes", {"robot.mass": 25.6}, "25.6 ug are 2.56e-08 kg"),
+    ("changes", {"drive.file": "v.csv"}, "Waveform.from_csv"),
+    *(
+        ("changes", {f"coil.{coil}.side": 1e-9}, f"coil.{coil}.side = 1e-09: allowed is a number")
+        for coil in COIL_NAMES
+    ),
+    ("changes", {"effects.sample_hold.period": 1e-12}, "0 (none) or at"),
+    ("changes", {"solver.max_step": 1e-12}, "0 (no limit) or at least"),
+    ("changes", {"solver.max_step": 5e-5, "solver.max_steps": 1000}, "steps = 1000"),
+    ("changes", {"drive.pulses": 10**9}, "drive.pulses = 1e+09: allowed is at most 5e+08"),
+    ("changes", {"robot.mass": 1e-300}, "from 1e-18"),
+    ("changes", {"coil.turns": 1e-4}, "from 0.001"),
+    ("changes", {"solver.max_steps": 0}, "from 1"),
+]

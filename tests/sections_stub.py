@@ -1,0 +1,95 @@
+"""Makes `sections.pyi` from the core's table of keys: ``python tests/sections_stub.py``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from stickslip import COIL_NAMES
+from stickslip.scenario.keys import Key, keys_of
+from stickslip.scenario.sections import SECTIONS
+
+FILE = Path(__file__).parents[1] / "python" / "stickslip" / "scenario" / "sections.pyi"
+
+HEAD = """\
+# Made by tests/sections_stub.py from the core's table of keys.
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal, NamedTuple
+
+from stickslip.field.field_map import FieldMap
+from stickslip.scenario.section import Section
+from stickslip.scenario.waveform import Waveform
+
+STATE_COLUMNS: tuple[str, ...]
+CONTACT_WORDS: tuple[str, ...]
+SECTIONS: dict[str, type[Any]]
+"""
+
+BY_HAND = {
+    "Drive": """\
+    @property
+    def program(self) -> Waveform | None: ...
+    @property
+    def facing(self) -> float: ...
+""",
+    "Coil": """\
+    @property
+    def map(self) -> FieldMap | None: ...
+    def own_values(self) -> dict[str, float]: ...
+"""
+    + "".join(f"    @property\n    def {name}(self) -> OneCoil: ...\n" for name in COIL_NAMES),
+    "State": """\
+    @property
+    def row(self) -> list[float]: ...
+    @staticmethod
+    def from_row(row: Any) -> State: ...
+""",
+}
+"""What the classes have beside the keys of the table."""
+
+ARGUMENTS = {
+    "Drive": ["program: Waveform | None = None"],
+    "Coil": [
+        "map: FieldMap | None = None",
+        *(f"{name}: Mapping[str, float] | OneCoil | None = None" for name in COIL_NAMES),
+    ],
+}
+
+
+def annotation(key: Key) -> str:
+    """The type of the values of a key."""
+    words = "Literal[" + ", ".join(f'"{word}"' for word in key.words) + "]"
+    return {"real": "float", "whole": "int", "rate": f"float | {words}", "fields": "str"}.get(
+        key.kind, words
+    )
+
+
+def class_text(name: str) -> str:
+    """The stub of one class."""
+    kind = SECTIONS[name]
+    keys = keys_of(name)
+    arguments = []
+    for key in keys:
+        more = " | Sequence[str]" if key.kind == "fields" else ""
+        arguments.append(f"{key.field}: {annotation(key)}{more} = {default(key)}")
+    arguments += ARGUMENTS.get(kind.__name__, [])
+    lines = [f'class {kind.__name__}(Section, key="{name}"):', "    def __init__(", "        self,"]
+    lines += ["        *,", *(f"        {each}," for each in arguments), "    ) -> None: ..."]
+    for key in keys:
+        lines += ["    @property", f"    def {key.field}(self) -> {annotation(key)}: ..."]
+    return "\n".join(lines) + "\n" + BY_HAND.get(kind.__name__, "")
+
+
+def default(key: Key) -> str:
+    """The default value of a key."""
+    return f'"{key.default}"' if isinstance(key.default, str) else repr(key.default)
+
+
+def stub_text() -> str:
+    """The whole file."""
+    values = "".join(f"    {key.field}: float\n" for key in keys_of("coil.xp"))
+    classes = [f"class OneCoil(NamedTuple):\n{values}", *map(class_text, SECTIONS)]
+    return "\n".join([HEAD, *classes])
+
+
+if __name__ == "__main__":
+    FILE.write_text(stub_text())
