@@ -29,7 +29,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from instrument_files import write_all
-from stickslip import _core
 
 ROOT = Path(__file__).parents[1]
 LANGUAGES = ("python", "console", "text", "toml", "csv", "sh", "cpp")
@@ -134,8 +133,6 @@ def play(page: Path) -> Iterator[Path]:
             yield folder
         finally:
             os.chdir(before)
-            for effect in _core.registered_effects():
-                _core.unregister_effect(effect)
 
 
 def _run(sequence: list[Block], folder: Path) -> None:
