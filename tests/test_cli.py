@@ -18,7 +18,7 @@ from command_line import COMMAND, check, ended_at_the_bar, stickslip, stickslip_
 from refusals.cli import REFUSALS, contents, lay_out
 from stickslip import COIL_NAMES, Scenario, effects, load, open_run, simulate
 from stickslip.cli.commands import COMMANDS
-from stickslip.simulation.columns import COLUMNS, NUMBERS, PLANE_COLUMNS
+from stickslip.simulation.quantities import COLUMNS, NUMBERS, PLANE_COLUMNS
 
 TEXT = "stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 12\n"
 
