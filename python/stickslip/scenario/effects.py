@@ -1,4 +1,4 @@
-"""The named extensions of the model, and those that a user adds: a force given by a function."""
+"""The effects of the model, and those that a user adds: a force given by a function."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _FUNCTION_OF_CTYPES: Any = ctypes.CFUNCTYPE(None).__base__
 
 @dataclass(frozen=True)
 class Effect:
-    """A named extension of the model.
+    """An effect of the model.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class Effect:
     source : str
         Where its equation is from.
     parameters : tuple of Key
-        Its parameters with units and ranges. The extension is absent while all of them have their
+        Its parameters with units and ranges. The effect is absent while all of them have their
         default.
     """
 
@@ -46,7 +46,7 @@ class Effect:
 
 @until_registration
 def effects() -> tuple[Effect, ...]:
-    """All named extensions of the model, and after them those of `register_effect`.
+    """All effects of the model, and after them those of `register_effect`.
 
     Returns
     -------
@@ -70,7 +70,7 @@ def effects() -> tuple[Effect, ...]:
 
 
 def is_free_shape(name: str) -> bool:
-    """Whether the model's own extension `name` is a curve of free shape at a place of the model.
+    """Whether the model's own effect `name` is a curve of free shape at a place of the model.
 
     Its parameters are a ``span`` and the knots ``knot_1`` to ``knot_5``; see `theory/effects.md`.
     """
@@ -78,7 +78,7 @@ def is_free_shape(name: str) -> bool:
 
 
 def suggested_effect(name: str, others: Iterable[str] = ()) -> str:
-    """Which extension `name` was probably meant to be, or all that could have been.
+    """Which effect `name` was probably meant to be, or all that could have been.
 
     Those of a free shape are many and alike, and are not listed. `others` are words that may be
     meant too.
@@ -91,14 +91,14 @@ def suggested_effect(name: str, others: Iterable[str] = ()) -> str:
 def flat_effects(settings: object) -> dict[str, Any]:
     """Values by dotted key of ``{name: {parameter: value}}``, as `Scenario` takes effects."""
     if not isinstance(settings, Mapping):
-        refuse("effects", settings, "a table [effects.<name>] for each extension")
+        refuse("effects", settings, "a table [effects.<name>] for each effect")
     names = [effect.name for effect in effects()]
     values: dict[str, Any] = {}
     for name, parameters in settings.items():
         if name not in names:
             hint = suggested_effect(str(name))
             raise ScenarioError(
-                f"effects.{name} = {shown(parameters)}: there is no such extension; {hint}; "
+                f"effects.{name} = {shown(parameters)}: there is no such effect; {hint}; "
                 "one of your own has to be registered first"
             )
         if not isinstance(parameters, Mapping):

@@ -87,7 +87,7 @@ class Scenario:
         paper leaves open has a default of this package: base, hold, edge and clamp of the drive,
         the numbers and durations of its pulses and ramps, and everything that is zero.
     effects : mapping
-        Named extensions of the model: ``{name: {parameter: value}}``; see `stickslip.effects`.
+        Effects: ``{name: {parameter: value}}``; see `stickslip.effects`.
     uncertain : JointPrior, optional
         What is not known exactly, also as the tables of ``[uncertain]``. `simulate` and `sweep`
         take the values of the keys; `draws` draws.
@@ -166,9 +166,9 @@ class Scenario:
 
     @property
     def effects(self) -> Mapping[str, Mapping[str, float]]:
-        """Settings of the named extensions, ``{name: {parameter: value}}``, without defaults.
+        """Settings of the effects, ``{name: {parameter: value}}``, without defaults.
 
-        An extension that does nothing and none at all are the same settings.
+        An effect that does nothing and none at all are the same settings.
         """
         found: dict[str, dict[str, float]] = {}
         for key, value in sorted(self._core.changed().items()):
@@ -227,7 +227,7 @@ class Scenario:
 
     @staticmethod
     def keys() -> tuple[str, ...]:
-        """All dotted keys that hold a number or a word, including those of every extension."""
+        """All dotted keys that hold a number or a word, including those of every effect."""
         return tuple(known_keys())
 
     def get(self, key: str) -> Value:
