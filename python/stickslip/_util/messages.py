@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import difflib
+import math
 import numbers
 from collections.abc import Iterable, Mapping
 from os import PathLike
 from typing import NoReturn
 
-from stickslip._util.text import quoted
+from stickslip._util.text import is_number, quoted
 from stickslip.errors import ScenarioError
 
 _LONGEST_SHOWN = 60  # characters of a value in an error; chosen: the error stays one line
@@ -44,6 +45,12 @@ def check_whole(name: str, value: object, least: int = 0) -> None:
     """Refuse what is not a whole number from `least`."""
     if isinstance(value, bool) or not isinstance(value, numbers.Integral) or value < least:
         refuse(name, value, f"a whole number from {least}")
+
+
+def check_above_zero(name: str, value: object, unit: str) -> None:
+    """Refuse what is not a finite number above 0."""
+    if not (is_number(value) and 0.0 < value < math.inf):
+        refuse(name, value, f"a finite number of {unit} above 0")
 
 
 def check_kind(name: str, value: object, kind: type) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import numbers
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
@@ -50,8 +51,8 @@ def quoted(text: str) -> str:
 
 
 def is_number(value: object) -> TypeGuard[float]:
-    """Whether a value of a TOML file is a number; True and False are none."""
-    return isinstance(value, int | float) and not isinstance(value, bool)
+    """Whether a value is a real number; True and False are none."""
+    return isinstance(value, numbers.Real) and not isinstance(value, bool)
 
 
 def number(cell: str, below: float = math.inf) -> float:

@@ -45,7 +45,7 @@ def load_uncertain(
     scenario, read = load_with(path, set)
     drawn = scenario if uncertain is None else with_uncertain_of(scenario, uncertain)
     priors = {} if drawn.uncertain is None else drawn.uncertain.priors
-    for key in set.keys() - {*PATHS}:
-        if key in priors or drawn.get(key) != scenario.get(key):
+    for key in set:
+        if key not in PATHS and (key in priors or drawn.get(key) != scenario.get(key)):
             raise ScenarioError(f"--set {key}: has no influence, as it is uncertain")
     return drawn, read if uncertain is None else [*read, uncertain]

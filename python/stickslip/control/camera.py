@@ -8,10 +8,9 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from stickslip._util.messages import check_kind, refuse
+from stickslip._util.messages import check_above_zero, check_kind, refuse
 from stickslip._util.numbers import Array
 from stickslip._util.text import is_number
-from stickslip.control.checks import check_above_zero
 from stickslip.errors import ScenarioError
 
 

@@ -10,17 +10,22 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip._util.extras import naming_the_extra
-from stickslip._util.numbers import Array, Indices, Mask
+from stickslip._util.numbers import Array, Indices, Mask, numbers_of, worker_count
 
 with naming_the_extra("stickslip.control.environments"):
     import gymnasium
     from gymnasium.vector import AutoresetMode
 
 from stickslip import _core
-from stickslip._util.messages import check_kind, check_whole, refuse, shown, suggestion
-from stickslip._util.numbers import worker_count
+from stickslip._util.messages import (
+    check_above_zero,
+    check_kind,
+    check_whole,
+    refuse,
+    shown,
+    suggestion,
+)
 from stickslip.control.camera import Camera, Film
-from stickslip.control.checks import check_above_zero, numbers_of
 from stickslip.control.path import Path
 from stickslip.control.steering import heading_voltages
 from stickslip.control.tasks import TASKS, Targets

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip._util.numbers import Array
-from stickslip.control.checks import check_above_zero, numbers_of
+from stickslip._util.messages import check_above_zero
+from stickslip._util.numbers import Array, numbers_of
 from stickslip.errors import ScenarioError
 
 _BEHIND, _AHEAD = 0.2e-3, 0.6e-3  # chosen: m, where along the path a robot is looked for

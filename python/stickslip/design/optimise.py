@@ -36,7 +36,6 @@ NEAR, LOSS, RISE = 0.05, 0.1, 0.01
 part `LOSS` of the score, and a slope at a limit gains more than `RISE` beyond it. All chosen."""
 
 _MOST_MOVES = 4  # chosen: each costs a whole landscape
-_SEARCHING, _CHOOSING, _FRESH, _LANDSCAPE = range(4)  # streams of draws of one seed
 
 
 def optimise(

@@ -25,13 +25,13 @@ from stickslip.scenario.keys import (
 )
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.waveform import Waveform
+from stickslip.simulation.scenario_notes import STEADY_PULSES
 
 Values = Mapping[str, Value]
 """A drive by what is free of it: words and numbers by key, and knots such as "xp 3", V."""
 
 _DECADE = 10.0  # ratio of the ends of a range that is searched in its logarithm
 _OF_A_PROGRAM = ("drive.frequency", "drive.ramp")  # what a free waveform uses of a sawtooth
-_FEWEST = 4  # pulses where the frequency is free: the speed is measured after the third
 _MOST_KNOTS = 200  # of a coil; chosen: far more than a search of some thousand runs can place
 
 
@@ -107,7 +107,7 @@ class Space:
             return dict(values)
         drive = self.start.drive
         pulses = round(drive.pulses * float(values["drive.frequency"]) / drive.frequency)
-        return {**values, "drive.pulses": max(_FEWEST, pulses)}
+        return {**values, "drive.pulses": max(STEADY_PULSES, pulses)}
 
     def nearest(self, sawtooth: Values) -> dict[str, Value]:
         """A sawtooth as near to another as what is free allows; all else is as at the start.

@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip import _core
 from stickslip._util.messages import shown
-from stickslip._util.numbers import Array
+from stickslip._util.numbers import Array, root_mean_square
 from stickslip.errors import ScenarioError
 
 FEWEST = 8
@@ -111,8 +111,8 @@ class _Basis:
         solution = np.linalg.solve(self._r[:count, :count], shares[:count])
         return CoilFit(
             solution / self._scale[:count],
-            float(np.sqrt(np.mean(left**2))),
-            float(np.sqrt(np.mean(values**2))),
+            root_mean_square(left),
+            root_mean_square(values),
             len(fields),
             int(np.argmax(np.sum(left.reshape(-1, 3) ** 2, axis=1))),
         )

@@ -19,7 +19,6 @@ Value = float | int | str
 """What a key of a scenario can hold."""
 
 RECORD_RATE = "record.rate"
-RECORD_FIELDS = "record.fields"
 
 PREFIX = "effects."
 
@@ -243,9 +242,3 @@ def _other_unit(key: Key, value: object) -> str:
     unit, factor = unit_meant(key.unit, abs(given) / usual, math.inf) or ("", math.nan)
     within = key.low <= given / factor <= key.high
     return f"; {given:g} {unit} are {given / factor:g} {key.unit}" if within else ""
-
-
-def recorded_fields(fields: str) -> tuple[str, ...]:
-    """The quantities that a value of `RECORD_FIELDS` keeps, t first."""
-    kept = {"t", *fields.split(", ")}
-    return tuple(name for name in _core.record_columns if name in kept or fields == "all")

@@ -40,12 +40,6 @@ SUFFIXES = (*NETCDF_SUFFIXES, ".csv")
 """Suffixes of the files that a run can be saved as."""
 
 
-def resting_force(scenario: Scenario) -> float:
-    """Normal force on a body that lies still without field: weight and adhesion, N."""
-    weight = scenario.robot.mass * scenario.environment.gravity
-    return weight + scenario.contact.adhesion
-
-
 class Run:
     """One simulation's result. SI units and radians; x and velocities in the world's frame.
 

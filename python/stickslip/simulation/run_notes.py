@@ -13,8 +13,8 @@ from stickslip.scenario.waveform import Waveform
 from stickslip.simulation.note import Note, by_seriousness
 from stickslip.simulation.scenario_notes import (
     pulses_measured,
+    resting_force,
     scenario_notes,
-    weight,
     without_pulses,
 )
 from stickslip.simulation.unit_notes import DEFAULTS
@@ -108,7 +108,7 @@ def _advice(scenario: Scenario, code: str) -> str:
     """What to do about a limit; other keys of a program than of a sawtooth."""
     drive, program = scenario.drive, _is_program(scenario)
     if code == "flight":
-        if weight(scenario) + scenario.contact.adhesion == 0.0:
+        if resting_force(scenario) == 0.0:
             return "without weight and adhesion nothing holds it down"
         if program:
             return "let its voltages swing by less"
@@ -278,7 +278,7 @@ def _trials(
         text = f"no field across its moment tips it; it walks with {_in_words(changes)}"
         yield "rest-torque", changes, text, torque
     friction, drag = scenario.contact.static_friction, scenario.drag
-    pressed = weight(scenario) + scenario.contact.adhesion
+    pressed = resting_force(scenario)
     text = (
         f"friction holds it, contact.static_friction = {friction:g} with "
         f"{friction * pressed:.3g} N under weight and adhesion of {pressed:.3g} N; with a quarter "
@@ -316,7 +316,7 @@ def _holding_torque(scenario: Scenario, summary: Mapping[str, Any]) -> float:
     """Of weight and adhesion about the corner that a robot on a face would tip on, N m."""
     stands = abs(math.sin(summary["theta_max"])) > math.sqrt(0.5)
     lever = 0.5 * (scenario.robot.height if stands else scenario.robot.length)
-    return lever * (weight(scenario) + scenario.contact.adhesion)
+    return lever * resting_force(scenario)
 
 
 def _with_field(scenario: Scenario, factor: float) -> dict[str, Any]:

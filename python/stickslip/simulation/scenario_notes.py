@@ -84,6 +84,11 @@ def weight(scenario: Scenario) -> float:
     return scenario.robot.mass * scenario.environment.gravity
 
 
+def resting_force(scenario: Scenario) -> float:
+    """Normal force on a body that lies still without field: weight and adhesion, N."""
+    return weight(scenario) + scenario.contact.adhesion
+
+
 def _of_drive(scenario: Scenario, core: _core.Scenario) -> Iterator[Note]:
     drive, pulsed = scenario.drive, scenario.drive.mode != "program"
     if without_pulses(scenario):

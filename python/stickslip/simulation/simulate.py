@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Iterable
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 from stickslip import _core
 from stickslip._util.files import NETCDF_SUFFIXES, check_suffix, replacing
@@ -163,13 +164,8 @@ def _simulated_into(
     file = RecordFile(out, Run.of(scenario, result, until, complete=False))
 
     def ended(complete: bool, record: StoredRecord | None = None) -> Run:
-        return Run.of(
-            *(scenario, result, until),
-            complete=complete,
-            samples=file.samples,
-            recorded_until=file.recorded_until,
-            record=record,
-        )
+        about: dict[str, Any] = {"samples": file.samples, "recorded_until": file.recorded_until}
+        return Run.of(scenario, result, until, complete=complete, record=record, **about)
 
     try:
         _core.stream(result, scenario.to_core(), file.write, report, condition)

@@ -15,9 +15,9 @@ from stickslip._util.messages import check_kind, shown
 from stickslip._util.numbers import ABSOLUTE, RELATIVE, Array, Indices, representatives
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import (
-    COIL_MAP,
     COIL_NAMES,
-    PROGRAM,
+    OBJECTS,
+    PATHS,
     SAWTOOTH,
     Value,
     checked,
@@ -196,7 +196,7 @@ def _by_single_coils(row: Mapping[str, Value]) -> dict[str, Value]:
 def _check_key(key: object) -> None:
     if not isinstance(key, str):
         raise ScenarioError(f"key {shown(key)}: allowed is a word such as drive.frequency")
-    if key in (PROGRAM, "drive.file", COIL_MAP):
+    if key in (*OBJECTS, *PATHS):
         raise ScenarioError(f"{key}: a sweep varies numbers and words, not voltages or maps")
     if key.startswith("record."):
         raise ScenarioError(f"{key}: a sweep keeps summaries only, whatever is recorded")
