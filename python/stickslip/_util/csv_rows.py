@@ -152,10 +152,10 @@ class CsvTable:
         below: Iterator[tuple[int, str]],
     ) -> None:
         """Make the last comment that names columns of the first row the header, if there is one."""
-        count = len(_named(self._cells(first[1])))
+        count = len(named_cells(self._cells(first[1])))
         for k in reversed(range(len(comments))):
             number, line = comments[k]
-            names = _named(self._cells(line.lstrip().lstrip("#")))
+            names = named_cells(self._cells(line.lstrip().lstrip("#")))
             known = any(split_unit(name)[0] in columns for name in names)
             if known and len(names) == count and not any(map(_is_number, names)):
                 self.line, self.header = number, names
@@ -240,7 +240,7 @@ def _reader(lines: Iterable[str], separator: str) -> Iterator[list[str]]:
     return csv.reader(lines, delimiter=separator, skipinitialspace=True)
 
 
-def _named(cells: list[str]) -> list[str]:
+def named_cells(cells: list[str]) -> list[str]:
     """Cells without the empty ones at the end."""
     while cells and not cells[-1]:
         cells = cells[:-1]
