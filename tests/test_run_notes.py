@@ -323,7 +323,7 @@ def test_sweeps_and_predictions_say_how_many(tmp_path):
     base.to_toml(tmp_path / "s.toml")
     vary = ["--vary", "drive.frequency=30,115,150"]
     text = stickslip("sweep", tmp_path / "s.toml", *vary).stdout
-    assert f"note      {notes['flight']['text']}" in text
+    assert notes["flight"]["text"] in text
     told = json.loads(stickslip("sweep", tmp_path / "s.toml", *vary, "--json").stdout)
     assert told["notes"] == json.loads(data.attrs["notes"])
     drawn = base.with_uncertain({"contact.kinetic_friction": {"mean": 0.145, "sd": 0.01}})

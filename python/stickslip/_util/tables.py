@@ -6,17 +6,20 @@ import math
 from array import array
 from collections.abc import Mapping, Sequence
 from os import PathLike
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from stickslip._util.csv_rows import CsvTable, named_cells
-from stickslip._util.files import read_bytes
+from stickslip._util.files import read_bytes, replacing
 from stickslip._util.messages import nearest, refuse, shown
 from stickslip._util.numbers import Array
 from stickslip._util.text import comma_hint, number
 from stickslip._util.units import per_si, split_unit, to_si
 from stickslip.errors import ScenarioError, prefixed
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Units = Mapping[str, str | None]
 """Of the columns that a table may have, the SI unit of their numbers; None of words."""
@@ -121,3 +124,11 @@ def _places(line: int, header: list[str], columns: Units) -> dict[str, int]:
         if name in header[:index]:
             raise ScenarioError(f"row {line}, column {name}: is there twice; {expected}")
     return {name: header.index(name) for name in columns}
+
+
+def write_frame(frame: pd.DataFrame, path: str | PathLike[str]) -> None:
+    """Write a table as CSV, whole or not at all; headings name the units of ``attrs["units"]``."""
+    units = frame.attrs.get("units", {})
+    named = {name: f"{name} ({unit})" for name, unit in units.items() if unit not in ("", "-", "1")}
+    with replacing(path) as temporary:
+        frame.rename(columns=named).to_csv(temporary, index=False)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import stickslip
-from stickslip._util.files import replacing
+from stickslip._util.tables import write_frame
 from stickslip.cli import options, output
 from stickslip.cli.loading import load_uncertain
 from stickslip.cli.progress import progress_bar
@@ -86,22 +86,12 @@ def command(
     if failed:
         said = f"{failed} of {count} draws failed and are in no quantile; the first: "
         output.say(f"stickslip: {said}{data.attrs['message']}", err=True)
-    if out is not None:
-        _save(data, out)
+    if out is not None and out.suffix.lower() == ".csv":
+        write_frame(stickslip.sweep_dataframe(data), out)
+    elif out is not None:
+        write(data, out)
     done = output.drawn("--plot", plot, output.save_plot("velocity", data))
     return 0 if done and not failed else 1
-
-
-def _save(data: xarray.Dataset, path: Path) -> None:
-    """Write the quantiles as netCDF, or as CSV whose headings name the units."""
-    if path.suffix.lower() != ".csv":
-        write(data, path)
-        return
-    table = stickslip.sweep_dataframe(data)
-    units = table.attrs["units"].items()
-    names = {name: f"{name} ({unit})" for name, unit in units if unit not in ("", "1")}
-    with replacing(path) as temporary:
-        table.rename(columns=names).to_csv(temporary, index=False)
 
 
 def _as_dict(data: xarray.Dataset) -> dict[str, Any]:

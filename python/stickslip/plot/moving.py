@@ -122,9 +122,9 @@ def _stretch(
     drive = scenario.drive
     if start is None and stop is None and drive.mode != "program":
         period = 1.0 / drive.frequency
-        steady = drive.ramp + 3.0 * period  # as in the measuring window
+        steady, stopped = scenario.window
         # A time that the record ends at has the rounding of its own sum.
-        pulses = min(drive.pulses - 3, math.floor((end - steady) / period + 1e-6))
+        pulses = math.floor((min(stopped, end) - steady) / period + 1e-6)
         if pulses > 0:
             last = steady + pulses * period
             return max(begin, last - min(pulses, _PULSES) * period), last
