@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Units = Mapping[str, str | None]
-"""Of the columns that a table may have, the SI unit of their numbers; None of words."""
+"""The SI unit of each column that a table may have; None for words."""
 
 _MOST_BYTES = 1 << 29
 """Chosen: a minute of voltages at 30 kHz, two million rows of six numbers, is shorter."""
@@ -86,7 +86,7 @@ def _parsed(file: CsvTable, columns: Units) -> Rows:
 
 
 def without_units(header: Sequence[str], units: Units) -> tuple[list[str], list[float]]:
-    """Names of the columns, and how many of the unit of each are one SI unit.
+    """Names of the columns, and how many of each one's unit make one SI unit.
 
     A column that `units` does not have keeps its whole heading. A ScenarioError names a unit that
     is not one of its column.

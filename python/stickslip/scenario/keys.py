@@ -16,7 +16,7 @@ from stickslip._util.units import unit_meant
 from stickslip.errors import ScenarioError
 
 Value = float | int | str
-"""What a key of a scenario can hold."""
+"""The types of a key's value."""
 
 RECORD_RATE = "record.rate"
 
@@ -57,7 +57,7 @@ _R = TypeVar("_R")
 
 
 def until_registration(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """Cache what depends on the keys until an effect is registered, which adds keys."""
+    """Cache a function of the keys until an effect is registered, which adds keys."""
     cached = functools.lru_cache(maxsize=256)(
         lambda _registrations, *args, **named: function(*args, **named)
     )
@@ -130,7 +130,7 @@ def keys_of(section: str) -> tuple[Key, ...]:
 SAWTOOTH = tuple(
     key.name for key in keys_of("drive") if key.name not in ("drive.mode", "drive.direction")
 )
-"""Keys that say what a pulsed drive does; a program of voltages has no use for them."""
+"""Keys of a pulsed drive, which a program of voltages does not use."""
 
 
 def refuse_sawtooth(mode: object, given: Iterable[str]) -> None:
@@ -193,8 +193,8 @@ def find_key(name: str, *value: object) -> Key:
 def set_value(core: _core.Scenario, name: str, value: object) -> None:
     """Set a key in the core's scenario, which decides what is allowed.
 
-    Here stands only what it cannot see, the type that a value had before it became a number or a
-    word, and the error, which says what was probably meant.
+    Added here: the type of the value before it became a number or a word, and an error that
+    suggests the intended name or unit.
     """
     try:
         core.set(name, value)  # type: ignore[arg-type]
@@ -228,7 +228,7 @@ def in_radians(degrees: float) -> str:
 
 
 def _other_unit(key: Key, value: object) -> str:
-    """What a number beyond its range is in degrees, mT, um or ug; "" where that is no help."""
+    """A number beyond its range, read in degrees, mT, um or ug; "" if it is beyond it there too."""
     try:
         given = float(value) if isinstance(value, numbers.Real) else math.nan
     except OverflowError:

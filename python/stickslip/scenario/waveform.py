@@ -207,7 +207,7 @@ class Waveform:
             return cls.from_points(table[:, 0], table[:, 1:])
 
     def to_csv(self, path: str | PathLike[str]) -> None:
-        """Write the points, every repeat in full, such that `from_csv` reads the same numbers.
+        """Write the points with every repeat in full; `from_csv` reads the same numbers.
 
         Raises
         ------
@@ -273,10 +273,10 @@ class Waveform:
         return result
 
     def after(self, t: float) -> Waveform:
-        """What is left of the waveform from an instant on, for a run that begins there.
+        """The rest of the waveform from an instant on, for a run that begins there.
 
-        Such a run goes on as the whole one does, but for what depends on the time since the drive
-        began: `effects.sample_hold`, `effects.coil_heating`, `effects.free_field_time`.
+        Such a run continues the whole one, except for the effects that depend on the time since
+        the drive began: `effects.sample_hold`, `effects.coil_heating`, `effects.free_field_time`.
 
         Parameters
         ----------
@@ -317,7 +317,7 @@ class Waveform:
         return Waveform(rest)
 
     def turned(self) -> Waveform:
-        """As a robot turned by 180 degrees about z sees it: what drove to +x drives to -x.
+        """The waveform rotated by 180 degrees about z: a drive to +x becomes one to -x.
 
         The coils of each in-plane pair change places, and their voltages change sign.
         """

@@ -11,12 +11,10 @@ from numpy.typing import NDArray
 
 from stickslip import _core
 from stickslip._util.numbers import Indices
-from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import known_keys
-from stickslip.simulation.note import Note, by_seriousness, notes_json
-from stickslip.simulation.run_notes import FEWEST_PULSES, LIMITS
-from stickslip.simulation.scenario_notes import pulses_measured, scenario_notes
+from stickslip.simulation.note import notes_json
 from stickslip.simulation.seen_from_drive import VELOCITIES, seen_from_drive
+from stickslip.sweeping.notes import notes_of
 from stickslip.sweeping.points import DRAW, Points, name_of
 
 if TYPE_CHECKING:
@@ -109,7 +107,7 @@ def finished(data: xarray.Dataset, points: Points) -> xarray.Dataset:
         "finished_points": points.count - by_status.get(NOT_RUN, 0),
         "failed_points": sum(n for code, n in by_status.items() if code not in (NOT_RUN, OK)),
         "statuses": json.dumps({STATUSES[code]: n for code, n in by_status.items()}),
-        "notes": notes_json(_notes(points, columns, things)),
+        "notes": notes_json(notes_of(points, columns, things)),
     }
     made = data.assign(_seen_from_drive(data, points)).assign_attrs(about)
     return made if np.any(data["message"] != "") else made.drop_vars("message")
@@ -127,32 +125,3 @@ def _seen_from_drive(data: xarray.Dataset, points: Points) -> dict[str, Any]:
         name: (x.dims, values, {"units": unit, "long_name": meaning}, _ENCODING)
         for (name, (unit, meaning)), values in found
     }
-
-
-def _notes(points: Points, columns: Mapping[str, NDArray[Any]], things: str) -> list[Note]:
-    """The most serious first; the value of what the runs do is the number of `things` that do it.
-
-    `columns` are those of the core by name, of all points. Notes on the scenario are those that do
-    not depend on what is varied.
-    """
-    beyond = {code: columns[each.number] > each.limit for code, each in LIMITS.items()}
-    pulses = pulses_measured(points.at_each("drive.pulses")).reshape(columns["status"].shape)
-    beyond["velocity-grows"] &= ~beyond["field-change"] & (pulses >= FEWEST_PULSES)
-    said = {code: each.of_many for code, each in LIMITS.items()}
-    still = (columns["mean_velocity"] == 0.0) & (columns["mean_velocity_y"] == 0.0)
-    beyond["rest"] = still & (columns["theta_min"] == columns["theta_max"])
-    said["rest"] = "the robot never moved; the notes of such a run alone say why"
-    counts = {code: int((holds & (columns["status"] == 0)).sum()) for code, holds in beyond.items()}
-    notes = [
-        Note(code, f"{count} of {points.count} {things}: {said[code]}", float(count))
-        for code, count in counts.items()
-        if count
-    ]
-    ends = []
-    for place in (0, -1):
-        changes = {key: points.at_each(key).flat[place].item() for key in points.keys}
-        try:
-            ends.append(scenario_notes(points.scenario.replace(changes)))
-        except ScenarioError:  # a point that is refused
-            return by_seriousness(notes)
-    return by_seriousness([*notes, *(note for note in ends[0] if note in ends[1])])

@@ -1,0 +1,43 @@
+"""Notes of many simulations: how many of them do what one would be noted for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from numpy.typing import NDArray
+
+from stickslip.errors import ScenarioError
+from stickslip.simulation.note import Note, by_seriousness
+from stickslip.simulation.run_notes import FEWEST_PULSES, LIMITS
+from stickslip.simulation.scenario_notes import pulses_measured, scenario_notes
+from stickslip.sweeping.points import Points
+
+
+def notes_of(points: Points, columns: Mapping[str, NDArray[Any]], things: str) -> list[Note]:
+    """The most serious first; the value of what the runs do is the number of `things` that do it.
+
+    `columns` are those of the core by name, of all points. Notes on the scenario are those that do
+    not depend on what is varied.
+    """
+    beyond = {code: columns[each.number] > each.limit for code, each in LIMITS.items()}
+    pulses = pulses_measured(points.at_each("drive.pulses")).reshape(columns["status"].shape)
+    beyond["velocity-grows"] &= ~beyond["field-change"] & (pulses >= FEWEST_PULSES)
+    said = {code: each.of_many for code, each in LIMITS.items()}
+    still = (columns["mean_velocity"] == 0.0) & (columns["mean_velocity_y"] == 0.0)
+    beyond["rest"] = still & (columns["theta_min"] == columns["theta_max"])
+    said["rest"] = "the robot never moved; the notes of such a run alone say why"
+    counts = {code: int((holds & (columns["status"] == 0)).sum()) for code, holds in beyond.items()}
+    notes = [
+        Note(code, f"{count} of {points.count} {things}: {said[code]}", float(count))
+        for code, count in counts.items()
+        if count
+    ]
+    ends = []
+    for place in (0, -1):
+        changes = {key: points.at_each(key).flat[place].item() for key in points.keys}
+        try:
+            ends.append(scenario_notes(points.scenario.replace(changes)))
+        except ScenarioError:  # a point that is refused
+            return by_seriousness(notes)
+    return by_seriousness([*notes, *(note for note in ends[0] if note in ends[1])])
