@@ -15,7 +15,7 @@ from stickslip.errors import ScenarioError
 
 COMMANDS = {
     "diagnose": "Find what in measured data the model does not explain.",
-    "effects": "List or search the named extensions of the model.",
+    "effects": "List or search the effects of the model.",
     "init": "Write a scenario with all keys and their defaults.",
     "keys": "List or search the keys of a scenario.",
     "optimise": "Find the drive of a scenario that is best under limits.",

@@ -60,8 +60,8 @@ def command(
 ) -> None:
     """Find what in a MEASUREMENT (a TOML file) the model does not explain.
 
-    Recalibrates what is uncertain, tests whether anything is left, and says one of: named,
-    dominant, pair, ambiguous, unexplained, none, data-problem.
+    Recalibrates the uncertain parameters, tests for a misfit, and gives a verdict: named, dominant,
+    pair, ambiguous, unexplained, none or data-problem.
     """
     if budget is not None and most is None:
         raise click.UsageError("--budget: allowed is --budget beside --next")

@@ -18,17 +18,17 @@ from stickslip.scenario.keys import PREFIX
 @click.argument("word", required=False, default="")
 @JSON
 def command(word: str, as_json: bool) -> None:
-    """List the named extensions of the model, or those that have a WORD in their name.
+    """List the effects of the model, or those that have a WORD in their name.
 
-    Where no name has it, what they add is searched.
+    Where no name has it, meanings are searched.
 
-    Each is printed with what it does, its parameters with unit, range and default, and its source.
-    An extension is used by a section [effects.NAME] in a scenario, or by --set
+    Each is printed with its meaning, its parameters with unit, range and default, and its source.
+    An effect is used by a section [effects.NAME] in a scenario, or by --set
     effects.NAME.PARAMETER=VALUE.
     """
     found = having(word.removeprefix(PREFIX), {each.name: each.meaning for each in effects()})
     if not found:
-        raise ScenarioError(f"{word}: no extension has this word; {suggested_effect(word)}")
+        raise ScenarioError(f"{word}: no effect has this word; {suggested_effect(word)}")
     chosen = [each for each in effects() if each.name in found]
     if as_json:
         print_json({"effects": [_as_dict(effect) for effect in chosen]})

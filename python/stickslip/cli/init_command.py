@@ -23,14 +23,14 @@ stickslip = {FORMAT_VERSION}  # version of the format, required
 """
 
 _WALKS = {"drive.base": 0.5e-3}
-"""What is not at its default, so that the first run of a new user walks. From README.md."""
+"""Keys that are not at their defaults, so that a new user's first run walks. From README.md."""
 
 _DRIVE = """\
 # base, hold, edge and clamp are not stated in the paper: their defaults are this package's. That of
 # base is 0, with which the holding coil alone turns the robot upright and it rolls over."""
 
 _TAIL = """\
-# Named extensions of the model; "stickslip effects" lists them.
+# Effects of the model; "stickslip effects" lists them.
 # [effects.surface_tilt]
 # angle = 0.02  # rad
 """

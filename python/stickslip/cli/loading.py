@@ -38,7 +38,7 @@ def load_with(path: Path, set: Mapping[str, Any]) -> tuple[Scenario, list[Path]]
 def load_uncertain(
     path: Path, set: Mapping[str, Any], uncertain: Path | None
 ) -> tuple[Scenario, list[Path]]:
-    """The same, with what is uncertain in another file, if there is one.
+    """The same, with the uncertain parameters of another file, if there is one.
 
     A ScenarioError names a value of ``--set`` that has no influence, as the key is uncertain.
     """

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     "--draws",
     type=click.IntRange(2),
     default=DRAWS,
-    help="Simulations of each point, all with other values of what is uncertain.",
+    help="Simulations of each point, each with its own draw of the uncertain parameters.",
 )
 @options.SEED
 @options.THREADS
@@ -63,9 +63,9 @@ def command(
 ) -> int:
     """Predict the summary of a SCENARIO (a TOML file) with error bars.
 
-    Prints the quantiles of 10, 50 and 90 % over what is uncertain in it: values that are drawn
-    from its [uncertain], or from that of another file. Draws that fail are in no quantile; how many
-    there are is said on standard error, and the exit status is then 1.
+    Prints the quantiles of 10, 50 and 90 % over draws from its [uncertain], or from that of another
+    file. Draws that fail are in no quantile: their number is printed on standard error, and the
+    exit status is 1.
     """
     loaded, read = load_uncertain(scenario, set, uncertain)
     output.check_files(read, out=(out, SUFFIXES), plot=(plot, ()))

@@ -137,7 +137,7 @@ def command(
 def _check_times(
     scenario: Scenario, start: float | None, stop: float | None, pictures: bool
 ) -> None:
-    """Refuse a stretch of time that the run does not have, or that nothing shows."""
+    """Refuse times outside the run, or times that nothing shows."""
     if (start is not None or stop is not None) and not pictures:
         raise click.UsageError("--start, --stop: allowed with --plot or --animate only")
     # The sum of the drive's parts has the rounding of each: 0.16999... s is 0.17 s.
@@ -145,7 +145,7 @@ def _check_times(
     first, last = start or 0.0, end if stop is None else stop
     if not first < last <= end:
         raise ScenarioError(
-            f"--start, --stop: {first!r} to {last!r} s: allowed is a stretch of the run's "
+            f"--start, --stop: {first!r} to {last!r} s: allowed is a part of the run's "
             f"{highest(round(end, 12))} s"
         )
 

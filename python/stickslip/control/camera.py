@@ -1,4 +1,4 @@
-"""A camera between robots and what a controller sees of them."""
+"""A camera between robots and their controller."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class Camera:
 
 
 class Film:
-    """What a camera has seen since an episode began: of one robot, or of many in one image.
+    """The frames of a camera since an episode began: of one robot, or of many in one image.
 
     A pose is x (m) and theta (rad), of shape (2,), or (n, 2) for n robots; in the plane it is x, y
     (m), theta and heading (rad), of shape (4,) or (n, 4).
@@ -101,7 +101,7 @@ class Film:
         return self.pose, time - self.taken
 
     def _averaged(self) -> Array:
-        """The mean over the exposure; headings about the newest one, as they jump by a turn."""
+        """The mean over the exposure; headings about the newest one, as they jump by 2 pi."""
         poses = np.array(self._exposed)
         if self._places == 2:
             newest = poses[-1, ..., 3]

@@ -87,8 +87,8 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
     scenario : Scenario, optional
         The robot; its drive is not played.
     uncertain : JointPrior, mapping of str to Prior, or Scenario, optional
-        What is drawn for each episode, see ``Scenario.with_uncertain``; by default what is
-        uncertain in `scenario`. An empty mapping is nothing.
+        The parameters drawn for each episode, see ``Scenario.with_uncertain``; by default those of
+        `scenario`. An empty mapping draws none.
     camera : Camera, optional
     coils : sequence of str, optional
         Coils whose voltages the actions are: by default xp and the clamp in "walk" and "place". In
@@ -168,7 +168,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         self.observation_space = batched(self.single_observation_space, num_envs)
         self.action_space = batched(self.single_action_space, num_envs)
         self._random = [np.random.default_rng() for _ in range(num_envs)]
-        self._robots = [self.scenario] * num_envs  # each with its draw of what is uncertain
+        self._robots = [self.scenario] * num_envs  # each with its draw
         self._films: list[Film | None] = [None] * num_envs
         self._batch = _core.SimulatorBatch([self.scenario.to_core()] * num_envs, self._steered)
         self._states = np.zeros((num_envs, len(STATE_COLUMNS)))

@@ -1,4 +1,4 @@
-"""The drive that walks best under limits, robust to what is uncertain."""
+"""The function `stickslip.optimise`: the best drive under limits, over uncertain parameters."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def optimise(
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Optimum:
-    """Search for the drive that is best under limits, over draws of what is uncertain.
+    """Search for the best drive under limits, over draws of the uncertain parameters.
 
     CMA-ES (Hansen, arXiv:1604.00772) by ranks alone. Every candidate meets the same draws. Those
     that pass a limit in a draw rank behind all others, by how much they pass it, and those whose
@@ -89,7 +89,7 @@ def optimise(
     coils : sequence of str
         Coils of such a program; all others stay without voltage.
     score : str
-        What of the draws counts: ``"q10"``, the 10 % quantile, or another per cent, counted from
+        How the draws are summed up: ``"q10"``, the 10 % quantile, or another per cent, counted from
         the greatest value of a figure that is minimised; ``"mean"``; ``"worst"``.
     draws, fresh : int
         Draws in the search, and others to judge what it found.
@@ -240,7 +240,7 @@ class _Design:
             self.moves += 1
 
     def optimum(self, seed: int, interrupted: bool) -> Optimum | None:
-        """What is found until now; None before a drive was within the limits."""
+        """The best so far; None before a drive was within the limits."""
         if self.best is None:
             return None
         fresh = {name: self.compared[name] for name in COMPARED if name in self.compared}

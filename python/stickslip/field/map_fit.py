@@ -35,10 +35,10 @@ rounding, so that the error at a point that is left out has seven digits and mor
 
 @dataclass(frozen=True)
 class CoilFit:
-    """The harmonics of one coil: `coefficients` (T/A), what they leave and what there was.
+    """The harmonics of one coil: `coefficients` (T/A), the residual and the measured field.
 
     `residual` and `field` are root mean squares of one component, T/A; `points` counts, and
-    `farthest` is the index of the point at which the most is left.
+    `farthest` is the index of the point with the largest residual.
     """
 
     coefficients: Array
@@ -49,7 +49,7 @@ class CoilFit:
 
 
 def point_name(lines: Sequence[Sequence[int]] | None, coil: int, point: int) -> str:
-    """What messages call a point of a coil: the row of the file, if `lines` has them."""
+    """The name of a point in messages: its row of the file, if `lines` has them."""
     return f"point {point + 1}" if lines is None else f"row {lines[coil][point]}"
 
 
@@ -102,7 +102,7 @@ class _Basis:
             )
 
     def fit(self, fields: Array) -> CoilFit:
-        """The fit of the degree that predicts best what it was not fitted to."""
+        """The fit of the degree that best predicts points left out of it."""
         values = fields.reshape(-1)
         shares = self._q.T @ values
         degree = 1 + int(np.argmin(self._prediction_errors(values, shares)))

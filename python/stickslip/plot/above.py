@@ -29,7 +29,7 @@ _COILS = {"xp": (0.975, 0.5), "xm": (0.025, 0.5), "yp": (0.5, 0.97), "ym": (0.5,
 
 
 class Polyline(Protocol):
-    """What a picture needs of a `stickslip.control.Path`."""
+    """A `stickslip.control.Path`, as far as a picture needs it."""
 
     points: Array
 

@@ -145,7 +145,7 @@ def _timing(
     count = max(2.0, float(np.rint(duration * slowdown * frames_per_second)))
     if count > _MOST_FRAMES:
         raise ValueError(
-            f"{count:.15g} frames: allowed are at most {_MOST_FRAMES}; choose a shorter stretch or "
+            f"{count:.15g} frames: allowed are at most {_MOST_FRAMES}; choose a shorter time or "
             "less slowdown"
         )
     return int(count), slowdown
@@ -158,7 +158,7 @@ def _round_below(most: float) -> float:
 
 
 def _pace(slowdown: float) -> str:
-    """What a picture says of its time."""
+    """The caption of a picture's time scale."""
     if slowdown == 1.0:
         return "real time"
     if slowdown < 1.0:

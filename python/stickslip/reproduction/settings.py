@@ -1,4 +1,4 @@
-"""What the paper leaves open of its two drives, as a grid of settings, and what it varies.
+"""The open settings of the paper's two drives, as a grid, and the quantities it varies.
 
 Neither the sudden side of the sawtooth (edge) nor its bottom (base), the field of the holding coil
 (hold) or the sign of the clamp coil's field (clamp) is stated; see sections V-A and V-B and

@@ -47,7 +47,7 @@ _SURVEY = 0.6  # part of the time of a whole study, roughly
 
 @dataclass(frozen=True, eq=False)
 class Reproduction:
-    """What the study found. SI units.
+    """The result of the study. SI units.
 
     Attributes
     ----------

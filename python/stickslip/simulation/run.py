@@ -1,4 +1,4 @@
-"""What one simulation gives: a summary, and the recorded motion."""
+"""The result of one simulation: a summary and the recorded motion."""
 
 from __future__ import annotations
 
@@ -193,7 +193,7 @@ class Run:
 
     @functools.cached_property
     def notes(self) -> list[Note]:
-        """What a reader of the numbers should know, the most serious first; mostly none.
+        """Notes on the numbers, the most serious first; mostly none.
 
         Each has a code, one line of text with what to do, and the number that it is about. Of the
         run: not measured whole, a condition `until` that was never met, a robot at rest and what
@@ -213,7 +213,7 @@ class Run:
         return by_seriousness(notes)
 
     def summary(self) -> dict[str, Any]:
-        """What the run comes to.
+        """The numbers of the run.
 
         Returns
         -------

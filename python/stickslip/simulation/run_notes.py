@@ -1,4 +1,4 @@
-"""Notes of a run: what a reader of its numbers should know."""
+"""Notes of a run."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ LIMITS: Mapping[str, Limit] = {
 
 
 def _advice(scenario: Scenario, code: str) -> str:
-    """What to do about a limit; other keys of a program than of a sawtooth."""
+    """The remedy for a limit, which depends on the drive."""
     drive, program = scenario.drive, _is_program(scenario)
     if code == "flight":
         if resting_force(scenario) == 0.0:
@@ -226,7 +226,7 @@ def _of_turning(summary: Mapping[str, Any]) -> list[Note]:
 
 
 def _step(scenario: Scenario, summary: Mapping[str, Any]) -> float:
-    """Way in a pulse, of a program in all of it, over the robot's length."""
+    """Distance per pulse (of a program, in all) over the robot's length."""
     start, end = scenario.window
     period = end - start if _is_program(scenario) else 1.0 / min(scenario.drive.frequency, FAST)
     speed = math.hypot(summary["mean_velocity"], summary["mean_velocity_y"])
@@ -234,7 +234,7 @@ def _step(scenario: Scenario, summary: Mapping[str, Any]) -> float:
 
 
 def _why_it_rests(scenario: Scenario, summary: Mapping[str, Any]) -> Note:
-    """What holds a robot that stays where it is: that whose change makes it walk, as tried."""
+    """Why a robot rests: the first cause whose removal makes it walk, by trial runs."""
     still = summary["theta_min"] == summary["theta_max"] and not any(summary["events"].values())
     rests = "the robot never moved" if still else "the robot stays in its place"
     if summary["field_max"] == 0.0:
@@ -253,7 +253,7 @@ def _why_it_rests(scenario: Scenario, summary: Mapping[str, Any]) -> Note:
 def _trials(
     scenario: Scenario, summary: Mapping[str, Any]
 ) -> Iterator[tuple[str, dict[str, Any], str, float]]:
-    """What may hold a robot, the likeliest first: code, changes that would free it, text, value."""
+    """Causes of rest, the likeliest first: code, changes that would remove it, text, value."""
     for code, keys, low, high in _ODD:
         for key in keys:
             value = float(scenario.get(key))
@@ -320,7 +320,7 @@ def _holding_torque(scenario: Scenario, summary: Mapping[str, Any]) -> float:
 
 
 def _with_field(scenario: Scenario, factor: float) -> dict[str, Any]:
-    """A drive whose fields are so many times as large."""
+    """Changes that multiply the fields of the drive."""
     if _is_program(scenario):
         blocks = scenario.to_core().program()
         return {"drive.program": Waveform([(t, factor * volts, n) for t, volts, n in blocks])}

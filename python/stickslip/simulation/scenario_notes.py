@@ -1,4 +1,4 @@
-"""What a colleague would ask about a scenario before it is run: values that are probably mistakes.
+"""Notes on values of a scenario that are probably mistakes.
 
 Each limit lies beyond what robots, coils and drives of this kind have; within it there is no note.
 """

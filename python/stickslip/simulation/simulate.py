@@ -36,14 +36,14 @@ _CONDITION = re.compile(r"\s*(\w+)\s*([<>]=)\s*(\S+)\s*")
 
 
 def fraction_of(total: float, progress: Progress | None) -> Callable[[float], object] | None:
-    """What the core calls with the simulated time, s, where all of it comes to `total`, s."""
+    """The core's callback of the simulated time, s, of `total` in all, s."""
     if progress is None:
         return None
     return lambda done: progress(min(done / total, 1.0) if total > 0.0 else 1.0, STAGE)
 
 
 def check_memory(scenario: Scenario) -> None:
-    """Refuse a record that memory is not meant to hold."""
+    """Refuse a record too long for memory."""
     rate = scenario.record.rate
     span = scenario.duration - scenario.record.from_
     if isinstance(rate, float) and rate * span > MOST_IN_MEMORY:
@@ -55,7 +55,7 @@ def check_memory(scenario: Scenario) -> None:
 
 
 def _parsed(until: str | None, scenarios: Iterable[Scenario]) -> Condition | None:
-    """The condition of a text; a ScenarioError for what is none."""
+    """The condition of a text; a ScenarioError if it is none."""
     if until is None:
         return None
     found = _CONDITION.fullmatch(until) if isinstance(until, str) else None

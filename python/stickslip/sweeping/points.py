@@ -1,4 +1,4 @@
-"""Which scenarios a sweep simulates: one scenario, and the keys that vary along its dimensions."""
+"""The points of a sweep: one scenario, and the keys that vary along its dimensions."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ def check_count(count: int) -> None:
 
 
 def name_of(key: str) -> str:
-    """What a key is called in a dataset, such as ``drive_frequency``."""
+    """The name of a key in a dataset, such as ``drive_frequency``."""
     return key.replace(".", "_")
 
 
