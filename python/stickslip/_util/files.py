@@ -130,7 +130,8 @@ def check_folder(path: str | PathLike[str], files: Iterable[str] = ()) -> None:
             check_writable(folder / name)
     finally:
         for each in reversed(made):
-            each.rmdir()
+            with contextlib.suppress(OSError):  # another process has written into it
+                each.rmdir()
 
 
 def write_together(writers: Mapping[Path, Callable[[Path], object]]) -> None:

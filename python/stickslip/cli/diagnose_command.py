@@ -64,7 +64,7 @@ def command(
     pair, ambiguous, unexplained, none or data-problem.
     """
     if budget is not None and most is None:
-        raise click.UsageError("--budget: allowed is --budget beside --next")
+        raise click.UsageError("--budget: allowed with --next only")
     data = stickslip.read_measurement(measurement)
     # Before what takes minutes: a cell with a slip of the pen may be worth mending first.
     for said in data.left_out[:_SAID_FIRST]:

@@ -114,6 +114,9 @@ def command(
     if pictures:  # said before a long run
         with prefixed("--plot" if plot is not None else "--animate"):
             stickslip.plot.motion.check_drawable(loaded)
+    if animate is not None:
+        with prefixed("--animate", RuntimeError):
+            stickslip.plot.moving.check_moving_format(animate)
 
     with progress_bar() as bar:
         run = simulate(loaded, progress=bar, until=until, out=out)

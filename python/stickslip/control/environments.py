@@ -251,7 +251,9 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         played = _checked("actions", actions, self.action_space)
         mode, mask = self.metadata["autoreset_mode"], self._over.copy()
         if mode == AutoresetMode.DISABLED and mask.any():
-            raise ValueError("an episode is over: reset, or options={'reset_mask': mask} of many")
+            raise ValueError(
+                "an episode is over: call reset, with options={'reset_mask': mask} for some of many"
+            )
         self._batch.step(self._voltages(played), self.period, False, self._threads)
         self._batch.states(self._states)
         status = self._batch.statuses()

@@ -76,8 +76,7 @@ class Path:
         return Path(np.column_stack([half * np.sin(u), 0.5 * half * np.sin(2.0 * u)]))
 
     def at(self, progress: ArrayLike) -> Array:
-        """Places at arc lengths (m), shape (...) to (..., 2); before the start and beyond the end
-        the first and the last."""
+        """Places at arc lengths, m, shape (...) to (..., 2); beyond an end, that end."""
         lengths = np.asarray(progress, dtype=float)
         x, y = (np.interp(lengths, self._starts, each) for each in self.points.T)
         return np.stack([x, y], axis=-1)

@@ -222,11 +222,6 @@ def checked(name: str, value: object) -> Value:
     return core.get(name)
 
 
-def in_radians(degrees: float) -> str:
-    """A sentence that says what an angle in degrees is in the unit of all keys."""
-    return f"{degrees:g} degrees are {math.radians(degrees):.4g} rad"
-
-
 def _other_unit(key: Key, value: object) -> str:
     """A number beyond its range, read in degrees, mT, um or ug; "" if it is beyond it there too."""
     try:
@@ -237,7 +232,7 @@ def _other_unit(key: Key, value: object) -> str:
         return ""
     if key.unit == "rad":
         within = key.low <= math.radians(given) <= key.high and abs(given) <= _MOST_DEGREES
-        return f"; {in_radians(given)}" if within else ""
+        return f"; {given:g} degrees are {math.radians(given):.4g} rad" if within else ""
     usual = abs(key.default) or _USUAL.get(key.unit, math.inf)
     unit, factor = unit_meant(key.unit, abs(given) / usual, math.inf) or ("", math.nan)
     within = key.low <= given / factor <= key.high

@@ -313,7 +313,10 @@ class Run:
                 columns += [
                     np.where(np.isnan(part), "", part.astype(str)).tolist() for part in parts
                 ]
-        with replacing(path) as temporary, open(temporary, "w", encoding="utf-8") as file:
+        with (
+            replacing(path) as temporary,
+            temporary.open("w", encoding="utf-8", newline="") as file,
+        ):
             csv.writer(file, lineterminator="\n").writerows([titles, *zip(*columns, strict=True)])
 
     def save(self, path: str | PathLike[str]) -> None:

@@ -142,11 +142,6 @@ def _is_program(scenario: Scenario) -> bool:
     return scenario.drive.mode == "program"
 
 
-def _window_pulses(scenario: Scenario) -> int:
-    """Pulses of the measuring window; 0 of a program."""
-    return 0 if _is_program(scenario) else int(pulses_measured(scenario.drive.pulses))
-
-
 def _of_condition(scenario: Scenario, summary: Mapping[str, Any]) -> list[Note]:
     start, end = scenario.window
     ended = summary["simulated_time"]
@@ -163,7 +158,8 @@ def _of_condition(scenario: Scenario, summary: Mapping[str, Any]) -> list[Note]:
 def _of_limits(scenario: Scenario, summary: Mapping[str, Any]) -> list[Note]:
     beyond = {code: each for code, each in LIMITS.items() if summary[each.number] > each.limit}
     # Where the field changes, the velocity follows it; more pulses would lead further away.
-    if "field-change" in beyond or _window_pulses(scenario) < FEWEST_PULSES:
+    pulses = 0 if _is_program(scenario) else pulses_measured(scenario.drive.pulses)
+    if "field-change" in beyond or pulses < FEWEST_PULSES:
         beyond.pop("velocity-grows", None)
     if _step(scenario, summary) < REST:
         beyond.pop("pulled", None)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip import _core
-from stickslip._util.files import NETCDF_SUFFIXES, check_suffix, replacing
+from stickslip._util.files import NETCDF_SUFFIXES, check_suffix, check_writable
 from stickslip._util.messages import check_kind, refuse
 from stickslip._util.numbers import worker_count
 from stickslip._util.text import highest
@@ -148,9 +148,9 @@ def simulate(
         raise ScenarioError('record.rate = "none": allowed with out is a number of Hz, or "events"')
     if Path(out).suffix.lower() in NETCDF_SUFFIXES:
         return _simulated_into(out, scenario, progress, until)
-    with replacing(out) as temporary:
-        run = simulate_batch([scenario], threads=1, progress=progress, until=until)[0]
-        run.to_csv(temporary)
+    check_writable(out)
+    run = simulate_batch([scenario], threads=1, progress=progress, until=until)[0]
+    run.to_csv(out)
     return run
 
 
