@@ -393,7 +393,7 @@ REFUSALS = [
     ("points", lambda points, fields: (points[:3], fields), "of shape (3, 3)"),
     ("points", lambda points, fields: (points[:7], fields[:7]), "7 points: allowed are 8 or more"),
     ("points", lambda points, fields: (points, -fields), "with the other sign"),
-    ("points", lambda points, fields: (points, fields[:, :, ::-1]), "columns that are exchanged"),
+    ("points", lambda points, fields: (points, fields[:, :, ::-1]), "exchanged columns"),
     (
         "points",
         lambda points, fields: (points + np.array([0.1, 0, 0]), fields),

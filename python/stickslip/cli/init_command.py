@@ -46,7 +46,7 @@ def command(file: Path) -> None:
     FILE is scenario.toml where none is given; one that is there is not overwritten.
     """
     if file.is_file() or file.is_symlink():
-        raise ScenarioError(f"{file} is already there: choose another name, or remove it")
+        raise ScenarioError(f"{file} already exists: choose another name, or remove it")
     with prefixed("FILE", OSError), replacing(file) as temporary:
         temporary.write_text(_commented_scenario(), encoding="utf-8")
     say(f"wrote {file}")

@@ -44,7 +44,7 @@ Examples:
 @click.option(
     "--allow-flight",
     is_flag=True,
-    help="Without the default limits of walking, airborne_fraction=0.2 and tilt_max=1.5 (rad).",
+    help="Drop the default limits of walking, airborne_fraction=0.2 and tilt_max=1.5 (rad).",
 )
 @options.pairs(
     "--free",
@@ -109,8 +109,8 @@ def command(
     with the best sawtooth of a grid, on fresh draws; the better of search and sawtooth is written.
     Without uncertain parameters the scenario is the one draw.
 
-    A field that a drive states, such as drive.peak, is what its voltage would make if it were held
-    for ever; of a fast pulse the coil lets little through. To limit the field, limit field_max.
+    Fields of the drive, such as drive.peak, are those of a voltage held for ever; in a fast pulse
+    the field stays far below. To limit the field, limit field_max.
 
     Ctrl-C ends the search, and writes the best so far.
     """

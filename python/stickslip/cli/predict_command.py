@@ -81,7 +81,7 @@ def command(
     failed, redrawn = int(data.attrs["failed_draws"]), int(data.attrs["redrawn"])
     if redrawn:
         output.say(
-            f"stickslip: note: {redrawn} more draws made no scenario, and are drawn again", err=True
+            f"stickslip: note: {redrawn} more draws made no scenario and were drawn again", err=True
         )
     if failed:
         said = f"{failed} of {count} draws failed and are in no quantile; the first: "

@@ -72,7 +72,7 @@ Example:
     "--start",
     type=click.FloatRange(0.0),
     metavar="SECONDS",
-    help="Begin of the time that --plot and --animate show.",
+    help="Start of the time that --plot and --animate show.",
 )
 @click.option("--stop", type=click.FloatRange(0.0), metavar="SECONDS", help="End of that time.")
 @click.option(

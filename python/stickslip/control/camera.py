@@ -16,7 +16,7 @@ from stickslip.errors import ScenarioError
 
 @dataclass(frozen=True, kw_only=True)
 class Camera:
-    """Frames of place, tilt and heading that come late, with noise, and not always.
+    """Frames of place, tilt and heading: late, noisy, and some of them lost.
 
     Attributes
     ----------
@@ -29,9 +29,9 @@ class Camera:
     noise_x, noise_theta, noise_heading : float
         Standard deviations of the tracking: of x and y, m; of the tilt and the heading, rad.
     pixel : float
-        Quantum of x and y, m; 0: none.
+        Resolution of x and y, m; 0 for none.
     dropped : float
-        Share of frames that never come.
+        Share of lost frames.
     """
 
     frame_rate: float = 30.0

@@ -63,7 +63,7 @@ _RESTS = [CONTACT_WORDS.index(name) for name in ("corner_stick", "face_stick")]
 class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
     """Robots that are stepped together in the core.
 
-    An action has values from -1 to 1, to which values beyond are clipped, and holds for `period`.
+    An action has values from -1 to 1 (others are clipped), and holds for `period`.
     In "walk" and "place" they are the voltages of `coils` over `voltage`. In "reach" and "follow"
     they are how fast the field along the surface turns to the left, over `turning`; the voltage
     that makes this field, see `stickslip.control.heading_voltages`, from a fifth of `voltage` at -1
@@ -108,8 +108,8 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
     Raises
     ------
     ScenarioError
-        If one of these is not what it should be: also a path that begins, as far as that is known,
-        more than 0.25 mm from the robot, or a path or goal where no field is known.
+        If a parameter is not allowed, a path begins more than 0.25 mm from the robot, or a path or
+        goal lies where no field is known.
     """
 
     def __init__(

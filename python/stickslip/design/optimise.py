@@ -78,8 +78,8 @@ def optimise(
         long as the start.
     limits : mapping, optional
         Greatest value of numbers of the summary, or of ``tilt_max``, the largest abs(theta), rad.
-        To limit the field, limit ``field_max`` and not ``drive.peak``: the coil lets little of a
-        fast pulse through.
+        To limit the field, limit ``field_max`` and not ``drive.peak``, which the field of a fast
+        pulse does not reach.
     allow_flight : bool
         Leaves out the default limits: ``airborne_fraction`` 0.2 and ``tilt_max`` 1.5 rad.
     knots : int, optional
@@ -96,7 +96,7 @@ def optimise(
     evaluations : int
         Simulations of the search. A number and not a time, so that a seed gives one result.
     seed : int
-        Of all draws; the same gives the same bits on any number of threads.
+        Seed of all draws; equal seeds give the same bits for any number of threads.
     threads, progress
         As for `simulate_batch`.
 

@@ -27,8 +27,8 @@ _AXES = "xxyyz"
 
 _WORST = 0.05
 """Largest rms residual of a coil, relative to its rms field. Chosen: probes are read to a per cent
-or so, and what no source-free field comes near by 5 % has columns in a wrong order, places that are
-off, or iron within the map."""
+or so, and values that no source-free field fits to 5 % have columns in a wrong order, wrong places,
+or iron within the map."""
 
 _COLUMNS = {
     **dict.fromkeys(("x", "y", "z"), "m"),
@@ -103,8 +103,8 @@ class FieldMap:
         Raises
         ------
         ScenarioError
-            If the file cannot be read, a column, coil or value is not as it has to be, or no field
-            of coils comes near to the values; the message names the file.
+            If the file cannot be read, a column, coil or value is not allowed, or no field of coils
+            fits the values; the message names the file.
         """
         path = Path(path)
         if path.suffix.lower() == ".json":
@@ -136,8 +136,7 @@ class FieldMap:
         Raises
         ------
         ScenarioError
-            If a shape does not fit, a number is not allowed, or no field of coils comes near to
-            the values.
+            If a shape or a number is not allowed, or no field of coils fits the values.
         """
         try:
             places = np.asarray(points, dtype=np.float64)
@@ -176,8 +175,8 @@ class FieldMap:
         Raises
         ------
         ScenarioError
-            If the samples are not of five coils, a number is not allowed, or no field of coils
-            comes near to the values.
+            If the samples are not of five coils, a number is not allowed, or no field of coils fits
+            the values.
         """
         _check_count("samples", samples)
         low, high, fits = fit_coils(samples, lines)
@@ -272,8 +271,7 @@ def _check_count(name: str, given: Sequence[object]) -> None:
 
 def _refuse_bad_fit(name: str, fit: CoilFit, farthest: str) -> None:
     raise ScenarioError(
-        f"coil {name}: the field of a coil comes near to the values to {fit.residual:.3g} T/A rms "
-        f"only, {fit.residual / fit.field:.2g} of the field: allowed is at most {_WORST:g}; the "
-        f"farthest is {farthest}; look for columns that are exchanged, signs, places that are off, "
-        "or iron within the map"
+        f"coil {name}: the fit leaves {fit.residual:.3g} T/A rms, {fit.residual / fit.field:.2g} "
+        f"of the field: allowed is at most {_WORST:g}; the largest residual is at {farthest}; look "
+        "for exchanged columns, wrong signs, wrong places, or iron within the map"
     )

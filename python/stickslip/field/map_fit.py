@@ -175,7 +175,7 @@ def _check_box(low: Array, high: Array) -> None:
         if not least <= 0.0 <= most:
             raise ScenarioError(
                 f"{axis} goes from {least!r} to {most!r} m: allowed are maps that hold the place "
-                "x = y = z = 0, from which the drive counts"
+                "x = y = z = 0, to which the drive refers"
             )
         if axis != "y" and least == most:
             raise ScenarioError(

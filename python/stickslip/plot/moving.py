@@ -406,5 +406,5 @@ def check_moving_format(path: str | PathLike[str]) -> None:
     check_suffix(path, (".gif", ".webp", ".mp4", ".html"))
     if Path(path).suffix.lower() == ".mp4" and not FFMpegWriter.isAvailable():
         raise RuntimeError(
-            f"{path}: MP4 needs the program ffmpeg, which is not here; write a .gif or .webp"
+            f"{path}: MP4 needs the program ffmpeg, which is not installed; write a .gif or .webp"
         )
