@@ -21,6 +21,7 @@ from stickslip.scenario.keys import (
     SAWTOOTH,
     Value,
     checked,
+    full_name,
     is_of_one_coil,
     known_keys,
     refuse_sawtooth,
@@ -134,7 +135,7 @@ def points_of(scenario: Scenario, vary: Vary | None) -> Points:
     """The points that `sweep` simulates."""
     check_kind("scenario", scenario, Scenario)
     if isinstance(vary, Mapping):
-        return grid(scenario, vary)
+        return grid(scenario, _by_full_name(vary))
     table: Any = vary
     if hasattr(table, "to_dict"):  # a DataFrame
         table = table.to_dict("records")
@@ -142,7 +143,12 @@ def points_of(scenario: Scenario, vary: Vary | None) -> Points:
     for place, row in enumerate(rows):
         if not isinstance(row, Mapping):
             raise ScenarioError(f"vary, point {place} = {shown(row)}: allowed is a mapping")
-    return from_changes(scenario, rows)
+    return from_changes(scenario, [_by_full_name(row) for row in rows])
+
+
+def _by_full_name(values: Mapping[str, Any]) -> dict[str, Any]:
+    """The same by the dotted keys of `Scenario.keys`."""
+    return {full_name(key): value for key, value in values.items()}
 
 
 def grid(scenario: Scenario, vary: Mapping[str, Iterable[Value]]) -> Points:
