@@ -205,7 +205,7 @@ def test_a_file_says_what_is_uncertain_in_another_scenario(tmp_path):
     assert with_uncertain_of(other, path).uncertain == JointPrior(
         {"drag.linear": Prior("normal", 1e-5, 1e-6)}
     )
-    with pytest.raises(ScenarioError, match="holds nothing"):
+    with pytest.raises(ScenarioError, match="no uncertain parameter"):
         other.with_uncertain(Scenario())
 
 
