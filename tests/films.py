@@ -4,7 +4,7 @@ import numpy as np
 
 from stickslip import Scenario
 from stickslip.diagnosis.data.camera import Camera, record
-from stickslip.measurement.tracking import TrackingRun
+from stickslip.measurement.read_tracking import TrackingRun
 
 NOISE = {"x": 5e-7, "theta": 5e-3, "current_x": 2e-3, "current_clamp": 2e-3}
 

@@ -1,7 +1,7 @@
 """Scenarios that are recorded into files, and the comparison of their records."""
 
 from stickslip import Drive, Record, Scenario
-from stickslip.simulation.columns import recorded_names
+from stickslip.simulation.quantities import recorded_names
 
 # 0.17 s at 500 kHz: 85 001 samples, a full block and a rest.
 DENSE = Scenario(drive=Drive(base=0.5e-3, pulses=12), record=Record(rate=5e5))

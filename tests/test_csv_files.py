@@ -15,8 +15,8 @@ from asking_results import measurement
 from command_line import check, stickslip
 from stickslip import FieldMap, Measurement, Scenario, ScenarioError, Waveform
 from stickslip._util.units import per_si, to_si
-from stickslip.measurement.tables import read_numbers, read_rows
-from stickslip.measurement.velocity import read_velocity, velocity_units
+from stickslip.measurement.read_table import read_numbers, read_rows
+from stickslip.measurement.read_velocity import read_velocity, velocity_units
 from stickslip.scenario.keys import COIL_NAMES
 
 FRAMES = {"t": "s", "x": "m", "theta": "rad"}

@@ -10,8 +10,8 @@ from command_line import stickslip
 from made_measurement import write
 from stickslip.diagnosis.decision.experiments import LEAST_WORTH, next_step
 from stickslip.diagnosis.report.next_table import PREDICTIONS, TABLE, with_measured
-from stickslip.measurement.tables import read_rows
-from stickslip.measurement.velocity import velocity_units
+from stickslip.measurement.read_table import read_rows
+from stickslip.measurement.read_velocity import velocity_units
 
 
 @pytest.fixture

@@ -13,6 +13,7 @@ import pytest
 
 import stickslip
 from documentation_blocks import NOT_RUN, TIMED, blocks, pages, play, prints
+from own_effects import nothing_stays  # noqa: F401
 from stickslip import Drive, Scenario, simulate
 from stickslip.scenario.effects import is_free_shape
 from test_reference_agreement import AGREEMENT, SCENARIOS

@@ -9,8 +9,8 @@ import pytest
 from stickslip import Measurement, Scenario
 from stickslip.errors import ScenarioError
 from stickslip.measurement import Prior, read_measurement
-from stickslip.measurement.tables import read_rows
-from stickslip.measurement.velocity import read_velocity, velocity_units
+from stickslip.measurement.read_table import read_rows
+from stickslip.measurement.read_velocity import read_velocity, velocity_units
 
 TOML = """stickslip_measurement = 1
 name = "wafer"

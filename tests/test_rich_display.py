@@ -21,7 +21,7 @@ from stickslip import (
     sweep_dataframe,
 )
 from stickslip._util.html import html_table
-from stickslip.simulation.columns import COLUMNS, PLANE_COLUMNS
+from stickslip.simulation.quantities import COLUMNS, PLANE_COLUMNS
 from toys import SLOPE, WAVE, data
 
 BAD = "<script>alert('1')</script>&\x1b[31m"

@@ -21,7 +21,7 @@ from stickslip import (
     open_run,
     simulate,
 )
-from stickslip.simulation.columns import COLUMNS, PLANE_COLUMNS
+from stickslip.simulation.quantities import COLUMNS, PLANE_COLUMNS
 
 
 # Mean velocities in mm/s on which two independent programs agree within 0.05 %.

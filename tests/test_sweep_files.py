@@ -16,7 +16,7 @@ import xarray
 
 from command_line import stickslip
 from stickslip import Drive, JointPrior, Scenario, ScenarioError, predict, sweep
-from stickslip.sweeping import files, run_sweep
+from stickslip.sweeping import checkpoint, run_sweep
 
 # Some 20 ms a point.
 SLOW = Scenario(drive=Drive(base=0.5e-3, pulses=4)).replace({"solver.max_step": 5e-6})
@@ -112,9 +112,9 @@ def test_a_killed_sweep_resumes(tmp_path):
     script = (
         "import numpy as np\n"
         "from stickslip import Scenario, sweep\n"
-        "from stickslip.sweeping import files, run_sweep\n"
-        "run_sweep.MIN_INTERVAL = files.MIN_INTERVAL = 0.0\n"
-        "files._MAX_SHARE, run_sweep._SECONDS = 1.0, 0.05\n"
+        "from stickslip.sweeping import checkpoint, run_sweep\n"
+        "run_sweep.MIN_INTERVAL = checkpoint.MIN_INTERVAL = 0.0\n"
+        "checkpoint._MAX_SHARE, run_sweep._SECONDS = 1.0, 0.05\n"
         "vary = {'drive.frequency': np.linspace(20.0, 200.0, 50),"
         " 'contact.static_friction': [0.3, 0.1]}\n"
         "sweep(Scenario.from_toml('s.toml'), vary, threads=1, out='a.nc')\n"
@@ -213,7 +213,7 @@ def test_the_file_of_another_version_is_refused(tmp_path):
     path = tmp_path / "a.nc"
     data = sweep(QUICK, FRICTION)
     older = data.attrs["sweep"].replace('"stickslip_version": "', '"stickslip_version": "0')
-    files.write(data.assign_attrs(sweep=older), path)
+    checkpoint.write(data.assign_attrs(sweep=older), path)
     with pytest.raises(ScenarioError, match="version of stickslip differ"):
         sweep(QUICK, FRICTION, out=path, resume=True)
 
@@ -256,7 +256,7 @@ def test_another_process_is_refused_until_the_first_is_killed(tmp_path):
     QUICK.to_toml(tmp_path / "s.toml")
     options = ["s.toml", "--vary=contact.static_friction=0.3,0.2", "--out=a.nc"]
     code = (
-        "from stickslip.sweeping.files import locked\n"
+        "from stickslip.sweeping.checkpoint import locked\n"
         "with locked('a.nc'):\n print(flush=True); input()"
     )
     holder = subprocess.Popen(
@@ -285,13 +285,13 @@ def test_checkpoints_come_early_and_cost_little(monkeypatch, cost):
         writes.append(now)
         now += cost
 
-    monkeypatch.setattr(files.time, "monotonic", lambda: now)
-    monkeypatch.setattr(files, "write", write)
-    due = files.MIN_INTERVAL
+    monkeypatch.setattr(checkpoint.time, "monotonic", lambda: now)
+    monkeypatch.setattr(checkpoint, "write", write)
+    due = checkpoint.MIN_INTERVAL
     while now < 1000.0:
         now += slab
         if now >= due:
-            due = files.checkpoint(None, "a.nc")
+            due = checkpoint.checkpoint(None, "a.nc")
     assert writes[0] <= 1.0 + slab
     assert cost * (len(writes) - 1) <= 0.03 * 1000.0
     # No rarer than that needs, or than once a second, and a slab's delay.

@@ -1,4 +1,4 @@
-"""Directives for what the package itself knows: keys, extensions, commands, results."""
+"""Directives for what the package itself knows: keys, effects, commands, results."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def _default(key: Key) -> str:
 
 
 class ScenarioKeys(SphinxDirective):
-    """A table of keys for each section of a scenario, but the extensions."""
+    """A table of keys for each section of a scenario, but the effects."""
 
     def run(self) -> list[nodes.Node]:
         keys = [key for key in known_keys().values() if not key.name.startswith("effects.")]
@@ -60,7 +60,7 @@ class ScenarioKeys(SphinxDirective):
 
 
 class EffectsTable(SphinxDirective):
-    """A table of the named extensions."""
+    """A table of the effects."""
 
     def run(self) -> list[nodes.Node]:
         rows = []

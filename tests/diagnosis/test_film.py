@@ -13,7 +13,7 @@ from stickslip import Scenario, Waveform
 from stickslip.diagnosis.data.camera import Camera, record, recording_rate
 from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.data.folding import fold
-from stickslip.measurement.tracking import TrackingRun
+from stickslip.measurement.read_tracking import TrackingRun
 
 NAMES, VALUES = list(TRUE), np.array([list(TRUE.values())])
 

@@ -155,6 +155,8 @@ REFUSALS = [
     ("command", "run s.toml --out /dev/null", "not an ordinary file"),
     ("command", "run s.toml --out a.txt", ["--out", ".nc, .nc4, .h5, .csv"]),
     ("command", "run s.toml --plot a.docx", ["--plot", "a.docx", ".png"]),
+    ("command", "run s.toml --plot a.png --set record.rate=events", ["--plot", "uniform grid"]),
+    ("command", "run s.toml --animate a.gif --set record.fields=x", ["--animate", "theta, omega"]),
     ("command", "run s.toml --animate a.png", ["--animate", ".gif, .webp"]),
     ("command", "run s.toml --out s.toml", ["--out", "s.toml is read"]),
     ("command", "run s.toml --plot ./s.toml", "--plot"),

@@ -55,7 +55,7 @@ private:
     PerCoil largest_ = {};
 };
 
-/// Walks through the linear segmentes of a program in order; segments of no duration are passed
+/// Walks through the linear segments of a program in order; segments of no duration are passed
 /// over (they are jumps).
 class SegmentCursor {
 public:

@@ -6,7 +6,7 @@
 #include "stickslip/contact/plane_dynamics.hpp"
 #include "stickslip/drive/circuit.hpp"
 #include "stickslip/field/expansion.hpp"
-#include "stickslip/scenario/plane.hpp"
+#include "stickslip/scenario/whole_plane.hpp"
 #include "stickslip/scenario/scenario.hpp"
 #include "stickslip/solver/stepping.hpp"
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "stickslip/numbers/number_text.hpp"
-#include "stickslip/scenario/plane.hpp"
+#include "stickslip/scenario/whole_plane.hpp"
 
 namespace stickslip {
 namespace {

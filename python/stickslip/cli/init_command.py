@@ -30,7 +30,7 @@ _DRIVE = """\
 # base is 0, with which the holding coil alone turns the robot upright and it rolls over."""
 
 _TAIL = """\
-# Effects of the model; "stickslip effects" lists them.
+# Effects; "stickslip effects" lists them.
 # [effects.surface_tilt]
 # angle = 0.02  # rad
 """

@@ -17,7 +17,7 @@ from stickslip.cli.progress import progress_bar
 from stickslip.simulation.note import lines_of_json
 from stickslip.simulation.run import SUFFIXES
 from stickslip.simulation.seen_from_drive import shown_velocities
-from stickslip.sweeping.files import write
+from stickslip.sweeping.checkpoint import write
 from stickslip.sweeping.predict import DRAWS
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from stickslip._util.messages import refuse, shown, suggestion
 from stickslip._util.numbers import Array
 from stickslip._util.text import is_number
 from stickslip.errors import ScenarioError
-from stickslip.simulation.columns import NUMBERS, Column
+from stickslip.simulation.quantities import NUMBERS, Column
 from stickslip.simulation.run import Run
 from stickslip.simulation.seen_from_drive import VELOCITIES
 

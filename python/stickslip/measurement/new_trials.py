@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from stickslip.errors import ScenarioError
-from stickslip.measurement.tables import Line, NothingSound, Rows, check_columns
-from stickslip.measurement.velocity import VelocityData, read_velocity
+from stickslip.measurement.read_table import Line, NothingSound, Rows, check_columns
+from stickslip.measurement.read_velocity import VelocityData, read_velocity
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.note import Note
 

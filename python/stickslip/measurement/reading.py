@@ -16,15 +16,15 @@ from stickslip._util.numbers import Array
 from stickslip._util.text import OneLine, printable
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.measurement.new_trials import read_new_trials
-from stickslip.measurement.tables import (
+from stickslip.measurement.read_table import (
     NothingSound,
     read_numbers,
     read_rows,
     rows_of_frame,
     stated_number,
 )
-from stickslip.measurement.tracking import TrackingRun, read_tracking
-from stickslip.measurement.velocity import (
+from stickslip.measurement.read_tracking import TrackingRun, read_tracking
+from stickslip.measurement.read_velocity import (
     VelocityData,
     read_velocity,
     velocity_units,

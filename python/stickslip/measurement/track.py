@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from stickslip._util.messages import check_kind, refuse
 from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
-from stickslip.measurement.velocity import FASTEST
+from stickslip.measurement.read_velocity import FASTEST
 from stickslip.scenario.keys import Value, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import Drive

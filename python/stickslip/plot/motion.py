@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from stickslip._util.messages import refuse
 from stickslip._util.numbers import Array
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.columns import recorded_names
+from stickslip.simulation.quantities import recorded_names
 from stickslip.simulation.run import Run
 
 _DRAWN = (

@@ -33,7 +33,7 @@ from stickslip.reproduction.settings import (
 )
 from stickslip.reproduction.walks import interval, stroke_scenario
 from stickslip.scenario.keys import known_keys
-from stickslip.simulation.columns import COLUMNS
+from stickslip.simulation.quantities import COLUMNS
 from stickslip.simulation.run import Run
 from stickslip.simulation.simulate import simulate_batch
 from stickslip.sweeping.run_sweep import sweep

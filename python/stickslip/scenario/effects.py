@@ -23,7 +23,7 @@ _FUNCTION_OF_CTYPES: Any = ctypes.CFUNCTYPE(None).__base__
 
 @dataclass(frozen=True)
 class Effect:
-    """A named extension of the model.
+    """An effect of the model.
 
     Attributes
     ----------

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from stickslip._util.text import printable
 from stickslip._util.units import handy
-from stickslip.simulation.columns import NUMBERS
 from stickslip.simulation.note import shown_lines
+from stickslip.simulation.quantities import NUMBERS
 from stickslip.simulation.seen_from_drive import FROM_AXES, FROM_DRIVE, IN_ONE_PLANE, VELOCITIES
 
 if TYPE_CHECKING:

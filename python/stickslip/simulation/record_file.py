@@ -27,8 +27,8 @@ from stickslip.field.field_map import FieldMap
 from stickslip.scenario.scenario import scenario_of
 from stickslip.scenario.sections import State
 from stickslip.scenario.waveform import Waveform
-from stickslip.simulation.columns import COLUMNS, WORDS, recorded_names
 from stickslip.simulation.note import notes_json
+from stickslip.simulation.quantities import COLUMNS, WORDS, recorded_names
 
 if TYPE_CHECKING:
     import xarray

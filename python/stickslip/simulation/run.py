@@ -15,7 +15,9 @@ from stickslip import _core
 from stickslip._util.extras import naming_the_extra
 from stickslip._util.files import NETCDF_SUFFIXES, check_suffix, replacing
 from stickslip.scenario.sections import State
-from stickslip.simulation.columns import (
+from stickslip.simulation.display import headline, run_html
+from stickslip.simulation.note import Note, by_seriousness
+from stickslip.simulation.quantities import (
     COLUMNS,
     PLANE_COLUMNS,
     WORDS,
@@ -23,8 +25,6 @@ from stickslip.simulation.columns import (
     headings,
     recorded_names,
 )
-from stickslip.simulation.display import headline, run_html
-from stickslip.simulation.note import Note, by_seriousness
 from stickslip.simulation.record_file import dataset, stored, write_run
 from stickslip.simulation.run_notes import run_notes
 from stickslip.simulation.seen_from_drive import ACROSS, ALONG, seen_from_drive

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.simulation.columns import Column
+from stickslip.simulation.quantities import Column
 
 if TYPE_CHECKING:
     import xarray

@@ -16,7 +16,7 @@ from stickslip._util.numbers import worker_count
 from stickslip._util.text import highest
 from stickslip.errors import ScenarioError
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.columns import recorded_names
+from stickslip.simulation.quantities import recorded_names
 from stickslip.simulation.record_file import RecordFile, StoredRecord
 from stickslip.simulation.run import SUFFIXES, Run
 

@@ -18,8 +18,8 @@ from stickslip._util.files import check_writable
 from stickslip._util.numbers import Array, Indices, worker_count
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.simulate import STAGE, Progress
+from stickslip.sweeping.checkpoint import MIN_INTERVAL, checkpoint, locked, take_over, write
 from stickslip.sweeping.dataset import NOT_RUN, empty, finished, flat, put
-from stickslip.sweeping.files import MIN_INTERVAL, checkpoint, locked, take_over, write
 from stickslip.sweeping.points import Points, Vary, points_of
 
 if TYPE_CHECKING:

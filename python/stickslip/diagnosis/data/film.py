@@ -17,7 +17,7 @@ from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.instruments import of_films
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.measurement.outliers import far_from_their_phase
-from stickslip.measurement.tracking import FEWEST, TrackingRun
+from stickslip.measurement.read_tracking import FEWEST, TrackingRun
 from stickslip.scenario.uncertain import Prior
 from stickslip.simulation.note import Note
 

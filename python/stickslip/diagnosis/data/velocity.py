@@ -13,8 +13,8 @@ from stickslip._util.numbers import Array
 from stickslip.diagnosis.data.errors import estimate
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.instruments import of_velocities, read_by
+from stickslip.measurement.read_velocity import VelocityData
 from stickslip.measurement.reading import Measurement
-from stickslip.measurement.velocity import VelocityData
 from stickslip.scenario.keys import Value, known_keys
 from stickslip.scenario.uncertain import Prior
 from stickslip.simulation.note import Note

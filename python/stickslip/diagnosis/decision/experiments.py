@@ -13,8 +13,8 @@ import numpy as np
 from stickslip._util.messages import shown
 from stickslip._util.numbers import Array, are_equal
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.measurement.tables import Line, index_labels
-from stickslip.measurement.velocity import NOT_SETTINGS, with_index_columns
+from stickslip.measurement.read_table import Line, index_labels
+from stickslip.measurement.read_velocity import NOT_SETTINGS, with_index_columns
 from stickslip.scenario.keys import Value, find_key, in_allowed_case, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.note import Note

@@ -17,9 +17,9 @@ from stickslip.diagnosis.report.files import JSON
 from stickslip.diagnosis.result import Diagnosis, setting_columns
 from stickslip.errors import ScenarioError
 from stickslip.measurement.new_trials import unmeasured
+from stickslip.measurement.read_table import check_columns, read_rows
+from stickslip.measurement.read_velocity import velocity_units
 from stickslip.measurement.reading import Measurement
-from stickslip.measurement.tables import check_columns, read_rows
-from stickslip.measurement.velocity import velocity_units
 
 if TYPE_CHECKING:
     from pandas import DataFrame

@@ -1,4 +1,4 @@
-"""The simulator's named extensions as causes.
+"""The simulator's effects as causes.
 
 Names, units, meanings and possible ranges are the core's. Here stand the sizes that would not
 surprise: rough orders of what the paper's apparatus could hide, which are the widths of the priors.
@@ -84,7 +84,7 @@ _ALIKE = {
 
 
 def library(scenario: Scenario, uncertain: Collection[str], volts: float) -> tuple[Cause, ...]:
-    """All extensions with a known law that the model does not have yet, and `CONSTANTS`.
+    """All effects with a known law that the model does not have yet, and `CONSTANTS`.
 
     Curves of a free shape are in `laws`. Values of single coils are measured, and `field_gain`
     stands for them.
@@ -92,10 +92,10 @@ def library(scenario: Scenario, uncertain: Collection[str], volts: float) -> tup
     Parameters
     ----------
     scenario : Scenario
-        Its own extensions are part of the model, and no causes.
+        Its own effects are part of the model, and no causes.
     uncertain : collection of str
         Dotted keys of constants that are uncertain, or that conditions state on their own. An
-        extension with an uncertain parameter is part of the model too.
+        effect with an uncertain parameter is part of the model too.
     volts : float
         Largest voltage of the drives, V, where the amplifiers' limit begins to act.
     """

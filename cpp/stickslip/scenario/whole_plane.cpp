@@ -1,4 +1,4 @@
-#include "stickslip/scenario/plane.hpp"
+#include "stickslip/scenario/whole_plane.hpp"
 
 #include <cmath>
 #include <numbers>

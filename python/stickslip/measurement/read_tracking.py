@@ -15,11 +15,11 @@ from stickslip._util.numbers import Array, are_equal
 from stickslip._util.text import OneLine, highest, is_number
 from stickslip._util.units import split_unit, unit_meant
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.measurement.tables import counted, read_numbers, stated_number
+from stickslip.measurement.read_table import counted, read_numbers, stated_number
 from stickslip.scenario.keys import FILE
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.columns import COLUMNS, headings
 from stickslip.simulation.note import Note
+from stickslip.simulation.quantities import COLUMNS, headings
 
 _REQUIRED = {"t": "s", "x": "m", "theta": "rad"}
 _OPTIONAL = {"z": "m", "current_x": "A", "current_clamp": "A"}

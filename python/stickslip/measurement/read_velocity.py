@@ -18,7 +18,7 @@ from stickslip._util.text import OneLine, comma_hint, number
 from stickslip._util.units import factor_text, unit_factor, unit_meant
 from stickslip.errors import ScenarioError
 from stickslip.measurement.outliers import far_from_their_group
-from stickslip.measurement.tables import (
+from stickslip.measurement.read_table import (
     LARGEST,
     Line,
     NothingSound,
