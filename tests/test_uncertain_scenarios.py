@@ -156,7 +156,7 @@ def test_a_singular_covariance_is_drawn_from():
 
 
 def test_what_cannot_be_drawn_is_refused_in_one_line():
-    with pytest.raises(ScenarioError, match="nothing to draw"):
+    with pytest.raises(ScenarioError, match="no uncertain parameter to draw"):
         Scenario().draws(3)
     for count, seed in ((0, 0), (2.5, 0), (True, 0), (3, -1)):
         with pytest.raises(ScenarioError, match="allowed is a whole number"):

@@ -22,6 +22,9 @@ RECORD_RATE = "record.rate"
 
 PREFIX = "effects."
 
+FIELDS = ("drive.peak", "drive.base", "drive.hold")
+"""The fields of a pulsed drive."""
+
 COIL_NAMES = _core.coil_names
 """Order of the coils in every array of currents or voltages: +x, -x, +y, -y, and below (-z)."""
 

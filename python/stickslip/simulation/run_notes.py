@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from stickslip import _core
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import known_keys
+from stickslip.scenario.keys import FIELDS, known_keys
 from stickslip.scenario.waveform import Waveform
 from stickslip.simulation.note import Note, by_seriousness
 from stickslip.simulation.scenario_notes import (
@@ -320,8 +320,7 @@ def _with_field(scenario: Scenario, factor: float) -> dict[str, Any]:
     if _is_program(scenario):
         blocks = scenario.to_core().program()
         return {"drive.program": Waveform([(t, factor * volts, n) for t, volts, n in blocks])}
-    keys = ("drive.peak", "drive.base", "drive.hold")
-    stronger = {key: factor * float(scenario.get(key)) for key in keys}
+    stronger = {key: factor * float(scenario.get(key)) for key in FIELDS}
     # At no base the holding coil alone turns it upright.
     return stronger | {"drive.base": stronger["drive.base"] or BASE * stronger["drive.peak"]}
 
