@@ -144,7 +144,7 @@ def test_optimise_and_predict_take_a_map(folder):
     [
         # A point that is off; a field of the wrong sign, at which the fit leaves most.
         ((3, 0, 5.0), "coil xm, row {row}: x = 5.0: allowed are -1 to 1 m"),
-        ((5, 4, -1.0), "coil xm: the field of a coil .* the farthest is row {row}; look for"),
+        ((5, 4, -1.0), "coil xm: the fit leaves .* the largest residual is at row {row}; look for"),
     ],
 )
 def test_a_point_out_of_place_is_named_by_its_row(tmp_path, fields, change, said):
@@ -171,7 +171,7 @@ def test_what_no_coil_makes_is_refused():
     # Rows in a wrong order: over these 16 mm the field changes by 30 %.
     fields = np.random.default_rng(4).permutation(formula_fields(points))
     with pytest.raises(
-        ScenarioError, match="coil xp: the field of a coil comes near to the values"
+        ScenarioError, match="coil xp: the fit leaves"
     ):
         FieldMap.from_points(points, fields)
 

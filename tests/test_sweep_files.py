@@ -199,7 +199,7 @@ def test_a_file_is_neither_overwritten_nor_changed_by_another_sweep(tmp_path):
     path = tmp_path / "a.nc"
     sweep(QUICK, FRICTION, out=path)
     before = path.read_bytes()
-    with pytest.raises(FileExistsError, match=r"a\.nc is already there"):
+    with pytest.raises(FileExistsError, match=r"a\.nc already exists"):
         sweep(QUICK, FRICTION, out=path)
     with pytest.raises(
         ScenarioError, match=r"a\.nc cannot be resumed: it belongs to another sweep"

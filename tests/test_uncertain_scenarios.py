@@ -156,7 +156,7 @@ def test_a_singular_covariance_is_drawn_from():
 
 
 def test_what_cannot_be_drawn_is_refused_in_one_line():
-    with pytest.raises(ScenarioError, match="nothing to draw"):
+    with pytest.raises(ScenarioError, match="no uncertain parameter to draw"):
         Scenario().draws(3)
     for count, seed in ((0, 0), (2.5, 0), (True, 0), (3, -1)):
         with pytest.raises(ScenarioError, match="allowed is a whole number"):
@@ -205,7 +205,7 @@ def test_a_file_says_what_is_uncertain_in_another_scenario(tmp_path):
     assert with_uncertain_of(other, path).uncertain == JointPrior(
         {"drag.linear": Prior("normal", 1e-5, 1e-6)}
     )
-    with pytest.raises(ScenarioError, match="holds nothing"):
+    with pytest.raises(ScenarioError, match="no uncertain parameter"):
         other.with_uncertain(Scenario())
 
 

@@ -29,4 +29,4 @@ def prefixed(where: object, kind: type[Exception] = ScenarioError) -> Iterator[N
 
 
 class SimulationError(RuntimeError):
-    """A simulation that is stepped cannot go on; the message says why and what to do."""
+    """A stepped run cannot go on; the message says why and what to do."""

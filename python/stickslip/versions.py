@@ -1,4 +1,4 @@
-"""What a report of a problem should say of the installation."""
+"""The versions that a bug report should state."""
 
 from __future__ import annotations
 

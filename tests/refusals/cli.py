@@ -166,7 +166,7 @@ REFUSALS = [
     ("command", f"{SWEEP} --out a.nc --plot a.nc", "a.nc"),
     ("command", f"run s.toml --out {'a' * 500}.nc", "File name too long"),
     ("command", "run s.toml --out /proc/a.nc", "/proc/a.nc"),
-    ("command", "init s.toml", "s.toml is already there"),
+    ("command", "init s.toml", "s.toml already exists"),
     ("command", "init missing/s.toml", ["missing/s.toml", "no folder"]),
     ("command", f"{SWEEP} --threads 0", ["--threads", "0"]),
     ("command", f"{SWEEP} --dask nonsense", "--dask nonsense"),

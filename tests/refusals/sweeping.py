@@ -92,7 +92,7 @@ PREDICTED = [
     ("quantile twice", {"quantiles": [0.5, 0.5]}, "each once"),
     ("a single quantile", {"quantiles": 0.5}, "between 0 and 1"),
     ("no prior", {"uncertain": 3}, "a section [uncertain]"),
-    ("scenario without priors", {"uncertain": Scenario()}, "holds nothing"),
+    ("scenario without priors", {"uncertain": Scenario()}, "no uncertain parameter"),
     ("nothing uncertain", {"scenario": BASE}, "no band"),
     (
         "hardly allowed",

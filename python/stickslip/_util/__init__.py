@@ -1,1 +1,1 @@
-"""What has nothing to do with robots: files, texts, numbers of processors."""
+"""Helpers that know no robots: files, texts, tables, units, messages, HTML."""

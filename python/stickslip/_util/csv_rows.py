@@ -1,4 +1,4 @@
-"""Text of CSV files: separators, comments, the header, and rows with their lines.
+"""CSV files as text: separators, comments, the header, and rows with their lines.
 
 Every CSV file of a user is read here.
 """
@@ -17,13 +17,13 @@ from stickslip._util.units import split_unit
 from stickslip.errors import ScenarioError
 
 INSTRUMENTS_PAGE = '"From your instruments" (docs/howto/instruments.md)'
-"""The page that says how files of other programs become tables."""
+"""The page on tables from other programs."""
 
 DECIMAL_COMMAS = (
     "if these are decimal commas, separate the columns by semicolons or write decimal points; "
     "else every column needs a name"
 )
-"""What to do where a row has more cells than the header and commas separate them."""
+"""Advice for a row with more cells than the header, between commas."""
 
 _OTHER_FORMATS = {
     b"PK\x03\x04": "an Excel workbook (.xlsx) or another ZIP archive",
@@ -34,7 +34,7 @@ _OTHER_FORMATS = {
     b"<html": "an HTML page",
     b"<!DOCTYPE": "an HTML page",
 }
-"""First bytes of files that are taken for tables."""
+"""First bytes of files that users take for tables."""
 
 _SEPARATOR_LINE = re.compile(r'"?sep=([,;|\t])"?[,; \t]*', re.IGNORECASE)
 _QUOTED = re.compile('"[^"]*"')
@@ -43,11 +43,10 @@ _MARKS = {".": "point", ",": "comma"}
 
 
 def text_lines(data: bytes) -> Iterator[str]:
-    """The lines of a text without their ends, whatever these are, and without its mark.
+    """The lines of a text without their ends and without its byte order mark.
 
-    The mark is the byte order mark, which spreadsheets write before the first line; with that of
-    UTF-16 the text is decoded as such. A ScenarioError names the first byte that is not UTF-8, or
-    the format of a file that is no text.
+    With the mark of UTF-16 it is decoded as such. A ScenarioError names the first byte that is not
+    UTF-8, or the format of a file that is no text.
     """
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         try:
@@ -72,7 +71,7 @@ def text_lines(data: bytes) -> Iterator[str]:
 
 
 def csv_line(line: str, cells: list[str]) -> str:
-    """A line that has these cells between commas: the given one, if it has, as it is written."""
+    """A line of these cells between commas; the given one if it has just these."""
     if [cell.strip() for cell in next(_reader([line], ","), [])] == cells:
         return line
     file = io.StringIO()
@@ -81,7 +80,7 @@ def csv_line(line: str, cells: list[str]) -> str:
 
 
 class CsvTable:
-    """The header of a CSV file and, by `rows`, what stands below it.
+    """The header of a CSV file and, by `rows`, the rows below it.
 
     Commas, semicolons or tabs separate the cells; a first line such as ``sep=;`` says which. Lines
     above the header that begin with # are comments. If the first other line has a number, the
@@ -152,10 +151,10 @@ class CsvTable:
         below: Iterator[tuple[int, str]],
     ) -> None:
         """Make the last comment that names columns of the first row the header, if there is one."""
-        count = len(_named(self._cells(first[1])))
+        count = len(named_cells(self._cells(first[1])))
         for k in reversed(range(len(comments))):
             number, line = comments[k]
-            names = _named(self._cells(line.lstrip().lstrip("#")))
+            names = named_cells(self._cells(line.lstrip().lstrip("#")))
             known = any(split_unit(name)[0] in columns for name in names)
             if known and len(names) == count and not any(map(_is_number, names)):
                 self.line, self.header = number, names
@@ -240,7 +239,7 @@ def _reader(lines: Iterable[str], separator: str) -> Iterator[list[str]]:
     return csv.reader(lines, delimiter=separator, skipinitialspace=True)
 
 
-def _named(cells: list[str]) -> list[str]:
+def named_cells(cells: list[str]) -> list[str]:
     """Cells without the empty ones at the end."""
     while cells and not cells[-1]:
         cells = cells[:-1]
@@ -256,7 +255,7 @@ def _is_number(cell: str) -> bool:
 
 
 def _separator_of(line: str) -> str:
-    """What separates the cells of a line: commas, unless there is another separator."""
+    """The separator of a line's cells: commas, unless there is another one."""
     bare = _QUOTED.sub("", line)
     if ";" in bare:
         return ";"

@@ -1,7 +1,7 @@
-"""Packages that only some functions need: the extras that install them, and who needs which.
+"""Optional packages: the extras that install them, and the names that need them.
 
-A base installation simulates. What is larger than the simulator itself (HDF5, pandas, matplotlib,
-SciPy) comes with an extra, and who calls a function without it is told which.
+A base installation simulates. Packages larger than the simulator itself (HDF5, pandas, matplotlib,
+SciPy) come with extras, and an error names the one that is missing.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ _NEEDED: dict[str, tuple[str, ...]] = {
     "sweep_dataframe": ("netcdf",),
     **dict.fromkeys(_DIAGNOSIS, ("diagnosis",)),
 }
-"""Extras of the public names and commands that can do nothing without them."""
+"""Extras of the public names and commands that need them."""
 
 
 class MissingExtra(ImportError):
-    """Something was asked for that a package is missing for; the message is the way to install it.
+    """A package of an extra is missing; the message says how to install it.
 
-    Its `name` is that of the module which is missing.
+    Its `name` is that of the missing module.
     """
 
     def __init__(self, what: str, module: str, *extras: str) -> None:
@@ -52,8 +52,8 @@ class MissingExtra(ImportError):
 def check_extras(what: str, name: str) -> None:
     """Raise MissingExtra if a public name or command lacks a module of its extras.
 
-    All modules are looked for, but not imported, so that a long calculation does not end without
-    the page or the picture that it was made for. `what` is how the message calls it.
+    Modules are found, not imported, before a long calculation whose result needs them. `what` is
+    the subject of the message.
     """
     extras = _NEEDED.get(name, ())
     for extra in extras:
@@ -73,7 +73,7 @@ def _is_there(module: str) -> bool:
 
 @contextlib.contextmanager
 def naming_the_extra(what: str) -> Iterator[None]:
-    """Raise MissingExtra where the block imports a module of an extra that is not installed."""
+    """Raise MissingExtra where the block imports a missing module of an extra."""
     try:
         yield
     except ModuleNotFoundError as error:

@@ -51,7 +51,7 @@ def sha256_of(file: BinaryIO) -> str:
 
 
 def check_name(path: str | PathLike[str]) -> None:
-    """Raise an OSError for a name that no file can have, or that no text can hold."""
+    """Raise an OSError for a name that no file can have or that is not UTF-8."""
     name = os.fspath(path)
     if "\0" in name:
         raise OSError("the name has a character NUL")
@@ -72,7 +72,7 @@ def check_suffix(path: str | PathLike[str], allowed: tuple[str, ...]) -> None:
 def replacing(path: str | PathLike[str]) -> Iterator[Path]:
     """A new file in the same folder that becomes `path` when the block ends without error.
 
-    An OSError that names `path` says what is in the way; `path` is then as it was before.
+    An OSError names `path` and the obstacle; `path` is then unchanged.
     """
     temporary = None
     try:
@@ -112,7 +112,7 @@ class _Tried(Exception):
 def check_folder(path: str | PathLike[str], files: Iterable[str] = ()) -> None:
     """Raise an OSError for a folder that could not be made, or where `files` could not be written.
 
-    It need not be there yet; the error names what is in the way.
+    It need not exist yet; the error names the obstacle.
     """
     folder, made = Path(path), list[Path]()
     try:
@@ -130,14 +130,15 @@ def check_folder(path: str | PathLike[str], files: Iterable[str] = ()) -> None:
             check_writable(folder / name)
     finally:
         for each in reversed(made):
-            each.rmdir()
+            with contextlib.suppress(OSError):  # another process has written into it
+                each.rmdir()
 
 
 def write_together(writers: Mapping[Path, Callable[[Path], object]]) -> None:
     """Write files that belong together: all are complete before the first takes its name.
 
-    `writers` has for each path a function that writes what belongs there to the path that it gets.
-    An OSError says that one cannot be written; then all are as they were before.
+    `writers` has for each path a function that writes its content to the path that it gets.
+    An OSError says that one cannot be written; then all are unchanged.
     """
     with contextlib.ExitStack() as stack:
         for path, write in writers.items():

@@ -1,4 +1,4 @@
-"""HTML pages of one look, and what notebooks show of objects."""
+"""HTML pages of one look, and the views of objects in notebooks."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def png(figure: Figure | None) -> str:
 
 
 def in_base64(content: bytes) -> str:
-    """What a file holds, as an address of pages that begins with ``data:`` has it."""
+    """The content of a file, as a ``data:`` address of a page has it."""
     return base64.b64encode(content).decode("ascii")
 
 
@@ -112,7 +112,7 @@ def html_table(title: str, rows: Sequence[tuple[str, str]]) -> str:
 
 
 class ShownBySummary(ABC):
-    """What has a `summary` of text, which a notebook shows with its line ends, escaped."""
+    """An object whose notebook view is its `summary`, escaped and with its line ends."""
 
     @abstractmethod
     def summary(self) -> str:

@@ -1,14 +1,15 @@
-"""What errors say of a value that is not allowed, and of a name that is not known."""
+"""Errors of values that are not allowed and of unknown names."""
 
 from __future__ import annotations
 
 import difflib
+import math
 import numbers
 from collections.abc import Iterable, Mapping
 from os import PathLike
 from typing import NoReturn
 
-from stickslip._util.text import quoted
+from stickslip._util.text import is_number, quoted
 from stickslip.errors import ScenarioError
 
 _LONGEST_SHOWN = 60  # characters of a value in an error; chosen: the error stays one line
@@ -18,7 +19,7 @@ _SLIP = 0.8
 
 
 def shown(value: object) -> str:
-    """A value as it would stand in a file, on one line and not too long."""
+    """A value as a file would have it, on one line and shortened."""
     if isinstance(value, bool):
         text = "true" if value else "false"
     elif isinstance(value, str):
@@ -46,6 +47,12 @@ def check_whole(name: str, value: object, least: int = 0) -> None:
         refuse(name, value, f"a whole number from {least}")
 
 
+def check_above_zero(name: str, value: object, unit: str) -> None:
+    """Refuse what is not a finite number above 0."""
+    if not (is_number(value) and 0.0 < value < math.inf):
+        refuse(name, value, f"a finite number of {unit} above 0")
+
+
 def check_kind(name: str, value: object, kind: type) -> None:
     """Refuse what is not of a class of this package."""
     if not isinstance(value, kind):
@@ -55,16 +62,16 @@ def check_kind(name: str, value: object, kind: type) -> None:
 
 
 def nearest(word: str, known: Iterable[str]) -> str | None:
-    """The name of `known` that is most like a word, in whatever case; None if none is like it."""
+    """The name of `known` most similar to a word, whatever its case; None if none is similar."""
     names = {name.casefold(): name for name in known}
     near = difflib.get_close_matches(word.casefold(), names, n=1, cutoff=0.6)
     return names[near[0]] if near else None
 
 
 def misspelt(word: str, known: Iterable[str]) -> str | None:
-    """The name of `known` that a word is with a slip or two, or cut short; None if it is another.
+    """The name of `known` that a word misspells or abbreviates, else None.
 
-    Stricter than `nearest`, as the word may well be none of them.
+    Stricter than `nearest`: the word may be none of them.
     """
     whole = next((name for name in known if name.casefold().startswith(word.casefold())), None)
     near = whole or nearest(word, known)
@@ -75,7 +82,7 @@ def misspelt(word: str, known: Iterable[str]) -> str | None:
 
 
 def suggestion(word: str, known: Iterable[str], listed: Iterable[str] | None = None) -> str:
-    """What was probably meant of `known`, or all of `listed`, which is `known` if not given."""
+    """The name of `known` that was probably meant, else all of `listed` (by default `known`)."""
     known = list(known)
     near = nearest(word, known)
     if near is not None:
@@ -84,6 +91,6 @@ def suggestion(word: str, known: Iterable[str], listed: Iterable[str] | None = N
 
 
 def meant(word: object, known: Iterable[str]) -> str:
-    """What was probably meant, after a sentence that lists all of `known`; "" for nothing."""
+    """The probable name, for a sentence that lists all of `known`; "" if none is near."""
     near = nearest(word, known) if isinstance(word, str) else None
     return "" if near is None else f'; did you mean "{near}"?'

@@ -1,4 +1,4 @@
-"""Types of arrays, equal settings, means, and the number of workers."""
+"""Types of arrays, checks of numbers, equal settings, and the number of workers."""
 
 from __future__ import annotations
 
@@ -9,9 +9,22 @@ from collections.abc import Collection, Iterable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stickslip._util.messages import check_whole, refuse
+
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Mask = NDArray[np.bool_]
+
+
+def numbers_of(name: str, values: object, allowed: str) -> Array:
+    """The finite numbers that the values are, in whatever shape; else refuse them."""
+    try:
+        given = np.asarray(values)
+    except ValueError:  # rows of several lengths
+        refuse(name, values, allowed)
+    if given.dtype.kind not in "iuf" or not np.isfinite(given).all():
+        refuse(name, values, allowed)
+    return given.astype(float)
 
 
 def root_mean_square(values: ArrayLike) -> float:
@@ -58,12 +71,11 @@ def representatives(
 def worker_count(count: int | None, name: str) -> int:
     """`count` if it is given, else the number of processors that this process may use.
 
-    A ValueError with the `name` says that it is not a whole number above zero.
+    A ScenarioError with the `name` says that it is not a whole number above zero.
     """
     if count is None:
         if hasattr(os, "sched_getaffinity"):
             return len(os.sched_getaffinity(0))
         return os.cpu_count() or 1
-    if isinstance(count, bool) or not isinstance(count, int) or count < 1:
-        raise ValueError(f"{name} = {count!r}: allowed is a whole number from 1")
-    return count
+    check_whole(name, count, 1)
+    return int(count)

@@ -2,31 +2,33 @@
 
 from __future__ import annotations
 
-import csv
 import math
-import re
 from array import array
 from collections.abc import Mapping, Sequence
 from os import PathLike
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from stickslip._util.files import read_bytes
+from stickslip._util.csv_rows import CsvTable, named_cells
+from stickslip._util.files import read_bytes, replacing
 from stickslip._util.messages import nearest, refuse, shown
 from stickslip._util.numbers import Array
 from stickslip._util.text import comma_hint, number
 from stickslip._util.units import per_si, split_unit, to_si
 from stickslip.errors import ScenarioError, prefixed
 
+if TYPE_CHECKING:
+    import pandas as pd
+
 Units = Mapping[str, str | None]
-"""Of the columns that a table may have, the SI unit of their numbers; None of words."""
+"""The SI unit of each column that a table may have; None for words."""
 
 _MOST_BYTES = 1 << 29
 """Chosen: a minute of voltages at 30 kHz, two million rows of six numbers, is shorter."""
 
 
-class CsvTable(NamedTuple):
+class Rows(NamedTuple):
     """What `read_table` read.
 
     `numbers` has the columns of numbers in the order in which they were asked for, shape (n, m),
@@ -38,13 +40,10 @@ class CsvTable(NamedTuple):
     lines: Sequence[int]
 
 
-def read_table(path: str | PathLike[str], columns: Units) -> CsvTable:
+def read_table(path: str | PathLike[str], columns: Units) -> Rows:
     """Read a CSV file that has all of some columns, in any order, and no others.
 
-    Commas, semicolons or tabs separate the cells; with the latter two a comma is a decimal point.
-    Headings may state units, such as ``t (ms)``. Empty lines and lines that begin with # are
-    passed over; where no other line has the names, the last of these above the numbers does, as
-    `numpy.savetxt` writes it.
+    It is read as a `CsvTable`. Headings may state units, such as ``t (ms)``.
 
     Raises
     ------
@@ -53,48 +52,23 @@ def read_table(path: str | PathLike[str], columns: Units) -> CsvTable:
         file, row and column.
     """
     with prefixed(path):
-        try:
-            text = read_bytes(path, _MOST_BYTES, "table").decode("utf-8").removeprefix("\ufeff")
-        except UnicodeDecodeError as error:
-            byte = error.start + 1
-            raise ScenarioError(f"is no text: byte {byte} is not UTF-8; save it as CSV") from None
-        rows = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip()]
-        del text
-        if rows and rows[0][1].strip('",;').startswith("sep="):  # of Excel
-            del rows[0]
-        first = next((k for k, (_, line) in enumerate(rows) if not _is_comment(line)), len(rows))
-        if first == len(rows):
+        file = CsvTable(read_bytes(path, _MOST_BYTES, "table"), columns)
+        if not file.line:
             raise ScenarioError(f"is empty: the first row has to be {','.join(columns)}")
-        if first and not math.isnan(number(re.split("[,;\t]", rows[first][1])[0])):
-            first -= 1
-            rows[first] = rows[first][0], rows[first][1].lstrip("# ")
-        return _parsed(rows[first:], columns)
+        return _parsed(file, columns)
 
 
-def _is_comment(line: str) -> bool:
-    return line.lstrip().startswith("#")
-
-
-def _parsed(rows: list[tuple[int, str]], columns: Units) -> CsvTable:
-    """The table of a header and the lines below it, which have their numbers."""
-    separator = next((each for each in ";\t" if each in rows[0][1]), ",")
-    header = _cells(rows[0][1], separator)
-    while header and not header[-1]:
-        header.pop()
-    names, per = without_units(header, columns)
-    order = _places(rows[0][0], names, columns)
+def _parsed(file: CsvTable, columns: Units) -> Rows:
+    names, per = without_units(named_cells(file.header), columns)
+    order = _places(file.line, names, columns)
     numbers = {name: unit for name, unit in columns.items() if unit is not None}
     words: dict[str, list[str]] = {name: [] for name in columns if name not in numbers}
     values, lines = array("d"), array("l")
-    for line, text in rows[1:]:
-        cells = _cells(text, separator)
-        # What begins with # may be a cell too, such as #N/A.
-        if not any(cells) or (_is_comment(text) and len(cells) != len(header)):
-            continue
-        if len(cells) < len(header) or any(cells[len(header) :]):
-            commas = " or a decimal comma" if separator == "," else ""
+    for line, cells in file.rows():
+        if len(cells) < len(names) or any(cells[len(names) :]):
+            commas = " or a decimal comma" if file.separator == "," else ""
             raise ScenarioError(
-                f"row {line} has {len(cells)} cells: allowed are {len(header)}; look for a quote"
+                f"row {line} has {len(cells)} cells: allowed are {len(names)}; look for a quote"
                 f"{commas}"
             )
         lines.append(line)
@@ -102,26 +76,17 @@ def _parsed(rows: list[tuple[int, str]], columns: Units) -> CsvTable:
             found.append(cells[order[name]])
         for name, unit in numbers.items():
             cell = cells[order[name]]
-            value = number(cell if separator == "," else cell.replace(",", "."))
+            value = number(file.with_point(line, cell))
             if math.isnan(value):
                 what = f"a finite number of {unit}{comma_hint(cell)}"
                 refuse(f"row {line}, column {name}", cell, what)
             values.append(to_si(value, per[order[name]]))
     table = np.frombuffer(values) if values else np.empty(0)
-    return CsvTable(table.reshape(-1, len(numbers)), words, lines)
-
-
-def _cells(line: str, separator: str) -> list[str]:
-    """The cells of a line; a quote counts after spaces too, as people write them behind commas."""
-    try:
-        row = next(csv.reader([line], delimiter=separator, skipinitialspace=True))
-    except csv.Error:  # a line too long for a cell
-        return [line]
-    return [cell.strip() for cell in row]
+    return Rows(table.reshape(-1, len(numbers)), words, lines)
 
 
 def without_units(header: Sequence[str], units: Units) -> tuple[list[str], list[float]]:
-    """Names of the columns, and how many of the unit of each are one SI unit.
+    """Names of the columns, and how many of each one's unit make one SI unit.
 
     A column that `units` does not have keeps its whole heading. A ScenarioError names a unit that
     is not one of its column.
@@ -159,3 +124,11 @@ def _places(line: int, header: list[str], columns: Units) -> dict[str, int]:
         if name in header[:index]:
             raise ScenarioError(f"row {line}, column {name}: is there twice; {expected}")
     return {name: header.index(name) for name in columns}
+
+
+def write_frame(frame: pd.DataFrame, path: str | PathLike[str]) -> None:
+    """Write a table as CSV, whole or not at all; headings name the units of ``attrs["units"]``."""
+    units = frame.attrs.get("units", {})
+    named = {name: f"{name} ({unit})" for name, unit in units.items() if unit not in ("", "-", "1")}
+    with replacing(path) as temporary:
+        frame.rename(columns=named).to_csv(temporary, index=False)

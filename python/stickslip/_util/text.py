@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import numbers
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
@@ -11,9 +12,9 @@ from typing import Any, TypeGuard
 
 
 def printable(text: object) -> str:
-    """The text with escapes for all that is not shown: control characters, line ends, directions.
+    """The text with escapes for invisible characters: controls, line ends, directions.
 
-    A text that went through it once stays as it is.
+    A second time it changes nothing.
     """
     text = str(text)
     if text.isprintable():
@@ -24,15 +25,14 @@ def printable(text: object) -> str:
 
 
 def printable_lines(text: str) -> str:
-    """The same, but for the ends of lines, which stay."""
+    """The same, except for line ends."""
     return "\n".join(map(printable, text.split("\n")))
 
 
 def shortened(text: object, most: int = 60) -> str:
-    """The printable text, without the end of what is longer than `most` characters.
+    """The printable text, cut to `most` characters.
 
-    For figures, whose axes would have no place beside a longer name. Chosen: a pair of the
-    library's causes is not longer.
+    For figures, whose axes need the room. Chosen: a pair of the library's causes fits.
     """
     text = printable(text)
     return text if len(text) <= most else f"{text[: most - 3]}..."
@@ -50,8 +50,8 @@ def quoted(text: str) -> str:
 
 
 def is_number(value: object) -> TypeGuard[float]:
-    """Whether a value of a TOML file is a number; True and False are none."""
-    return isinstance(value, int | float) and not isinstance(value, bool)
+    """Whether a value is a real number; True and False are none."""
+    return isinstance(value, numbers.Real) and not isinstance(value, bool)
 
 
 def number(cell: str, below: float = math.inf) -> float:
@@ -65,13 +65,13 @@ def number(cell: str, below: float = math.inf) -> float:
 
 
 def comma_hint(cell: str) -> str:
-    """What to do about a comma in a cell that is no number; "" for a cell without one."""
+    """Advice about a comma in a cell that is no number; "" for a cell without one."""
     hint = "; write numbers with a decimal point and without separators of thousands"
     return hint if "," in cell else ""
 
 
 def highest(limit: float) -> str:
-    """A computed limit in six digits and not above it, so that what is printed is allowed."""
+    """A computed limit, rounded down to six digits: the printed number is allowed."""
     text = f"{limit:.6g}"
     if float(text) > limit:
         text = f"{float(text) - 10.0 ** (math.floor(math.log10(abs(limit))) - 5):.6g}"

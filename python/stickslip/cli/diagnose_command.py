@@ -16,7 +16,7 @@ from stickslip.diagnosis.report.next_table import TABLES, with_measured
 from stickslip.diagnosis.rounds import BUDGET
 from stickslip.errors import prefixed
 
-# Lines about what was left out that are said before the work; the report has all.
+# Lines about left-out data that are printed before the work; the report has all.
 _SAID_FIRST = 3
 
 
@@ -38,8 +38,8 @@ _SAID_FIRST = 3
     "most",
     type=click.IntRange(1),
     metavar="N",
-    help="Where no name is safe, write up to N drives to measure into next.csv in the folder of "
-    "--out. The velocities that were filled in there are read by the next call.",
+    help="If the verdict is not certain, write up to N drives to measure into next.csv in the "
+    "folder of --out. The next call reads the velocities that were filled in there.",
 )
 @click.option(
     "--budget",
@@ -60,11 +60,11 @@ def command(
 ) -> None:
     """Find what in a MEASUREMENT (a TOML file) the model does not explain.
 
-    Recalibrates what is uncertain, tests whether anything is left, and says one of: named,
-    dominant, pair, ambiguous, unexplained, none, data-problem.
+    Recalibrates the uncertain parameters, tests for a misfit, and gives a verdict: named, dominant,
+    pair, ambiguous, unexplained, none or data-problem.
     """
     if budget is not None and most is None:
-        raise click.UsageError("--budget: allowed is --budget beside --next")
+        raise click.UsageError("--budget: allowed with --next only")
     data = stickslip.read_measurement(measurement)
     # Before what takes minutes: a cell with a slip of the pen may be worth mending first.
     for said in data.left_out[:_SAID_FIRST]:

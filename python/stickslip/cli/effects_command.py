@@ -20,9 +20,9 @@ from stickslip.scenario.keys import PREFIX
 def command(word: str, as_json: bool) -> None:
     """List the effects of the model, or those that have a WORD in their name.
 
-    Where no name has it, what they add is searched.
+    Where no name has it, meanings are searched.
 
-    Each is printed with what it does, its parameters with unit, range and default, and its source.
+    Each is printed with its meaning, its parameters with unit, range and default, and its source.
     An effect is used by a section [effects.NAME] in a scenario, or by --set
     effects.NAME.PARAMETER=VALUE.
     """

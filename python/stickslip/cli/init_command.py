@@ -23,7 +23,7 @@ stickslip = {FORMAT_VERSION}  # version of the format, required
 """
 
 _WALKS = {"drive.base": 0.5e-3}
-"""What is not at its default, so that the first run of a new user walks. From README.md."""
+"""Keys that are not at their defaults, so that a new user's first run walks. From README.md."""
 
 _DRIVE = """\
 # base, hold, edge and clamp are not stated in the paper: their defaults are this package's. That of
@@ -46,7 +46,7 @@ def command(file: Path) -> None:
     FILE is scenario.toml where none is given; one that is there is not overwritten.
     """
     if file.is_file() or file.is_symlink():
-        raise ScenarioError(f"{file} is already there: choose another name, or remove it")
+        raise ScenarioError(f"{file} already exists: choose another name, or remove it")
     with prefixed("FILE", OSError), replacing(file) as temporary:
         temporary.write_text(_commented_scenario(), encoding="utf-8")
     say(f"wrote {file}")

@@ -31,7 +31,7 @@ def command(word: str, as_json: bool) -> None:
     WORD is any part of a name, such as drive, friction or drive.frequency; where no name has it,
     meanings are searched.
 
-    Each is printed with its unit, its default, its range and what it means. A key is set by its
+    Each is printed with its unit, default, range and meaning. A key is set by its
     section in a scenario, by --set SECTION.KEY=VALUE, or varied by --vary.
     """
     keys = [

@@ -38,14 +38,14 @@ def load_with(path: Path, set: Mapping[str, Any]) -> tuple[Scenario, list[Path]]
 def load_uncertain(
     path: Path, set: Mapping[str, Any], uncertain: Path | None
 ) -> tuple[Scenario, list[Path]]:
-    """The same, with what is uncertain in another file, if there is one.
+    """The same, with the uncertain parameters of another file, if there is one.
 
     A ScenarioError names a value of ``--set`` that has no influence, as the key is uncertain.
     """
     scenario, read = load_with(path, set)
     drawn = scenario if uncertain is None else with_uncertain_of(scenario, uncertain)
     priors = {} if drawn.uncertain is None else drawn.uncertain.priors
-    for key in set.keys() - {*PATHS}:
-        if key in priors or drawn.get(key) != scenario.get(key):
+    for key in set:
+        if key not in PATHS and (key in priors or drawn.get(key) != scenario.get(key)):
             raise ScenarioError(f"--set {key}: has no influence, as it is uncertain")
     return drawn, read if uncertain is None else [*read, uncertain]

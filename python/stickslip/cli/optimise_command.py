@@ -44,7 +44,7 @@ Examples:
 @click.option(
     "--allow-flight",
     is_flag=True,
-    help="Without the default limits of walking, airborne_fraction=0.2 and tilt_max=1.5 (rad).",
+    help="Drop the default limits of walking, airborne_fraction=0.2 and tilt_max=1.5 (rad).",
 )
 @options.pairs(
     "--free",
@@ -67,7 +67,7 @@ Examples:
 @click.option(
     "--score",
     default="q10",
-    help="What of the draws counts: q10 for the 10 % quantile, mean or worst.",
+    help="How the draws are summed up: q10 for the 10 % quantile, mean or worst.",
 )
 @click.option("--draws", type=click.IntRange(1), default=8, help="Draws in the search.")
 @click.option(
@@ -103,14 +103,14 @@ def command(
 ) -> None:
     """Find the drive of a SCENARIO (a TOML file) that is best under limits.
 
-    What is uncertain is drawn, the same draws for every drive, and a limit has to hold in all of
-    them. The drive has to walk: at most 20 % of the time in flight, and never upright, unless
+    Uncertain parameters are drawn, the same draws for every drive, and a limit has to hold in all
+    of them. The drive has to walk: at most 20 % of the time in flight, and never upright, unless
     --allow-flight or a limit of yours says otherwise. The result is compared with the start and
     with the best sawtooth of a grid, on fresh draws; the better of search and sawtooth is written.
-    Without anything uncertain the scenario is the one draw.
+    Without uncertain parameters the scenario is the one draw.
 
-    A field that a drive states, such as drive.peak, is what its voltage would make if it were held
-    for ever; of a fast pulse the coil lets little through. To limit the field, limit field_max.
+    Fields of the drive, such as drive.peak, are those of a voltage held for ever; in a fast pulse
+    the field stays far below. To limit the field, limit field_max.
 
     Ctrl-C ends the search, and writes the best so far.
     """

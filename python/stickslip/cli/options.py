@@ -168,7 +168,7 @@ UNCERTAIN = click.option(
     help="A TOML file whose [uncertain] takes the place of the scenario's: a measurement, another "
     "scenario, or the extended.toml of a diagnosis.",
 )
-SEED = click.option("--seed", type=click.IntRange(0), default=0, help="Of all draws.")
+SEED = click.option("--seed", type=click.IntRange(0), default=0, help="Seed of all draws.")
 THREADS = click.option(
     "--threads",
     "--jobs",

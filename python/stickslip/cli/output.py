@@ -1,4 +1,4 @@
-"""What a command prints and writes: lines, tables, JSON, files."""
+"""The output of commands: lines, tables, JSON, files."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import stickslip
-from stickslip._util.files import replacing
+from stickslip._util.tables import write_frame
 from stickslip.cli import options, output
 from stickslip.cli.loading import load_uncertain
 from stickslip.cli.progress import progress_bar
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     "--draws",
     type=click.IntRange(2),
     default=DRAWS,
-    help="Simulations of each point, all with other values of what is uncertain.",
+    help="Simulations of each point, each with its own draw of the uncertain parameters.",
 )
 @options.SEED
 @options.THREADS
@@ -63,9 +63,9 @@ def command(
 ) -> int:
     """Predict the summary of a SCENARIO (a TOML file) with error bars.
 
-    Prints the quantiles of 10, 50 and 90 % over what is uncertain in it: values that are drawn
-    from its [uncertain], or from that of another file. Draws that fail are in no quantile; how many
-    there are is said on standard error, and the exit status is then 1.
+    Prints the quantiles of 10, 50 and 90 % over draws from its [uncertain], or from that of another
+    file. Draws that fail are in no quantile: their number is printed on standard error, and the
+    exit status is 1.
     """
     loaded, read = load_uncertain(scenario, set, uncertain)
     output.check_files(read, out=(out, SUFFIXES), plot=(plot, ()))
@@ -81,27 +81,17 @@ def command(
     failed, redrawn = int(data.attrs["failed_draws"]), int(data.attrs["redrawn"])
     if redrawn:
         output.say(
-            f"stickslip: note: {redrawn} more draws made no scenario, and are drawn again", err=True
+            f"stickslip: note: {redrawn} more draws made no scenario and were drawn again", err=True
         )
     if failed:
         said = f"{failed} of {count} draws failed and are in no quantile; the first: "
         output.say(f"stickslip: {said}{data.attrs['message']}", err=True)
-    if out is not None:
-        _save(data, out)
+    if out is not None and out.suffix.lower() == ".csv":
+        write_frame(stickslip.sweep_dataframe(data), out)
+    elif out is not None:
+        write(data, out)
     done = output.drawn("--plot", plot, output.save_plot("velocity", data))
     return 0 if done and not failed else 1
-
-
-def _save(data: xarray.Dataset, path: Path) -> None:
-    """Write the quantiles as netCDF, or as CSV whose headings name the units."""
-    if path.suffix.lower() != ".csv":
-        write(data, path)
-        return
-    table = stickslip.sweep_dataframe(data)
-    units = table.attrs["units"].items()
-    names = {name: f"{name} ({unit})" for name, unit in units if unit not in ("", "1")}
-    with replacing(path) as temporary:
-        table.rename(columns=names).to_csv(temporary, index=False)
 
 
 def _as_dict(data: xarray.Dataset) -> dict[str, Any]:

@@ -72,7 +72,7 @@ Example:
     "--start",
     type=click.FloatRange(0.0),
     metavar="SECONDS",
-    help="Begin of the time that --plot and --animate show.",
+    help="Start of the time that --plot and --animate show.",
 )
 @click.option("--stop", type=click.FloatRange(0.0), metavar="SECONDS", help="End of that time.")
 @click.option(
@@ -114,6 +114,9 @@ def command(
     if pictures:  # said before a long run
         with prefixed("--plot" if plot is not None else "--animate"):
             stickslip.plot.motion.check_drawable(loaded)
+    if animate is not None:
+        with prefixed("--animate", RuntimeError):
+            stickslip.plot.moving.check_moving_format(animate)
 
     with progress_bar() as bar:
         run = simulate(loaded, progress=bar, until=until, out=out)
@@ -137,7 +140,7 @@ def command(
 def _check_times(
     scenario: Scenario, start: float | None, stop: float | None, pictures: bool
 ) -> None:
-    """Refuse a stretch of time that the run does not have, or that nothing shows."""
+    """Refuse times outside the run, or times that nothing shows."""
     if (start is not None or stop is not None) and not pictures:
         raise click.UsageError("--start, --stop: allowed with --plot or --animate only")
     # The sum of the drive's parts has the rounding of each: 0.16999... s is 0.17 s.
@@ -145,7 +148,7 @@ def _check_times(
     first, last = start or 0.0, end if stop is None else stop
     if not first < last <= end:
         raise ScenarioError(
-            f"--start, --stop: {first!r} to {last!r} s: allowed is a stretch of the run's "
+            f"--start, --stop: {first!r} to {last!r} s: allowed is a part of the run's "
             f"{highest(round(end, 12))} s"
         )
 

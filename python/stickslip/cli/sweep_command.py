@@ -85,7 +85,7 @@ def command(
     loaded, read = load_with(scenario, set)
     output.check_files(read, out=(out, NETCDF_SUFFIXES), plot=(plot, ()))
     if out is not None and out.exists() and not resume:
-        raise ScenarioError(f"--out: {out} is already there; --resume goes on with it")
+        raise ScenarioError(f"--out: {out} already exists; --resume goes on with it")
     if plot is not None:
         options.check_drawable(vary, 2)
     count = math.prod(map(len, vary.values()))

@@ -1,4 +1,4 @@
-"""What controllers need beside a `Simulator`: a camera, paths, voltages along a heading.
+"""For controllers, beside a `Simulator`: a camera, paths, voltages along a heading.
 
 `stickslip.control.environments` has environments of Gymnasium; it needs the extra ``gym``.
 """

@@ -1,4 +1,4 @@
-"""A camera between robots and what a controller sees of them."""
+"""A camera between robots and their controller."""
 
 from __future__ import annotations
 
@@ -8,16 +8,15 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from stickslip._util.messages import check_kind, refuse
+from stickslip._util.messages import check_above_zero, check_kind, refuse
 from stickslip._util.numbers import Array
 from stickslip._util.text import is_number
-from stickslip.control.checks import check_above_zero
 from stickslip.errors import ScenarioError
 
 
 @dataclass(frozen=True, kw_only=True)
 class Camera:
-    """Frames of place, tilt and heading that come late, with noise, and not always.
+    """Frames of place, tilt and heading: late, noisy, and some of them lost.
 
     Attributes
     ----------
@@ -30,9 +29,9 @@ class Camera:
     noise_x, noise_theta, noise_heading : float
         Standard deviations of the tracking: of x and y, m; of the tilt and the heading, rad.
     pixel : float
-        Quantum of x and y, m; 0: none.
+        Resolution of x and y, m; 0 for none.
     dropped : float
-        Share of frames that never come.
+        Share of lost frames.
     """
 
     frame_rate: float = 30.0
@@ -58,7 +57,7 @@ class Camera:
 
 
 class Film:
-    """What a camera has seen since an episode began: of one robot, or of many in one image.
+    """The frames of a camera since an episode began: of one robot, or of many in one image.
 
     A pose is x (m) and theta (rad), of shape (2,), or (n, 2) for n robots; in the plane it is x, y
     (m), theta and heading (rad), of shape (4,) or (n, 4).
@@ -102,7 +101,7 @@ class Film:
         return self.pose, time - self.taken
 
     def _averaged(self) -> Array:
-        """The mean over the exposure; headings about the newest one, as they jump by a turn."""
+        """The mean over the exposure; headings about the newest one, as they jump by 2 pi."""
         poses = np.array(self._exposed)
         if self._places == 2:
             newest = poses[-1, ..., 3]

@@ -10,17 +10,22 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip._util.extras import naming_the_extra
-from stickslip._util.numbers import Array, Indices, Mask
+from stickslip._util.numbers import Array, Indices, Mask, numbers_of, worker_count
 
 with naming_the_extra("stickslip.control.environments"):
     import gymnasium
     from gymnasium.vector import AutoresetMode
 
 from stickslip import _core
-from stickslip._util.messages import check_kind, check_whole, refuse, shown, suggestion
-from stickslip._util.numbers import worker_count
+from stickslip._util.messages import (
+    check_above_zero,
+    check_kind,
+    check_whole,
+    refuse,
+    shown,
+    suggestion,
+)
 from stickslip.control.camera import Camera, Film
-from stickslip.control.checks import check_above_zero, numbers_of
 from stickslip.control.path import Path
 from stickslip.control.steering import heading_voltages
 from stickslip.control.tasks import TASKS, Targets
@@ -58,7 +63,7 @@ _RESTS = [CONTACT_WORDS.index(name) for name in ("corner_stick", "face_stick")]
 class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
     """Robots that are stepped together in the core.
 
-    An action has values from -1 to 1, to which values beyond are clipped, and holds for `period`.
+    An action has values from -1 to 1 (others are clipped), and holds for `period`.
     In "walk" and "place" they are the voltages of `coils` over `voltage`. In "reach" and "follow"
     they are how fast the field along the surface turns to the left, over `turning`; the voltage
     that makes this field, see `stickslip.control.heading_voltages`, from a fifth of `voltage` at -1
@@ -82,8 +87,8 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
     scenario : Scenario, optional
         The robot; its drive is not played.
     uncertain : JointPrior, mapping of str to Prior, or Scenario, optional
-        What is drawn for each episode, see ``Scenario.with_uncertain``; by default what is
-        uncertain in `scenario`. An empty mapping is nothing.
+        The parameters drawn for each episode, see ``Scenario.with_uncertain``; by default those of
+        `scenario`. An empty mapping draws none.
     camera : Camera, optional
     coils : sequence of str, optional
         Coils whose voltages the actions are: by default xp and the clamp in "walk" and "place". In
@@ -103,8 +108,8 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
     Raises
     ------
     ScenarioError
-        If one of these is not what it should be: also a path that begins, as far as that is known,
-        more than 0.25 mm from the robot, or a path or goal where no field is known.
+        If a parameter is not allowed, a path begins more than 0.25 mm from the robot, or a path or
+        goal lies where no field is known.
     """
 
     def __init__(
@@ -163,7 +168,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         self.observation_space = batched(self.single_observation_space, num_envs)
         self.action_space = batched(self.single_action_space, num_envs)
         self._random = [np.random.default_rng() for _ in range(num_envs)]
-        self._robots = [self.scenario] * num_envs  # each with its draw of what is uncertain
+        self._robots = [self.scenario] * num_envs  # each with its draw
         self._films: list[Film | None] = [None] * num_envs
         self._batch = _core.SimulatorBatch([self.scenario.to_core()] * num_envs, self._steered)
         self._states = np.zeros((num_envs, len(STATE_COLUMNS)))
@@ -246,7 +251,9 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         played = _checked("actions", actions, self.action_space)
         mode, mask = self.metadata["autoreset_mode"], self._over.copy()
         if mode == AutoresetMode.DISABLED and mask.any():
-            raise ValueError("an episode is over: reset, or options={'reset_mask': mask} of many")
+            raise ValueError(
+                "an episode is over: call reset, with options={'reset_mask': mask} for some of many"
+            )
         self._batch.step(self._voltages(played), self.period, False, self._threads)
         self._batch.states(self._states)
         status = self._batch.statuses()

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip._util.numbers import Array
-from stickslip.control.checks import check_above_zero, numbers_of
+from stickslip._util.messages import check_above_zero
+from stickslip._util.numbers import Array, numbers_of
 from stickslip.errors import ScenarioError
 
 _BEHIND, _AHEAD = 0.2e-3, 0.6e-3  # chosen: m, where along the path a robot is looked for
@@ -76,8 +76,7 @@ class Path:
         return Path(np.column_stack([half * np.sin(u), 0.5 * half * np.sin(2.0 * u)]))
 
     def at(self, progress: ArrayLike) -> Array:
-        """Places at arc lengths (m), shape (...) to (..., 2); before the start and beyond the end
-        the first and the last."""
+        """Places at arc lengths, m, shape (...) to (..., 2); beyond an end, that end."""
         lengths = np.asarray(progress, dtype=float)
         x, y = (np.interp(lengths, self._starts, each) for each in self.points.T)
         return np.stack([x, y], axis=-1)

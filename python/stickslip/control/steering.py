@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
-from stickslip._util.numbers import Array
-from stickslip.control.checks import numbers_of
+from stickslip._util.numbers import Array, numbers_of
 from stickslip.errors import ScenarioError
 
 

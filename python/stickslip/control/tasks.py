@@ -1,4 +1,4 @@
-"""What a robot is asked to do, and what it gets for it."""
+"""The tasks of a robot, and their rewards."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ tolerance is a fortieth of a pulse's step; a path is lost at one body length bes
 
 @dataclass(frozen=True)
 class Judged:
-    """What a step has brought to robots, arrays of shape (n,); `lost` are off their path."""
+    """The outcome of a step, arrays of shape (n,); `lost` robots are off their path."""
 
     rewards: Array
     reached: Mask

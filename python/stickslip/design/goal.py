@@ -1,4 +1,4 @@
-"""What a drive is judged by: a figure of the summary over draws, under limits on other figures."""
+"""The goal of an optimisation: a figure of the summary over draws, under limits on others."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ FIGURES = {
     **VELOCITIES,
     "tilt_max": Column("rad", "largest |theta|, measuring window"),
 }
-"""What can be a goal or have a limit: numbers of a summary, `Run.velocity`, the tilt either way."""
+"""Figures that can be a goal or have a limit: numbers of a summary, `Run.velocity`, the tilt."""
 
 WALKING = {"airborne_fraction": 0.2, "tilt_max": 1.5}
 """Default limits: a robot that hops or stands on end does not walk. Chosen: at the paper's drives
@@ -33,7 +33,7 @@ up to a fifth of the time is flight; 1.5 rad is just short of upright."""
 
 @dataclass(frozen=True)
 class Goal:
-    """What is best.
+    """Figure, score and limits by which drives are compared.
 
     `sign` is 1 of a figure that is maximised, else -1. `score` is what of the draws counts: "q10"
     for the 10 % quantile, counted from the bad side, "mean" or "worst". `limits` has the greatest
@@ -90,7 +90,7 @@ class Goal:
         )
 
     def keys(self, table: pd.DataFrame, limited: bool = True) -> Array:
-        """What drives are sorted by: failures, then what passes the limits, then the score.
+        """Sort keys of drives: failures, then the excess over limits, then the score.
 
         Without `limited` the limits do not count: what passes one in no draw of the search may
         pass it in one of many others, or else a drive at its limit would lose to any far from it.

@@ -1,4 +1,4 @@
-"""The drive that walks best under limits, robust to what is uncertain."""
+"""The function `stickslip.optimise`: the best drive under limits, over uncertain parameters."""
 
 from __future__ import annotations
 
@@ -36,7 +36,6 @@ NEAR, LOSS, RISE = 0.05, 0.1, 0.01
 part `LOSS` of the score, and a slope at a limit gains more than `RISE` beyond it. All chosen."""
 
 _MOST_MOVES = 4  # chosen: each costs a whole landscape
-_SEARCHING, _CHOOSING, _FRESH, _LANDSCAPE = range(4)  # streams of draws of one seed
 
 
 def optimise(
@@ -57,7 +56,7 @@ def optimise(
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Optimum:
-    """Search for the drive that is best under limits, over draws of what is uncertain.
+    """Search for the best drive under limits, over draws of the uncertain parameters.
 
     CMA-ES (Hansen, arXiv:1604.00772) by ranks alone. Every candidate meets the same draws. Those
     that pass a limit in a draw rank behind all others, by how much they pass it, and those whose
@@ -79,8 +78,8 @@ def optimise(
         long as the start.
     limits : mapping, optional
         Greatest value of numbers of the summary, or of ``tilt_max``, the largest abs(theta), rad.
-        To limit the field, limit ``field_max`` and not ``drive.peak``: the coil lets little of a
-        fast pulse through.
+        To limit the field, limit ``field_max`` and not ``drive.peak``, which the field of a fast
+        pulse does not reach.
     allow_flight : bool
         Leaves out the default limits: ``airborne_fraction`` 0.2 and ``tilt_max`` 1.5 rad.
     knots : int, optional
@@ -90,14 +89,14 @@ def optimise(
     coils : sequence of str
         Coils of such a program; all others stay without voltage.
     score : str
-        What of the draws counts: ``"q10"``, the 10 % quantile, or another per cent, counted from
+        How the draws are summed up: ``"q10"``, the 10 % quantile, or another per cent, counted from
         the greatest value of a figure that is minimised; ``"mean"``; ``"worst"``.
     draws, fresh : int
         Draws in the search, and others to judge what it found.
     evaluations : int
         Simulations of the search. A number and not a time, so that a seed gives one result.
     seed : int
-        Of all draws; the same gives the same bits on any number of threads.
+        Seed of all draws; equal seeds give the same bits for any number of threads.
     threads, progress
         As for `simulate_batch`.
 
@@ -241,7 +240,7 @@ class _Design:
             self.moves += 1
 
     def optimum(self, seed: int, interrupted: bool) -> Optimum | None:
-        """What is found until now; None before a drive was within the limits."""
+        """The best so far; None before a drive was within the limits."""
         if self.best is None:
             return None
         fresh = {name: self.compared[name] for name in COMPARED if name in self.compared}

@@ -1,4 +1,4 @@
-"""What an optimisation found."""
+"""The result of an optimisation."""
 
 from __future__ import annotations
 
@@ -60,14 +60,14 @@ class SearchInterrupted(KeyboardInterrupt):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Optimum(OneLine):
-    """What an optimisation found. SI units.
+    """The result of an optimisation. SI units.
 
     Attributes
     ----------
     scenario, start : Scenario
         The best drive, and what the search began with.
     run : Run
-        The best drive at the middle of what is uncertain, without a record.
+        The best drive at the middle of the priors, without a record.
     table : pandas.DataFrame
         Fresh draws of "start", "search" and "sawtooth", where these are not the best, and "best":
         score, mean and worst of the figure, draws, draws that exceed a limit or fail, those that
@@ -89,12 +89,12 @@ class Optimum(OneLine):
     origin : {"search", "sawtooth"}
         Whose drive is the best.
     moves : int
-        Better neighbours that were taken.
+        Moves to better neighbours.
     runs, seed : int
         Simulations of the search, and the seed of all draws.
     interrupted : bool
     seconds : float
-        What it took, s.
+        Duration of the search, s.
     """
 
     scenario: Scenario
@@ -137,7 +137,7 @@ class Optimum(OneLine):
         return f"beyond the limits in {' and '.join(where)}: {', '.join(passed)}"
 
     def summary(self) -> str:
-        """What was found, in some lines."""
+        """The result in some lines."""
         goal = self.goal
         rows = pd.concat([self.search.to_frame("best, in the search").T, self.table])
         columns = ["score", "mean", "worst", "draws", "exceeding"]

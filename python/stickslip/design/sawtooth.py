@@ -12,7 +12,7 @@ import numpy as np
 from stickslip._util.numbers import Array
 from stickslip.design.goal import Goal
 from stickslip.design.space import Space, Values, drive_waveform
-from stickslip.scenario.keys import COIL_NAMES, Value
+from stickslip.scenario.keys import COIL_NAMES, FIELDS, Value
 
 GRID: Mapping[str, Sequence[Any]] = {
     "drive.mode": ("IPP", "OPP"),
@@ -28,7 +28,6 @@ follows to such as the coil lets little through of."""
 POINTS = math.prod(map(len, GRID.values()))
 """Sawtooths of the grid."""
 
-_FIELDS = ("drive.peak", "drive.base", "drive.hold")
 # Power of the voltages with which a figure grows.
 _GROWTH = {"voltage_max": 1.0, "current_max": 1.0, "field_max": 1.0, "power_mean": 2.0}
 _BELOW = 0.999  # chosen: a field is not quite proportional where the robot moves
@@ -58,7 +57,7 @@ def sawtooths(space: Space, goal: Goal, of_start: Array, probe: Probe) -> list[d
     growing = {name: 1 + place for place, name in enumerate(goal.limits) if name in _GROWTH}
     if not (ends or space.knots):
         growing = {}
-    found = _each_once(space, shapes, _FIELDS if growing else ())
+    found = _each_once(space, shapes, FIELDS if growing else ())
     if space.knots:
         asked = drive_waveform(space.start.replace(found[0])).voltages([drive.ramp])[0]
         if not {COIL_NAMES[k] for k in np.flatnonzero(asked)} <= set(space.coils):
@@ -81,7 +80,7 @@ def sawtooths(space: Space, goal: Goal, of_start: Array, probe: Probe) -> list[d
 
 
 def _scaled(values: Values, factor: float) -> dict[str, Value]:
-    return {**values, **{name: factor * float(values[name]) for name in _FIELDS}}
+    return {**values, **{name: factor * float(values[name]) for name in FIELDS}}
 
 
 def _each_once(

@@ -51,8 +51,7 @@ def search(starts: Array, evaluate: Evaluate, budget: int, seed: int) -> int:
     Returns
     -------
     int
-        How many of the last candidates that were evaluated are no more of a search, but where the
-        strategies ended.
+        How many of the last evaluated candidates are the centres at which the strategies ended.
 
     Raises
     ------
@@ -94,7 +93,7 @@ class _Arm:
         return [each[: len(self.start)] for each in self._asked]
 
     def tell(self, keys: Sequence[tuple[float, ...]]) -> None:
-        """Take the keys of what was asked for."""
+        """Take the keys of the candidates."""
         self.best = min([self.best, *keys])
         if self._asked is not None:
             ranks = {key: float(rank) for rank, key in enumerate(sorted(set(keys)))}
@@ -114,7 +113,7 @@ class _Arm:
 
 
 def _compare(arms: Sequence[_Arm], asked: Sequence[Sequence[Array]], evaluate: Evaluate) -> int:
-    """Evaluate what all arms ask for in one call, and tell them; the number of candidates."""
+    """Evaluate the candidates of all arms in one call, and tell the arms; their number."""
     rows = [np.append(arm.index, each) for arm, of in zip(arms, asked, strict=True) for each in of]
     keys = iter([tuple(each) for each in evaluate(np.array(rows)).tolist()] if rows else [])
     for arm, of in zip(arms, asked, strict=True):

@@ -1,4 +1,4 @@
-"""What an optimiser may change of a scenario: keys within ranges, words, and a free waveform."""
+"""The search space of an optimisation: keys within ranges, words, and a free waveform."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ from stickslip.scenario.keys import (
 )
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.waveform import Waveform
+from stickslip.simulation.scenario_notes import STEADY_PULSES
 
 Values = Mapping[str, Value]
-"""A drive by what is free of it: words and numbers by key, and knots such as "xp 3", V."""
+"""The free values of a drive: words and numbers by key, and knots such as "xp 3", V."""
 
 _DECADE = 10.0  # ratio of the ends of a range that is searched in its logarithm
 _OF_A_PROGRAM = ("drive.frequency", "drive.ramp")  # what a free waveform uses of a sawtooth
-_FEWEST = 4  # pulses where the frequency is free: the speed is measured after the third
 _MOST_KNOTS = 200  # of a coil; chosen: far more than a search of some thousand runs can place
 
 
 @dataclass(frozen=True)
 class Space:
-    """What may change of the scenario `start`.
+    """The free values of the scenario `start`.
 
     `ranges` has low and high of each free number, the knots of a waveform last. `arms` has every
     combination of the free words, that of the start first. `coils` are those of a waveform of
@@ -107,10 +107,10 @@ class Space:
             return dict(values)
         drive = self.start.drive
         pulses = round(drive.pulses * float(values["drive.frequency"]) / drive.frequency)
-        return {**values, "drive.pulses": max(_FEWEST, pulses)}
+        return {**values, "drive.pulses": max(STEADY_PULSES, pulses)}
 
     def nearest(self, sawtooth: Values) -> dict[str, Value]:
-        """A sawtooth as near to another as what is free allows; all else is as at the start.
+        """The sawtooth nearest to another within the space; all else is as at the start.
 
         A free waveform can be any sawtooth, but for its frequency.
         """
@@ -152,7 +152,7 @@ def made_space(
     coils: Sequence[str],
     volts: float | None,
 ) -> Space:
-    """What may change of a scenario, once all is checked; `volts` is the limit on the voltages."""
+    """The checked search space; `volts` is the limit on the voltages."""
     if not free and knots is None:
         raise ScenarioError("nothing is free: allowed are keys with a range, or knots, or both")
     by_name = {full_name(key): value for key, value in free.items()}

@@ -15,7 +15,7 @@ class HasCoils(Protocol):
     """A `Scenario`."""
 
     def to_core(self) -> _core.Scenario:
-        """The same as the compiled core takes it."""
+        """The scenario for the compiled core."""
 
 
 class Coils:
@@ -53,7 +53,7 @@ class Coils:
 
     @classmethod
     def of(cls, scenario: HasCoils) -> Coils:
-        """The coils of a scenario, with what ``[coil.xp]`` .. say of single ones.
+        """The coils of a scenario, with the own values of single ones (``[coil.xp]`` ...).
 
         With ``coil.map`` the field is that of the map, and known in its `box` only; side, distance
         and turns then have no part in it.

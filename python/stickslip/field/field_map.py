@@ -1,4 +1,4 @@
-"""The measured field of coils of one's own, in place of the formula of square coils."""
+"""The measured field of a user's coils, in place of the formula of square coils."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ _AXES = "xxyyz"
 
 _WORST = 0.05
 """Largest rms residual of a coil, relative to its rms field. Chosen: probes are read to a per cent
-or so, and what no source-free field comes near by 5 % has columns in a wrong order, places that are
-off, or iron within the map."""
+or so, and values that no source-free field fits to 5 % have columns in a wrong order, wrong places,
+or iron within the map."""
 
 _COLUMNS = {
     **dict.fromkeys(("x", "y", "z"), "m"),
@@ -55,7 +55,7 @@ class FieldMap:
         Of the harmonics of each coil in the order of `COIL_NAMES`, T/A; l (l + 2) numbers for those
         up to degree l, in the order of ``cpp/stickslip/field/field_map.hpp``.
     residual : tuple of float
-        Root mean square of what the fit leaves of each coil's map, T/A for each of Bx, By and Bz.
+        Root mean square residual of each coil's fit, T/A for each of Bx, By and Bz.
     field : tuple of float
         The same of the map itself, T/A.
     points : tuple of int
@@ -66,9 +66,8 @@ class FieldMap:
     Raises
     ------
     ScenarioError
-        If it is no map that can be simulated: the box does not hold the place x = y = z = 0, from
-        which the drive counts, a positive current makes a field the wrong way there, or something
-        is not given for each of the five coils.
+        If the map cannot be simulated: its box does not hold x = y = z = 0, the centre to which the
+        drive refers, a positive current gives a field of the wrong sign, or a coil is missing.
     """
 
     low: tuple[float, float, float]
@@ -104,8 +103,8 @@ class FieldMap:
         Raises
         ------
         ScenarioError
-            If the file cannot be read, a column, coil or value is not as it has to be, or no field
-            of coils comes near to the values; the message names the file.
+            If the file cannot be read, a column, coil or value is not allowed, or no field of coils
+            fits the values; the message names the file.
         """
         path = Path(path)
         if path.suffix.lower() == ".json":
@@ -137,8 +136,7 @@ class FieldMap:
         Raises
         ------
         ScenarioError
-            If a shape does not fit, a number is not allowed, or no field of coils comes near to
-            the values.
+            If a shape or a number is not allowed, or no field of coils fits the values.
         """
         try:
             places = np.asarray(points, dtype=np.float64)
@@ -177,8 +175,8 @@ class FieldMap:
         Raises
         ------
         ScenarioError
-            If the samples are not of five coils, a number is not allowed, or no field of coils
-            comes near to the values.
+            If the samples are not of five coils, a number is not allowed, or no field of coils fits
+            the values.
         """
         _check_count("samples", samples)
         low, high, fits = fit_coils(samples, lines)
@@ -196,12 +194,12 @@ class FieldMap:
         )
 
     def to_json(self) -> str:
-        """The fitted map as JSON, of which `from_json` makes the same again to the last bit."""
+        """The fitted map as JSON, from which `from_json` makes the same bits."""
         return json.dumps(dataclasses.asdict(self))
 
     @classmethod
     def from_json(cls, text: str | bytes) -> FieldMap:
-        """The map of which `to_json` gave the text; a ScenarioError for another text."""
+        """The map of a text from `to_json`; a ScenarioError for another text."""
         try:
             found = json.loads(text)
             (x0, y0, z0), (x1, y1, z1) = map(_floats, (found["low"], found["high"]))
@@ -234,7 +232,7 @@ class FieldMap:
         return tuple(left / field if field else 0.0 for left, field in pairs)
 
     def to_core(self) -> _core.FieldMap:
-        """The map as the compiled core takes it."""
+        """The map for the compiled core."""
         return _core.FieldMap(self.low, self.high, self.coefficients)
 
     def __str__(self) -> str:
@@ -273,8 +271,7 @@ def _check_count(name: str, given: Sequence[object]) -> None:
 
 def _refuse_bad_fit(name: str, fit: CoilFit, farthest: str) -> None:
     raise ScenarioError(
-        f"coil {name}: the field of a coil comes near to the values to {fit.residual:.3g} T/A rms "
-        f"only, {fit.residual / fit.field:.2g} of the field: allowed is at most {_WORST:g}; the "
-        f"farthest is {farthest}; look for columns that are exchanged, signs, places that are off, "
-        "or iron within the map"
+        f"coil {name}: the fit leaves {fit.residual:.3g} T/A rms, {fit.residual / fit.field:.2g} "
+        f"of the field: allowed is at most {_WORST:g}; the largest residual is at {farthest}; look "
+        "for exchanged columns, wrong signs, wrong places, or iron within the map"
     )

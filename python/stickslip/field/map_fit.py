@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip import _core
 from stickslip._util.messages import shown
-from stickslip._util.numbers import Array
+from stickslip._util.numbers import Array, root_mean_square
 from stickslip.errors import ScenarioError
 
 FEWEST = 8
@@ -35,10 +35,10 @@ rounding, so that the error at a point that is left out has seven digits and mor
 
 @dataclass(frozen=True)
 class CoilFit:
-    """The harmonics of one coil: `coefficients` (T/A), what they leave and what there was.
+    """The harmonics of one coil: `coefficients` (T/A), the residual and the measured field.
 
     `residual` and `field` are root mean squares of one component, T/A; `points` counts, and
-    `farthest` is the index of the point at which the most is left.
+    `farthest` is the index of the point with the largest residual.
     """
 
     coefficients: Array
@@ -49,7 +49,7 @@ class CoilFit:
 
 
 def point_name(lines: Sequence[Sequence[int]] | None, coil: int, point: int) -> str:
-    """What messages call a point of a coil: the row of the file, if `lines` has them."""
+    """The name of a point in messages: its row of the file, if `lines` has them."""
     return f"point {point + 1}" if lines is None else f"row {lines[coil][point]}"
 
 
@@ -102,7 +102,7 @@ class _Basis:
             )
 
     def fit(self, fields: Array) -> CoilFit:
-        """The fit of the degree that predicts best what it was not fitted to."""
+        """The fit of the degree that best predicts points left out of it."""
         values = fields.reshape(-1)
         shares = self._q.T @ values
         degree = 1 + int(np.argmin(self._prediction_errors(values, shares)))
@@ -111,8 +111,8 @@ class _Basis:
         solution = np.linalg.solve(self._r[:count, :count], shares[:count])
         return CoilFit(
             solution / self._scale[:count],
-            float(np.sqrt(np.mean(left**2))),
-            float(np.sqrt(np.mean(values**2))),
+            root_mean_square(left),
+            root_mean_square(values),
             len(fields),
             int(np.argmax(np.sum(left.reshape(-1, 3) ** 2, axis=1))),
         )
@@ -175,7 +175,7 @@ def _check_box(low: Array, high: Array) -> None:
         if not least <= 0.0 <= most:
             raise ScenarioError(
                 f"{axis} goes from {least!r} to {most!r} m: allowed are maps that hold the place "
-                "x = y = z = 0, from which the drive counts"
+                "x = y = z = 0, to which the drive refers"
             )
         if axis != "y" and least == most:
             raise ScenarioError(

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from stickslip._util import palette
 from stickslip._util.messages import refuse
-from stickslip._util.numbers import Array
+from stickslip._util.numbers import Array, numbers_of
 from stickslip._util.picture import Picture
 from stickslip.plot import style
 from stickslip.plot.motion import Motion, footprint, motion
@@ -29,7 +29,7 @@ _COILS = {"xp": (0.975, 0.5), "xm": (0.025, 0.5), "yp": (0.5, 0.97), "ym": (0.5,
 
 
 class Polyline(Protocol):
-    """What a picture needs of a `stickslip.control.Path`."""
+    """A `stickslip.control.Path`, as far as a picture needs it."""
 
     points: Array
 
@@ -90,12 +90,10 @@ def path(
 
 def _corners(along: Polyline | ArrayLike) -> Array:
     """Corners of a path, m, shape (k, 2)."""
-    try:
-        corners = np.array(getattr(along, "points", along), dtype=np.float64)
-    except (TypeError, ValueError):
-        corners = np.empty(0)
-    if corners.ndim != 2 or corners.shape[1] != 2 or not np.isfinite(corners).all():
-        refuse("along", along, "a Path, or its corners, shape (k, 2) of finite x and y, m")
+    allowed = "a Path, or its corners, shape (k, 2) of finite x and y, m"
+    corners = numbers_of("along", getattr(along, "points", along), allowed)
+    if corners.ndim != 2 or corners.shape[1] != 2:
+        refuse("along", along, allowed)
     return corners
 
 

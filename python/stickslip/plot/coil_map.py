@@ -31,8 +31,8 @@ _WORDS["bbox"] = {"facecolor": "white", "alpha": 0.85, "edgecolor": "none", "pad
 def coils(scenario: Scenario, currents: ArrayLike | None = None, ax: Axes | None = None) -> Figure:
     """Draw the five coils with their field in the plane y = 0, and the robot as a mark.
 
-    Coloured is abs(B) on a logarithmic scale, with field lines in white: that of the coils by
-    Eqs. (2)-(7), without what other named effects add. Circles are the wires of the coils at +x and
+    Colours show abs(B) of the coils by Eqs. (2)-(7) on a logarithmic scale, without other effects;
+    field lines are white. Circles are the wires of the coils at +x and
     -x and of the one below; a dot in one is a current towards the reader, a cross one away. A
     dashed line is the outline of the coils at +y and -y. A field map (``coil.map``) is drawn in its
     box and without wires, as it does not say where they are. The arrow is the moment of the robot
@@ -41,7 +41,7 @@ def coils(scenario: Scenario, currents: ArrayLike | None = None, ax: Axes | None
     Parameters
     ----------
     scenario : Scenario
-        Of which coils and initial state are drawn, and the currents taken.
+        Its coils and initial state are drawn.
     currents : array_like, shape (5,), optional
         Of the coils in the order of `COIL_NAMES`, A. If not given, those that the highest voltages
         of the drive would drive if they were held for ever: of a sawtooth, those of its top.

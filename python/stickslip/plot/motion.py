@@ -1,4 +1,4 @@
-"""What the pictures of one motion need of a run."""
+"""The motion of a run, for pictures."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class Motion:
 
 
 def check_drawable(scenario: Scenario) -> None:
-    """Raise a ScenarioError if the record of a scenario lacks what pictures of the motion draw."""
+    """Refuse a scenario whose record lacks a quantity that pictures of the motion draw."""
     record = scenario.record
     if record.rate == "events":
         refuse("record.rate", "events", "a number of Hz, as a picture needs a uniform grid")
@@ -89,7 +89,7 @@ def motion(run: Run) -> Motion:
 
 
 def _way(x: Array, y: Array, heading: Array) -> Array:
-    """What has been gone along the heading, m; it begins with the place along the first heading."""
+    """Distance along the heading, m; it begins with the place along the first heading."""
     middle = np.concatenate([heading[:1], 0.5 * (heading[1:] + heading[:-1])])
     # Doubles, also of a record in single precision, whose rounding would else add up.
     dx, dy = (np.diff(each.astype(np.float64), prepend=0.0) for each in (x, y))

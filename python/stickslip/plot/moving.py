@@ -122,9 +122,9 @@ def _stretch(
     drive = scenario.drive
     if start is None and stop is None and drive.mode != "program":
         period = 1.0 / drive.frequency
-        steady = drive.ramp + 3.0 * period  # as in the measuring window
+        steady, stopped = scenario.window
         # A time that the record ends at has the rounding of its own sum.
-        pulses = min(drive.pulses - 3, math.floor((end - steady) / period + 1e-6))
+        pulses = math.floor((min(stopped, end) - steady) / period + 1e-6)
         if pulses > 0:
             last = steady + pulses * period
             return max(begin, last - min(pulses, _PULSES) * period), last
@@ -145,7 +145,7 @@ def _timing(
     count = max(2.0, float(np.rint(duration * slowdown * frames_per_second)))
     if count > _MOST_FRAMES:
         raise ValueError(
-            f"{count:.15g} frames: allowed are at most {_MOST_FRAMES}; choose a shorter stretch or "
+            f"{count:.15g} frames: allowed are at most {_MOST_FRAMES}; choose a shorter time or "
             "less slowdown"
         )
     return int(count), slowdown
@@ -158,7 +158,7 @@ def _round_below(most: float) -> float:
 
 
 def _pace(slowdown: float) -> str:
-    """What a picture says of its time."""
+    """The caption of a picture's time scale."""
     if slowdown == 1.0:
         return "real time"
     if slowdown < 1.0:
@@ -406,5 +406,5 @@ def check_moving_format(path: str | PathLike[str]) -> None:
     check_suffix(path, (".gif", ".webp", ".mp4", ".html"))
     if Path(path).suffix.lower() == ".mp4" and not FFMpegWriter.isAvailable():
         raise RuntimeError(
-            f"{path}: MP4 needs the program ffmpeg, which is not here; write a .gif or .webp"
+            f"{path}: MP4 needs the program ffmpeg, which is not installed; write a .gif or .webp"
         )

@@ -1,4 +1,4 @@
-"""What all pictures share: colours, new axes, numbers that can be read, legends and files."""
+"""Shared by all pictures: colours, new axes, readable numbers, legends and files."""
 
 from __future__ import annotations
 

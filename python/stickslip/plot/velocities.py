@@ -1,4 +1,4 @@
-"""Mean velocity over what a sweep or a prediction varied."""
+"""Mean velocity over the varied keys of a sweep or a prediction."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the paper leaves open of its two drives, as a grid of settings, and what it varies.
+"""The open settings of the paper's two drives, as a grid, and the quantities it varies.
 
 Neither the sudden side of the sawtooth (edge) nor its bottom (base), the field of the holding coil
 (hold) or the sign of the clamp coil's field (clamp) is stated; see sections V-A and V-B and
@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stickslip._util.numbers import Array
+from stickslip.scenario.keys import FIELDS
 from stickslip.scenario.scenario import Scenario
 
 BASE = Scenario().replace({"solver.rtol": 1e-6})
@@ -32,7 +33,7 @@ _SPREAD = 0.02
 _CHANGED_TOGETHER = (
     ("drive.frequency",),
     ("contact.static_friction", "contact.kinetic_friction"),
-    ("drive.peak", "drive.base", "drive.hold"),
+    FIELDS,
 )
 
 # The first three pulses are not measured. Slow pulses take long, and repeat themselves sooner.

@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 from stickslip import plot
-from stickslip._util.files import check_folder, replacing
+from stickslip._util.files import check_folder
 from stickslip._util.messages import meant, shown
 from stickslip._util.numbers import worker_count
+from stickslip._util.tables import write_frame
 from stickslip.errors import ScenarioError
 from stickslip.reproduction.figures import (
     CURVES,
@@ -46,7 +47,7 @@ _SURVEY = 0.6  # part of the time of a whole study, roughly
 
 @dataclass(frozen=True, eq=False)
 class Reproduction:
-    """What the study found. SI units.
+    """The result of the study. SI units.
 
     Attributes
     ----------
@@ -96,24 +97,16 @@ class Reproduction:
         folder.mkdir(parents=True, exist_ok=True)
         statements = self.statements.drop(columns="numbers")
         statements["numbers"] = [_in_words(each) for each in self.statements["numbers"]]
-        write_csv(statements, folder / _STATEMENTS)
-        write_csv(self.settings, folder / _SETTINGS)
+        write_frame(statements, folder / _STATEMENTS)
+        write_frame(self.settings, folder / _SETTINGS)
         for name, figure in self.figures.items():
-            write_csv(self.tables[name], folder / f"{name}.csv")
+            write_frame(self.tables[name], folder / f"{name}.csv")
             plot.save(figure, folder / f"{name}.png")
 
 
 def _in_words(numbers: dict[str, float]) -> str:
     """The numbers of a statement in one line."""
     return ", ".join(f"{name} {value:.3g}" for name, value in numbers.items())
-
-
-def write_csv(frame: pd.DataFrame, path: Path) -> None:
-    """Write a table, whole or not at all; units stand with the names of the columns."""
-    units = frame.attrs.get("units", {})
-    header = [f"{name} ({units[name]})" if name in units else name for name in frame]
-    with replacing(path) as temporary:
-        frame.to_csv(temporary, index=False, header=header)
 
 
 def reproduce(

@@ -1,1 +1,1 @@
-"""All that defines one simulation: keys, sections, waveforms, effects, and their files."""
+"""Scenarios: keys, sections, waveforms, effects, uncertain parameters, and their files."""

@@ -1,4 +1,4 @@
-"""The effects of the model, and those that a user adds: a force given by a function."""
+"""The effects of the model, and those that a user registers: a force from a function."""
 
 from __future__ import annotations
 
@@ -30,12 +30,11 @@ class Effect:
     name : str
         Name of its section: ``[effects.<name>]``.
     meaning : str
-        What it adds, in a sentence.
+        Its contribution to the model, in a sentence.
     source : str
         Where its equation is from.
     parameters : tuple of Key
-        Its parameters with units and ranges. The effect is absent while all of them have their
-        default.
+        Its parameters with units and ranges. The effect is absent while all have their defaults.
     """
 
     name: str
@@ -46,7 +45,7 @@ class Effect:
 
 @until_registration
 def effects() -> tuple[Effect, ...]:
-    """All effects of the model, and after them those of `register_effect`.
+    """All effects of the model, then those of `register_effect`.
 
     Returns
     -------
@@ -70,7 +69,7 @@ def effects() -> tuple[Effect, ...]:
 
 
 def is_free_shape(name: str) -> bool:
-    """Whether the model's own effect `name` is a curve of free shape at a place of the model.
+    """Whether the model's own effect `name` is a curve of free shape.
 
     Its parameters are a ``span`` and the knots ``knot_1`` to ``knot_5``; see `theory/effects.md`.
     """
@@ -78,9 +77,9 @@ def is_free_shape(name: str) -> bool:
 
 
 def suggested_effect(name: str, others: Iterable[str] = ()) -> str:
-    """Which effect `name` was probably meant to be, or all that could have been.
+    """The effect that `name` probably means, or all effects.
 
-    Those of a free shape are many and alike, and are not listed. `others` are words that may be
+    Effects of free shape are many and alike, and are not listed. `others` are words that may be
     meant too.
     """
     names = [effect.name for effect in effects()]
@@ -99,7 +98,7 @@ def flat_effects(settings: object) -> dict[str, Any]:
             hint = suggested_effect(str(name))
             raise ScenarioError(
                 f"effects.{name} = {shown(parameters)}: there is no such effect; {hint}; "
-                "one of your own has to be registered first"
+                "an effect of your own has to be registered first"
             )
         if not isinstance(parameters, Mapping):
             refuse(f"effects.{name}", parameters, f"a table [effects.{name}]")
@@ -108,7 +107,7 @@ def flat_effects(settings: object) -> dict[str, Any]:
 
 
 class EffectState(NamedTuple):
-    """What the function of an effect is told.
+    """The state that the function of an effect receives.
 
     Positions, velocities and fields are in the world's frame, x along the surface and z away from
     it. Angles are the robot's own, nose-down positive whichever way it faces, as in a `Run`. A
@@ -121,7 +120,7 @@ class EffectState(NamedTuple):
     x, z : float
         Centre of mass, z above the surface, m.
     theta : float
-        Tilt angle, whole turns included, rad.
+        Tilt angle, full revolutions included, rad.
     vx, vz : float
         Velocity of the centre of mass, m/s.
     omega : float
@@ -190,12 +189,12 @@ def register_effect(
     scenario in the order of `parameters`, and ``wrench`` takes Fx and Fz, N, world's frame, and the
     torque about the centre of mass, N m, nose-down positive. A Python function is called as
     ``function(state, parameters)`` with an `EffectState` and a tuple, and returns the three
-    numbers. It is right for a try: it makes a simulation some ten times slower, and threads wait
-    for each other.
+    numbers. It is for trials: it makes a simulation some ten times slower, and threads wait for
+    each other.
 
-    The function must be a pure one of its arguments. It is called for trial states, in no order of
-    time, and from several threads at once; anything else it reads or keeps would make results
-    depend on chance. It should be smooth; if it changes with time within less than a fraction of a
+    The function must depend on its arguments alone. It is called for trial states, in no order of
+    time, and from several threads at once; anything else it read or kept would make results
+    random. It should be smooth; if it changes with time within less than a fraction of a
     free swing (some 0.1 ms), ``solver.max_step`` must say so.
 
     A registration lives in its process: processes of an executor, or Dask workers, must each

@@ -16,12 +16,14 @@ from stickslip._util.units import unit_meant
 from stickslip.errors import ScenarioError
 
 Value = float | int | str
-"""What a key of a scenario can hold."""
+"""The types of a key's value."""
 
 RECORD_RATE = "record.rate"
-RECORD_FIELDS = "record.fields"
 
 PREFIX = "effects."
+
+FIELDS = ("drive.peak", "drive.base", "drive.hold")
+"""The fields of a pulsed drive."""
 
 COIL_NAMES = _core.coil_names
 """Order of the coils in every array of currents or voltages: +x, -x, +y, -y, and below (-z)."""
@@ -58,7 +60,7 @@ _R = TypeVar("_R")
 
 
 def until_registration(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """Cache what depends on the keys until an effect is registered, which adds keys."""
+    """Cache a function of the keys until an effect is registered, which adds keys."""
     cached = functools.lru_cache(maxsize=256)(
         lambda _registrations, *args, **named: function(*args, **named)
     )
@@ -131,7 +133,7 @@ def keys_of(section: str) -> tuple[Key, ...]:
 SAWTOOTH = tuple(
     key.name for key in keys_of("drive") if key.name not in ("drive.mode", "drive.direction")
 )
-"""Keys that say what a pulsed drive does; a program of voltages has no use for them."""
+"""Keys of a pulsed drive, which a program of voltages does not use."""
 
 
 def refuse_sawtooth(mode: object, given: Iterable[str]) -> None:
@@ -194,8 +196,8 @@ def find_key(name: str, *value: object) -> Key:
 def set_value(core: _core.Scenario, name: str, value: object) -> None:
     """Set a key in the core's scenario, which decides what is allowed.
 
-    Here stands only what it cannot see, the type that a value had before it became a number or a
-    word, and the error, which says what was probably meant.
+    Added here: the type of the value before it became a number or a word, and an error that
+    suggests the intended name or unit.
     """
     try:
         core.set(name, value)  # type: ignore[arg-type]
@@ -223,13 +225,8 @@ def checked(name: str, value: object) -> Value:
     return core.get(name)
 
 
-def in_radians(degrees: float) -> str:
-    """A sentence that says what an angle in degrees is in the unit of all keys."""
-    return f"{degrees:g} degrees are {math.radians(degrees):.4g} rad"
-
-
 def _other_unit(key: Key, value: object) -> str:
-    """What a number beyond its range is in degrees, mT, um or ug; "" where that is no help."""
+    """A number beyond its range, read in degrees, mT, um or ug; "" if it is beyond it there too."""
     try:
         given = float(value) if isinstance(value, numbers.Real) else math.nan
     except OverflowError:
@@ -238,14 +235,8 @@ def _other_unit(key: Key, value: object) -> str:
         return ""
     if key.unit == "rad":
         within = key.low <= math.radians(given) <= key.high and abs(given) <= _MOST_DEGREES
-        return f"; {in_radians(given)}" if within else ""
+        return f"; {given:g} degrees are {math.radians(given):.4g} rad" if within else ""
     usual = abs(key.default) or _USUAL.get(key.unit, math.inf)
     unit, factor = unit_meant(key.unit, abs(given) / usual, math.inf) or ("", math.nan)
     within = key.low <= given / factor <= key.high
     return f"; {given:g} {unit} are {given / factor:g} {key.unit}" if within else ""
-
-
-def recorded_fields(fields: str) -> tuple[str, ...]:
-    """The quantities that a value of `RECORD_FIELDS` keeps, t first."""
-    kept = {"t", *fields.split(", ")}
-    return tuple(name for name in _core.record_columns if name in kept or fields == "all")

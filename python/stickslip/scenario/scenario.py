@@ -1,4 +1,4 @@
-"""All that defines one simulation.
+"""The class `Scenario`, all inputs of a run.
 
 A scenario that is read from TOML and one that is built here are the same object. Values are checked
 when an object is made, so a scenario that exists can be simulated.
@@ -76,7 +76,7 @@ class _View(Generic[_S]):
 
 
 class Scenario:
-    """All that defines one simulation. SI units and radians throughout.
+    """All inputs of a run. SI units and radians throughout.
 
     Parameters
     ----------
@@ -89,8 +89,8 @@ class Scenario:
     effects : mapping
         Effects: ``{name: {parameter: value}}``; see `stickslip.effects`.
     uncertain : JointPrior, optional
-        What is not known exactly, also as the tables of ``[uncertain]``. `simulate` and `sweep`
-        take the values of the keys; `draws` draws.
+        Priors of the uncertain parameters, also as the tables of ``[uncertain]``. `simulate` and
+        `sweep` take the values of the keys; `draws` draws.
 
     Raises
     ------
@@ -168,7 +168,7 @@ class Scenario:
     def effects(self) -> Mapping[str, Mapping[str, float]]:
         """Settings of the effects, ``{name: {parameter: value}}``, without defaults.
 
-        An effect that does nothing and none at all are the same settings.
+        An effect at its defaults is left out.
         """
         found: dict[str, dict[str, float]] = {}
         for key, value in sorted(self._core.changed().items()):
@@ -179,7 +179,7 @@ class Scenario:
 
     @property
     def uncertain(self) -> JointPrior | None:
-        """What is not known exactly."""
+        """Priors of the uncertain parameters; None without any."""
         return self._uncertain
 
     @staticmethod
@@ -292,7 +292,7 @@ class Scenario:
         return made
 
     def with_state(self, state: State) -> Scenario:
-        """A copy that begins at `state`, such as ``run.final_state``, if it can."""
+        """A copy that begins at `state`, such as ``run.final_state``."""
         check_kind("initial", state, State)
         made = self._copy()
         made._core.take(state._core, "initial")
@@ -302,26 +302,26 @@ class Scenario:
     def with_uncertain(
         self, uncertain: JointPrior | Mapping[str, Any] | Scenario | None
     ) -> Scenario:
-        """A copy of which other keys are uncertain, or none.
+        """A copy with other uncertain parameters, or none.
 
-        Of a Scenario, such as `Diagnosis.extended`, it takes what is uncertain there, and the
-        values of those keys that stand in its covariance, as that lies about them.
+        From a Scenario, such as `Diagnosis.extended`, it takes the uncertain parameters, and the
+        values of the keys in its covariance, which are the means.
         """
         made = self._copy()
         if isinstance(uncertain, Scenario):
             source, uncertain = uncertain, uncertain.uncertain
             if uncertain is None:
-                raise ScenarioError("uncertain: the scenario holds nothing that is")
+                raise ScenarioError("uncertain: the scenario has no uncertain parameter")
             made = self.replace({key: source.get(key) for key in uncertain.keys})
         made._uncertain = None if uncertain is None else as_joint_prior(uncertain)
         made._check()
         return made
 
     def draws(self, n: int, seed: int = 0) -> list[Scenario]:
-        """Scenarios with drawn values of what is uncertain, of which nothing is uncertain.
+        """Scenarios with drawn values of the uncertain parameters, and none uncertain themselves.
 
-        Draw number i is the same for every `n`, so that more draws keep those that there were.
-        Values that make no scenario together are drawn again.
+        Draw number i is the same for every `n`. Values that make no scenario together are drawn
+        again.
 
         Parameters
         ----------
@@ -356,14 +356,14 @@ class Scenario:
     def whole_plane(self) -> bool:
         """Whether the robot moves in the whole plane, and not along x alone.
 
-        So it is with a heading of the drive that is not along x, a start that faces another way
-        than the drive's direction, voltages of yp and ym that do not cancel, a measured map of the
+        True with a heading of the drive that is not along x, a start that faces another way than
+        the drive's direction, voltages of yp and ym that do not cancel, a measured map of the
         field, or a start, a field or a slope across x.
         """
         return self._core.whole_plane
 
     def to_core(self) -> _core.Scenario:
-        """The same scenario as the compiled core takes it, with what is registered now."""
+        """The same scenario for the compiled core, with the effects registered now."""
         with prefixed("", ValueError):
             return _core.Scenario(self._core)
 
@@ -387,7 +387,7 @@ class Scenario:
         return f"Scenario({', '.join(f'{name}={value!r}' for name, value in values.items())})"
 
     def _repr_html_(self) -> str:
-        """A table of the keys of the drive, and of all others that are not as by default."""
+        """A table of the drive's keys and of all others that are not at their defaults."""
         rows = [(PROGRAM, repr(self._program))] if self._program is not None else []
         if self._map is not None:
             rows.append((COIL_MAP, str(self._map)))
@@ -398,7 +398,7 @@ class Scenario:
         if self._uncertain is not None:
             rows.append(("uncertain", ", ".join(self._uncertain.names)))
         rows.append(("duration", f"{self.duration:.6g} s"))
-        return html_table("Scenario; other keys are as by default", rows)
+        return html_table("Scenario; other keys have their defaults", rows)
 
 
 _DEFAULT = Scenario()
@@ -428,13 +428,13 @@ def load(path: str | PathLike[str]) -> Scenario:
 
 
 def scenario_of(text: str, program: Waveform | None, field_map: FieldMap | None) -> Scenario:
-    """The scenario of the text that `to_toml` gave, whose voltages and map are apart from it."""
+    """The scenario of a text from `to_toml`, with its voltages and map."""
     changes, uncertain = changes_of(parse_toml(text), None)
     return _made(changes, program, field_map, uncertain)
 
 
 def with_uncertain_of(scenario: Scenario, path: str | PathLike[str]) -> Scenario:
-    """The scenario with what is uncertain in a file: a scenario, or any TOML with ``[uncertain]``.
+    """The scenario with the uncertain parameters of a file: any TOML with ``[uncertain]``.
 
     See `Scenario.with_uncertain`. A ScenarioError if the file has none, or cannot be read.
     """

@@ -1,4 +1,4 @@
-"""What the sections of a scenario have in common: values, names and texts of the core's table."""
+"""The base of a scenario's sections: values, names and texts from the core's table."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ _S = TypeVar("_S", bound="Section")
 class Section:
     """A section of a scenario: read-only values, whose names are the core's keys.
 
-    It is made of values by name, where those that are not given are the defaults, or is the view
-    of a scenario. Two are equal if they have the same values.
+    Made from values by name, with defaults for the others, or the view of a scenario. Sections are
+    equal if their values are.
     """
 
     __slots__ = ("_core",)
@@ -30,7 +30,7 @@ class Section:
     _fields: ClassVar[tuple[str, ...]]
 
     _core: Any
-    """Who has the values: a scenario of the core, shared and not to be changed, or a state."""
+    """Where the values are: a scenario of the core, shared and never changed, or a state."""
 
     def __init_subclass__(cls, key: str, **others: str) -> None:
         keys = keys_of(key)

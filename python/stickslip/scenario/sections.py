@@ -17,6 +17,7 @@ from stickslip.scenario.keys import (
     MAP_HINT,
     PROGRAM,
     PROGRAM_HINT,
+    is_of_one_coil,
     keys_of,
     set_value,
 )
@@ -107,9 +108,7 @@ class Coil(
     def own_values(self):
         """By dotted key, the values of single coils that differ from those of most."""
         changed = self._core.changed().items()
-        return {
-            key: value for key, value in changed if key.startswith("coil.") and key.count(".") > 1
-        }
+        return {key: value for key, value in changed if is_of_one_coil(key)}
 
     def __repr__(self):
         own = {key.split(".")[1] for key in self.own_values()}

@@ -73,7 +73,7 @@ def read_document(
 
 
 def changes_of(document: Mapping[str, Any], folder: Path | None) -> tuple[dict[str, Any], Any]:
-    """Values by dotted key, as `Scenario.replace` takes them, and what stands in ``[uncertain]``.
+    """Values by dotted key, as `Scenario.replace` takes them, and the table ``[uncertain]``.
 
     Files that the document names are relative to `folder`; without it they are not read.
     """
@@ -108,7 +108,7 @@ def changes_of(document: Mapping[str, Any], folder: Path | None) -> tuple[dict[s
 
 
 def _flatten(section: str, table: Mapping[str, Any], changes: dict[str, Any]) -> None:
-    """Add the values of a section and its tables by dotted key; refuse what is no key."""
+    """Add the values of a section and its tables by dotted key; refuse unknown keys."""
     sections = {key.section for key in known_keys().values()}
     for name, value in table.items():
         key = f"{section}.{name}"
@@ -125,7 +125,7 @@ def _flatten(section: str, table: Mapping[str, Any], changes: dict[str, Any]) ->
 def _check_version(document: Mapping[str, Any]) -> None:
     if "stickslip" not in document and "stickslip_measurement" in document:
         raise ScenarioError(
-            "is a measurement and no scenario; predict takes what is uncertain there from "
+            "is a measurement and no scenario; predict takes its uncertain parameters with "
             "--uncertain FILE"
         )
     if "stickslip" not in document:

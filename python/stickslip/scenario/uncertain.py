@@ -1,4 +1,4 @@
-"""What is not known exactly of a scenario: priors of single keys, and a covariance of others."""
+"""Uncertain parameters of a scenario: priors of single keys, and a covariance of others."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class Prior:
 
     @property
     def has_middle(self) -> bool:
-        """Whether it says a most likely value, and not a range only."""
+        """Whether it has a most likely value, and not a range only."""
         return self.kind != "log-uniform"
 
     def value(self, z: ArrayLike) -> Array:
@@ -137,11 +137,11 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True)
 class JointPrior:
-    """What is not known exactly of a scenario, in a file its section ``[uncertain]``.
+    """Priors of a scenario's uncertain parameters, in a file its section ``[uncertain]``.
 
-    A key has a prior of its own, or it stands in the covariance, never both. A prior says itself
-    where it lies; the value of its key in the scenario, which `simulate` takes, has no influence
-    on draws. The keys of the covariance are jointly normal about their values in the scenario.
+    A key has a prior of its own, or it is in the covariance, never both. The value of a key with a
+    prior, which `simulate` takes, has no influence on draws. The keys of the covariance are jointly
+    normal about their values in the scenario.
 
     Parameters
     ----------
@@ -191,10 +191,10 @@ class JointPrior:
 
     @cached_property
     def _root(self) -> Array:
-        """What takes independent standard normal numbers to those of the covariance.
+        """The matrix from independent standard normal numbers to those of the covariance.
 
-        By the symmetric root of the correlations, as it is the only one of its kind: no choice of
-        eigenvectors has an influence on the draws.
+        The symmetric root of the correlations is unique: draws do not depend on a choice of
+        eigenvectors.
         """
         covariance = np.array(self.matrix, dtype=float).reshape(len(self.keys), len(self.keys))
         values, vectors = np.linalg.eigh(_correlation(covariance))
@@ -202,9 +202,9 @@ class JointPrior:
         return np.asarray(np.sqrt(np.diag(covariance))[:, None] * root)
 
     def draw(self, scenario: Scenario, random: np.random.Generator) -> Scenario:
-        """The scenario with drawn values in place of what is uncertain.
+        """The scenario with drawn values of the uncertain parameters.
 
-        Values that make no scenario are drawn again, so that the distribution is cut off there.
+        Values that make no scenario are drawn again, which truncates the distribution.
 
         Raises
         ------
@@ -285,7 +285,7 @@ def counted_draws(scenario: Scenario, count: int, seed: int) -> tuple[list[Scena
     check_whole("n", count, 1)
     check_whole("seed", seed)
     if scenario.uncertain is None:
-        raise ScenarioError("uncertain: there is nothing to draw, as the scenario holds none")
+        raise ScenarioError("uncertain: the scenario has no uncertain parameter to draw")
     known = scenario.with_uncertain(None)
     found = [
         scenario.uncertain.counted_draw(known, np.random.default_rng([int(seed), number]))
@@ -300,8 +300,8 @@ def _constant(name: str, *entry: object) -> str:
     key = find_key(name, *entry)
     if key.kind != "real" or name.startswith(("drive.", "solver.", "record.")):
         raise ScenarioError(
-            f'"{name}": allowed is a constant of the model; what is a number there '
-            "and not in [drive], [solver] or [record]"
+            f'"{name}": allowed is a constant of the model, a real number outside [drive], '
+            "[solver] and [record]"
         )
     return name
 

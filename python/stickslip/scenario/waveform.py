@@ -5,20 +5,19 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from numbers import Real
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeGuard
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
 from stickslip._util.files import replacing
-from stickslip._util.messages import meant
+from stickslip._util.messages import check_above_zero, check_whole, meant
 from stickslip._util.numbers import Array, Mask
 from stickslip._util.tables import read_table
-from stickslip._util.text import highest
+from stickslip._util.text import highest, is_number
 from stickslip.errors import prefixed
 from stickslip.scenario.keys import COIL_NAMES, set_value
 
@@ -113,7 +112,7 @@ class Waveform:
     @classmethod
     def ramp(cls, duration: float, to: Voltages, start: Voltages = ()) -> Waveform:
         """From `start` (V; all zero by default) straight to `to` (V) within `duration` (s)."""
-        _check_time("duration", duration)
+        check_above_zero("duration", duration, "s")
         return cls.from_points([0.0, duration], [_five(start), _five(to)])
 
     @classmethod
@@ -145,8 +144,8 @@ class Waveform:
         """
         if edge not in ("rise", "fall"):
             raise ValueError(f'edge = {edge!r}: allowed is one of "rise", "fall"')
-        _check_time("period", period)
-        if not _is_real(edge_time) or not 0.0 <= edge_time < period:
+        check_above_zero("period", period, "s")
+        if not is_number(edge_time) or not 0.0 <= edge_time < period:
             raise ValueError(
                 f"edge_time = {edge_time!r}: allowed is from 0 to less than {highest(period)}"
             )
@@ -208,7 +207,7 @@ class Waveform:
             return cls.from_points(table[:, 0], table[:, 1:])
 
     def to_csv(self, path: str | PathLike[str]) -> None:
-        """Write the points, every repeat in full, such that `from_csv` reads the same numbers.
+        """Write the points with every repeat in full; `from_csv` reads the same numbers.
 
         Raises
         ------
@@ -274,10 +273,10 @@ class Waveform:
         return result
 
     def after(self, t: float) -> Waveform:
-        """What is left of the waveform from an instant on, for a run that begins there.
+        """The rest of the waveform from an instant on, for a run that begins there.
 
-        Such a run goes on as the whole one does, but for what depends on the time since the drive
-        began: `effects.sample_hold`, `effects.coil_heating`, `effects.free_field_time`.
+        Such a run continues the whole one, except for the effects that depend on the time since
+        the drive began: `effects.sample_hold`, `effects.coil_heating`, `effects.free_field_time`.
 
         Parameters
         ----------
@@ -290,7 +289,7 @@ class Waveform:
         ValueError
             If `t` is no such number.
         """
-        left = float(t) if _is_real(t) else math.nan
+        left = float(t) if is_number(t) else math.nan
         if not 0.0 <= left < self.duration:
             raise ValueError(
                 f"t = {t!r}: allowed is from 0 to less than {highest(self.duration)} s"
@@ -318,7 +317,7 @@ class Waveform:
         return Waveform(rest)
 
     def turned(self) -> Waveform:
-        """As a robot turned by 180 degrees about z sees it: what drove to +x drives to -x.
+        """The waveform rotated by 180 degrees about z: a drive to +x becomes one to -x.
 
         The coils of each in-plane pair change places, and their voltages change sign.
         """
@@ -335,8 +334,7 @@ class Waveform:
             If `times` is not a whole number above zero, or if repeats within repeats come to more
             than a hundred thousand blocks.
         """
-        if isinstance(times, bool) or not isinstance(times, int | np.integer) or times < 1:
-            raise ValueError(f"times = {times!r}: allowed is a whole number from 1")
+        check_whole("times", times, 1)
         if len(self._blocks) == 1:
             t, v, repeats = self._blocks[0]
             return Waveform([(t, v, repeats * int(times))])
@@ -409,21 +407,12 @@ def _five(voltages: Voltages) -> list[float]:
         return _five([voltages.get(name, 0.0) for name in COIL_NAMES])
     given = list(voltages) if isinstance(voltages, Iterable) else [voltages]
     values = given or [0.0] * len(COIL_NAMES)
-    wrong = [value for value in values if not _is_real(value)]
+    wrong = [value for value in values if not is_number(value)]
     if wrong:
         raise ValueError(f"voltages: {wrong[0]!r}: allowed are finite numbers of V")
     if len(values) != len(COIL_NAMES):
         raise ValueError(f"{len(values)} voltages: allowed are {len(COIL_NAMES)}, one a coil")
     return values
-
-
-def _is_real(value: object) -> TypeGuard[float]:
-    return isinstance(value, Real) and not isinstance(value, bool)
-
-
-def _check_time(name: str, value: float) -> None:
-    if not _is_real(value) or not 0.0 < value < math.inf:
-        raise ValueError(f"{name} = {value!r}: allowed is a finite number of s above 0")
 
 
 def _frozen_block(times: ArrayLike, voltages: ArrayLike, repeats: int) -> _Block:

@@ -1,4 +1,4 @@
-"""What is shown of a run: one line, and in a notebook its summary."""
+"""How a run is shown: one line, and in a notebook its summary."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A note: what a reader of a run's numbers should know."""
+"""Notes: sentences about a result that a reader could misread."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ CODES = (
     "field-change", "velocity-grows", "turning", "start-up", "window-short", "pulses-short",
     # Other values that are probably mistakes.
     "voltage", "density", "steep-surface", "adhesion", "tangential-restitution", "tolerance",
-    # What a reader should know, without a fault.
+    # Facts, without a fault.
     "map",
 )  # fmt: skip
 """Codes of the notes of runs, the most serious first."""
@@ -41,10 +41,9 @@ class Note:
     code : str
         Of a run one of `CODES`; it stays the same where the words change.
     text : str
-        One line: what stands out, and what to do about it. Characters of a file that a terminal
-        would obey are escaped in it.
+        One line: the observation and the remedy. Control characters are escaped.
     value : float or None
-        The number that it is about, SI units; None where there is none.
+        The number concerned, SI units; None without one.
     """
 
     code: str

@@ -1,6 +1,6 @@
 """The netCDF file of a run: written block by block, and read back.
 
-HDF5 ends the process where it cannot write, so all that can fail is tried before, without HDF5.
+HDF5 ends the process where it cannot write, so writing is tried before, without HDF5.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     Block = Mapping[str, NDArray[Any]]
 
 PART = ".part"
-"""What the name of a file ends with until it is complete."""
+"""The end of a file's name until the file is complete."""
 
 BLOCK = 65536
 """Samples of a block: as many as the core hands over at a time."""
@@ -57,7 +57,7 @@ _FORMAT = {"libver": "v110"}
 
 
 def origin(scenario: Scenario) -> dict[str, str]:
-    """What a file says of where its numbers come from: versions, scenario, voltages and map."""
+    """The origin of a file's numbers: versions, scenario, voltages and map."""
     about = {"stickslip_version": _core.__version__, "numpy_version": np.__version__}
     with contextlib.suppress(importlib.metadata.PackageNotFoundError):  # it comes with an extra
         about["xarray_version"] = importlib.metadata.version("xarray")
@@ -73,7 +73,7 @@ def origin(scenario: Scenario) -> dict[str, str]:
 
 
 def attributes(run: Run) -> dict[str, Any]:
-    """What a file says of a run beside its record: all that makes it a `Run` again."""
+    """The attributes of a run's file, which with its record make it a `Run` again."""
     summary = run.summary()
     about = {
         "title": "stick-slip motion of a magnetic micro-robot",
@@ -122,8 +122,8 @@ def _about(name: str) -> dict[str, Any]:
 class RecordFile:
     """A netCDF file that takes the record of a run block by block, as NAME.part until its end.
 
-    It is closed after each block. Whatever ends the process, also within a block, NAME.part can be
-    opened with all blocks before.
+    It is closed after each block. If the process ends, even within a block, NAME.part can be
+    opened with all earlier blocks.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ class RecordFile:
     Attributes
     ----------
     samples : int
-        How many it has.
+        Samples written.
     recorded_until : float
         Time of the last one, s; NaN without one.
 
@@ -198,7 +198,7 @@ class RecordFile:
             self.samples, self.recorded_until = end, float(block["t"][-1])
 
     def describe(self, run: Run, path: Path | None = None) -> None:
-        """Add what is known at the end of a run."""
+        """Add the attributes of a run that ended."""
         import h5netcdf
 
         self._try(0, path)
@@ -234,7 +234,7 @@ class RecordFile:
             raise NotWritten(f"cannot write {self.part}: another process has replaced it")
 
     def _try(self, size: int, path: Path | None = None) -> None:
-        """Write so many bytes, and take them away; an OSError says that there is no room."""
+        """Write so many bytes and remove them; an OSError says that there is no room."""
         try:
             with open(path or self.part, "r+b", buffering=0) as file:
                 if path is None:
@@ -278,7 +278,7 @@ def write_run(run: Run, path: str | PathLike[str]) -> None:
 
 
 class StoredRecord(Mapping[str, "NDArray[Any]"]):
-    """The record of a file, of which each quantity is read when it is wanted."""
+    """The record of a file; each quantity is read at its first use."""
 
     def __init__(self, path: str | PathLike[str], names: tuple[str, ...]) -> None:
         self._path = Path(path).absolute()

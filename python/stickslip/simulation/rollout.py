@@ -22,7 +22,7 @@ STATE_UNITS = {name: unit for name, (unit, _) in _core.state_columns.items()}
 
 
 class Rollout(NamedTuple):
-    """What `rollout` gives.
+    """The result of `rollout`.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class Rollout(NamedTuple):
 
     @property
     def status_names(self) -> tuple[str, ...]:
-        """What `status` is an index of."""
+        """The statuses that `status` counts."""
         return tuple(_core.statuses)
 
 

@@ -1,4 +1,4 @@
-"""What one simulation gives: a summary, and the recorded motion."""
+"""The result of one simulation: a summary and the recorded motion."""
 
 from __future__ import annotations
 
@@ -38,12 +38,6 @@ if TYPE_CHECKING:
 
 SUFFIXES = (*NETCDF_SUFFIXES, ".csv")
 """Suffixes of the files that a run can be saved as."""
-
-
-def resting_force(scenario: Scenario) -> float:
-    """Normal force on a body that lies still without field: weight and adhesion, N."""
-    weight = scenario.robot.mass * scenario.environment.gravity
-    return weight + scenario.contact.adhesion
 
 
 class Run:
@@ -199,7 +193,7 @@ class Run:
 
     @functools.cached_property
     def notes(self) -> list[Note]:
-        """What a reader of the numbers should know, the most serious first; mostly none.
+        """Notes on the numbers, the most serious first; mostly none.
 
         Each has a code, one line of text with what to do, and the number that it is about. Of the
         run: not measured whole, a condition `until` that was never met, a robot at rest and what
@@ -219,7 +213,7 @@ class Run:
         return by_seriousness(notes)
 
     def summary(self) -> dict[str, Any]:
-        """What the run comes to.
+        """The numbers of the run.
 
         Returns
         -------
@@ -319,7 +313,10 @@ class Run:
                 columns += [
                     np.where(np.isnan(part), "", part.astype(str)).tolist() for part in parts
                 ]
-        with replacing(path) as temporary, open(temporary, "w", encoding="utf-8") as file:
+        with (
+            replacing(path) as temporary,
+            temporary.open("w", encoding="utf-8", newline="") as file,
+        ):
             csv.writer(file, lineterminator="\n").writerows([titles, *zip(*columns, strict=True)])
 
     def save(self, path: str | PathLike[str]) -> None:

@@ -1,4 +1,4 @@
-"""Notes of a run: what a reader of its numbers should know."""
+"""Notes of a run."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from stickslip import _core
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import known_keys
+from stickslip.scenario.keys import FIELDS, known_keys
 from stickslip.scenario.waveform import Waveform
 from stickslip.simulation.note import Note, by_seriousness
 from stickslip.simulation.scenario_notes import (
     pulses_measured,
+    resting_force,
     scenario_notes,
-    weight,
     without_pulses,
 )
 from stickslip.simulation.unit_notes import DEFAULTS
@@ -105,10 +105,10 @@ LIMITS: Mapping[str, Limit] = {
 
 
 def _advice(scenario: Scenario, code: str) -> str:
-    """What to do about a limit; other keys of a program than of a sawtooth."""
+    """The remedy for a limit, which depends on the drive."""
     drive, program = scenario.drive, _is_program(scenario)
     if code == "flight":
-        if weight(scenario) + scenario.contact.adhesion == 0.0:
+        if resting_force(scenario) == 0.0:
             return "without weight and adhesion nothing holds it down"
         if program:
             return "let its voltages swing by less"
@@ -142,11 +142,6 @@ def _is_program(scenario: Scenario) -> bool:
     return scenario.drive.mode == "program"
 
 
-def _window_pulses(scenario: Scenario) -> int:
-    """Pulses of the measuring window; 0 of a program."""
-    return 0 if _is_program(scenario) else int(pulses_measured(scenario.drive.pulses))
-
-
 def _of_condition(scenario: Scenario, summary: Mapping[str, Any]) -> list[Note]:
     start, end = scenario.window
     ended = summary["simulated_time"]
@@ -163,7 +158,8 @@ def _of_condition(scenario: Scenario, summary: Mapping[str, Any]) -> list[Note]:
 def _of_limits(scenario: Scenario, summary: Mapping[str, Any]) -> list[Note]:
     beyond = {code: each for code, each in LIMITS.items() if summary[each.number] > each.limit}
     # Where the field changes, the velocity follows it; more pulses would lead further away.
-    if "field-change" in beyond or _window_pulses(scenario) < FEWEST_PULSES:
+    pulses = 0 if _is_program(scenario) else pulses_measured(scenario.drive.pulses)
+    if "field-change" in beyond or pulses < FEWEST_PULSES:
         beyond.pop("velocity-grows", None)
     if _step(scenario, summary) < REST:
         beyond.pop("pulled", None)
@@ -226,7 +222,7 @@ def _of_turning(summary: Mapping[str, Any]) -> list[Note]:
 
 
 def _step(scenario: Scenario, summary: Mapping[str, Any]) -> float:
-    """Way in a pulse, of a program in all of it, over the robot's length."""
+    """Distance per pulse (of a program, in all) over the robot's length."""
     start, end = scenario.window
     period = end - start if _is_program(scenario) else 1.0 / min(scenario.drive.frequency, FAST)
     speed = math.hypot(summary["mean_velocity"], summary["mean_velocity_y"])
@@ -234,7 +230,7 @@ def _step(scenario: Scenario, summary: Mapping[str, Any]) -> float:
 
 
 def _why_it_rests(scenario: Scenario, summary: Mapping[str, Any]) -> Note:
-    """What holds a robot that stays where it is: that whose change makes it walk, as tried."""
+    """Why a robot rests: the first cause whose removal makes it walk, by trial runs."""
     still = summary["theta_min"] == summary["theta_max"] and not any(summary["events"].values())
     rests = "the robot never moved" if still else "the robot stays in its place"
     if summary["field_max"] == 0.0:
@@ -253,7 +249,7 @@ def _why_it_rests(scenario: Scenario, summary: Mapping[str, Any]) -> Note:
 def _trials(
     scenario: Scenario, summary: Mapping[str, Any]
 ) -> Iterator[tuple[str, dict[str, Any], str, float]]:
-    """What may hold a robot, the likeliest first: code, changes that would free it, text, value."""
+    """Causes of rest, the likeliest first: code, changes that would remove it, text, value."""
     for code, keys, low, high in _ODD:
         for key in keys:
             value = float(scenario.get(key))
@@ -278,7 +274,7 @@ def _trials(
         text = f"no field across its moment tips it; it walks with {_in_words(changes)}"
         yield "rest-torque", changes, text, torque
     friction, drag = scenario.contact.static_friction, scenario.drag
-    pressed = weight(scenario) + scenario.contact.adhesion
+    pressed = resting_force(scenario)
     text = (
         f"friction holds it, contact.static_friction = {friction:g} with "
         f"{friction * pressed:.3g} N under weight and adhesion of {pressed:.3g} N; with a quarter "
@@ -316,16 +312,15 @@ def _holding_torque(scenario: Scenario, summary: Mapping[str, Any]) -> float:
     """Of weight and adhesion about the corner that a robot on a face would tip on, N m."""
     stands = abs(math.sin(summary["theta_max"])) > math.sqrt(0.5)
     lever = 0.5 * (scenario.robot.height if stands else scenario.robot.length)
-    return lever * (weight(scenario) + scenario.contact.adhesion)
+    return lever * resting_force(scenario)
 
 
 def _with_field(scenario: Scenario, factor: float) -> dict[str, Any]:
-    """A drive whose fields are so many times as large."""
+    """Changes that multiply the fields of the drive."""
     if _is_program(scenario):
         blocks = scenario.to_core().program()
         return {"drive.program": Waveform([(t, factor * volts, n) for t, volts, n in blocks])}
-    keys = ("drive.peak", "drive.base", "drive.hold")
-    stronger = {key: factor * float(scenario.get(key)) for key in keys}
+    stronger = {key: factor * float(scenario.get(key)) for key in FIELDS}
     # At no base the holding coil alone turns it upright.
     return stronger | {"drive.base": stronger["drive.base"] or BASE * stronger["drive.peak"]}
 

@@ -1,4 +1,4 @@
-"""What a colleague would ask about a scenario before it is run: values that are probably mistakes.
+"""Notes on values of a scenario that are probably mistakes.
 
 Each limit lies beyond what robots, coils and drives of this kind have; within it there is no note.
 """
@@ -82,6 +82,11 @@ def field_swing(frequency: float, time_constant: float) -> float:
 def weight(scenario: Scenario) -> float:
     """Weight of the robot, N."""
     return scenario.robot.mass * scenario.environment.gravity
+
+
+def resting_force(scenario: Scenario) -> float:
+    """Normal force on a body that lies still without field: weight and adhesion, N."""
+    return weight(scenario) + scenario.contact.adhesion
 
 
 def _of_drive(scenario: Scenario, core: _core.Scenario) -> Iterator[Note]:

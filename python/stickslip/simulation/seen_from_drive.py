@@ -1,4 +1,4 @@
-"""Mean velocities as they are seen from the drive: along its heading, and to the left of it."""
+"""Mean velocities relative to the drive: along its heading, and to its left."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ VELOCITIES = {
 FROM_DRIVE = {ALONG: "along the heading", ACROSS: "to its left"}
 FROM_AXES = {"mean_velocity": "along x", "mean_velocity_y": "along y"}
 IN_ONE_PLANE = {"mean_velocity": ""}
-"""Names of the velocities that tell a motion, the first one first, with words for their direction.
+"""Names of the velocities that describe a motion, the main one first, with their directions.
 
 `FROM_AXES` are those of a program, which has no heading.
 """
@@ -55,7 +55,7 @@ def seen_from_drive(
 
 
 def shown_velocities(data: xarray.Dataset) -> dict[str, str]:
-    """The velocities that tell the motions of a sweep or a prediction, as `FROM_DRIVE` has them."""
+    """The velocities that describe the motions of a sweep or a prediction, like `FROM_DRIVE`."""
     if ALONG in data:
         return FROM_DRIVE
     across = data["mean_velocity_y"].values if "mean_velocity_y" in data else np.zeros(1)

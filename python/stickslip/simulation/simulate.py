@@ -7,9 +7,10 @@ import re
 from collections.abc import Callable, Iterable
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 from stickslip import _core
-from stickslip._util.files import NETCDF_SUFFIXES, check_suffix, replacing
+from stickslip._util.files import NETCDF_SUFFIXES, check_suffix, check_writable
 from stickslip._util.messages import check_kind, refuse
 from stickslip._util.numbers import worker_count
 from stickslip._util.text import highest
@@ -35,14 +36,14 @@ _CONDITION = re.compile(r"\s*(\w+)\s*([<>]=)\s*(\S+)\s*")
 
 
 def fraction_of(total: float, progress: Progress | None) -> Callable[[float], object] | None:
-    """What the core calls with the simulated time, s, where all of it comes to `total`, s."""
+    """The core's callback of the simulated time, s, of `total` in all, s."""
     if progress is None:
         return None
     return lambda done: progress(min(done / total, 1.0) if total > 0.0 else 1.0, STAGE)
 
 
 def check_memory(scenario: Scenario) -> None:
-    """Refuse a record that memory is not meant to hold."""
+    """Refuse a record too long for memory."""
     rate = scenario.record.rate
     span = scenario.duration - scenario.record.from_
     if isinstance(rate, float) and rate * span > MOST_IN_MEMORY:
@@ -54,7 +55,7 @@ def check_memory(scenario: Scenario) -> None:
 
 
 def _parsed(until: str | None, scenarios: Iterable[Scenario]) -> Condition | None:
-    """The condition of a text; a ScenarioError for what is none."""
+    """The condition of a text; a ScenarioError if it is none."""
     if until is None:
         return None
     found = _CONDITION.fullmatch(until) if isinstance(until, str) else None
@@ -147,9 +148,9 @@ def simulate(
         raise ScenarioError('record.rate = "none": allowed with out is a number of Hz, or "events"')
     if Path(out).suffix.lower() in NETCDF_SUFFIXES:
         return _simulated_into(out, scenario, progress, until)
-    with replacing(out) as temporary:
-        run = simulate_batch([scenario], threads=1, progress=progress, until=until)[0]
-        run.to_csv(temporary)
+    check_writable(out)
+    run = simulate_batch([scenario], threads=1, progress=progress, until=until)[0]
+    run.to_csv(out)
     return run
 
 
@@ -163,13 +164,8 @@ def _simulated_into(
     file = RecordFile(out, Run.of(scenario, result, until, complete=False))
 
     def ended(complete: bool, record: StoredRecord | None = None) -> Run:
-        return Run.of(
-            *(scenario, result, until),
-            complete=complete,
-            samples=file.samples,
-            recorded_until=file.recorded_until,
-            record=record,
-        )
+        about: dict[str, Any] = {"samples": file.samples, "recorded_until": file.recorded_until}
+        return Run.of(scenario, result, until, complete=complete, record=record, **about)
 
     try:
         _core.stream(result, scenario.to_core(), file.write, report, condition)

@@ -1,4 +1,4 @@
-"""A run that is entered and left at any instant."""
+"""Stepped runs and their snapshots."""
 
 from __future__ import annotations
 
@@ -73,14 +73,14 @@ class Snapshot:
 
 
 class Simulator:
-    """A scenario that is played step by step, for controllers and for what a controller learns.
+    """A stepped run, for controllers and for training them.
 
     Copies (`copy`, `pickle`) are independent simulators that go on with the same bits.
 
-    The voltages are those of the steps. The scenario's own drive is not played; it says how strong
-    the fields are, to which the tolerance is relative, and how warm the coils get with
-    `effects.coil_heating`. Without `effects.sample_hold` and `effects.amplifier_limit`, a drive
-    whose breakpoints are the ends of the steps gives the same bits when it is simulated at once.
+    The voltages are those of the steps. The scenario's own drive is not played; it sets the field
+    to which the tolerance is relative, and how warm the coils get with `effects.coil_heating`.
+    Without `effects.sample_hold` and `effects.amplifier_limit`, a drive whose breakpoints are the
+    ends of the steps gives the same bits when it is simulated at once.
 
     Parameters
     ----------
@@ -197,7 +197,7 @@ class Simulator:
         return self._core.status
 
     def snapshot(self) -> Snapshot:
-        """What `restore` goes on from, with the same bits."""
+        """A snapshot, from which `restore` goes on with the same bits."""
         return Snapshot(self._core.snapshot())
 
     def restore(self, snapshot: Snapshot) -> None:

@@ -45,7 +45,7 @@ def write(data: xarray.Dataset, path: str | PathLike[str]) -> None:
 
 
 def take_over(path: str | PathLike[str], data: xarray.Dataset) -> None:
-    """Take what the file of the same sweep holds into its empty Dataset."""
+    """Read the file of the same sweep into its empty Dataset."""
     import xarray
 
     try:
@@ -67,7 +67,7 @@ def take_over(path: str | PathLike[str], data: xarray.Dataset) -> None:
 
 
 def checkpoint(data: xarray.Dataset, path: str | PathLike[str]) -> float:
-    """Write the file, and say when to write it next, s of the monotonic clock."""
+    """Write the file; return when to write it next, s of the monotonic clock."""
     start = time.monotonic()
     write(data, path)
     end = time.monotonic()

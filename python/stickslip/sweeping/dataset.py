@@ -1,4 +1,4 @@
-"""The Dataset of a sweep: empty at first, filled in any order, and then told about."""
+"""The Dataset of a sweep: empty at first, filled in any order, then completed by its notes."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _ENCODING = {"zlib": True, "complevel": 1, "shuffle": True}
 
 
 def empty(points: Points) -> xarray.Dataset:
-    """The Dataset that `sweep` gives, of which no point was run."""
+    """The Dataset of a sweep without a result."""
     import xarray
 
     dims, shape = tuple(points.sizes), points.shape
@@ -85,7 +85,7 @@ def put(
     columns: Mapping[str, NDArray[Any]],
     messages: Mapping[int, str],
 ) -> None:
-    """Take over what the core gave of some points; of one that failed no number but its time."""
+    """Store results of some points; of a failed point only its time."""
     failed = columns["status"] != OK
     for name in _core.summary_numbers:
         lost = failed & (name != "simulated_time")
@@ -98,7 +98,7 @@ def put(
 
 
 def finished(data: xarray.Dataset, points: Points) -> xarray.Dataset:
-    """The same with what follows from the results so far: velocities, counts and notes."""
+    """The Dataset with velocities, counts and notes of its results so far."""
     codes, counts = np.unique(data["status"], return_counts=True)
     by_status = dict(zip(codes.tolist(), counts.tolist(), strict=True))
     columns = {str(name): each.values for name, each in data.items()}

@@ -1,4 +1,4 @@
-"""Notes of many simulations: how many of them do what one would be noted for."""
+"""Notes of many simulations: how many of them would have each note."""
 
 from __future__ import annotations
 

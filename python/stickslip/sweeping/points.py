@@ -1,4 +1,4 @@
-"""Which scenarios a sweep simulates: one scenario, and the keys that vary along its dimensions."""
+"""The points of a sweep: one scenario, and the keys that vary along its dimensions."""
 
 from __future__ import annotations
 
@@ -15,12 +15,13 @@ from stickslip._util.messages import check_kind, shown
 from stickslip._util.numbers import ABSOLUTE, RELATIVE, Array, Indices, representatives
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import (
-    COIL_MAP,
     COIL_NAMES,
-    PROGRAM,
+    OBJECTS,
+    PATHS,
     SAWTOOTH,
     Value,
     checked,
+    full_name,
     is_of_one_coil,
     known_keys,
     refuse_sawtooth,
@@ -117,7 +118,7 @@ def check_count(count: int) -> None:
 
 
 def name_of(key: str) -> str:
-    """What a key is called in a dataset, such as ``drive_frequency``."""
+    """The name of a key in a dataset, such as ``drive_frequency``."""
     return key.replace(".", "_")
 
 
@@ -134,7 +135,7 @@ def points_of(scenario: Scenario, vary: Vary | None) -> Points:
     """The points that `sweep` simulates."""
     check_kind("scenario", scenario, Scenario)
     if isinstance(vary, Mapping):
-        return grid(scenario, vary)
+        return grid(scenario, _by_full_name(vary))
     table: Any = vary
     if hasattr(table, "to_dict"):  # a DataFrame
         table = table.to_dict("records")
@@ -142,7 +143,12 @@ def points_of(scenario: Scenario, vary: Vary | None) -> Points:
     for place, row in enumerate(rows):
         if not isinstance(row, Mapping):
             raise ScenarioError(f"vary, point {place} = {shown(row)}: allowed is a mapping")
-    return from_changes(scenario, rows)
+    return from_changes(scenario, [_by_full_name(row) for row in rows])
+
+
+def _by_full_name(values: Mapping[str, Any]) -> dict[str, Any]:
+    """The same by the dotted keys of `Scenario.keys`."""
+    return {full_name(key): value for key, value in values.items()}
 
 
 def grid(scenario: Scenario, vary: Mapping[str, Iterable[Value]]) -> Points:
@@ -196,7 +202,7 @@ def _by_single_coils(row: Mapping[str, Value]) -> dict[str, Value]:
 def _check_key(key: object) -> None:
     if not isinstance(key, str):
         raise ScenarioError(f"key {shown(key)}: allowed is a word such as drive.frequency")
-    if key in (PROGRAM, "drive.file", COIL_MAP):
+    if key in (*OBJECTS, *PATHS):
         raise ScenarioError(f"{key}: a sweep varies numbers and words, not voltages or maps")
     if key.startswith("record."):
         raise ScenarioError(f"{key}: a sweep keeps summaries only, whatever is recorded")

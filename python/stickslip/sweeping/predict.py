@@ -42,7 +42,7 @@ def predict(
     resume: bool = False,
     progress: Progress | None = None,
 ) -> xarray.Dataset:
-    """Quantiles of the numbers of a summary over what is uncertain in a scenario.
+    """Quantiles of the numbers of a summary over the uncertain parameters of a scenario.
 
     Every point is simulated with the same drawn values, so that differences between points are
     known better than the points themselves. Bit-identical for any number of threads or workers.
@@ -61,8 +61,9 @@ def predict(
     quantiles : sequence of float
         Between 0 and 1.
     uncertain : JointPrior, mapping or Scenario, optional
-        In place of what is uncertain in the scenario: priors by key, as `Measurement.uncertain`
-        has them, or a scenario such as `Diagnosis.extended`; see `Scenario.with_uncertain`.
+        In place of the scenario's own uncertain parameters: priors by key, as
+        `Measurement.uncertain` has them, or a scenario such as `Diagnosis.extended`; see
+        `Scenario.with_uncertain`.
     threads, executor, resume, progress : optional
         As for `sweep`.
     out : path-like, optional
@@ -107,8 +108,8 @@ def predict(
     prior = scenario.uncertain
     if prior is None:
         raise ScenarioError(
-            "uncertain: the scenario holds nothing that is, so there is no band; name it in "
-            "[uncertain] of its file, or give it: uncertain=..., or --uncertain FILE"
+            "uncertain: the scenario has no uncertain parameter, so there is no band; name some in "
+            "[uncertain] of its file, or give them: uncertain=..., or --uncertain FILE"
         )
     alone = vary is None or (isinstance(vary, Mapping) and not vary)
     points = Points(scenario, {}, {}) if alone else points_of(scenario, vary)

@@ -151,7 +151,7 @@ def sweep_points(
         if out is not None and os.path.isfile(out):
             if not resume:
                 raise FileExistsError(
-                    f"{out} is already there: resume it, remove it, or choose another name"
+                    f"{out} already exists: resume it, remove it, or choose another name"
                 )
             take_over(out, data)
         if out is not None and NOT_RUN in data["status"].values:
