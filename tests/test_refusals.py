@@ -37,6 +37,7 @@ def test_bad_input_is_refused_in_one_line(tmp_path, way, error, words):
         message = way(tmp_path)
     except error as raised:
         message = str(raised)
+        assert raised.__context__ is None or raised.__suppress_context__, "it shows two errors"
     assert isinstance(message, str), "it was taken"
     message = message.removesuffix("\n")
     assert message.isprintable()

@@ -12,13 +12,9 @@ from os import PathLike
 from pathlib import Path
 from typing import BinaryIO
 
-from stickslip.errors import ScenarioError
+from stickslip.errors import NotWritten, ScenarioError
 
 NETCDF_SUFFIXES = (".nc", ".nc4", ".h5")
-
-
-class NotWritten(OSError):
-    """A file that could not be written; the message names it."""
 
 
 def read_bytes(path: str | PathLike[str], most: int, kind: str) -> bytes:
@@ -92,7 +88,7 @@ def replacing(path: str | PathLike[str]) -> Iterator[Path]:
     except NotWritten:  # of another file, which it names
         raise
     except OSError as error:
-        raise NotWritten(f"cannot write {path}: {error.strerror or error}") from error
+        raise NotWritten(f"cannot write {path}: {error.strerror or error}") from None
     finally:
         if temporary is not None:
             with contextlib.suppress(OSError):

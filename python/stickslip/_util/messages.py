@@ -38,7 +38,7 @@ def shown(value: object) -> str:
 
 def refuse(key: str, value: object, allowed: str) -> NoReturn:
     """Raise the one-line error of a value that is not allowed."""
-    raise ScenarioError(f"{key} = {shown(value)}: allowed is {allowed}")
+    raise ScenarioError(f"{key} = {shown(value)}: allowed is {allowed}") from None
 
 
 def check_whole(name: str, value: object, least: int = 0) -> None:

@@ -190,7 +190,7 @@ def find_key(name: str, *value: object) -> Key:
         return keys[name]
     given = " = ".join([name, *map(shown, value)])
     hint = f" here; {PATHS[name]}" if name in PATHS else f"; {key_hint(name)}"
-    raise ScenarioError(f"{given}: there is no such key{hint}")
+    raise ScenarioError(f"{given}: there is no such key{hint}") from None
 
 
 def set_value(core: _core.Scenario, name: str, value: object) -> None:
