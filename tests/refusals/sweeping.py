@@ -1,5 +1,6 @@
 """What sweeps and predictions refuse: name, what is done in an empty folder, error, words."""
 
+import itertools
 from functools import partial
 
 import numpy as np
@@ -58,6 +59,8 @@ VARIED = [
     ("one word", {"drive.mode": "IPP"}, 'drive.mode = "IPP": allowed is a list'),
     ("array of none", {"drive.frequency": np.array(3.0)}, "allowed is a list"),
     ("table", {"drive.frequency": np.ones((2, 2))}, "drive.frequency = "),
+    ("endless", {"drive.frequency": itertools.count(1)}, "at most 10000000 values"),
+    ("long range", {"drive.frequency": range(1, 10**9)}, "at most 10000000 values"),
     ("nan", {"drive.frequency": [30.0, np.nan]}, "drive.frequency = nan"),
     ("negative", {"drive.frequency": [30.0, -1.0]}, "drive.frequency = -1.0"),
     ("bool", {"drive.frequency": [True]}, "drive.frequency = true"),

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip._util.messages import check_kind, check_whole, shown
+from stickslip._util.messages import as_list, check_kind, check_whole, shown
 from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.uncertain import JointPrior, counted_draws
 from stickslip.simulation.simulate import Progress
 from stickslip.sweeping.dataset import OK
-from stickslip.sweeping.points import Points, Vary, as_list, check_count, points_of
+from stickslip.sweeping.points import Points, Vary, check_count, points_of
 from stickslip.sweeping.run_sweep import sweep_points
 
 if TYPE_CHECKING:
