@@ -144,12 +144,20 @@ REFUSALS = [
     *((f"sweep: threads {n!r}", partial(swept, threads=n), ValueError, "threads = ")
       for n in (0, -1, 1.5, True, "2")),
     ("sweep: resume without a file", partial(swept, resume=True), ValueError, "resume"),
+    ("sweep: executor", partial(swept, executor="dask"), ScenarioError,
+     'executor = "dask": allowed is an Executor'),
+    ("sweep: progress", partial(swept, progress="yes"), ScenarioError, "a function of a fraction"),
+    ("sweep: suffix", lambda folder: swept(folder, out=folder / "s.txt"), ValueError,
+     ".nc, .nc4, .h5"),
+    ("predict: suffix", lambda folder: predicted(folder, out=folder / "d.csv"), ValueError,
+     ".nc, .nc4, .h5"),
     *((f"predict: {n}", partial(predicted, **how), ScenarioError, words)
       for n, how, words in PREDICTED),
     *((f"resume: {n}", partial(resumed, **how), ScenarioError, words)
       for n, how, words in RESUMED),
     ("resume: run", a_run, ScenarioError, ANOTHER),
-    ("sweep: a folder", lambda folder: swept(folder, out=folder), OSError, "a folder"),
+    ("sweep: a folder", lambda folder: (folder / "a.nc").mkdir() or
+     swept(folder, out=folder / "a.nc"), OSError, "a folder"),
     ("sweep: no folder", lambda folder: swept(folder, out=folder / "no/a.nc"), OSError,
      "there is no folder"),
     ("sweep_dataframe: run", lambda folder: sweep_dataframe(simulate(BASE)), ScenarioError,

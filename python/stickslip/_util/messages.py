@@ -58,11 +58,12 @@ def check_above_zero(name: str, value: object, unit: str) -> None:
 
 
 def check_kind(name: str, value: object, kind: type) -> None:
-    """Refuse what is not of a class of this package."""
+    """Refuse what is not of a class."""
     if not isinstance(value, kind):
         of_a_file = isinstance(value, str | PathLike) and kind.__name__ == "Scenario"
         hint = ", such as stickslip.load makes of a file" if of_a_file else ""
-        refuse(name, value, f"a {kind.__name__}{hint}")
+        article = "an" if kind.__name__[0] in "AEIO" else "a"
+        refuse(name, value, f"{article} {kind.__name__}{hint}")
 
 
 def as_list(name: str, values: object, allowed: str) -> list[Any]:

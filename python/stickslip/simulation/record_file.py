@@ -22,6 +22,7 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.extras import naming_the_extra
 from stickslip._util.files import check_writable, replacing
+from stickslip._util.messages import refuse
 from stickslip.errors import NotWritten, ScenarioError, prefixed
 from stickslip.field.field_map import FieldMap
 from stickslip.scenario.scenario import scenario_of
@@ -334,6 +335,8 @@ _ALLOWED = "allowed is a netCDF file that Run.save or --out wrote"
 
 def stored(path: str | PathLike[str]) -> tuple[Scenario, dict[str, Any], StoredRecord]:
     """Scenario, outcome and record of a run's file, as `Run` takes them."""
+    if not isinstance(path, str | PathLike):  # a number is an open file
+        refuse("path", path, "the name of a file")
     with prefixed(path):
         with _opened(path) as file:
             about = {
