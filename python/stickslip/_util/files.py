@@ -108,26 +108,27 @@ class _Tried(Exception):
 def check_folder(path: str | PathLike[str], files: Iterable[str] = ()) -> None:
     """Raise an OSError for a folder that could not be made, or where `files` could not be written.
 
-    It need not exist yet; the error names the obstacle.
+    It need not exist yet, but the folder around it; the error names the obstacle.
     """
-    folder, made = Path(path), list[Path]()
+    folder, made = Path(path), False
     try:
         check_name(path)
         if folder.exists() and not folder.is_dir():
             raise NotADirectoryError("it is not a folder")
-        for each in reversed([folder, *folder.parents]):
-            if not each.exists():
-                each.mkdir()
-                made.append(each)
+        if not folder.parent.is_dir():
+            raise FileNotFoundError(f"there is no folder {folder.parent}")
+        if not folder.exists():
+            folder.mkdir()
+            made = True
     except OSError as error:
         raise NotWritten(f"cannot write {path}: {error.strerror or error}") from None
     else:
         for name in files or (secrets.token_hex(8),):
             check_writable(folder / name)
     finally:
-        for each in reversed(made):
+        if made:
             with contextlib.suppress(OSError):  # another process has written into it
-                each.rmdir()
+                folder.rmdir()
 
 
 def write_together(writers: Mapping[Path, Callable[[Path], object]]) -> None:
