@@ -96,7 +96,7 @@ PREDICTED = [
     ("a single quantile", {"quantiles": 0.5}, "between 0 and 1"),
     ("no prior", {"uncertain": 3}, "a section [uncertain]"),
     ("scenario without priors", {"uncertain": Scenario()}, "no uncertain parameter"),
-    ("nothing uncertain", {"scenario": BASE}, "no band"),
+    ("nothing uncertain", {"scenario": BASE}, "state them under [uncertain]"),
     (
         "hardly allowed",
         {"uncertain": {"contact.kinetic_friction": {"mean": 0.9, "sd": 0.01}}},

@@ -62,6 +62,7 @@ def check_kind(name: str, value: object, kind: type) -> None:
     if not isinstance(value, kind):
         of_a_file = isinstance(value, str | PathLike) and kind.__name__ == "Scenario"
         hint = ", such as stickslip.load makes of a file" if of_a_file else ""
+        hint += ", such as a dict" if kind is Mapping else ""
         article = "an" if kind.__name__[0] in "AEIO" else "a"
         refuse(name, value, f"{article} {kind.__name__}{hint}")
 

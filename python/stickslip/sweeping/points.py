@@ -20,6 +20,7 @@ from stickslip.scenario.keys import (
     PATHS,
     SAWTOOTH,
     Value,
+    check_word,
     checked,
     full_name,
     is_of_one_coil,
@@ -197,8 +198,7 @@ def _by_single_coils(row: Mapping[str, Value]) -> dict[str, Value]:
 
 
 def _check_key(key: object) -> None:
-    if not isinstance(key, str):
-        raise ScenarioError(f"key {shown(key)}: allowed is a word such as drive.frequency")
+    check_word(key)
     if key in (*OBJECTS, *PATHS):
         raise ScenarioError(f"{key}: a sweep varies numbers and words, not voltages or maps")
     if key.startswith("record."):

@@ -108,8 +108,8 @@ def predict(
     prior = scenario.uncertain
     if prior is None:
         raise ScenarioError(
-            "uncertain: the scenario has no uncertain parameter, so there is no band; name some in "
-            "[uncertain] of its file, or give them: uncertain=..., or --uncertain FILE"
+            "the scenario has no uncertain parameters: state them under [uncertain], or by "
+            "uncertain=... or --uncertain FILE"
         )
     alone = vary is None or (isinstance(vary, Mapping) and not vary)
     points = Points(scenario, {}, {}) if alone else points_of(scenario, vary)

@@ -120,8 +120,8 @@ def sweep(
     RuntimeError
         If a worker has another version of this package.
     KeyboardInterrupt
-        On Ctrl-C, within a fraction of a second; `out` then holds what was done, and the text says how
-        much that is.
+        On Ctrl-C, within a fraction of a second; `out` then holds what was done, and the text says
+        how much that is.
 
     Examples
     --------
