@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from made_measurement import write_files
 from stickslip import Scenario
 from stickslip.diagnosis.data.camera import Camera, record
 from stickslip.measurement.read_tracking import TrackingRun
@@ -68,28 +69,20 @@ def _motion(scenario):
     return _MOTIONS[key]
 
 
-def write_table(path, columns):
-    rows = zip(*columns.values(), strict=True)
-    lines = [",".join(columns), *(",".join(repr(float(v)) for v in row) for row in rows)]
-    path.write_text("\n".join(lines) + "\n")
-
-
 def write_films(folder, rate, seed, marker):
     """A measurement of the true robot, each way with a camera of its own.
 
     What is tracked lies `marker` ahead of the centre of mass, m.
     """
-    (folder / "nominal.toml").write_text(NOMINAL)
-    random, text = np.random.default_rng([seed, 1]), HEAD
+    random, text, tables = np.random.default_rng([seed, 1]), HEAD, {}
     for number, (way, facing) in enumerate((("+x", 1.0), ("-x", -1.0))):
         own = [0.0, 0.0, 1.0] + [2e-4, 0.01, 0.005] * random.standard_normal(3)
         camera = Camera(3e-4, *own.tolist(), marker_along=marker, facing=facing)
         columns = film({**TRUE, "drive.direction": way}, camera, rate, [seed, 2, number])
-        write_table(folder / f"run{number}.csv", columns)
+        tables[f"run{number}"] = columns
         text += (
             f'\n[[tracking]]\nfile = "run{number}.csv"\nframe_rate = {rate}\nexposure = 3e-4\n'
             f"noise_x = {NOISE['x']}\nnoise_theta = {NOISE['theta']}\n"
             f'drive = {{ direction = "{way}" }}\n'
         )
-    (folder / "m.toml").write_text(text)
-    return folder / "m.toml"
+    return write_files(folder, NOMINAL, text, **tables)

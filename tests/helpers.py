@@ -212,7 +212,7 @@ def check_energy_balance(of, power, quiet, rate):
 
 
 def program_of(volts) -> Waveform:
-    """The five voltages of the reference (`reference.heading.FiveVoltages`) as a program."""
+    """The five voltages of the reference (`reference.heading`) as a program."""
     ends = np.append(volts.start[1:-1], volts.end)
     last = volts.level[:-1] + volts.slope[:-1] * (ends - volts.start[:-1])[:, None]
     times = np.stack([volts.start[:-1], ends], axis=1).ravel()

@@ -18,6 +18,7 @@ from stickslip.scenario.uncertain import Prior
 from stickslip.simulation.note import Note
 
 SD, BUMP = 0.05, 0.9
+TRUTH = (1.1, 1.9, BUMP, 0.0, 0.0)
 CONSTANTS = (
     Parameter("level", Prior("normal", 1.0, 0.3), "V"),
     Parameter("slope", Prior("normal", 2.0, 0.3), "V"),

@@ -1,6 +1,7 @@
 """A measurement that the simulator made: IPP, both directions, three trials of eight settings."""
 
 import numpy as np
+import pandas as pd
 
 from stickslip import Scenario, simulate_batch
 from stickslip.diagnosis import measured
@@ -59,4 +60,18 @@ def write(folder, changes, seed=0, change=None):
             lines.append(f"{way},{f},{trial},{velocity!r}")
     lines = lines if change is None else change(lines)
     (folder / "velocity.csv").write_text("\n".join(lines) + "\n")
+    return folder / "m.toml"
+
+
+def write_files(folder, nominal, toml, **tables):
+    """The file of a measurement beside its scenario and tables, each as text or columns."""
+    (folder / "nominal.toml").write_text(nominal)
+    (folder / "m.toml").write_text(toml)
+    for name, table in tables.items():
+        text = (
+            table
+            if isinstance(table, str)
+            else pd.DataFrame(table).to_csv(index=False, na_rep="nan")
+        )
+        (folder / f"{name}.csv").write_text(text)
     return folder / "m.toml"

@@ -18,11 +18,6 @@ def included(file):
     return re.findall(r'^#include "stickslip/(?:(\w+)/)?([\w.]+)"', file.read_text(), re.MULTILINE)
 
 
-def test_the_core_has_these_folders_alone():
-    assert {p.name for p in CORE.iterdir() if p.is_dir()} == set(ORDER)
-    assert {p.stem for p in CORE.iterdir() if p.is_file()} == set(ORDER)
-
-
 @pytest.mark.parametrize("folder", ORDER)
 def test_no_file_includes_a_header_of_a_later_folder(folder):
     earlier = ORDER[: ORDER.index(folder) + 1]
@@ -39,12 +34,3 @@ def test_no_headers_of_a_folder_include_each_other_in_a_circle(folder):
     while leaves := {name for name, needed in includes.items() if not needed & includes.keys()}:
         includes = {name: needed for name, needed in includes.items() if name not in leaves}
     assert includes == {}
-
-
-@pytest.mark.parametrize("folder", ORDER)
-def test_the_header_of_a_folder_says_what_it_offers(folder):
-    head = CORE / f"{folder}.hpp"
-    text = head.read_text()
-    for place, name in included(head):
-        assert place == folder
-        assert re.search(rf"^///.*\b{Path(name).stem}\b", text, re.MULTILINE), name

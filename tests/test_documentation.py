@@ -6,24 +6,19 @@ import json
 import pkgutil
 import re
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import stickslip
-from documentation_blocks import NOT_RUN, TIMED, blocks, pages, play, prints
+from documentation_blocks import DOCS, PAGES, ROOT, blocks, by_name, pages, play
 from own_effects import nothing_stays  # noqa: F401
 from stickslip import Drive, Scenario, simulate
 from stickslip.scenario.effects import is_free_shape
 from test_reference_agreement import AGREEMENT, SCENARIOS
 
-ROOT = Path(__file__).parents[1]
-DOCS = ROOT / "docs"
 sys.path.append(str(DOCS))
-from take_results import COMMANDS  # noqa: E402
-
-PAGES = [*pages(DOCS), ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
+from take_results import COMMANDS
 
 
 def modules():
@@ -40,61 +35,13 @@ def _is_slow(page):
 @pytest.mark.parametrize(
     "page",
     [pytest.param(page, marks=pytest.mark.nightly if _is_slow(page) else ()) for page in PAGES],
-    ids=lambda page: str(page.relative_to(ROOT)),
+    ids=by_name,
 )
 def test_the_code_of_a_page_runs_and_prints_what_it_says(page):
     if any("import mujoco\n" in block.text for block in blocks(page)):
         pytest.importorskip("mujoco")
     with play(page):
         pass
-
-
-@pytest.mark.parametrize("page", pages(DOCS), ids=lambda page: str(page.relative_to(ROOT)))
-def test_no_line_of_code_is_wider_than_a_page(page):
-    for block in blocks(page):
-        for line in block.text.splitlines():
-            assert len(line) <= 90 or block.language == "text", f"{block}: {line}"
-
-
-def test_the_pages_have_code_of_every_kind():
-    # Else the test above could pass for want of anything to run.
-    languages = [block.language for page in PAGES for block in blocks(page)]
-    for language in ("python", "console", "text", "toml", "csv", "sh"):
-        assert languages.count(language) >= 1
-
-
-def test_a_wrong_output_is_seen(tmp_path):
-    page = tmp_path / "page.md"
-    page.write_text("```python\nprint(1 + 1)\n```\n\n```text\n3\n```\n")
-    with pytest.raises(AssertionError, match="what is printed is\n2"), play(page):
-        pass
-    assert prints("a ... c\n", "a b  c\n")
-    assert not prints("1.91\n", "1.92\n")
-
-
-def test_a_command_that_is_not_there_is_seen(tmp_path):
-    page = tmp_path / "page.md"
-    page.write_text("```sh\nstickslip run a.toml --no-such-option\n```\n")
-    with pytest.raises(AssertionError, match="no-such-option"), play(page):
-        pass
-    page.write_text("```sh\nstickslip predict found/extended.toml --no-such-option\n```\n")
-    with pytest.raises(AssertionError, match="no-such-option"), play(page):
-        pass
-    page.write_text("```console\n$ stickslip run no-such-file.toml\n```\n")
-    with pytest.raises(AssertionError, match="no-such-file"), play(page):
-        pass
-
-
-def test_what_is_not_run_stands_on_a_page():
-    commands = [
-        line.removeprefix(f"{' '.join(TIMED)} ")
-        for page in PAGES
-        for block in blocks(page)
-        if block.language == "sh"
-        for line in block.text.replace("\\\n", " ").splitlines()
-    ]
-    for each in NOT_RUN:
-        assert any(" ".join(line.split()).startswith(each) for line in commands), each
 
 
 @pytest.mark.parametrize("name", modules())

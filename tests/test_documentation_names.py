@@ -1,88 +1,79 @@
-"""Every file, folder, function and module that the documentation names is there."""
+"""What pages and sources name is there: public names, linked files, places of sources, targets."""
 
+import json
+import pkgutil
 import re
 
 import pytest
 
-from documentation_blocks import pages
-from documentation_names import ROOT, missing, named_paths
+from documentation_blocks import DOCS, PAGES, ROOT, by_name, prose
+from notebook_cells import text
 
-PAGES = [*pages(ROOT / "docs"), ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
-by_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+TOPS = ("bench", "cmake", "cpp", "docs", "examples", "python", "tests")
+BUILT = {"__pycache__", "_build", "results"}
+ALL = [path for top in TOPS for path in [ROOT / top, *(ROOT / top).rglob("*")]]
+SOURCES = [path for path in ALL if not BUILT & {*path.parts}]
 
-SOURCES = [
-    path
-    for top in ("bench", "cpp", "python", "tests")
-    for path in (ROOT / top).rglob("*")
-    if path.suffix in (".py", ".cpp", ".hpp", ".md", ".html") and "results" not in path.parts
-]
+NAME = re.compile(r"(?<![\w/.-])stickslip(?:\.[A-Za-z_]\w*)+")
+LINK = re.compile(r"\]\(([^)#\s:]+)(?:#[^)]*)?\)")
+# `file: name`, `file` or `folder/`; names of files may have a star.
+PLACE = re.compile(
+    r"`(?!docs/_build|bench/results|[.])"
+    r"([\w./*-]+(?:\.(?:py|cpp|hpp|cmake|md)|/))(?:: ([\w:., ]+))?`"
+)
+PATH = re.compile(
+    r"(?<![\w/.-])(?!docs/_build|bench/results)"
+    rf"(?:{'|'.join(TOPS)})/[\w/.-]*\w\.(?:py|cpp|hpp|md|jsonl|cmake)\b"
+)
+by_page = pytest.mark.parametrize("page", PAGES, ids=by_name)
+
+
+def is_public(name):
+    home, _, last = name.rpartition(".")
+    try:
+        if last not in getattr(pkgutil.resolve_name(home), "__dataclass_fields__", {}):
+            pkgutil.resolve_name(name)
+    except (AttributeError, ImportError):
+        return False
+    return True
+
+
+def missing(words, folder):
+    """Names of the package, and files of links, that are not there."""
+    yield from (name for name in NAME.findall(words) if not is_public(name))
+    yield from (link for link in LINK.findall(words) if not (folder / link).exists())
 
 
 @by_page
-def test_what_a_page_names_is_there(page):
-    assert missing(page.read_text(encoding="utf-8"), page.parent) == []
+def test_names_and_links_of_a_page_are_there(page):
+    assert list(missing(prose(page), page.parent)) == []
 
 
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("`no_such_file.py` is", "there is no no_such_file.py"),
-        ("`tests/no_such_test.py`", "there is no tests/no_such_test.py"),
-        (
-            "`tests/test_cli.py: test_of_nothing`",
-            "there is no test_of_nothing in tests/test_cli.py",
-        ),
-        ("`nothing.hpp: Nothing`", "there is no nothing.hpp"),
-        ("`phases.hpp: Nothing::at_all`", "there is no Nothing::at_all in phases.hpp"),
-        ("`no_such_room/`", "there is no folder no_such_room/"),
-        ("{func}`stickslip.nothing`", "there is no stickslip.nothing"),
-        ("{class}`~stickslip.Scenario.nothing`", "there is no stickslip.Scenario.nothing"),
-        (".. autofunction:: stickslip.plot.nothing", "there is no stickslip.plot.nothing"),
-        ("`stickslip.cli.nothing.main`", "there is no stickslip.cli.nothing.main"),
-        ("[a page](no-such-page.md#part)", "no link to no-such-page.md"),
-    ],
-)
-def test_a_name_that_does_not_exist_is_reported(text, said):
-    assert missing(f"Here {text} stands.\n") == [said]
+def test_names_and_links_of_the_tutorial_are_there():
+    cells = json.loads((DOCS / "tutorial.ipynb").read_text(encoding="utf-8"))["cells"]
+    words = [text(cell) for cell in cells if cell["cell_type"] != "code"]
+    assert list(missing("\n\n".join(words), DOCS)) == []
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "`tests/test_cli.py`",
-        "`test_pitfalls.py: test_dip_inside_a_step_is_seen`",
-        "`scenario.hpp`",
-        "`cpp/stickslip/`",
-        "{class}`stickslip.Scenario`",
-        "`stickslip.Scenario.drive`",
-        "`report.html`",  # is written by the command
-        "[a page](docs/start.md#part)",
-        "```sh\nstickslip run a.toml --out made\n```\n\nin `made/`",
-    ],
-)
-def test_a_name_that_exists_is_not_reported(text):
-    assert missing(f"Here\n\n{text}\n\nstands.\n") == []
-
-
-def test_the_page_for_developers_names_places():
-    # Else the first test could pass for want of anything to look for.
-    text = (ROOT / "docs" / "develop.md").read_text(encoding="utf-8")
-    assert len(re.findall(r"`[\w/]+\.(?:cpp|hpp|py): ", text)) > 40
+@pytest.mark.parametrize("page", [DOCS / "develop.md", ROOT / "CONTRIBUTING.md"], ids=by_name)
+def test_places_of_sources_are_there(page):
+    for place, names in PLACE.findall(prose(page)):
+        files = [path for path in SOURCES if path.match(place.rstrip("/"))]
+        files += [path for path in ROOT.glob(place) if path.is_file()]
+        assert files, place
+        wanted = {*re.findall(r"\w+", names)}
+        words = (set(re.findall(r"\w+", each.read_text())) for each in files if each.is_file())
+        assert not wanted or any(wanted <= each for each in words), (place, names)
 
 
 def test_files_that_sources_name_are_there():
-    named = {
-        path: source.relative_to(ROOT)
-        for source in SOURCES
-        if source.name != "test_documentation_names.py"
-        for path in named_paths(source.read_text(encoding="utf-8"))
-    }
-    assert len(named) > 5
-    assert {path: by for path, by in named.items() if not (ROOT / path).exists()} == {}
+    texts = {path: path.read_text() for path in SOURCES if path.suffix in (".py", ".cpp", ".hpp")}
+    named = {each: path for path, content in texts.items() for each in PATH.findall(content)}
+    assert {each: path for each, path in named.items() if not (ROOT / each).exists()} == {}
 
 
 @by_page
 def test_named_make_targets_are_there(page):
     targets = re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE)
-    for target in re.findall(r"(?:`|^|&& )make ([a-z-]+)", page.read_text(), re.MULTILINE):
-        assert target in targets, f"{page.name}: make {target}"
+    named = re.findall(r"(?:`|^|&& )make ([a-z-]+)", page.read_text(), re.MULTILINE)
+    assert {*named} <= {*targets}

@@ -22,24 +22,15 @@ def own_rows():
         unregister(name)
 
 
-def differences(choice, way):
-    return list(WAYS[way](table_of(choice)))
+by_choice = pytest.mark.parametrize(
+    "choice", ["singles", "pairs", pytest.param("all", marks=pytest.mark.nightly)]
+)
 
 
+@by_choice
 @pytest.mark.parametrize("way", WAYS)
-def test_an_effect_acts_alike_in_each_way_to_run(way):
-    assert differences("singles", way) == []
-
-
-@pytest.mark.parametrize("way", WAYS)
-def test_two_effects_act_alike_in_each_way_to_run(way):
-    assert differences("pairs", way) == []
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("way", WAYS)
-def test_any_two_effects_act_alike_in_each_way_to_run(way):
-    assert differences("all", way) == []
+def test_effects_alone_and_in_pairs_act_alike_in_each_way_to_run(way, choice):
+    assert [*WAYS[way](table_of(choice))] == []
 
 
 def test_every_effect_acts_on_a_drive_of_the_table():
@@ -61,9 +52,7 @@ def test_what_acts_in_one_plane_acts_in_the_whole_plane_too():
     assert {case.effects[0] for case in pushed} == planar - set(OWN)
 
 
-@pytest.mark.parametrize(
-    "choice", ["singles", "pairs", pytest.param("all", marks=pytest.mark.nightly)]
-)
+@by_choice
 def test_every_run_of_the_table_comes_to_its_end(choice):
     runs = table_of(choice).alone
     assert {str(case): run.status for case, run in runs.items() if not run.ok} == {}

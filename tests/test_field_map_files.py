@@ -170,9 +170,7 @@ def test_what_no_coil_makes_is_refused():
     points = grid()
     # Rows in a wrong order: over these 16 mm the field changes by 30 %.
     fields = np.random.default_rng(4).permutation(formula_fields(points))
-    with pytest.raises(
-        ScenarioError, match="coil xp: the fit leaves"
-    ):
+    with pytest.raises(ScenarioError, match="coil xp: the fit leaves"):
         FieldMap.from_points(points, fields)
 
 

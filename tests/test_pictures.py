@@ -4,15 +4,11 @@ what the reader sees; and pages that GitHub can show."""
 import importlib.util
 import json
 import re
-from pathlib import Path
 
 import pytest
-from PIL import Image
 
-from documentation_blocks import blocks, pages
+from documentation_blocks import DOCS, ROOT, blocks, by_name, pages, prose
 
-ROOT = Path(__file__).parents[1]
-DOCS = ROOT / "docs"
 IMAGES = DOCS / "images"
 README = ROOT / "README.md"
 FILM = IMAGES / "walk.webp"
@@ -24,16 +20,6 @@ ON_GITHUB = [
 ]
 
 _IMAGE = re.compile(r"!\[([^\]]*)\]\(([^)\s]+)\)")
-
-
-def by_name(page):
-    return str(page.relative_to(ROOT))
-
-
-def prose(page):
-    """A page without its code blocks; directives, ```{name}, are not code."""
-    text = page.read_text(encoding="utf-8")
-    return re.sub(r"^( *)(`{3,})(?!\{).*?^\1\2 *$", "", text, flags=re.MULTILINE | re.DOTALL)
 
 
 def shown(page):
@@ -94,27 +80,9 @@ def test_the_diagnosis_of_the_readme_names_the_cause_of_its_picture(maker, tmp_p
     assert (tmp_path / "found" / "report.html").is_file()
 
 
-def test_the_film_is_as_wide_and_as_long_as_a_page_wants_it_and_repeats():
-    with Image.open(FILM) as film:
-        assert film.width == 640
-        assert film.info["loop"] == 0
-        length = 0.0
-        for frame in range(film.n_frames):
-            film.seek(frame)
-            film.load()
-            length += film.info["duration"]
-    assert length == pytest.approx(10e3, rel=0.05)
-
-
 @pytest.mark.parametrize("page", ON_GITHUB, ids=by_name)
 def test_a_page_that_github_shows_has_no_markup_of_sphinx(page):
     text = prose(page)
     assert not re.search(r"^ *`{3,}\{|^:{3,}\{?", text, re.MULTILINE)
     assert not re.search(r"\{[a-z:-]+\}`", text)
     assert "<!--" not in text
-
-
-def test_a_source_of_pictures_that_is_unknown_is_refused(maker):
-    assert {"readme", "gallery", "howto/steering"} <= set(maker.sources())
-    with pytest.raises(SystemExit, match=r"no/page: known are readme, .*gallery"):
-        maker.main(["no/page"])

@@ -190,22 +190,6 @@ def test_a_broken_address_shows_the_default_and_says_so(opened, fragment):
 
 
 @needs_chromium
-@pytest.mark.parametrize("fragment", ["", "guess=5"])
-def test_narrow_and_wide_light_and_dark(opened, fragment):
-    grounds = {}
-    for width in (360, 1440):
-        for scheme in ("light", "dark"):
-            opened_page = opened(fragment)
-            opened_page.size(width)
-            opened_page.colour_scheme(scheme)
-            assert opened_page.evaluate("document.documentElement.scrollWidth") <= width
-            grounds[scheme] = opened_page.evaluate(
-                "getComputedStyle(document.body).backgroundColor"
-            )
-    assert len(set(grounds.values())) == 2
-
-
-@needs_chromium
 def test_copied_scenarios_give_the_number_of_the_page(opened, tmp_path, capsys):
     page = opened("drive.frequency=80&drive.mode=OPP&drive.edge=fall&drive.edge_time=0.002")
     velocity = page.evaluate("run.mean_velocity")

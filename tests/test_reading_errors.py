@@ -7,25 +7,25 @@ import pandas as pd
 import pytest
 
 from films import write_films
-from made_measurement import few_causes
+from made_measurement import few_causes, write_files
 from stickslip import Coils, Measurement, Prior, Scenario, _core, diagnose, simulate_batch
 from stickslip.diagnosis.measured import pose
 from stickslip.measurement import read_measurement
 from stickslip.scenario.keys import COIL_NAMES
 
+ANGLES = ["Bx", "Bz", "theta"]
 FIELDS = 1e-3 * np.array([[2.0, z] for z in (-3, -2.5, -2, -1.6, -1.3, -1, 1, 1.3, 1.6, 2, 2.5, 3)])
 
 
-def write(folder, kind, header, rows, file="a.csv"):
-    """A measurement with one table, and the path of its file."""
-    (folder / "nominal.toml").write_text("stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 6\n")
-    lines = [",".join(map(repr, row)) for row in np.asarray(rows).tolist()]
-    (folder / file).write_text("\n".join([header, *lines]) + "\n")
-    (folder / "m.toml").write_text(
-        f'stickslip_measurement = 1\nscenario = "nominal.toml"\n[uncertain]\n[[{kind}]]\n'
-        f'file = "{file}"\n'
-    )
-    return folder / "m.toml"
+NOMINAL = "stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 6\n"
+HEAD = 'stickslip_measurement = 1\nscenario = "nominal.toml"\n[uncertain]\n'
+
+
+def read(folder, kind, columns, **tables):
+    """A measurement of tables of one kind, each as rows, in this order."""
+    toml = HEAD + "".join(f'[[{kind}]]\nfile = "{name}.csv"\n' for name in tables)
+    tables = {name: pd.DataFrame(rows, columns=columns) for name, rows in tables.items()}
+    return read_measurement(write_files(folder, NOMINAL, toml, **tables))
 
 
 def tilts(fields):
@@ -40,15 +40,12 @@ def test_angles_with_a_wrong_scale_are_not_blamed_on_the_robot(tmp_path, monkeyp
     fields = np.repeat(FIELDS, 3, axis=0)
     true = tilts(fields)
     theta = 1.15 * true + np.radians(1.0) * random.standard_normal(len(true))
-    path = write(tmp_path, "angle", "Bx,Bz,theta", np.column_stack([fields, theta]))
-    found = diagnose(read_measurement(path))
+    found = diagnose(read(tmp_path, "angle", ANGLES, a=np.column_stack([fields, theta])))
     assert "angle_scale" in found.verdict.causes
     row = found.candidate("angle_scale").params.loc["angle_scale.error"]
     assert abs(row["value"] - 0.15) < 3.0 * row["sd"] < 0.06
     # The robot does what the scenario says; the readings are no part of it.
     assert "angle_scale" not in found.extended.to_toml()
-    found.save_report(tmp_path / "report")
-    assert "Angles are read" in (tmp_path / "report" / "report.html").read_text()
 
 
 @pytest.mark.parametrize("seed", range(2))
@@ -61,9 +58,8 @@ def test_a_turned_probe_is_named_without_repeats(tmp_path, seed):
     # Along the axes of a probe that is turned by 0.02 rad about y: its x axis points down a little.
     c, s = np.cos(0.02), np.sin(0.02)
     seen = field @ np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
-    header = ",".join([*COIL_NAMES, "x", "y", "z", "Bx", "By", "Bz"])
-    path = write(tmp_path, "field", header, np.hstack([amperes, places, seen]))
-    found = diagnose(read_measurement(path))
+    columns = [*COIL_NAMES, "x", "y", "z", "Bx", "By", "Bz"]
+    found = diagnose(read(tmp_path, "field", columns, a=np.hstack([amperes, places, seen])))
     assert (found.verdict.kind, found.verdict.causes) == ("named", ("probe_turned",))
     row = found.params.loc["probe_turned.about_y"]
     assert abs(row["value"] - 0.02) < 4.0 * row["sd"] < 0.01
@@ -106,14 +102,11 @@ def test_a_marker_off_the_centre_of_mass_is_named(tmp_path, monkeypatch):
 
 def test_a_limit_is_searched_below_the_widest_of_several_tables(tmp_path):
     theta = tilts(FIELDS)
-    path = write(tmp_path, "angle", "Bx,Bz,theta", np.column_stack([FIELDS, theta]))
-    few = np.abs(theta) < np.median(np.abs(theta))
-    rows = np.column_stack([FIELDS, theta])[few]
-    write(tmp_path, "angle", "Bx,Bz,theta", rows, "flat.csv")
-    head = path.read_text().partition("[[angle]]")[0]
+    rows = np.column_stack([FIELDS, theta])
+    few = rows[np.abs(theta) < np.median(np.abs(theta))]
     ends = []
-    for files in (("flat.csv", "a.csv"), ("a.csv", "flat.csv")):
-        path.write_text(head + "".join(f'[[angle]]\nfile = "{file}"\n' for file in files))
-        causes = {each.name: each for each in pose(read_measurement(path)).causes}
+    for tables in ({"flat": few, "a": rows}, {"a": rows, "flat": few}):
+        posed = pose(read(tmp_path, "angle", ANGLES, **tables))
+        causes = {each.name: each for each in posed.causes}
         ends.append(causes["angle_clipping"].parameters[0].high)
     assert ends[0] == ends[1] > np.max(np.abs(theta))

@@ -14,15 +14,42 @@ ADHESION = 1e-6  # N
 
 PEAK = """
 import json, resource, sys
-from stickslip import Contact, Drive, Scenario, simulate
+import numpy as np
+from stickslip import Contact, Drive, Scenario, simulate, sweep
+
+def kilobytes():
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+"""
+RUN = """
 drive = Drive(pulses=int(sys.argv[1]), **json.loads(sys.argv[2]))
 run = simulate(Scenario(drive=drive, contact=Contact(adhesion=float(sys.argv[3]))))
-peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-print(json.dumps({"status": run.status, "peak": peak, "time": run.summary()["simulated_time"]}))
+time = run.summary()["simulated_time"]
+print(json.dumps({"status": run.status, "peak": kilobytes(), "time": time}))
+"""
+# A millisecond without field: nothing but overhead.
+SWEEP = """
+base = Scenario(drive=Drive(frequency=1000.0, pulses=1, ramp=0.0, hold=0.0, peak=0.0))
+vary = {"drive.frequency": np.linspace(1000.0, 2000.0, 500), "contact.adhesion":
+        np.linspace(0.0, 1e-6, 200)}
+sweep(base, {"drive.frequency": [1000.0, 2000.0]}, out="warm.nc")
+before = kilobytes()
+data = sweep(base, vary, out="tiny.nc")
+print(json.dumps({"points": data["status"].size, "failed": data.attrs["failed_points"],
+                  "megabytes": (kilobytes() - before) / 1024}))
 """
 
 
-def _work(pulses):
+def in_process(code, *arguments, **options):
+    """What a program prints in a process of its own, whose memory is that of its work."""
+    command = [sys.executable, "-c", PEAK + code, *map(str, arguments)]
+    done = subprocess.run(
+        command, capture_output=True, text=True, timeout=120, check=False, **options
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def work(pulses):
     """Evaluations of the right-hand side in one run."""
     scenario = Scenario(drive=Drive(pulses=pulses, **DRIVE), contact=Contact(adhesion=ADHESION))
     run = simulate(scenario)
@@ -32,14 +59,12 @@ def _work(pulses):
 
 def test_a_hundred_times_longer_is_a_hundred_times_the_work():
     # What an evaluation costs is measured by bench/promises.py.
-    assert _work(100 * PULSES) <= 105 * _work(PULSES)
+    assert work(100 * PULSES) <= 105 * work(PULSES)
 
 
-def _peak(pulses):
-    """kB of resident memory at most, of a process that does one run."""
-    command = [sys.executable, "-c", PEAK, str(pulses), json.dumps(DRIVE), str(ADHESION)]
-    result = subprocess.run(command, capture_output=True, text=True, check=True)
-    found = json.loads(result.stdout)
+def peak(pulses):
+    """kB of resident memory at most."""
+    found = in_process(RUN, pulses, json.dumps(DRIVE), ADHESION)
     assert found["status"] == "ok"
     assert found["time"] > 0.999 * pulses / DRIVE["frequency"]
     return found["peak"]
@@ -47,38 +72,12 @@ def _peak(pulses):
 
 def test_a_hundred_times_longer_needs_no_more_memory():
     # Two runs of one length differ by some pages; a result of 8 bytes a pulse would be 160 kB.
-    short = max(_peak(PULSES) for _ in range(3))
-    long = min(_peak(100 * PULSES) for _ in range(3))
-    assert long <= short + 128
-
-
-# A millisecond without field: nothing but overhead. In a process of its own, whose memory is
-# that of the sweep.
-TINY = """
-import json, resource, sys
-import numpy as np
-from stickslip import Drive, Scenario, sweep
-
-def megabytes():
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-
-base = Scenario(drive=Drive(frequency=1000.0, pulses=1, ramp=0.0, hold=0.0, peak=0.0))
-vary = {"drive.frequency": np.linspace(1000.0, 2000.0, 500), "contact.adhesion":
-        np.linspace(0.0, 1e-6, 200)}
-sweep(base, {"drive.frequency": [1000.0, 2000.0]}, out="warm.nc")
-before = megabytes()
-data = sweep(base, vary, out="tiny.nc")
-print(json.dumps({"points": data["status"].size, "failed": data.attrs["failed_points"],
-                  "megabytes": megabytes() - before}))
-"""
+    short = max(peak(PULSES) for _ in range(3))
+    assert min(peak(100 * PULSES) for _ in range(3)) <= short + 128
 
 
 def test_a_hundred_thousand_points(tmp_path):
-    done = subprocess.run(
-        [sys.executable, "-c", TINY], capture_output=True, text=True, cwd=tmp_path, timeout=120
-    )
-    assert done.returncode == 0, done.stderr
-    found = json.loads(done.stdout)
+    found = in_process(SWEEP, cwd=tmp_path)
     assert (found["points"], found["failed"]) == (100_000, 0)
     assert found["megabytes"] < 150  # 14 MB of results, some of them twice while written
     assert (tmp_path / "tiny.nc").stat().st_size < 14e6

@@ -132,11 +132,8 @@ def test_enough_walks_are_compared_and_most_are_equal():
     assert len(TURNING) >= 13
 
 
-def test_a_run_along_x_has_the_columns_and_the_bits_that_it_had():
-    # The planar check number, and no column across.
-    run = simulate(Scenario().replace({"drive.base": 0.5e-3, "drive.pulses": 20}))
-    assert not run.scenario.whole_plane
-    assert run.mean_velocity == pytest.approx(1.9128e-3, rel=1e-4)
+def test_a_run_along_x_has_no_velocity_across():
+    run = simulate(Scenario().replace({"drive.base": 0.5e-3, "drive.pulses": 5}))
     assert run.velocity == (run.mean_velocity, 0.0)
 
 

@@ -79,8 +79,7 @@ def generator_files() -> list[Path]:
         "strength", "truth", "writing",
     )  # fmt: skip
     reference = (
-        "circuit", "contact", "drive", "effects", "field", "laws", "simulate", "statics",
-        "stepper", "switching",
+        "circuit", "contact", "drive", "effects", "field", "laws", "simulate", "stepper",
     )  # fmt: skip
     simulator = HERE.parents[1] / "tests" / "reference"
     return [

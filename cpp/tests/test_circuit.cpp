@@ -106,13 +106,6 @@ TEST_CASE("circuit: a jump of the voltage does not jump the current") {
     }
 }
 
-TEST_CASE("circuit: the time constant L/R is 7 ms") {
-    Circuit circuit = test::equal_coils(kResistance, kInductance, 0.0);
-    const CurrentSegment step = circuit.advance(segment(0.0, 1.0, 10.0, 10.0));
-    CHECK(step.currents(0.007)[0] == doctest::Approx(1.0 - std::exp(-1.0)).epsilon(1e-14));
-    CHECK(step.currents(1.0)[0] == doctest::Approx(1.0).epsilon(1e-14));  // V / R
-}
-
 TEST_CASE("circuit: the first harmonic of a 100 Hz voltage reaches the current with gain 0.22") {
     constexpr double period = 0.01;
     constexpr double omega = 2.0 * std::numbers::pi / period;

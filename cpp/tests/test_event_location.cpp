@@ -7,6 +7,7 @@
 #include <initializer_list>
 #include <limits>
 #include <utility>
+#include <vector>
 
 #include "stickslip/solver/event_location.hpp"
 
@@ -79,188 +80,115 @@ void check_hit(const EventHit& hit, int index, double root, const Function& func
 
 }  // namespace
 
-TEST_CASE("events: no zero, no event") {
-    Step<1> step = single([](double s) { return 1.0 + s; });
-    CHECK_FALSE(step.find());
-    CHECK(step.evaluations == 0);  // nor any cost
-    Step<1> shallow = single(parabola(0.5, -0.2));
-    CHECK_FALSE(shallow.find());
-}
-
-TEST_CASE("events: a plain crossing, returned on its far side") {
-    for (const double root : {1e-6, 0.1, 0.5, 0.99, 1.0 - 1e-9}) {
-        CAPTURE(root);
-        const Function line = [=](double s) { return root - s; };
-        Step<1> step = single(line);
-        check_hit(step.find(), 0, root, line);
-    }
-}
-
-TEST_CASE("events: a dip inside a step") {
-    // Roots at bottom -+ sqrt(depth); from one that the stages see to one of a thousandth of a
-    // step.
-    for (const double bottom : {0.1, 0.24, 0.5, 0.62, 0.83, 0.93}) {
-        for (const double depth : {4e-3, 1e-3, 1e-4, 1e-6}) {
-            CAPTURE(bottom);
-            CAPTURE(depth);
-            const Function dip = parabola(bottom, depth);
-            Step<1> step = single(dip);
-            check_hit(step.find(), 0, bottom - std::sqrt(depth), dip);
-        }
-    }
-}
-
-TEST_CASE("events: a dip near either end of a step") {
-    for (const double bottom : {0.04, 0.08, 0.94, 0.96}) {
-        for (const double depth : {1e-3, 1e-4, 1e-6}) {
-            CAPTURE(bottom);
-            CAPTURE(depth);
-            const Function dip = parabola(bottom, depth);
-            Step<1> step = single(dip);
-            check_hit(step.find(), 0, bottom - std::sqrt(depth), dip);
-        }
-    }
-}
-
-TEST_CASE("events: a dip whose bottom lies half way between two probes of the search") {
+TEST_CASE("events: the first root where a function falls through zero") {
     // The golden section of [3/8, 5/8] probes at equal heights around this bottom.
     constexpr double golden = 0.3819660112501051;
-    const double bottom = 0.375 + 0.5 * (1.0 - golden) * 0.25;
-    const Function dip = parabola(bottom, 1e-4);
-    Step<1> step = single(dip);
-    check_hit(step.find(), 0, bottom - 1e-2, dip);
-}
-
-TEST_CASE("events: a grazing root") {
-    // Touching zero without crossing it is no event; an overshoot of 1e-9 is one.
-    const Function touching = parabola(0.56, 0.0);
-    Step<1> touches = single(touching);
-    const EventHit hit = touches.find();
-    if (hit) CHECK(touching(hit.s) <= 0.0);
-    const Function above = parabola(0.56, -1e-9);
-    Step<1> misses = single(above);
-    CHECK_FALSE(misses.find());
-    const Function below = parabola(0.56, 1e-9);
-    Step<1> crosses = single(below);
-    check_hit(crosses.find(), 0, 0.56 - std::sqrt(1e-9), below);
-}
-
-TEST_CASE("events: a triple root is found, at its flat") {
-    const Function cubic = [](double s) { return std::pow(0.4 - s, 3); };
-    Step<1> step = single(cubic);
-    check_hit(step.find(), 0, 0.4, cubic);
-}
-
-TEST_CASE("events: exactly at the end of a step") {
-    Step<1> step = single([](double s) { return 1.0 - s; });
-    const EventHit hit = step.find();
-    REQUIRE(hit);
-    CHECK(hit.s == 1.0);
-}
-
-TEST_CASE("events: a look inside the step that meets zero exactly is a root") {
+    const double between_probes = 0.375 + 0.5 * (1.0 - golden) * 0.25;
+    struct Case {
+        const char* name;
+        Function function;
+        double root;
+        bool armed = true;
+    };
+    std::vector<Case> cases = {
+        {"a dip with its bottom half way between two probes", parabola(between_probes, 1e-4),
+         between_probes - 1e-2},
+        {"a dip that overshoots by little", parabola(0.56, 1e-9), 0.56 - std::sqrt(1e-9)},
+        {"a triple root, at its flat", [](double s) { return std::pow(0.4 - s, 3); }, 0.4},
+        // Negative between two roots, at a stage (0.327).
+        {"falls, rises and falls again",
+         [](double s) { return -(s - 0.2) * (s - 0.45) * (s - 0.95); }, 0.2},
+        {"at the end of a step", [](double s) { return 1.0 - s; }, 1.0},
+        {"just before the end of a step", [](double s) { return (1.0 - 1e-14) - s; }, 1.0},
+        {"born on the surface, risen, and zero at the step's end",
+         [](double s) { return s * (1.0 - s); }, 1.0, false},
+        {"born on the surface, risen, and dips", [](double s) { return s * (s - 0.3) * (s - 0.6); },
+         0.3, false},
+    };
+    for (const double root : {1e-6, 0.1, 0.5, 0.99, 1.0 - 1e-9}) {
+        cases.push_back({"a plain crossing", [=](double s) { return root - s; }, root});
+    }
+    // From roots that the stages see to those of a thousandth of a step.
+    for (const double bottom : {0.04, 0.08, 0.1, 0.24, 0.5, 0.62, 0.83, 0.93, 0.94, 0.96}) {
+        for (const double depth : {4e-3, 1e-3, 1e-4, 1e-6}) {
+            if (depth > bottom * bottom || depth > (1.0 - bottom) * (1.0 - bottom)) continue;
+            cases.push_back({"a dip", parabola(bottom, depth), bottom - std::sqrt(depth)});
+        }
+    }
     // The looks of a function that does not simply fall are at the thirds of a step.
     for (const double root : {1.0 / 3.0, 2.0 / 3.0}) {
-        CAPTURE(root);
-        const Function flat = [=](double s) { return s < root ? 1.0 : s == root ? 0.0 : -1.0; };
-        Step<1> step = single(flat);
-        check_hit(step.find(), 0, root, flat);
+        cases.push_back({"a look that meets zero exactly",
+                         [=](double s) { return s < root    ? 1.0
+                                                : s == root ? 0.0
+                                                            : -1.0; }, root});
     }
-    // Those of a dip at the eighths, at any of which it may end.
+    for (const double root : {0.9, 0.5, 0.2, 0.03, 0.002, 5e-4}) {
+        cases.push_back({"born on the surface and dead within the step",
+                         [=](double s) { return s * (root - s); }, root, false});
+    }
+    for (const Case& each : cases) {
+        CAPTURE(each.name);
+        CAPTURE(each.root);
+        Step<1> step = single(each.function);
+        step.armed = {each.armed};
+        check_hit(step.find(), 0, each.root, each.function);
+    }
+}
+
+TEST_CASE("events: at the beginning of a step") {
+    const auto at_once = [](const Function& function, bool armed) {
+        Step<1> step = single(function);
+        step.armed = {armed};
+        const EventHit hit = step.find();
+        REQUIRE(hit);
+        CHECK(hit.s == 0.0);
+    };
+    // Armed, and on the far side already: forces that jump between two segments of voltage, or
+    // rounding about a new base.
+    for (const double start : {0.0, -1e-20, -1.0}) {
+        for (const double slope : {-1.0, 0.0, 3.0}) {
+            at_once([=](double s) { return start + slope * s; }, true);
+        }
+    }
+    // Born on the surface, and falling; also where it comes back within the step.
+    at_once([](double s) { return -s; }, false);
+    at_once([](double s) { return s * (s - 0.5); }, false);
+}
+
+TEST_CASE("events: none") {
+    struct Case {
+        const char* name;
+        Function function;
+        bool armed, armed_then;
+    };
+    const std::array<Case, 7> cases = {{
+        {"a dip above zero", parabola(0.5, -0.2), true, true},
+        {"a dip just above zero", parabola(0.56, -1e-9), true, true},
+        {"just after the end of a step", [](double s) { return (1.0 + 1e-14) - s; }, true, true},
+        {"born on the surface and rising", [](double s) { return s; }, false, true},
+        {"and below it by rounding", [](double s) { return s - 1e-18; }, false, true},
+        {"rising through zero", [](double s) { return s - 0.5; }, false, true},
+        {"born on the surface and staying on it", [](double) { return 0.0; }, false, false},
+    }};
+    for (const Case& each : cases) {
+        CAPTURE(each.name);
+        Step<1> step = single(each.function);
+        step.armed = {each.armed};
+        CHECK_FALSE(step.find());
+        CHECK(step.armed[0] == each.armed_then);
+    }
+    Step<1> rising = single([](double s) { return 1.0 + s; });
+    CHECK_FALSE(rising.find());
+    CHECK(rising.evaluations == 0);  // nor any cost
+}
+
+TEST_CASE("events: a dip that touches zero and stays there") {
+    // It may end at any of the looks, which are at the eighths.
     const Function dip = [](double s) { return std::abs(s - 0.5) < 0.3 ? 0.0 : 1.0; };
     Step<1> step = single([&](double s) { return s == 0.327 ? -1.0 : dip(s); });
     const EventHit hit = step.find();
     REQUIRE(hit);
     CHECK(dip(hit.s) == 0.0);
-}
-
-TEST_CASE("events: born on the surface, risen, and zero at the step's end") {
-    const Function arch = [](double s) { return s * (1.0 - s); };
-    Step<1> step = single(arch);
-    step.armed = {false};
-    check_hit(step.find(), 0, 1.0, arch);
-}
-
-TEST_CASE("events: armed, and on the far side already as the step begins") {
-    // Forces that jump between two segments of voltage, or rounding about a new base.
-    for (const double start : {0.0, -1e-20, -1.0}) {
-        CAPTURE(start);
-        for (const double slope : {-1.0, 0.0, 3.0}) {
-            Step<1> step = single([=](double s) { return start + slope * s; });
-            const EventHit hit = step.find();
-            REQUIRE(hit);
-            CHECK(hit.s == 0.0);
-        }
-    }
-}
-
-TEST_CASE("events: just before and just after the end of a step") {
-    const Function before = [](double s) { return (1.0 - 1e-14) - s; };
-    Step<1> step = single(before);
-    const EventHit hit = step.find();
-    REQUIRE(hit);
-    CHECK(hit.s >= 1.0 - 2.0 * kRootResolution);
-    CHECK(before(hit.s) <= 0.0);
-    Step<1> beyond = single([](double s) { return (1.0 + 1e-14) - s; });
-    CHECK_FALSE(beyond.find());
-}
-
-TEST_CASE("events: a phase born on its event surface") {
-    SUBCASE("and rising from it: no event, and armed from then on") {
-        Step<1> step = single([](double s) { return s; });
-        step.armed = {false};
-        CHECK_FALSE(step.find());
-        CHECK(step.armed[0]);
-    }
-    SUBCASE("rising, but below it by rounding") {
-        Step<1> step = single([](double s) { return s - 1e-18; });
-        step.armed = {false};
-        CHECK_FALSE(step.find());
-        CHECK(step.armed[0]);
-    }
-    SUBCASE("and falling: the event is there and then") {
-        Step<1> step = single([](double s) { return -s; });
-        step.armed = {false};
-        const EventHit hit = step.find();
-        REQUIRE(hit);
-        CHECK(hit.s == 0.0);
-    }
-    SUBCASE("and staying on it: no event, and not armed") {
-        Step<1> step = single([](double) { return 0.0; });
-        step.armed = {false};
-        CHECK_FALSE(step.find());
-        CHECK_FALSE(step.armed[0]);
-    }
-}
-
-TEST_CASE("events: born on the surface and dead within the first step") {
-    for (const double root : {0.9, 0.5, 0.2, 0.03, 0.002}) {
-        CAPTURE(root);
-        const Function arch = [=](double s) { return s * (root - s); };
-        Step<1> step = single(arch);
-        step.armed = {false};
-        check_hit(step.find(), 0, root, arch);
-    }
-    // However short.
-    const Function brief = [](double s) { return s * (5e-4 - s); };
-    Step<1> step = single(brief);
-    step.armed = {false};
-    check_hit(step.find(), 0, 5e-4, brief);
-}
-
-TEST_CASE("events: born on the surface, falls below it and comes back within the first step") {
-    Step<1> step = single([](double s) { return s * (s - 0.5); });
-    step.armed = {false};
-    const EventHit hit = step.find();
-    REQUIRE(hit);
-    CHECK(hit.s == 0.0);
-}
-
-TEST_CASE("events: born on the surface, risen, and dips within the first step") {
-    const Function wave = [](double s) { return s * (s - 0.3) * (s - 0.6); };
-    Step<1> step = single(wave);
-    step.armed = {false};
-    check_hit(step.find(), 0, 0.3, wave);
 }
 
 TEST_CASE("events: two functions of very different scale dip at once") {
@@ -286,20 +214,6 @@ TEST_CASE("events: of several in a step the first, whatever their order and kind
     check_hit(two.find(), 1, 0.45, crossing);
     Step<2> turned({crossing, late});
     check_hit(turned.find(), 0, 0.45, crossing);
-}
-
-TEST_CASE("events: a function that falls, rises and falls again is caught at its first root") {
-    // Seen at a stage (0.327) to be negative between.
-    const Function wave = [](double s) { return -(s - 0.2) * (s - 0.45) * (s - 0.95); };
-    Step<1> step = single(wave);
-    check_hit(step.find(), 0, 0.2, wave);
-}
-
-TEST_CASE("events: what rises through zero does not fire") {
-    Step<1> step = single([](double s) { return s - 0.5; });
-    step.armed = {false};
-    CHECK_FALSE(step.find());
-    CHECK(step.armed[0]);
 }
 
 TEST_CASE("find_root: returns the far side, at any shape, in few evaluations") {

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "lane_runs.hpp"
 #include "stickslip/contact/contact.hpp"
 #include "stickslip/contact/impact.hpp"
 #include "stickslip/readings/probe.hpp"
@@ -298,20 +297,5 @@ TEST_CASE(
         const RunResult with = simulate(scenario);
         CHECK(with.status == Status::ok);
         CHECK(with.final_body.x != without.final_body.x);
-    }
-}
-
-TEST_CASE("free shapes: a run in a pack has the bits that it has alone") {
-    std::vector<Scenario> scenarios(4, hopping());
-    for (const std::string& name : free_names()) {
-        Scenario scenario = hopping();
-        set_knots(scenario, name, {0.3, -0.3, 0.3, -0.3, 0.3});
-        scenarios.push_back(scenario);
-    }
-    const std::vector<RunResult> results =
-        test::simulate_in_lanes(lane_kernels(), scenarios.size(), scenarios);
-    for (std::size_t i = 0; i < scenarios.size(); ++i) {
-        CAPTURE(i);
-        check_same_bits(results[i], simulate(scenarios[i]));
     }
 }

@@ -77,21 +77,6 @@ TEST_CASE("flat robot, rear lands: the slip that is left, with the coefficients 
     CHECK(sliding.slip_velocity == doctest::Approx(omega * (mu_k * b - h) - 0.01).epsilon(1e-12));
 }
 
-TEST_CASE("face impact: an arriving corner rebounds, the old one stays") {
-    // With friction enough to stick at the old corner it all turns back about it: omega' = e omega.
-    Model model = paper_model();
-    model.friction = {5.0, 5.0};
-    model.restitution = 0.4;
-    const ImpactResult result = face_impact(model, rear_comes_down(500.0), Arrival::behind, false);
-    CHECK(result.touch == Touch::corner);
-    CHECK(result.body.quadrant == 0);
-    CHECK(result.body.angle == 0.0);
-    CHECK(result.slip_velocity == 0.0);
-    CHECK(result.body.omega == doctest::Approx(0.4 * 500.0).epsilon(1e-13));
-    CHECK(result.body.vz == result.body.omega * b);
-    CHECK(result.body.vx == result.body.omega * h);
-}
-
 TEST_CASE("rocking block: a tall one rolls over, and keeps 1 - 3/2 sin^2 alpha of its rate") {
     // Housner 1963: what is kept is the angular momentum about the new corner, J omega + m (H^2 -
     // B^2) omega before, with half base B and half height H of the standing block, and (J + m r^2)
@@ -132,38 +117,6 @@ TEST_CASE("rocking block: a block wider than sqrt(2) times its height does not r
         const ImpactResult result = face_impact(model, before, Arrival::behind, false);
         CHECK(result.touch == (ratio * ratio > 2.0 ? Touch::face : Touch::corner));
     }
-}
-
-TEST_CASE("flat landing: the fall ends, and the slip loses mu_k times its speed") {
-    Model model = paper_model();
-    BodyState before;
-    before.vz = -0.1;
-    for (const double vx : {-0.3, 0.3}) {
-        before.vx = vx;
-        const ImpactResult result = face_impact(model, before, Arrival::both, false);
-        CHECK(result.touch == Touch::face);
-        // The torque of friction, h T, is taken up by the two ends: mu_k h < b.
-        const double left = vx - std::copysign(0.145 * 0.1, vx);
-        CHECK(result.slip_velocity == doctest::Approx(left).epsilon(1e-13));
-        CHECK(result.body.vx == result.slip_velocity);
-        CHECK(result.body.vz == 0.0);
-        CHECK(result.body.omega == 0.0);
-    }
-    before.vx = 0.0144;  // less than 0.145 times 0.1
-    CHECK(face_impact(model, before, Arrival::both, false).slip_velocity == 0.0);
-}
-
-TEST_CASE("flat landing with restitution: leaves at e times the speed it came with") {
-    Model model = paper_model();
-    model.restitution = 0.5;
-    BodyState before;
-    before.vz = -0.1;
-    before.vx = 0.3;
-    const ImpactResult result = face_impact(model, before, Arrival::both, false);
-    CHECK(result.touch == Touch::none);
-    CHECK(result.body.vz == doctest::Approx(0.05).epsilon(1e-13));
-    CHECK(result.body.vx == doctest::Approx(0.3 - 0.145 * 0.15).epsilon(1e-13));
-    CHECK(std::abs(result.body.omega) < 1e-13 * 0.1 / b);
 }
 
 TEST_CASE("corner impact: a corner that sticks rebounds no faster than its energy allows") {

@@ -155,19 +155,13 @@ void check_error_control() {
 
 }  // namespace
 
-TEST_CASE("tsit5: fixed steps converge with order five, a corner that sticks") {
+TEST_CASE("tsit5: fixed steps converge with order five") {
     check_order_of_steps<Stick>();
-}
-
-TEST_CASE("tsit5: fixed steps converge with order five, flight") {
     check_order_of_steps<Flight>();
 }
 
-TEST_CASE("tsit5: dense output of order four, a corner that sticks") {
+TEST_CASE("tsit5: dense output of order four") {
     check_order_of_dense_output<Stick>();
-}
-
-TEST_CASE("tsit5: dense output of order four, flight") {
     check_order_of_dense_output<Flight>();
 }
 

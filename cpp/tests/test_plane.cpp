@@ -1,15 +1,10 @@
 #include <doctest/doctest.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <string>
-#include <vector>
 
 #include "plane_scenarios.hpp"
-#include "stickslip/batch/rollout.hpp"
-#include "stickslip/batch/simulator.hpp"
 #include "stickslip/contact/impact.hpp"
 #include "stickslip/run/assembly.hpp"
 #include "stickslip/run/simulation.hpp"
@@ -200,45 +195,6 @@ TEST_CASE("plane: an impact with a velocity across keeps the laws of impacts") {
     }
     CHECK(slides > 300);
     CHECK(sticks > 30);
-}
-
-TEST_CASE("plane: runs that are stepped have the same bits alone, in a batch and from a snapshot") {
-    Scenario scenario;
-    scenario.whole_plane = true;
-    constexpr double kStep = 5e-3;
-    const auto voltages = [](int step) {
-        const double angle = step < 4 ? 0.0 : 0.1 * (step - 3);
-        // Stronger than the scenario's drive, which says how accurate the steps are.
-        return PerCoil{40.0 * std::cos(angle), 0.0, 40.0 * std::sin(angle), 0.0,
-                       step % 2 == 0 ? -30.0 : -9.0};
-    };
-    Simulator one(scenario);
-    SimulatorBatch batch({scenario, scenario});
-    std::vector<std::string> snapshots;
-    std::vector<SimulationState> states;
-    for (int step = 0; step < 12; ++step) {
-        const PerCoil row = voltages(step);
-        snapshots.push_back(one.snapshot().to_bytes());
-        one.step(row, kStep, false);
-        REQUIRE(one.status() == Status::ok);
-        states.push_back(one.state());
-        std::array<double, 2 * kCoilCount> rows = {};
-        std::copy(row.begin(), row.end(), rows.begin() + kCoilCount);
-        batch.step(rows.data(), kStep, false, 1, [] {});
-        const StateRow expected = row_of(states.back()), found = batch.state(1);
-        for (std::size_t k = 0; k < found.size(); ++k) CHECK(found[k] == expected[k]);
-    }
-    CHECK(states.back().heading == doctest::Approx(0.8).epsilon(0.2));
-    CHECK(std::abs(states.back().y) > 1e-6);
-    for (const std::size_t from : {2U, 7U}) {
-        Simulator again(scenario);
-        again.restore(RunSnapshot::from_bytes(snapshots[from]));
-        for (std::size_t step = from; step < states.size(); ++step) {
-            again.step(voltages(static_cast<int>(step)), kStep, false);
-            const StateRow expected = row_of(states[step]), found = row_of(again.state());
-            for (std::size_t k = 0; k < found.size(); ++k) CHECK(found[k] == expected[k]);
-        }
-    }
 }
 
 TEST_CASE("plane: the summary counts slips along the robot's front") {

@@ -180,20 +180,6 @@ TEST_CASE("simulator: a coil that the drive does not use may be stepped") {
     check_bits(simulator.state(), reached);
 }
 
-TEST_CASE("simulator: what is refused") {
-    const Scenario scenario;
-    Scenario other = scenario;
-    other.contact.adhesion *= 1.5;
-    const RunSnapshot snapshot = Simulator(scenario).snapshot();
-    CHECK_THROWS_AS(Simulator(other).restore(snapshot), std::invalid_argument);
-    std::string bytes = snapshot.to_bytes();
-    CHECK_THROWS_AS(RunSnapshot::from_bytes("stickslip"), std::invalid_argument);
-    CHECK_THROWS_AS(RunSnapshot::from_bytes(bytes.substr(0, bytes.size() - 1)),
-                    std::invalid_argument);
-    bytes[8] = 99;  // the version
-    CHECK_THROWS_AS(RunSnapshot::from_bytes(bytes), std::invalid_argument);
-}
-
 TEST_CASE("initial state: what is not given is at rest on the lowest corner") {
     Scenario s;
     s.initial.theta = 0.3;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -39,16 +38,6 @@ private:
 UserEffect described(const std::string& name, std::vector<UserParameter> parameters) {
     return {name, "", "", std::move(parameters),
             [](const double*, const double*, double*) noexcept {}};
-}
-
-std::string refusal(const UserEffect& effect) {
-    try {
-        register_user_effect(effect);
-    } catch (const std::invalid_argument& error) {
-        return error.what();
-    }
-    unregister_user_effect(effect.name);
-    return "";
 }
 
 Scenario pulses() {
@@ -131,38 +120,6 @@ TEST_CASE("user effect: a scenario takes the one that is registered now") {
     CHECK_THROWS_WITH_AS(renew_user_effects(scenario),
                          "effects.own.rate: there is no such key; an effect of your own has to be "
                          "registered in this process too",
-                         std::invalid_argument);
-}
-
-TEST_CASE("user effect: what is refused") {
-    const UserParameter good{"k", "-", 0.0, 1.0, 0.0, ""};
-    CHECK(refusal(described("fine", {good})).empty());
-    CHECK(refusal(described("surface_tilt", {good})) ==
-          "effect surface_tilt: the model has one of this name itself");
-    for (const char* name : {"", "a b", "2nd", "a.b", "\xC3\xA4"}) {
-        CHECK(refusal(described(name, {good})).find("allowed is a word") != std::string::npos);
-    }
-    CHECK(refusal(described("fine", {})).find("needs a parameter") != std::string::npos);
-    CHECK(refusal(described("fine", {good, good})) ==
-          "effect fine, parameter \"k\": is given twice");
-    const auto with_range = [&](double low, double high, double absent) {
-        return refusal(described("fine", {{"k", "-", low, high, absent, ""}}));
-    };
-    CHECK(with_range(1.0, 1.0, 1.0).find("finite ends") != std::string::npos);
-    CHECK(with_range(0.0, std::numeric_limits<double>::infinity(), 0.0).find("finite ends") !=
-          std::string::npos);
-    CHECK(with_range(kNan, 1.0, 0.0).find("finite ends") != std::string::npos);
-    CHECK(with_range(0.0, 1.0, 2.0).find("outside its range") != std::string::npos);
-    CHECK(with_range(0.0, 1.0, kNan).find("outside its range") != std::string::npos);
-    UserEffect empty = described("fine", {good});
-    empty.function = nullptr;
-    CHECK(refusal(empty) == "effect fine: needs a function");
-
-    const Registered first([](const double*, const double*, double*) {});
-    register_user_effect(described("own", {good}));  // takes the place of the first
-    CHECK(find_user_key("effects.own.k"));
-    CHECK(!find_user_key("effects.own.strength"));
-    CHECK_THROWS_WITH_AS(unregister_user_effect("other"), "effect other: is not registered",
                          std::invalid_argument);
 }
 
@@ -311,33 +268,4 @@ TEST_CASE("user effect: rest under one can be stopped") {
     RunControl control;
     const auto poll = [] { throw std::runtime_error("stop"); };
     CHECK_THROWS_WITH_AS(simulate_batch({scenario}, 1, control, poll), "stop", std::runtime_error);
-}
-
-TEST_CASE("user effect: a sweep over its parameter, alike on any number of threads") {
-    const Registered effect([](const double* state, const double* values, double* wrench) {
-        wrench[0] = -values[0] * 1e-5 * state[4];
-    });
-    std::vector<double> values;
-    for (int i = 0; i < 10; ++i) values.push_back(0.1 * i);
-    std::optional<std::vector<SweepPoint>> first;
-    for (const int threads : {1, 2, 5}) {
-        RunControl control;
-        const std::vector<SweepPoint> points =
-            sweep(pulses(), {"effects.own.strength"}, values, threads, control, [] {});
-        if (!first) first = points;
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            REQUIRE(points[i].status == Status::ok);
-            CHECK(points[i].summary.mean_velocity == (*first)[i].summary.mean_velocity);
-        }
-    }
-    CHECK((*first)[0].summary.mean_velocity == simulate(pulses()).summary.mean_velocity);
-    CHECK((*first)[9].summary.mean_velocity != (*first)[0].summary.mean_velocity);
-    RunControl control;
-    const auto point = sweep(pulses(), {"effects.own.strength"}, {11.0}, 1, control, [] {});
-    CHECK(point[0].refused);
-    CHECK_THROWS_WITH_AS(
-        sweep(pulses(), {"effects.other.k"}, {1.0}, 1, control, [] {}),
-        "effects.other.k: there is no such key; an effect of your own has to be registered in this "
-        "process too",
-        std::invalid_argument);
 }

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 from docutils import nodes
 from myst_parser.parsers.sphinx_ import MystParser
 from sphinx.application import Sphinx
 
-from notebook_cells import parsed, text
+from notebook_cells import text
 
 _FENCE = "`" * 7  # longer than any in a cell
 
@@ -38,7 +39,7 @@ class NotebookParser(MystParser):
 
     def parse(self, inputstring: str, document: nodes.document) -> None:
         parts = []
-        for cell in parsed(inputstring)["cells"]:
+        for cell in json.loads(inputstring)["cells"]:
             code = cell["cell_type"] == "code"
             parts.append(_block("python", text(cell)) if code else text(cell))
             parts += map(_output, cell.get("outputs", []))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from made_velocities import drives, measurement, trials
-from stickslip import Scenario, ScenarioError, diagnose
+from stickslip import Scenario, diagnose
 from stickslip.diagnosis.measured import pose
 from stickslip.diagnosis.terms.library import library
 
@@ -80,27 +80,3 @@ def test_the_stated_model_is_at_the_middle_of_the_coordinates(table):
     limit = float(posed.physical(x)[0, column])
     assert limited == pytest.approx(np.clip(made, -limit, limit), rel=1e-9)
     assert np.abs(limited - made).max() > 0.0
-
-
-@pytest.mark.parametrize(
-    ("given", "options", "error", "said"),
-    [
-        ("m.toml", {}, ScenarioError, "^measurement = [^\\n]*: allowed is a Measureme[^\\n]*$"),
-        (None, {}, ScenarioError, "measurement = .*: allowed is a Measureme"),
-        (np.zeros(3), {}, ScenarioError, "measurement = .*: allowed is a Measureme"),
-        (..., {"seed": -1}, ScenarioError, "seed = -1: allowed is a whole number from 0"),
-        (..., {"seed": 0.5}, ScenarioError, "seed = 0.5: allowed is a whole number from 0"),
-        (..., {"threads": 0}, ValueError, "threads"),
-        (..., {"threads": 1.5}, ValueError, "threads"),
-    ],
-)
-def test_what_is_not_allowed_is_refused(table, given, options, error, said):
-    with pytest.raises(error, match=said):
-        diagnose(measurement(table) if given is ... else given, **options)
-
-
-def test_a_drive_that_turns_the_robot_is_refused(table):
-    with pytest.raises(
-        ScenarioError, match=r"^[^\n]*drive\.heading = 0.5[^\n]*walk along x[^\n]*$"
-    ):
-        pose(measurement(table.assign(heading=0.5)))

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 from scipy.stats import multivariate_normal
 
-from stickslip import Scenario, ScenarioError
+from stickslip import Scenario
 from stickslip.diagnosis.decision import experiments as design
 
 PAIR = [(0, 1)]
@@ -216,22 +216,3 @@ def test_drives_are_read_as_a_person_writes_them():
     expected = [{"drive.frequency": 40, "drive.mode": "IPP", "drive.direction": "+x"}]
     for given in (written, written.set_index("frequency")):
         assert design.drive_settings(given, Scenario()) == expected
-
-
-@pytest.mark.parametrize(
-    ("bad", "said"),
-    [
-        ([{"frequencies": 40.0}], 'row 0: .*did you mean "drive.frequency"'),
-        ([{"robot.length": 1e-3}], "row 0: drive.robot.length"),
-        ([{"frequency": 40.0}, {"frequency": -1.0}], "row 1: drive.frequency = -1.0: allowed is"),
-        ([{"frequency": None}], "row 0: drive.frequency = None: allowed is"),
-        *((bad, "allowed is a DataFrame or a list of dicts")
-          for bad in ({"frequency": 40.0}, "frequency", None, [40.0])),
-        ([], "there is no row"),
-        (pd.DataFrame({"frequency": []}), "there is no row"),
-        (pd.DataFrame({"frequency": [np.nan]}, index=["a"]), "row a: drive.frequency = nan"),
-    ],
-)  # fmt: skip
-def test_what_is_no_drive_is_refused_in_one_line(bad, said):
-    with pytest.raises(ScenarioError, match=f"^[^\\n]*{said}[^\\n]*$"):
-        design.drive_settings(bad, Scenario())

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 import made_findings as made
+from stickslip import diagnose_model
 from stickslip.diagnosis.decision.limits import upper_limits
 from stickslip.diagnosis.decision.posterior import discrepancy
-from stickslip.errors import ScenarioError
-
-TRUTH = (1.1, 1.9, made.BUMP, 0.0, 0.0)
+from toys import LEVEL, SLOPE, WAVE, data, line
 
 
 def columns(x, count):
@@ -18,26 +17,10 @@ def columns(x, count):
     return np.stack([made.predict(x, row[None])[0] for row in np.eye(5)[:count]], axis=1)
 
 
-@pytest.fixture(scope="module")
-def named():
-    return made.toy(TRUTH)
-
-
-@pytest.fixture(scope="module")
-def none():
-    return made.toy((1.1, 1.9, 0.0, 0.0, 0.0))
-
-
-@pytest.fixture(scope="module")
-def rough():
-    """With scatter that is no cause."""
-    return made.toy(TRUTH, error=0.12)
-
-
 def test_parameters_and_errors_are_those_of_linear_least_squares(named, none):
     table = named.params
     assert list(table.index) == ["level", "slope", "bump.height"]
-    assert np.all(np.abs(table["value"] - np.array(TRUTH[:3])) < 3.0 * table["sd"])
+    assert np.all(np.abs(table["value"] - np.array(made.TRUTH[:3])) < 3.0 * table["sd"])
     assert np.allclose(np.diag(named.covariance), table["sd"] ** 2)
     # The prior of the bump is wide beside what the data tell; those of the constants count.
     design = columns(named.problem.tables[0]["x"], 3) / made.SD
@@ -54,22 +37,6 @@ def test_parameters_and_errors_are_those_of_linear_least_squares(named, none):
     json.dumps(named.as_dict())
     assert "bump" in repr(named)
     assert "\n" not in repr(named)
-
-
-@pytest.mark.parametrize(
-    ("ask", "said"),
-    [
-        *((lambda result, level=level: result.conf_int(level), "level")
-          for level in (0.0, 1.0, "0.9", True)),
-        (lambda result: result.candidate("bmup"), 'did you mean "bump"'),
-        (lambda result: result.propose_experiments(), "separate"),
-        (lambda result: made.refused(result).predict([0.5]), "no diagnosis"),
-        (lambda result: made.refused(result).candidate("none"), "no diagnosis"),
-    ],
-)  # fmt: skip
-def test_what_a_result_does_not_have_is_refused(named, ask, said):
-    with pytest.raises(ScenarioError, match=f"^[^\\n]*{said}[^\\n]*$"):
-        ask(named)
 
 
 def test_every_model_that_was_fitted_is_a_candidate(named, none, rough):
@@ -146,9 +113,19 @@ def test_upper_limits_are_those_of_linear_least_squares(none):
         assert np.isclose(limits[name], either + 1.96 * sd, rtol=0.02)
 
 
-def test_refused_data_teach_nothing(named):
-    refused = made.refused(named)
-    assert [len(each) for each in (refused.params, refused.compare(), refused.conf_int())] == [
-        0
-    ] * 3
+@pytest.mark.parametrize("extra", [0.0, 2.0], ids=["none", "unexplained"])
+def test_candidates_are_there_after_verdicts_that_claim_none(extra):
+    jumps = extra * np.random.default_rng(3).standard_normal(30)
+    result = diagnose_model(line, data(jumps), [SLOPE, LEVEL], [WAVE])
+    assert result.verdict.kind == ("unexplained" if extra else "none")
+    assert result.best.name == "none"
+    assert np.isfinite(result.candidate("wave").params["value"]).all()
+
+
+def test_data_that_cannot_be_judged_teach_nothing():
+    refused = diagnose_model(line, data(n=3), [SLOPE, LEVEL], [WAVE])
+    assert refused.verdict.kind == "data-problem"
+    assert [reason.code for reason in refused.verdict.reasons] == ["too-few-conditions"]
+    for table in (refused.params, refused.compare(), refused.conf_int(), refused.covariance):
+        assert len(table) == 0
     assert refused.extended == {}

@@ -9,7 +9,6 @@ from stickslip import (
     Cause,
     Parameter,
     Prior,
-    ScenarioError,
     Series,
     Table,
     diagnose_model,
@@ -178,44 +177,6 @@ def test_vectors_that_differ_in_another_record_alone_share_a_prediction():
     problem.residuals(x)
     # As stated, and moved by the rate, its own start and the drag.
     assert asked == [("a", 4), ("b", 4), ("c", 4)]
-
-
-T3, Y3 = [0.0, 1.0, 2.0], [1.0, 2.0, 3.0]
-
-
-@pytest.mark.parametrize(
-    ("make", "words"),
-    [
-        (
-            lambda: Series([0, 1, 1], Y3, name="a"),
-            "series a: t: row 2: 1: allowed is a time after 1",
-        ),
-        (lambda: Series(T3, [1, 2]), "series: y: 2 values; allowed are 3, one for each time"),
-        (lambda: Series(T3, [1, np.nan, 2]), "series: y: row 1: nan: allowed is a finite number"),
-        (
-            lambda: Series(T3, Y3, {"u": [1, 2, np.inf]}),
-            "inputs u: row 2: inf: allowed is",
-        ),
-        (lambda: Series(T3, Y3, [1, 2, 3]), "inputs = .*: allowed are rows by name"),
-        (lambda: Series(T3, Y3, sd=-1.0), "series: sd = -1.0: allowed is a number above 0"),
-        (lambda: with_repeats([Series(T3, Y3, name="a", repeat_of="b")]), "repeat_of = b: allowed"),
-        (
-            lambda: with_repeats(
-                [Series(T3, Y3, name="a"), Series([0, 1, 3], Y3, name="b", repeat_of="a")]
-            ),
-            "series b: repeat_of = a: row 2: t = 3: allowed is the same time, 2",
-        ),
-        (
-            lambda: pose_own(tank, made(30), [RATE, START], [instruments.lag(1.0, input="v")]),
-            "cause lag: input = v: allowed is an input: u",
-        ),
-        (lambda: events.step(0.1, 3.0, 2.0), "begin = 3.0, end = 2.0: allowed is begin < end"),
-    ],
-)
-def test_what_is_not_allowed_is_refused_with_its_record_and_row(make, words):
-    with pytest.raises(ScenarioError, match=words) as caught:
-        make()
-    assert "\n" not in str(caught.value)
 
 
 def test_a_correlated_discrepancy_and_its_kept_rows_beside_dense_matrices():

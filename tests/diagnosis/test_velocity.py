@@ -9,7 +9,7 @@ import pytest
 from made_velocities import FRICTION, SCENARIO, drives, measurement, trials, velocities
 from stickslip import simulate_batch
 from stickslip.diagnosis import Prior
-from stickslip.diagnosis.data.velocity import TOLERANCES, VelocityTable, in_words, varied
+from stickslip.diagnosis.data.velocity import TOLERANCES, VelocityTable
 
 NAMES = ["contact.kinetic_friction", "velocity_offset.shift"]
 
@@ -124,13 +124,6 @@ def test_places_are_the_settings_that_vary():
     assert opp.tolist() == [each["drive.mode"] == "OPP" for each in found.conditions]
     assert back.tolist() == [each["drive.direction"] == "-x" for each in found.conditions]
     assert found.group.tolist() == list(range(16))
-
-
-def test_settings_are_named_in_the_units_of_a_laboratory(found):
-    keys = varied(found.conditions)
-    assert keys == ["drive.direction", "drive.frequency"]
-    said = in_words(found.conditions[5], [*keys, "drive.base"])
-    assert said == "direction -x, frequency 40 Hz, base 0.5 mT"
 
 
 def _errors(conditions, **changes):

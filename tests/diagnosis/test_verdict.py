@@ -9,7 +9,7 @@ from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.posterior import posterior
 from stickslip.diagnosis.steps import run
 from stickslip.diagnosis.terms.parameter import Parameter
-from toys import BEND, LEVEL, STEP, TWIN, WAVE, data, problem, shapes
+from toys import BEND, STEP, TWIN, WAVE, data, problem, shapes
 
 X = np.linspace(1.0, 3.0, 30)
 ALONE = (WAVE, STEP, BEND)
@@ -93,17 +93,6 @@ def test_shuffled_readings_have_no_name():
     table = data(extra(wave=0.6))
     order = np.random.default_rng(3).permutation(30)
     assert found(Table({"x": X}, table.y[order], sd=0.1)).verdict.kind not in ("named", "pair")
-
-
-@pytest.mark.parametrize("stated", [0.75, 0.5])
-def test_a_constant_that_is_stated_far_off_leads(stated):
-    # 30 and 55 standard deviations off.
-    slope = Parameter("slope", Prior("normal", stated, 0.01))
-    result = run(problem(data(), ALONE, (slope, LEVEL)), 0)
-    assert result.verdict.leader.name == "slope"
-    assert "slope" in result.verdict.causes
-    value = stated + 0.01 * float(result.verdict.leader.x[0])
-    assert value == pytest.approx(1.05, abs=0.1)
 
 
 def test_what_is_left_beside_a_dominant_cause_must_not_follow_the_settings():

@@ -21,9 +21,9 @@ import platform
 import re
 import sys
 import zlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 sys.path.append(str(Path(__file__).parents[1]))
 
@@ -38,7 +38,12 @@ NUMBERS = (
     *("current_max", "voltage_max", "power_mean", "simulated_time"),
 )
 FINAL = ("x", "y", "z", "theta", "heading", "vx", "omega", "current_xp", "current_clamp")
-FIELDS = (*NUMBERS, *(f"final_{name}" for name in FINAL), *_core.events, "accepted_steps")
+# Counts are of the solver, not of the motion.
+COUNTS = (*_core.events, "accepted_steps")
+FIELDS = (*NUMBERS, *(f"final_{name}" for name in FINAL), *COUNTS)
+# Below these a number is the rest of larger ones: a velocity beside 2 mm/s, an angle beside 1.
+FLOOR, FLOOR_OF_ANGLES = 1e-6, 1.0
+ANGLES = ("theta", "final_theta", "final_heading")
 
 ELSEWHERE = 1e-9  # relative, between kinds of machine
 # Of the mass, to see how a run answers to rounding; a step's rounding is some 1e-16.
@@ -50,7 +55,7 @@ class Frozen(NamedTuple):
 
     status: str
     numbers: Mapping[str, float]
-    spread: float  # relative; infinite where the end itself is another
+    spread: float = 0.0  # relative; infinite where the end itself is another
 
 
 def of_run(run: Run) -> Frozen:
@@ -63,12 +68,14 @@ def of_run(run: Run) -> Frozen:
         *(events.get(name, 0) for name in _core.events),
         summary["steps"]["accepted"],
     )
-    return Frozen(run.status, dict(zip(FIELDS, map(float, values), strict=True)), 0.0)
+    return Frozen(run.status, dict(zip(FIELDS, map(float, values), strict=True)))
 
 
-def simulated(chosen: Mapping[str, Scenario], threads: int | None = None) -> dict[str, Frozen]:
-    """Runs by name, in one batch, so that they share packs."""
-    runs = simulate_batch(chosen.values(), threads)
+def simulated(chosen: Mapping[str, Scenario], factor: float = 1.0) -> dict[str, Frozen]:
+    """Runs by name, in one batch, so that they share packs. factor: of the robot's mass."""
+    runs = simulate_batch(
+        [each.replace({"robot.mass": factor * each.robot.mass}) for each in chosen.values()]
+    )
     return {name: of_run(run) for name, run in zip(chosen, runs, strict=True)}
 
 
@@ -76,24 +83,13 @@ def with_spread(chosen: Mapping[str, Scenario]) -> dict[str, Frozen]:
     """The same with their answers to rounding."""
     result = simulated(chosen)
     for factor in NUDGES:
-        nudged = {
-            name: each.replace({"robot.mass": factor * each.robot.mass})
-            for name, each in chosen.items()
-        }
-        for name, other in simulated(nudged).items():
+        for name, other in simulated(chosen, factor).items():
             own = result[name]
-            apart = math.inf if own.status != other.status else largest_difference(own, other)
-            result[name] = own._replace(spread=max(own.spread, apart))
+            apart = differences(own, other)
+            of_motion = [size for field, size in apart.items() if field not in COUNTS]
+            most = max(of_motion, default=0.0) if own.status == other.status else math.inf
+            result[name] = own._replace(spread=max(own.spread, most))
     return result
-
-
-# Below these a number is the rest of larger ones: a velocity beside 2 mm/s, an angle beside 1.
-FLOORS = {
-    name: 1.0 if name.startswith(("theta", "final_theta", "final_heading")) else 1e-6
-    for name in FIELDS
-}
-# Counts of steps and events are of the solver, not of the motion.
-COUNTS = (*_core.events, "accepted_steps")
 
 
 def differences(found: Frozen, expected: Frozen) -> dict[str, float]:
@@ -106,15 +102,39 @@ def differences(found: Frozen, expected: Frozen) -> dict[str, float]:
         value, other = found.numbers[name], expected.numbers[name]
         if value == other or (math.isnan(value) and math.isnan(other)):
             continue
-        size = max(abs(value), abs(other), FLOORS[name])
+        floor = FLOOR_OF_ANGLES if name.startswith(ANGLES) else FLOOR
+        size = max(abs(value), abs(other), floor)
         result[name] = abs(value - other) / size if math.isfinite(value - other) else math.inf
     return result
 
 
-def largest_difference(found: Frozen, expected: Frozen) -> float:
-    """Of the motion."""
-    apart = differences(found, expected)
-    return max((size for name, size in apart.items() if name not in COUNTS), default=0.0)
+def changes(
+    found: Mapping[str, Frozen], expected: Mapping[str, Frozen], to_the_bit: bool
+) -> Iterator[str]:
+    """What changed, a line each, of the runs in `found`."""
+    for name, run in found.items():
+        other = expected.get(name)
+        if other is None:
+            yield f"{name}: is new"
+            continue
+        limit = 0.0 if to_the_bit else ELSEWHERE + 10.0 * other.spread
+        if math.isinf(limit):
+            continue
+        if run.status != other.status:
+            yield f"{name}: {run.status} instead of {other.status}"
+            continue
+        apart = {
+            field: size
+            for field, size in differences(run, other).items()
+            if size > limit and (to_the_bit or field not in COUNTS)
+        }
+        if apart:
+            worst = max(apart, key=lambda field: apart[field])
+            yield (
+                f"{name}: {len(apart)} numbers, most {worst} by {apart[worst]:.1e} of itself, "
+                f"mean_velocity by {apart.get('mean_velocity', 0.0):.1e} "
+                f"(rounding: {other.spread:.1e})"
+            )
 
 
 def machine() -> dict[str, str]:
@@ -138,14 +158,14 @@ def machine() -> dict[str, str]:
     }
 
 
-def write(runs: Mapping[str, Frozen], path: Path = FILE) -> None:
+def write(runs: Mapping[str, Frozen]) -> None:
     """A line a run, so that a comparison of two files shows which changed."""
     lines = [json.dumps({"machine": machine(), "fields": FIELDS})]
     for name, run in runs.items():
-        numbers = [_text(value) for value in run.numbers.values()]
+        numbers = " ".join(map(_text, run.numbers.values()))
         # Two digits: it is a size, and not to change the line without need.
-        lines.append(json.dumps([name, run.status, float(f"{run.spread:.1e}"), " ".join(numbers)]))
-    path.write_text("\n".join(lines) + "\n")
+        lines.append(json.dumps([name, run.status, float(f"{run.spread:.1e}"), numbers]))
+    FILE.write_text("\n".join(lines) + "\n")
 
 
 def _text(value: float) -> str:
@@ -153,69 +173,35 @@ def _text(value: float) -> str:
     return str(int(value)) if is_whole else value.hex()
 
 
-def read(path: Path = FILE) -> tuple[dict[str, str], dict[str, Frozen]]:
+def read() -> tuple[dict[str, str], dict[str, Frozen]]:
     """On which machine, and the runs by name."""
-    head, *lines = path.read_text().splitlines()
-    header: dict[str, Any] = json.loads(head)
+    header, *lines = map(json.loads, FILE.read_text().splitlines())
     runs = {}
-    for name, status, spread, numbers in map(json.loads, lines):
+    for name, status, spread, numbers in lines:
         values = [float.fromhex(each) if "x" in each else float(each) for each in numbers.split()]
-        by_field = dict(zip(header["fields"], values, strict=True))
-        runs[name] = Frozen(status, by_field, float(spread))
+        runs[name] = Frozen(status, dict(zip(header["fields"], values, strict=True)), float(spread))
     return header["machine"], runs
-
-
-def changes(
-    found: Mapping[str, Frozen], expected: Mapping[str, Frozen], to_the_bit: bool
-) -> list[str]:
-    """What changed, a line each, of the runs in `found`."""
-    return [line for name in found for line in _change(name, found[name], expected, to_the_bit)]
-
-
-def _change(
-    name: str, run: Frozen, expected: Mapping[str, Frozen], to_the_bit: bool
-) -> Iterable[str]:
-    if name not in expected:
-        yield f"{name}: is new"
-        return
-    other = expected[name]
-    if not to_the_bit and math.isinf(other.spread):
-        return
-    if run.status != other.status:
-        yield f"{name}: {run.status} instead of {other.status}"
-        return
-    apart = differences(run, other)
-    if not to_the_bit:
-        limit = ELSEWHERE + 10.0 * other.spread
-        apart = {n: size for n, size in apart.items() if n not in COUNTS and size > limit}
-    if apart:
-        worst = max(apart, key=lambda field: apart[field])
-        yield (
-            f"{name}: {len(apart)} numbers, most {worst} by {apart[worst]:.1e} of itself, "
-            f"mean_velocity by {apart.get('mean_velocity', 0.0):.1e} (rounding: {other.spread:.1e})"
-        )
 
 
 def main() -> int:
     """See the top of the file; 1 where a check finds a difference."""
     parser = argparse.ArgumentParser(description="Make the frozen runs again, or compare them.")
     parser.add_argument("--check", action="store_true", help="compare, and write nothing")
-    arguments = parser.parse_args()
+    check = parser.parse_args().check
     register_own_effect()
     chosen = scenarios()
     made_on, expected = read() if FILE.exists() else (machine(), {})
     same_machine = made_on == machine()
-    runs = simulated(chosen) if arguments.check else with_spread(chosen)
-    lines = changes(runs, expected, to_the_bit=same_machine or not arguments.check)
+    runs = simulated(chosen) if check else with_spread(chosen)
+    lines = [*changes(runs, expected, to_the_bit=same_machine or not check)]
     lines += [f"{name}: is gone" for name in expected if name not in runs]
     print("\n".join(lines) or "nothing changed")
     if not same_machine:
         print(f"the file is of another kind of machine: {made_on}, this one is {machine()}")
-    if arguments.check:
-        return 1 if lines else 0
-    write(runs)
-    print(f"{len(runs)} runs in {FILE}")
-    return 0
+    if not check:
+        write(runs)
+        print(f"{len(runs)} runs in {FILE}")
+    return 1 if check and lines else 0
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ fields of a map that are rounded far above the last bit.
 from __future__ import annotations
 
 import functools
+import itertools
 import zlib
 from collections.abc import Callable
 from typing import Any
@@ -28,17 +29,6 @@ from stickslip import (
 
 Keys = dict[str, Any]
 
-# With two for each effect, in one plane and in the whole, they are three hundred.
-COUNTS = {
-    "pack": 42,
-    "program": 30,
-    "map": 20,
-    "start": 12,
-    "own": 10,
-    "long": 6,
-    "failure": 12,
-    "mixed": 92,
-}
 OWN_NAME = "frozen_wrench"
 
 
@@ -238,12 +228,8 @@ def _failure(draw: Draw) -> Scenario:
         # Its force is infinite as soon as the robot moves.
         keys |= {f"effects.{OWN_NAME}.drag": 1e308, "drive.pulses": 4}
     else:
-        keys |= {
-            "contact.adhesion": 0.0,
-            "contact.restitution": 1.0,
-            "drag.linear": 0.0,
-            "drag.rotational": 0.0,
-        }
+        keys |= {"contact.adhesion": 0.0, "contact.restitution": 1.0}
+        keys |= {"drag.linear": 0.0, "drag.rotational": 0.0}
     return Scenario().replace(keys)
 
 
@@ -252,15 +238,16 @@ def _mixed(draw: Draw) -> Scenario:
     return Scenario().replace({**keys, **(_across(draw) if draw.chance(0.4) else {})})
 
 
-_KINDS: dict[str, Callable[[Draw], Scenario]] = {
-    "pack": _pack,
-    "program": _program,
-    "map": _of_map,
-    "start": _start,
-    "own": _own,
-    "long": _long,
-    "failure": _failure,
-    "mixed": _mixed,
+# With two for each effect, in one plane and in the whole, they are three hundred.
+_KINDS: dict[str, tuple[Callable[[Draw], Scenario], int]] = {
+    "pack": (_pack, 42),
+    "program": (_program, 30),
+    "map": (_of_map, 20),
+    "start": (_start, 12),
+    "own": (_own, 10),
+    "long": (_long, 6),
+    "failure": (_failure, 12),
+    "mixed": (_mixed, 92),
 }
 
 
@@ -286,17 +273,12 @@ def register_own_effect() -> None:
 def scenarios() -> dict[str, Scenario]:
     """All by name. The effect of one's own has to be registered."""
     result = {}
-    for row in effect_table.rows():
-        if row in effect_table.OWN:
-            continue
-        for across in (False, True):
-            if row in effect_table.ACROSS and not across:
-                continue
+    for row, across in itertools.product(effect_table.rows(), (False, True)):
+        if row not in effect_table.OWN and (across or row not in effect_table.ACROSS):
             name = f"effect/{row}{'/whole plane' if across else ''}"
             make = functools.partial(_effect, name=row, across=across)
             result[name] = _made(name, make)
-    for kind, count in COUNTS.items():
+    for kind, (make, count) in _KINDS.items():
         for number in range(count):
-            name = f"{kind}/{number}"
-            result[name] = _made(name, _KINDS[kind])
+            result[f"{kind}/{number}"] = _made(f"{kind}/{number}", make)
     return result

@@ -42,30 +42,25 @@ class Browser:
         if self._session:
             message["sessionId"] = self._session
         os.write(self._to, json.dumps(message).encode() + b"\0")
+        end = time.monotonic() + ANSWER
         while True:
-            answer = self._next()
+            while b"\0" not in self._read:
+                ready, _, _ = select.select([self._from], [], [], max(0.0, end - time.monotonic()))
+                part = os.read(self._from, 1 << 20) if ready else b""
+                if not part:
+                    raise TimeoutError("the browser does not answer")
+                self._read += part
+            text, _, self._read = self._read.partition(b"\0")
+            answer = json.loads(text)
             if answer.get("method") == "Runtime.exceptionThrown":
                 details = answer["params"]["exceptionDetails"]
-                said = details.get("exception", {}).get("description", details["text"])
-                self.errors.append(said)
+                self.errors.append(details.get("exception", {}).get("description", details["text"]))
             if answer.get("id") != self._number:
                 continue
             if "error" in answer:
                 raise RuntimeError(f"{method}: {answer['error']['message']}")
             result: dict[str, Any] = answer["result"]
             return result
-
-    def _next(self) -> dict[str, Any]:
-        end = time.monotonic() + ANSWER
-        while b"\0" not in self._read:
-            ready, _, _ = select.select([self._from], [], [], max(0.0, end - time.monotonic()))
-            part = os.read(self._from, 1 << 20) if ready else b""
-            if not part:
-                raise TimeoutError("the browser does not answer")
-            self._read += part
-        text, _, self._read = self._read.partition(b"\0")
-        message: dict[str, Any] = json.loads(text)
-        return message
 
     def evaluate(self, expression: str) -> Any:
         """The value of a JavaScript expression in the page; a promise is waited for."""
@@ -89,20 +84,6 @@ class Browser:
         self.send("Page.navigate", url="about:blank")
         self.send("Page.navigate", url=page.as_uri() + (f"#{fragment}" if fragment else ""))
 
-    def size(self, width: int, height: int = 900) -> None:
-        """CSS pixels."""
-        self.send(
-            "Emulation.setDeviceMetricsOverride",
-            width=width,
-            height=height,
-            deviceScaleFactor=1,
-            mobile=False,
-        )
-
-    def colour_scheme(self, scheme: str) -> None:
-        features = [{"name": "prefers-color-scheme", "value": scheme}]
-        self.send("Emulation.setEmulatedMedia", features=features)
-
     def press(self, key: str, code: str, number: int, text: str = "") -> None:
         """`number`: the virtual key code."""
         common = {"key": key, "code": code, "windowsVirtualKeyCode": number}
@@ -124,17 +105,9 @@ def browser() -> Iterator[Browser]:
         os.dup2(theirs, 4)
 
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
+        options = "--headless=new --no-sandbox --disable-gpu --no-first-run --remote-debugging-pipe"
         process = subprocess.Popen(
-            [
-                PROGRAM,
-                "--headless=new",
-                "--no-sandbox",
-                "--disable-gpu",
-                "--no-first-run",
-                "--remote-debugging-pipe",
-                f"--user-data-dir={profile}",
-                "about:blank",
-            ],
+            [PROGRAM, *options.split(), f"--user-data-dir={profile}", "about:blank"],
             preexec_fn=take_pipes,
             close_fds=False,
             stdout=subprocess.DEVNULL,

@@ -15,7 +15,7 @@ small to move (`COMPLIANCE`, which whoever fills W adds to its diagonal).
 import numpy as np
 from numba import njit
 
-from .records import inner
+from .rigid_body import inner
 
 MOST = 8  # contacts
 NEWTON_STEPS = 40

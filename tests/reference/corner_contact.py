@@ -10,8 +10,7 @@ half of it, shared by its touching corners, and what one side loses the other do
 import numpy as np
 
 from .cone import COMPLIANCE, MOST, largest, solve_cone
-from .records import inner, record
-from .rigid_body import CORNERS
+from .rigid_body import CORNERS, inner, record
 
 # A corner slips if it moves by more than this part of what the step's largest impulse would do to
 # it, a hundred times its compliance.

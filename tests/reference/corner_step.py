@@ -23,8 +23,7 @@ from .corner_contact import (
     solve_corners,
 )
 from .near_field import field_at
-from .records import inner, record
-from .rigid_body import CORNERS, applied, corner_places, in_world, rotation, turned
+from .rigid_body import CORNERS, applied, corner_places, in_world, inner, record, rotation, turned
 
 # SI. half_sizes (3,), inertia (3,) about the body's axes; moment A m^2 along its x axis. reach m: a
 # corner that is no higher lands together with another, as roughness has it.

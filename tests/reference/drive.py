@@ -31,11 +31,11 @@ _CHOICES = {
 
 @dataclass(frozen=True)
 class Voltages:
-    """Piecewise-linear voltages of the two coils that a sawtooth mode uses.
+    """Piecewise-linear voltages of some coils.
 
     start: (n,) s, start of each segment; the last one is constant and lasts for ever.
-    level: (n, 2) V at the segment's start, columns in-plane coil (+x) and clamp coil.
-    slope: (n, 2) V/s.
+    level: (n, m) V at the segment's start; of a sawtooth mode the in-plane coil (+x) and the clamp.
+    slope: (n, m) V/s.
     first_counted: s, end of the third pulse (nan with three pulses or fewer).
     last_counted: s, end of the last pulse.
     end: s, end of the drive, ramp-down included.
@@ -49,12 +49,18 @@ class Voltages:
     end: float
 
 
-def complete_drive(drive: dict) -> dict:
-    """`drive` with defaults filled in. Raises ValueError on a key or choice it does not know."""
-    unknown = set(drive) - set(DRIVE_DEFAULTS)
+def complete(name: str, given: dict | None, defaults: dict) -> dict:
+    """`given` with defaults filled in. Raises ValueError on a key that it does not know."""
+    given = given or {}
+    unknown = set(given) - set(defaults)
     if unknown:
-        raise ValueError(f"unknown drive keys: {sorted(unknown)}")
-    full = {**DRIVE_DEFAULTS, **drive}
+        raise ValueError(f"unknown {name} keys: {sorted(unknown)}")
+    return {**defaults, **given}
+
+
+def complete_drive(drive: dict) -> dict:
+    """`drive` with defaults filled in. Raises ValueError on a key or word it does not know."""
+    full = complete("drive", drive, DRIVE_DEFAULTS)
     for key, allowed in _CHOICES.items():
         if full[key] not in allowed:
             raise ValueError(f"drive.{key} = {full[key]!r}, allowed: {allowed}")

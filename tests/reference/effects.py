@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from .circuit import Circuit, circuit_of, mean_squares
-from .drive import Voltages, clipped, held
+from .drive import Voltages, clipped, complete, held
 from .field import INDUCTANCE, RESISTANCE
 from .laws import laws_of
 from .stepper import Model
@@ -54,15 +54,6 @@ _SIDE = np.array([1.0, -1.0, -1.0, 1.0, -1.0])
 COILS = ("xp", "clamp", "xm", "yp", "ym")
 
 HEATING_STEP = 1e-5  # s; a trapezoid over a current of time constant 7 ms errs by 1e-7
-
-
-def complete(name: str, given: dict | None, defaults: dict) -> dict:
-    """`given` with defaults filled in. Raises ValueError on a key that it does not know."""
-    given = given or {}
-    unknown = set(given) - set(defaults)
-    if unknown:
-        raise ValueError(f"unknown {name} keys: {sorted(unknown)}")
-    return {**defaults, **given}
 
 
 def completed_effects(effects: dict | None) -> dict:

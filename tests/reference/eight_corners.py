@@ -16,8 +16,7 @@ from numba import njit
 from .circuit import advance_circuits
 from .corner_contact import COUNTS, STEPS
 from .corner_step import copy_motion, kinetic_energy, try_step
-from .records import inner
-from .rigid_body import CORNERS
+from .rigid_body import CORNERS, inner
 
 # Columns of the samples: m, rad, J. FIELD_HEADING is that of the field at the body's place; ENERGY
 # is kinetic and potential in the weight.

@@ -90,23 +90,8 @@ def coil_field(name: str, point, side: float = SIDE) -> np.ndarray:
     return np.array(wire_loop_field(coil_wires(name, side), px, py, pz))
 
 
-def coil_gradient(name: str, point) -> np.ndarray:
-    """dB_i/dx_j of one ampere in one coil by central differences; shape (3, 3), T/(m A)."""
-    point = np.asarray(point, dtype=float)
-    columns = []
-    for j in range(3):
-        offset = np.zeros(3)
-        offset[j] = GRADIENT_OFFSET
-        difference = coil_field(name, point + offset) - coil_field(name, point - offset)
-        columns.append(difference / (2 * GRADIENT_OFFSET))
-    return np.stack(columns, axis=1)
-
-
 def _centre_field_per_ampere() -> float:
-    """Closed form of the field on the axis of a square loop, T/A.
-
-    Each side of length 2a at distance sqrt(c^2 + a^2) from the point contributes equally.
-    """
+    """On the axis of a square loop each side, 2a at sqrt(c^2 + a^2), contributes equally; T/A."""
     a, c = SIDE / 2, DISTANCE
     loop = 2 * VACUUM_PERMEABILITY * TURNS / np.pi
     return loop * a**2 / ((a**2 + c**2) * np.sqrt(2 * a**2 + c**2))

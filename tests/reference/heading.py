@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .drive import voltages_of
+from .drive import Voltages, voltages_of
 from .field import COIL_NAMES
 
 COILS = COIL_NAMES  # the order of the columns: xp, xm, yp, ym, clamp
@@ -12,22 +12,6 @@ COILS = COIL_NAMES  # the order of the columns: xp, xm, yp, ym, clamp
 # While a heading changes, cos and sin of it are straight between points this far apart; with
 # 90 degrees in 10 ms they err by (0.016)^2 / 8.
 TURNING_STEP = 1e-4  # s
-
-
-@dataclass(frozen=True)
-class FiveVoltages:
-    """Piecewise-linear voltages of the coils xp, xm, yp, ym and clamp.
-
-    start (n,) s, level (n, 5) V at the segments' starts, slope (n, 5) V/s; the last segment lasts
-    for ever. first_counted, last_counted, end: s, as in `Voltages`.
-    """
-
-    start: np.ndarray
-    level: np.ndarray
-    slope: np.ndarray
-    first_counted: float
-    last_counted: float
-    end: float
 
 
 @dataclass(frozen=True)
@@ -68,8 +52,8 @@ def coil_shares(angle: float, coils: str) -> np.ndarray:
     return np.where(np.abs(shares) < 1e-15, 0.0, shares)
 
 
-def heading_voltages(drive: dict, heading: Heading, coils: str = "single") -> FiveVoltages:
-    """Five voltages whose horizontal part has the size of the planar drive's and the heading's way.
+def heading_voltages(drive: dict, heading: Heading, coils: str = "single") -> Voltages:
+    """Voltages of the five `COILS`, whose horizontal part is the planar drive's along the heading.
 
     drive: keys of `[drive]` without `direction`. Where the heading changes, the voltages are exact
     at points TURNING_STEP apart and straight between.
@@ -91,4 +75,4 @@ def heading_voltages(drive: dict, heading: Heading, coils: str = "single") -> Fi
         level.extend(volts[:-1])
         slope.extend(np.diff(volts, axis=0) / np.diff(points)[:, None])
     counted = planar.first_counted, planar.last_counted, planar.end
-    return FiveVoltages(np.array(start), np.array(level), np.array(slope), *counted)
+    return Voltages(np.array(start), np.array(level), np.array(slope), *counted)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from .field import GRADIENT_OFFSET, wire_loop_field
-from .records import inner, record
+from .rigid_body import inner, record
 
 # The field is taken anew when the body has moved this far; between, its first-order expansion errs
 # by 1e-8 of it.

@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from . import stepper as slot
-from .drive import DRIVE_DEFAULTS, complete_drive, voltages_of
-from .effects import COILS, circuit_with, complete, completed_effects, driven, model_of
+from .drive import DRIVE_DEFAULTS, complete, complete_drive, voltages_of
+from .effects import COILS, circuit_with, completed_effects, driven, model_of
 from .field import coil_wires
-from .stepper import march
+from .stepper import QUARTER_TURN, march
 
 ROBOT_DEFAULTS = {
     "length": 250e-6,  # m, Table II
@@ -28,43 +28,31 @@ DRAG_DEFAULTS = {
     "rotational": 9.0e-17,  # N m s^2, Eq. (19)
 }
 
+# Beyond this scan the first angle of balance is found to rounding by bisection.
+SCAN, HALVINGS = 400, 60
+
 
 @dataclass(frozen=True)
 class ReferenceRun:
     """Result of one run. SI units, radians.
 
     mean_velocity: m/s, centre of mass in x from the end of the third pulse to that of the last;
-        nan with three pulses or fewer.
-    theta_min, theta_max: rad over the whole drive from the start at theta = 0.
-    airborne_fraction: share of the whole drive without any contact.
-    window_*: the same three over the interval of the mean velocity.
+        nan with three pulses or fewer. All else but the samples is of the same interval.
+    theta_min, theta_max: rad. airborne_fraction: share of the time without any contact.
     slip_up, slip_down: m/s, travel of a single slipping contact corner while theta rises / falls,
-        per unit of time of the same interval (two-corner sliding at constant theta is neither).
-    touchdowns, lift_offs: corners, not bodies. irregular: steps that only an impulse could solve.
-    t, x, z, theta, vx, vz, omega: samples, empty unless a rate was asked for. Velocities are means
-        over one step.
+        per unit of time (two-corner sliding at constant theta is neither).
+    t, x, theta: samples, empty unless a rate was asked for.
     """
 
     mean_velocity: float
     theta_min: float
     theta_max: float
     airborne_fraction: float
-    window_theta_min: float
-    window_theta_max: float
-    window_airborne_fraction: float
     slip_up: float
     slip_down: float
-    touchdowns: int
-    lift_offs: int
-    irregular: int
-    dt: float
     t: np.ndarray = field(repr=False)
     x: np.ndarray = field(repr=False)
-    z: np.ndarray = field(repr=False)
     theta: np.ndarray = field(repr=False)
-    vx: np.ndarray = field(repr=False)
-    vz: np.ndarray = field(repr=False)
-    omega: np.ndarray = field(repr=False)
 
 
 def _model(robot, contact, drag, effect, circuit, mirror, pace):
@@ -74,13 +62,6 @@ def _model(robot, contact, drag, effect, circuit, mirror, pace):
         complete("drag", drag, DRAG_DEFAULTS),
         effect, circuit, mirror, pace,
     )  # fmt: skip
-
-
-def model_without_drive(robot=None, contact=None, drag=None, effects=None):
-    """Constants of the kernel for a robot that faces +x, with cold coils at rest."""
-    effect = completed_effects({k: v for k, v in (effects or {}).items() if k != "coil_heating"})
-    circuit = circuit_with(driven(voltages_of(DRIVE_DEFAULTS), effect), effect)
-    return _model(robot, contact, drag, effect, circuit, 1.0, DRIVE_DEFAULTS["frequency"])
 
 
 def simulate_reference(
@@ -112,35 +93,71 @@ def simulate_reference(
     wires = np.stack([coil_wires(name) for name in COILS[: volts.level.shape[1]]])
     # The last moment itself must fall inside a step, whichever way its multiple of dt rounds.
     steps = int(np.floor(volts.end / dt + 1e-9)) + 1
-    duration = volts.end
     window = np.array([volts.first_counted, volts.last_counted])
-    count = int(np.floor(duration * rate + 1e-9)) + 1 if rate else 0
-    samples = np.zeros((count, 6))
-    marks, counts = march(
+    count = int(np.floor(volts.end * rate + 1e-9)) + 1 if rate else 0
+    samples = np.zeros((count, 2))
+    marks = march(
         model, wires, volts.start, volts.level @ circuit.to_coils, volts.slope @ circuit.to_coils,
-        float(dt), steps, window,
-        float(rate or 1.0), samples,
+        float(dt), steps, window, float(rate or 1.0), samples,
     )  # fmt: skip
     seconds = window[1] - window[0]
     return ReferenceRun(
         mean_velocity=float(mirror * (marks[slot.X_END] - marks[slot.X_BEGIN]) / seconds),
         theta_min=float(marks[slot.THETA_MIN]),
         theta_max=float(marks[slot.THETA_MAX]),
-        airborne_fraction=float(marks[slot.AIRBORNE] / (steps * dt)),
-        window_theta_min=float(marks[slot.WINDOW_MIN]),
-        window_theta_max=float(marks[slot.WINDOW_MAX]),
-        window_airborne_fraction=float(marks[slot.WINDOW_AIRBORNE] / seconds),
+        airborne_fraction=float(marks[slot.AIRBORNE] / seconds),
         slip_up=float(mirror * marks[slot.SLIP_UP] / seconds),
         slip_down=float(mirror * marks[slot.SLIP_DOWN] / seconds),
-        touchdowns=int(counts[slot.TOUCHDOWNS]),
-        lift_offs=int(counts[slot.LIFT_OFFS]),
-        irregular=int(counts[slot.IRREGULAR]),
-        dt=float(dt),
         t=np.arange(count) / (rate or 1.0),
         x=mirror * samples[:, 0],
-        z=samples[:, 1],
-        theta=samples[:, 2],
-        vx=mirror * samples[:, 3],
-        vz=samples[:, 4],
-        omega=samples[:, 5],
+        theta=samples[:, 1],
     )
+
+
+def _tipping(model, bx, bz, theta, sense):
+    """Torque in N m that turns the block on about its front (sense 1) or rear (-1) corner."""
+    moment = model.moment
+    angle = theta + model.misalignment
+    magnetic = -moment * (bx * np.sin(angle) + bz * np.cos(angle))
+    # Offset of the corner from the centre of mass; the surface bears the weight there.
+    ahead = sense * model.half_length
+    rx = ahead * np.cos(theta) - model.half_height * np.sin(theta)
+    rz = -ahead * np.sin(theta) - model.half_height * np.cos(theta)
+    normal, along = -model.mass * model.gravity_z, -model.mass * model.gravity_x
+    return sense * (magnetic + rz * along - rx * normal)
+
+
+def static_tilt_reference(fields, robot=None, contact=None, effects=None):
+    """Angle in rad, (n,), at which the block rests in fields (Bx, Bz) in T, (n, 2).
+
+    It comes from lying flat, with adhesion at both ends until one is lifted, and stands up to a
+    quarter turn at most. Arguments as those of `simulate_reference`; what it measures is not here.
+    """
+    effect = completed_effects({k: v for k, v in (effects or {}).items() if k != "coil_heating"})
+    circuit = circuit_with(driven(voltages_of(DRIVE_DEFAULTS), effect), effect)
+    model = _model(robot, contact, None, effect, circuit, 1.0, DRIVE_DEFAULTS["frequency"])
+    result = []
+    for field_x, field_z in np.atleast_2d(fields):
+        bx, bz = field_x + model.ambient_x, field_z + model.ambient_z
+        # The end that is lifted first is torn off against half of the adhesion.
+        hold = model.adhesion * model.half_length
+        excess = {sense: _tipping(model, bx, bz, 0.0, sense) - hold for sense in (1, -1)}
+        sense = max(excess, key=lambda each: excess[each])
+        if excess[sense] <= 0.0:
+            result.append(0.0)
+            continue
+        angles = np.linspace(0.0, QUARTER_TURN, SCAN)
+        turning = np.array([_tipping(model, bx, bz, sense * each, sense) for each in angles])
+        stops = np.flatnonzero(turning <= 0.0)
+        if len(stops) == 0:
+            result.append(sense * QUARTER_TURN)
+            continue
+        low, high = angles[max(stops[0] - 1, 0)], angles[stops[0]]
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            if _tipping(model, bx, bz, sense * middle, sense) > 0.0:
+                low = middle
+            else:
+                high = middle
+        result.append(sense * 0.5 * (low + high))
+    return np.array(result)

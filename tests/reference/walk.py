@@ -8,9 +8,10 @@ from . import eight_corners as slot
 from .circuit import circuit_of
 from .corner_contact import new_memory, new_step
 from .corner_step import Block, new_motion, new_trial
-from .effects import GRAVITY, complete
+from .drive import Voltages, complete
+from .effects import GRAVITY
 from .field import INDUCTANCE, RESISTANCE, coil_wires
-from .heading import COILS, FiveVoltages, Heading, constant, heading_voltages
+from .heading import COILS, Heading, constant, heading_voltages
 from .near_field import new_field
 from .simulate import CONTACT_DEFAULTS, DRAG_DEFAULTS, ROBOT_DEFAULTS
 
@@ -23,6 +24,7 @@ WHOLE_EDGES = 2e-6  # m
 
 HALVINGS = 8
 SHORTEST = 4e-9  # s
+RATE = 12e3  # Hz, of the samples
 
 
 @dataclass(frozen=True)
@@ -49,11 +51,10 @@ class Walk:
     samples: np.ndarray = field(repr=False)
 
 
-def block_of(robot=None, contact=None, drag=None, reach=0.0) -> Block:
-    """Constants of the kernel from scenario sections; absent keys take the reference's defaults."""
-    body = complete("robot", robot, ROBOT_DEFAULTS)
+def block_of(contact=None, reach=0.0) -> Block:
+    """Constants of the kernel; absent keys of `[contact]` take the reference's defaults."""
+    body, fluid = ROBOT_DEFAULTS, DRAG_DEFAULTS
     touch = complete("contact", contact, CONTACT_DEFAULTS)
-    fluid = complete("drag", drag, DRAG_DEFAULTS)
     sizes = np.array([body["length"], body["width"], body["height"]])
     squares = np.sum(sizes**2) - sizes**2
     return Block(
@@ -72,7 +73,7 @@ def block_of(robot=None, contact=None, drag=None, reach=0.0) -> Block:
     )
 
 
-def run_corners(block, volts: FiveVoltages, now, shortest, halvings, rate, memory=None):
+def run_corners(block, volts: Voltages, now, rate, shortest=SHORTEST, memory=None):
     """March from `now`; returns marks, counts, and samples (n, 9) at multiples of 1 / rate."""
     circuit = circuit_of(np.full(5, RESISTANCE), INDUCTANCE * np.eye(5), 0.0)
     wires = np.stack([coil_wires(name) for name in COILS])
@@ -80,49 +81,37 @@ def run_corners(block, volts: FiveVoltages, now, shortest, halvings, rate, memor
     marks, counts = slot.march_corners(
         block, wires, circuit, volts.start, volts.level @ circuit.to_coils,
         volts.slope @ circuit.to_coils, now, new_motion(), new_field(5), new_trial(),
-        new_step(), new_memory() if memory is None else memory, float(shortest), int(halvings),
-        volts.end,
-        np.array([volts.first_counted, volts.last_counted]), float(rate), samples,
+        new_step(), new_memory() if memory is None else memory, float(shortest), HALVINGS,
+        volts.end, np.array([volts.first_counted, volts.last_counted]), float(rate), samples,
     )  # fmt: skip
     names = ("landings", "leavings", "slips", "newton_failed", "unsolved", "steps")
     return marks, dict(zip(names, counts.tolist(), strict=True)), samples
 
 
-def walk(drive: dict, heading: float | Heading = 0.0, coils: str = "single", **more) -> Walk:
-    """Walk from rest, flat on the plane and turned to the heading.
-
-    drive: keys of `[drive]` without `direction`. heading: rad, or a function of time; coils: see
-    `coil_shares`. more: see `walk_program`. Raises ValueError for a word that is not known.
-    """
-    way = heading if isinstance(heading, Heading) else constant(heading)
-    return walk_program(heading_voltages(drive, way, coils), way, **more)
-
-
-def walk_program(
-    volts: FiveVoltages,
-    way: Heading,
+def walk(
+    drive: dict,
+    heading: float | Heading = 0.0,
+    coils: str = "single",
     place: tuple = (0.0, 0.0),
-    robot: dict | None = None,
     contact: dict | None = None,
-    drag: dict | None = None,
     reach: float = 0.0,
     shortest: float = SHORTEST,
-    halvings: int = HALVINGS,
-    rate: float = 12e3,
 ) -> Walk:
-    """Walk under any five voltages, from rest, flat on the plane and turned to where `way` begins.
+    """Walk from rest, flat on the plane and turned to the heading.
 
-    way: what along and across are measured by. place: m, of the centre of mass. robot, contact,
-    drag: keys of those sections. reach: m, see WHOLE_EDGES. shortest: s, length of a step with an
-    event; without, a step is up to shortest 2^halvings. rate: Hz of the samples. Raises ValueError
-    for a key that is not known.
+    drive: keys of `[drive]` without `direction`. heading: rad, or a function of time. coils: see
+    `coil_shares`. place: m, of the centre of mass. contact: keys of that section. reach: m, see
+    WHOLE_EDGES. shortest: s, length of a step with an event; without, a step is up to
+    shortest 2^HALVINGS. Raises ValueError for a word or key that is not known.
     """
-    block = block_of(robot, contact, drag, reach)
+    way = heading if isinstance(heading, Heading) else constant(heading)
+    volts = heading_voltages(drive, way, coils)
+    block = block_of(contact, reach)
     half_turn = 0.5 * float(way(0.0))
     quaternion = [np.cos(half_turn), 0.0, 0.0, np.sin(half_turn)]
     now = new_motion((*place, block.half_sizes[2]), quaternion)
-    marks, counts, samples = run_corners(block, volts, now, shortest, halvings, rate)
-    t = np.arange(len(samples)) / rate
+    marks, counts, samples = run_corners(block, volts, now, RATE, shortest)
+    t = np.arange(len(samples)) / RATE
     return Walk(*_speeds(t, samples, way, marks, volts), counts, t, samples)
 
 

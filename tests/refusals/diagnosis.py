@@ -1,0 +1,262 @@
+"""What a diagnosis, its data, terms and result are not: name, what is done, error, words."""
+
+import functools
+import math
+
+import numpy as np
+import pandas as pd
+
+import made_findings as made
+from asking_results import asking, measurement
+from made_velocities import drives
+from made_velocities import measurement as measured
+from stickslip import (
+    Cause,
+    Parameter,
+    Prior,
+    Scenario,
+    ScenarioError,
+    Series,
+    Table,
+    diagnose,
+    diagnose_in_rounds,
+    diagnose_model,
+    events,
+    free_law,
+    instruments,
+)
+from stickslip.diagnosis.data.series import with_repeats
+from stickslip.diagnosis.decision.experiments import drive_settings
+from stickslip.diagnosis.measured import pose
+from stickslip.diagnosis.own_model import Values, pose_own
+from stickslip.diagnosis.report.next_table import TABLE, with_measured
+from stickslip.diagnosis.terms.laws import Curves, beside_constants
+from toys import SLOPE, WAVE
+
+X, ROW = np.linspace(1.0, 3.0, 12), np.ones(3)
+HEIGHT = Parameter("wave.height", size=0.5, low=-5.0, high=5.0)
+LAW = free_law("pull", "gap", "m", 0.0, 1.0)
+ABOVE_0, FROM_0 = "allowed is a number above 0", "allowed is a whole number from 0"
+
+TABLES = [
+    (lambda: Table({"x": ROW}, [1.0, math.nan, 2.0]), ["table: y = ", "finite numbers"]),
+    (lambda: Table({"x": ROW}, [1.0, "b", 2.0], name="t"), ["table t: y = ", "finite numbers"]),
+    (lambda: Table({"x": ROW}, np.ones((3, 1))), ["y = ", "one row"]),
+    (lambda: Table({"x": []}, []), ["y = ", "one row"]),
+    (lambda: Table({"x": ROW}, np.ones(4)), "settings: allowed are 4 rows"),
+    (lambda: Table({"x": [1.0, math.inf, 2.0]}, ROW), "settings: allowed are finite"),
+    (lambda: Table({"x": ROW}, ROW, sd=0.0), f"sd = 0.0: {ABOVE_0}, or 3 of"),
+    (lambda: Table({"x": ROW}, ROW, sd=[0.1, math.nan, 0.1]), ["sd = ", ABOVE_0]),
+    (lambda: Table({"x": ROW}, ROW, sd=[0.1, 0.1]), ["sd = ", ABOVE_0]),
+    (lambda: Table({"x": ROW}, ROW, sd="small"), ["sd = ", ABOVE_0]),
+    (lambda: Table({"x": ROW}, ROW, block=[1, 2]), "block: allowed is one for each of 3"),
+    (lambda: Table({"x": ROW}, ROW, run=[[1], [2], [3]]), "run: allowed is one for each"),
+]
+
+T3, Y3 = [0.0, 1.0, 2.0], [1.0, 2.0, 3.0]
+RECORDS = [
+    (lambda: Series([0, 1, 1], Y3, name="a"), "series a: t: row 2: 1: allowed is a time after 1"),
+    (lambda: Series(T3, [1, 2]), "series: y: 2 values; allowed are 3, one for each time"),
+    (lambda: Series(T3, [1, np.nan, 2]), "series: y: row 1: nan: allowed is a finite number"),
+    (lambda: Series(T3, Y3, {"u": [1, 2, np.inf]}), "inputs u: row 2: inf: allowed is"),
+    (lambda: Series(T3, Y3, [1, 2, 3]), ["inputs = ", ": allowed are rows by name"]),
+    (lambda: Series(T3, Y3, sd=-1.0), f"series: sd = -1.0: {ABOVE_0}"),
+    (lambda: with_repeats([Series(T3, Y3, name="a", repeat_of="b")]), "repeat_of = b: allowed"),
+    (lambda: with_repeats([Series(T3, Y3, name="a"),
+                           Series([0, 1, 3], Y3, name="b", repeat_of="a")]),
+     "series b: repeat_of = a: row 2: t = 3: allowed is the same time, 2"),
+    (lambda: pose_own(lambda record, p: record["u"], Series(X, X, {"u": X}), [SLOPE],
+                      [instruments.lag(1.0, input="v")]),
+     "cause lag: input = v: allowed is an input: u"),
+    (lambda: events.step(0.1, 3.0, 2.0), "begin = 3.0, end = 2.0: allowed is begin < end"),
+]  # fmt: skip
+
+
+def flat(table, p):
+    return p["slope"] * table["x"]
+
+
+def own(**changes):
+    """A diagnosis of a line by a line."""
+    given = {"predict": flat, "data": Table({"x": X}, X, sd=0.1, name="line")}
+    return diagnose_model(**{**given, "uncertain": [SLOPE], "causes": [WAVE], **changes})
+
+
+OWN = [
+    ({"predict": 3}, "predict = 3: allowed is a function of (table, p)"),
+    ({"predict": lambda p: p}, "predict takes (p): allowed is a function of (table, p)"),
+    ({"causes": [LAW]}, "predict takes (table, p): allowed is a function of (table, p, curves)"),
+    ({"predict": lambda t, p: flat(t, p)[0]}, ["shape (12,) for 1 ", "here (1, 12)"]),
+    ({"predict": lambda t, p: flat(t, p).T}, "shape (12, 1)"),
+    ({"predict": lambda t, p: p["slope"]}, "shape (1, 1)"),
+    ({"predict": lambda t, p: "fast"}, "shape ()"),
+    ({"predict": lambda t, p: flat(t, p) * math.nan}, "it computes no reading"),
+    ({"predict": lambda t, p: np.where(np.arange(12) == 7, math.nan, flat(t, p))},
+     "row 7 of table line: it computes no reading"),
+    ({"predict": lambda t, p: p["slop"]}, 'p: there is no parameter slop; did you mean "slope"'),
+    ({"data": X}, ["data = ", ": allowed is a Table or a Series, or a list of them"]),
+    ({"data": []}, "data = []: allowed is a Table"),
+    ({"data": [Table({"x": X}, X, sd=0.1)] * 2}, "tables: no name comes twice"),
+    ({"uncertain": SLOPE}, ["uncertain = ", ": allowed is a list of Parameter"]),
+    ({"uncertain": [SLOPE, 0.3]}, ["uncertain = ", ": allowed is a list of Parameter"]),
+    ({"uncertain": [HEIGHT]}, "uncertain: wave.height has no prior"),
+    ({"uncertain": [SLOPE, SLOPE]}, "slope comes twice"),
+    ({"causes": WAVE}, ["causes = ", ": allowed is a list of Cause"]),
+    ({"causes": [HEIGHT]}, ["causes = ", ": allowed is a list of Cause"]),
+    ({"causes": [WAVE, WAVE]}, "wave comes twice"),
+    ({"causes": [WAVE, Cause("b", WAVE.parameters)]}, "parameters: wave.height comes twice"),
+    ({"causes": [Cause("slope", HEIGHT)]}, "causes and uncertain: slope comes twice"),
+    ({"causes": [Cause("a", frees="slop")]}, ["cause a: frees = slop: ", 'did you mean "slope"']),
+    ({"causes": [instruments.scale(table="lines")]},
+     'cause scale: there is no table lines; did you mean "line"'),
+    ({"seed": -1}, f"seed = -1: {FROM_0}"),
+    ({"seed": 1.5}, f"seed = 1.5: {FROM_0}"),
+]  # fmt: skip
+
+
+def amplitude(name="a", size=1.0, low=-1.0, high=1.0, **more):
+    return Parameter(name, size=size, low=low, high=high, **more)
+
+
+def law(**changes):
+    given = {"law": "friction", "argument": "speed", "unit": "m/s", "low": 0.0, "high": 2.0}
+    return free_law(**{**given, **changes})
+
+
+MU = Parameter("mu_k", Prior("log-normal", 0.3, 1.1), "1/m")
+TERMS = [
+    (lambda: Parameter("a"), "parameter a: allowed is one of prior and size"),
+    (lambda: Parameter("a", Prior("normal", 0.0, 1.0), size=1.0), "one of prior and size"),
+    (lambda: Parameter("a", 0.1), "parameter a: prior = 0.1: allowed is a Prior"),
+    (lambda: Parameter(5, Prior("normal", 2.0, 0.2)), ["name of a parameter = 5: ", " a text"]),
+    (lambda: amplitude(""), "name of a parameter"),
+    (lambda: amplitude(size=0.0), "size = 0.0: allowed is a number"),
+    (lambda: amplitude(size=True), ["size = ", ": allowed is a number"]),
+    (lambda: amplitude(size="b"), ["size = ", ": allowed is a number"]),
+    (lambda: amplitude(low=1.0, high=-1.0), "allowed is low < high"),
+    (lambda: Parameter("a", size=1.0), "allowed are a finite low and high for an amplitude"),
+    (lambda: amplitude(low=1.0, high=2.0), "absent = 0.0: allowed is 1.0 to 2"),
+    (lambda: amplitude(fineness=0.0), "fineness = 0.0"),
+    (lambda: amplitude(fineness=1.5), "fineness = 1.5"),
+    (lambda: Cause("none", HEIGHT), 'a text other than "none"'),
+    (lambda: Cause("", HEIGHT), "name of a cause"),
+    (lambda: Cause("a"), "cause a has no Parameter"),
+    (lambda: Cause("a", [0.3]), "cause a: parameters: allowed are Parameters"),
+    (lambda: Values({"slope": np.ones((1, 1))})["sloop"], 'sloop; did you mean "slope"'),
+    (lambda: law(low=2.0), "friction over speed: low = 2.0, high = 2.0: allowed is numbers"),
+    (lambda: law(high=np.inf), "low < high"),
+    (lambda: law(low="0"), "low < high"),
+    (lambda: law(law=""), "law of a free law"),
+    (lambda: law(unit=3), "unit of a free law"),
+    (lambda: law(size=0.0), f"size = 0.0: {ABOVE_0}"),
+    (lambda: law(size="big"), "size"),
+    (lambda: law(largest=np.inf), "largest"),
+    (lambda: law(knots=2), "knots"),
+    (lambda: law(law_unit="N", factor_of="mu"),
+     'law_unit = "N": allowed is "-" beside factor_of'),
+    (lambda: beside_constants([law(factor_of="mu")], [MU]), ['factor_of = "mu"', "mu_k"]),
+    (lambda: Curves([law()], {})["friction over sped"], "friction over speed"),
+    (lambda: instruments.delay([0.0, 0.0], 0.1), "times"),
+    (lambda: instruments.delay([0.0, 1.0], 0.1, curve=[0]), "times, curve"),
+    (lambda: instruments.marker_place([0], [1], 0.1), "theta, angle"),
+    (lambda: instruments.scale(size=0.0), "scale.error"),
+    (lambda: own(causes=[instruments.scale(rows=[12])]), "rows"),
+    (lambda: own(causes=[instruments.scale(rows=[True, False])]), "rows"),
+    (lambda: own(causes=[instruments.delay([0.0, 1.0], 0.1)]), "one for each"),
+    (lambda: own(causes=[instruments.marker_place([0], [1], 0.1, angle=[0, 1])]), "one for each"),
+]  # fmt: skip
+
+DRIVES = [
+    ([{"frequencies": 40.0}], ["row 0: ", 'did you mean "drive.frequency"']),
+    ([{"robot.length": 1e-3}], "row 0: drive.robot.length"),
+    ([{"frequency": 40.0}, {"frequency": -1.0}], "row 1: drive.frequency = -1.0: allowed is"),
+    ([{"frequency": None}], "row 0: drive.frequency = None: allowed is"),
+    *((bad, "allowed is a DataFrame or a list of dicts")
+      for bad in ({"frequency": 40.0}, "frequency", None, [40.0])),
+    ([], "there is no row"),
+    (pd.DataFrame({"frequency": []}), "there is no row"),
+    (pd.DataFrame({"frequency": [np.nan]}, index=["a"]), "row a: drive.frequency = nan"),
+]  # fmt: skip
+
+
+def in_rounds(folder, measure=lambda _: 1e-3, **more):
+    """Rounds whose first diagnosis is given: a measurement that asks for experiments."""
+    return diagnose_in_rounds(data(), measure, **more)
+
+
+@functools.cache
+def data():
+    return measured(drives().assign(velocity=1e-3))
+
+
+ROUNDS = [
+    ({"measure": 3.0}, "measure = 3.0: allowed is a function of a drive"),
+    ({"budget": -1}, f"budget = -1: {FROM_0}"),
+    ({"at_once": 0}, "at_once = 0: allowed is a whole number from 1"),
+]
+
+COLUMNS = "mode,direction,frequency,peak,hold,edge,trial,velocity"
+NEXT = [
+    (f"{COLUMNS}\nIPP,-x,50,2.5e-3,1e-3,rise,1,1.1 mm/s\n",
+     'next.csv line 2: velocity "1.1 mm/s" is not'),
+    (f"{COLUMNS}\nIPP,-x,fast,2.5e-3,1e-3,rise,1,1e-3\n",
+     'next.csv line 2: frequency "fast" is not'),
+    (f"{COLUMNS}\nIPP,z,50,2.5e-3,1e-3,rise,1,1e-3\n",
+     'next.csv line 2: drive.direction = "z": allowed'),
+    ("frequency,velocity\n50,1e-3\n", 'column "mode" is missing'),
+]  # fmt: skip
+
+
+def next_table(folder, text):
+    (folder / TABLE).write_text(text)
+    return with_measured(measurement(), folder, 1, 3)
+
+
+def of_another(folder):
+    """A table that belongs to the report of another measurement."""
+    with_measured(measurement(), folder, 2, 3)[1].write(asking(measurement()))
+    (folder / "report.json").write_text('{"name": "glass"}')
+    return with_measured(measurement(), folder, 1, 3)
+
+
+toy = functools.cache(lambda: made.toy(made.TRUTH))
+ASKED = [
+    *((lambda level=level: toy().conf_int(level), ["level = ", ABOVE_0])
+      for level in (0.0, 1.0, -0.5, math.nan, "0.9", True)),
+    (lambda: toy().candidate("bmup"), ["no such model was fitted", 'did you mean "bump"']),
+    (lambda: toy().candidate(""" a "\n" """), "no such model was fitted"),
+    (lambda: toy().propose_experiments(), ["model of one's own", "separate"]),
+    (lambda: made.refused(toy()).predict([0.5]), "predict: the data allow no diagnosis"),
+    (lambda: made.refused(toy()).candidate("none"), "candidate: the data allow no diagnosis"),
+    (lambda: toy().save_report(5), "folder"),
+    (lambda: toy().save_figures(5), "folder"),
+]  # fmt: skip
+
+MEASUREMENT = "allowed is a Measureme"
+ENTRY = [
+    *((lambda given=given: diagnose(given), ScenarioError, ["measurement = ", MEASUREMENT])
+      for given in ("m.toml", None, np.zeros(3))),
+    (lambda: diagnose(data(), seed=-1), ScenarioError, f"seed = -1: {FROM_0}"),
+    (lambda: diagnose(data(), seed=0.5), ScenarioError, f"seed = 0.5: {FROM_0}"),
+    (lambda: diagnose(data(), threads=0), ValueError, "threads"),
+    (lambda: diagnose(data(), threads=1.5), ValueError, "threads"),
+    (lambda: pose(measured(drives().assign(velocity=1e-3, heading=0.5))), ScenarioError,
+     ["drive.heading = 0.5", "walk along x"]),
+]  # fmt: skip
+
+REFUSALS = [
+    *((f"{kind} {number}", lambda _, call=call: call(), ScenarioError, words)
+      for kind, rows in {"table": TABLES, "record": RECORDS, "term": TERMS, "result": ASKED}.items()
+      for number, (call, words) in enumerate(rows)),
+    *((f"own model {number}", lambda _, given=given: own(**given), ScenarioError, words)
+      for number, (given, words) in enumerate(OWN)),
+    *((f"drives {number}", lambda _, bad=bad: drive_settings(bad, Scenario()), ScenarioError, words)
+      for number, (bad, words) in enumerate(DRIVES)),
+    *((f"rounds {number}", functools.partial(in_rounds, **given), ScenarioError, words)
+      for number, (given, words) in enumerate(ROUNDS)),
+    *((f"next.csv {number}", functools.partial(next_table, text=text), ScenarioError, words)
+      for number, (text, words) in enumerate(NEXT)),
+    ("next.csv of another", of_another, ScenarioError, 'is of another measurement, "glass"'),
+    *((f"measurement {number}", lambda _, call=call: call(), kind, words)
+      for number, (call, kind, words) in enumerate(ENTRY)),
+]  # fmt: skip

@@ -1,0 +1,141 @@
+"""What measurements, their tables and tracks are not: name, what is done, error, words."""
+
+from functools import partial
+
+import numpy as np
+import pandas as pd
+
+from made_measurement import write_files
+from stickslip import Drive, Measurement, Prior, Scenario, velocity_of_track
+from stickslip.errors import ScenarioError
+from stickslip.measurement import read_measurement
+
+NOMINAL = "stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 8\n"
+TOML = """stickslip_measurement = 1
+name = "wafer"
+scenario = "nominal.toml"
+
+[uncertain]
+"contact.kinetic_friction" = { mean = 0.145, sd = 0.01 }
+"drag.linear" = { low = 1e-6, high = 1e-4 }
+"drag.rotational" = { median = 9e-17, factor = 2 }
+
+[[velocity]]
+file = "velocity.csv"
+"""
+FILMED = """stickslip_measurement = 1
+scenario = "nominal.toml"
+
+[[tracking]]
+file = "a.csv"
+frame_rate = 1000.0
+exposure = 3e-4
+drive = { frequency = 100.0 }
+"""
+ROWS = "frequency,velocity\n30,6e-4\n50,1e-3\n"
+FRAMES = "t,theta,x\n" + "".join(f"{k}e-3,{k}e-3,{k}e-6\n" for k in range(120))
+TABLE = pd.DataFrame({"mode": "IPP", "frequency": [30.0, 50.0], "velocity": [6e-4, 1e-3]})
+IPP = Drive(mode="IPP", frequency=30.0, base=0.5e-3, pulses=30)
+T = np.arange(0.0, 1.05, 0.01)  # the window of IPP is 0.15 to 1.05 s
+
+
+def read(folder, old=TOML, new=TOML, toml=TOML, rows=ROWS):
+    text = toml.replace(old, new)
+    return read_measurement(write_files(folder, NOMINAL, text, velocity=rows, a=FRAMES))
+
+
+def in_memory(table=TABLE, uncertain=None, **more):
+    scenario = Scenario().replace({"drive.base": 0.5e-3, "drive.pulses": 8})
+    return Measurement.from_dataframe(table, scenario, uncertain or {}, **more)
+
+
+FILE, HEADER = 'file = "velocity.csv"', "stickslip_measurement = 1"
+FRICTION, STATED = '"contact.kinetic_friction"', "drive = { frequency = 100.0 }"
+FILES = [
+    (HEADER, "stickslip_measurement = 2", "allowed is 1"),
+    (HEADER, "", "stickslip_measurement = 1 is missing"),
+    (HEADER, "stickslip = 1", "a scenario, not a measurement"),
+    ('name = "wafer"', 'nme = "wafer"', 'did you mean "name"'),
+    ("sd = 0.01", "sd = 0.0", "above 0"),
+    ("sd = 0.01", "std = 0.01", "{ mean = 0.145, std = 0.01 }: allowed is { mean, sd }"),
+    ("low = 1e-6", "low = 1e-3", "low < high"),
+    (FRICTION, '"contact.friction"', "no such key"),
+    (FRICTION, "contact.kinetic_friction", "quotation marks"),
+    (FRICTION, '"drive.peak"', "not in [drive]"),
+    (FILE, 'file = "absent.csv"', "cannot be read"),
+    (FILE, f"{FILE}\nvelocity_sd = 2", "velocity_sd"),
+    (FILE, f'{FILE}\n[[velocity]]\nfile = "./velocity.csv"', '"./velocity.csv" is there twice'),
+    (FILE, "", "[[velocity]] file is missing"),
+    ('scenario = "nominal.toml"', "scenario = 3", "scenario = 3"),
+    ("[[velocity]]", "[[speed]]", "[[speed]]: there is no such entry"),
+    (TOML, " ", 'is empty; a measurement has "stickslip_measurement = 1" and "scenario"'),
+]
+FILMS = [
+    (STATED, "drive = { frequency = -3 }", "a.csv: drive.frequency = -3"),
+    (STATED, "drive = { frequenzy = 3 }", 'did you mean "drive.frequency"'),
+    (STATED, "drive = 3", "a.csv: drive = 3"),
+    (STATED, 'drive = { file = "v.csv" }', "drive.file"),
+    ("frame_rate = 1000.0", "frame_rate = 0", "a.csv: frame_rate = 0"),
+    ("frame_rate = 1000.0", 'frame_rate = "fast"', "frame_rate"),
+    ("exposure = 3e-4", "exposure = 2e-3", "0.001 s"),
+    ("exposure = 3e-4", "exposure = -1", "exposure = -1"),
+    ("exposure = 3e-4", "noise_x = 0.0", "noise_x = 0.0"),
+    ("exposure = 3e-4", "noise_theta = nan", "noise_theta"),
+    ("exposure", "exposures", 'did you mean "exposure"'),
+    ("a.csv", "absent.csv", "absent.csv"),
+]
+TABLES = [
+    ("frequency\n30\n", '"velocity" is missing'),
+    ("velocity,frequenzy\n0.1,30\n", 'did you mean "frequency"'),
+    ("velocity\n", "no row of data"),
+    ("frequency,velocty\n30,0.1\n", '"velocty" may be meant'),
+    ("frequency,hold,velocity\n30,0.6,1e-3\n", ["line 2: hold of 0.6 T", "in mT"]),
+    ("frequency,velocity\n0.03,1e-3\n", ["frequency of 0.03 Hz", "in kHz"]),
+    ("velocity,velocity\n1,1\n", "twice"),
+    ("velocity,frequency\nnan,30\nfast,30\n", "no row is sound"),
+    ("velocity,frequency\n910,10\n920,20\n930,30\n", "if they are in um/s, divide"),
+]
+NORMAL = Prior("normal", 1e-5, 1e-6)
+GIVEN = [
+    ("no velocity", {"table": TABLE.rename(columns={"velocity": "v"})},
+     'column "velocity" is missing; there are'),
+    ("wrong unit", {"table": pd.concat([TABLE] * 3, ignore_index=True).assign(peak=0.5)},
+     "rows 0, 1, 2, 3, 4, ...: peak of 0.5 T is above 0.1 T; if"),
+    ("twice", {"table": pd.concat([TABLE, TABLE[["mode"]]], axis=1)},
+     'column "mode" is there twice'),
+    ("list", {"table": [1.0]}, "allowed is a DataFrame"),
+    ("empty", {"table": TABLE.iloc[:0]}, "DataFrame: has no row of data"),
+    ("error", {"velocity_sd": 2.0}, "velocity_sd = 2.0: allowed is a number above 0"),
+    ("typo", {"uncertain": {"drag.liner": NORMAL}}, "drag.linear"),
+    ("no sd", {"uncertain": {"drag.linear": {"mean": 1.0}}}, "allowed is { mean, sd }"),
+    ("both names",
+     {"uncertain": {"surface_tilt.angle": NORMAL, "effects.surface_tilt.angle": NORMAL}},
+     "is there twice"),
+    ("above the static friction",
+     {"uncertain": {"contact.kinetic_friction": Prior("normal", 0.5, 0.01)}},
+     ['[uncertain] "contact.kinetic_friction" = normal(', ": allowed"]),
+    ("mass", {"uncertain": {"robot.mass": Prior("normal", -1.0, 0.1)}},
+     ['[uncertain] "robot.mass" = normal(', ": allowed"]),
+]  # fmt: skip
+TRACKS = [
+    (T, T[1:], "t and x have the shapes"),
+    (T + np.nan, T, "no frame has both"),
+    (T[:50], 1e-3 * T[:50], ["t = 0 to 0.49: ", "cover the measuring window, 0.15 to 1.05 s"]),
+    (T[30:], 1e-3 * T[30:], "t = 0.3 to 1.04"),
+    (T[::15], 1e-3 * T[::15], ["5 frames are in ", "allowed are 8 or more"]),
+    (1e3 * T, T, "t may be in ms or the number of the frame"),
+    (T, 1e3 * T, ["1000 m/s: allowed is 1 m/s at most", "x may be in um or in pixels"]),
+]
+REFUSALS = [
+    *((f"file: {new or old}", partial(read, old=old, new=new), ScenarioError, words)
+      for old, new, words in FILES),
+    *((f"film: {new}", partial(read, old=old, new=new, toml=FILMED), ScenarioError, words)
+      for old, new, words in FILMS),
+    *((f"table: {rows}", partial(read, rows=rows), ScenarioError, words) for rows, words in TABLES),
+    *((f"in memory: {name}", lambda _, given=given: in_memory(**given), ScenarioError, words)
+      for name, given, words in GIVEN),
+    *((f"Prior{given}", lambda _, given=given: Prior(*given), ScenarioError, ": allowed is")
+      for given in ((0.145, 0.01), ({"mean": 1.0},), ("normal", 0.145), ("normal",))),
+    *((f"track: {words}", lambda _, t=t, x=x: velocity_of_track(t, x, IPP), ScenarioError, words)
+      for t, x, words in TRACKS),
+]  # fmt: skip
