@@ -61,7 +61,7 @@ FILES = [
     ("low = 1e-6", "low = 1e-3", "low < high"),
     (FRICTION, '"contact.friction"', "no such key"),
     (FRICTION, "contact.kinetic_friction", "quotation marks"),
-    (FRICTION, '"drive.peak"', "not in [drive]"),
+    (FRICTION, '"drive.peak"', "outside [drive]"),
     (FILE, 'file = "absent.csv"', "cannot be read"),
     (FILE, f"{FILE}\nvelocity_sd = 2", "velocity_sd"),
     (FILE, f'{FILE}\n[[velocity]]\nfile = "./velocity.csv"', '"./velocity.csv" is there twice'),
