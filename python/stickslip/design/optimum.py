@@ -315,7 +315,8 @@ class Optimum(OneLine):
             return []
         span = self.landscape["scores"].map(np.ptp).fillna(np.inf)  # where simulations fail
         chosen = span.nlargest(_MOST_SLICES).index
-        return self.landscape.loc[chosen.sort_values()].to_dict("records")
+        rows: list[dict[str, Any]] = self.landscape.loc[chosen.sort_values()].to_dict("records")
+        return rows
 
     def _draw_landscape(self, part: SubFigure, shown: list[dict[str, Any]]) -> None:
         factor, label = units.in_handy_units(self.goal.score, self.goal.unit)
