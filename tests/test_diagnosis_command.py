@@ -8,7 +8,7 @@ from command_line import ended_at_the_bar, stickslip
 from made_measurement import few_causes, write
 from report_page import without_pictures
 from stickslip import Scenario, simulate
-from stickslip._util.files import NotWritten
+from stickslip.errors import NotWritten
 
 FEW = ("surface_tilt", "friction_anisotropy", "field_gain")
 TILT = {"effects.surface_tilt.angle": 0.04}

@@ -37,6 +37,10 @@ def test_bad_input_is_refused_in_one_line(tmp_path, way, error, words):
         message = way(tmp_path)
     except error as raised:
         message = str(raised)
+        others = None if raised.__suppress_context__ else raised.__context__
+    else:
+        others = None
+    assert others is None, "it shows two errors"
     assert isinstance(message, str), "it was taken"
     message = message.removesuffix("\n")
     assert message.isprintable()

@@ -117,9 +117,13 @@ def test_an_interrupt_keeps_a_checkpoint(scenario, tmp_path):
     assert (done.returncode, done.stdout) == (130, b"")
     assert b"Traceback" not in done.stderr
     assert b"<" in seen  # the time left
-    assert done.stderr.endswith(b"stickslip: interrupted\n")
     with h5netcdf.File(tmp_path / "a.nc", "r") as file:
-        assert 0 < file.attrs["finished_points"] < 1000
+        kept = file.attrs["finished_points"]
+    assert 0 < kept < 1000
+    *_, said = done.stderr.decode().splitlines()
+    assert said.startswith("stickslip: interrupted, ")
+    assert f"a.nc has {kept} of 1000 points" in said
+    assert "--resume" in said
 
 
 def test_a_full_disk_is_one_line(scenario, tmp_path):

@@ -52,8 +52,9 @@ def begin(path, scenario=SLOW, vary=VARY, fraction=0.2):
         if done > fraction:
             raise KeyboardInterrupt
 
-    with pytest.raises(KeyboardInterrupt):
+    with pytest.raises(KeyboardInterrupt) as interrupt:
         sweep(scenario, vary, threads=1, out=path, progress=stop)
+    assert f"{path} has {finished_points(path)} of" in str(interrupt.value)
 
 
 def assert_resumes(path, expected, scenario=SLOW, vary=VARY):

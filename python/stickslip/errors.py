@@ -19,6 +19,10 @@ class ScenarioError(ValueError):
         super().__init__(printable(message))
 
 
+class NotWritten(OSError):
+    """A file that could not be written; the message names it."""
+
+
 @contextlib.contextmanager
 def prefixed(where: object, kind: type[Exception] = ScenarioError) -> Iterator[None]:
     """Raise errors of one kind as a ScenarioError whose message begins with `where` and a colon."""

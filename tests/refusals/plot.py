@@ -77,6 +77,20 @@ REFUSALS = [
     ("a Dataset as run", lambda _: plot.fields(recorded("walk").to_xarray()), ScenarioError,
      "open_run(path)"),
     ("no samples", lambda _: plot.run(recorded("walk"), 0.2, 0.1), ValueError, "less than two"),
+    ("a DataArray", lambda _: plot.velocity(by_mode().mean_velocity), ValueError,
+     ["data = ", "what sweep or predict gave"]),
+    ("a word as start", lambda _: plot.run(recorded("walk"), start="a"), ValueError,
+     'start = "a": allowed is a time, s'),
+    ("a word as stop", moved(stop="a"), ValueError, 'stop = "a": allowed is a time, s'),
+    ("a word as slowdown", moved(slowdown="slow"), ValueError, 'slowdown = "slow": allowed'),
+    ("a word as time", film("a"), ValueError, 'times = "a": allowed is a time, s'),
+    ("a number as times", lambda _: plot.filmstrip(recorded("walk"), 0.1), ValueError,
+     "times = 0.1: allowed is a list of times"),
+    ("a number as labels", film(0.1, labels=3), ValueError, "labels = 3: allowed is one for each"),
+    ("a number as axes", lambda _: plot.trajectory(recorded("walk"), ax=3), ValueError,
+     "ax = 3: allowed is an Axes"),
+    ("a run as figure", lambda folder: plot.save(recorded("walk"), folder / "a.png"), ValueError,
+     ["figure = ", "a Figure"]),
     ("no time", film(), ValueError, "a time or more"),
     ("a time outside", film(0.1, 9.0), ValueError, "9.0 s is outside the record"),
     ("labels", film(0.1, 0.2, labels=["a"]), ValueError, "labels has 1 entries: allowed are 2"),
@@ -109,7 +123,7 @@ REFUSALS = [
     ("a file as scenario", lambda _: plot.coils("a.toml"), ScenarioError, "a Scenario"),
     *(
         ("currents", lambda _, given=given: plot.coils(BASE, given), ValueError, "five finite")
-        for given in ([1.0], [np.nan, 0, 0, 0, 0])
+        for given in ([1.0], [np.nan, 0, 0, 0, 0], "a", [[1.0], [2.0, 3.0]])
     ),
     ("no current", lambda _: plot.coils(Scenario(drive=Drive(peak=0.0, hold=0.0))), ValueError,
      "no coil has a current"),

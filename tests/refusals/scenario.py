@@ -13,6 +13,8 @@ from measured_maps import formula_fields, formula_map, grid, write_csv
 from stickslip import (
     COIL_NAMES,
     Coil,
+    Coils,
+    Drive,
     EffectParameter,
     FieldMap,
     Scenario,
@@ -66,6 +68,16 @@ def of_waveform(_, given):
     """A constructor of waveforms by its name, with its arguments."""
     name, *arguments = given
     getattr(Waveform, name)(*arguments)
+
+
+def of_pulses(_, mode):
+    """Pulses in one plane, with another mode."""
+    Waveform.ipp(mode=mode)
+
+
+def of_coils(_, given):
+    """The coils of something."""
+    Coils.of(given)
 
 
 def of_hold(_, given):
@@ -144,6 +156,8 @@ WAYS = {
     "voltages": of_voltages,
     "class": of_class,
     "waveform": of_waveform,
+    "pulses": of_pulses,
+    "coils": of_coils,
     "hold": of_hold,
     "uncertain": of_uncertain,
     "uncertain file": of_uncertain_file,
@@ -246,7 +260,7 @@ REFUSALS = [
     ("voltages", None, "No such file"),
     ("voltages", "", "is empty"),
     ("voltages", "t,xp,xm,yp,ym,clamp\n", ["0 rows", "two points or more"]),
-    ("voltages", "t,xp,xm,yp,ym,clamp\n0,0,0,0,0,0\n", ["1 rows", "two points or more"]),
+    ("voltages", "t,xp,xm,yp,ym,clamp\n0,0,0,0,0,0\n", ["1 row of", "two points or more"]),
     ("voltages", "t,xp,xm,yp,ym\n0,0,0,0,0\n", ["row 1", "column clamp is missing"]),
     ("voltages", "0,0,0,0,0,0\n1,0,0,0,0,0\n", ["row 1", "column t is missing"]),
     ("voltages", "t,xp,xm,yp,ym,clamp,zp\n0,0,0,0,0,0,0\n", ["row 1", '"zp"', "no such"]),
@@ -293,6 +307,7 @@ REFUSALS = [
     ("class", ("Scenario", {"effects": []}), "effects = []"),
     ("class", ("Prior", {"kind": "gaussian"}), ["kind of a prior", "normal"]),
     ("class", ("Prior", {"kind": "normal", "first": 1.0, "second": 0.0}), "sd = 0.0"),
+    ("pulses", "OPP", 'mode = "OPP": allowed is none, as the voltages are those of IPP'),
     ("waveform", ("from_points", [0.0], np.zeros((1, 5))), "two points or more"),
     ("waveform", ("from_points", [0.0, 0.0], np.zeros((2, 5))), "no duration"),
     ("waveform", ("from_points", [0.1, 0.2], np.zeros((2, 5))), "has to be at 0"),
@@ -392,6 +407,7 @@ REFUSALS = [
     ("points", lambda points, fields: ([[10**400, 0, 0]], fields), "allowed are numbers"),
     ("points", lambda points, fields: (points[:3], fields), "of shape (3, 3)"),
     ("points", lambda points, fields: (points[:7], fields[:7]), "7 points: allowed are 8 or more"),
+    ("points", lambda points, fields: (points[:1], fields[:1]), "1 point: allowed are 8 or more"),
     ("points", lambda points, fields: (points, -fields), "with the other sign"),
     ("points", lambda points, fields: (points, fields[:, :, ::-1]), "exchanged columns"),
     (
@@ -408,6 +424,10 @@ REFUSALS = [
     ("with map", "coil.clamp.distance", "cannot be uncertain beside coil.map"),
     ("key", "drive.mod", 'did you mean "drive.mode"?'),
     ("key", "DRIVE.EDGE", 'did you mean "drive.edge"?'),
+    ("key", 3, "key 3: allowed is a word"),
+    ("changes", 3, "changes = 3: allowed is a Mapping, such as a dict"),
+    ("coils", Drive(), ["scenario = Drive(", "a Scenario"]),
+    ("coils", formula_map(count=(3, 3, 3)), ["scenario = ", "a Scenario"]),
     ("key", "drive.file", "drive.program takes a Waveform"),
     ("changes", {"drive.freqency": 3}, "drive.freqency = 3: there is no such key; did you mean"),
     ("changes", {"frequency": 3.0}, 'did you mean "drive.frequency"?'),

@@ -174,6 +174,25 @@ REFUSALS = [
     ),
     ("until y", until("y >= 1e-3"), ScenarioError, ["until", "plane y = 0"]),
     ("until heading", until("heading >= 3.2", heading=0.3), ScenarioError, ["from -pi to pi"]),
+    (
+        "a file as scenario",
+        lambda _: simulate("walk.toml"),
+        ScenarioError,
+        'scenario = "walk.toml": allowed is a Scenario, such as',
+    ),
+    (
+        "progress",
+        lambda _: simulate(RECORDED, "progress"),
+        ScenarioError,
+        ['progress = "progress"', "a function of a fraction"],
+    ),
+    ("path of a run", lambda _: open_run(3), ScenarioError, "path = 3: allowed is the name"),
+    (
+        "one scenario as batch",
+        lambda _: simulate_batch(RECORDED),
+        ScenarioError,
+        ["scenarios = ", "a list of Scenarios"],
+    ),
     ("batch", lambda _: simulate_batch([RECORDED, "s.toml"]), ScenarioError, ["scenario 1"]),
     *(
         (f"threads {n}", lambda _, n=n: simulate_batch([RECORDED], n), ValueError, ["threads"])

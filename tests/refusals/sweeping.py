@@ -1,5 +1,6 @@
 """What sweeps and predictions refuse: name, what is done in an empty folder, error, words."""
 
+import itertools
 from functools import partial
 
 import numpy as np
@@ -58,6 +59,8 @@ VARIED = [
     ("one word", {"drive.mode": "IPP"}, 'drive.mode = "IPP": allowed is a list'),
     ("array of none", {"drive.frequency": np.array(3.0)}, "allowed is a list"),
     ("table", {"drive.frequency": np.ones((2, 2))}, "drive.frequency = "),
+    ("endless", {"drive.frequency": itertools.count(1)}, "at most 10000000 values"),
+    ("long range", {"drive.frequency": range(1, 10**9)}, "at most 10000000 values"),
     ("nan", {"drive.frequency": [30.0, np.nan]}, "drive.frequency = nan"),
     ("negative", {"drive.frequency": [30.0, -1.0]}, "drive.frequency = -1.0"),
     ("bool", {"drive.frequency": [True]}, "drive.frequency = true"),
@@ -93,7 +96,7 @@ PREDICTED = [
     ("a single quantile", {"quantiles": 0.5}, "between 0 and 1"),
     ("no prior", {"uncertain": 3}, "a section [uncertain]"),
     ("scenario without priors", {"uncertain": Scenario()}, "no uncertain parameter"),
-    ("nothing uncertain", {"scenario": BASE}, "no band"),
+    ("nothing uncertain", {"scenario": BASE}, "state them under [uncertain]"),
     (
         "hardly allowed",
         {"uncertain": {"contact.kinetic_friction": {"mean": 0.9, "sd": 0.01}}},
@@ -141,12 +144,20 @@ REFUSALS = [
     *((f"sweep: threads {n!r}", partial(swept, threads=n), ValueError, "threads = ")
       for n in (0, -1, 1.5, True, "2")),
     ("sweep: resume without a file", partial(swept, resume=True), ValueError, "resume"),
+    ("sweep: executor", partial(swept, executor="dask"), ScenarioError,
+     'executor = "dask": allowed is an Executor'),
+    ("sweep: progress", partial(swept, progress="yes"), ScenarioError, "a function of a fraction"),
+    ("sweep: suffix", lambda folder: swept(folder, out=folder / "s.txt"), ValueError,
+     ".nc, .nc4, .h5"),
+    ("predict: suffix", lambda folder: predicted(folder, out=folder / "d.csv"), ValueError,
+     ".nc, .nc4, .h5"),
     *((f"predict: {n}", partial(predicted, **how), ScenarioError, words)
       for n, how, words in PREDICTED),
     *((f"resume: {n}", partial(resumed, **how), ScenarioError, words)
       for n, how, words in RESUMED),
     ("resume: run", a_run, ScenarioError, ANOTHER),
-    ("sweep: a folder", lambda folder: swept(folder, out=folder), OSError, "a folder"),
+    ("sweep: a folder", lambda folder: (folder / "a.nc").mkdir() or
+     swept(folder, out=folder / "a.nc"), OSError, "a folder"),
     ("sweep: no folder", lambda folder: swept(folder, out=folder / "no/a.nc"), OSError,
      "there is no folder"),
     ("sweep_dataframe: run", lambda folder: sweep_dataframe(simulate(BASE)), ScenarioError,

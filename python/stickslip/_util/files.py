@@ -12,13 +12,9 @@ from os import PathLike
 from pathlib import Path
 from typing import BinaryIO
 
-from stickslip.errors import ScenarioError
+from stickslip.errors import NotWritten, ScenarioError
 
 NETCDF_SUFFIXES = (".nc", ".nc4", ".h5")
-
-
-class NotWritten(OSError):
-    """A file that could not be written; the message names it."""
 
 
 def read_bytes(path: str | PathLike[str], most: int, kind: str) -> bytes:
@@ -92,7 +88,7 @@ def replacing(path: str | PathLike[str]) -> Iterator[Path]:
     except NotWritten:  # of another file, which it names
         raise
     except OSError as error:
-        raise NotWritten(f"cannot write {path}: {error.strerror or error}") from error
+        raise NotWritten(f"cannot write {path}: {error.strerror or error}") from None
     finally:
         if temporary is not None:
             with contextlib.suppress(OSError):
@@ -112,26 +108,27 @@ class _Tried(Exception):
 def check_folder(path: str | PathLike[str], files: Iterable[str] = ()) -> None:
     """Raise an OSError for a folder that could not be made, or where `files` could not be written.
 
-    It need not exist yet; the error names the obstacle.
+    It need not exist yet, but the folder around it; the error names the obstacle.
     """
-    folder, made = Path(path), list[Path]()
+    folder, made = Path(path), False
     try:
         check_name(path)
         if folder.exists() and not folder.is_dir():
             raise NotADirectoryError("it is not a folder")
-        for each in reversed([folder, *folder.parents]):
-            if not each.exists():
-                each.mkdir()
-                made.append(each)
+        if not folder.parent.is_dir():
+            raise FileNotFoundError(f"there is no folder {folder.parent}")
+        if not folder.exists():
+            folder.mkdir()
+            made = True
     except OSError as error:
         raise NotWritten(f"cannot write {path}: {error.strerror or error}") from None
     else:
         for name in files or (secrets.token_hex(8),):
             check_writable(folder / name)
     finally:
-        for each in reversed(made):
+        if made:
             with contextlib.suppress(OSError):  # another process has written into it
-                each.rmdir()
+                folder.rmdir()
 
 
 def write_together(writers: Mapping[Path, Callable[[Path], object]]) -> None:

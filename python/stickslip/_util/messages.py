@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import difflib
+import itertools
 import math
 import numbers
 from collections.abc import Iterable, Mapping
 from os import PathLike
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from stickslip._util.text import is_number, quoted
 from stickslip.errors import ScenarioError
 
 _LONGEST_SHOWN = 60  # characters of a value in an error; chosen: the error stays one line
+
+MOST_VALUES = 10_000_000
+"""Values of the longest list, and points of the largest sweep, whose results take 1.5 GB."""
 
 _SLIP = 0.8
 """Likeness of a misspelt word. Chosen: one letter of five; "time" and "edge_time" have 0.6."""
@@ -38,7 +42,7 @@ def shown(value: object) -> str:
 
 def refuse(key: str, value: object, allowed: str) -> NoReturn:
     """Raise the one-line error of a value that is not allowed."""
-    raise ScenarioError(f"{key} = {shown(value)}: allowed is {allowed}")
+    raise ScenarioError(f"{key} = {shown(value)}: allowed is {allowed}") from None
 
 
 def check_whole(name: str, value: object, least: int = 0) -> None:
@@ -54,11 +58,26 @@ def check_above_zero(name: str, value: object, unit: str) -> None:
 
 
 def check_kind(name: str, value: object, kind: type) -> None:
-    """Refuse what is not of a class of this package."""
+    """Refuse what is not of a class."""
     if not isinstance(value, kind):
         of_a_file = isinstance(value, str | PathLike) and kind.__name__ == "Scenario"
         hint = ", such as stickslip.load makes of a file" if of_a_file else ""
-        refuse(name, value, f"a {kind.__name__}{hint}")
+        hint += ", such as a dict" if kind is Mapping else ""
+        article = "an" if kind.__name__[0] in "AEIO" else "a"
+        refuse(name, value, f"{article} {kind.__name__}{hint}")
+
+
+def as_list(name: str, values: object, allowed: str) -> list[Any]:
+    """The values of an iterable that is neither text nor mapping; `allowed` names it in errors."""
+    if isinstance(values, str | bytes | Mapping):
+        refuse(name, values, allowed)
+    try:
+        found = list(itertools.islice(values, MOST_VALUES + 1))  # type: ignore[call-overload]
+    except TypeError:  # not iterable, such as an array without dimensions
+        refuse(name, values, allowed)
+    if len(found) > MOST_VALUES:
+        raise ScenarioError(f"{name}: allowed are at most {MOST_VALUES} values")
+    return found
 
 
 def nearest(word: str, known: Iterable[str]) -> str | None:

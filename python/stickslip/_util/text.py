@@ -49,6 +49,11 @@ def quoted(text: str) -> str:
     )
 
 
+def counted(count: int, thing: str) -> str:
+    """``1 frame`` or ``3 frames``."""
+    return f"{count} {thing}{'' if count == 1 else 's'}"
+
+
 def is_number(value: object) -> TypeGuard[float]:
     """Whether a value is a real number; True and False are none."""
     return isinstance(value, numbers.Real) and not isinstance(value, bool)

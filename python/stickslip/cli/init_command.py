@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from stickslip._util.files import replacing
+from stickslip._util.files import check_writable, replacing
 from stickslip._util.text import json_text
 from stickslip.cli.keys_command import FILES
 from stickslip.cli.options import PATH
@@ -47,7 +47,9 @@ def command(file: Path) -> None:
     """
     if file.is_file() or file.is_symlink():
         raise ScenarioError(f"{file} already exists: choose another name, or remove it")
-    with prefixed("FILE", OSError), replacing(file) as temporary:
+    with prefixed("FILE", OSError):
+        check_writable(file)
+    with replacing(file) as temporary:
         temporary.write_text(_commented_scenario(), encoding="utf-8")
     say(f"wrote {file}")
 

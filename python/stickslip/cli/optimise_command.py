@@ -114,6 +114,8 @@ def command(
 
     Ctrl-C ends the search, and writes the best so far.
     """
+    if how["maximise"] is None and how["minimise"] is None:
+        raise click.UsageError("--maximise or --minimise is missing, with a number of the summary")
     base, read = load_uncertain(scenario, set, uncertain)
     if out is None and not as_json:
         out = Path("best")

@@ -11,14 +11,13 @@ from typing import Any, TypeVar
 import click
 from click.shell_completion import CompletionItem
 
-from stickslip._util.messages import shown
+from stickslip._util.messages import MOST_VALUES, shown
 from stickslip.scenario.keys import PATHS, Value, full_name, known_keys
 
 _F = TypeVar("_F", bound=Callable[..., Any])
 
 _WITH_UNIT = re.compile(r"[-+]?\.?\d[\d.eE+-]*\s*([^\W\d]|[°%])")
 _QUOTES = "'\""
-_MOST_VALUES = 10_000_000  # of a range; chosen: a sweep of as many points is refused too
 
 
 def key_names(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
@@ -89,13 +88,13 @@ def _values(key: str, text: str) -> list[Value]:
         # Decimals, so that 0.1:0.5:5 gives 0.3 and not the sum of rounded steps.
         start, stop, count = Decimal(first.strip()), Decimal(last.strip()), int(number)
         step = (stop - start) / max(count - 1, 1)
-        allowed = step.is_finite() and 1 <= count <= _MOST_VALUES
+        allowed = step.is_finite() and 1 <= count <= MOST_VALUES
     except (ArithmeticError, ValueError):
         allowed = False
     if not allowed or (count == 1) != (start == stop):
         raise ValueError(
             "allowed is start:stop:count with two numbers, and a whole number of values from 2 to "
-            f"{_MOST_VALUES}"
+            f"{MOST_VALUES}"
         )
     return [float(start + place * step) for place in range(count)]
 

@@ -20,7 +20,7 @@ from stickslip.design.space import Space, Values, made_space
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import RECORD_RATE, find_key
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.simulate import Progress, simulate, simulate_batch
+from stickslip.simulation.simulate import Progress, check_progress, simulate, simulate_batch
 
 LEADERS = 24
 """Best candidates that meet other draws. Chosen: enough to find one among them that is no luck."""
@@ -112,12 +112,15 @@ def optimise(
         If a package of the extra ``optimise`` is missing.
     """
     check_kind("scenario", scenario, Scenario)
-    limits = limits or {}
+    free, limits = free or {}, limits or {}
+    for name, given in {"free": free, "limits": limits}.items():
+        check_kind(name, given, Mapping)
+    check_progress(progress)
     goal = made_goal(maximise, minimise, score, limits, walking=not allow_flight)
     for name, count in {"draws": draws, "fresh": fresh, "evaluations": evaluations}.items():
         check_whole(name, count, 1)
     check_whole("seed", seed)
-    space = made_space(scenario, free or {}, knots, coils, limits.get("voltage_max"))
+    space = made_space(scenario, free, knots, coils, limits.get("voltage_max"))
     streams = [_drawn(scenario, n, [seed, k]) for k, n in enumerate((draws, fresh, fresh, ABOUT))]
     design = _Design(space, goal, streams, worker_count(threads, "threads"), progress)
     try:

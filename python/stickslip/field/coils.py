@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
+from stickslip._util.messages import refuse
 from stickslip._util.numbers import Array
 
 
@@ -58,8 +59,11 @@ class Coils:
         With ``coil.map`` the field is that of the map, and known in its `box` only; side, distance
         and turns then have no part in it.
         """
+        core = scenario.to_core() if hasattr(scenario, "to_core") else None
+        if not isinstance(core, _core.Scenario):
+            refuse("scenario", scenario, "a Scenario")
         made = cls()
-        made._core = scenario.to_core().coils()
+        made._core = core.coils()
         return made
 
     def __repr__(self) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.messages import shown
 from stickslip._util.numbers import Array, root_mean_square
+from stickslip._util.text import counted
 from stickslip.errors import ScenarioError
 
 FEWEST = 8
@@ -152,8 +153,8 @@ def _check(coil: int, points: Array, fields: Array, lines: Sequence[Sequence[int
     name = _core.coil_names[coil]
     if len(points) < FEWEST:
         raise ScenarioError(
-            f"coil {name}: {len(points)} points: allowed are {FEWEST} or more, as every coil has "
-            "to be measured"
+            f"coil {name}: {counted(len(points), 'point')}: allowed are {FEWEST} or more, as every "
+            "coil has to be measured"
         )
     for values, names, most, unit, hint in (
         (points, "xyz", _FARTHEST, "m", "are these millimetres?"),

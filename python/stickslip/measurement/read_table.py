@@ -16,7 +16,7 @@ from stickslip._util.files import read_bytes
 from stickslip._util.messages import misspelt, nearest, refuse, shown
 from stickslip._util.numbers import Array
 from stickslip._util.tables import Units, without_units
-from stickslip._util.text import is_number, number
+from stickslip._util.text import counted, is_number, number
 from stickslip._util.units import split_unit, to_si
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.simulation.note import Note
@@ -67,11 +67,6 @@ class NothingSound(ScenarioError):
         self.why = why
         self.note = Note("no-sound-row", f"{path}: no row is sound. {why}")
         super().__init__(self.note)
-
-
-def counted(count: int, thing: str) -> str:
-    """``1 frame`` or ``3 frames``."""
-    return f"{count} {thing}{'' if count == 1 else 's'}"
 
 
 def read_rows(path: Path, units: Units) -> Rows:

@@ -12,10 +12,10 @@ import numpy as np
 
 from stickslip._util.messages import refuse, shown
 from stickslip._util.numbers import Array, are_equal
-from stickslip._util.text import OneLine, highest, is_number
+from stickslip._util.text import OneLine, counted, highest, is_number
 from stickslip._util.units import split_unit, unit_meant
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.measurement.read_table import counted, read_numbers, stated_number
+from stickslip.measurement.read_table import read_numbers, stated_number
 from stickslip.scenario.keys import FILE
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.note import Note

@@ -14,7 +14,7 @@ import numpy as np
 from stickslip._util.messages import shown
 from stickslip._util.numbers import RELATIVE, Array, Indices, Mask, representatives
 from stickslip._util.tables import Units
-from stickslip._util.text import OneLine, comma_hint, number
+from stickslip._util.text import OneLine, comma_hint, counted, number
 from stickslip._util.units import factor_text, unit_factor, unit_meant
 from stickslip.errors import ScenarioError
 from stickslip.measurement.outliers import far_from_their_group
@@ -24,7 +24,6 @@ from stickslip.measurement.read_table import (
     NothingSound,
     Rows,
     check_columns,
-    counted,
     not_used,
 )
 from stickslip.scenario.keys import Value, in_allowed_case, known_keys

@@ -12,7 +12,7 @@ from matplotlib.ticker import LogLocator
 from numpy.typing import ArrayLike
 
 from stickslip._util import palette
-from stickslip._util.messages import check_kind
+from stickslip._util.messages import check_kind, refuse
 from stickslip._util.numbers import Array
 from stickslip.field.coils import Coils
 from stickslip.plot import style
@@ -56,9 +56,7 @@ def coils(scenario: Scenario, currents: ArrayLike | None = None, ax: Axes | None
         If the currents are not five finite numbers, or make no field.
     """
     check_kind("scenario", scenario, Scenario)
-    amperes = _highest_currents(scenario) if currents is None else np.asarray(currents, np.float64)
-    if amperes.shape != (len(COIL_NAMES),) or not np.isfinite(amperes).all():
-        raise ValueError(f"currents = {currents!r}: allowed are five finite numbers, A")
+    amperes = _highest_currents(scenario) if currents is None else _checked(currents)
     made = Coils.of(scenario)
     told = [f"{name}: {value:.3g} A" for name, value in zip(COIL_NAMES, amperes, strict=True)]
     halves, distances = (np.broadcast_to(each, 5) for each in (made.side, made.distance))
@@ -77,6 +75,17 @@ def coils(scenario: Scenario, currents: ArrayLike | None = None, ax: Axes | None
         axes.set(xlabel="x (mm)", ylabel="z (mm)", aspect="equal")
         axes.grid(visible=False)
     return style.root_figure(axes)
+
+
+def _checked(currents: ArrayLike) -> Array:
+    """Currents that a user gave."""
+    try:
+        amperes = np.asarray(currents, np.float64)
+    except (TypeError, ValueError):  # words, or rows of several lengths
+        amperes = np.empty(0)
+    if amperes.shape != (len(COIL_NAMES),) or not np.isfinite(amperes).all():
+        refuse("currents", currents, "a list of five finite numbers, A")
+    return amperes
 
 
 def _highest_currents(scenario: Scenario) -> Array:

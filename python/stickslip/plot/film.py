@@ -11,10 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from stickslip._util import palette
+from stickslip._util.messages import as_list
 from stickslip._util.numbers import Array
 from stickslip._util.picture import RC, Picture
 from stickslip.plot import style
-from stickslip.plot.motion import corners, lowest_corner, motion
+from stickslip.plot.motion import check_times, corners, lowest_corner, motion
 from stickslip.simulation.run import Run
 
 # Chosen by eye.
@@ -57,15 +58,17 @@ def filmstrip(
         If there is no time, one outside the record, or another number of `labels` or `ax`.
     """
     shown = motion(run)
+    times = as_list("times", times, "a list of times, s")
     if not times:
         raise ValueError("times = []: allowed is a time or more")
     for time in times:
+        check_times(times=time)
         if not shown.t[0] <= time <= shown.t[-1]:
             raise ValueError(
                 f"times: {time} s is outside the record, {shown.t[0]:g} s to {shown.t[-1]:g} s"
             )
     for name, given in (("labels", labels), ("ax", ax)):
-        if given is not None and len(given) != len(times):
+        if given is not None and len(as_list(name, given, "one for each time")) != len(times):
             raise ValueError(f"{name} has {len(given)} entries: allowed are {len(times)}")
 
     samples = [shown.sample(time) for time in times]

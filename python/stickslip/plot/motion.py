@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip._util.messages import refuse
 from stickslip._util.numbers import Array
+from stickslip._util.text import is_number
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.quantities import recorded_names
 from stickslip.simulation.run import Run
@@ -47,6 +48,7 @@ class Motion:
 
     def between(self, start: float | None, stop: float | None) -> Motion:
         """The part from `start` to `stop`, s; it has two samples or more."""
+        check_times(start=start, stop=stop)
         first = self.t[0] if start is None else start
         last = self.t[-1] if stop is None else stop
         chosen = np.flatnonzero((self.t >= first) & (self.t <= last))
@@ -63,6 +65,13 @@ class Motion:
     def sample(self, time: float) -> int:
         """Index of the sample that is nearest to a time, s."""
         return int(np.abs(self.t - time).argmin())
+
+
+def check_times(**given: object) -> None:
+    """Refuse what is neither a number of seconds nor None."""
+    for name, time in given.items():
+        if time is not None and not is_number(time):
+            refuse(name, time, "a time, s")
 
 
 def check_drawable(scenario: Scenario) -> None:

@@ -28,11 +28,12 @@ from PIL import Image
 from stickslip._util import palette
 from stickslip._util.files import check_suffix, replacing
 from stickslip._util.html import in_base64
+from stickslip._util.messages import check_above_zero
 from stickslip._util.picture import RC, Picture
 from stickslip.plot import style
 from stickslip.plot.above import frame_from_above, heading_arrows
 from stickslip.plot.curves import draw_fields
-from stickslip.plot.motion import Motion, corners, footprint, lowest_corner, motion
+from stickslip.plot.motion import Motion, check_times, corners, footprint, lowest_corner, motion
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.run import Run
 
@@ -105,6 +106,7 @@ def animation(
     <Animation: 200 frames, 10 s>
     """
     shown = motion(run)
+    check_times(start=start, stop=stop)
     ends = float(shown.t[0]), float(shown.t[-1])
     first, last = _stretch(run.scenario, *ends, start, stop)
     shown.between(first, last)  # refuses a stretch without samples
@@ -138,9 +140,8 @@ def _timing(
     if slowdown is None:
         most = 1.001 * _LONGEST / duration  # the duration has the rounding of its ends
         slowdown = _round_below(most)
-    for name, value in (("slowdown", slowdown), ("frames_per_second", frames_per_second)):
-        if not 0.0 < value < math.inf:
-            raise ValueError(f"{name} = {value!r}: allowed is a finite number above 0")
+    check_above_zero("slowdown", slowdown, "seconds a second")
+    check_above_zero("frames_per_second", frames_per_second, "Hz")
     # A float, as the product of two finite numbers may be infinite.
     count = max(2.0, float(np.rint(duration * slowdown * frames_per_second)))
     if count > _MOST_FRAMES:

@@ -17,6 +17,7 @@ from matplotlib.ticker import ScalarFormatter
 
 from stickslip._util import palette
 from stickslip._util.files import check_suffix, replacing
+from stickslip._util.messages import check_kind
 from stickslip._util.numbers import Array
 from stickslip._util.picture import RC, Picture
 
@@ -74,6 +75,8 @@ def readable(axes: Axes, *, x: float = 0.0, y: float = LEAST_SPAN) -> None:
 @contextlib.contextmanager
 def drawing(ax: Axes | None, size: tuple[float, float]) -> Iterator[Axes]:
     """The axes `ax`, or those of a new figure of a size in inches, to draw in with this style."""
+    if ax is not None:
+        check_kind("ax", ax, Axes)
     with matplotlib.rc_context(RC):
         yield ax or Picture(figsize=size, layout="constrained").subplots()
 
@@ -131,6 +134,7 @@ def save(figure: Figure, path: str | PathLike[str]) -> None:
     OSError
         If the file cannot be written; an older file of that name is then untouched.
     """
+    check_kind("figure", figure, Figure)
     check_format(path)
     with replacing(path) as temporary:
         figure.savefig(temporary, dpi=_DOTS_PER_INCH)

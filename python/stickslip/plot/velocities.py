@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from stickslip._util import palette
+from stickslip._util.messages import refuse
 from stickslip._util.numbers import Array
 from stickslip._util.picture import legend_above
 from stickslip._util.units import in_handy_units
@@ -74,7 +75,7 @@ def velocity(data: xarray.Dataset, ax: Axes | None = None) -> Figure:
     """
     table: Any = data
     if not hasattr(table, "data_vars"):
-        raise ValueError(f"data = {table!r}: allowed is what sweep or predict gave")
+        refuse("data", table, "what sweep or predict gave")
     if "mean_velocity" not in table:
         raise ValueError("the Dataset is not one of a sweep: it has no mean_velocity")
     figure, direction = next(iter(shown_velocities(table).items()))

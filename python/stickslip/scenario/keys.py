@@ -183,14 +183,21 @@ def is_of_one_coil(key: str) -> bool:
     return key.startswith("coil.") and key.count(".") > 1
 
 
+def check_word(key: object) -> None:
+    """Refuse what is no word, and so no key."""
+    if not isinstance(key, str):
+        raise ScenarioError(f"key {shown(key)}: allowed is a word such as drive.frequency")
+
+
 def find_key(name: str, *value: object) -> Key:
     """The key of that name, or an error that names the nearest one, and the value if there is."""
+    check_word(name)
     keys = known_keys()
     if name in keys:
         return keys[name]
     given = " = ".join([name, *map(shown, value)])
     hint = f" here; {PATHS[name]}" if name in PATHS else f"; {key_hint(name)}"
-    raise ScenarioError(f"{given}: there is no such key{hint}")
+    raise ScenarioError(f"{given}: there is no such key{hint}") from None
 
 
 def set_value(core: _core.Scenario, name: str, value: object) -> None:

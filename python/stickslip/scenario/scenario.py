@@ -265,6 +265,8 @@ class Scenario:
             If a key is unknown or a value not allowed.
         """
         made = self._copy()
+        if changes is not None:
+            check_kind("changes", changes, Mapping)
         given = {**(changes or {}), **more}
         values = {full_name(str(key)): value for key, value in given.items()}
         # A mode resets what another one has, and a key of all coils that of a single one.

@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike
 
 from stickslip import _core
 from stickslip._util.files import replacing
-from stickslip._util.messages import check_above_zero, check_whole, meant
+from stickslip._util.messages import check_above_zero, check_whole, meant, refuse
 from stickslip._util.numbers import Array, Mask
 from stickslip._util.tables import read_table
-from stickslip._util.text import highest, is_number
+from stickslip._util.text import counted, highest, is_number
 from stickslip.errors import prefixed
 from stickslip.scenario.keys import COIL_NAMES, set_value
 
@@ -181,6 +181,8 @@ class Waveform:
 
     @classmethod
     def _pulsed(cls, mode: str, coil: Coil | None, fields: dict[str, Any]) -> Waveform:
+        if "mode" in fields:
+            refuse("mode", fields["mode"], f"none, as the voltages are those of {mode}")
         core = _with_coil(coil)
         for name, value in {"mode": mode, **fields}.items():
             set_value(core, f"drive.{name}", value)
@@ -451,7 +453,7 @@ def _check_points(t: Array, v: Array, lines: Sequence[int] | None = None) -> Non
         return f"point {k + 1}" if lines is None else f"row {lines[k]}"
 
     if len(t) < 2:
-        raise ValueError(f"{len(t)} rows of voltages: allowed are two points or more")
+        raise ValueError(f"{counted(len(t), 'row')} of voltages: allowed are two points or more")
     if t[0] != 0.0:
         raise ValueError(f"{name(0)}: t = {float(t[0])!r}: the first time has to be at 0 s")
     falls = np.flatnonzero(t[1:] < (1.0 - _ROUNDING) * t[:-1])

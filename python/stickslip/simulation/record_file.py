@@ -21,8 +21,9 @@ import numpy as np
 
 from stickslip import _core
 from stickslip._util.extras import naming_the_extra
-from stickslip._util.files import NotWritten, check_writable, replacing
-from stickslip.errors import ScenarioError, prefixed
+from stickslip._util.files import check_writable, replacing
+from stickslip._util.messages import refuse
+from stickslip.errors import NotWritten, ScenarioError, prefixed
 from stickslip.field.field_map import FieldMap
 from stickslip.scenario.scenario import scenario_of
 from stickslip.scenario.sections import State
@@ -250,7 +251,7 @@ class RecordFile:
             raise
         except OSError as error:
             text = f"cannot write {self.part}: {error.strerror or error}"
-            raise NotWritten(f"{text}; {self.extent}" if self.samples else text) from error
+            raise NotWritten(f"{text}; {self.extent}" if self.samples else text) from None
 
 
 def _set_attributes(file: Any, run: Run, complete: bool) -> None:
@@ -270,7 +271,7 @@ def write_run(run: Run, path: str | PathLike[str]) -> None:
             file.describe(run)
             part.replace(temporary)
         except NotWritten as error:
-            reason: Any = error.__cause__ or error
+            reason: Any = error.__context__ or error
             text = f"cannot write {path}: {reason.strerror or reason}"
             raise NotWritten(text) from None
         finally:
@@ -334,6 +335,8 @@ _ALLOWED = "allowed is a netCDF file that Run.save or --out wrote"
 
 def stored(path: str | PathLike[str]) -> tuple[Scenario, dict[str, Any], StoredRecord]:
     """Scenario, outcome and record of a run's file, as `Run` takes them."""
+    if not isinstance(path, str | PathLike):  # a number is an open file
+        refuse("path", path, "the name of a file")
     with prefixed(path):
         with _opened(path) as file:
             about = {

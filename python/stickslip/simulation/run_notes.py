@@ -71,6 +71,8 @@ class Limit(NamedTuple):
     of_many: str  # what some of many are
 
 
+_PULLED = "the gradient of the in-plane field pulls the robot with {} of what friction holds"
+
 LIMITS: Mapping[str, Limit] = {
     "flight": Limit(
         "airborne_fraction",
@@ -82,9 +84,8 @@ LIMITS: Mapping[str, Limit] = {
     "pulled": Limit(
         "pull_ratio",
         0.5,
-        "the gradient of the in-plane field pulls the robot with up to {n:.2g} of what friction "
-        "holds, so that part of its velocity is no walk; {do}",
-        "pulled by more than half of what friction holds",
+        _PULLED.format("up to {n:.2g}") + ", so that part of its velocity is no walk; {do}",
+        _PULLED.format("more than half"),
     ),
     "field-change": Limit(
         "field_change",

@@ -11,7 +11,7 @@ from typing import Any
 
 from stickslip import _core
 from stickslip._util.files import NETCDF_SUFFIXES, check_suffix, check_writable
-from stickslip._util.messages import check_kind, refuse
+from stickslip._util.messages import as_list, check_kind, refuse
 from stickslip._util.numbers import worker_count
 from stickslip._util.text import highest
 from stickslip.errors import ScenarioError
@@ -35,8 +35,15 @@ MOST_IN_MEMORY = 10_000_000
 _CONDITION = re.compile(r"\s*(\w+)\s*([<>]=)\s*(\S+)\s*")
 
 
+def check_progress(progress: object) -> None:
+    """Refuse what cannot be called with a fraction and a stage."""
+    if progress is not None and not callable(progress):
+        refuse("progress", progress, "a function of a fraction and a stage")
+
+
 def fraction_of(total: float, progress: Progress | None) -> Callable[[float], object] | None:
     """The core's callback of the simulated time, s, of `total` in all, s."""
+    check_progress(progress)
     if progress is None:
         return None
     return lambda done: progress(min(done / total, 1.0) if total > 0.0 else 1.0, STAGE)
@@ -140,9 +147,9 @@ def simulate(
     >>> print(f"{run.mean_velocity * 1e3:.2f} mm/s")
     1.91 mm/s
     """
+    check_kind("scenario", scenario, Scenario)
     if out is None:
         return simulate_batch([scenario], threads=1, progress=progress, until=until)[0]
-    check_kind("scenario 0", scenario, Scenario)
     check_suffix(out, SUFFIXES)
     if scenario.record.rate == "none":
         raise ScenarioError('record.rate = "none": allowed with out is a number of Hz, or "events"')
@@ -216,7 +223,7 @@ def simulate_batch(
     KeyboardInterrupt
         On Ctrl-C, within a fraction of a second.
     """
-    scenarios = list(scenarios)
+    scenarios = as_list("scenarios", scenarios, "a list of Scenarios")
     for index, scenario in enumerate(scenarios):
         check_kind(f"scenario {index}", scenario, Scenario)
         check_memory(scenario)

@@ -102,15 +102,19 @@ def finished(data: xarray.Dataset, points: Points) -> xarray.Dataset:
     codes, counts = np.unique(data["status"], return_counts=True)
     by_status = dict(zip(codes.tolist(), counts.tolist(), strict=True))
     columns = {str(name): each.values for name, each in data.items()}
-    things = "simulations" if DRAW in points.sizes else "points"
     about = {
         "finished_points": points.count - by_status.get(NOT_RUN, 0),
         "failed_points": sum(n for code, n in by_status.items() if code not in (NOT_RUN, OK)),
         "statuses": json.dumps({STATUSES[code]: n for code, n in by_status.items()}),
-        "notes": notes_json(notes_of(points, columns, things)),
+        "notes": notes_json(notes_of(points, columns, things_of(points))),
     }
     made = data.assign(_seen_from_drive(data, points)).assign_attrs(about)
     return made if np.any(data["message"] != "") else made.drop_vars("message")
+
+
+def things_of(points: Points) -> str:
+    """What the points are, in words."""
+    return "simulations" if DRAW in points.sizes else "points"
 
 
 def _seen_from_drive(data: xarray.Dataset, points: Points) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip._util.messages import check_kind, shown
+from stickslip._util.messages import MOST_VALUES, as_list, check_kind, shown
 from stickslip._util.numbers import ABSOLUTE, RELATIVE, Array, Indices, representatives
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import (
@@ -20,6 +20,7 @@ from stickslip.scenario.keys import (
     PATHS,
     SAWTOOTH,
     Value,
+    check_word,
     checked,
     full_name,
     is_of_one_coil,
@@ -37,9 +38,6 @@ Vary: TypeAlias = "Mapping[str, Iterable[Value]] | Sequence[Mapping[str, Value]]
 
 Column = tuple[str, NDArray[Any]]
 """The dimension along which a key varies, and its value at each place."""
-
-MOST_POINTS = 10_000_000
-"""Points of the largest sweep; their results take some 1.5 GB of memory."""
 
 POINT, DRAW = "point", "draw"
 """Dimensions of a list, and of the draws of a prediction."""
@@ -112,9 +110,9 @@ class Points:
 
 
 def check_count(count: int) -> None:
-    """Refuse a sweep of more points than `MOST_POINTS`."""
-    if count > MOST_POINTS:
-        raise ScenarioError(f"{count} points: allowed are at most {MOST_POINTS} simulations")
+    """Refuse a sweep of more points than `MOST_VALUES`."""
+    if count > MOST_VALUES:
+        raise ScenarioError(f"{count} points: allowed are at most {MOST_VALUES} simulations")
 
 
 def name_of(key: str) -> str:
@@ -200,22 +198,11 @@ def _by_single_coils(row: Mapping[str, Value]) -> dict[str, Value]:
 
 
 def _check_key(key: object) -> None:
-    if not isinstance(key, str):
-        raise ScenarioError(f"key {shown(key)}: allowed is a word such as drive.frequency")
+    check_word(key)
     if key in (*OBJECTS, *PATHS):
         raise ScenarioError(f"{key}: a sweep varies numbers and words, not voltages or maps")
     if key.startswith("record."):
         raise ScenarioError(f"{key}: a sweep keeps summaries only, whatever is recorded")
-
-
-def as_list(name: str, values: object, allowed: str) -> list[Any]:
-    """The values of an iterable that is neither text nor mapping; `allowed` names it in errors."""
-    try:
-        if not isinstance(values, str | bytes | Mapping):
-            return list(values)  # type: ignore[call-overload, no-any-return]
-    except TypeError:  # not iterable, such as an array without dimensions
-        pass
-    raise ScenarioError(f"{name} = {shown(values)}: allowed is {allowed}")
 
 
 def _check_axis(key: str, values: list[Value]) -> None:

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip._util.messages import check_kind, check_whole, shown
+from stickslip._util.messages import as_list, check_kind, check_whole, shown
 from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.uncertain import JointPrior, counted_draws
 from stickslip.simulation.simulate import Progress
 from stickslip.sweeping.dataset import OK
-from stickslip.sweeping.points import Points, Vary, as_list, check_count, points_of
+from stickslip.sweeping.points import Points, Vary, check_count, points_of
 from stickslip.sweeping.run_sweep import sweep_points
 
 if TYPE_CHECKING:
@@ -108,8 +108,8 @@ def predict(
     prior = scenario.uncertain
     if prior is None:
         raise ScenarioError(
-            "uncertain: the scenario has no uncertain parameter, so there is no band; name some in "
-            "[uncertain] of its file, or give them: uncertain=..., or --uncertain FILE"
+            "the scenario has no uncertain parameters: state them under [uncertain], or by "
+            "uncertain=... or --uncertain FILE"
         )
     alone = vary is None or (isinstance(vary, Mapping) and not vary)
     points = Points(scenario, {}, {}) if alone else points_of(scenario, vary)

@@ -14,12 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip._util.files import check_writable
+from stickslip._util.files import NETCDF_SUFFIXES, check_suffix, check_writable
+from stickslip._util.messages import check_kind
 from stickslip._util.numbers import Array, Indices, worker_count
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.simulate import STAGE, Progress
+from stickslip.simulation.simulate import STAGE, Progress, check_progress
 from stickslip.sweeping.checkpoint import MIN_INTERVAL, checkpoint, locked, take_over, write
-from stickslip.sweeping.dataset import NOT_RUN, empty, finished, flat, put
+from stickslip.sweeping.dataset import NOT_RUN, empty, finished, flat, put, things_of
 from stickslip.sweeping.points import Points, Vary, points_of
 
 if TYPE_CHECKING:
@@ -110,7 +111,8 @@ def sweep(
         If there is no point, a key is unknown, a value not allowed or twice on one axis; if
         `resume` meets a file that is not of this sweep; or if another sweep is writing `out`.
     ValueError
-        If `threads` is not a whole number above zero, or `resume` comes without `out`.
+        If `threads` is not a whole number above zero, `resume` comes without `out`, or the name
+        `out` does not end in ``.nc``, ``.nc4`` or ``.h5``.
     FileExistsError
         If `out` is there and `resume` is false.
     OSError
@@ -118,7 +120,8 @@ def sweep(
     RuntimeError
         If a worker has another version of this package.
     KeyboardInterrupt
-        On Ctrl-C, within a fraction of a second; `out` then holds what was done.
+        On Ctrl-C, within a fraction of a second; `out` then holds what was done, and the text says
+        how much that is.
 
     Examples
     --------
@@ -146,6 +149,11 @@ def sweep_points(
     count = worker_count(1 if executor is not None and threads is None else threads, "threads")
     if resume and out is None:
         raise ValueError("resume = True: allowed with a file `out` only, which it goes on with")
+    if executor is not None:
+        check_kind("executor", executor, Executor)
+    check_progress(progress)
+    if out is not None:
+        check_suffix(out, NETCDF_SUFFIXES)
     with locked(out):
         data = empty(points)
         if out is not None and os.path.isfile(out):
@@ -159,6 +167,12 @@ def sweep_points(
         before = np.count_nonzero(data["status"] == NOT_RUN)
         try:
             _simulate(points, data, executor, count, out, progress)
+        except KeyboardInterrupt:
+            done = np.count_nonzero(data["status"] != NOT_RUN)
+            if out is None or not done:
+                raise
+            kept = f"{out} has {done} of {points.count} {things_of(points)}"
+            raise KeyboardInterrupt(f"{kept}; resume=True, or --resume, goes on with it") from None
         finally:
             if out is not None and np.count_nonzero(data["status"] == NOT_RUN) < before:
                 write(finished(data, points), out)
