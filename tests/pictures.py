@@ -67,9 +67,11 @@ def visible_text(figure):
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     renderer = canvas.get_renderer()
-    texts = [*figure.texts, *([figure._suptitle] if figure._suptitle else [])]
-    for legend in figure.legends:
-        texts += legend.get_texts()
+    texts = []
+    for part in (figure, *figure.subfigs):
+        texts += [*part.texts, *filter(None, [part._suptitle, part._supxlabel, part._supylabel])]
+        for legend in part.legends:
+            texts += [*legend.get_texts(), legend.get_title()]
     for axes in figure.axes:
         texts += [*axes.texts, axes.title, axes._left_title]
         if axes.get_legend():
@@ -102,6 +104,7 @@ def assert_legible(figure, least=5):
         assert page.y0 <= box.y0 <= box.y1 <= page.y1, words
     for (one, a), (two, b) in itertools.combinations(drawn, 2):
         assert not _overlap(a, b), (one, two)
-    legends = [*figure.legends, *(axes.get_legend() for axes in figure.axes)]
+    legends = [axes.get_legend() for axes in figure.axes]
+    legends += [each for part in (figure, *figure.subfigs) for each in part.legends]
     for legend, axes in itertools.product(filter(None, legends), figure.axes):
         assert not _overlap(legend.get_window_extent(), axes.bbox), "a legend on curves"

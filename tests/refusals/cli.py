@@ -202,6 +202,7 @@ REFUSALS = [
     ("optimise", "--limit airborne_fraction=0 --free drive.hold=1e-3:2e-3", "of 0"),
     ("optimise", f"{HOPS} --free drive.peak=2.4e-3:2.5e-3", "--allow-flight"),
     ("optimise", "--knots 8", "voltage_max"),
+    ("optimise", "--knots 201 --limit voltage_max=26", "from 2 to 200"),
     ("optimise", "--knots 8 --limit voltage_max=26 --coils xp,up", "up"),
     ("optimise", "--free drive.hold=1e-3:2e-3 --uncertain none.toml", "none.toml"),
     ("optimise", "", "nothing is free"),

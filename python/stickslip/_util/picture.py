@@ -1,10 +1,28 @@
-"""A matplotlib figure that a notebook shows."""
+"""A matplotlib figure that a notebook shows, its style, and legends."""
 
 from __future__ import annotations
 
 import io
+from collections.abc import Sequence
+from typing import Any
 
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+
+from stickslip._util import palette
+
+RC: Any = {
+    "font.size": 9.0,
+    "axes.labelsize": 9.0,
+    "axes.titlesize": 10.0,
+    "legend.fontsize": 8.0,
+    "lines.linewidth": 1.2,
+    "axes.grid": True,
+    "grid.color": palette.LIGHT_GREY,
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+}
 
 _DOTS_PER_INCH = 100  # of a screen
 
@@ -21,3 +39,19 @@ class Picture(Figure):
         buffer = io.BytesIO()
         self.savefig(buffer, format="png", dpi=_DOTS_PER_INCH)
         return buffer.getvalue()
+
+
+def legend_above(
+    axes: Axes, handles: Sequence[Artist], columns: int | None = None, title: str = ""
+) -> None:
+    """Above the axes, where it covers no curve; in one row, or in rows of some columns."""
+    axes.legend(
+        handles=list(handles),
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        ncols=columns or len(handles),
+        frameon=False,
+        borderaxespad=0.1,
+        title=title,
+        alignment="left",
+    )

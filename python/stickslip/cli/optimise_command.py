@@ -55,7 +55,7 @@ Examples:
 )
 @click.option(
     "--knots",
-    type=click.IntRange(2, 200),
+    type=click.IntRange(2),
     help="A free waveform with so many knots of each coil; needs --limit voltage_max.",
 )
 @click.option(

@@ -13,7 +13,7 @@ import pandas as pd
 from stickslip._util.messages import check_kind, check_whole
 from stickslip._util.numbers import Array, worker_count
 from stickslip.design.goal import Goal, best_first, made_goal
-from stickslip.design.optimum import COMPARED, Optimum, SearchInterrupted
+from stickslip.design.optimum import ABOUT, COMPARED, Optimum, SearchInterrupted
 from stickslip.design.sawtooth import POINTS, sawtooths
 from stickslip.design.search import search
 from stickslip.design.space import Space, Values, made_space
@@ -24,9 +24,6 @@ from stickslip.simulation.simulate import Progress, check_progress, simulate, si
 
 LEADERS = 24
 """Best candidates that meet other draws. Chosen: enough to find one among them that is no luck."""
-
-ABOUT = 32
-"""Draws of the landscape; chosen: enough for differences, not for its level."""
 
 OFFSETS = (-0.2, -0.1, -0.05, -0.02, 0.02, 0.05, 0.1, 0.2)
 """Steps from the best drive, in parts of a range; chosen: from a good setting to a bad one."""

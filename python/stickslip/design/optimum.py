@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import matplotlib
 import numpy as np
 import pandas as pd
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 from stickslip._util import palette, units
 from stickslip._util.files import text_writer, write_together
-from stickslip._util.picture import Picture
+from stickslip._util.picture import RC, Picture, legend_above
 from stickslip._util.text import OneLine
 from stickslip.design.goal import Goal
 from stickslip.design.space import drive_waveform
@@ -28,7 +31,7 @@ from stickslip.simulation.simulate import simulate
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure, SubFigure
 
 BEST, VOLTAGES, MAP, FIGURE = FILES = "best.toml", "best.csv", "best.map.json", "best.png"
 """Names of the files of `Optimum.save_report`; voltages and map are there where there are any."""
@@ -36,10 +39,24 @@ BEST, VOLTAGES, MAP, FIGURE = FILES = "best.toml", "best.csv", "best.map.json", 
 COMPARED = ("start", "search", "sawtooth", "best")
 """The drives that are judged on fresh draws."""
 
+ABOUT = 32
+"""Draws of the landscape; chosen: enough for differences, not for its level."""
+
 _ACTIVE = 0.02  # part of a limit up to which its figure counts as at it; chosen
 _FEW = 6  # names on a line; chosen
 _PERIODS, _SAMPLES = 3, 400  # of the drive that is drawn, and a period; chosen
-_COLUMNS = 4  # slices in a row of the landscape
+_COLUMNS, _MOST_SLICES = 4, 12  # of the landscape: in a row, and in all; chosen
+
+_COIL_COLOURS = (palette.BLUE, palette.SKY, palette.PURPLE, palette.VERMILION, palette.ORANGE)
+_WITHIN: Any = {
+    "color": palette.BLUE, "linestyle": "", "marker": ".",
+    "label": "within the limits in every draw",
+}  # fmt: skip
+_BEYOND: Any = {
+    "color": palette.VERMILION, "linestyle": "", "marker": "x", "markersize": 4,
+    "label": "beyond a limit in some draw",
+}  # fmt: skip
+_BEST: Any = {"color": palette.DARK_GREY, "linewidth": 0.8, "label": "the best drive"}
 
 
 class SearchInterrupted(KeyboardInterrupt):
@@ -236,17 +253,25 @@ class Optimum(OneLine):
         write_together(writers)
 
     def figure(self) -> Figure:
-        """Voltages and field of the best drive, the scores of all fresh draws, the landscape."""
-        rows = -(-len(self.landscape) // _COLUMNS)
-        heights = [5.6, 1.5 * rows] if rows else [5.6]
-        figure = Picture(figsize=(8.4, sum(heights)), layout="constrained")
-        parts = figure.subfigures(len(heights), 1, squeeze=False, height_ratios=heights)[:, 0]
-        self._draw_drive(*parts[0].subplots(3, 1))
-        if rows:
-            self._draw_landscape(parts[1].subplots(rows, _COLUMNS, sharey=True, squeeze=False).flat)
+        """Voltages and field of the best drive, the scores of all fresh draws, the landscape.
+
+        Of the landscape the numbers that change the score most.
+        """
+        shown = self._most_influential()
+        rows = -(-len(shown) // _COLUMNS)
+        heights = [6.0, 0.7 + 1.5 * rows] if rows else [6.0]
+        with matplotlib.rc_context(RC):
+            figure = Picture(figsize=(8.4, sum(heights)), layout="constrained")
+            parts = figure.subfigures(len(heights), 1, squeeze=False, height_ratios=heights)[:, 0]
+            volts, field, scores = parts[0].subplots(3, 1)
+            self._draw_drive(volts, field)
+            self._draw_scores(scores)
+            parts[0].align_ylabels([volts, field])
+            if rows:
+                self._draw_landscape(parts[1], shown)
         return figure
 
-    def _draw_drive(self, volts: Axes, field: Axes, scores: Axes) -> None:
+    def _draw_drive(self, volts: Axes, field: Axes) -> None:
         frequency = float(self.values.get("drive.frequency", self.start.drive.frequency))
         begin = max(self.scenario.window[1] - _PERIODS / frequency, 0.0)
         record = {RECORD_RATE: _SAMPLES * frequency, "record.from": begin}
@@ -254,28 +279,50 @@ class Optimum(OneLine):
         if run.ok:  # it may fail at the middle, which was none of the draws
             asked = drive_waveform(self.scenario)
             voltages = asked.voltages(np.minimum(run.t, asked.duration))
-            for name, each in zip(COIL_NAMES, voltages.T, strict=True):
+            for name, each, colour in zip(COIL_NAMES, voltages.T, _COIL_COLOURS, strict=True):
                 if each.any():
-                    volts.plot(run.t, each, label=name)
-            for name in ("bx", "by", "bz"):
-                field.plot(run.t, 1e3 * getattr(run, name), label=name)
-        for axes, label in ((volts, "voltage asked for (V)"), (field, "field (mT)")):
+                    volts.plot(run.t, each, color=colour, label=f"coil {name}")
+            for axis, dashes in (("x", "-"), ("y", ":"), ("z", "--")):
+                component = 1e3 * getattr(run, f"b{axis}")
+                if axis != "y" or component.any():
+                    look: Any = {"color": palette.GREEN, "linestyle": dashes}
+                    field.plot(run.t, component, label=f"$B_{axis}$", **look)
+        for axes, label in ((volts, "voltage\nasked for (V)"), (field, "field (mT)")):
             axes.set_ylabel(label)
             axes.set_xlabel("time (s)")
-            axes.legend(loc="upper right", ncols=5)
+            if run.ok:
+                axes.set_xlim(run.t[0], run.t[-1])
+                legend_above(axes, axes.get_lines())
+
+    def _draw_scores(self, axes: Axes) -> None:
         factor, label = units.in_handy_units(self.goal.figure, self.goal.unit)
         for place, (name, each) in enumerate(self.fresh.items()):
             values = np.sort(each) * factor
             spread = place + 0.28 * np.sin(2.4 * np.arange(len(values)))  # not on one another
-            scores.plot(values, spread, ".", markersize=4, alpha=0.7)
+            axes.plot(values, spread, ".", color=palette.BLUE, markersize=4, alpha=0.7)
             score = self.table["score"][name] * factor
-            scores.vlines(score, place - 0.42, place + 0.42, palette.BLACK)
-        scores.set_yticks(range(len(self.table)), list(self.table.index))
-        scores.set_xlabel(f"{label}; the line is the score, {self.goal.score}")
+            axes.vlines(score, place - 0.42, place + 0.42, palette.BLACK)
+        axes.set_yticks(range(len(self.table)), list(self.table.index))
+        axes.grid(visible=False, axis="y")
+        axes.set_xlabel(label)
+        draw = Line2D([], [], color=palette.BLUE, linestyle="", marker=".", label="a fresh draw")
+        score = Line2D([], [], color=palette.BLACK, label=f"score, {self.goal.score} of the draws")
+        legend_above(axes, [draw, score])
 
-    def _draw_landscape(self, grid: Iterable[Axes]) -> None:
+    def _most_influential(self) -> list[dict[str, Any]]:
+        """At most `_MOST_SLICES` rows of the landscape, in its order."""
+        if self.landscape.empty:
+            return []
+        span = self.landscape["scores"].map(np.ptp).fillna(np.inf)  # where simulations fail
+        chosen = span.nlargest(_MOST_SLICES).index
+        rows: list[dict[str, Any]] = self.landscape.loc[chosen.sort_values()].to_dict("records")
+        return rows
+
+    def _draw_landscape(self, part: SubFigure, shown: list[dict[str, Any]]) -> None:
         factor, label = units.in_handy_units(self.goal.score, self.goal.unit)
-        for axes, each in itertools.zip_longest(grid, self.landscape.to_dict("records")):
+        rows = -(-len(shown) // _COLUMNS)
+        grid = part.subplots(rows, _COLUMNS, sharey=True, squeeze=False).flat
+        for axes, each in itertools.zip_longest(grid, shown):
             if each is None:
                 axes.set_visible(False)
                 continue
@@ -283,9 +330,19 @@ class Optimum(OneLine):
             x, y = np.array(each["values"]) * scale, np.array(each["scores"]) * factor
             good = np.array(each["feasible"])
             axes.plot(x, y, color=palette.BLUE)
-            axes.plot(x[good], y[good], ".", color=palette.BLUE)
-            axes.plot(x[~good], y[~good], "x", color=palette.VERMILION, markersize=4)
-            axes.axvline(each["best"] * scale, color=palette.DARK_GREY, linewidth=0.8)
+            axes.plot(x[good], y[good], **_WITHIN)
+            axes.plot(x[~good], y[~good], **_BEYOND)
+            axes.axvline(each["best"] * scale, **_BEST)
             axes.set_title(f"{each['name']} ({unit})".replace(" ()", ""), fontsize=8.0)
+            axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
             axes.tick_params(labelsize=7.0)
-        axes.figure.supylabel(label, fontsize=9.0)
+        part.supylabel(label, fontsize=9.0)
+        count = len(self.landscape)
+        told = "score along each free number"
+        if count > len(shown):
+            told += f" ({len(shown)} of {count}, which change it most)"
+        if self.scenario.uncertain is not None:
+            told += f", on {ABOUT} other draws: see its shape, not its level"
+        handles = [Line2D([], [], **look) for look in (_WITHIN, _BEYOND, _BEST)]
+        place: Any = {"loc": "outside upper center", "ncols": len(handles), "frameon": False}
+        part.legend(handles=handles, title=told, title_fontsize=9.0, **place)

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from stickslip._util import palette
 from stickslip._util.messages import refuse
 from stickslip._util.numbers import Array, numbers_of
-from stickslip._util.picture import Picture
+from stickslip._util.picture import RC, Picture, legend_above
 from stickslip.plot import style
 from stickslip.plot.motion import Motion, footprint, motion
 from stickslip.simulation.run import Run
@@ -65,7 +65,7 @@ def path(
     shown = motion(run).between(start, stop)
     wanted = np.empty((0, 2)) if along is None else _corners(along)
     factor, unit = style.length(shown.x, shown.y, shown.way, wanted)
-    with matplotlib.rc_context(style.RC):
+    with matplotlib.rc_context(RC):
         if ax is not None:
             _draw_above(ax, shown, wanted, factor, unit)
             return style.root_figure(ax)
@@ -155,4 +155,4 @@ def _draw_above(axes: Axes, shown: Motion, wanted: Array, factor: float, unit: s
         look = {"color": palette.PURPLE, "linewidth": 2.6, "zorder": 0.8, "label": "wanted"}
         handles += axes.plot(*(wanted * factor).T, **look)
     frame_from_above(axes, np.concatenate([first, last, places, wanted * factor]), unit)
-    style.legend_above(axes, handles, columns=2 if wanted.size else 3)
+    legend_above(axes, handles, columns=2 if wanted.size else 3)

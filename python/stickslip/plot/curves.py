@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from stickslip._util import palette
 from stickslip._util.numbers import Array
-from stickslip._util.picture import Picture
+from stickslip._util.picture import RC, Picture, legend_above
 from stickslip.plot import style
 from stickslip.plot.motion import Motion, motion
 from stickslip.simulation.run import Run
@@ -50,7 +50,7 @@ def run(run: Run, start: float | None = None, stop: float | None = None) -> Figu
     heights = {"field": 1.0, "tilt": 1.0, "slip": 1.0, "place": 0.8, "heading": 0.8, "force": 1.0}
     if not shown.scenario.whole_plane:
         del heights["heading"]
-    with matplotlib.rc_context(style.RC):
+    with matplotlib.rc_context(RC):
         size = (6.4, 1.6 + 1.2 * len(heights))
         figure = Picture(figsize=size, layout="constrained")
         *panels, band = figure.subplots(
@@ -61,7 +61,7 @@ def run(run: Run, start: float | None = None, stop: float | None = None) -> Figu
         draw_tilt(curves["tilt"], shown)
         draw_contact_velocity(curves["slip"], shown)
         if shown.scenario.whole_plane:
-            style.legend_above(curves["slip"], curves["slip"].get_lines())
+            legend_above(curves["slip"], curves["slip"].get_lines())
             curves["heading"].plot(shown.t, np.degrees(shown.heading), color=palette.BLACK)
             curves["heading"].set_ylabel("heading (degrees)")
             style.readable(curves["heading"], y=1.0)  # it follows the field within a tenth
@@ -127,7 +127,7 @@ def angle_and_contact_velocity(
         tilt.yaxis.set_label_position("left")
         tilt.yaxis.tick_left()
         tilt.grid(visible=False)
-        style.legend_above(velocity, [*tilt.get_lines(), *velocity.get_lines()])
+        legend_above(velocity, [*tilt.get_lines(), *velocity.get_lines()])
         velocity.set_xlabel("time (s)")
     return style.root_figure(velocity)
 
@@ -145,7 +145,7 @@ def trajectory(
         (along, along_unit), (up, up_unit) = style.length(shown.way), style.length(shown.z)
         _draw_by_contact(axes, shown.way * along, shown.z * up, shown.contact)
         axes.set_xlabel(f"way along the heading ({along_unit})")
-        axes.set_ylabel(f"height of the centre of mass ({up_unit})")
+        axes.set_ylabel(f"height of the centre\nof mass ({up_unit})")
         style.readable(axes, x=style.LEAST_SPAN)
     return style.root_figure(axes)
 
@@ -176,7 +176,7 @@ def draw_fields(axes: Axes, shown: Motion) -> None:
     axes.set_xlim(t[0], t[-1])
     axes.set_ylabel("field (mT)")
     style.readable(axes)
-    style.legend_above(axes, lines)
+    legend_above(axes, lines)
 
 
 def draw_tilt(axes: Axes, shown: Motion) -> None:
@@ -214,7 +214,7 @@ def _draw_by_contact(axes: Axes, x: Array, y: Array, contact: NDArray[np.int8]) 
         label = name.replace("_", " ")
         handles.append(Line2D([], [], color=colour, linewidth=2.5, label=label))
     axes.autoscale_view()
-    style.legend_above(axes, handles, columns=min(3, len(handles)))  # three fit a narrow picture
+    legend_above(axes, handles, columns=min(3, len(handles)))  # three fit a narrow picture
 
 
 def _last_pulses(run: Run) -> tuple[float, float] | None:
@@ -257,7 +257,7 @@ def _draw_place(axes: Axes, shown: Motion) -> None:
         look: Any = {"color": palette.BLACK, "linestyle": "--"}
         lines += axes.plot(shown.t, shown.y * factor, label="y", **look)
         axes.set_ylabel(f"position ({unit})")
-        style.legend_above(axes, lines)
+        legend_above(axes, lines)
     style.readable(axes)
 
 
@@ -282,7 +282,7 @@ def _draw_force(axes: Axes, shown: Motion, shaded: list[Patch]) -> None:
     resting = axes.axhline(at_rest, label="weight + adhesion", **look)
     axes.set_ylabel("normal force (µN)")
     style.readable(axes)
-    style.legend_above(axes, [resting, *shaded])
+    legend_above(axes, [resting, *shaded])
 
 
 def _draw_contact(figure: Figure, axes: Axes, shown: Motion) -> None:

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from stickslip._util import palette
 from stickslip._util.messages import as_list
 from stickslip._util.numbers import Array
-from stickslip._util.picture import Picture
+from stickslip._util.picture import RC, Picture
 from stickslip.plot import style
 from stickslip.plot.motion import check_times, corners, lowest_corner, motion
 from stickslip.simulation.run import Run
@@ -76,7 +76,7 @@ def filmstrip(
     outlines, touches = corners(shown)[samples] * 1e6, lowest_corner(shown)[samples] * 1e6
     low, high = outlines.min(axis=(0, 1)) - _MARGIN, outlines.max(axis=(0, 1)) + _MARGIN
     low[1] = -_MARGIN
-    with matplotlib.rc_context(style.RC):
+    with matplotlib.rc_context(RC):
         panels = _new_panels(len(times), high - low) if ax is None else list(ax)
         for place, (axes, outline, title) in enumerate(zip(panels, outlines, titles, strict=True)):
             axes.axhline(0.0, color=palette.BLACK, linewidth=1.0)

@@ -29,7 +29,7 @@ from stickslip._util import palette
 from stickslip._util.files import check_suffix, replacing
 from stickslip._util.html import in_base64
 from stickslip._util.messages import check_above_zero
-from stickslip._util.picture import Picture
+from stickslip._util.picture import RC, Picture
 from stickslip.plot import style
 from stickslip.plot.above import frame_from_above, heading_arrows
 from stickslip.plot.curves import draw_fields
@@ -197,7 +197,7 @@ class Animation:
 
     def frame(self, number: int) -> Figure:
         """One frame as a figure; `number` is 0 for the first, and negative from the end."""
-        with matplotlib.rc_context(style.RC):
+        with matplotlib.rc_context(RC):
             figure, show = self._scene()
             show(self._samples[:-1][number])
         return figure
@@ -238,7 +238,7 @@ class Animation:
             if progress is not None:
                 progress((number + 1) / self.frames, "drawing frames")
 
-        with replacing(path) as temporary, matplotlib.rc_context(style.RC):
+        with replacing(path) as temporary, matplotlib.rc_context(RC):
             figure, show = self._scene()
             drawn = FuncAnimation(figure, show, frames=self._samples[:-1])
             drawn.save(temporary, writer=writer, dpi=_DOTS_PER_INCH, progress_callback=report)

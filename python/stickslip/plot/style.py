@@ -1,15 +1,14 @@
-"""Shared by all pictures: colours, new axes, readable numbers, legends and files."""
+"""Shared by all pictures: colours, new axes, readable numbers and files."""
 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from os import PathLike
 from typing import Any
 
 import matplotlib
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backend_bases import FigureCanvasBase
 from matplotlib.figure import Figure
@@ -20,7 +19,7 @@ from stickslip._util import palette
 from stickslip._util.files import check_suffix, replacing
 from stickslip._util.messages import check_kind
 from stickslip._util.numbers import Array
-from stickslip._util.picture import Picture
+from stickslip._util.picture import RC, Picture
 
 # Faces behind or beside those: a shaded stretch, the body, a point without a value.
 SHADE = "#F0F0F0"
@@ -41,18 +40,6 @@ CONTACT_COLOURS = {
 
 KIND_COLOURS = {"stick": palette.BLUE, "slip": palette.ORANGE, "flight": palette.GREY}
 """Where the direction of a slip, and corner or face, are not told apart."""
-
-RC: Any = {
-    "font.size": 9.0,
-    "axes.labelsize": 9.0,
-    "axes.titlesize": 10.0,
-    "legend.fontsize": 8.0,
-    "lines.linewidth": 1.2,
-    "axes.grid": True,
-    "grid.color": palette.LIGHT_GREY,
-    "grid.linewidth": 0.6,
-    "axes.axisbelow": True,
-}
 
 _DOTS_PER_INCH = 150  # legible in print at half the width of a page
 _LEAST_PLAIN = 1e-3  # smaller numbers are shown as powers of ten
@@ -98,22 +85,6 @@ def root_figure(axes: Axes) -> Figure:
     """The figure that holds some axes, also where they are part of a subfigure."""
     root: Figure = axes.figure.figure
     return root
-
-
-def legend_above(
-    axes: Axes, handles: Sequence[Artist], columns: int | None = None, title: str = ""
-) -> None:
-    """Above the axes, where it covers no curve; in one row, or in rows of some columns."""
-    axes.legend(
-        handles=list(handles),
-        loc="lower left",
-        bbox_to_anchor=(0.0, 1.0),
-        ncols=columns or len(handles),
-        frameon=False,
-        borderaxespad=0.1,
-        title=title,
-        alignment="left",
-    )
 
 
 def arrow(

@@ -14,6 +14,7 @@ from matplotlib.patches import Patch
 from stickslip._util import palette
 from stickslip._util.messages import refuse
 from stickslip._util.numbers import Array
+from stickslip._util.picture import legend_above
 from stickslip._util.units import in_handy_units
 from stickslip.plot import style
 from stickslip.simulation.seen_from_drive import shown_velocities
@@ -174,7 +175,7 @@ def _draw_lines(axes: Axes, speeds: Any, along: _Axis, words: list[str]) -> None
     if len(handles) > 1:
         title = ", ".join(_words(speeds[name]) for name in words)
         longest = max(len(str(each.get_label())) for each in handles)
-        style.legend_above(axes, handles, max(1, _LEGEND // (longest + 6)), title)
+        legend_above(axes, handles, max(1, _LEGEND // (longest + 6)), title)
 
 
 def _draw_bands(axes: Axes, line: Any, along: _Axis, colour: str, prefix: str) -> list[Artist]:
@@ -210,7 +211,7 @@ def _draw_map(axes: Axes, speeds: Any, numbers: list[_Axis], gaps: str) -> None:
     axes.set(xscale="log" if across.log else "linear", yscale="log" if up.log else "linear")
     axes.grid(visible=False)
     if np.ma.is_masked(values):
-        style.legend_above(axes, [Patch(facecolor=style.NO_VALUE, label=gaps)])
+        legend_above(axes, [Patch(facecolor=style.NO_VALUE, label=gaps)])
     style.root_figure(axes).colorbar(mesh, ax=axes, label=speeds.name)
 
 
