@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike
 
 from stickslip._util import palette
-from stickslip._util.messages import refuse
+from stickslip._util.messages import check_kind, refuse
 from stickslip._util.numbers import Array, numbers_of
 from stickslip._util.picture import RC, Picture, legend_above
 from stickslip.plot import style
@@ -67,6 +67,7 @@ def path(
     factor, unit = style.length(shown.x, shown.y, shown.way, wanted)
     with matplotlib.rc_context(RC):
         if ax is not None:
+            check_kind("ax", ax, Axes)
             _draw_above(ax, shown, wanted, factor, unit)
             return style.root_figure(ax)
         figure = Picture(figsize=(8.6, 4.4), layout="constrained")

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from stickslip._util import palette
-from stickslip._util.messages import as_list
+from stickslip._util.messages import as_list, check_kind
 from stickslip._util.numbers import Array
 from stickslip._util.picture import RC, Picture
 from stickslip.plot import style
@@ -70,6 +70,9 @@ def filmstrip(
     for name, given in (("labels", labels), ("ax", ax)):
         if given is not None and len(as_list(name, given, "one for each time")) != len(times):
             raise ValueError(f"{name} has {len(given)} entries: allowed are {len(times)}")
+
+    for axes in [] if ax is None else ax:
+        check_kind("ax", axes, Axes)
 
     samples = [shown.sample(time) for time in times]
     titles = labels or [f"t = {shown.t[k]:.4f} s" for k in samples]

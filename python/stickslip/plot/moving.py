@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -36,9 +36,7 @@ from stickslip.plot.curves import draw_fields
 from stickslip.plot.motion import Motion, check_times, corners, footprint, lowest_corner, motion
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.run import Run
-
-if TYPE_CHECKING:
-    from stickslip.simulation.simulate import Progress
+from stickslip.simulation.simulate import Progress, check_progress
 
 _MOST_FRAMES = 2000  # chosen: a hundred seconds of a picture at the default rate
 
@@ -222,6 +220,7 @@ class Animation:
         OSError
             If the file cannot be written; an older file of that name is then untouched.
         """
+        check_progress(progress)
         check_moving_format(path)
         rate: Any = {"fps": self.frames_per_second}
         writer: AbstractMovieWriter
@@ -386,6 +385,8 @@ class _ImageWriter(PillowWriter):
     _frames: list[Image.Image]
 
     def finish(self) -> None:
+        if not self._frames:  # an error ended the first one
+            return
         palette = self._frames[0].convert("RGB").quantize(_COLOURS, kmeans=1)
         colours = np.array(palette.getpalette()).reshape(-1, 3)
         # White stays white: Pillow takes colours that are as near as these for each other.
