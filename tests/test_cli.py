@@ -219,6 +219,13 @@ def test_effects_lists_all_or_those_that_have_a_word():
         assert "".join(text.split()).endswith("".join(f"source: {tilt.source}".split()))
 
 
+def test_init_without_room_is_no_bad_input(tmp_path):
+    done = stickslip_process("init", tmp_path / "s.toml", largest_file=1_000)
+    assert done.returncode == 1
+    assert done.stderr.startswith(f"stickslip: cannot write {tmp_path / 's.toml'}: ")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_init_writes_a_robot_that_walks_with_all_keys_once(tmp_path):
     done = stickslip("init", cwd=tmp_path)
     assert (done.returncode, done.stdout, done.stderr) == (0, "wrote scenario.toml\n", "")

@@ -197,7 +197,7 @@ def _by_single_coils(row: Mapping[str, Value]) -> dict[str, Value]:
     return single | {key: value for key, value in row.items() if key not in of_all}
 
 
-def _check_key(key: object) -> None:
+def _check_key(key: str) -> None:
     check_word(key)
     if key in (*OBJECTS, *PATHS):
         raise ScenarioError(f"{key}: a sweep varies numbers and words, not voltages or maps")
