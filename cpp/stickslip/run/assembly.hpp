@@ -6,8 +6,8 @@
 #include "stickslip/contact/plane_dynamics.hpp"
 #include "stickslip/drive/circuit.hpp"
 #include "stickslip/field/expansion.hpp"
-#include "stickslip/scenario/whole_plane.hpp"
 #include "stickslip/scenario/scenario.hpp"
+#include "stickslip/scenario/whole_plane.hpp"
 #include "stickslip/solver/stepping.hpp"
 
 /// From the values of a scenario to the parts of its simulation, each effect put where it acts.

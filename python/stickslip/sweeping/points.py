@@ -199,6 +199,7 @@ def _by_single_coils(row: Mapping[str, Value]) -> dict[str, Value]:
 
 def _check_key(key: str) -> None:
     check_word(key)
+    key = str(key)
     if key in (*OBJECTS, *PATHS):
         raise ScenarioError(f"{key}: a sweep varies numbers and words, not voltages or maps")
     if key.startswith("record."):
