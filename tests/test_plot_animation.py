@@ -49,6 +49,16 @@ def test_a_file_has_the_frames_it_says_and_repeats(tmp_path, suffix):
     assert [each.name for each in tmp_path.iterdir()] == [path.name]
 
 
+def test_an_interrupt_of_the_first_frame_leaves_nothing(tmp_path):
+    def interrupt(part, stage):
+        raise KeyboardInterrupt
+
+    made = plot.animation(recorded("opp"), 0.1, 0.11, slowdown=40.0)
+    with pytest.raises(KeyboardInterrupt):
+        made.save(tmp_path / "a.gif", interrupt)
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_page_has_all_frames_in_itself(tmp_path):
     plot.animation(recorded("opp"), 0.1, 0.11, slowdown=40.0).save(tmp_path / "a.html")
     page = (tmp_path / "a.html").read_text(encoding="utf-8")
