@@ -1,14 +1,16 @@
-"""Makes `sections.pyi` from the core's table of keys: ``python tests/sections_stub.py``."""
+"""Makes the stubs of sections and runs from the tables: ``python tests/sections_stub.py``."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from stickslip import COIL_NAMES
+from stickslip import COIL_NAMES, _core
 from stickslip.scenario.keys import Key, keys_of
 from stickslip.scenario.sections import SECTIONS
 
-FILE = Path(__file__).parents[1] / "python" / "stickslip" / "scenario" / "sections.pyi"
+PACKAGE = Path(__file__).parents[1] / "python" / "stickslip"
+FILE = PACKAGE / "scenario" / "sections.pyi"
+RUN_FILE = PACKAGE / "simulation" / "recorded.pyi"
 
 HEAD = """\
 # Made by tests/sections_stub.py from the core's table of keys.
@@ -91,5 +93,25 @@ def stub_text() -> str:
     return "\n".join([HEAD, *classes])
 
 
+def run_stub_text() -> str:
+    """The stub of the recorded quantities of a run."""
+    return "\n".join(
+        [
+            "# Made by tests/sections_stub.py from the core's table of recorded quantities.",
+            "from abc import ABC, abstractmethod",
+            "from typing import Any",
+            "",
+            "from numpy.typing import NDArray",
+            "",
+            "class Recorded(ABC):",
+            "    @abstractmethod",
+            "    def _recorded(self, name: str) -> NDArray[Any]: ...",
+            *(f"    {name}: NDArray[Any]" for name in _core.record_columns),
+            "",
+        ]
+    )
+
+
 if __name__ == "__main__":
     FILE.write_text(stub_text())
+    RUN_FILE.write_text(run_stub_text())

@@ -18,7 +18,6 @@ from stickslip.scenario.sections import State
 from stickslip.simulation.display import headline, run_html
 from stickslip.simulation.note import Note, by_seriousness
 from stickslip.simulation.quantities import (
-    COLUMNS,
     PLANE_COLUMNS,
     WORDS,
     column_units,
@@ -26,6 +25,7 @@ from stickslip.simulation.quantities import (
     recorded_names,
 )
 from stickslip.simulation.record_file import dataset, stored, write_run
+from stickslip.simulation.recorded import Recorded
 from stickslip.simulation.run_notes import run_notes
 from stickslip.simulation.seen_from_drive import ACROSS, ALONG, seen_from_drive
 
@@ -40,7 +40,7 @@ SUFFIXES = (*NETCDF_SUFFIXES, ".csv")
 """Suffixes of the files that a run can be saved as."""
 
 
-class Run:
+class Run(Recorded):
     """One simulation's result. SI units and radians; x and velocities in the world's frame.
 
     Each recorded quantity is an attribute, an array with an entry for each of the n samples: `t`,
@@ -126,9 +126,7 @@ class Run:
         }
         return cls(scenario, outcome, {} if record is None else record)
 
-    def __getattr__(self, name: str) -> NDArray[Any]:
-        if name not in COLUMNS:
-            raise AttributeError(f"a Run has no attribute {name!r}")
+    def _recorded(self, name: str) -> NDArray[Any]:
         if name in self._record:
             values = vars(self)[name] = self._record[name]
             return values
