@@ -165,7 +165,8 @@ def _wrong_field(record):
         record.bz[some] - field[:, 2] - record.effect("ambient_field.Bz"),
     )
     # Currents of opposite sign cancel: what counts is what each of them makes alone.
-    size = coils.centre_field_per_ampere * np.abs(record.current[some] * record.gains).sum(axis=1)
+    currents = np.abs(record.current[some] * record.gains)
+    size = np.sum(coils.centre_field_per_ampere * currents, axis=1)
     worst = float(np.max(off - 1e-7 * size - 1e-15))
     return [] if worst <= 0.0 else [f"the field is not that of the currents, by {worst:.3g} T"]
 
