@@ -68,7 +68,7 @@ MUTATIONS = (
         "packs",
         "adhesion_ageing",
         "lane_kernel.cpp",
-        "e.adhesion.aged(e.contact_age + expansion.tau);",
+        "e.adhesion.aged(e.contact_age + tau);",
         "Real(1.0);",
     ),
     Mutation(

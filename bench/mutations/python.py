@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import argparse
 import ast
-import functools
 import json
 import os
 import random
@@ -26,29 +25,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+from mutations.near import near_tests
+
 HERE = Path(__file__).resolve().parents[2]
+NEAR = 12  # files of tests that are run for a change
 APART = ("diagnosis", "measurement")
 """Packages that are drawn only where they are named."""
-
-# Where tests use public names and commands alone: test files of a package, the nearest first.
-TESTS = {
-    "_util": "equal_numbers control_characters input_limits csv_files extras unit_notes"
-    " rich_display",
-    "scenario": "scenario* refusal* bad_input uncertain* user_effect* field_map* own_coils"
-    " waveform* effects replaced_values prior*",
-    "field": "field* own_coils",
-    "simulation": "run run_notes unit_notes scenario_notes stored_runs long_recordings simulator"
-    " snapshots batch threads rollout* rich_display budget recording*",
-    "sweeping": "sweep* predict*",
-    "design": "optimise* search design*",
-    "control": "camera path* steering* environments* optimise* search predict* controllers",
-    "measurement": "measurement* velocity_of_track reading_errors instrument_recipes",
-    "diagnosis": "diagnosis*",
-    "plot": "plot* pictures run_pictures",
-    "reproduction": "reproduc*",
-    "cli": "cli command* completion bad_input refusal* replaced_values run_pictures *_command"
-    " sweep_safety",
-}
 
 _WORDS = {
     ast.Lt: ("<", ">="),
@@ -172,64 +154,6 @@ def drawn(package: Path, names: list[str], seed: int, count: int) -> list[Mutati
     return result
 
 
-@functools.cache
-def imported(path: Path, inside: str = "") -> frozenset[str]:
-    """Modules and public names of the package that a file names, without `stickslip`.
-
-    inside: the module's own package, for relative imports.
-    """
-    found = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            found |= {each.name for each in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            parts = inside.split(".")[: -node.level + 1 or None] if node.level else []
-            base = ".".join([*filter(None, parts), *filter(None, [node.module])])
-            found |= {base, *(f"{base}.{each.name}" for each in node.names)}
-        elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
-            found.add(f"{node.value.id}.{node.attr}")
-    return frozenset(
-        each.removeprefix("stickslip.") for each in found if each.startswith("stickslip.")
-    )
-
-
-def near_tests(root: Path, file: str) -> list[Path]:
-    """Test files of a module: those that import it, that the table names, and at one remove."""
-    package = root / "python" / "stickslip"
-    homes: dict[str, str] = {}  # of public names
-    for path in package.glob("__init__.py*"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.ImportFrom) and node.module not in (None, "__future__"):
-                homes |= dict.fromkeys(
-                    (each.name for each in node.names), node.module.removeprefix("stickslip.")
-                )
-
-    module = file.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
-    importers = {module}
-    for path in package.rglob("*.py"):
-        place = path.relative_to(package).with_suffix("")
-        if module in imported(path, ".".join(["stickslip", *place.parts[:-1]])):
-            importers.add(".".join(place.parts).removesuffix(".__init__"))
-
-    patterns = TESTS.get(module.partition(".")[0], "package extras other_systems").split()
-    stem = module.rpartition(".")[2]
-    tests = root / "tests"
-    ranked = []
-    for path in sorted(tests.rglob("test_*.py")):
-        named = imported(path)
-        rank = [
-            module in named,
-            path.match(f"test_*{stem}*.py"),
-            any(path.match(f"test_{each}.py") for each in patterns),
-            module in {homes.get(each) for each in named},
-            bool(importers & named),
-            path.parent.name == module.partition(".")[0],
-        ]
-        if any(rank):
-            ranked.append((rank.index(True), len(named), path))
-    return [path for *_, path in sorted(ranked)]
-
-
 class Copy:
     """A copy of the package, in which one change at a time is tried."""
 
@@ -246,7 +170,7 @@ class Copy:
         path = self.python / "stickslip" / mutation.file
         original = path.read_bytes()
         changed = original[: mutation.start] + mutation.text.encode() + original[mutation.stop :]
-        files = near_tests(self.root, mutation.file)
+        files = near_tests(self.root, f"python/stickslip/{mutation.file}", mutation.line)[:NEAR]
         while True:
             try:
                 path.write_bytes(changed)
@@ -327,7 +251,12 @@ def main(arguments: list[str]) -> int:
             if copy is None:
                 row = {
                     "verdict": "",
-                    "test": " ".join(p.stem for p in near_tests(root, mutation.file)),
+                    "test": " ".join(
+                        p.stem
+                        for p in near_tests(
+                            root, f"python/stickslip/{mutation.file}", mutation.line
+                        )[:NEAR]
+                    ),
                 }
             elif row is None:
                 started = time.monotonic()
