@@ -29,8 +29,8 @@ class Record:
 
     after_event: the sample is the state just after an event; the phase before it ended at the same
     time. slips: +1 or -1 for a contact that slips to the robot's front or rear, else 0. current:
-    shape (n, 5), A, those that make the field, world's frame. fine: whether the samples are near
-    enough to each other for a balance. follows_currents: whether they are for the currents too,
+    shape (n, 5), A, those that make the field, world's frame. unsure: A, by which samples half as
+    dense move them. fine: whether the samples are near enough to each other for a balance. follows_currents: whether they are for the currents too,
     which may rise and fall between two of them if not. swing: of the fastest free swing, rad/s.
     """
 
@@ -52,6 +52,7 @@ class Record:
     bx: Any
     bz: Any
     current: Any
+    unsure: Any
     sign: float
     fine: bool = False
     follows_currents: bool = False
@@ -74,12 +75,17 @@ class Record:
         contact = both("contact").astype(int)
         slips = np.select([np.isin(contact, (2, 5)), np.isin(contact, (3, 6))], [1, -1], 0)
         lag = run.scenario.get("effects.eddy_lag.time")
-        current = both("current") if lag == 0.0 or events is None else _lagging(run, both("t"), lag)
+        if lag == 0.0 or events is None:
+            current, unsure = both("current"), 0.0
+        else:
+            current, coarse = (_lagging(run, both("t"), lag, every) for every in (1, 2))
+            unsure = current - coarse
         return cls(
             runs[-1].scenario, late[order], contact, (sign * slips).astype(int), both("t"),
             both("x", sign), both("z"), both("theta"), both("vx", sign), both("vz"), both("omega"),
             both("normal_force"), both("friction_force", sign), both("contact_x", sign),
-            both("slip_velocity", sign), both("bx", sign), both("bz"), current, sign, **more,
+            both("slip_velocity", sign), both("bx", sign), both("bz"), current, unsure, sign,
+            **more,
         )  # fmt: skip
 
     @property
@@ -138,17 +144,26 @@ class Record:
         return np.array([in_plane] * 4 + [1.0 + self.effect("field_gain.clamp")])
 
     @property
+    def moments(self):
+        """Along x and z, A m^2."""
+        angle = self.theta + self.effect("misalignment.angle")
+        return self.moment * np.cos(angle), -self.moment * np.sin(angle)
+
+    @property
     def magnetic_load(self):
         """Force along x and z (N), torque about +y (N m) on the moment, Eqs. (8)-(9)."""
+        mx, mz = self.moments
+        return *self.magnetic_force(self.current), mz * self.bx - mx * self.bz
+
+    def magnetic_force(self, current):
+        """Along x and z, N, for currents in A."""
         points = np.column_stack([self.sign * self.x, np.zeros_like(self.x), self.z])
-        slope = Coils.of(self.scenario).gradient(points, self.current * self.gains)
-        angle = self.theta + self.effect("misalignment.angle")
-        mx, mz = self.moment * np.cos(angle), -self.moment * np.sin(angle)
+        slope = Coils.of(self.scenario).gradient(points, current * self.gains)
+        mx, mz = self.moments
         # Turning the frame about z by 180 degrees turns x and B_x: only dB_x/dz changes its sign.
         xx, xz, zz = slope[:, 0, 0], self.sign * slope[:, 0, 2], slope[:, 2, 2]
         scale = 1.0 + self.effect("gradient_scale.fraction")
-        torque = mz * self.bx - mx * self.bz
-        return scale * (mx * xx + mz * xz), scale * (mx * xz + mz * zz), torque
+        return scale * (mx * xx + mz * xz), scale * (mx * xz + mz * zz)
 
 
 def recorded(scenarios, rtol):
@@ -191,10 +206,13 @@ def _rates(run):
     return min(wanted, MOST_SAMPLES / s.duration), swing, fastest, of_currents
 
 
-def _lagging(grid, t, lag):
-    """Currents behind a first-order lag, exact for currents that are straight between samples."""
-    ratio = 1.0 / (float(grid.scenario.record.rate) * lag)
+def _lagging(grid, t, lag, every):
+    """Currents behind a first-order lag, exact for currents that are straight between samples.
+
+    every: so many steps of the grid are one.
+    """
+    ratio = every / (float(grid.scenario.record.rate) * lag)
     decay = np.exp(-ratio)
     mean = -np.expm1(-ratio) / ratio
-    filtered = lfilter([1.0 - mean, mean - decay], [1.0, -decay], grid.current, axis=0)
-    return np.column_stack([np.interp(t, grid.t, column) for column in filtered.T])
+    filtered = lfilter([1.0 - mean, mean - decay], [1.0, -decay], grid.current[::every], axis=0)
+    return np.column_stack([np.interp(t, grid.t[::every], column) for column in filtered.T])

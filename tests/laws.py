@@ -178,8 +178,10 @@ def unbalanced(record):
     """
     if not record.fine or record.scenario.whole_plane:
         return []
-    load = record.magnetic_load
-    return [line for line in (*_momenta(record, load), *_energies(record, load)) if line]
+    load, unsure = record.magnetic_load, np.abs(record.magnetic_force(record.unsure))
+    return [
+        line for line in (*_momenta(record, load, unsure), *_energies(record, load, unsure)) if line
+    ]
 
 
 def stretches(record):
@@ -212,18 +214,18 @@ def _adhesion_is_known(record):
     return not (record.effect("angle_adhesion.strength") or record.effect("adhesion_ageing.rate"))
 
 
-def _momenta(record, load):
+def _momenta(record, load, unsure):
     """Eqs. (10)-(12)."""
     mass, (drag, turning) = record.scenario.robot.mass, _drag(record)
     gx, gz = _gravity(record)
     fx = load[0] + mass * gx - drag * record.vx + record.friction
     momentum = mass * record.fastest
-    found = [_unbalanced("momentum along x", record, mass * record.vx, fx, momentum)]
+    found = [_unbalanced("momentum along x", record, mass * record.vx, fx, momentum, unsure[0])]
     if not _adhesion_is_known(record):
         return found
     adhesion = np.where(record.flying, 0.0, record.scenario.contact.adhesion)
     fz = load[1] + mass * gz - drag * record.vz + record.normal - adhesion
-    found.append(_unbalanced("momentum across", record, mass * record.vz, fz, momentum))
+    found.append(_unbalanced("momentum across", record, mass * record.vz, fz, momentum, unsure[1]))
     lever = np.nan_to_num(record.contact_x - record.x)
     torque = load[2] - turning * record.omega
     torque -= lever * (record.normal - adhesion) + record.z * record.friction
@@ -241,7 +243,7 @@ def kinetic_and_weight(record):
     return kinetic - mass * (gx * record.x + gz * record.z)
 
 
-def _energies(record, load):
+def _energies(record, load, unsure):
     energy = kinetic_and_weight(record)
     scale = _natural_energy(record)
     if scale == 0.0:
@@ -250,7 +252,8 @@ def _energies(record, load):
     power = load[0] * record.vx + load[1] * record.vz + load[2] * record.omega
     power -= drag * (record.vx**2 + record.vz**2) + turning * record.omega**2
     power += record.friction * np.nan_to_num(record.slip)
-    unbalanced = _unbalanced("energy", record, energy, power, scale)
+    unsure = unsure[0] * np.abs(record.vx) + unsure[1] * np.abs(record.vz)
+    unbalanced = _unbalanced("energy", record, energy, power, scale, unsure)
     return [unbalanced, _gained(record, energy, load, scale)]
 
 
@@ -259,14 +262,18 @@ def _natural_energy(record):
     return record.scenario.robot.mass * record.fastest * float(np.max(record.pace))
 
 
-def _unbalanced(name, record, content, rate, scale):
-    """A line for the stretch in which `content` changes most against the integral of `rate`."""
+def _unbalanced(name, record, content, rate, scale, unsure=0.0):
+    """A line for the stretch in which `content` changes most against the integral of `rate`.
+
+    unsure: of the rate, at each sample.
+    """
     floor = _relative(record) * scale
     worst, line = 0.0, ""
     for first, last in stretches(record):
         t, r = record.t[first : last + 1], rate[first : last + 1]
         # An event may lie close before a sample: pairs from the second sample on are even.
         error = max(_rule_error(t, r), _rule_error(t[1:], r[1:]))
+        error += _trapezium(t, np.broadcast_to(unsure, rate.shape)[first : last + 1]).sum()
         off = abs(content[last] - content[first] - _trapezium(t, r).sum()) - error - floor
         if not off <= worst:
             worst = off
