@@ -6,6 +6,7 @@
 `WILD`    wide ranges of every key, with the corners of the model (no drag, no adhesion, no
           friction, elastic impacts, all named extensions) likely.
 `EXTREME` any allowed value of any key, the ends of its range among them.
+`USUAL`   one of the first three, as likely each.
 """
 
 import json
@@ -21,41 +22,33 @@ from stickslip.scenario.keys import known_keys
 MOST_SAMPLES = 1e5
 MOST_STEPS = 100_000
 
-# Drawn as whole numbers, which hypothesis spreads over the range; floats it would crowd about zero.
-STEPS = 10**6
-
-
-def number(low, high):
-    """Uniform, with both ends likely."""
-    inside = st.integers(0, STEPS).map(lambda k: low + (high - low) * k / STEPS)
-    return st.one_of(st.sampled_from([low, high]), inside, inside)
-
-
-def decades(low, high):
-    """Uniform in the logarithm."""
-    return st.integers(0, STEPS).map(lambda k: low * (high / low) ** (k / STEPS))
-
 
 class Draw:
-    """Draws by name of the distribution."""
+    """Draws by name of the distribution, from one seed.
 
-    def __init__(self, draw):
-        self.of = draw
+    Hypothesis draws seeds alone: numbers it would crowd about zero and at the ends, each for itself.
+    """
+
+    def __init__(self, seed):
+        self.of = np.random.default_rng(seed)
 
     def uniform(self, low, high):
-        return self.of(number(low, high))
+        """With both ends likely."""
+        inside = low + (high - low) * self.of.random()
+        return self.word(low, high, inside, inside, inside, inside)
 
     def decades(self, low, high):
-        return self.of(decades(low, high))
+        """Uniform in the logarithm."""
+        return low * (high / low) ** self.of.random()
 
     def chance(self, probability):
-        return self.of(st.integers(0, STEPS - 1)) < probability * STEPS
+        return self.of.random() < probability
 
     def word(self, *words):
-        return self.of(st.sampled_from(words))
+        return words[self.of.integers(len(words))]
 
     def whole(self, low, high):
-        return self.of(st.integers(low, high))
+        return int(self.of.integers(low, high, endpoint=True))
 
     def corner(self, value, other, probability=0.2):
         """`value` with the probability, else `other`."""
@@ -141,7 +134,7 @@ def wild(draw):
     if draw.chance(0.15):
         keys = {key: value for key, value in keys.items() if not key.startswith("drive.")}
         keys.update(wild_program(draw))
-    for name in draw.of(st.lists(st.sampled_from(list(EFFECTS)), max_size=3, unique=True)):
+    for name in draw.of.permutation(list(EFFECTS))[: draw.whole(0, 3)]:
         keys.update({f"effects.{name}.{key}": value for key, value in EFFECTS[name](draw).items()})
     keys = allowed_together(keys)
     return Scenario().replace(keys)
@@ -299,8 +292,12 @@ def allowed_together(keys):
     return result
 
 
+def usual(draw):
+    return draw.word(paper, wide, wild)(draw)
+
+
 def population(make):
-    return st.composite(lambda draw: make(Draw(draw)))()
+    return st.integers(0, 2**64 - 1).map(lambda seed: make(Draw(seed)))
 
 
-PAPER, WIDE, WILD, EXTREME = map(population, (paper, wide, wild, extreme))
+PAPER, WIDE, WILD, EXTREME, USUAL = map(population, (paper, wide, wild, extreme, usual))

@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 import laws
 from fine_record import recorded
 from helpers import MOMENT, WEIGHT, violations
-from populations import EXTREME, PAPER, WIDE, WILD, decades, number
+from populations import EXTREME, PAPER, USUAL, population, usual, words
 from stickslip import Scenario, Solver, _core, simulate, simulate_batch
 from stickslip.scenario.keys import SAWTOOTH, known_keys
 
@@ -42,34 +42,31 @@ def share(part):
     return math.ceil(part * settings.default.max_examples)
 
 
-def often(value, other):
-    return st.one_of(st.just(value), st.just(value), other)
+def scenarios(restitution):
+    """A population; `restitution` draws its coefficient."""
 
+    def make(draw):
+        frequency = draw.decades(1.0, 500.0)
+        static = draw.uniform(0.0, 3.0)
+        base = draw.uniform(0.0, 5e-3)
+        keys = {
+            **words(draw),
+            "drive.frequency": frequency,
+            "drive.base": base,
+            "drive.peak": draw.uniform(base, 10e-3),
+            "drive.hold": draw.uniform(0.0, 10e-3),
+            "drive.edge_time": draw.corner(0.0, draw.uniform(0.0, 0.9 / frequency), 0.7),
+            "drive.ramp": draw.word(0.0, 0.05),
+            "drive.pulses": draw.whole(1, 5),
+            "contact.static_friction": static,
+            "contact.kinetic_friction": static * draw.uniform(0.0, 1.0),
+            "contact.adhesion": draw.uniform(0.0, 1e-6),
+            "contact.restitution": restitution(draw),
+            "effects.surface_tilt.angle": draw.corner(0.0, draw.uniform(-0.5, 0.5), 0.7),
+        }
+        return Scenario().replace(keys)
 
-@st.composite
-def scenarios(draw, restitution):
-    frequency = draw(decades(1.0, 500.0))
-    static = draw(number(0.0, 3.0))
-    base = draw(number(0.0, 5e-3))
-    keys = {
-        "drive.mode": draw(st.sampled_from(["IPP", "OPP"])),
-        "drive.frequency": frequency,
-        "drive.base": base,
-        "drive.peak": draw(number(base, 10e-3)),
-        "drive.hold": draw(number(0.0, 10e-3)),
-        "drive.clamp": draw(st.sampled_from(["down", "up"])),
-        "drive.edge": draw(st.sampled_from(["rise", "fall"])),
-        "drive.edge_time": draw(often(0.0, number(0.0, 0.9 / frequency))),
-        "drive.direction": draw(st.sampled_from(["+x", "-x"])),
-        "drive.ramp": draw(st.sampled_from([0.0, 0.05])),
-        "drive.pulses": draw(st.integers(1, 5)),
-        "contact.static_friction": static,
-        "contact.kinetic_friction": static * draw(number(0.0, 1.0)),
-        "contact.adhesion": draw(number(0.0, 1e-6)),
-        "contact.restitution": draw(restitution),
-        "effects.surface_tilt.angle": draw(often(0.0, number(-0.5, 0.5))),
-    }
-    return Scenario().replace(keys)
+    return population(make)
 
 
 def may_leave(scenario):
@@ -116,32 +113,31 @@ def assert_sound(scenario, rtol, slack, speed_slack, gap_slack=0.0):
         assert not found, "\n".join([*found, scenario.to_toml()])
 
 
-without_rebound = scenarios(restitution=st.just(0.0))
-with_rebound = scenarios(restitution=number(0.0, 0.9))
+some_rebound = scenarios(lambda draw: draw.corner(0.0, draw.uniform(0.0, 0.9), 0.5))
 
 
 @pytest.mark.nightly
 @settings(max_examples=300)
-@given(scenario=st.one_of(without_rebound, with_rebound))
+@given(scenario=some_rebound)
 def test_invariants_hold_at_a_tight_tolerance(scenario):
     assert_sound(scenario, rtol=1e-10, slack=1e-9, speed_slack=1e-9)
 
 
 @settings(max_examples=300)
-@given(scenario=st.one_of(without_rebound, with_rebound))
+@given(scenario=some_rebound)
 def test_invariants_hold_at_the_default_tolerance(scenario):
     assert_sound(scenario, rtol=1e-7, slack=1e-2, speed_slack=1e-4, gap_slack=1e-9)
 
 
 @pytest.mark.nightly
 @settings(max_examples=100)
-@given(scenario=scenarios(restitution=number(0.9, 1.0)))
+@given(scenario=scenarios(lambda draw: draw.uniform(0.9, 1.0)))
 def test_elastic_bounces_end(scenario):
     simulated(scenario, endless=True)
 
 
 @settings(max_examples=60)
-@given(scenario=st.one_of(without_rebound, with_rebound))
+@given(scenario=some_rebound)
 def test_a_run_repeats_to_the_last_bit(scenario):
     # As text, where NaN equals itself.
     assert repr(simulate(scenario).summary()) == repr(simulate(scenario).summary())
@@ -178,7 +174,7 @@ def assert_ended(run, extreme=False):
     assert extreme or fine.get(run.status, False), text
 
 
-@given(scenario=st.one_of(PAPER, WIDE, WILD))
+@given(scenario=USUAL)
 def test_a_run_ends(scenario):
     assert_ended(simulate(*noted(scenario.replace({"solver.max_steps": BUDGET}))))
 
@@ -189,7 +185,7 @@ def test_a_run_of_any_allowed_values_ends_or_says_why_not(scenario):
 
 
 @settings(max_examples=share(0.1))
-@given(scenarios=st.lists(st.one_of(PAPER, WIDE, WILD), min_size=12, max_size=12))
+@given(scenarios=population(lambda draw: [usual(draw) for _ in range(12)]))
 def test_runs_of_a_batch_end_as_they_do_alone(scenarios):
     quiet = {"solver.max_steps": BUDGET, "record.rate": "none"}
     some = noted(*(each.replace(quiet) for each in scenarios))
@@ -201,7 +197,7 @@ def test_runs_of_a_batch_end_as_they_do_alone(scenarios):
         assert repr(simulate(some[index]).summary()) == repr(runs[index].summary())
 
 
-@given(scenario=st.one_of(PAPER, WIDE, WILD))
+@given(scenario=USUAL)
 def test_a_motion_keeps_the_laws_of_contact_momentum_and_energy(scenario):
     (scenario,) = noted(scenario.replace({"solver.max_steps": BUDGET}))
     for rtol in (scenario.solver.rtol, TIGHT):
@@ -245,7 +241,7 @@ def relative(value, reference):
 @pytest.mark.nightly
 @settings(max_examples=share(0.3))
 @pytest.mark.skipif(not SANITIZED.exists(), reason="cmake --build --preset asan builds it")
-@given(scenario=st.one_of(PAPER, WIDE, WILD, EXTREME))
+@given(scenario=st.one_of(USUAL, EXTREME))
 def test_the_sanitizers_are_silent(scenario):
     keys = {}
     program = scenario.drive.program
