@@ -1,10 +1,8 @@
-"""What the tests of pictures share: runs to draw, and whether a picture can be read."""
+"""What the tests of pictures share: runs to draw, and their ways in the plane."""
 
 import functools
-import itertools
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from stickslip import Drive, Scenario, State, Waveform, simulate
 
@@ -60,51 +58,3 @@ def way_of(run):
     psi = heading_of(run)
     speed = np.gradient(run.x, run.t) * np.cos(psi) + np.gradient(run.y, run.t) * np.sin(psi)
     return np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(run.t))])
-
-
-def visible_text(figure):
-    """Words and boxes of all text that is drawn; the boxes in pixels."""
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    renderer = canvas.get_renderer()
-    texts = []
-    for part in (figure, *figure.subfigs):
-        texts += [*part.texts, *filter(None, [part._suptitle, part._supxlabel, part._supylabel])]
-        for legend in part.legends:
-            texts += [*legend.get_texts(), legend.get_title()]
-    for axes in figure.axes:
-        texts += [*axes.texts, axes.title, axes._left_title]
-        if axes.get_legend():
-            texts += [*axes.get_legend().get_texts(), axes.get_legend().get_title()]
-        if not axes.axison:
-            continue
-        texts += [axes.xaxis.label, axes.yaxis.label]
-        for axis in (axes.xaxis, axes.yaxis):
-            low, high = sorted(axis.get_view_interval())
-            for tick in axis.get_major_ticks():
-                if low <= tick.get_loc() <= high:
-                    texts += [label for label in (tick.label1, tick.label2) if label.get_visible()]
-    drawn = {id(text): text for text in texts if text.get_visible() and text.get_text()}
-    return [(text.get_text(), text.get_window_extent(renderer)) for text in drawn.values()]
-
-
-def _overlap(a, b):
-    """Whether two boxes share more than a pixel each way."""
-    width = min(a.x1, b.x1) - max(a.x0, b.x0)
-    return width > 1 and min(a.y1, b.y1) - max(a.y0, b.y0) > 1
-
-
-def assert_legible(figure, least=5):
-    """All text lies on the page, no two texts overlap, and no legend lies on the curves."""
-    drawn = visible_text(figure)
-    assert len(drawn) >= least
-    page = figure.bbox
-    for words, box in drawn:
-        assert page.x0 <= box.x0 <= box.x1 <= page.x1, words
-        assert page.y0 <= box.y0 <= box.y1 <= page.y1, words
-    for (one, a), (two, b) in itertools.combinations(drawn, 2):
-        assert not _overlap(a, b), (one, two)
-    legends = [axes.get_legend() for axes in figure.axes]
-    legends += [each for part in (figure, *figure.subfigs) for each in part.legends]
-    for legend, axes in itertools.product(filter(None, legends), figure.axes):
-        assert not _overlap(legend.get_window_extent(), axes.bbox), "a legend on curves"

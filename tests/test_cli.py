@@ -212,11 +212,7 @@ def test_effects_lists_all_or_those_that_have_a_word():
     assert [each["name"] for each in printed("effects", "drag")["effects"]] == names
     (tilt,) = (each for each in effects() if each.name == "surface_tilt")
     for word in ("effects.surface_tilt", "Surface_Tilt", tilt.meaning):
-        text = stickslip("effects", word).stdout
-        assert text.startswith("[effects.surface_tilt]\n")
-        assert text.count("[effects.") == 1
-        # Lines may break between words and at hyphens.
-        assert "".join(text.split()).endswith("".join(f"source: {tilt.source}".split()))
+        assert [each["name"] for each in printed("effects", word)["effects"]] == [tilt.name]
 
 
 def test_init_without_room_is_no_bad_input(tmp_path):
@@ -235,19 +231,9 @@ def test_init_writes_a_robot_that_walks_with_all_keys_once(tmp_path):
     walk = simulate(written)
     assert walk.mean_velocity == pytest.approx(1.9e-3, rel=0.05)
     assert [note.code for note in walk.notes] == ["pulled"]
-    assert max(map(len, text.splitlines())) <= 100
     for key in Scenario.keys():  # noqa: SIM118
         if not key.startswith("effects."):
             assert f"\n{key.rpartition('.')[2]} = " in text, key
-
-
-def test_the_list_of_commands_has_a_whole_line_for_each(monkeypatch):
-    monkeypatch.setenv("COLUMNS", "80")
-    lines = stickslip("--help").stdout.splitlines()
-    assert max(map(len, lines)) <= 80
-    first = lines.index("Commands:") + 1
-    rows = [line.split(maxsplit=1) for line in lines[first : first + len(COMMANDS)]]
-    assert dict(rows) == COMMANDS
 
 
 @pytest.mark.parametrize("command", [[], *([name] for name in COMMANDS)])

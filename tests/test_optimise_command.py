@@ -1,7 +1,6 @@
 """The command ``stickslip optimise``: its files, its JSON, interrupts, refusals."""
 
 import json
-import re
 
 import pytest
 
@@ -54,13 +53,12 @@ def test_the_files_are_a_scenario_its_voltages_and_a_picture(scenario, tmp_path)
     run = simulate(best)
     assert run.ok
     assert run.summary()["voltage_max"] <= 26.0
-    # What is printed: knots, the share of flight and the notes of the drive.
-    lines = done.stdout.partition("the best drive:\n")[2].splitlines()
-    assert re.fullmatch(r"  drive\.frequency = \S+ Hz", lines[0])
-    for line, coil in zip(lines[1:3], ("xp", "clamp"), strict=True):
-        assert re.fullmatch(rf"  {coil} =( \S+){{4}} V", line)
-    assert lines[3] == f"  in flight {100 * run.summary()['airborne_fraction']:.3g} % of the time"
-    assert lines[4 : 4 + len(run.notes)] == [f"  {note}" for note in run.notes]
+    for said in (
+        *("  drive.frequency = ", "  xp = ", "  clamp = "),
+        f"{100 * run.summary()['airborne_fraction']:.3g} %",
+        *map(str, run.notes),
+    ):
+        assert said in done.stdout
 
 
 def test_keys_give_a_scenario_without_a_program(scenario, tmp_path):

