@@ -14,16 +14,13 @@ HERE = Path(__file__).resolve().parent
 PROGRAMS = {
     "speed": ("speed", "both integrators at equal accuracy"),
     "sweep": ("sweep", "sweeps: cost of a run and of a point, threads"),
-    "plane": ("plane", "the whole plane beside one plane; fails below its promise"),
     "promises": ("promises", "import, Ctrl-C, long runs, sweeps; fails if a promise is broken"),
-    "stepping": ("stepping", "cost of steps and rollouts, bits after a restore"),
     "against": ("against", "this version beside an earlier commit (against COMMIT)"),
     "peers": ("peers", "SciPy, heyoka, MuJoCo and magpylib at equal accuracy"),
     "blind": ("blind", "the blind study of the diagnosis: make, diagnose, judge, tables ..."),
     "real": ("real.study", "measured sets with a known cause, diagnosed and judged"),
     "drops": ("real.drops", "drops of a real square beside the core"),
     "mutations": ("mutations", "whether the tests see a change of the C++ or Python sources"),
-    "sizes": ("sizes", "MB of an installation with each extra"),
     "lines": ("lines", "lines of each part of the project, beside its aim"),
 }
 """Name, module and what it shows."""

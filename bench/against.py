@@ -1,10 +1,10 @@
 """This version beside an earlier commit: `python -m bench against COMMIT`.
 
 The package of the earlier commit is built into build/against; the installed one is not touched.
-Each version is a process of its own on the same core. They measure in turn, so that drift meets
-them alike: a figure is the median of CPU time, a ratio the median of the ratios of the turns. Both
-have rtol 1e-6; the median relative error of the mean velocities, against this version at rtol
-1e-11, stands beside.
+Each version is a process of its own on the same core. They measure the works of works.py in turn,
+so that drift meets them alike: *now/before* is the median of the ratios of their CPU times, with
+its 95 % interval, of 21 pairs or of as many more as make the interval 2 % wide. The median relative
+errors of the mean velocities, against this version at rtol 1e-11, stand beside.
 """
 
 from __future__ import annotations
@@ -12,114 +12,35 @@ from __future__ import annotations
 import argparse
 import functools
 import io
-import itertools
 import json
 import os
-import statistics
 import subprocess
 import sys
 import tarfile
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from measure import pin, saved
-from speed import REFERENCE, with_solver
+from measure import FEWEST, MOST, figure_of, filled, in_turn, pin, ratios, saved
+from works import WORKS
 
 import stickslip
-from stickslip import Drive, Scenario
 
-RTOL, EXACT = 1e-6, 1e-11
+TOLERANCES, EXACT = (1e-6, 1e-8), 1e-11
 BUILD = Path("build/against")
-MIXED = [
-    Scenario(drive=Drive(mode=mode, frequency=frequency, peak=peak, base=0.5e-3, pulses=20))
-    for mode, frequency, peak in itertools.product(
-        ("IPP", "OPP"), (10.0, 40.0, 100.0, 160.0), (1.5e-3, 3.5e-3)
-    )
-]
-ALIKE = [
-    REFERENCE.replace({"drive.peak": float(peak)}) for peak in np.linspace(2.4e-3, 2.6e-3, 400)
-]
-
-Answer = tuple[float, list[float]]  # simulated seconds, mean velocities
-
-
-def one_by_one(scenarios: list[Scenario], rtol: float) -> Answer:
-    runs = [stickslip.simulate(with_solver(each, "tsit5", rtol)) for each in scenarios]
-    return sum(run.summary()["simulated_time"] for run in runs), [r.mean_velocity for r in runs]
-
-
-def alike(rtol: float) -> Answer:
-    """A batch of runs that differ little."""
-    batch = [with_solver(each, "tsit5", rtol) for each in ALIKE]
-    runs = stickslip.simulate_batch(batch, threads=1)
-    return sum(run.summary()["simulated_time"] for run in runs), [r.mean_velocity for r in runs]
-
-
-def swept(rtol: float) -> Answer:
-    """A sweep over frequency and peak."""
-    base = with_solver(Scenario(drive=Drive(base=0.5e-3, pulses=20)), "tsit5", rtol)
-    vary = {
-        "drive.frequency": np.linspace(5.0, 200.0, 40),
-        "drive.peak": np.linspace(1e-3, 6e-3, 25),
-    }
-    data = stickslip.sweep(base, vary, threads=1)
-    return float(data["simulated_time"].sum()), data["mean_velocity"].values.ravel().tolist()
-
-
-def _rows(steps: int) -> np.ndarray:
-    """Voltages of a robot that walks, V, a row each millisecond."""
-    rows = np.zeros((steps, 5))
-    rows[:, 0], rows[:, 4] = 26.0 - 2.0 * (np.arange(steps) % 10), -10.4
-    return rows
-
-
-def stepped(rtol: float) -> Answer:
-    """Half a thousand steps of a simulator."""
-    simulator = stickslip.Simulator(with_solver(REFERENCE, "tsit5", rtol))
-    for row in _rows(500):
-        state = simulator.step(row, 1e-3)
-    return simulator.time, [state.x / simulator.time]
-
-
-def rolled_out(rtol: float) -> Answer:
-    """Sixty-four robots, a hundred steps each."""
-    scenarios = [with_solver(each, "tsit5", rtol) for each in ALIKE[:64]]
-    found = stickslip.rollout(scenarios, None, _rows(100), 1e-3, record=("x",), threads=1)
-    return 64 * 0.1, (found.states[:, -1, 0] / 0.1).tolist()
-
-
-def replaced(rtol: float) -> Answer:
-    """A thousand calls of `Scenario.replace`; no simulated time."""
-    for _ in range(1000):
-        REFERENCE.replace({"drive.peak": 2.4e-3})
-    return 0.0, []
-
-
-WORKS: dict[str, Callable[[float], Answer]] = {
-    "one": lambda rtol: one_by_one([REFERENCE], rtol),
-    "mixed": lambda rtol: one_by_one(MIXED, rtol),
-    "plane": lambda rtol: one_by_one([REFERENCE.replace({"drive.heading": 0.5})], rtol),
-    "long": lambda rtol: one_by_one([REFERENCE.replace({"drive.pulses": 2000})], rtol),
-    "alike": alike,
-    "swept": swept,
-    "stepped": stepped,
-    "rolled_out": rolled_out,
-    "replaced": replaced,
-}
-"""What is measured, by name."""
 
 
 def worker() -> None:
-    """Answer each line of standard input, a work and a tolerance, with seconds and the answer."""
+    """Answer each line of standard input, a work and a tolerance, with seconds of a call.
+
+    A line with a third word is answered with the velocities.
+    """
     pin()
     print(json.dumps(os.path.dirname(stickslip.__file__)), flush=True)
+    samples = functools.cache(lambda name, rtol: filled(lambda: WORKS[name].call(rtol)))
     for line in sys.stdin:
-        name, rtol = json.loads(line)
-        started = time.process_time()
-        simulated, velocities = WORKS[name](rtol)
-        print(json.dumps([time.process_time() - started, simulated, velocities]), flush=True)
+        name, rtol, *velocities = json.loads(line)
+        answer = WORKS[name].call(rtol)[1] if velocities else samples(name, rtol)()
+        print(json.dumps(answer), flush=True)
 
 
 def built(commit: str) -> Path:
@@ -151,56 +72,73 @@ class Version:
         )
         self.package = json.loads(self._process.stdout.readline())
 
-    def ask(self, work: str, rtol: float) -> tuple[float, float, list[float]]:
-        """CPU seconds, simulated seconds and mean velocities."""
-        self._process.stdin.write(json.dumps([work, rtol]) + "\n")
+    def _ask(self, *words: object) -> object:
+        self._process.stdin.write(json.dumps(words) + "\n")
         self._process.stdin.flush()
         return json.loads(self._process.stdout.readline())
+
+    def seconds(self, work: str, rtol: float) -> float:
+        """CPU seconds of a call."""
+        return self._ask(work, rtol)
+
+    def velocities(self, work: str, rtol: float) -> np.ndarray:
+        return np.array(self._ask(work, rtol, "velocities"))
 
     def close(self) -> None:
         self._process.stdin.close()
         self._process.wait()
 
 
-def measured(before: Version, now: Version, work: str, repeats: int) -> dict[str, object]:
-    """Costs of both versions, the ratio, and the errors of their velocities."""
-    pairs = [(before.ask(work, RTOL), now.ask(work, RTOL)) for _ in range(repeats + 1)][1:]
-    costs = [statistics.median(each[0] for each in mine) for mine in zip(*pairs, strict=True)]
-    ratio = statistics.median(one[0] / two[0] for one, two in pairs)
-    exact = np.array(now.ask(work, EXACT)[2])
-    # Below 1 um/s, relative to that.
+def errors(versions: list[Version], work: str, rtol: float) -> list[float]:
+    """Median relative error of the velocities of each version; below 1 um/s, relative to that."""
+    exact = versions[-1].velocities(work, EXACT)
     size = np.maximum(np.abs(exact), 1e-6)
-    errors = [float(np.median(np.abs(each[2] - exact) / size)) if len(exact) else 0.0
-              for each in pairs[-1]]  # fmt: skip
-    return {"work": work, "cpu_seconds": costs, "simulated": pairs[-1][1][1], "ratio": ratio,
-            "errors": errors}  # fmt: skip
+    found = [np.abs(each.velocities(work, rtol) - exact) / size for each in versions]
+    return [float(np.median(each)) if len(exact) else 0.0 for each in found]
 
 
-def main() -> None:
+def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m bench against", description=__doc__)
     parser.add_argument("commit", help="the earlier commit, or a folder with its built package")
     parser.add_argument("--works", default=",".join(WORKS), help="separated by commas")
-    parser.add_argument("--repeats", type=int, default=7)
+    parser.add_argument("--fewest", type=int, default=FEWEST, help="pairs at least")
+    parser.add_argument("--most", type=int, default=MOST, help="pairs at most")
+    parser.add_argument("--limit", type=float, metavar="RATIO", help="1 if an interval ends above")
     parser.add_argument("--out", type=Path, default=Path("bench/results/against.json"))
     options = parser.parse_args()
+    names = options.works.split(",")
+    if not set(names) <= set(WORKS):
+        parser.error(f"--works: allowed are {', '.join(WORKS)}")
     package = Path(options.commit)
     package = package if (package / "stickslip").is_dir() else built(options.commit)
     before, now = Version(package), Version(Path(stickslip.__file__).parents[1])
     if before.package == now.package:
         parser.error(f"both versions are the same package: {now.package}")
-    print(f"{'work':12}{'CPU s before':>13}{'now':>10}{'before / now':>14}{'errors':>20}")
+    print(f"{'work':11}{'rtol':>6}{'CPU s before':>13}{'now':>10}{'now/before':>11}"
+          f"{'95 % interval':>17}{'pairs':>6}{'errors':>17}")  # fmt: skip
     rows = []
-    for work in options.works.split(","):
-        rows.append(measured(before, now, work, options.repeats))
-        first, second = rows[-1]["cpu_seconds"]
-        errors = " ".join(f"{each:.1e}" for each in rows[-1]["errors"])
-        print(
-            f"{work:12}{first:13.4f}{second:10.4f}{rows[-1]['ratio']:14.2f}{errors:>20}", flush=True
-        )
+    for work in names:
+        for rtol in TOLERANCES:
+            asked = [functools.partial(each.seconds, work, rtol) for each in (now, before)]
+            samples = list(in_turn(asked, options.fewest, options.most))
+            ratio = ratios(samples)
+            second, first = (figure_of(mine).median for mine in zip(*samples, strict=True))
+            wrong = errors([before, now], work, rtol)
+            rows.append({"work": work, "rtol": rtol, "cpu_seconds": [first, second],
+                         "ratio": ratio._asdict(), "errors": wrong})  # fmt: skip
+            between = f"{ratio.low:.3f} to {ratio.high:.3f}"
+            said = " ".join(f"{each:.1e}" for each in wrong)
+            print(f"{work:11}{rtol:6.0e}{first:13.2e}{second:10.2e}{ratio.median:11.3f}"
+                  f"{between:>17}{ratio.n:6}{said:>17}", flush=True)  # fmt: skip
     before.close()
     now.close()
-    saved(options.out, {"before": options.commit, "works": rows})
+    saved(options.out, "against", {"before": options.commit, "works": rows})
+    slow = [f"{row['work']} at rtol {row['rtol']:.0e}" for row in rows
+            if options.limit is not None and row["ratio"]["high"] > options.limit]  # fmt: skip
+    if slow:
+        print(f"not shown to be within {options.limit} of before: {', '.join(slow)}")
+    return int(bool(slow))
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -1,17 +1,27 @@
-"""CPU time on a shared, noisy machine: pinned, repeated, medians."""
+"""CPU time on a shared, noisy machine: pinned, in turn, medians with their 95 % intervals."""
 
 from __future__ import annotations
 
 import json
+import math
 import os
 import platform
 import statistics
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from datetime import datetime, timezone
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import stickslip
+
+ROOT = Path(__file__).resolve().parents[1]
+MEASURED = ROOT / "docs" / "measured"
+"""Results that the pages show."""
+
+FEWEST, MOST, WIDTH = 21, 201, 0.02
+"""Samples at least and at most of a figure, and how wide its interval may be, over the median."""
+SHORTEST = 0.05  # s, below which work is repeated within one sample
 
 
 def pin(cpu: int | None = None) -> int:
@@ -29,26 +39,68 @@ def timed(work: Callable[[], object], clock: Callable[[], float] = time.process_
     return clock() - started
 
 
-def cpu_seconds(work: Callable[[], object], repeats: int = 7) -> float:
-    """Median CPU seconds of `work` over `repeats` calls after one that is not counted.
+def filled(work: Callable[[], object]) -> Callable[[], float]:
+    """CPU seconds of a call, from as many as fill `SHORTEST`; `work` is called once before."""
+    work()
+    inner = max(1, math.ceil(SHORTEST / max(timed(work), 1e-6)))
+    return lambda: timed(lambda: [work() for _ in range(inner)]) / inner
 
-    Work that is short is repeated within one measurement until it fills 50 ms.
+
+class Figure(NamedTuple):
+    """The median of n samples and its 95 % interval."""
+
+    median: float
+    low: float
+    high: float
+    n: int
+
+    @property
+    def width(self) -> float:
+        return (self.high - self.low) / self.median
+
+
+def figure_of(samples: Sequence[float]) -> Figure:
+    """Median with the order statistics between which it lies with 95 % (binomial).
+
+    Of fewer than six samples they are the extremes, with less.
     """
-    once = max(timed(work), 1e-6)
-    inner = max(1, round(0.05 / once))
-    samples = []
-    for _ in range(repeats):
-        samples.append(timed(lambda: [work() for _ in range(inner)]) / inner)
-    return statistics.median(samples)
+    ranked, n = sorted(samples), len(samples)
+    below = 0.0
+    for rank in range(n // 2 + 1):
+        below += math.comb(n, rank) * 0.5**n
+        if below > 0.025:
+            break
+    place = max(rank - 1, 0)
+    return Figure(statistics.median(ranked), ranked[place], ranked[n - 1 - place], n)
 
 
-def cpu_seconds_in_turn(works: list[Callable[[], object]], repeats: int = 7) -> list[float]:
-    """Median CPU seconds of each of `works`, measured in turn so that drift meets them alike."""
-    samples: list[list[float]] = [[] for _ in works]
-    for _ in range(repeats):
-        for work, mine in zip(works, samples, strict=True):
-            mine.append(cpu_seconds(work, repeats=1))
-    return [statistics.median(mine) for mine in samples]
+def in_turn(
+    works: Sequence[Callable[[], float]], fewest: int = FEWEST, most: int = MOST
+) -> Iterator[list[float]]:
+    """Samples of all works, a list at a time, so that drift meets them alike.
+
+    They end where the ratio of each work to the last one is known to `WIDTH`, at `most` at the
+    latest.
+    """
+    rows: list[list[float]] = []
+    while len(rows) < most:
+        rows.append([work() for work in works])
+        yield rows[-1]
+        if len(rows) >= fewest and all(
+            figure_of([row[k] / row[-1] for row in rows]).width <= WIDTH for k in range(len(works))
+        ):
+            return
+
+
+def ratios(samples: Sequence[Sequence[float]], first: int = 0, second: int = -1) -> Figure:
+    """Of the first work over the second, from the pairs of each turn."""
+    return figure_of([row[first] / row[second] for row in samples])
+
+
+def cpu_seconds_in_turn(works: Sequence[Callable[[], object]], repeats: int = 7) -> list[float]:
+    """Median CPU seconds of each of `works`."""
+    samples = list(in_turn([filled(work) for work in works], repeats, repeats))
+    return [statistics.median(mine) for mine in zip(*samples, strict=True)]
 
 
 def machine() -> dict[str, str]:
@@ -70,10 +122,12 @@ def machine() -> dict[str, str]:
     }
 
 
-def saved(path: Path, result: dict[str, Any], said: bool = True) -> None:
-    """Write a result with the machine and the version that it was measured with."""
+def saved(path: Path, program: str, result: dict[str, Any], said: bool = True) -> None:
+    """Write a result with its day, the machine, the version and the program that measured it."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    stated = {"machine": machine(), "stickslip": stickslip.__version__, **result}
-    path.write_text(json.dumps(stated, indent=2) + "\n")
+    day = datetime.now(timezone.utc).date().isoformat()
+    stated = {"date": day, "command": f"python -m bench {program}", "machine": machine()}
+    stated |= {"stickslip": stickslip.__version__, **result}
+    path.write_text(json.dumps(stated, indent=1) + "\n")
     if said:
         print(f"written: {path}")

@@ -17,27 +17,21 @@ import math
 from pathlib import Path
 
 import numpy as np
-from measure import cpu_seconds, cpu_seconds_in_turn, pin, saved
+from measure import MEASURED, cpu_seconds_in_turn, pin, saved
+from works import REFERENCE, with_solver
 
 import stickslip
-from stickslip import Drive, Scenario
+from stickslip import Scenario
 
-REFERENCE = Scenario(
-    drive=Drive(mode="IPP", frequency=100.0, peak=2.5e-3, base=0.5e-3, hold=1e-3, pulses=100)
-)
 PEAKS = np.linspace(2.40e-3, 2.60e-3, 16)
 EQUAL_ERRORS = (1e-3, 1e-4, 1e-5)
 METHODS, TOLERANCES = ("tsit5", "arkode"), (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 
 
-def with_solver(scenario: Scenario, method: str, rtol: float) -> Scenario:
-    return scenario.replace({"solver.method": method, "solver.rtol": rtol})
-
-
 def velocities(method: str, rtol: float) -> np.ndarray:
     runs = stickslip.simulate_batch(
         [
-            with_solver(REFERENCE.replace({"drive.peak": float(peak)}), method, rtol)
+            with_solver(REFERENCE.replace({"drive.peak": float(peak)}), rtol, method)
             for peak in PEAKS
         ],
         threads=1,
@@ -54,7 +48,7 @@ def tolerance_table(repeats: int) -> list[dict[str, float | str]]:
     time = simulated_time(REFERENCE)
     rows = []
     pairs = [(method, rtol) for method in METHODS for rtol in TOLERANCES]
-    scenarios = [with_solver(REFERENCE, *pair) for pair in pairs]
+    scenarios = [with_solver(REFERENCE, rtol, method) for method, rtol in pairs]
     works = [lambda scenario=scenario: stickslip.simulate(scenario) for scenario in scenarios]
     costs = cpu_seconds_in_turn(works, repeats)
     for (method, rtol), cost in zip(pairs, costs, strict=True):
@@ -84,11 +78,10 @@ def speed_at_error(rows: list[dict], method: str, error: float) -> float:
 
 
 def long_run(repeats: int) -> dict[str, float]:
-    def cost(pulses: int) -> float:
-        scenario = REFERENCE.replace({"drive.pulses": pulses})
-        return cpu_seconds(lambda: stickslip.simulate(scenario), repeats)
-
-    short, long = cost(100), cost(10_000)
+    scenarios = [REFERENCE.replace({"drive.pulses": pulses}) for pulses in (100, 10_000)]
+    short, long = cpu_seconds_in_turn(
+        [lambda scenario=scenario: stickslip.simulate(scenario) for scenario in scenarios], repeats
+    )
     return {
         "cpu_seconds_100_pulses": short,
         "cpu_seconds_10000_pulses": long,
@@ -99,7 +92,7 @@ def long_run(repeats: int) -> dict[str, float]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--repeats", type=int, default=9)
-    parser.add_argument("--out", type=Path, default=Path("bench/results/speed.json"))
+    parser.add_argument("--out", type=Path, default=MEASURED / "speed.json")
     options = parser.parse_args()
     core = pin()
 
@@ -126,7 +119,7 @@ def main() -> None:
         "equal_accuracy": equal,
         "long_run": scaling,
     }
-    saved(options.out, result)
+    saved(options.out, "speed", result)
 
 
 if __name__ == "__main__":

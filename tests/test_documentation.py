@@ -17,8 +17,11 @@ from stickslip import Drive, Scenario, simulate
 from stickslip.scenario.effects import is_free_shape
 from test_reference_agreement import AGREEMENT, SCENARIOS
 
-sys.path.append(str(DOCS))
-from take_results import COMMANDS
+sys.path.append(str(ROOT / "bench"))
+from blind.scoring import Case, read
+
+MEASURED = DOCS / "measured"
+STUDY = ROOT / "bench" / "blind" / "study" / "record.jsonl"
 
 
 def modules():
@@ -76,47 +79,74 @@ def test_every_public_name_is_on_one_page_of_the_interface():
 def test_every_table_of_measurements_is_there_with_its_day_machine_and_command():
     text = (DOCS / "accuracy.md").read_text()
     names = re.findall(r"^```\{bench-results\} (\S+)$", text, re.MULTILINE)
-    assert names
+    assert set(names) == {path.name for path in MEASURED.iterdir()}
     for name in names:
-        result = json.loads((DOCS / "measured" / name).read_text())
+        result = json.loads((MEASURED / name).read_text())
         assert re.fullmatch(r"\d{4}-\d\d-\d\d", result["date"]), name
         assert result["machine"]["processor"], name
-        assert COMMANDS[name] in text, name
+        assert result["command"] in text, name
 
 
-def test_the_numbers_of_the_readme_are_those_of_the_tables():
-    measured = json.loads((DOCS / "measured" / "speed.json").read_text())
-    speed = {
-        (each["method"], each["rtol"]): each["simulated_per_cpu_second"]
-        for each in measured["tolerances"]
-    }
-    peers = json.loads((DOCS / "measured" / "peers.json").read_text())
-    single = [each for each in peers["rows"] if each["unit"] == "CPU s / simulated s"]
-    ratios = {
-        name: sorted(each["ratio"] for each in single if each["peer"] == name)
+def measured_words():
+    """What the pages say of what was measured or counted, from its files: words of each page."""
+    speed, peers, real = (
+        json.loads((MEASURED / f"{name}.json").read_text()) for name in ("speed", "peers", "real")
+    )
+    fast = {row["rtol"]: row["simulated_per_cpu_second"] for row in speed["tolerances"]
+            if row["method"] == "tsit5"}  # fmt: skip
+    scipy, heyoka = (
+        sorted(row["ratio"] for row in peers["rows"]
+               if row["peer"] == name and row["unit"] == "CPU s / simulated s")
         for name in ("scipy", "heyoka")
-    }
-    creep = {each["who"]: each["drift_mm"] for each in peers["creep"]}
+    )  # fmt: skip
+    creep = {row["who"]: row["drift_mm"] for row in peers["creep"]}
     assert creep["stickslip"] == 0.0
-    drift = creep["mujoco, step 40 us, impratio 1"]
-    real = json.loads((DOCS / "measured" / "real.json").read_text())
     # 0.0325 ± 0.0031 rad (known: 0.0334)
     offset = real["rows"]["250 drops, heights, listed: yes"]["size"]
     found, error, known = (1e3 * float(each) for each in re.findall(r"[\d.]+", offset))
     stated = sum(not is_free_shape(each.name) for each in stickslip.effects())
-    said = " ".join((ROOT / "README.md").read_text().split())
-    for words in (
-        "from 250 drops of a real square it found that the angle readings are too large by"
-        f" {found:.1f} ± {error:.1f} mrad (known: {known:.1f})",
-        f"{stated} optional effects",
-        f"{speed['tsit5', 1e-6]:.0f} simulated seconds per CPU second at `rtol` 1e-6",
-        f"{speed['tsit5', 1e-8]:.0f} at the default 1e-8",
-        "{:.0f} to {:.0f} times faster than SciPy's".format(*np.round(ratios["scipy"][::2], -1)),
-        f"{ratios['heyoka'][0]:.1f} to {ratios['heyoka'][-1]:.1f} times faster than heyoka",
-        f"creeps by {1e3 * drift:.1f} um in a second",
-        f"within {100 * AGREEMENT:g} % in velocity in each of {len(SCENARIOS)} different walks",
-    ):
-        assert words in said, words
+    rows = read(STUDY)
+    cases = [Case(row) for row in rows]
+    named = [case for case in cases if case.named]
+    sets = [case for case in cases if case.ambiguous]
+    # The study is of one engine, and every claim of it is right.
+    assert len({json.dumps(row["state"]) for row in rows}) == 1
+    assert all(case.right for case in named)
+    assert all(case.in_set for case in sets)
+    assert not any(case.pair or case.dominant for case in cases)
+    sound = f"it named {len(named)} causes, all correctly"
+    holding = f"each of its {len(sets)} sets of causes holds the true one"
+    return {
+        "README.md": [
+            f"within {100 * AGREEMENT:g} % in velocity in each of {len(SCENARIOS)} different walks",
+            f"creeps by {1e3 * creep['mujoco, step 40 us, impratio 1']:.1f} um in a second",
+            "{:.0f} to {:.0f} times faster than SciPy's".format(*np.round(scipy[::2], -1)),
+            f"{heyoka[0]:.1f} to {heyoka[-1]:.1f} times faster than heyoka",
+            f"{fast[1e-6]:.0f} simulated seconds per CPU second at `rtol` 1e-6",
+            f"{fast[1e-8]:.0f} at the default 1e-8",
+            f"{len(rows)} synthetic data sets, diagnosed from their files alone, {sound}",
+            holding,
+            "from 250 drops of a real square it found that the angle readings are too large by"
+            f" {found:.1f} ± {error:.1f} mrad (known: {known:.1f})",
+            f"{stated} optional effects",
+        ],
+        "docs/theory/blind-study.md": [f"{len(rows)} simulated data sets {sound}", holding],
+    }
+
+
+def test_what_the_pages_say_was_measured_is_in_its_file():
+    for page, stated in measured_words().items():
+        said = " ".join((ROOT / page).read_text().split())
+        for words in stated:
+            assert words in said, (page, words)
+
+
+def test_every_number_that_the_readme_argues_with_was_measured():
+    _, _, text = (ROOT / "README.md").read_text().partition("## Why believe it")
+    said = " ".join(text.partition("\n## ")[0].split())
+    for words in measured_words()["README.md"]:
+        said = said.replace(words, "")
+    assert re.findall(r".{,20}\d.{,20}", said) == []
 
 
 def test_the_speeds_of_the_readme_are_those_of_the_film():

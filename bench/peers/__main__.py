@@ -1,4 +1,4 @@
-"""Runs all peers and stickslip in turn, prints one table, writes bench/results/peers.json."""
+"""Runs all peers and stickslip in turn, prints one table, writes docs/measured/peers.json."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from measure import cpu_seconds_in_turn, pin, saved
+from measure import MEASURED, cpu_seconds_in_turn, pin, saved
 
 import stickslip
 from peers import stickslip_side
@@ -211,7 +211,7 @@ def show(rows: list[dict]) -> None:
 def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m bench peers", description=__doc__)
     parser.add_argument("--repeats", type=int, default=5)
-    parser.add_argument("--out", type=Path, default=Path("bench/results/peers.json"))
+    parser.add_argument("--out", type=Path, default=MEASURED / "peers.json")
     options = parser.parse_args()
     core = pin()
 
@@ -239,7 +239,7 @@ def main() -> int:
     load = os.getloadavg()
     print("load average: " + ", ".join(f"{each:.1f}" for each in load))
     result = {"core": core, "versions": versions, "rows": rows, "creep": creep}
-    saved(options.out, {**result, "load_average": load})
+    saved(options.out, "peers", {**result, "load_average": load})
     wrong = [f"{row['peer']} ({row['settings']})" for row in rows if row["wrong"]]
     if wrong:
         print(f"wrong physics: {', '.join(wrong)}", file=sys.stderr)

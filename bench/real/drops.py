@@ -122,7 +122,7 @@ def main(arguments: list[str] | None = None) -> int:
     result, model = study(*read)
     if options.table:
         options.table.write_text(table(read[0], model) + "\n")
-    saved(options.out, {"file": options.file.name, **result})
+    saved(options.out, "drops", {"file": options.file.name, **result})
     return 0
 
 

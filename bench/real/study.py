@@ -15,7 +15,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from measure import saved
+from measure import MEASURED, saved
 
 from . import axis, impacts, robots, slider, tanks
 from .flights import read_drops
@@ -81,7 +81,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m bench real", description=__doc__)
     parser.add_argument("sets", nargs="*", metavar="SET", help=", ".join(NAMES))
     parser.add_argument("--drops", type=Path, default=DROPS, help="CSV of drops")
-    parser.add_argument("--out", type=Path, default=Path("bench/results/real.json"))
+    parser.add_argument("--out", type=Path, default=MEASURED / "real.json")
     options = parser.parse_args(arguments)
     for name in options.sets:
         if name not in NAMES:
@@ -99,7 +99,7 @@ def main(arguments: list[str] | None = None) -> int:
                     print(text(made), flush=True)
                     key = f"{made.set}, listed: {made.listed}"
                     found[key] = asdict(made)
-                    saved(options.out, {"rows": found}, said=False)
+                    saved(options.out, "real", {"rows": found}, said=False)
     except (OSError, ValueError) as error:
         print(error, file=sys.stderr)
         return 2

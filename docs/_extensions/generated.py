@@ -10,7 +10,6 @@ import click
 from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
-from take_results import COMMANDS
 
 from stickslip import _core, effects
 from stickslip.cli.commands import loaded, stickslip
@@ -132,17 +131,17 @@ class BenchResults(SphinxDirective):
             "real.json": _real,
         }
         table = tables[path.name]
-        parsed = self.parse_text_to_nodes(f"{table(results)}\n\n{_origin(path.name, results)}")
+        parsed = self.parse_text_to_nodes(f"{table(results)}\n\n{_origin(results)}")
         return [nodes.container("", *parsed, classes=["measured"])]
 
 
-def _origin(name: str, results: dict[str, Any]) -> str:
+def _origin(results: dict[str, Any]) -> str:
     machine = results["machine"]
     cores = machine["cores_allowed"]
     versions = {"stickslip": results["stickslip"], **results.get("versions", {})}
     said = ", ".join(f"{program} {version}" for program, version in versions.items())
     return (
-        f"Measured on {results['date']} by {_code(COMMANDS[name])} on one machine: "
+        f"Measured on {results['date']} by {_code(results['command'])} on one machine: "
         f"{_plain(machine['processor'])}, {cores} core{'s' if cores != '1' else ''}, "
         f"{_plain(machine['system'])}, Python {machine['python']}; {said}. {_load(results)}"
     )
