@@ -30,8 +30,9 @@ class Record:
     after_event: the sample is the state just after an event; the phase before it ended at the same
     time. slips: +1 or -1 for a contact that slips to the robot's front or rear, else 0. current:
     shape (n, 5), A, those that make the field, world's frame. unsure: A, by which samples half as
-    dense move them. fine: whether the samples are near enough to each other for a balance. follows_currents: whether they are for the currents too,
-    which may rise and fall between two of them if not. swing: of the fastest free swing, rad/s.
+    dense move them. fine: whether the samples are near enough to each other for a balance.
+    follows_currents: whether they are for the currents too, which may rise and fall between two of
+    them if not. swing: of the fastest free swing, rad/s.
     """
 
     scenario: Scenario

@@ -26,7 +26,7 @@ MOST_STEPS = 100_000
 class Draw:
     """Draws by name of the distribution, from one seed.
 
-    Hypothesis draws seeds alone: numbers it would crowd about zero and at the ends, each for itself.
+    Hypothesis draws the seed alone: it would crowd numbers about zero and at the ends.
     """
 
     def __init__(self, seed):
@@ -109,6 +109,7 @@ def wild(draw):
     static = draw.corner(0.0, draw.decades(0.01, 10.0), 0.1)
     keys = {
         **words(draw),
+        "drive.coils": draw.word("single", "pairs"),
         "drive.frequency": frequency,
         "drive.base": base,
         "drive.peak": max(base, 0.0) + draw.decades(1e-4, 1e-2),
@@ -121,6 +122,7 @@ def wild(draw):
         "contact.kinetic_friction": static * draw.corner(1.0, draw.uniform(0.0, 1.0)),
         "contact.adhesion": draw.corner(0.0, draw.decades(1e-9, 1e-5)),
         "contact.restitution": draw.corner(0.0, draw.corner(1.0, draw.uniform(0.0, 1.0), 0.1), 0.5),
+        "contact.tangential_restitution": draw.corner(0.0, draw.uniform(0.0, 1.0), 0.7),
         "drag.linear": draw.corner(0.0, draw.decades(1e-8, 1e-3)),
         "drag.rotational": draw.corner(0.0, draw.decades(1e-19, 1e-12)),
         "environment.gravity": draw.corner(9.81, draw.corner(0.0, draw.decades(0.1, 100.0)), 0.8),
@@ -134,6 +136,8 @@ def wild(draw):
     if draw.chance(0.15):
         keys = {key: value for key, value in keys.items() if not key.startswith("drive.")}
         keys.update(wild_program(draw))
+    if draw.chance(0.15):
+        keys.update(wild_plane(draw, keys))
     for name in draw.of.permutation(list(EFFECTS))[: draw.whole(0, 3)]:
         keys.update({f"effects.{name}.{key}": value for key, value in EFFECTS[name](draw).items()})
     keys = allowed_together(keys)
@@ -190,6 +194,17 @@ def wild_program(draw):
     }
 
 
+def wild_plane(draw, keys):
+    """What takes the robot out of one plane."""
+    heading = "initial.heading" if "drive.program" in keys else "drive.heading"
+    return {
+        heading: draw.uniform(-math.pi, math.pi),
+        "initial.y": draw.uniform(-1e-3, 1e-3),
+        "effects.ambient_field.By": draw.corner(0.0, draw.uniform(-1e-3, 1e-3), 0.5),
+        "effects.surface_tilt.azimuth": draw.uniform(-math.pi, math.pi),
+    }
+
+
 # Values of the named extensions at which each of them counts.
 EFFECTS = {
     "coil_heating": lambda d: {"coefficient": d.decades(1e-4, 1.0)},
@@ -214,11 +229,19 @@ EFFECTS = {
 }
 
 
+# Each of them takes the robot out of one plane.
+ACROSS = (
+    *("drive.heading", "initial.heading", "initial.y", "initial.vy"),
+    *("effects.ambient_field.By", "effects.surface_tilt.azimuth"),
+)
+
+
 def extreme(draw):
     keys = {}
     share = draw.uniform(0.0, 1.0)
+    left_out = draw.word((), ACROSS)
     for key in known_keys().values():
-        if key.section != "record" and draw.chance(share):
+        if key.section != "record" and key.name not in left_out and draw.chance(share):
             keys[key.name] = any_value(draw, key)
     if keys.get("drive.mode") == "program":
         keys = {key: value for key, value in keys.items() if not key.startswith("drive.")}
@@ -267,9 +290,7 @@ def any_value(draw, key):
 
 def allowed_together(keys):
     """The draws with what excludes each other brought into order."""
-    # The balances that are checked are those of one plane.
-    result = {**keys, "drive.heading": 0.0, "initial.y": 0.0, "initial.vy": 0.0}
-    result |= {"effects.ambient_field.By": 0.0, "effects.surface_tilt.azimuth": 0.0}
+    result = dict(keys)
 
     def limit(key, most):
         if key in result:

@@ -19,8 +19,21 @@ from hypothesis import strategies as st
 import laws
 from fine_record import recorded
 from helpers import MOMENT, WEIGHT, violations
-from populations import EXTREME, PAPER, USUAL, population, usual, words
-from stickslip import Scenario, Solver, _core, simulate, simulate_batch
+from populations import (
+    EFFECTS,
+    EXTREME,
+    PAPER,
+    USUAL,
+    Draw,
+    extreme,
+    paper,
+    population,
+    usual,
+    wide,
+    wild,
+    words,
+)
+from stickslip import Coil, Robot, Scenario, Solver, _core, simulate, simulate_batch
 from stickslip.scenario.keys import SAWTOOTH, known_keys
 
 # A hang in the core hears no signal: the thread of pytest-timeout ends the process.
@@ -35,6 +48,58 @@ BUDGET = 3 * STEPS_AT_MOST  # a stiff scenario is to say so, not to keep the oth
 TIGHT = 1e-10  # relative tolerance at which balances are looked at
 REFERENCE = {"solver.rtol": 1e-11, "solver.method": "tsit5", "solver.max_step": 0.0}
 FLOOR = 1e-6  # m/s, a thousandth of the paper's speed: smaller ones are compared relative to it
+
+
+# How often a key has a value. Each end of a uniform range is a sixth of it.
+WORDS = {("drive.mode", "OPP"): 0.5, ("drive.clamp", "up"): 0.5, ("drive.edge", "fall"): 0.5}
+MEANT = {
+    paper: {**WORDS, ("drive.direction", "-x"): 0.5, ("drive.base", 0.0): 0.2 + 0.8 / 6},
+    wide: {
+        **WORDS,
+        ("drive.direction", "-x"): 0.5,
+        ("contact.adhesion", 0.0): 0.2,
+        ("contact.restitution", 0.0): 0.5 + 0.5 / 6,
+        ("drag.linear", 0.0): 0.2,
+        ("drag.rotational", 0.0): 0.2,
+    },
+    wild: {
+        **{word: 0.85 * meant for word, meant in WORDS.items()},
+        ("drive.mode", "program"): 0.15,
+        ("drive.direction", "-x"): 0.5,
+        ("drive.coils", "pairs"): 0.85 * 0.5,
+        ("initial.y", 0.0): 0.85,  # else in the whole plane
+        ("coil.turns", Coil().turns): 0.7,
+        ("robot.mass", Robot().mass): 0.7,
+        ("solver.rtol", Solver().rtol): 0.8,
+        ("contact.adhesion", 0.0): 0.2,
+        ("contact.static_friction", 0.0): 0.1,
+        ("contact.restitution", 0.0): 0.5 + 0.45 / 6,
+        ("contact.restitution", 1.0): 0.05 + 0.45 / 6,
+        ("contact.tangential_restitution", 0.0): 0.7 + 0.3 / 6,
+        ("drag.linear", 0.0): 0.2,
+        ("drag.rotational", 0.0): 0.2,
+        ("environment.gravity", 0.0): 0.2 * 0.2,
+        **{  # none to three effects
+            (f"effects.{name}.{next(iter(drawn(Draw(0))))}", 0.0): 1.0 - 1.5 / len(EFFECTS)
+            for name, drawn in EFFECTS.items()
+        },
+    },
+}
+
+
+@pytest.mark.parametrize("make", MEANT)
+def test_each_feature_is_drawn_as_often_as_meant(make):
+    some = [make(Draw(seed)) for seed in range(1000)]
+    for (key, value), meant in MEANT[make].items():
+        seen = np.mean([each.get(key) == value for each in some])
+        assert abs(seen - meant) < 4.0 * math.sqrt(meant * (1.0 - meant) / len(some)), (key, value)
+
+
+def test_each_key_has_many_values_among_the_extreme():
+    some = [extreme(Draw(seed)) for seed in range(50)]
+    recorded = {key for key in known_keys() if key.startswith("record.")}
+    dull = {key for key in known_keys() if len({each.get(key) for each in some}) == 1}
+    assert dull < recorded
 
 
 def share(part):
@@ -199,6 +264,8 @@ def test_runs_of_a_batch_end_as_they_do_alone(scenarios):
 
 @given(scenario=USUAL)
 def test_a_motion_keeps_the_laws_of_contact_momentum_and_energy(scenario):
+    if scenario.whole_plane:
+        return  # the laws are those of one plane
     (scenario,) = noted(scenario.replace({"solver.max_steps": BUDGET}))
     for rtol in (scenario.solver.rtol, TIGHT):
         (record,) = recorded([scenario], rtol)
