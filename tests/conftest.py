@@ -1,20 +1,23 @@
 """Results that several files of tests look at."""
 
-import fcntl
-import json
 import os
 import signal
+import tempfile
 
 # Threads of the linear algebra wait for each other by spinning: beside other workers a QR
 # decomposition of 449 x 110 numbers takes a hundred times the processor time that it takes alone.
 # Before numpy is imported, and for the processes that tests start.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+# A kernel of the reference is compiled by one worker for all. Each session has a folder of its own,
+# since numba does not see a change of what a stored kernel calls.
+if "NUMBA_CACHE_DIR" not in os.environ:
+    kernels = tempfile.TemporaryDirectory()
+    os.environ["NUMBA_CACHE_DIR"] = kernels.name
+
 import pytest
 from hypothesis import HealthCheck, Phase, settings
 
-from command_line import stickslip_process
-from made_measurement import write
 from stickslip import Drive, Record, Scenario, Waveform, simulate
 
 # Shells start what runs in the background with interrupts ignored, and so would be all commands
@@ -54,27 +57,6 @@ def scenario(tmp_path, request):
     path = tmp_path / "scenario.toml"
     path.write_text(request.module.TEXT)
     return path
-
-
-@pytest.fixture(scope="session")
-def tilted(tmp_path_factory, worker_id):
-    """The folder of a diagnosis of a surface that tilts by 0.04 rad, and what ``--json`` said.
-
-    The workers of a session share one: the first to ask makes it, and the others wait.
-    """
-    base = tmp_path_factory.getbasetemp()
-    folder = (base if worker_id == "master" else base.parent) / "tilted"
-    folder.mkdir(exist_ok=True)
-    with (folder / "lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if not (folder / "said.json").exists():
-            path = write(folder, {"effects.surface_tilt.angle": 0.04})
-            # Jobs are stated, so that a test can compare with another number on any machine.
-            options = ("--out", folder / "found", "--json", "--threads", 2)
-            done = stickslip_process("diagnose", path, *options)
-            assert done.returncode == 0, done.stderr
-            (folder / "said.json").write_text(done.stdout)
-    return folder, json.loads((folder / "said.json").read_text())
 
 
 @pytest.fixture(scope="session")

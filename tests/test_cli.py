@@ -160,19 +160,18 @@ def test_a_picture_of_which_nothing_can_be_drawn_is_a_failure(scenario, tmp_path
     ("name", "options", "frames"),
     [
         # At the default of 20 frames a second; 10 ms, 40 times slower.
-        ("walk.gif", ["--start=0.1", "--stop=0.11", "--slowdown=40"], 8),
-        ("walk.webp", ["--set=drive.heading=0.5", "--start=0.1", "--stop=0.11"], None),
+        ("walk.webp", "--set=drive.heading=0.5 --start=0.1 --stop=0.11 --slowdown=40", 8),
         # The last five of forty pulses.
-        ("walk.gif", ["--set=drive.pulses=40", "--slowdown=10"], 10),
+        ("walk.gif", "--set=drive.pulses=40 --slowdown=10", 10),
     ],
 )
 def test_a_run_is_written_as_a_moving_picture(scenario, tmp_path, name, options, frames):
     pictures = ["--animate", tmp_path / name, "--plot", tmp_path / "run.png"]
-    done = stickslip("run", scenario, *pictures, *options)
+    done = stickslip("run", scenario, *pictures, *options.split())
     assert (done.returncode, done.stderr) == (0, "")
     assert (tmp_path / "run.png").exists()
     with Image.open(tmp_path / name) as picture:
-        assert picture.n_frames == frames or frames is None
+        assert picture.n_frames == frames
 
 
 # --- keys, effects, init, help

@@ -1,13 +1,14 @@
 """``stickslip diagnose`` on data that the simulator made, from file to report."""
 
 import json
+import math
 
 import pytest
 
 from command_line import ended_at_the_bar, stickslip
 from made_measurement import few_causes, write
 from report_page import without_pictures
-from stickslip import Scenario, simulate
+from stickslip import Scenario, load, predict, simulate
 from stickslip.errors import NotWritten
 
 FEW = ("surface_tilt", "friction_anisotropy", "field_gain")
@@ -69,6 +70,29 @@ def test_the_extended_model_is_an_ordinary_scenario(tilted):
             said_value = said["parameters"][f"{name}.{parameter}"]["value"]
             assert value == pytest.approx(said_value, rel=1e-9)
     assert stickslip("run", extended, "--json").returncode == 0
+
+
+def test_predictions_take_what_a_diagnosis_leaves(tilted):
+    folder, said, _ = tilted
+    extended = load(folder / "found" / "extended.toml")
+    keys = extended.uncertain.keys
+    causes = [f"effects.{name}.{each}" for name, own in extended.effects.items() for each in own]
+    assert {"contact.kinetic_friction", "drag.linear", *causes} <= set(keys)
+    for cause in causes:
+        place = keys.index(cause)
+        sd = math.sqrt(extended.uncertain.matrix[place][place])
+        # The error that is printed, of the profile, is no smaller than that of the curvature.
+        assert 0.0 < sd <= said["parameters"][cause.removeprefix("effects.")]["sd"] * (1.0 + 1e-9)
+    options = ("--uncertain", "found/extended.toml", "--vary", "drive.frequency=25,90")
+    done = stickslip("predict", "nominal.toml", *options, "--draws", 20, "--json", cwd=folder)
+    assert done.returncode == 0
+    given = predict(extended, {"drive.frequency": [25.0, 90.0]}, draws=20)
+    for row, velocities in zip(
+        json.loads(done.stdout)["results"], given["mean_velocity"].values, strict=True
+    ):
+        # The file of the diagnosis has all of the nominal scenario's values besides.
+        assert row["mean_velocity"] == velocities.tolist()
+        assert row["mean_velocity"][0] < row["mean_velocity"][2]
 
 
 def test_conditions_without_motion_are_not_a_finding(tmp_path):

@@ -1,4 +1,4 @@
-"""The command `stickslip predict`: output, files, interrupts, bad input, after a diagnosis."""
+"""The command `stickslip predict`: output, files, interrupts, bad input."""
 
 import json
 import math
@@ -97,27 +97,3 @@ def test_an_interrupt_leaves_no_file(files):
     assert done.returncode == 130
     assert done.stderr.endswith(b"stickslip: interrupted\n")
     assert not (files / "b.csv").exists()
-
-
-@pytest.mark.nightly
-def test_what_a_diagnosis_leaves_is_predicted_with(tilted):
-    folder, said = tilted
-    extended = load(folder / "found" / "extended.toml")
-    keys = extended.uncertain.keys
-    causes = [f"effects.{name}.{each}" for name, own in extended.effects.items() for each in own]
-    assert {"contact.kinetic_friction", "drag.linear", *causes} <= set(keys)
-    for cause in causes:
-        place = keys.index(cause)
-        sd = math.sqrt(extended.uncertain.matrix[place][place])
-        # The error that is printed, of the profile, is no smaller than that of the curvature.
-        assert 0.0 < sd <= said["parameters"][cause.removeprefix("effects.")]["sd"] * (1.0 + 1e-9)
-    options = ("--uncertain", "found/extended.toml", "--vary", "drive.frequency=25,90")
-    done = stickslip("predict", "nominal.toml", *options, "--draws", 20, "--json", cwd=folder)
-    assert done.returncode == 0
-    given = predict(extended, {"drive.frequency": [25.0, 90.0]}, draws=20)
-    for row, velocities in zip(
-        json.loads(done.stdout)["results"], given["mean_velocity"].values, strict=True
-    ):
-        # The file of the diagnosis has all of the nominal scenario's values besides.
-        assert row["mean_velocity"] == velocities.tolist()
-        assert row["mean_velocity"][0] < row["mean_velocity"][2]

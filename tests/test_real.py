@@ -33,6 +33,7 @@ def segments():
     }
 
 
+@pytest.mark.nightly
 def test_the_smallest_set_with_a_known_size_is_judged_right(segments):
     def diagnosed(without):
         return segments[not without]
@@ -59,6 +60,7 @@ def test_the_tumbler_is_misaligned():
     assert study.text(found).count("|") == study.heads().splitlines()[0].count("|")
 
 
+@pytest.mark.nightly
 def test_each_judgement_is_given(segments):
     found, missed = segments[True], segments[False]
     name = "viscous_asymmetry.half"

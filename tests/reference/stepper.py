@@ -10,6 +10,7 @@ fraction of the step for which they act. Step k of the forces reaches from t_k -
 t_k + step/2.
 """
 
+import os
 from collections import namedtuple
 
 import numpy as np
@@ -107,7 +108,7 @@ def _leaving_impulse(reaction, share_given, keep_n, keep_t, hold):
     return -(reaction / (reaction - keep_n) - 0.5) * hold, 0.0
 
 
-@njit
+@njit(cache="NUMBA_CACHE_DIR" in os.environ)
 def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sample_rate, samples):
     """Integrate from rest, lying flat with its centre at x = 0.
 
