@@ -120,6 +120,34 @@ def _coils() -> dict[str, dict[str, float]]:
     }
 
 
+# What is no effect, and takes other ways through the program: bounces, long slides, impulses that
+# stop a slide without a solution, steps of an upper limit.
+HARD: dict[str, dict[str, Any]] = {
+    "rebounds": {"contact.restitution": 0.6, "drag.linear": 1e-6},
+    "slides": {
+        "contact.static_friction": 0.05,
+        "contact.kinetic_friction": 0.05,
+        "drive.peak": 5e-3,
+    },
+    "jams": {
+        "contact.static_friction": 2.45,
+        "contact.kinetic_friction": 0.39,
+        "effects.stribeck_friction.velocity": 23.9e-3,
+        "drive.mode": "OPP",
+        "drive.peak": 3.7e-3,
+        "drive.hold": 3.2e-3,
+    },
+    "short steps": {"solver.max_step": 2e-5},
+}
+# Only of runs of a whole drive, to the bit: the first ends before it, the other steps otherwise.
+WHOLE = {"few steps": {"solver.max_steps": 300}, "arkode": {"solver.method": "arkode"}}
+
+
+def keys_of(name: str) -> Keys:
+    """Dotted keys and values of an effect, or of what is none."""
+    return {**HARD, **WHOLE}.get(name) or rows()[name]
+
+
 def register_own_effects() -> None:
     """One force in two languages; unknown to the table until it is registered."""
     import own_effects  # compiles; processes that are after packs alone do without
@@ -278,9 +306,9 @@ class Case:
         return Case(self.effects, self.drive)
 
     @property
-    def keys(self) -> dict[str, float]:
+    def keys(self) -> dict[str, Any]:
         """Values of its effects by dotted key."""
-        return {key: value for name in self.effects for key, value in rows()[name].items()}
+        return {key: value for name in self.effects for key, value in keys_of(name).items()}
 
     @functools.cached_property
     def scenario(self) -> Scenario:
@@ -323,7 +351,7 @@ def cases_of(chosen: Iterable[tuple[str, ...]], drives: int) -> list[Case]:
     """
     names = list(settings())
     result: list[Case] = []
-    places = {name: place for place, name in enumerate(rows())}
+    places = {name: place for each in (rows(), HARD) for place, name in enumerate(each)}
     for combination in chosen:
         # Effects of one's own in Python take ten times as long.
         wanted = 1 if "own_python" in combination else drives
@@ -372,7 +400,8 @@ def cases(choice: str) -> list[Case]:
     """``singles``, the ``pairs`` of `make test`, ``all`` pairs, or single effects: ``a,b,c``."""
     plain = [case for name in settings() for case in _with_pushed(Case((), name))]
     if choice == "singles":
-        return plain + cases_of(((name,) for name in rows()), DRIVES)
+        hard = cases_of(((name,) for name in HARD), DRIVES_OF_A_PAIR)
+        return plain + cases_of(((name,) for name in rows()), DRIVES) + hard
     pairs, with_own = all_pairs()
     if choice not in ("pairs", "all"):
         # Effects of the user come last, which the processes of packs do not know.
@@ -383,6 +412,12 @@ def cases(choice: str) -> list[Case]:
         drawn = _some([pair for pair in pairs if pair not in MEETING], PAIRS_OF_A_TEST)
         pairs, with_own = [*MEETING, *drawn], _some(with_own, WITH_OWN)
     return plain + cases_of([*pairs, *with_own], DRIVES_OF_A_PAIR)
+
+
+def to_the_bit(choice: str) -> list[Case]:
+    """The cases of a choice, and those that only ways with the same bits can have."""
+    whole = [Case((name,), "opp") for name in WHOLE] if choice == "singles" else []
+    return cases(choice) + whole
 
 
 def _some(pairs: list[tuple[str, ...]], count: int) -> list[tuple[str, ...]]:
@@ -416,9 +451,11 @@ class Table:
 
     def __init__(self, choice: str) -> None:
         self.choice = choice
-        self.cases = cases(choice)
+        self.cases, self.to_the_bit = cases(choice), to_the_bit(choice)
         # One by one: a batch of four would be a pack.
-        self.alone = {case: simulate_batch([case.scenario], threads=1)[0] for case in self.cases}
+        self.alone = {
+            case: simulate_batch([case.scenario], threads=1)[0] for case in self.to_the_bit
+        }
 
     @functools.cached_property
     def said(self) -> dict[Case, dict[str, str]]:

@@ -37,7 +37,7 @@ def test_every_effect_acts_on_a_drive_of_the_table():
     """Ten times as much as two programs may differ, so that leaving it out would be seen."""
     table = table_of("singles")
     acting = {case.effects[0] for case in table.cases if case.effects and acts(table, case)}
-    assert acting == set(rows())
+    assert acting >= set(rows())
 
 
 def test_what_acts_in_one_plane_acts_in_the_whole_plane_too():
@@ -54,8 +54,9 @@ def test_what_acts_in_one_plane_acts_in_the_whole_plane_too():
 
 @by_choice
 def test_every_run_of_the_table_comes_to_its_end(choice):
-    runs = table_of(choice).alone
-    assert {str(case): run.status for case, run in runs.items() if not run.ok} == {}
+    table = table_of(choice)
+    status = {str(case): table.alone[case].status for case in table.cases}
+    assert {case: said for case, said in status.items() if said != "ok"} == {}
 
 
 def acts(table, case):
