@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.signal import lfilter
 
+from free_shapes import curve
 from stickslip import Coils, Scenario, simulate_batch
 
 # Angle in rad that the fastest free swing goes through between two samples: wanted, and the most
@@ -138,11 +139,40 @@ class Record:
         weight = s.robot.mass * s.environment.gravity
         return weight + s.contact.adhesion + s.robot.mass * self.fastest**2 / self.radius
 
+    def shape(self, name, argument):
+        """Factor of a free shape."""
+        knots = [self.effect(f"{name}.knot_{i}") for i in range(1, 6)]
+        if not any(knots):
+            return 1.0
+        return np.maximum(0.0, 1.0 + curve(name, knots, argument, self.effect(f"{name}.span")))
+
     @property
-    def gains(self):
-        """Factor on the field of each coil."""
+    def tilt(self):
+        """Theta within half a turn, rad."""
+        return np.arctan2(np.sin(self.theta), np.cos(self.theta))
+
+    @property
+    def adhesion(self):
+        """Of what touches, N; its age is that since the last touch-down."""
+        lands = np.append(False, self.flying[:-1]) & ~self.flying
+        begun = np.where(lands, self.t, -self.scenario.initial.contact_age)
+        age = self.t - np.maximum.accumulate(begun)
+        strength = self.scenario.contact.adhesion
+        strength *= 1.0 - self.effect("angle_adhesion.strength") * np.sin(self.theta) ** 2
+        ageing = np.log1p(age / self.effect("adhesion_ageing.time"))
+        strength *= 1.0 + self.effect("adhesion_ageing.rate") * ageing
+        strength *= self.shape("free_adhesion_angle", self.tilt)
+        return np.where(self.flying, 0.0, strength * self.shape("free_adhesion_age", age))
+
+    def sources(self, current):
+        """Currents that would make the field without gains and shapes, A, shape (n, 5)."""
         in_plane = 1.0 + self.effect("field_gain.in_plane")
-        return np.array([in_plane] * 4 + [1.0 + self.effect("field_gain.clamp")])
+        gains = np.array([in_plane] * 4 + [1.0 + self.effect("field_gain.clamp")])
+        size = np.sqrt(np.sum(self.current[:, :4] ** 2, axis=1))
+        factor = self.shape("free_field_time", self.t) * self.shape("free_field_amplitude", size)
+        if self.scenario.drive.mode != "program":
+            factor *= self.shape("free_field_frequency", self.scenario.drive.frequency)
+        return current * gains * np.reshape(factor, (-1, 1))
 
     @property
     def moments(self):
@@ -159,7 +189,7 @@ class Record:
     def magnetic_force(self, current):
         """Along x and z, N, for currents in A."""
         points = np.column_stack([self.sign * self.x, np.zeros_like(self.x), self.z])
-        slope = Coils.of(self.scenario).gradient(points, current * self.gains)
+        slope = Coils.of(self.scenario).gradient(points, self.sources(current))
         mx, mz = self.moments
         # Turning the frame about z by 180 degrees turns x and B_x: only dB_x/dz changes its sign.
         xx, xz, zz = slope[:, 0, 0], self.sign * slope[:, 0, 2], slope[:, 2, 2]

@@ -99,10 +99,13 @@ def violations(record, force, speed, gaps, start=0.0):
 
 
 def _place(record, slips):
-    """Factor on friction of where the contact is and which way it slips."""
+    """Factor on friction of all but the speed."""
     where = np.where(record.on_face, record.x, np.nan_to_num(record.contact_x)) * record.sign
     period = record.effect("friction_patches.period")
     patch = 1.0 + record.effect("friction_patches.amplitude") * np.sin(2 * np.pi * where / period)
+    patch *= record.shape("free_friction_angle", record.tilt)
+    patch *= record.shape("free_friction_age", record.t)
+    patch *= record.shape("free_friction_load", record.normal)
     return patch * (1.0 + record.effect("friction_anisotropy.fraction") * slips)
 
 
@@ -114,6 +117,7 @@ def kinetic_coefficient(record):
     if stribeck:
         falling = np.exp(-((speed / stribeck) ** 2))
         coefficient += (contact.static_friction - contact.kinetic_friction) * falling
+    coefficient *= record.shape("free_friction_speed", speed)
     return coefficient * _place(record, record.slips)
 
 
@@ -158,15 +162,15 @@ def _wrong_field(record):
     s = record.scenario
     coils = Coils.of(s)
     points = np.column_stack([record.sign * record.x, np.zeros_like(record.x), record.z])[some]
-    field = coils.field(points, record.current[some] * record.gains)
+    sources = record.sources(record.current)[some]
+    field = coils.field(points, sources)
     expected = field[:, 0] + record.effect("ambient_field.Bx")
     off = np.hypot(
         record.sign * record.bx[some] - expected,
         record.bz[some] - field[:, 2] - record.effect("ambient_field.Bz"),
     )
     # Currents of opposite sign cancel: what counts is what each of them makes alone.
-    currents = np.abs(record.current[some] * record.gains)
-    size = np.sum(coils.centre_field_per_ampere * currents, axis=1)
+    size = np.sum(coils.centre_field_per_ampere * np.abs(sources), axis=1)
     worst = float(np.max(off - 1e-7 * size - 1e-15))
     return [] if worst <= 0.0 else [f"the field is not that of the currents, by {worst:.3g} T"]
 
@@ -196,10 +200,13 @@ def _drag(record):
     """Coefficients of the drag force, N s/m, and torque, N m s, at each sample; Eqs. (18), (19)."""
     drag = record.scenario.drag
     linear = drag.linear * (1.0 + record.effect("angle_drag.strength") * np.cos(record.theta) ** 2)
-    speed = np.hypot(record.vx, record.vz)
+    speed, spin = np.hypot(record.vx, record.vz), np.abs(record.omega)
+    rate = record.shape("free_drag_rate", spin)
+    shape = rate * record.shape("free_drag_angle", record.tilt)
     return (
-        linear + record.effect("quadratic_drag.coefficient") * speed,
-        record.effect("rotational_drag.coefficient") + drag.rotational * np.abs(record.omega),
+        (linear + record.effect("quadratic_drag.coefficient") * speed)
+        * (shape * record.shape("free_drag_speed", speed)),
+        (record.effect("rotational_drag.coefficient") + drag.rotational * spin) * rate,
     )
 
 
@@ -210,10 +217,6 @@ def _gravity(record):
     return gravity * np.sin(tilt), -gravity * np.cos(tilt)
 
 
-def _adhesion_is_known(record):
-    return not (record.effect("angle_adhesion.strength") or record.effect("adhesion_ageing.rate"))
-
-
 def _momenta(record, load, unsure):
     """Eqs. (10)-(12)."""
     mass, (drag, turning) = record.scenario.robot.mass, _drag(record)
@@ -221,9 +224,7 @@ def _momenta(record, load, unsure):
     fx = load[0] + mass * gx - drag * record.vx + record.friction
     momentum = mass * record.fastest
     found = [_unbalanced("momentum along x", record, mass * record.vx, fx, momentum, unsure[0])]
-    if not _adhesion_is_known(record):
-        return found
-    adhesion = np.where(record.flying, 0.0, record.scenario.contact.adhesion)
+    adhesion = record.adhesion
     fz = load[1] + mass * gz - drag * record.vz + record.normal - adhesion
     found.append(_unbalanced("momentum across", record, mass * record.vz, fz, momentum, unsure[1]))
     lever = np.nan_to_num(record.contact_x - record.x)
