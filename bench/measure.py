@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 import os
@@ -21,6 +22,7 @@ MEASURED = ROOT / "docs" / "measured"
 
 FEWEST, MOST, WIDTH = 21, 201, 0.02
 """Samples at least and at most of a figure, and how wide its interval may be, over the median."""
+LONGEST = 60.0  # s by the clock, after which only samples up to `FEWEST` are taken
 SHORTEST = 0.05  # s, below which work is repeated within one sample
 
 
@@ -79,16 +81,16 @@ def in_turn(
 ) -> Iterator[list[float]]:
     """Samples of all works, a list at a time, so that drift meets them alike.
 
-    They end where the ratio of each work to the last one is known to `WIDTH`, at `most` at the
-    latest.
+    They end where the ratio of each work to the last one is known to `WIDTH`, at `most` or after
+    `LONGEST` at the latest.
     """
+    ends = time.monotonic() + LONGEST
     rows: list[list[float]] = []
     while len(rows) < most:
         rows.append([work() for work in works])
         yield rows[-1]
-        if len(rows) >= fewest and all(
-            figure_of([row[k] / row[-1] for row in rows]).width <= WIDTH for k in range(len(works))
-        ):
+        known = (ratios(rows, k).width <= WIDTH for k in range(len(works)))
+        if len(rows) >= fewest and (time.monotonic() > ends or all(known)):
             return
 
 
@@ -103,19 +105,25 @@ def cpu_seconds_in_turn(works: Sequence[Callable[[], object]], repeats: int = 7)
     return [statistics.median(mine) for mine in zip(*samples, strict=True)]
 
 
+def processor() -> tuple[str, int]:
+    """Its name, and how many runs a pack of the core has on it at most."""
+    name, flags = platform.processor(), set[str]()
+    with contextlib.suppress(OSError):
+        for each in Path("/proc/cpuinfo").read_text().splitlines():
+            key, _, value = map(str.strip, each.partition(":"))
+            if key == "model name":
+                name = value
+            elif key == "flags":
+                flags = set(value.split())
+    wide = {"avx512f", "avx512dq", "avx512vl"} <= flags
+    width = 8 if wide else 4 if "avx2" in flags else 1
+    return name, min(width, int(os.environ.get("STICKSLIP_LANES", width)))
+
+
 def machine() -> dict[str, str]:
     """What the figures were measured on."""
-    model = platform.processor()
-    try:
-        with open("/proc/cpuinfo") as info:
-            names = [
-                line.split(":", 1)[1].strip() for line in info if line.startswith("model name")
-            ]
-        model = names[0] if names else model
-    except OSError:
-        pass
     return {
-        "processor": model,
+        "processor": processor()[0],
         "system": platform.platform(),
         "python": platform.python_version(),
         "cores_allowed": str(len(os.sched_getaffinity(0))),
