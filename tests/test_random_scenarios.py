@@ -233,6 +233,9 @@ def assert_ended(run, extreme=False):
     step = run.summary()["simulated_time"] / float(run.scenario.get("solver.max_steps"))
     fine = {
         "left_workspace": True,
+        # A start or a field across may be anything.
+        "heading_lost": run.scenario.whole_plane,
+        "turns_too_fast": run.scenario.whole_plane,
         "too_many_events": endless,
         "too_many_steps": endless or (damped is not None and float(damped[1]) < 10 * step),
     }
@@ -274,9 +277,6 @@ def test_a_motion_keeps_the_laws_of_contact_momentum_and_energy(scenario):
         found = laws.contact_violations(record)
         if rtol == TIGHT:
             found += laws.unbalanced(record)
-        if scenario.contact.restitution and scenario.contact.static_friction:
-            # Newton's restitution can add energy to an oblique impact with friction.
-            found = [line for line in found if "gained across an event" not in line]
         assert not found, "\n".join([*found, scenario.to_toml()])
 
 
