@@ -4,7 +4,6 @@ import json
 import os
 import re
 import shutil
-import signal
 import subprocess
 import sys
 
@@ -14,9 +13,9 @@ import pytest
 import xarray
 from PIL import Image
 
-from command_line import COMMAND, check, ended_at_the_bar, stickslip, stickslip_process
+from command_line import COMMAND, check, stickslip, stickslip_process
 from refusals.cli import REFUSALS, contents, lay_out
-from stickslip import COIL_NAMES, Scenario, effects, load, open_run, simulate
+from stickslip import COIL_NAMES, Scenario, effects, load, simulate
 from stickslip.cli.commands import COMMANDS
 from stickslip.simulation.quantities import COLUMNS, NUMBERS, PLANE_COLUMNS
 
@@ -214,13 +213,6 @@ def test_effects_lists_all_or_those_that_have_a_word():
         assert [each["name"] for each in printed("effects", word)["effects"]] == [tilt.name]
 
 
-def test_init_without_room_is_no_bad_input(tmp_path):
-    done = stickslip_process("init", tmp_path / "s.toml", largest_file=1_000)
-    assert done.returncode == 1
-    assert done.stderr.startswith(f"stickslip: cannot write {tmp_path / 's.toml'}: ")
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_init_writes_a_robot_that_walks_with_all_keys_once(tmp_path):
     done = stickslip("init", cwd=tmp_path)
     assert (done.returncode, done.stdout, done.stderr) == (0, "wrote scenario.toml\n", "")
@@ -264,37 +256,6 @@ def test_every_column_of_a_table_has_its_unit(scenario, tmp_path):
 
 
 # --- exit statuses and interrupts
-
-
-@pytest.mark.parametrize(
-    "settings",
-    [
-        pytest.param(["solver.max_step=1e-7", "drive.pulses=5000"], id="moving"),
-        # As many pulses as the default of solver.max_steps allows, two stretches each.
-        pytest.param(["drive.peak=0.6e-3", "drive.hold=1e-6", "drive.pulses=499e6"], id="at rest"),
-    ],
-)
-def test_an_interrupt_stops_a_run(scenario, settings):
-    # How fast is measured by bench/promises.py; here a run that would take hours has to end.
-    options = [f"--set={setting}" for setting in settings]
-    done, _ = ended_at_the_bar("run", scenario, *options, shows=b"simulating")
-    assert (done.returncode, done.stdout) == (130, b"")
-    assert b"Traceback" not in done.stderr
-    assert done.stderr.endswith(b"stickslip: interrupted\n")
-
-
-def test_termination_keeps_what_was_recorded_as_an_interrupt_does(scenario, tmp_path):
-    # Twice, as `timeout` sends it: to the process and to its group.
-    folder = tmp_path / "out"
-    folder.mkdir()
-    settings = ("solver.max_step=1e-7", "drive.pulses=5000", "record.rate=1e7")
-    options = [*(f"--set={setting}" for setting in settings), "--out", folder / "term.nc"]
-    twice = 2 * (signal.SIGTERM,)
-    done, _ = ended_at_the_bar("run", scenario, *options, shows=b"simulating", signals=twice)
-    assert done.returncode == 130
-    assert re.search(rb"stickslip: interrupted, \S+ has the record up to ", done.stderr)
-    assert [each.name for each in folder.iterdir()] == ["term.nc.part"]
-    assert open_run(folder / "term.nc.part").recorded_until > 0.0
 
 
 def test_an_interrupt_of_the_imports_is_one_line():
@@ -341,21 +302,6 @@ def test_a_full_output_device_is_reported_in_one_line(scenario):
         )
     assert done.returncode == 1
     assert done.stderr == "stickslip: cannot write standard output: No space left on device\n"
-
-
-@pytest.mark.parametrize(
-    ("option", "name"), [("--out", "a.nc"), ("--out", "a.csv"), ("--plot", "a.png")]
-)
-def test_a_full_disk_leaves_no_file(scenario, tmp_path, option, name):
-    folder = tmp_path / "out"
-    folder.mkdir()
-    done = stickslip_process("run", scenario, option, folder / name, largest_file=10_000)
-    assert done.returncode == 1
-    # A picture is drawn after the run, which nobody simulates again.
-    assert done.stdout == (stickslip("run", scenario).stdout if option == "--plot" else "")
-    assert done.stderr.startswith("stickslip: cannot write")
-    assert done.stderr.count("\n") == 1
-    assert list(folder.iterdir()) == []
 
 
 @pytest.mark.parametrize("bad", [bad for way, bad, _ in REFUSALS if way == "command"][::6])

@@ -5,11 +5,10 @@ import math
 
 import pytest
 
-from command_line import ended_at_the_bar, stickslip
+from command_line import stickslip
 from made_measurement import few_causes, write
 from report_page import without_pictures
 from stickslip import Scenario, load, predict, simulate
-from stickslip.errors import NotWritten
 
 FEW = ("surface_tilt", "friction_anisotropy", "field_gain")
 TILT = {"effects.surface_tilt.angle": 0.04}
@@ -108,29 +107,6 @@ def test_conditions_without_motion_are_not_a_finding(tmp_path):
     creep = simulate(Scenario.from_toml(tmp_path / "nominal.toml").replace(little)).mean_velocity
     assert 0.0 < abs(creep) < 1e-6
     assert (said["verdict"], said["left_out"]) == ("none", [])
-
-
-@pytest.mark.nightly
-def test_an_interrupt_is_one_line_and_leaves_nothing(tmp_path):
-    path, out = write(tmp_path, TILT), tmp_path / "found"
-    done, _ = ended_at_the_bar("diagnose", path, "--out", out, "--threads", 1)
-    assert (done.returncode, done.stdout) == (130, b"")
-    assert done.stderr.endswith(b"stickslip: interrupted\n")
-    assert not out.exists()
-
-
-def test_a_disk_that_is_full_does_not_lose_the_verdict(tmp_path, monkeypatch):
-    def full(*_):
-        raise NotWritten("cannot write report.html: No space left on device")
-
-    monkeypatch.setattr("stickslip.diagnosis.result.Diagnosis.save_report", full)
-    path = write(tmp_path, {}, change=lambda lines: lines[:4])
-    done = stickslip("diagnose", path, "--out", tmp_path / "found")
-    assert (done.returncode, done.stderr) == (
-        1,
-        "stickslip: cannot write report.html: No space left on device\n",
-    )
-    assert "Verdict: data-problem" in done.stdout
 
 
 def in_mm_per_s(lines):

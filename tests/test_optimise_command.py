@@ -4,7 +4,6 @@ import json
 
 import pytest
 
-import stickslip.design.optimise as module
 from command_line import stickslip
 from stickslip import load, simulate
 
@@ -22,23 +21,6 @@ HOPS = (
 )  # fmt: skip
 FEW = ("--evaluations", 60, "--draws", 3, "--fresh", 5)
 WAVE = ("--maximise", "mean_velocity", "--limit", "voltage_max=26", "--knots", 4)
-
-
-@pytest.fixture
-def ctrl_c(monkeypatch):
-    """Makes Ctrl-C come in the batch of an index."""
-
-    def set_to(index):
-        def interrupted(*arguments):
-            calls.append(arguments)
-            if len(calls) - 1 == index:
-                raise KeyboardInterrupt
-            return batch(*arguments)
-
-        calls, batch = [], module.simulate_batch
-        monkeypatch.setattr(module, "simulate_batch", interrupted)
-
-    return set_to
 
 
 def test_the_files_are_a_scenario_its_voltages_and_a_picture(scenario, tmp_path):
@@ -93,20 +75,3 @@ def test_json_alone_writes_nothing(scenario, tmp_path):
     done = stickslip("optimise", scenario, *WAVE, *FEW, "--json", cwd=tmp_path)
     assert set(json.loads(done.stdout)["fresh"]) >= {"start", "best", "sawtooth"}
     assert [each.name for each in tmp_path.iterdir()] == ["scenario.toml"]
-
-
-def test_ctrl_c_writes_the_best_so_far(scenario, tmp_path, ctrl_c):
-    ctrl_c(2)
-    out = tmp_path / "found"
-    done = stickslip("optimise", scenario, *WAVE, *FEW, "--out", out)
-    assert done.returncode == 130
-    assert done.stderr.strip() == "stickslip: interrupted, this is the best so far"
-    assert simulate(load(out / "best.toml")).ok
-
-
-def test_ctrl_c_before_anything_was_found_writes_nothing(scenario, tmp_path, ctrl_c):
-    ctrl_c(0)
-    done = stickslip("optimise", scenario, *WAVE, *FEW, "--out", tmp_path / "found")
-    assert done.returncode == 130
-    assert done.stderr.strip() == "stickslip: interrupted"
-    assert not (tmp_path / "found").exists()

@@ -6,7 +6,7 @@ import math
 import pandas as pd
 import pytest
 
-from command_line import ended_at_the_bar, stickslip
+from command_line import stickslip
 from stickslip import Prior, load, predict
 
 UNCERTAIN = """[uncertain]
@@ -89,11 +89,3 @@ def test_a_value_of_a_covariance_can_be_set_where_the_other_file_has_none(files)
         assert done.returncode == 2
         assert "--set drag.linear: has no influence" in done.stderr
     assert said["1e-5"] != said["9e-5"]
-
-
-def test_an_interrupt_leaves_no_file(files):
-    options = ("--out", "b.csv", "--set", "solver.max_step=1e-7")
-    done, _ = ended_at_the_bar("predict", *COMMON, *options, cwd=files)
-    assert done.returncode == 130
-    assert done.stderr.endswith(b"stickslip: interrupted\n")
-    assert not (files / "b.csv").exists()

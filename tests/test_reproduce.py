@@ -359,17 +359,6 @@ def test_points_that_have_no_place_are_refused(change, words):
         reproduce(points=points)
 
 
-def test_an_interrupt_is_told_and_leaves_no_folder(tmp_path, monkeypatch):
-    def interrupted(*_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(study_module, "survey", interrupted)
-    done = stickslip("reproduce", "--out", "found", cwd=tmp_path)
-    assert (done.returncode, done.stdout) == (130, "")
-    assert done.stderr.endswith("stickslip: interrupted\n")
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_importing_the_package_does_not_import_the_study():
     code = "import sys, stickslip; assert not any('reproduction' in each for each in sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True)

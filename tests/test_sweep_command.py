@@ -6,12 +6,11 @@ import socket
 from concurrent.futures import ThreadPoolExecutor
 
 import distributed
-import h5netcdf
 import numpy as np
 import pytest
 import xarray
 
-from command_line import check, ended_at_the_bar, stickslip, stickslip_process
+from command_line import check, stickslip, stickslip_process
 from stickslip import load, simulate, sweep
 from stickslip._util.text import json_text
 
@@ -106,35 +105,6 @@ def test_a_failed_point_is_counted_and_the_command_succeeds(scenario):
     done = stickslip("sweep", scenario, "--vary=contact.static_friction=0.1")
     assert done.returncode == 0
     assert "NaN" in done.stdout
-
-
-def test_an_interrupt_keeps_a_checkpoint(scenario, tmp_path):
-    arguments = ["sweep", scenario, *ENDLESS, "--threads=2", "--out", tmp_path / "a.nc"]
-    done, seen = ended_at_the_bar(*arguments, shows=b"points/s")
-    assert (done.returncode, done.stdout) == (130, b"")
-    assert b"Traceback" not in done.stderr
-    assert b"<" in seen  # the time left
-    with h5netcdf.File(tmp_path / "a.nc", "r") as file:
-        kept = file.attrs["finished_points"]
-    assert 0 < kept < 1000
-    *_, said = done.stderr.decode().splitlines()
-    assert said.startswith("stickslip: interrupted, ")
-    assert f"a.nc has {kept} of 1000 points" in said
-    assert "--resume" in said
-
-
-def test_a_full_disk_is_one_line(scenario, tmp_path):
-    folder = tmp_path / "out"
-    folder.mkdir()
-    done = stickslip_process(
-        "sweep", scenario, *VARY, "--out", folder / "a.nc", largest_file=10_000
-    )
-    assert done.returncode == 1
-    # On a busy machine a line of progress may come before.
-    *_, told = done.stderr.splitlines()
-    assert told.startswith("stickslip: cannot write")
-    assert "Traceback" not in done.stderr
-    assert list(folder.iterdir()) == []
 
 
 def test_dask(scenario, tmp_path):
