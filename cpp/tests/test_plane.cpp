@@ -245,39 +245,6 @@ TEST_CASE("plane: a start that does not face the drive's direction is one in the
     CHECK_FALSE(in_whole_plane(scenario));
 }
 
-TEST_CASE("plane: a state that a run has left begins another run that goes on as it would") {
-    Scenario scenario = walking(35.0 * kDegree);
-    scenario.whole_plane = false;
-    scenario.drive.pulses = 4;
-    const VoltageProgram whole = make_program(scenario);
-    Scenario first = scenario;
-    first.drive = {.mode = DriveMode::program};
-    first.program = whole;
-    const double middle = 0.0733;
-    const RunResult half =
-        simulate(first, nullptr, StopCondition{StopCondition::Quantity::time, true, middle});
-    REQUIRE(half.stopped);
-    CHECK(half.final_state.heading == doctest::Approx(35.0 * kDegree).epsilon(1e-2));
-    const RunResult full = simulate(first);
-    // The rest of the program, held from the middle of its first segment on.
-    SegmentStream stream(whole, 0.0, {middle});
-    VoltageBlock rest;
-    VoltageSegment segment;
-    while (stream.next(segment)) {
-        if (segment.end <= middle + 1e-12) continue;
-        rest.points.push_back({segment.start - middle, segment.first});
-        rest.points.push_back({segment.end - middle, segment.last});
-    }
-    rest.points.front().time = 0.0;
-    Scenario second = first;
-    second.program = VoltageProgram({rest});
-    second.initial = half.final_state;
-    const RunResult end = simulate(second);
-    CHECK(end.final_state.x == doctest::Approx(full.final_state.x).epsilon(1e-6));
-    CHECK(end.final_state.y == doctest::Approx(full.final_state.y).epsilon(1e-6));
-    CHECK(end.final_state.theta == doctest::Approx(full.final_state.theta).epsilon(1e-5));
-}
-
 TEST_CASE("plane: a run ends where y or the heading comes to a value, at rest too") {
     using Quantity = StopCondition::Quantity;
     const Scenario walk = walking(30.0 * kDegree);
