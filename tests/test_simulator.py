@@ -33,20 +33,6 @@ def stepped(scenario, rows, hold="constant", **begin):
     return [sim.step(named(row), STEP, hold) for row in rows]
 
 
-@pytest.mark.parametrize("hold", ["constant", "linear"])
-@pytest.mark.parametrize("direction", ["+x", "-x"])
-def test_steps_have_the_bits_of_a_program_with_the_same_breakpoints(hold, direction):
-    rows = random_rows(1)
-    times = np.arange(len(rows) + 1) * STEP
-    if hold == "constant":
-        program = Waveform.from_points(np.repeat(times, 2)[1:-1], np.repeat(rows, 2, axis=0))
-    else:
-        program = Waveform.from_points(times, np.vstack([np.zeros(5), rows]))
-    drive = Drive(mode="program", program=program, direction=direction)
-    scenario = Scenario(drive=drive)
-    assert stepped(scenario, rows, hold)[-1] == simulate(scenario).final_state
-
-
 @pytest.mark.parametrize("direction", ["+x", "-x"])
 def test_a_sawtooth_is_stepped_tooth_by_tooth(direction):
     low, high = {"xp": 5.0, "clamp": -10.0}, {"xp": 25.0, "clamp": -10.0}
@@ -73,17 +59,6 @@ def test_a_voltage_across_needs_a_simulator_in_the_whole_plane():
         with pytest.raises(ScenarioError, match=r"^voltages: yp = 2, ym = 0 make .* whole_plane"):
             sim.step(**step, duration=STEP, hold="linear")
     assert (sim.time, sim.state, sim.voltages) == before
-
-
-def test_a_run_that_begins_where_another_was_cut_goes_on_within_the_tolerance():
-    rows = random_rows(2)
-    scenario = Scenario()
-    whole = stepped(scenario, rows)
-    rest = stepped(scenario, rows[25:], state=whole[24])
-    # Ten times rtol for each of some ten steps of each of 25 periods.
-    limit = 10.0 * scenario.solver.rtol * 10 * 25
-    assert rest[-1].theta == pytest.approx(whole[-1].theta, abs=limit)
-    assert rest[-1].x == pytest.approx(whole[-1].x, abs=limit * scenario.robot.length)
 
 
 def test_coils_that_a_step_does_not_name_keep_their_voltages():
@@ -136,16 +111,6 @@ def test_a_run_begins_at_its_initial_state():
     assert run.x[0] == 1e-3
     # The field's gradient is a thousandth weaker there; walking is a sum of many slips.
     assert run.mean_velocity == pytest.approx(base.mean_velocity, rel=0.1)
-
-
-def test_rollouts_have_the_bits_of_simulators_for_any_number_of_threads():
-    rows = np.stack([random_rows(seed) for seed in range(20)])
-    scenarios = [Scenario().replace({"contact.adhesion": 1e-8 * (seed + 1)}) for seed in range(20)]
-    expected = [stepped(s, r)[-1].row for s, r in zip(scenarios, rows, strict=True)]
-    for threads in (1, 3):
-        found = rollout(scenarios, None, rows, STEP, record=STATE_COLUMNS, threads=threads)
-        assert not found.status.any()
-        assert found.states[:, -1].tolist() == expected
 
 
 def test_a_rollout_goes_on_from_an_array_of_states_and_writes_into_one():
