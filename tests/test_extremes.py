@@ -178,13 +178,3 @@ def test_a_run_that_is_stopped_counts_what_was_played():
         assert summary["field_min"] ** 2 == pytest.approx(
             least_between(squares(run)[played]), abs=2.0 * ENOUGH * largest**2
         )
-
-
-def test_packs_of_sawtooths_have_the_extremes_of_single_runs():
-    frequencies = np.linspace(40.0, 160.0, 13).tolist()
-    base = Scenario(drive=Drive(base=0.5e-3, pulses=8))
-    for changes in ({}, {"effects.eddy_lag.time": 3e-4}):
-        many = [base.replace({"drive.frequency": f, **changes}) for f in frequencies]
-        alone = [simulate(each).summary() for each in many]
-        together = simulate_batch(many, threads=2)
-        np.testing.assert_equal([run.summary() for run in together], alone)

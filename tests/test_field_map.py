@@ -30,7 +30,6 @@ from stickslip import (
     FieldMap,
     Scenario,
     ScenarioError,
-    Simulator,
     Waveform,
     _core,
     plot,
@@ -158,28 +157,6 @@ def test_a_state_that_a_run_in_one_plane_has_left_is_of_that_plane(direction, he
     first = simulate(Scenario(drive=drive))
     assert not first.scenario.whole_plane
     assert not Scenario(drive=drive, initial=first.final_state).whole_plane
-
-
-def test_batches_sweeps_and_steps_give_the_bits_of_single_runs():
-    base = with_map(formula_map(noise=0.01))
-    values = np.linspace(40.0, 120.0, 13).tolist()
-    many = [base.replace({"drive.frequency": value}) for value in values]
-    many += [each.replace({"drive.direction": "-x"}) for each in many]
-    alone = [simulate(each) for each in many]
-    assert all(run.ok for run in alone)
-    for threads in (1, 2):
-        together = simulate_batch(many, threads=threads)
-        assert [run.summary() for run in together] == [run.summary() for run in alone]
-    swept = sweep(base, {"drive.frequency": values}).mean_velocity.values
-    assert swept.tolist() == [run.mean_velocity for run in alone[:13]]
-
-    held = with_map(base.coil.map, drive__mode="program", drive__program=Waveform.hold(0.02, {}))
-    by_steps = Simulator(held)
-    for level in (0.0, 10.0):
-        by_steps.step({"xp": level, "clamp": -8.0}, 0.01)
-    levels = Waveform.hold(0.01, {"clamp": -8.0}) + Waveform.hold(0.01, {"xp": 10.0, "clamp": -8.0})
-    whole = simulate(held.replace({"drive.program": levels}))
-    assert by_steps.state.x == pytest.approx(whole.final_state.x, abs=1e-9)
 
 
 def test_noise_of_a_per_cent_changes_the_velocity_by_a_few_tenths_of_one():

@@ -18,7 +18,6 @@ from own_effects import (
     nothing_stays,  # noqa: F401 (around every test here)
     numba_wrench,
     parameter,
-    python_wrench,
     register,
     unregister,
 )
@@ -27,7 +26,6 @@ from stickslip import (
     ScenarioError,
     _core,
     simulate,
-    simulate_batch,
     sweep,
 )
 from stickslip.cli.commands import stickslip as command
@@ -104,30 +102,6 @@ def test_an_effect_that_is_registered_again_takes_the_place_of_the_old_one():
     register(nothing, parameter("length"))
     with pytest.raises(ScenarioError, match=r"effects\.own\.k: there is no such key"):
         simulate(scenario_of_both)
-
-
-@pytest.mark.parametrize("function", [numba_wrench, python_wrench], ids=["numba", "python"])
-def test_a_sweep_is_bit_identical_on_any_number_of_threads(function, tmp_path):
-    register(function, parameter("a", low=0.0), parameter("b"))
-    keys = {"effects.own.a": np.linspace(0.0, 8e-6, 5), "effects.own.b": [0.0, 3e-5]}
-    file = tmp_path / "sweep.nc"
-    one = sweep(scenario(PULSES), keys, threads=1, out=file)
-    two = sweep(scenario(PULSES), keys, threads=2)
-    xarray.testing.assert_identical(one, two)
-    assert (one.status == 0).all()
-    assert one.sizes["effects_own_a"] == 5
-    assert one.effects_own_a.attrs["key"] == "effects.own.a"
-    for a, row in zip(keys["effects.own.a"], one.mean_velocity.values, strict=True):
-        alone = [run(PULSES, {"effects.own.a": a, "effects.own.b": b}) for b in (0.0, 3e-5)]
-        assert [each.mean_velocity for each in alone] == list(row)
-    plain = run(PULSES).mean_velocity
-    assert one.mean_velocity.values[0, 0] == plain
-    assert np.unique(one.mean_velocity.values).size == 10
-
-    scenarios = [scenario(PULSES, {"effects.own.a": a}) for a in keys["effects.own.a"]]
-    for threads in (1, 2):
-        runs = simulate_batch(scenarios, threads=threads)
-        assert [each.mean_velocity for each in runs] == list(one.mean_velocity.values[:, 0])
 
 
 def test_keys_that_have_one_name_in_a_dataset_cannot_be_varied_together(tmp_path):
