@@ -201,13 +201,6 @@ def test_elastic_bounces_end(scenario):
     simulated(scenario, endless=True)
 
 
-@settings(max_examples=60)
-@given(scenario=some_rebound)
-def test_a_run_repeats_to_the_last_bit(scenario):
-    # As text, where NaN equals itself.
-    assert repr(simulate(scenario).summary()) == repr(simulate(scenario).summary())
-
-
 def noted(*scenarios):
     """The scenarios, which are written down before they run."""
     RUNNING.mkdir(parents=True, exist_ok=True)
