@@ -11,12 +11,11 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import fixed_point
 
-from helpers import BUSY, HEIGHT, HELD, MOMENT, program, run
+from helpers import BUSY, HELD, program, run
 from stickslip import Coils, Waveform
 
 RESISTANCE, INDUCTANCE = 10.0, 70e-3  # ohm, H
 SLOW = INDUCTANCE / RESISTANCE  # s
-XP, XM, YP, YM, CLAMP = range(5)
 
 
 def pieces_of(waveform):
@@ -112,30 +111,6 @@ def test_currents_with_lag_heating_and_coupling_are_those_of_the_circuit(lag, he
     assert of.bz == pytest.approx(field[:, 2], abs=1e-3 * slack)
 
 
-@pytest.mark.parametrize("seconds", [0.02, 0.5, 4.0])
-def test_heated_coil_has_the_resistance_of_its_mean_power(seconds):
-    # One step to V: I = (V/R)(1 - e^(-t/T)) with T = L/R of the warm coil, whose mean square is a
-    # closed form.
-    level, coefficient = 50.0, 0.01
-
-    def mean_square(resistance):
-        slow = INDUCTANCE / resistance
-        fading = slow * (1.0 - np.exp(-seconds / slow))
-        twice = 0.5 * slow * (1.0 - np.exp(-2.0 * seconds / slow))
-        return (level / resistance) ** 2 * (seconds - 2.0 * fading + twice) / seconds
-
-    warm = heated(mean_square, coefficient)[0]
-    # Held for ever: R^2 - R0 R = k R0 V^2, 21.6 ohm. (The cold coil's power would make it 35.)
-    assert 1.4 * RESISTANCE < warm < 2.16 * RESISTANCE
-    waveform = Waveform.hold(seconds, {"xp": level})
-    keys = {"effects.coil_heating.coefficient": coefficient}
-    of = run(HELD, keys, program(waveform), rate=200.0 / seconds)
-    # L/R shortens with the resistance; the others, without current, stay cold.
-    expected = level / warm * (1.0 - np.exp(-of.t * warm / INDUCTANCE))
-    assert of.current[:, XP] == pytest.approx(expected, rel=1e-5, abs=1e-12)
-    assert np.all(of.current[:, 1:] == 0.0)
-
-
 @pytest.mark.parametrize(("frequency", "pulses"), [(2.0, 3), (100.0, 30), (400.0, 100)])
 def test_pulsed_coils_are_heated_by_all_their_pulses(frequency, pulses):
     drive = {"frequency": frequency, "pulses": pulses, "hold": 2e-3, "ramp": 0.01}
@@ -145,36 +120,6 @@ def test_pulsed_coils_are_heated_by_all_their_pulses(frequency, pulses):
     warm = heated(lambda r: integrated(pieces_of(waveform), of.t, r)[1], 0.03)
     expected, _ = integrated(pieces_of(waveform), of.t, warm)
     assert of.current == pytest.approx(expected, abs=3e-5)  # 1e-5 of the largest, 2.6 A
-
-
-def test_fast_pulses_heat_a_coil_as_their_mean_voltage_does():
-    # Within a pulse of T the current follows by a part T/(L/R) = 1/35 of its own; the square of
-    # that counts.
-    period, seconds, coefficient = 2e-4, 0.6, 0.02
-    tooth = Waveform.sawtooth(period, {}, {"xp": 60.0})
-    keys = {"effects.coil_heating.coefficient": coefficient}
-    of = run(HELD, keys, program(round(seconds / period) * tooth), rate=1.0 / period)
-    warm = heated(  # by the step of 30 V
-        lambda r: (30.0 / r) ** 2 * (1.0 - 1.5 * INDUCTANCE / r / seconds), coefficient
-    )[XP]
-    pulse = of.current[(of.t > seconds - 1.5 * period) & (of.t < seconds - 0.5 * period), XP]
-    mean = 30.0 / warm
-    # A sample each pulse, at its start: half of the current's swing below the mean.
-    swing = 30.0 / INDUCTANCE * period / 4.0
-    assert pulse == pytest.approx(mean - swing, abs=swing)
-    assert swing < 0.02 * mean
-
-
-@pytest.mark.parametrize("clamp", ["down", "up"])
-def test_amplifier_clips_a_sawtooth_on_either_side(clamp):
-    # 2.5 mT is 26 V: clipped to 15 V for a part of each tooth.
-    drive = {"frequency": 80.0, "base": 0.5e-3, "hold": 1e-3, "clamp": clamp, "pulses": 4}
-    waveform = Waveform.opp(**drive)
-    of = run(HELD, {"effects.amplifier_limit.voltage": 15.0}, mode="OPP", rate=2e3, **drive)
-    expected, _ = integrated(pieces_of(waveform), of.t, limit=15.0)
-    assert of.current == pytest.approx(expected, abs=1e-8)
-    free, _ = integrated(pieces_of(waveform), of.t)
-    assert np.abs(free - expected).max() > 0.1
 
 
 def test_amplifier_clips_inside_a_ramp_from_side_to_side():
@@ -230,44 +175,3 @@ def test_mean_velocity_of_a_held_output_is_over_the_same_window(period, ramp_dow
     assert np.isclose(of.t, 0.08, rtol=0, atol=1e-12).any()
     assert of.mean_velocity == pytest.approx((last - first) / 0.07, rel=1e-9)
     assert of.mean_velocity > 1e-4
-
-
-@pytest.mark.parametrize("coupling", [0.2, -0.15])
-@pytest.mark.parametrize("driven", [XP, CLAMP])
-def test_coupled_coils_share_the_current_of_a_step(driven, coupling):
-    # The matrix of signs has the eigenvalues 2 (four times) and -3 (once): with x the part of the
-    # driven coil in the last mode, L (1 + k) for what is left of it and L (1 - 4k) for that.
-    values, modes = np.linalg.eigh(LINKED)
-    assert values == pytest.approx([-3.0, 2.0, 2.0, 2.0, 2.0], abs=1e-12)
-    last = modes[:, 0] * modes[driven, 0]
-    level, seconds = 40.0, 0.05
-    waveform = Waveform.hold(seconds, np.eye(5)[driven] * level)
-    keys = {"effects.mutual_inductance.coupling": coupling}
-    of = run(HELD, keys, program(waveform), rate=1e5)
-
-    def rising(inductance):
-        return level / RESISTANCE * (1.0 - np.exp(-of.t / (SLOW * inductance)))
-
-    slow, fast = rising(1.0 + coupling), rising(1.0 - 4.0 * coupling)
-    expected = np.outer(slow, np.eye(5)[driven] - last) + np.outer(fast, last)
-    assert of.current == pytest.approx(expected, abs=1e-12)
-    idle = np.delete(of.current, driven, axis=1)
-    assert np.abs(idle).max() > 0.1
-    # Energy from the source is in the resistors and the field.
-    h = of.t[1] - of.t[0]
-    simpson = np.r_[1.0, np.tile([4.0, 2.0], len(of.t) // 2 - 1), 4.0, 1.0] * h / 3.0
-    given = level * simpson @ of.current[:, driven]
-    heat = RESISTANCE * simpson @ np.sum(of.current**2, axis=1)
-    end = of.current[-1]
-    stored = 0.5 * INDUCTANCE * ((1.0 - coupling) * end @ end + coupling * end @ LINKED @ end)
-    assert given == pytest.approx(heat + stored, rel=1e-9)
-
-
-def test_coupled_coils_pull_with_their_induced_currents():
-    # A held block feels the gradient of all five; that of xm is against that of xp.
-    keys = {"effects.mutual_inductance.coupling": 0.2}
-    of = run(HELD, keys, program(Waveform.hold(0.02, {"xp": 50.0})), rate=1e4)
-    gradient = Coils().gradient([0.0, 0.0, HEIGHT / 2], of.current)
-    assert of.friction_force == pytest.approx(-MOMENT * gradient[:, 0, 0], abs=1e-15)
-    alone = Coils().gradient([0.0, 0.0, HEIGHT / 2], of.current * [1, 0, 0, 0, 0])
-    assert MOMENT * np.abs(gradient - alone)[:, 0, 0].max() > 5e-9
