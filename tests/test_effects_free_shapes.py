@@ -3,32 +3,25 @@
 import numpy as np
 import pytest
 
-import stickslip
-from free_shapes import ANCHORED, BOTH_WAYS, KNOTS, SHAPES, ZERO_UP, curve, shaped
+from free_shapes import BOTH_WAYS, KNOTS, SHAPES, curve, shaped
 from helpers import (
     ADHESION,
-    FLIGHT,
-    FORWARD,
     INERTIA,
     MASS,
     MOMENT,
     QUICK_COILS,
-    STICKING,
     TIGHT,
     WEIGHT,
-    check_energy_balance,
     energy,
     friction,
-    is_mode,
     program,
     run,
-    run_and_quiet_samples,
     scenario,
     still_for,
     volts,
 )
 from own_effects import nothing, register, unregister
-from stickslip import Coils, Scenario, Waveform, sweep
+from stickslip import Waveform
 from stickslip.scenario.effects import effects, is_free_shape
 
 STATIC, KINETIC, DRAG, TURNING = 0.2, 0.145, 1e-5, 9e-17  # -, -, N s/m, N m s^2
@@ -148,54 +141,6 @@ def test_equal_knots_of_the_speed_are_another_kinetic_friction_beyond_two_of_the
     assert of.vx[fast] == pytest.approx(velocity[fast], abs=1e-10)
 
 
-# Knots of a line with the slope of the law, over what it multiplies.
-LINES = {
-    "free_friction_speed": ("effects.viscous_friction.coefficient", 2.0, ANCHORED / KINETIC),
-    "free_drag_speed": ("effects.quadratic_drag.coefficient", 1e-3, ZERO_UP / DRAG),
-}
-
-
-@drives
-@pytest.mark.parametrize("name", LINES)
-def test_a_straight_line_of_the_speed_is_the_law_that_is_linear(name, drive):
-    # mu_k (1 + f) = mu_k + k v, c (1 + f) = c + q v: exact from rest up to the last knot but one.
-    span = 0.2
-    key, slope, places = LINES[name]
-    of = run(shaped(name, slope * span * places, span), TIGHT, rate=2e3, **drive)
-    same = run({key: slope}, TIGHT, rate=2e3, **drive)
-    assert np.nanmax(np.abs(same.slip_velocity)) < 0.8 * span
-    assert np.hypot(same.vx, same.vz).max() < 0.75 * span
-    assert of.mean_velocity == pytest.approx(same.mean_velocity, rel=1e-6)
-    assert of.x == pytest.approx(same.x, abs=1e-10)
-
-
-ARGUMENTS = {
-    "free_friction_speed": lambda of: np.abs(np.nan_to_num(of.slip_velocity)),
-    "free_friction_angle": lambda of: of.theta,
-    "free_friction_load": lambda of: of.normal_force,
-    "free_friction_age": lambda of: of.t,
-}
-
-
-@drives
-@pytest.mark.parametrize("direction", ["+x", "-x"])
-@pytest.mark.parametrize("name", ARGUMENTS)
-def test_friction_of_a_run_is_that_of_the_curve(name, direction, drive):
-    of = run(shaped(name, 3.0 * np.array(KNOTS)), rate=2e4, direction=direction, **drive)
-    f = curve(name, 3.0 * np.array(KNOTS), ARGUMENTS[name](of))
-    sticks = is_mode(of, STICKING)
-    slips = (of.contact != FLIGHT) & ~sticks
-    to_x = np.where(is_mode(of, FORWARD), 1.0, -1.0)
-    expected = -to_x * KINETIC * (1.0 + f) * of.normal_force
-    assert of.friction_force[slips] == pytest.approx(
-        expected[slips], abs=1e-12 * (WEIGHT + ADHESION)
-    )
-    assert slips.sum() > 100
-    limit = STATIC * (1.0 + (0.0 if name == "free_friction_speed" else f)) * of.normal_force
-    excess = (np.abs(of.friction_force) - limit)[sticks]
-    assert np.all(excess < 1e-9 * (WEIGHT + ADHESION))
-
-
 def test_a_resting_block_is_let_go_when_its_friction_has_worn():
     # No force changes but the limit of sticking, over less time than rests are else looked at.
     angle, span = 0.3, 0.05
@@ -209,71 +154,6 @@ def test_a_resting_block_is_let_go_when_its_friction_has_worn():
              shaped("free_friction_age", knots, span), rate="events")  # fmt: skip
     start = np.flatnonzero(of.event == of.event_names.index("slip_start"))[0]
     assert of.t[start] == pytest.approx(slips_at, abs=2e-7)
-
-
-@pytest.mark.parametrize("age", [0.0, 0.03])
-def test_adhesion_of_a_resting_block_follows_the_time_since_touch_down(age):
-    start = {"initial.contact_age": age, "initial.contact": "face_stick"}
-    of = run(still_for(0.2), start, shaped("free_adhesion_age", KNOTS), rate=1e3)
-    f = curve("free_adhesion_age", KNOTS, of.t + age)
-    assert of.normal_force == pytest.approx(WEIGHT + ADHESION * (1.0 + f), rel=1e-12)
-
-
-@pytest.mark.parametrize("theta", [0.3, 0.9])
-def test_adhesion_of_a_tilted_block_follows_the_tilt(theta):
-    # Held still for an instant on a corner, its normal force apart from inertia is weight and
-    # adhesion; the difference of two runs at their start is that of their adhesions.
-    start = {"initial.theta": theta, "initial.contact": "corner_stick"}
-    still = {**start, "contact.static_friction": 50.0}
-    of = run(still_for(1e-3), still, shaped("free_adhesion_angle", KNOTS), rate=1e4)
-    plain = run(still_for(1e-3), still, rate=1e4)
-    more = ADHESION * curve("free_adhesion_angle", KNOTS, theta)
-    assert of.normal_force[0] - plain.normal_force[0] == pytest.approx(more, rel=1e-9)
-
-
-FIELD_ARGUMENTS = {
-    "free_field_time": lambda of: of.t,
-    "free_field_amplitude": lambda of: np.abs(of.current[:, 0]),
-    "free_field_frequency": lambda of: np.full_like(of.t, of.scenario.drive.frequency),
-}
-DRAG_ARGUMENTS = {
-    "free_drag_angle": lambda of: of.theta,
-    "free_drag_speed": lambda of: np.hypot(of.vx, of.vz),
-    "free_drag_rate": lambda of: np.abs(of.omega),
-}
-
-
-def _factor(name, arguments, of):
-    return (
-        1.0 + curve(name, KNOTS, arguments[name](of)) if name in arguments else np.ones_like(of.t)
-    )
-
-
-@drives
-@names
-def test_energy_balance_closes(name, drive):
-    # dE/dt = -m . dB/dt at a fixed place, less what drag and friction take.
-    rate = 5e5
-    drive = {**drive, "ramp": 0.01, "pulses": 3}
-    edges = 0.01 + np.arange(4) / drive.get("frequency", 100.0)
-    keys = {**shaped(name, KNOTS), "solver.rtol": 1e-11}
-    seen, quiet = run_and_quiet_samples(keys, drive, rate, edges)
-    points = np.column_stack([seen.x, np.zeros_like(seen.x), seen.z])
-    per_ampere = np.array([Coils().field(points, np.eye(5)[k]) for k in (0, 4)])  # (2, n, 3)
-    sources = _factor(name, FIELD_ARGUMENTS, seen)[:, None] * seen.current[:, [0, 4]]
-    field = (sources.T * per_ampere[:, :, 0]).sum(axis=0)
-    assert seen.bx == pytest.approx(field, rel=1e-8, abs=1e-12)
-    change = np.gradient(sources, 1 / rate, axis=0)
-    bx_rate = (change.T * per_ampere[:, :, 0]).sum(axis=0)
-    bz_rate = (change.T * per_ampere[:, :, 2]).sum(axis=0)
-    mx, mz = MOMENT * np.cos(seen.theta), -MOMENT * np.sin(seen.theta)
-    force = _factor(name, DRAG_ARGUMENTS, seen)
-    torque = force if name == "free_drag_rate" else 1.0
-    power = -(mx * bx_rate + mz * bz_rate)
-    power -= force * DRAG * (seen.vx**2 + seen.vz**2)
-    power -= torque * TURNING * np.abs(seen.omega) ** 3
-    power += seen.friction_force * np.nan_to_num(seen.slip_velocity)
-    check_energy_balance(seen, power, quiet, rate)
 
 
 def test_a_drive_of_voltages_from_a_file_has_no_frequency():
@@ -292,26 +172,6 @@ def test_turned_robot_mirrors_the_motion():
     other = run(keys, rate=2e3, direction="-x", **DRIVES["OPP"])
     assert np.array_equal(other.x, -one.x)
     assert np.array_equal(other.normal_force, one.normal_force)
-
-
-def test_files_and_sweeps_have_them(tmp_path):
-    path = tmp_path / "free.toml"
-    path.write_text(
-        "stickslip = 1\n[drive]\npulses = 4\n[effects.free_friction_speed]\nspan = 0.01\n"
-        "knot_1 = 0.2\nknot_5 = -0.3\n"
-    )
-    read = Scenario.from_toml(path)
-    assert read.effects["free_friction_speed"] == {"span": 0.01, "knot_1": 0.2, "knot_5": -0.3}
-    copy = tmp_path / "copy.toml"
-    read.to_toml(copy)
-    assert Scenario.from_toml(copy) == read
-    key = "effects.free_friction_speed.knot_3"
-    data = sweep(read, {key: [0.0, 0.1, 0.2]}, threads=2)
-    for k, value in enumerate((0.0, 0.1, 0.2)):
-        alone = stickslip.simulate(read.replace({key: value}))
-        assert float(data.mean_velocity[k]) == alone.mean_velocity
-    with pytest.raises(stickslip.ScenarioError, match=r"knot_3 = -1\.5: allowed is"):
-        read.replace({key: -1.5})
 
 
 # The corner that touches at theta > 0, from the centre of mass along the body and below it, m.
