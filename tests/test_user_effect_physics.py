@@ -4,20 +4,18 @@ import math
 
 import numpy as np
 import pytest
-from numba import carray, cfunc
+from numba import cfunc
 
-from helpers import ADHESION, GRAVITY, HEIGHT, LENGTH, MASS, NO_FIELD, WEIGHT, run, still_for
+from helpers import ADHESION, GRAVITY, HEIGHT, LENGTH, MASS, WEIGHT, run, still_for
 from own_effects import (
     PULSES,
     ROUNDING,
     SIGNATURE,
     by_method,
-    nothing,
     nothing_stays,  # noqa: F401 (around every test here)
     parameter,
     register,
 )
-from stickslip import Scenario
 
 # What is known in closed form.
 
@@ -41,22 +39,6 @@ def test_a_part_of_the_weight_along_the_surface_is_its_tilt(method, direction):
         assert own.mean_velocity == pytest.approx(built_in.mean_velocity, rel=ROUNDING)
         assert abs(own.mean_velocity / level.mean_velocity - 1.0) > 0.01
         assert own.summary()["events"] == built_in.summary()["events"]
-
-
-@by_method
-def test_a_drag_by_velocity_is_more_linear_drag(method):
-    @cfunc(SIGNATURE)
-    def drag(state_, parameters, wrench_):
-        state, wrench = carray(state_, 9), carray(wrench_, 3)
-        wrench[:2] = -parameters[0] * state[4:6]
-        wrench[2] = 0.0
-
-    register(drag, parameter("c", low=0.0, unit="N s/m"))
-    keys = {**PULSES, "solver.method": method}
-    own = run(keys, {"effects.own.c": 5e-6})
-    more = run(keys, {"drag.linear": Scenario().drag.linear + 5e-6})
-    assert own.mean_velocity == pytest.approx(more.mean_velocity, rel=ROUNDING)
-    assert abs(own.mean_velocity / run(keys).mean_velocity - 1.0) > 0.01
 
 
 PRESSED = WEIGHT + ADHESION
@@ -125,14 +107,6 @@ def test_in_flight_force_and_torque_move_the_body_freely():
     assert seen.z[1:] - seen.z[0] == pytest.approx(0.5 * (lift - WEIGHT) / MASS * t**2, rel=1e-9)
     assert seen.theta[1:] == pytest.approx(0.5 * torque / inertia * t**2, rel=1e-9)
     assert seen.theta[-1] > 0.5
-
-
-def test_rest_without_field_stays_rest():
-    # The function is called, and gives nothing: the block must not begin to move by it.
-    register(nothing)
-    still = run(NO_FIELD, {"effects.own.k": 1.0}, rate=1e3, pulses=2)
-    assert np.all(still.x == still.x[0])
-    assert still.normal_force == pytest.approx(PRESSED, rel=1e-14)
 
 
 # What the function is told.
