@@ -126,21 +126,6 @@ def test_equal_knots_are_another_constant(name, part, drive):
     assert np.abs(of.x - plain.x).max() > 1e-7
 
 
-@pytest.mark.parametrize("part", [0.4, -0.4])
-def test_equal_knots_of_the_speed_are_another_kinetic_friction_beyond_two_of_them(part):
-    # Thrown along the surface it slows down by mu_k N / m, with the drag of Eq. (18). Between the
-    # first two knots f still has the slope with which it comes from f(0) = 0.
-    first = 0.01
-    thrown = {"initial.vx": 0.1, "initial.contact": "face_slip_forward"}
-    of = run(still_for(0.05), thrown, shaped("free_friction_speed", [part] * 5, 5.0 * first),
-             TIGHT, rate=1e4)  # fmt: skip
-    held = KINETIC * (1.0 + part) * (WEIGHT + ADHESION) / DRAG
-    velocity = (0.1 + held) * np.exp(-of.t * DRAG / MASS) - held
-    fast = velocity > 2.0 * first
-    assert fast.sum() > 10
-    assert of.vx[fast] == pytest.approx(velocity[fast], abs=1e-10)
-
-
 def test_a_resting_block_is_let_go_when_its_friction_has_worn():
     # No force changes but the limit of sticking, over less time than rests are else looked at.
     angle, span = 0.3, 0.05
@@ -164,14 +149,6 @@ def test_a_drive_of_voltages_from_a_file_has_no_frequency():
     )
     assert np.array_equal(of.theta, plain.theta)
     assert np.ptp(plain.theta) > 0.1
-
-
-def test_turned_robot_mirrors_the_motion():
-    keys = {key: value for name in SHAPES for key, value in shaped(name, KNOTS).items()}
-    one = run(keys, rate=2e3, **DRIVES["OPP"])
-    other = run(keys, rate=2e3, direction="-x", **DRIVES["OPP"])
-    assert np.array_equal(other.x, -one.x)
-    assert np.array_equal(other.normal_force, one.normal_force)
 
 
 # The corner that touches at theta > 0, from the centre of mass along the body and below it, m.
