@@ -81,17 +81,6 @@ def test_the_peak_of_the_drive_is_reached_with_each_winding(mode):
     assert run.bz[-1] == pytest.approx(-clamp, rel=5e-3)
 
 
-def test_a_robot_that_faces_the_other_way_sees_the_mirrored_coils():
-    own = {"turns": 450.0, "side": 0.15, "distance": 0.09, "resistance": 9.0, "inductance": 0.05}
-    base = Scenario(drive=Drive(base=0.5e-3, pulses=6))
-    ahead = simulate(base.replace({f"coil.xp.{k}": v for k, v in own.items()}))
-    back = simulate(
-        base.replace({f"coil.xm.{k}": v for k, v in own.items()} | {"drive.direction": "-x"})
-    )
-    assert back.mean_velocity == -ahead.mean_velocity
-    assert ahead.mean_velocity != simulate(base).mean_velocity
-
-
 @pytest.mark.parametrize("turned_round", [False, True])
 def test_a_key_of_all_coils_sets_those_that_no_key_of_one_does(turned_round):
     keys = ["coil.turns", "coil.yp.turns"]
@@ -108,14 +97,6 @@ def test_a_key_of_all_coils_sets_those_that_no_key_of_one_does(turned_round):
     found = sweep(base, {key: [changes[key]] for key in keys})
     expected = simulate(base.replace(changes)).mean_velocity
     assert found["mean_velocity"].values.item() == expected
-
-
-@pytest.mark.parametrize("common", [{}, {"coil.xm.turns": 400.0}])
-def test_points_of_a_list_change_the_coils_that_each_names(common):
-    base = Scenario(drive=Drive(mode="OPP", base=0.5e-3, pulses=4)).replace(common)
-    rows = [{"coil.turns": 300.0}, {"coil.xp.turns": 450.0}, {"drive.frequency": 50.0}]
-    expected = [simulate(base.replace(row)).mean_velocity for row in rows]
-    assert sweep(base, rows)["mean_velocity"].values.tolist() == expected
 
 
 def test_a_key_of_all_coils_reads_as_the_value_of_most():
