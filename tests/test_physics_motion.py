@@ -183,14 +183,6 @@ def test_rocking_frequency_pinned_at_a_corner(gravity, mass, scale):
     assert decay == pytest.approx(slowing, rel=1e-3)
 
 
-def test_current_follows_a_voltage_step_with_7_ms():
-    step = run(program(Waveform.hold(0.05, {"xp": 30.0, "clamp": -20.0})), rate=1e4)
-    share = 1.0 - np.exp(-step.t / 7e-3)
-    assert step.current[:, 0] == pytest.approx(3.0 * share, rel=1e-12, abs=1e-15)
-    assert step.current[:, 4] == pytest.approx(-2.0 * share, rel=1e-12, abs=1e-15)
-    assert np.all(step.current[:, 1:4] == 0.0)
-
-
 @pytest.mark.parametrize("edge", ["rise", "fall"])
 def test_first_harmonic_of_100_hz_reaches_the_field_with_a_gain_of_0_22(edge):
     # 1 / sqrt(1 + (2 pi 100 Hz 7 ms)^2) = 0.2217. The sawtooth's first harmonic is its height / pi.

@@ -68,17 +68,6 @@ def test_coils_that_a_step_does_not_name_keep_their_voltages():
     assert sim.voltages == {"xp": 5.0, "xm": 0.0, "yp": 0.0, "ym": 0.0, "clamp": -10.0}
 
 
-def test_the_current_of_a_held_voltage_is_the_analytic_one():
-    # Eq. (1): I = U/R (1 - exp(-t R/L)), in one step and in ten, to rounding.
-    coil = Scenario().coil
-    expected = -1.0 * (1.0 - math.exp(-0.01 * coil.resistance / coil.inductance))
-    for steps in (1, 10):
-        sim = Simulator(Scenario())
-        for _ in range(steps):
-            state = sim.step({"clamp": -10.0}, 0.01 / steps)
-        assert state.current_clamp == pytest.approx(expected, rel=1e-13)
-
-
 def test_free_fall_ends_at_the_analytic_instant():
     # Without field, fluid and magnet: the corner 1 mm above the surface arrives after sqrt(2h/g).
     robot = Robot(magnetization=0.0)
