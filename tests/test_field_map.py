@@ -82,22 +82,6 @@ def test_a_map_without_noise_gives_the_formula_back(exact):
     assert made.centre_field_per_ampere == pytest.approx([UNIT_FIELD] * 5, rel=1e-5)
 
 
-def test_the_field_of_any_map_is_free_of_sources_and_its_gradient_is_its_own():
-    noisy = formula_map(noise=0.02)
-    points, made = places(noisy), coils_of(noisy)
-    gradient = made.gradient(points, FIVE)
-    size = np.abs(gradient).max()
-    assert np.abs(gradient - gradient.swapaxes(1, 2)).max() == 0.0  # curl
-    assert np.abs(np.trace(gradient, axis1=1, axis2=2)).max() < 1e-14 * size  # divergence
-    step = 1e-6 * np.eye(3)
-    inside = 0.99 * points
-    differences = [made.field(inside + d, FIVE) - made.field(inside - d, FIVE) for d in step]
-    # Rounding of a field of 5 mT over the step: 1e-18 / 1e-6.
-    np.testing.assert_allclose(
-        made.gradient(inside, FIVE), np.stack(differences, axis=-1) / 2e-6, rtol=0, atol=1e-8
-    )
-
-
 def test_currents_superpose(exact):
     points, made = places(exact, 20), coils_of(exact)
     alone = [
