@@ -154,20 +154,6 @@ def test_progress_ends_with_everything_done():
     assert {stage for _, stage in told} == {"simulating"}
 
 
-def test_what_progress_raises_stops_the_sweep_in_the_midst_of_a_slab():
-    calls = []
-
-    def stop(fraction, stage):
-        calls.append(fraction)
-        if len(calls) == 3:
-            raise RuntimeError("enough")
-
-    endless = BASE.replace({"solver.max_step": 1e-7, "drive.pulses": 5_000})
-    with pytest.raises(RuntimeError, match="enough"):
-        sweep(endless, {"drive.frequency": [30.0, 100.0]}, progress=stop, threads=2)
-    assert calls == [0.0] * 3
-
-
 HEADINGS = [0.0, 0.5, 1.5]
 
 
