@@ -6,10 +6,15 @@ a function that is given a folder and the bad input. A function raises the error
 command printed of it.
 """
 
+import math
 from importlib import import_module
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+from stickslip import Scenario, ScenarioError
+from stickslip.scenario.keys import known_keys
 
 TABLES = [
     import_module(f"refusals.{path.stem}")
@@ -53,3 +58,25 @@ def test_every_way_is_tried():
     for table in TABLES:
         if hasattr(table, "WAYS"):
             assert {where for where, *_ in table.REFUSALS} == set(table.WAYS)
+
+
+NO_VALUES = (
+    *(math.nan, math.inf, -math.inf, 10**400, "1", "a\nb" * 1000),
+    *(None, True, np.True_, [1.0], b"1"),
+)
+
+
+@pytest.mark.parametrize("key", known_keys())
+def test_every_key_refuses_what_is_no_value_of_it(key):
+    known = known_keys()[key]
+    beyond = [math.nextafter(known.low, -math.inf), math.nextafter(known.high, math.inf)]
+    between = [known.low + 0.5] * (known.kind == "whole")
+    words = [word.swapcase() for word in known.words]
+    for value in (*NO_VALUES, *beyond, *between, *words):
+        with pytest.raises(ScenarioError) as error:
+            Scenario().replace({key: value})
+        message = str(error.value)
+        assert message.startswith(f"{key} = ")
+        assert known.allowed in message
+        assert message.isprintable()
+        assert len(message) < 700
