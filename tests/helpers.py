@@ -22,7 +22,6 @@ MOMENT = LENGTH * WIDTH * HEIGHT * 5e5  # A m^2
 
 FLIGHT = 0
 STICKING = (1, 4)
-FORWARD = (2, 5)
 ON_A_CORNER = (1, 2, 3)
 ON_A_FACE = (4, 5, 6)
 
@@ -56,20 +55,6 @@ def run(*changes, rate="none", **more):
     result = simulate(scenario(*changes, {"record.rate": rate}, **more))
     assert result.ok, result.message
     return result
-
-
-def run_and_quiet_samples(keys, drive, rate, edges):
-    """A run, and which samples have no event and no edge of the voltage within two samples.
-
-    edges: s, times of the voltage's edges.
-    """
-    seen = run(keys, rate=rate, **drive)
-    times = np.concatenate([run(keys, rate="events", **drive).t, edges])
-    far = np.ones(len(seen.t), bool)
-    for index in np.round(times * rate).astype(int):
-        far[max(index - 2, 0) : index + 3] = False
-    far[[0, -1]] = False
-    return seen, far
 
 
 def tilted(angle):
@@ -189,26 +174,6 @@ def energy(of):
         + weight * (np.cos(tilt) * of.z - np.sin(tilt) * of.x)
         - moment * (np.cos(angle) * of.bx - np.sin(angle) * of.bz)
     )
-
-
-def check_energy_balance(of, power, quiet, rate):
-    """That the energy changes by the work of `power`, W, over each stretch without an event.
-
-    `power` and `quiet`, whether a sample is in such a stretch, have a value for each sample, of
-    which there are `rate` a second.
-    """
-    content = energy(of)
-    bounds = np.flatnonzero(np.diff(quiet.astype(int)))
-    checked = 0
-    for first, last in zip(bounds[::2] + 1, bounds[1::2], strict=True):
-        if last - first < 20:
-            continue
-        work = np.sum(0.5 * (power[first:last] + power[first + 1 : last + 1])) / rate
-        size = np.sum(np.abs(power[first:last])) / rate + 1e-6 * MOMENT * 2.5e-3
-        # The trapezium rule at 2 us errs by (2 pi 1000 Hz 2 us)^2 / 12 = 1.3e-5.
-        assert abs(content[last] - content[first] - work) <= 2e-5 * size
-        checked += 1
-    assert checked >= 5
 
 
 def program_of(volts) -> Waveform:

@@ -61,6 +61,7 @@ def test_arrays_agree_with_each_other(walk_ipp):
     flying = run.contact == run.contact_names.index("flight")
     assert 0 < flying.sum() < len(flying)
     assert np.isnan(run.contact_x[flying]).all()
+    assert np.isnan(run.slip_velocity[flying]).all()
     assert (run.normal_force[flying] == 0.0).all()
     touching = ~flying
     assert np.isfinite(run.contact_x[touching]).all()
