@@ -18,11 +18,9 @@ from hypothesis import strategies as st
 
 import laws
 from fine_record import recorded
-from helpers import MOMENT, WEIGHT, violations
 from populations import (
     EFFECTS,
     EXTREME,
-    PAPER,
     USUAL,
     Draw,
     extreme,
@@ -31,7 +29,6 @@ from populations import (
     usual,
     wide,
     wild,
-    words,
 )
 from stickslip import Coil, Robot, Scenario, Solver, _core, simulate, simulate_batch
 from stickslip.scenario.keys import SAWTOOTH, known_keys
@@ -43,11 +40,8 @@ ROOT = Path(__file__).resolve().parents[1]
 RUNNING = ROOT / ".hypothesis" / "running"
 SANITIZED = ROOT / "build" / "asan" / "stickslip_fuzz"
 
-STEPS_AT_MOST = 10**6  # a run of a few pulses takes some thousand; what takes more goes nowhere
-BUDGET = 3 * STEPS_AT_MOST  # a stiff scenario is to say so, not to keep the others waiting
+BUDGET = 3 * 10**6  # steps: a stiff scenario is to say so, not to keep the others waiting
 TIGHT = 1e-10  # relative tolerance at which balances are looked at
-REFERENCE = {"solver.rtol": 1e-11, "solver.method": "tsit5", "solver.max_step": 0.0}
-FLOOR = 1e-6  # m/s, a thousandth of the paper's speed: smaller ones are compared relative to it
 
 
 # How often a key has a value. Each end of a uniform range is a sixth of it.
@@ -105,100 +99,6 @@ def test_each_key_has_many_values_among_the_extreme():
 def share(part):
     """Examples of a dear test, of those of the profile."""
     return math.ceil(part * settings.default.max_examples)
-
-
-def scenarios(restitution):
-    """A population; `restitution` draws its coefficient."""
-
-    def make(draw):
-        frequency = draw.decades(1.0, 500.0)
-        static = draw.uniform(0.0, 3.0)
-        base = draw.uniform(0.0, 5e-3)
-        keys = {
-            **words(draw),
-            "drive.frequency": frequency,
-            "drive.base": base,
-            "drive.peak": draw.uniform(base, 10e-3),
-            "drive.hold": draw.uniform(0.0, 10e-3),
-            "drive.edge_time": draw.corner(0.0, draw.uniform(0.0, 0.9 / frequency), 0.7),
-            "drive.ramp": draw.word(0.0, 0.05),
-            "drive.pulses": draw.whole(1, 5),
-            "contact.static_friction": static,
-            "contact.kinetic_friction": static * draw.uniform(0.0, 1.0),
-            "contact.adhesion": draw.uniform(0.0, 1e-6),
-            "contact.restitution": restitution(draw),
-            "effects.surface_tilt.angle": draw.corner(0.0, draw.uniform(-0.5, 0.5), 0.7),
-        }
-        return Scenario().replace(keys)
-
-    return population(make)
-
-
-def may_leave(scenario):
-    """Whether weight and coils can push the robot out of the set-up: that is no failure.
-
-    A coil's field falls by 18.7 times itself a metre at the centre, so that is what pulls; friction
-    holds with what is left of weight and adhesion; and nothing slides faster than drag lets it. The
-    pull grows on the way, so half the way to the coils is taken for all of it.
-    """
-    drive, contact = scenario.drive, scenario.contact
-    tilt = abs(scenario.get("effects.surface_tilt.angle"))
-    pull = MOMENT * 18.7 * (max(drive.peak, drive.base) + drive.hold)
-    normal = max(0.0, WEIGHT * math.cos(tilt) + contact.adhesion - pull)
-    push = WEIGHT * math.sin(tilt) + pull - contact.kinetic_friction * normal
-    return push / scenario.drag.linear * scenario.duration > 0.5 * scenario.coil.distance
-
-
-def simulated(scenario, endless=False, **more):
-    """A run of the scenario that has ended soon and is finite.
-
-    endless: bounces that lose nothing may go on until the run is given up.
-    """
-    run = simulate(scenario.replace({f"{key}": value for key, value in more.items()}))
-    text = scenario.to_toml()
-    steps = run.summary()["steps"]
-    most = 10 * STEPS_AT_MOST if endless else STEPS_AT_MOST
-    assert steps["accepted"] + steps["rejected"] < most, f"{steps}:\n{text}"
-    given_up = endless and run.status == "too_many_events"
-    fine = run.ok or given_up or (run.status == "left_workspace" and may_leave(scenario))
-    assert fine, f"{run.message}:\n{text}"
-    for name, value in run.summary().items():
-        if isinstance(value, float) and run.ok:
-            assert math.isfinite(value), f"{name} = {value}:\n{text}"
-    return run
-
-
-def assert_sound(scenario, rtol, slack, speed_slack, gap_slack=0.0):
-    for rate in ("events", 5e3):
-        run = simulated(scenario, **{"record.rate": rate, "solver.rtol": rtol})
-        # A body that cannot stick from the start has its first sample before it slips.
-        found = violations(
-            run, slack=slack, start=1e-12, speed_slack=speed_slack, gap_slack=gap_slack
-        )
-        assert not found, "\n".join([*found, scenario.to_toml()])
-
-
-some_rebound = scenarios(lambda draw: draw.corner(0.0, draw.uniform(0.0, 0.9), 0.5))
-
-
-@pytest.mark.nightly
-@settings(max_examples=300)
-@given(scenario=some_rebound)
-def test_invariants_hold_at_a_tight_tolerance(scenario):
-    assert_sound(scenario, rtol=1e-10, slack=1e-9, speed_slack=1e-9)
-
-
-@settings(max_examples=300)
-@given(scenario=some_rebound)
-def test_invariants_hold_at_the_default_tolerance(scenario):
-    assert_sound(scenario, rtol=1e-7, slack=1e-2, speed_slack=1e-4, gap_slack=1e-9)
-
-
-@pytest.mark.nightly
-@settings(max_examples=100)
-@given(scenario=scenarios(lambda draw: draw.uniform(0.9, 1.0)))
-def test_elastic_bounces_end(scenario):
-    simulated(scenario, endless=True)
 
 
 def noted(*scenarios):
@@ -273,31 +173,6 @@ def test_a_motion_keeps_the_laws_of_contact_momentum_and_energy(scenario):
         assert not found, "\n".join([*found, scenario.to_toml()])
 
 
-@given(scenario=PAPER)
-@settings(max_examples=share(0.5))
-@pytest.mark.parametrize(
-    ("tried", "reference"),
-    [({"solver.rtol": Solver().rtol}, REFERENCE), ({"solver.method": "arkode"}, REFERENCE)],
-    ids=["tolerance", "integrator"],
-)
-def test_the_mean_velocity_is_that_of_a_tight_tolerance(scenario, tried, reference):
-    (scenario,) = noted(scenario.replace(reference))
-    first, second = simulate(scenario.replace(tried)), simulate(scenario)
-    assert first.status == second.status
-    off = relative(first.mean_velocity, second.mean_velocity)
-    if off > 1e-3:
-        # A motion that amplifies every error has no mean velocity to compare: the default
-        # tolerance's part of the robot's mass moves it as far, and no step can do better.
-        heavier = {"robot.mass": scenario.robot.mass * (1.0 + Solver().rtol)}
-        again = simulate(scenario.replace(heavier))
-        moved = relative(again.mean_velocity, second.mean_velocity)
-        assert moved > 0.1 * off, f"off by {off:.3g}:\n{scenario.to_toml()}"
-
-
-def relative(value, reference):
-    return abs(value - reference) / max(abs(reference), FLOOR)
-
-
 @pytest.mark.nightly
 @settings(max_examples=share(0.3))
 @pytest.mark.skipif(not SANITIZED.exists(), reason="cmake --build --preset asan builds it")
@@ -370,7 +245,7 @@ ONCE_WITHOUT_END = [
 @pytest.mark.parametrize("keys", ONCE_WITHOUT_END)
 @pytest.mark.parametrize("method", ["tsit5", "arkode"])
 def test_a_touch_down_that_the_forces_undo_ends(keys, method):
-    simulated(Scenario().replace({**keys, "solver.method": method}))
+    assert simulate(Scenario().replace({**keys, "solver.method": method})).ok
 
 
 SHORT_EDGE = """
