@@ -122,62 +122,6 @@ def test_stick_ends_in_slip_before_it_ends_in_flight(case):
         assert seen.t[lift] - seen.t[lift - 1] > 1e-6
 
 
-def test_jump_of_the_voltage_changes_no_velocity():
-    # The edges of the sawtooth are on the grid; an acceleration of some 100 m/s^2 for 1 us is 0.1
-    # mm/s, the body's velocities reach 100 times that.
-    drive = {"mode": "IPP", "base": 0.5e-3, "ramp": 0.01, "pulses": 3}
-    seen = run(rate=1e6, **drive)
-    for edge in (10_000, 20_000, 30_000):
-        around = slice(edge - 2, edge + 3)
-        assert len(np.unique(seen.contact[around])) == 1
-        for velocity in (seen.vx, seen.vz, HEIGHT * seen.omega):
-            assert np.abs(np.diff(velocity[around])).max() < 2e-4
-        # The voltage did jump: the current's slope changes.
-        slope = np.diff(seen.current[around, 0])
-        assert np.ptp(slope) > 1e-5
-
-
-@pytest.mark.parametrize("coefficients", [(0.2, 0.145), (0.6, 0.145), (1.0, 0.7), (0.45, 0.45)])
-def test_landing_on_a_second_corner_shares_the_impulse(coefficients):
-    # A block tipped about its front corner falls flat. Both normal velocities vanish; friction is
-    # static at the corner that stuck and kinetic at the one that lands.
-    static, kinetic = coefficients
-    keys = {**friction(static, kinetic), "contact.adhesion": 5e-6, "solver.rtol": 1e-10}
-    # A short pull tears one end off and turns the block to some 0.3 rad, from where it falls.
-    lift = Waveform.hold(1.5e-4, volts(clamp=-0.45e-3))
-    keys |= {**QUICK_COILS, **program(lift + Waveform.hold(0.02, {}))}
-    events = run(keys, rate="events")
-    landing = np.flatnonzero(events.event == events.event_names.index("landing"))[0]
-    time = events.t[landing]
-    rate = 1e7
-    seen = run(keys, rate=rate)
-    last = int(np.floor(time * rate))
-    if seen.t[last] >= time:
-        last -= 1
-    sticks = np.isin(seen.contact[last], STICKING)
-    omega, slip = seen.omega[last], seen.slip_velocity[last]
-    h, a = HEIGHT / 2, LENGTH / 2
-    vx, vz = slip + h * omega, a * omega
-    old = static if sticks else kinetic
-    # Unknown impulses of the old corner at +a, the new one at -a, and along the surface.
-    matrix = [[1 / MASS, 1 / MASS, 0.0], [-a / INERTIA, a / INERTIA, -h / INERTIA], [0.0, 0.0, 0.0]]
-    matrix[2] = [0.0, 0.0, 1 / MASS]
-    one, two, along = np.linalg.solve(matrix, [-vz, -omega, -vx])
-    if abs(along) <= old * one + kinetic * two:
-        after = 0.0
-    else:
-        sign = np.sign(along)
-        matrix[2] = [-sign * old, -sign * kinetic, 1.0]
-        one, two, along = np.linalg.solve(matrix, [-vz, -omega, 0.0])
-        after = vx + along / MASS
-    assert one > 0.0
-    assert two > 0.0
-    assert events.contact[landing] >= 4
-    # The last sample is up to 0.1 us old: 300 m/s^2 of that are 3e-5 m/s.
-    assert events.slip_velocity[landing] == pytest.approx(after, abs=4e-5)
-    assert (events.vz[landing], events.omega[landing]) == (0.0, 0.0)
-
-
 @pytest.mark.parametrize("clamp", ["down", "up"])
 def test_lowest_corners_change_as_the_body_turns_over(clamp):
     # A field that turns slowly through half a turn lays the block on its back.
