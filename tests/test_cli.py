@@ -14,10 +14,11 @@ import xarray
 from PIL import Image
 
 from command_line import COMMAND, check, stickslip, stickslip_process
+from recorded_runs import flat_columns
 from refusals.cli import REFUSALS, contents, lay_out
-from stickslip import COIL_NAMES, Scenario, effects, load, simulate
+from stickslip import Scenario, effects, load, simulate
 from stickslip.cli.commands import COMMANDS
-from stickslip.simulation.quantities import COLUMNS, NUMBERS, PLANE_COLUMNS
+from stickslip.simulation.quantities import NUMBERS
 
 TEXT = "stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 12\n"
 
@@ -121,16 +122,9 @@ def test_out_as_csv_has_the_columns_with_their_units(scenario, tmp_path):
     # Text, since pandas before version 3 reads numbers wrong in their last digits.
     table = pandas.read_csv(tmp_path / "a.csv", dtype=str)
     run = simulate(load(scenario).replace({"record.rate": 2000.0}))
-    for name, column in COLUMNS.items():
-        if name == "current":
-            for k, coil in enumerate(COIL_NAMES):
-                values = table[f"current {coil} (A)"].to_numpy(float)
-                np.testing.assert_array_equal(values, run.current[:, k])
-        elif name == "contact":
-            assert table["contact"].tolist() == [run.contact_names[k] for k in run.contact]
-        elif name not in ("event", *PLANE_COLUMNS):
-            values = table[f"{name} ({column.unit})"].to_numpy(float)
-            np.testing.assert_array_equal(values, getattr(run, name))
+    for name, unit, values in flat_columns(run):
+        heading = name.replace("current_", "current ") + f" ({unit})" * bool(unit)
+        np.testing.assert_array_equal(table[heading].to_numpy().astype(values.dtype), values)
     assert len(table.columns) == 13 + 1 + 5 + 1
 
 

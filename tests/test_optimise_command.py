@@ -72,6 +72,6 @@ def test_keys_give_a_scenario_without_a_program(scenario, tmp_path):
 
 
 def test_json_alone_writes_nothing(scenario, tmp_path):
-    done = stickslip("optimise", scenario, *WAVE, *FEW, "--json", cwd=tmp_path)
+    done = stickslip("optimise", scenario, *WAVE, *FEW, "--evaluations", 20, "--json", cwd=tmp_path)
     assert set(json.loads(done.stdout)["fresh"]) >= {"start", "best", "sawtooth"}
     assert [each.name for each in tmp_path.iterdir()] == ["scenario.toml"]

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from stickslip import Scenario, ScenarioError
+from stickslip._util.messages import shown
 from stickslip.scenario.keys import known_keys
 
 TABLES = [
@@ -76,7 +77,7 @@ def test_every_key_refuses_what_is_no_value_of_it(key):
         with pytest.raises(ScenarioError) as error:
             Scenario().replace({key: value})
         message = str(error.value)
-        assert message.startswith(f"{key} = ")
+        assert message.startswith(f"{key} = {shown(value)}: allowed is ")
         assert known.allowed in message
         assert message.isprintable()
         assert len(message) < 700

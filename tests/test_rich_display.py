@@ -7,8 +7,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
+from recorded_runs import flat_columns
 from stickslip import (
-    COIL_NAMES,
     Cause,
     Drive,
     Scenario,
@@ -21,7 +21,6 @@ from stickslip import (
     sweep_dataframe,
 )
 from stickslip._util.html import html_table
-from stickslip.simulation.quantities import COLUMNS, PLANE_COLUMNS
 from toys import SLOPE, WAVE, data
 
 BAD = "<script>alert('1')</script>&\x1b[31m"
@@ -133,21 +132,11 @@ def test_a_table_of_a_run_has_a_row_a_sample_with_units(walk_ipp, tmp_path):
     for each in (run, open_run(tmp_path / "run.nc")):
         table = each.to_dataframe()
         assert len(table) == run.t.size
-        units = table.attrs["units"]
-        assert list(units) == list(table.columns)
-        for name, column in COLUMNS.items():
-            if name in PLANE_COLUMNS:
-                assert name not in table
-            elif name == "current":
-                for k, coil in enumerate(COIL_NAMES):
-                    np.testing.assert_array_equal(table[f"current_{coil}"], run.current[:, k])
-                    assert units[f"current_{coil}"] == "A"
-            elif name == "contact":
-                assert table["contact"].tolist() == [run.contact_names[k] for k in run.contact]
-                assert units["contact"] == ""
-            elif name != "event":
-                np.testing.assert_array_equal(table[name], getattr(run, name))
-                assert units[name] == column.unit
+        columns = list(flat_columns(run))
+        assert list(table.columns) == [name for name, _, _ in columns]
+        assert table.attrs["units"] == {name: unit for name, unit, _ in columns}
+        for name, _, values in columns:
+            np.testing.assert_array_equal(table[name], values)
 
 
 def test_a_table_of_events_names_them(walk_ipp):
