@@ -173,16 +173,8 @@ def drawn(seed: int) -> list[Mutation]:
     return [choice.choice([each for each in MUTATIONS if each.way == way]) for way in ways]
 
 
-def run(*command: object) -> str:
-    """Output of a command; all of it is shown where it fails."""
-    done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
-    if done.returncode != 0:
-        sys.exit(f"{' '.join(map(str, command))}\n{done.stdout}{done.stderr}")
-    return done.stdout
-
-
 def copy_sources() -> None:
-    """The sources as they are; a file that is the same keeps its time, so that nothing is built."""
+    """The sources as they are; one that is the same keeps its time, so that nothing is built."""
     for path in (ROOT / "cpp").rglob("*.?pp"):
         put(SOURCE / path.relative_to(ROOT), path.read_text())
     for path in (*(ROOT / "cmake").iterdir(), ROOT / "CMakeLists.txt"):
@@ -190,6 +182,9 @@ def copy_sources() -> None:
     there = {path.relative_to(SOURCE) for path in (SOURCE / "cpp").rglob("*.?pp")}
     for gone in there - {path.relative_to(ROOT) for path in (ROOT / "cpp").rglob("*.?pp")}:
         (SOURCE / gone).unlink()
+    shutil.rmtree(PACKAGE, ignore_errors=True)
+    ignored = shutil.ignore_patterns("*.so", "__pycache__")
+    shutil.copytree(ROOT / "python" / "stickslip", PACKAGE / "stickslip", ignore=ignored)
 
 
 def put(path: Path, text: str) -> None:
@@ -201,28 +196,33 @@ def put(path: Path, text: str) -> None:
 
 
 def configure() -> None:
-    """As scikit-build-core does it for a wheel."""
-    site = sysconfig.get_path("purelib")
-    run(
-        *("cmake", "-S", SOURCE, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release"),
+    """As scikit-build-core does it for a wheel, but quicker to compile, and with the tests."""
+    said = failure(
+        *("-S", SOURCE, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Mutations"),
+        "-DCMAKE_CXX_FLAGS_MUTATIONS=-O1 -fno-math-errno",
         "-DSTICKSLIP_BUILD_PYTHON=ON",
-        "-DSTICKSLIP_WITH_SUNDIALS=OFF",
+        "-DSTICKSLIP_BUILD_TESTS=ON",
         "-DSKBUILD_PROJECT_VERSION=0.1.0",
         f"-DPython_EXECUTABLE={sys.executable}",
-        f"-DCMAKE_PREFIX_PATH={site}",
-    )
+        f"-DCMAKE_PREFIX_PATH={sysconfig.get_path('purelib')}",
+    ) or build("_core")
+    if said:
+        sys.exit(said)
 
 
-def build(jobs: int) -> None:
-    """The core of the copy, beside a copy of the Python package."""
-    run("cmake", "--build", BUILD, "--target", "_core", "--parallel", jobs)
-    package = PACKAGE / "stickslip"
-    shutil.rmtree(package, ignore_errors=True)
-    shutil.copytree(
-        ROOT / "python" / "stickslip", package, ignore=shutil.ignore_patterns("*.so", "__pycache__")
-    )
+def build(target: str) -> str:
+    """Build a target of the copy, the core beside the copied package; what goes wrong."""
+    said = failure("--build", BUILD, "--target", target)
     for module in BUILD.glob("_core*.so"):
-        shutil.copy(module, package)
+        shutil.copy(module, PACKAGE / "stickslip")
+    return said
+
+
+def failure(*arguments: object) -> str:
+    """What CMake says where it fails."""
+    command = ["cmake", *map(str, arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    return f"{' '.join(command)}\n{done.stdout}{done.stderr}" if done.returncode else ""
 
 
 def differences(effects: Iterable[str]) -> set[str]:
@@ -254,7 +254,6 @@ def main(words: list[str]) -> int:
     parser.add_argument("--seed", type=int, default=1, help="draws one mutation of each way")
     parser.add_argument("--only", type=int, metavar="N", help="the Nth alone, from 1")
     parser.add_argument("--all", action="store_true", help="all that there are of each way")
-    parser.add_argument("--jobs", type=int, default=1, help="of the compiler")
     arguments = parser.parse_args(words)
     chosen = list(MUTATIONS) if arguments.all else drawn(arguments.seed)
     if arguments.only is not None:
@@ -263,7 +262,6 @@ def main(words: list[str]) -> int:
     for mutation in chosen:
         place_of(mutation)
     configure()
-    build(arguments.jobs)
     before = differences({each.effect for each in chosen})
     print(f"as it is: {len(before)} differences")
     print(f"{'way':16} {'effect':20} {'file':22} {'found':6} {'by':40} {'s':>4}", flush=True)
@@ -274,7 +272,8 @@ def main(words: list[str]) -> int:
         original = path.read_text()
         try:
             path.write_text(original.replace(mutation.text, mutation.replacement))
-            build(arguments.jobs)
+            if said := build("_core"):
+                sys.exit(said)
             new = differences([mutation.effect]) - before
         finally:
             path.write_text(original)
