@@ -148,19 +148,6 @@ def test_an_episode_that_is_over_begins_anew_as_the_mode_says(mode):
         assert not np.array_equal(observations[~mask], start[~mask])
 
 
-def test_a_failure_ends_an_episode_and_says_so():
-    fast = Scenario(initial=State(x=0.0885, vx=0.5)).replace({"drag.linear": 0.0})
-    env = RobotEnv(scenario=fast)
-    env.reset(seed=1)
-    for _ in range(100):
-        _, _, terminated, truncated, info = env.step(np.array([0.5, -0.4]))
-        if terminated:
-            break
-    assert terminated
-    assert not truncated
-    assert info["failure"] == "left_workspace"
-
-
 @pytest.mark.parametrize("task", ["walk", "reach"])
 def test_a_bad_action_is_refused_before_anything_changes(task):
     env, twin = RobotEnv(task=task), RobotEnv(task=task)

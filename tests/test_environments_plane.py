@@ -138,41 +138,42 @@ def test_what_counts_is_the_way_along_the_path_less_what_is_beside_it():
     assert 0.0 < sum(rewards) < 1e3 * info["progress"]
 
 
-def test_a_path_that_is_left_ends_an_episode_and_says_so():
+# Each with an environment, and the action of a step.
+FAILURES = {
+    "left_workspace": (
+        {"scenario": Scenario(initial=State(x=0.0885, vx=0.5)).replace({"drag.linear": 0.0})},
+        lambda k, random: [0.5, -0.4],
+    ),
     # The figure of eight begins at 45 degrees, and the robot walks on along x.
-    _, (_, _, terminated, truncated, info) = walked(RobotEnv(task="follow"), 1000)
-    assert terminated
-    assert not truncated
-    assert info["failure"] == "left_path"
-    assert not info["success"]
-    assert abs(info["across"]) > 0.25e-3
-
-
-def test_a_heading_that_is_lost_ends_an_episode_and_says_so():
-    env = RobotEnv(task="reach", coils=("yp", "clamp"), voltage=25.0)
-    env.reset(seed=1)
-    for k in range(200):
-        *_, terminated, truncated, info = env.step(np.float32([1.0 if k < 100 else -1.0, 0.0]))
-        if terminated:
-            break
-    assert k > 100
-    assert terminated
-    assert not truncated
-    assert info["failure"] == "heading_lost"
-
-
-def test_a_field_that_turns_too_fast_ends_an_episode_and_says_so():
+    "left_path": (
+        {"task": "follow"},
+        lambda k, random: [0.0, TOOTH[k % 10] if k >= 50 else 0.0, -0.4],
+    ),
+    "heading_lost": (
+        {"task": "reach", "coils": ("yp", "clamp"), "voltage": 25.0},
+        lambda k, random: [1.0 if k < 100 else -1.0, 0.0],
+    ),
     # Voltages of single coils chosen at random: the field is weak, and its direction jumps.
-    env = RobotEnv(task="reach", coils=COILS)
+    "turns_too_fast": (
+        {"task": "reach", "coils": COILS},
+        lambda k, random: random.uniform(-1.0, 1.0, 5),
+    ),
+}
+
+
+@pytest.mark.parametrize("failure", FAILURES)
+def test_a_failure_ends_an_episode_and_says_so(failure):
+    options, action = FAILURES[failure]
+    env, random = RobotEnv(**options), np.random.default_rng(0)
     env.reset(seed=1)
-    random = np.random.default_rng(0)
-    for _ in range(100):
-        *_, terminated, truncated, info = env.step(np.float32(random.uniform(-1.0, 1.0, 5)))
-        if terminated:
+    for k in range(1000):
+        *_, terminated, truncated, info = env.step(np.float32(action(k, random)))
+        if terminated or truncated:
             break
-    assert terminated
-    assert not truncated
-    assert info["failure"] == "turns_too_fast"
+    assert (terminated, truncated, info["failure"]) == (True, False, failure)
+    assert not info.get("success")
+    assert k > 100 or failure != "heading_lost"
+    assert abs(info.get("across", math.inf)) > 0.25e-3
 
 
 def test_a_camera_shows_the_goal_from_where_it_sees_the_robot():
