@@ -178,3 +178,8 @@ def test_a_run_that_is_stopped_counts_what_was_played():
         assert summary["field_min"] ** 2 == pytest.approx(
             least_between(squares(run)[played]), abs=2.0 * ENOUGH * largest**2
         )
+    rising = Scenario(drive=Drive(base=2e-3, peak=2e-3, ramp=0.05))
+    volts, tipped = (simulate(rising, until=end).summary() for end in (None, "theta >= 0.01"))
+    part = tipped["simulated_time"] / 0.05
+    assert part < 1.0
+    assert tipped["voltage_max"] == pytest.approx(part * volts["voltage_max"], rel=1e-12)

@@ -239,6 +239,7 @@ def test_strided_and_integer_input():
         ([[0, 0, 0], [0, np.nan, 0]], [0] * 5, "points must be finite, in m; points[1, 1] is nan"),
         ([0, 0, 0], [0, 0, 0, 0, np.inf], "currents must be finite, in A; currents[4] is inf"),
         ([0.099, 0.06925, 0.01], [1, 0, 0, 0, 0], "point (0.099, 0.06925, 0.01) m lies on the"),
+        ([DISTANCE + 0.9e-9, HALF, HALF], [1, 0, 0, 0, 0], "point ("),
     ],
 )
 def test_bad_input_is_refused_by_name(method, points, currents, message):
@@ -253,6 +254,8 @@ def test_impossible_coils_are_refused(parameter, value):
         Coils(**{parameter: value})
 
 
-def test_the_field_on_a_wire_without_current_is_finite():
+def test_the_field_beside_a_wire_or_on_one_without_current_is_finite():
     on_wire_of_xp = [DISTANCE, HALF, 0.01]
     assert np.isfinite(Coils().field(on_wire_of_xp, unit_current("xm"))).all()
+    for beside in ([DISTANCE + 1.1e-9, HALF, 0.01], [DISTANCE, HALF, HALF + 2e-9]):
+        assert np.isfinite(Coils().field(beside, unit_current("xp"))).all()

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from effect_table import rows
-from helpers import HOPS, TIGHT, friction, launched, run, still_for, tilted
-from stickslip import _core
+from helpers import HOPS, TIGHT, friction, launched, run, scenario, still_for, tilted
+from stickslip import _core, simulate
 
 # mode, frequency (Hz), base and hold (mT), edge, clamp, velocity (mm/s)
 CHECK_NUMBERS = [
@@ -28,6 +28,11 @@ needs_arkode = pytest.mark.skipif(not _core.has_arkode, reason="this build has n
 each_number = pytest.mark.parametrize(
     "case", CHECK_NUMBERS, ids=lambda case: f"{case[0]}-{case[1]:.0f}Hz"
 )
+
+
+@pytest.mark.skipif(_core.has_arkode, reason="this build has arkode")
+def test_a_build_without_arkode_says_so():
+    assert simulate(scenario({"solver.method": "arkode"})).status == "no_arkode"
 
 
 @each_number

@@ -14,6 +14,7 @@ from stickslip import (
     Drive,
     Record,
     Scenario,
+    Waveform,
     load,
     open_run,
     simulate,
@@ -131,6 +132,7 @@ def test_a_failed_simulation_is_a_status():
             "contact.kinetic_friction": 0.0,
             "drag.linear": 0.0,
             "record.rate": 100.0,
+            "solver.max_step": 1e-3,
         }
     )
     run = simulate(scenario)
@@ -139,6 +141,12 @@ def test_a_failed_simulation_is_a_status():
     assert "coils" in run.message
     assert 0 < len(run.t) < scenario.duration * 100
     assert run.summary()["status"] == "left_workspace"
+    # Its step ends behind 0.9 of the way to a coil's plane; none is in the way where none drives.
+    assert 0.9 <= run.final_state.x / scenario.coil.distance < 0.92
+    off = Waveform.hold(0.3, {})
+    free = simulate(scenario.replace({"drive.mode": "program", "drive.program": off}))
+    assert free.ok
+    assert free.x[-1] > 2.0 * scenario.coil.distance
 
 
 def test_progress_rises_and_can_stop():

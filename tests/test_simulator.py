@@ -59,6 +59,13 @@ def test_a_voltage_across_needs_a_simulator_in_the_whole_plane():
         with pytest.raises(ScenarioError, match=r"^voltages: yp = 2, ym = 0 make .* whole_plane"):
             sim.step(**step, duration=STEP, hold="linear")
     assert (sim.time, sim.state, sim.voltages) == before
+    batch = _core.SimulatorBatch([Scenario().to_core()] * 2, whole_plane=False)
+    rows = np.array([[15.0, 0, 0, 0, -10.0], [15.0, 0, 2.0, 0, -10.0]])
+    begun = batch_states(batch, 2)
+    with pytest.raises(ValueError, match=r"^run 1: voltages: yp = 2, ym = 0 make "):
+        batch.step(rows, STEP, False, 1)
+    assert np.array_equal(batch_states(batch, 2), begun)
+    assert not batch.statuses().any()
 
 
 def test_coils_that_a_step_does_not_name_keep_their_voltages():
@@ -258,11 +265,21 @@ CONDITIONS = {
 
 @pytest.mark.parametrize("until", CONDITIONS)
 def test_a_run_ends_where_its_condition_is_met(until):
-    run = simulate(Scenario(), until=until)
+    scenario = Scenario().replace({"record.rate": 1e4})
+    run, whole = simulate(scenario, until=until), simulate(scenario)
     assert run.ok
     assert run.condition_met
     value = float(until.split()[2])
     assert CONDITIONS[until](run.final_state) == pytest.approx(value, rel=1e-9)
+    # Up to there the record is that of the whole run, and it ends there.
+    assert 0 <= run.summary()["simulated_time"] - run.t[-1] < 1e-4
+    assert np.array_equal(run.x, whole.x[: run.samples])
+
+
+def test_a_condition_that_is_met_at_the_start_ends_the_run_there():
+    run = simulate(Scenario(), until="x >= -1")
+    assert run.condition_met
+    assert run.summary()["simulated_time"] == 0.0
 
 
 def test_a_run_that_its_condition_ends_says_over_what_it_is_measured():

@@ -51,6 +51,16 @@ def test_a_magnet_along_the_body_stands_up_in_a_vertical_field():
     assert standing == pytest.approx([np.pi / 2, -np.pi / 2], abs=1e-12)
 
 
+def test_adhesion_holds_a_face_that_has_landed():
+    # At 90 degrees the magnet turns on with 20 fN m; weight holds with 13 fN m about the next
+    # corner, adhesion with another 11.
+    keys = ["effects.misalignment.angle", "contact.adhesion"]
+    rows = np.array([[-0.003, ADHESION], [-0.003, 0.0]])
+    fields = np.array([[0.0, -4e-3]])
+    held, turned = _core.static_tilts(Scenario().to_core(), keys, rows, fields)[:, 0]
+    assert held == np.pi / 2 < turned
+
+
 def test_a_misaligned_magnet_turns_past_upright_or_stops_before():
     # Without weight it would align: theta + misalignment = +-90 degrees.
     past, short = (tilts([0.0, 20e-3], misalignment__angle=angle) for angle in (0.3, -0.3))

@@ -54,6 +54,8 @@ RISE = 0.1  # s, of a force from zero to the one at which rest ends
         (1, PRESSED, "tip"),  # both ends, and by rounding one of them first
         (2, 0.5 * LENGTH * PRESSED, "tip"),  # nose-down, about the front's lower corner
         (2, -0.5 * LENGTH * PRESSED, "tip"),
+        (0, LENGTH / HEIGHT * PRESSED, "tip"),  # at half the height, against friction below
+        (0, -LENGTH / HEIGHT * PRESSED, "tip"),
     ],
 )
 def test_rest_ends_where_a_rising_force_says(method, component, needed, event):
@@ -64,6 +66,7 @@ def test_rest_ends_where_a_rising_force_says(method, component, needed, event):
 
     register(rising)
     keys = {**still_for(1.2 * RISE), "effects.own.k": 1.0, "solver.method": method}
+    keys["contact.static_friction"] = 0.2 if event == "slip_start" else 3.0
     seen = run(keys, rate="events")
     names = [seen.event_names[kind] for kind in seen.event]
     assert names[0] == event
@@ -94,19 +97,23 @@ def test_a_constant_force_slides_the_block_along_a_parabola(method, direction):
 
 def test_in_flight_force_and_torque_move_the_body_freely():
     # 1 mm above the surface or more, so that nothing touches again.
-    lift, torque = 3.0 * PRESSED, 1e-12
+    lift, torque, told = 3.0 * PRESSED, 1e-12, []
 
     def away(state, parameters):
+        told.append(state.theta)
         return 0.0, lift, torque
 
     register(away)
     keys = {**still_for(0.02), "effects.own.k": 1.0, "drag.linear": 0.0, "drag.rotational": 0.0}
+    keys["initial.theta"] = 4.0 * np.pi  # flat, after two turns
     seen = run(keys, rate=1e3)
     inertia = MASS * (LENGTH**2 + HEIGHT**2) / 12
     t = seen.t[1:]
     assert seen.z[1:] - seen.z[0] == pytest.approx(0.5 * (lift - WEIGHT) / MASS * t**2, rel=1e-9)
-    assert seen.theta[1:] == pytest.approx(0.5 * torque / inertia * t**2, rel=1e-9)
-    assert seen.theta[-1] > 0.5
+    turned = 4.0 * np.pi + 0.5 * torque / inertia * t**2
+    assert seen.theta[1:] == pytest.approx(turned, rel=1e-13)
+    assert turned[-1] > 4.0 * np.pi + 0.5
+    assert max(told) == pytest.approx(seen.theta[-1], rel=1e-3)
 
 
 # What the function is told.

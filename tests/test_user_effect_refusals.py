@@ -51,21 +51,23 @@ def test_an_exception_of_the_function_passes_through():
 
 
 @by_method
-@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
-def test_a_force_that_is_not_finite_is_a_status(method, bad):
+@pytest.mark.parametrize("peak", [0.0, 2.5e-3])  # T; at rest without
+@pytest.mark.parametrize(("component", "bad"), [(0, math.nan), (1, math.inf), (2, -math.inf)])
+def test_a_force_that_is_not_finite_is_a_status(method, peak, component, bad):
     @cfunc(SIGNATURE)
     def broken(state, parameters, wrench):
         wrench[0] = wrench[1] = wrench[2] = 0.0
         if state[0] > 0.06 and parameters[0] > 0.5:
-            wrench[2] = bad
+            wrench[component] = bad
 
     register(broken)
-    failed = simulate(scenario(PULSES, {"effects.own.k": 1.0, "solver.method": method}))
+    drive = {**PULSES, "drive.base": 0.0, "drive.peak": peak}
+    failed = simulate(scenario(drive, {"effects.own.k": 1.0, "solver.method": method}))
     assert failed.status == "not_finite"
     assert failed.message.startswith("at t = 0.06")
     assert "the function of effect own gave a force or torque that is not a" in failed.message
     seen = sweep(
-        scenario(PULSES, {"solver.method": method}), {"effects.own.k": [0.4, 0.9]}, threads=2
+        scenario(drive, {"solver.method": method}), {"effects.own.k": [0.4, 0.9]}, threads=2
     )
     assert list(seen.status.values == 0) == [True, False]
     assert np.isnan(seen.mean_velocity.values[1])

@@ -61,19 +61,20 @@ def test_predictions_are_the_field_that_a_simulated_robot_sees():
 
 def test_gains_geometry_and_a_turned_probe_have_their_analytic_consequences():
     found = table(probed())
-    names = ["effects.field_gain.clamp", "effects.ambient_field.Bz", "coil.turns", "drag.linear",
+    names = ["effects.field_gain.clamp", "effects.ambient_field.By", "effects.ambient_field.Bz",
+             "coil.turns", "drag.linear",
              "probe_turned.about_x", "probe_turned.about_y", "probe_turned.about_z"]  # fmt: skip
     quarter = 0.5 * math.pi
     values = np.array(
-        [[0, 0, 510, 1e-5, 0, 0, 0], [0.5, 0, 510, 1e-3, 0, 0, 0], [0, 1e-5, 1020, 1e-5, 0, 0, 0],
-         [0, 0, 510, 1e-5, 0, quarter, 0]]
+        [[0, 0, 0, 510, 1e-5, 0, 0, 0], [0.5, 0, 0, 510, 1e-3, 0, 0, 0],
+         [0, 2e-5, 1e-5, 1020, 1e-5, 0, 0, 0], [0, 0, 0, 510, 1e-5, 0, quarter, 0]]
     )  # fmt: skip
     plain, clamp, doubled, turned = found.predict(names, values).reshape(4, -1, 3)
     assert plain == pytest.approx(Coils().field(found.points, found.currents), rel=1e-12, abs=1e-18)
     driven = found.currents[:, 4] != 0.0
     assert clamp[driven] == pytest.approx(1.5 * plain[driven], rel=1e-12)
     assert np.array_equal(clamp[~driven], plain[~driven])
-    assert doubled == pytest.approx(2.0 * plain + [0, 0, 1e-5], rel=1e-12, abs=1e-18)
+    assert doubled == pytest.approx(2.0 * plain + [0, 2e-5, 1e-5], rel=1e-12, abs=1e-18)
     # The probe's x axis points down after a quarter turn about y.
     assert turned == pytest.approx(plain[:, [2, 1, 0]] * [-1, 1, 1], abs=1e-18)
 
