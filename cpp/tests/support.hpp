@@ -77,11 +77,6 @@ inline Dynamics in_uniform_field(const Model& model, double bx, double bz) {
     return Dynamics(model, field);
 }
 
-/// Its constants, in quadrant 0.
-inline PlainDynamics<double> plain_robot(const Model& model) {
-    return in_uniform_field(model, 0.0, 0.0).robot();
-}
-
 /// A robot in the field of steady currents (A). The model has to outlive it.
 inline Dynamics in_coil_field(const Model&& model, const PerCoil& currents) = delete;
 inline Dynamics in_coil_field(const Model& model, const PerCoil& currents) {
