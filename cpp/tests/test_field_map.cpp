@@ -2,16 +2,12 @@
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-#include <string>
 
 #include "fitted_map.hpp"
 #include "stickslip/field/expansion.hpp"
-#include "stickslip/run/simulation.hpp"
-#include "stickslip/scenario/coils.hpp"
 #include "support.hpp"
 
 using namespace stickslip;
@@ -92,56 +88,6 @@ TEST_CASE("field map: the first harmonics are a uniform field and the two simple
     }
 }
 
-TEST_CASE("field map: that of the paper's coils converges to them with the degree") {
-    // A term of degree n falls as (place / distance of the wires)^n: 4.9 mm, the corner of the box,
-    // over 103 mm. Its factor in the field of a coil is of order n + 1.
-    const Box box = paper_map()->box();
-    const CoilSet coils;
-    Random random(2);
-    std::vector<Vector3d> places;
-    for (int n = 0; n < 100; ++n) places.push_back(any_point(random, box));
-    for (std::size_t degree = 2; degree <= 8; ++degree) {
-        const auto map = fitted_map(coils, box, degree);
-        const double part = 0.5 * (box.high - box.low).norm() / 0.103;
-        const double term = static_cast<double>(degree + 1) * std::pow(part, degree);
-        for (const Vector3d& place : places) {
-            for (const Coil coil : kAllCoils) {
-                const FieldAndGradient of_map = map->unit_field(coil, place);
-                const FieldAndGradient of_coil = coils.unit_field(coil, place);
-                CHECK((of_map.field - of_coil.field).norm() <= (term + 1e-12) * kUnitField);
-                const double steeper = static_cast<double>(degree) / (0.103 * part);
-                CHECK((of_map.gradient - of_coil.gradient).norm() <=
-                      (3.0 * term + 1e-11) * steeper * kUnitField);
-            }
-        }
-    }
-}
-
-TEST_CASE("field map: turned, it is the field that a turned robot sees") {
-    Random random(3);
-    const FieldMap map = any_map(random, 5), turned = map.turned();
-    const Matrix3d turn = Vector3d(-1.0, -1.0, 1.0).asDiagonal();
-    const PerCoil world = {0.3, -1.1, 0.7, 0.2, -0.9};
-    const PerCoil robot = stickslip::turned(world);
-    for (int n = 0; n < 50; ++n) {
-        const Vector3d point = any_point(random, kBox);
-        CHECK(turned.box().holds(turn * point));
-        FieldAndGradient in_world{Vector3d::Zero(), Matrix3d::Zero()}, in_robot = in_world;
-        for (const Coil coil : kAllCoils) {
-            const auto k = static_cast<std::size_t>(coil);
-            const FieldAndGradient a = map.unit_field(coil, point);
-            const FieldAndGradient b = turned.unit_field(coil, turn * point);
-            in_world.field += world[k] * a.field;
-            in_world.gradient += world[k] * a.gradient;
-            in_robot.field += robot[k] * b.field;
-            in_robot.gradient += robot[k] * b.gradient;
-        }
-        CHECK((turn * in_world.field - in_robot.field).norm() <= 1e-14 * kUnitField);
-        CHECK((turn * in_world.gradient * turn - in_robot.gradient).norm() <=
-              1e-13 * kUnitField / 0.01);
-    }
-}
-
 TEST_CASE("field map: the field near the robot is that of the map") {
     // Fourth order in (reach + 0.1 mm) over the distance of the wires, as without a map.
     const CoilSet coils({}, paper_map());
@@ -169,67 +115,6 @@ TEST_CASE("field map: the field near the robot is that of the map") {
     CHECK_FALSE(field.outside());
     field.rebase({0.00401, 0.0});
     CHECK(field.outside());
-}
-
-TEST_CASE("field map: outside of its box it gives no field") {
-    const CoilSet coils({}, paper_map());
-    Currents currents = Currents::Ones();
-    CHECK_NOTHROW(coils.field({0.004, 0.002, -0.002}, currents));
-    CHECK_THROWS_WITH_AS(
-        coils.field({0.0041, 0.0, 0.0}, currents),
-        "point (0.0041, 0, 0) m lies outside of the field map, x -0.004 to 0.004 m, y -0.002 to "
-        "0.002 m, z -0.002 to 0.002 m",
-        std::domain_error);
-    CHECK_THROWS_AS(coils.field({std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0}, currents),
-                    std::domain_error);
-}
-
-TEST_CASE("field map: a run with the map of the paper's coils goes as with the coils") {
-    Scenario scenario;
-    scenario.drive.base = 0.5e-3;
-    scenario.drive.pulses = 12;
-    for (const Direction direction : {Direction::plus_x, Direction::minus_x}) {
-        scenario.drive.direction = direction;
-        scenario.map = nullptr;
-        const RunResult expected = simulate(scenario);
-        scenario.map = paper_map();
-        const RunResult found = simulate(scenario);
-        CHECK(found.status == Status::ok);
-        CHECK(found.summary.mean_velocity ==
-              doctest::Approx(expected.summary.mean_velocity).epsilon(1e-6));
-    }
-}
-
-TEST_CASE("field map: a robot that comes to its end has left the workspace") {
-    Scenario scenario;
-    scenario.drive.base = 0.5e-3;
-    scenario.map = fitted_map(CoilSet(), {{-0.0005, -0.001, -0.001}, {0.0007, 0.001, 0.001}}, 4);
-    const RunResult result = simulate(scenario);
-    CHECK(result.status == Status::left_workspace);
-    CHECK(result.final_body.x >= 0.0007);
-    CHECK(result.final_body.x < 0.00071);
-    CHECK(message(result).find("the robot left coil.map, which has the field from x = -0.0005 to "
-                               "0.0007 m and from z = -0.001 to 0.001 m") != std::string::npos);
-}
-
-TEST_CASE("field map: a scenario with a map has no geometry of coils") {
-    Scenario scenario;
-    scenario.map = paper_map();
-    CHECK_NOTHROW(check(scenario));
-    scenario.coils[0].resistance = 12.0;
-    scenario.coils[1].inductance = 0.05;
-    CHECK_NOTHROW(check(scenario));
-    for (CoilParameters& coil : scenario.coils) coil.side = 0.1;
-    CHECK_THROWS_WITH_AS(check(scenario),
-                         "coil.side = 0.1: allowed beside coil.map, which has the field of the "
-                         "coils, is 0.1385 only",
-                         std::invalid_argument);
-    scenario.coils = {};
-    scenario.coils[4].turns = 300.0;
-    CHECK_THROWS_WITH_AS(check(scenario),
-                         "coil.clamp.turns = 300: allowed beside coil.map, which has the field of "
-                         "the coils, is 510 only",
-                         std::invalid_argument);
 }
 
 TEST_CASE("field map: what is none is refused") {
