@@ -1,17 +1,13 @@
 #include <doctest/doctest.h>
 
-#include <bit>
 #include <cmath>
-#include <cstdint>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "stickslip/contact/contact.hpp"
 #include "stickslip/contact/impact.hpp"
 #include "stickslip/readings/probe.hpp"
-#include "stickslip/run/simulation.hpp"
-#include "stickslip/scenario/free_shapes.hpp"
+#include "stickslip/scenario/parameters.hpp"
 #include "support.hpp"
 
 using namespace stickslip;
@@ -57,36 +53,10 @@ double tilt(const Motion& m) {
     return std::remainder(m.quadrant * kQuarterTurn + m.angle, 4.0 * kQuarterTurn);
 }
 
-std::vector<std::string> free_names() {
-    std::vector<std::string> names;
-    for (const EffectDescription& each : effects()) {
-        if (std::string_view(each.name).starts_with("free_")) names.emplace_back(each.name);
-    }
-    return names;
-}
-
 void set_knots(Scenario& scenario, const std::string& name, const std::vector<double>& knots) {
     for (std::size_t i = 0; i < knots.size(); ++i) {
         set_parameter(scenario, "effects." + name + ".knot_" + std::to_string(i + 1), knots[i]);
     }
-}
-
-Scenario hopping() {
-    Scenario scenario;
-    scenario.drive.mode = DriveMode::opp;
-    scenario.drive.hold = 2.5e-3;
-    scenario.drive.base = 0.0;
-    scenario.drive.pulses = 6;
-    return scenario;
-}
-
-void check_same_bits(const RunResult& a, const RunResult& b) {
-    const auto bits = [](double value) { return std::bit_cast<std::uint64_t>(value); };
-    CHECK(a.steps.accepted == b.steps.accepted);
-    CHECK(bits(a.summary.mean_velocity) == bits(b.summary.mean_velocity));
-    CHECK(bits(a.final_body.x) == bits(b.final_body.x));
-    CHECK(bits(a.final_body.angle) == bits(b.final_body.angle));
-    CHECK(bits(a.final_body.omega) == bits(b.final_body.omega));
 }
 
 }  // namespace
@@ -259,43 +229,5 @@ TEST_CASE("free field: a probe reads currents that are held") {
     const auto b = probe_readings(Scenario{}, {}, {}, place, currents);
     for (const std::size_t axis : {0u, 2u}) {
         CHECK(a[axis] == doctest::Approx(1.1 * 1.2 * 1.3 * b[axis]).epsilon(1e-13));
-    }
-}
-
-TEST_CASE("free shapes: thirteen extensions of six keys, set and got by name") {
-    CHECK(free_names().size() == 13);
-    Random random(6);
-    for (const std::string& name : free_names()) {
-        Scenario scenario;
-        for (std::size_t i = 0; i < kKnots; ++i) {
-            const std::string key = "effects." + name + ".knot_" + std::to_string(i + 1);
-            const double value = random.between(-1.0, 10.0);
-            set_parameter(scenario, key, value);
-            CHECK(find_parameter(key)->get(scenario) == value);
-            CHECK(free_shape(scenario, name).knots[i] == value);
-            CHECK_THROWS_AS(set_parameter(scenario, key, -1.01), std::invalid_argument);
-        }
-        const std::string span = "effects." + name + ".span";
-        const Parameter* row = find_parameter(span);
-        CHECK(row->get(scenario) == free_shape(scenario, name).span);
-        set_parameter(scenario, span, row->low);
-        CHECK(free_shape(scenario, name).span == row->low);
-        CHECK_THROWS_AS(set_parameter(scenario, span, 0.0), std::invalid_argument);
-    }
-    CHECK_THROWS_AS(free_shape(Scenario{}, "angle_drag"), std::invalid_argument);
-}
-
-TEST_CASE(
-    "free shapes: without knots a run has its bits, whatever the span; with some it has not") {
-    const RunResult without = simulate(hopping());
-    for (const std::string& name : free_names()) {
-        CAPTURE(name);
-        Scenario scenario = hopping();
-        set_parameter(scenario, "effects." + name + ".span", 0.5 * free_shape(scenario, name).span);
-        check_same_bits(simulate(scenario), without);
-        set_knots(scenario, name, {0.3, -0.3, 0.3, -0.3, 0.3});
-        const RunResult with = simulate(scenario);
-        CHECK(with.status == Status::ok);
-        CHECK(with.final_body.x != without.final_body.x);
     }
 }
