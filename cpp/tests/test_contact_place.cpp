@@ -26,58 +26,7 @@ Model placed_model(const FreeShape& shape) {
     return model;
 }
 
-// Central difference of what a pose has, by the angle; of fourth order.
-template <class Of>
-double slope(const Model& model, int quadrant, double angle, Of of) {
-    constexpr double kWidth = 1e-3;
-    const auto at = [&](double steps) { return of(model.pose(quadrant, angle + steps * kWidth)); };
-    return (8.0 * (at(1.0) - at(-1.0)) - (at(2.0) - at(-2.0))) / (12.0 * kWidth);
-}
-
-// Of a cubic's third derivative times the width to the third, where a knot lies within it too.
-constexpr double kDifference = 1e-5;
-
 }  // namespace
-
-TEST_CASE("contact place: the lever is the slope of the height, as of all that touches a plane") {
-    Random random(1);
-    for (int n = 0; n < 500; ++n) {
-        const Model model = placed_model(random_shape(random));
-        const double size = model.shape.radius();
-        const int quadrant = random.integer(-4, 4);
-        const double angle = random.between(0.0, kQuarterTurn);
-        const Pose pose = model.pose(quadrant, angle);
-        const auto height = [](const Pose& p) { return p.height; };
-        const auto lever = [](const Pose& p) { return p.lever; };
-        const auto stuck = [](const Pose& p) { return p.lever - p.roll; };
-        const double tolerance = kDifference * size;
-        CHECK(std::abs(slope(model, quadrant, angle, height) - pose.lever) < tolerance);
-        CHECK(std::abs(slope(model, quadrant, angle, stuck) + pose.height) < tolerance);
-        const double bend = slope(model, quadrant, angle, lever) + pose.height;
-        // The slope of the curve bends at a knot.
-        CHECK(std::abs(bend - pose.bend) < 2e-2 * size);
-    }
-}
-
-TEST_CASE("contact place: a constant is a corner that lies so much farther to the front") {
-    Random random(2);
-    for (int n = 0; n < 200; ++n) {
-        FreeShape shape{FreeReach::both_ways, random.between(0.01, 3.2)};
-        const double part = random.between(-0.9, 2.0);
-        shape.knots.fill(part);
-        const Model model = placed_model(shape), plain = paper_model();
-        const int quadrant = random.integer(-4, 4);
-        const double angle = random.between(0.0, kQuarterTurn);
-        const double theta = quadrant * kQuarterTurn + angle;
-        const double farther = part * model.shape.half_base(0);
-        const Pose pose = model.pose(quadrant, angle), corner = plain.pose(quadrant, angle);
-        const double rounding = 1e-14 * model.shape.radius() * (1.0 + std::abs(theta));
-        CHECK(std::abs(pose.lever - corner.lever - farther * std::cos(theta)) < rounding);
-        CHECK(std::abs(pose.height - corner.height - farther * std::sin(theta)) < rounding);
-        CHECK(std::abs(pose.roll - farther) < rounding);
-        CHECK(std::abs(pose.bend) < rounding);
-    }
-}
 
 TEST_CASE("contact place: nothing jumps at a knot, at zero or where a quadrant ends") {
     Random random(3);
