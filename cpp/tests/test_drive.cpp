@@ -6,8 +6,6 @@
 #include <vector>
 
 #include "stickslip/drive/sawtooth.hpp"
-#include "stickslip/field/coil_set.hpp"
-#include "stickslip/run/assembly.hpp"
 #include "support.hpp"
 
 using namespace stickslip;
@@ -88,25 +86,6 @@ TEST_CASE("drive: every breakpoint of out-of-plane pulsing") {
     }
 }
 
-TEST_CASE("drive: the clamp's polarity is the sign of the clamp coil and of nothing else") {
-    for (const DriveMode mode : {DriveMode::ipp, DriveMode::opp}) {
-        Drive down = example(), up = example();
-        down.mode = up.mode = mode;
-        down.clamp = Clamp::down;
-        up.clamp = Clamp::up;
-        const VoltageProgram a = sawtooth_program(down, {}, kEachVoltsPerTesla);
-        const VoltageProgram b = sawtooth_program(up, {}, kEachVoltsPerTesla);
-        for (std::size_t i = 0; i < a.blocks().size(); ++i) {
-            for (std::size_t j = 0; j < a.blocks()[i].points.size(); ++j) {
-                PerCoil mirrored = a.blocks()[i].points[j].voltage;
-                CHECK(mirrored[4] <= 0.0);
-                mirrored[4] = -mirrored[4];
-                CHECK(mirrored == b.blocks()[i].points[j].voltage);
-            }
-        }
-    }
-}
-
 TEST_CASE("drive: without edge time the edge is a jump") {
     Drive drive = example();
     drive.edge_time = 0.0;
@@ -135,53 +114,6 @@ TEST_CASE("drive: a free program has no sawtooth") {
     Drive drive = example();
     drive.mode = DriveMode::program;
     CHECK_THROWS_AS(sawtooth_program(drive, {}, kEachVoltsPerTesla), std::invalid_argument);
-}
-
-TEST_CASE("turned: the field of the turned robot's coils is the turned field") {
-    const VoltageProgram world(
-        {{{{0.0, {1.0, -2.0, 3.0, 0.5, -0.25}}, {1.0, {-1.5, 0.5, 0.0, 2.0, 4.0}}}, 3}});
-    const VoltageProgram robot = turned(world);
-    CHECK(robot.duration() == world.duration());
-    const CoilSet coils;
-    const Eigen::Vector3d here(2e-3, -1e-3, 0.5e-3);
-    const Eigen::Vector3d flip(-1.0, -1.0, 1.0);
-    for (std::size_t i = 0; i < 2; ++i) {
-        const auto currents = [](const VoltagePoint& at) {
-            return Currents(Eigen::Map<const Currents>(at.voltage.data()));
-        };
-        const Eigen::Vector3d in_world =
-            coils.field(here, currents(world.blocks()[0].points[i])).field;
-        const Eigen::Vector3d in_robot =
-            coils.field(flip.cwiseProduct(here), currents(robot.blocks()[0].points[i])).field;
-        // The same terms, added in another order.
-        CHECK((in_robot - flip.cwiseProduct(in_world)).norm() <= 8.0 * kRounding * 4e-3);
-    }
-}
-
-TEST_CASE("turned: turned twice is as it was, to the last bit") {
-    const VoltageProgram world({{{{0.0, {1.0, -2.0, 3.0, 0.5, -0.25}},
-                                  {0.5, {0.1, 0.2, 0.3, 0.4, 0.5}},
-                                  {1.0, {-1.5, 0.5, 0.0, 2.0, 4.0}}},
-                                 2}});
-    const VoltageProgram once = turned(world), twice = turned(once);
-    for (std::size_t i = 0; i < 3; ++i) {
-        const VoltagePoint& was = world.blocks()[0].points[i];
-        CHECK(twice.blocks()[0].points[i].voltage == was.voltage);
-        CHECK(once.blocks()[0].points[i].voltage != was.voltage);
-        CHECK(twice.blocks()[0].points[i].time == was.time);
-    }
-    CHECK(twice.blocks()[0].repeats == 2);
-}
-
-TEST_CASE("the voltages that a drive asks for are not those that an amplifier gives") {
-    Scenario scenario;
-    scenario.effects.amplifier_limit_voltage = 1.0;
-    const double volts_per_tesla =
-        scenario.coils[0].resistance / CoilSet().centre_field_per_ampere();
-    const PerCoil asked = asked_program(scenario).largest_voltage();
-    CHECK(asked[0] == doctest::Approx(scenario.drive.peak * volts_per_tesla).epsilon(1e-15));
-    CHECK(asked[4] == doctest::Approx(scenario.drive.hold * volts_per_tesla).epsilon(1e-15));
-    CHECK(make_program(scenario).largest_voltage()[0] == 1.0);
 }
 
 TEST_CASE("the coil that drives a robot along the surface has its voltage in the world's frame") {
