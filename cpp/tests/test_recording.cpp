@@ -74,53 +74,6 @@ TEST_CASE("recording: the grid begins with its first sample that is not before `
     }
 }
 
-TEST_CASE("recording: what a sink gets are the bits of a record in memory") {
-    Scenario scenario;
-    scenario.drive.pulses = 4;
-    scenario.record.kind = RecordKind::uniform;
-    scenario.record.rate = 1e6;  // 90 000 samples: two chunks
-    const Recording whole = simulate(scenario).recording;
-    REQUIRE(whole.t.size() > Recorder::kChunk);
-
-    // A few columns, from a time on; the grid's samples are those of the whole.
-    constexpr std::size_t kX = 1;
-    scenario.record.dropped.set(kX);
-    scenario.record.from = 0.01;
-    Recording streamed;
-    scenario.record.sink = [&](Recording&& chunk) {
-        streamed.t.insert(streamed.t.end(), chunk.t.begin(), chunk.t.end());
-        streamed.theta.insert(streamed.theta.end(), chunk.theta.begin(), chunk.theta.end());
-        streamed.current.insert(streamed.current.end(), chunk.current.begin(), chunk.current.end());
-        CHECK(chunk.x.empty());
-    };
-    CHECK(simulate(scenario).recording.t.empty());
-    const std::size_t skipped = whole.t.size() - streamed.t.size();
-    CHECK(skipped == 10'000);
-    const auto tail = [&](const auto& column) {
-        return std::vector(column.begin() + static_cast<std::ptrdiff_t>(skipped), column.end());
-    };
-    CHECK(streamed.t == tail(whole.t));
-    CHECK(streamed.theta == tail(whole.theta));
-    CHECK(streamed.current == tail(whole.current));
-}
-
-TEST_CASE("recording: events before `from` are counted, but not recorded") {
-    Scenario scenario;
-    scenario.drive.pulses = 4;
-    scenario.record.kind = RecordKind::events;
-    const RunResult whole = simulate(scenario);
-    REQUIRE(whole.recording.t.size() > 4);
-    // Between two events, so that none is at the limit.
-    const std::vector<double>& times = whole.recording.t;
-    std::size_t later = times.size() / 2;
-    while (times[later] == times[later - 1]) ++later;
-    scenario.record.from = 0.5 * (times[later - 1] + times[later]);
-    const RunResult part = simulate(scenario);
-    CHECK(part.recording.t.size() == times.size() - later);
-    CHECK(part.recording.event.size() == part.recording.t.size());
-    CHECK(part.summary.events == whole.summary.events);
-}
-
 TEST_CASE("recording: the samples' values are in the order of the table") {
     Scenario scenario;
     scenario.drive.base = 0.5e-3;
