@@ -178,37 +178,6 @@ TEST_CASE("local field: currents that change, whatever the base time of the expo
     }
 }
 
-TEST_CASE("local field: a new segment of voltage takes effect at once") {
-    Random random(6);
-    LocalField field(paper_coils(), all_driven());
-    const double x = 3e-3, z = 1e-3;
-    field.set_segment(steady(random_currents(random)));
-    field.rebase({x, z});
-    for (int n = 0; n < 20; ++n) {
-        const PerCoil currents = random_currents(random);
-        field.set_segment(steady(currents));
-        const FullSum full = full_sum(currents, x, z);
-        CHECK(field_difference(field.at(0.0)(x, z), full.field) <=
-              8.0 * kRounding * full.field_size);
-    }
-}
-
-TEST_CASE("local field: an ambient field is added, and a coil that is not driven left out") {
-    const PerCoil currents = {1.0, 2.0, -3.0, 4.0, -5.0};
-    PerCoil driven_currents = currents;
-    driven_currents[1] = driven_currents[4] = 0.0;
-    LocalField field(paper_coils(), {true, false, true, true, false}, {3e-4, -2e-4});
-    field.set_segment(steady(currents));
-    const double x = 2e-3, z = 1e-3;
-    field.rebase({x, z});
-    const PlanarField found = field.at(0.0)(x, z);
-    FullSum full = full_sum(driven_currents, x, z);
-    full.field.bx += 3e-4;
-    full.field.bz -= 2e-4;
-    CHECK(field_difference(found, full.field) <= 8.0 * kRounding * full.field_size);
-    CHECK(gradient_difference(found, full.field) <= 8.0 * kRounding * full.gradient_size);
-}
-
 TEST_CASE("local field: near the coils' planes is outside") {
     LocalField field(paper_coils(), all_driven());
     field.set_segment(steady({1.0, 0.0, 0.0, 0.0, 0.0}));
