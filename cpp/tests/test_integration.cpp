@@ -170,32 +170,6 @@ TEST_CASE("tsit5: the global error falls with the tolerance") {
     check_error_control<Flight>();
 }
 
-TEST_CASE("tsit5: a sticking corner in a steady field keeps its energy") {
-    // Kinetic energy about the corner, potential energy of weight and magnet; no drag.
-    Model model = paper_model();
-    model.translational_drag = model.rotational_drag_quadratic = 0.0;
-    model.friction = {1e3, 1e3};
-    model.adhesion.strength = 1e-3;
-    const double bx = 2e-3, bz = -1e-3;
-    Dynamics dynamics = stickslip::test::in_uniform_field(model, bx, bz);
-    const auto energy = [&](const CornerStickPhase::State& y) {
-        const Pose pose = model.shape.pose(0, std::cos(y[0]), std::sin(y[0]));
-        return 0.5 * model.corner_inertia() * y[1] * y[1] -
-               model.mass * model.gravity_z * pose.height -
-               model.moment * (std::cos(y[0]) * bx - std::sin(y[0]) * bz);
-    };
-    CornerStickPhase phase(dynamics, {0.0});
-    Tsit5 integrator(options(1e-9, 0.0));
-    PhaseMemory memory;
-    const CornerStickPhase::State start = {0.9, 0.0};
-    const auto end =
-        integrator.advance(phase, memory, 0.0, 0.05, start, [](auto&&...) { return kGoesOn; });
-    CHECK(end.status == Status::ok);
-    CHECK(end.event == Event::none);
-    // About 20 swings of some 40 steps, each with an error of 1e-9.
-    CHECK(std::abs(energy(end.y) - energy(start)) < 1e-6 * model.moment * std::hypot(bx, bz));
-}
-
 TEST_CASE("tsit5: a slide that comes near the point without solution ends before it") {
     // Known since Genot and Brogliato 1999: as the effective inertia falls to zero, friction stops
     // the slip or turns the robot so fast that it lifts off. A fast enough slip reaches neither
