@@ -146,25 +146,6 @@ TEST_CASE("initial state: the motion says what touches") {
     CHECK(rear.state.body.angle == kQuarterTurn);
 }
 
-TEST_CASE("initial state: a contact that the motion denies is refused") {
-    Scenario s;
-    s.initial.theta = 0.3;
-    s.initial.contact = ContactWord::corner_stick;
-    check(s);
-    s.initial.vx = 1e-3;
-    CHECK_THROWS_AS(check(s), std::invalid_argument);
-    s.initial.contact = ContactWord::corner_slip_forward;
-    check(s);
-    s.initial.contact = ContactWord::corner_slip_backward;
-    CHECK_THROWS_AS(check(s), std::invalid_argument);
-    s.initial.contact = ContactWord::face_stick;
-    CHECK_THROWS_AS(check(s), std::invalid_argument);
-    s.initial = {};
-    s.initial.z = 1e-3;
-    s.initial.contact = ContactWord::face_stick;
-    CHECK_THROWS_AS(check(s), std::invalid_argument);
-}
-
 TEST_CASE("rollout: the bits of one simulator each, for any number of threads") {
     Random random(4);
     constexpr std::size_t kRuns = 40;
