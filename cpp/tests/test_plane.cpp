@@ -215,23 +215,6 @@ TEST_CASE("plane: the summary counts slips along the robot's front") {
     CHECK(ahead.summary.events[static_cast<std::size_t>(EventKind::reversal)] > 0);
 }
 
-TEST_CASE("plane: what is not measured is no number, also across") {
-    Scenario scenario = walking(10.0 * kDegree);
-    const RunResult measured = simulate(scenario);
-    CHECK(std::isfinite(measured.summary.mean_velocity_y));
-    CHECK(std::isfinite(measured.summary.turning_speed));
-    scenario.drive.base = -1e-3;
-    const RunResult lost = simulate(scenario);
-    REQUIRE(lost.status == Status::heading_lost);
-    CHECK(std::isnan(lost.summary.mean_velocity_y));
-    CHECK(std::isnan(lost.summary.turning_speed));
-    Scenario planar;
-    planar.drive.pulses = 3;
-    const RunResult straight = simulate(planar);
-    CHECK(straight.summary.mean_velocity_y == 0.0);
-    CHECK(straight.summary.turning_speed == 0.0);
-}
-
 TEST_CASE("plane: a start that does not face the drive's direction is one in the whole plane") {
     Scenario scenario;
     CHECK_FALSE(in_whole_plane(scenario));
@@ -243,28 +226,4 @@ TEST_CASE("plane: a start that does not face the drive's direction is one in the
     CHECK_FALSE(in_whole_plane(scenario));
     scenario.initial.heading = 0.0;
     CHECK_FALSE(in_whole_plane(scenario));
-}
-
-TEST_CASE("plane: a run ends where y or the heading comes to a value, at rest too") {
-    using Quantity = StopCondition::Quantity;
-    const Scenario walk = walking(30.0 * kDegree);
-    const double goal = 0.5 * simulate(walk).final_state.y;
-    const RunResult across = simulate(walk, nullptr, StopCondition{Quantity::y, true, goal});
-    REQUIRE(across.stopped);
-    CHECK(across.final_state.y == doctest::Approx(goal).epsilon(1e-9));
-    // A field of 0.3 mT that turns, too weak to tip the robot.
-    Scenario resting = walking();
-    resting.drive = {.mode = DriveMode::program};
-    const VoltagePoint ahead = {0.1, {3.0, 0.0, 0.0, 0.0, 0.0}};
-    resting.program = VoltageProgram(
-        {{{{0.0, ahead.voltage}, ahead, {0.2, {0.0, 0.0, 3.0, 0.0, 0.0}}, {0.3, {}}}, 1}});
-    const RunResult turned =
-        simulate(resting, nullptr, StopCondition{Quantity::heading, true, 0.5});
-    REQUIRE(turned.stopped);
-    CHECK(turned.status == Status::ok);
-    CHECK(turned.final_state.heading == doctest::Approx(0.5).epsilon(1e-9));
-    CHECK(turned.final_state.theta == 0.0);
-    CHECK(turned.summary.simulated_time > 0.1);
-    CHECK(turned.summary.simulated_time < 0.2);
-    CHECK_FALSE(simulate(resting, nullptr, StopCondition{Quantity::heading, true, 2.0}).stopped);
 }
