@@ -1,16 +1,12 @@
 #include <doctest/doctest.h>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
-#include "stickslip/batch/rollout.hpp"
 #include "stickslip/batch/simulator.hpp"
 #include "stickslip/run/assembly.hpp"
 #include "stickslip/run/simulation.hpp"
-#include "stickslip/scenario/parameters.hpp"
 
 // How a run comes into the whole plane: by its scenario or by its state.
 
@@ -28,10 +24,6 @@ Scenario program_of(const PerCoil& held, double duration) {
     return scenario;
 }
 
-void check_same(const SimulationState& one, const SimulationState& other) {
-    CHECK(row_of(one) == row_of(other));
-}
-
 }  // namespace
 
 TEST_CASE("plane: before a program has a field along the surface, its direction says the heading") {
@@ -46,18 +38,6 @@ TEST_CASE("plane: before a program has a field along the surface, its direction 
     CHECK(turning.theta == doctest::Approx(planar.theta).epsilon(1e-6));
     CHECK(planar.heading == std::numbers::pi);
     CHECK(turning.heading == doctest::Approx(std::numbers::pi).epsilon(1e-6));
-}
-
-TEST_CASE("plane: a program has no heading") {
-    Scenario scenario = program_of({25.0, 0.0, 0.0, 0.0, -10.0}, 0.05);
-    scenario.drive.heading = 3.0;
-    CHECK_THROWS_WITH_AS(check(scenario),
-                         "drive.heading: not allowed with drive.mode = \"program\", whose voltages "
-                         "(drive.file, or drive.program in Python) say it all; leave it out",
-                         std::invalid_argument);
-    set_choice(scenario, "drive.mode", "OPP");
-    set_choice(scenario, "drive.mode", "program");
-    check(scenario);
 }
 
 TEST_CASE("plane: coils of y that are unlike turn a stepped robot by voltages that cancel") {
@@ -84,30 +64,6 @@ TEST_CASE("plane: coils of y that are unlike turn a stepped robot by voltages th
     scenario.whole_plane = false;
     scenario.initial.current = {0.0, 0.0, 1.0, -1.0, 0.0};
     CHECK(in_whole_plane(scenario));
-}
-
-TEST_CASE("plane: voltages that would turn a robot in one plane are refused, and nothing moves") {
-    constexpr PerCoil kAhead = {25.0, 0.0, 0.0, 0.0, -10.0}, kAside = {25.0, 0.0, 4.0, 0.0, -10.0};
-    Simulator one(Scenario{}), untouched(Scenario{});
-    SimulatorBatch many({Scenario{}, Scenario{}});
-    const auto go = [&] {
-        for (Simulator* each : {&one, &untouched}) each->step(kAhead, kStep, false);
-        check_same(one.state(), untouched.state());
-        CHECK(one.time() == untouched.time());
-    };
-    go();
-    CHECK_THROWS_WITH_AS(one.step(kAside, kStep, false),
-                         "voltages: yp = 4, ym = 0 make a field across, which turns the robot: "
-                         "allowed is whole_plane = True from the start, or yp = -ym of equal coils",
-                         std::invalid_argument);
-    CHECK_THROWS_AS(one.step(kAhead, kStep, true, &kAside), std::invalid_argument);
-    go();
-    std::array<double, 2 * kCoilCount> rows = {};
-    std::copy(kAside.begin(), kAside.end(), rows.begin() + kCoilCount);
-    const StateRow before = many.state(0);
-    CHECK_THROWS_AS(many.step(rows.data(), kStep, false, 1, [] {}), std::invalid_argument);
-    CHECK(many.state(0) == before);
-    CHECK(many.status(1) == Status::ok);
 }
 
 TEST_CASE("plane: a run takes no snapshot of the other kind of run") {
