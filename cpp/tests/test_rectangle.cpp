@@ -74,17 +74,6 @@ TEST_CASE("rectangle: gaps of the neighbouring corners by base, rise, sine and c
     }
 }
 
-TEST_CASE("rectangle: in quadrant 0 lever and height are the paper's, Eqs. (13)-(14)") {
-    const Rectangle shape(kLength, kHeight);
-    const double r = 0.5 * std::hypot(kLength, kHeight), phi = std::atan(kHeight / kLength);
-    CHECK(shape.radius() == doctest::Approx(r).epsilon(1e-15));
-    for (const double theta : {0.0, 0.3, 0.9, 1.5}) {
-        const Pose pose = shape.pose(0, std::cos(theta), std::sin(theta));
-        CHECK(std::abs(pose.lever - r * std::cos(theta + phi)) < 4.0 * kRounding * r);
-        CHECK(std::abs(pose.height - r * std::sin(theta + phi)) < 4.0 * kRounding * r);
-    }
-}
-
 TEST_CASE("rectangle: the end of a quadrant and the beginning of the next are one position") {
     const Rectangle shape(kLength, kHeight);
     for (int quadrant = -5; quadrant <= 5; ++quadrant) {
@@ -104,11 +93,4 @@ TEST_CASE("quarter turns: exact sines and cosines, also of negative turns") {
         CHECK(std::abs(turn.cosine - std::cos(quadrant * kQuarterTurn)) < 1e-14);
         CHECK(std::abs(turn.sine - std::sin(quadrant * kQuarterTurn)) < 1e-14);
     }
-}
-
-TEST_CASE("body state: theta is the quadrant's turn and the angle within it") {
-    BodyState body;
-    body.quadrant = -3;
-    body.angle = 0.25;
-    CHECK(body.theta() == doctest::Approx(0.25 - 1.5 * std::numbers::pi).epsilon(1e-15));
 }
