@@ -169,14 +169,6 @@ TEST_CASE("impact: kinetic energy never grows, whatever friction and restitution
     CHECK(kept > 1000);  // the bound acts
 }
 
-TEST_CASE("face impact: all conditions hold with full restitution and much friction too") {
-    Random random(5);
-    for (int n = 0; n < 100000; ++n) {
-        CAPTURE(n);
-        check_face_impact(FaceImpact(random, 1.3, random.between(0.8, 1.0)));
-    }
-}
-
 TEST_CASE("impact: the restitution is the largest for which energy does not grow") {
     Random random(8);
     int reductions = 0;
