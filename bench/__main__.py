@@ -16,6 +16,7 @@ PROGRAMS = {
     "sweep": ("sweep", "sweeps: cost of a run and of a point, threads"),
     "promises": ("promises", "import, Ctrl-C, long runs, sweeps; fails if a promise is broken"),
     "against": ("against", "this version beside an earlier commit (against COMMIT)"),
+    "limit": ("limit.figures", "runs and a sweep beside a fixed program at equal error"),
     "peers": ("peers", "SciPy, heyoka, MuJoCo and magpylib at equal accuracy"),
     "blind": ("blind", "the blind study of the diagnosis: make, diagnose, judge, tables ..."),
     "real": ("real.study", "measured sets with a known cause, diagnosed and judged"),

@@ -59,17 +59,18 @@ def built(commit: str) -> Path:
 
 
 class Version:
-    """A process with the package of a folder."""
+    """A process with the package of a folder, and variables of its environment."""
 
-    def __init__(self, package: Path) -> None:
+    def __init__(self, package: Path, **variables: str) -> None:
         paths = [str(package.resolve()), str(Path(__file__).parent)]
         self._process = subprocess.Popen(
             [sys.executable, "-c", "import against; against.worker()"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(paths), "OPENBLAS_NUM_THREADS": "1"},
-        )
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(paths), "OPENBLAS_NUM_THREADS": "1",
+                 **variables},
+        )  # fmt: skip
         self.package = json.loads(self._process.stdout.readline())
 
     def _ask(self, *words: object) -> object:

@@ -26,7 +26,7 @@ PARTS = {
     "diagnosis, measurement, facts": (_DIAGNOSIS, 10_500),
     "rest of the package": (rf"(?!{_DIAGNOSIS})python/.*\.py", 12_500),
     "tests": (r"(tests|cpp/tests)/.*\.(py|h|hpp|cpp)", 33_000),
-    "bench": (r"bench/.*\.py", 6_000),
+    "bench": (r"bench/.*\.(py|cpp)", 6_000),
     "page to play with, examples, docs": (r"(cpp/web|docs|examples)/.*\.(py|cpp|js)", None),
 }
 """Which files belong to a part, and how many lines it may have."""

@@ -29,6 +29,7 @@ TINY = Scenario(drive=Drive(frequency=1000.0, pulses=1, ramp=0.0, hold=0.0, peak
 SWEPT = Scenario(drive=Drive(base=0.5e-3, pulses=20))
 MODES = ("IPP", "OPP")
 FREQUENCIES, PEAKS = np.linspace(5.0, 200.0, 40), np.linspace(1e-3, 6e-3, 25)
+GRID = {"drive.frequency": FREQUENCIES, "drive.peak": PEAKS}
 ALIKE = np.linspace(2.4e-3, 2.6e-3, 400)  # T, peaks of runs that differ little
 STEP = 1e-3  # s
 ONE_LAW = {"effects.stribeck_friction.velocity": 5e-3}
@@ -101,7 +102,7 @@ def modes_swept(rtol: float, threads: int = 1, times: int = 1) -> Answer:
 
 
 def _swept(rtol: float) -> Answer:
-    return _sweep(with_solver(SWEPT, rtol), {"drive.frequency": FREQUENCIES, "drive.peak": PEAKS})
+    return _sweep(with_solver(SWEPT, rtol), GRID)
 
 
 def _points(rtol: float) -> Answer:

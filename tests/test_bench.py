@@ -2,6 +2,7 @@
 
 import importlib.util
 import runpy
+import shutil
 import sys
 from pathlib import Path
 
@@ -9,11 +10,14 @@ import numpy as np
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 
+import limit
 import lines
 import measure
 import pytest
 from mutations.cpp import MUTATIONS
-from works import WORKS
+from works import REFERENCE, WORKS, with_solver
+
+import stickslip
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -94,3 +98,31 @@ def test_each_text_that_a_mutation_replaces_is_in_its_file_once():
     for each in MUTATIONS:
         (path,) = (ROOT / "cpp" / "stickslip").rglob(each.file)
         assert path.read_text(encoding="utf-8").count(each.text) == 1, each
+
+
+@pytest.fixture(scope="module")
+def fixed_program():
+    if shutil.which("g++") is None:
+        pytest.skip("no g++")
+    reference = limit.Reference()
+    yield reference
+    reference.close()
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"mode": "OPP", "edge": "fall", "frequency": 30.0, "hold": 2.5e-3, "pulses": 20},
+        {"mode": "OPP", "base": 0.0, "hold": 2.5e-3, "clamp": "up", "pulses": 20},
+        # The body lies down in each pulse, and slides on its bottom.
+        {"mode": "OPP", "base": 0.0, "peak": 5e-4, "frequency": 3.0, "pulses": 5},
+    ],
+)
+def test_the_fixed_program_has_the_physics_of_the_product(fixed_program, changes):
+    scenario = REFERENCE.replace({f"drive.{key}": value for key, value in changes.items()})
+    exact = stickslip.simulate(with_solver(scenario, 1e-11))
+    found = fixed_program.answer(1e-11, scenario)
+    assert found.x == pytest.approx(exact.final_state.x, rel=1e-6, abs=0.0)
+    assert found.mean_velocity == pytest.approx(exact.mean_velocity, rel=1e-6, abs=0.0)
+    assert found.events > 10
