@@ -1,6 +1,5 @@
 #include <doctest/doctest.h>
 
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -27,29 +26,6 @@ double braking(const Scenario& s) {
 }
 
 }  // namespace
-
-// The two differ in the field's expansion, in the frame and in what ends a slip.
-TEST_CASE("plane: a robot that nothing pushes across goes as in its one plane") {
-    for (const DriveMode mode : {DriveMode::ipp, DriveMode::opp}) {
-        for (const Direction direction : {Direction::plus_x, Direction::minus_x}) {
-            Scenario scenario = walking();
-            scenario.drive.mode = mode;
-            scenario.drive.hold = mode == DriveMode::ipp ? 1e-3 : 2.5e-3;
-            scenario.drive.direction = direction;
-            const RunResult turning = simulate(scenario);
-            scenario.whole_plane = false;
-            const RunResult planar = simulate(scenario);
-            CHECK(turning.status == Status::ok);
-            CHECK(turning.summary.mean_velocity ==
-                  doctest::Approx(planar.summary.mean_velocity).epsilon(1e-6));
-            CHECK(turning.summary.theta_max ==
-                  doctest::Approx(planar.summary.theta_max).epsilon(1e-6));
-            CHECK(std::abs(turning.summary.mean_velocity_y) < 1e-12);
-            CHECK(turning.summary.airborne_fraction ==
-                  doctest::Approx(planar.summary.airborne_fraction).epsilon(1e-5));
-        }
-    }
-}
 
 // The corner that lands, too, is where the heading has it.
 TEST_CASE("plane: friction patches lie along x, whichever way the robot faces") {
@@ -80,29 +56,6 @@ TEST_CASE("plane: turning everything by a quarter turn, and a mirror, change the
     const Slip mirrored = along_and_across(simulate(walking(-heading)).summary, -heading);
     CHECK(mirrored.along == doctest::Approx(first.along).epsilon(1e-6));
     CHECK(mirrored.across == doctest::Approx(-first.across).epsilon(1e-5));
-}
-
-TEST_CASE("plane: a pair of coils at the centre pushes nothing across") {
-    Scenario scenario = walking(30.0 * kDegree);
-    scenario.drive.coils = DriveCoils::pairs;
-    const Slip pairs = along_and_across(simulate(scenario).summary, scenario.drive.heading);
-    scenario.drive.heading = 0.0;
-    const Slip straight = along_and_across(simulate(scenario).summary, 0.0);
-    CHECK(std::abs(pairs.across) < 1e-3 * pairs.along);
-    CHECK(pairs.along == doctest::Approx(straight.along).epsilon(3e-3));
-}
-
-TEST_CASE("plane: velocities converge with the tolerance") {
-    Scenario scenario = walking(40.0 * kDegree);
-    std::array<Slip, 3> found;
-    const std::array<double, 3> rtol = {1e-5, 1e-7, 1e-9};
-    for (std::size_t k = 0; k < 3; ++k) {
-        scenario.solver.rtol = rtol[k];
-        found[k] = along_and_across(simulate(scenario).summary, scenario.drive.heading);
-    }
-    CHECK(std::abs(found[0].along - found[2].along) < 1e-2 * found[2].along);
-    CHECK(std::abs(found[1].along - found[2].along) < 1e-5 * found[2].along);
-    CHECK(std::abs(found[1].across - found[2].across) < 1e-4 * std::abs(found[2].along));
 }
 
 // Without anything else friction brakes at mu (g + adhesion / m), and the way is straight.
@@ -195,24 +148,6 @@ TEST_CASE("plane: an impact with a velocity across keeps the laws of impacts") {
     }
     CHECK(slides > 300);
     CHECK(sticks > 30);
-}
-
-TEST_CASE("plane: the summary counts slips along the robot's front") {
-    // A pair of coils at the centre has no gradient, and the same field along each axis.
-    Scenario scenario = walking();
-    scenario.drive.coils = DriveCoils::pairs;
-    scenario.whole_plane = false;
-    const RunResult ahead = simulate(scenario);
-    scenario.whole_plane = true;
-    for (const double heading : {0.0, 0.5 * std::numbers::pi, -0.5 * std::numbers::pi}) {
-        scenario.drive.heading = heading;
-        const RunResult run = simulate(scenario);
-        CHECK(run.summary.slip_up == doctest::Approx(ahead.summary.slip_up).epsilon(1e-4));
-        CHECK(run.summary.slip_down == doctest::Approx(ahead.summary.slip_down).epsilon(1e-4));
-        const auto reversals = static_cast<std::size_t>(EventKind::reversal);
-        CHECK(run.summary.events[reversals] == ahead.summary.events[reversals]);
-    }
-    CHECK(ahead.summary.events[static_cast<std::size_t>(EventKind::reversal)] > 0);
 }
 
 TEST_CASE("plane: a start that does not face the drive's direction is one in the whole plane") {
