@@ -77,14 +77,6 @@ inline Dynamics in_uniform_field(const Model& model, double bx, double bz) {
     return Dynamics(model, field);
 }
 
-/// A robot in the field of steady currents (A). The model has to outlive it.
-inline Dynamics in_coil_field(const Model&& model, const PerCoil& currents) = delete;
-inline Dynamics in_coil_field(const Model& model, const PerCoil& currents) {
-    LocalField field(paper_coils(), all_driven());
-    field.set_segment(steady(currents));
-    return Dynamics(model, field);
-}
-
 /// p in error ~ h^p, from the errors at two widths.
 inline double observed_order(double wide, double error_wide, double narrow, double error_narrow) {
     return std::log(error_wide / error_narrow) / std::log(wide / narrow);
