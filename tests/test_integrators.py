@@ -1,4 +1,4 @@
-"""Mean velocities that two programs agree on, any tolerance, and the two integrators compared."""
+"""Mean velocities at any tolerance, and the two integrators compared."""
 
 import numpy as np
 import pytest
@@ -7,12 +7,12 @@ from effect_table import rows
 from helpers import HOPS, TIGHT, friction, launched, run, scenario, still_for, tilted
 from stickslip import _core, simulate
 
-# mode, frequency (Hz), base and hold (mT), edge, clamp, velocity (mm/s)
-CHECK_NUMBERS = [
-    ("IPP", 100.0, 0.5, 1.0, "rise", "down", 1.9128),
-    ("IPP", 30.0, 0.5, 1.0, "fall", "up", 0.5986),
-    ("OPP", 30.0, 0.5, 2.5, "fall", "down", 0.7186),
-    ("OPP", 100.0, 0.0, 2.5, "rise", "up", 3.0680),
+# mode, frequency (Hz), base and hold (mT), edge, clamp
+WALKS = [
+    ("IPP", 100.0, 0.5, 1.0, "rise", "down"),
+    ("IPP", 30.0, 0.5, 1.0, "fall", "up"),
+    ("OPP", 30.0, 0.5, 2.5, "fall", "down"),
+    ("OPP", 100.0, 0.0, 2.5, "rise", "up"),
 ]
 
 
@@ -25,9 +25,6 @@ def _velocity(mode, frequency, base, hold, edge, clamp, **solver):
 
 METHODS = ["tsit5", "arkode"] if _core.has_arkode else ["tsit5"]
 needs_arkode = pytest.mark.skipif(not _core.has_arkode, reason="this build has no arkode")
-each_number = pytest.mark.parametrize(
-    "case", CHECK_NUMBERS, ids=lambda case: f"{case[0]}-{case[1]:.0f}Hz"
-)
 
 
 @pytest.mark.skipif(_core.has_arkode, reason="this build has arkode")
@@ -35,13 +32,13 @@ def test_a_build_without_arkode_says_so():
     assert simulate(scenario({"solver.method": "arkode"})).status == "no_arkode"
 
 
-@each_number
+@pytest.mark.parametrize("walk", WALKS, ids=lambda walk: f"{walk[0]}-{walk[1]:.0f}Hz")
 @pytest.mark.parametrize("method", METHODS)
-def test_default_tolerance_is_tight_enough(case, method):
-    fine = _velocity(*case[:-1], rtol=1e-11)
-    assert _velocity(*case[:-1], method=method) == pytest.approx(fine, rel=1e-4)
+def test_default_tolerance_is_tight_enough(walk, method):
+    fine = _velocity(*walk, rtol=1e-11)
+    assert _velocity(*walk, method=method) == pytest.approx(fine, rel=1e-4)
     # A thousand times the tolerance moves the result, so that the one above means something.
-    assert _velocity(*case[:-1], method=method, rtol=1e-4) != fine
+    assert _velocity(*walk, method=method, rtol=1e-4) != fine
 
 
 def random_drive(random):
