@@ -12,6 +12,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 PROGRAMS = {
+    "now": ("now", "cost, false alarms, mutations and sizes, beside the first figures"),
     "speed": ("speed", "both integrators at equal accuracy"),
     "sweep": ("sweep", "sweeps: cost of a run and of a point, threads"),
     "promises": ("promises", "import, Ctrl-C, long runs, sweeps; fails if a promise is broken"),

@@ -13,6 +13,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 import limit
 import lines
 import measure
+import now
 import pytest
 from mutations.cpp import MUTATIONS
 from works import REFERENCE, WORKS, with_solver
@@ -82,6 +83,44 @@ def test_a_work_moves_and_counts_what_it_says(name):
         assert np.count_nonzero(velocities) >= 0.9 * len(velocities) > 0
     if name in ("swept", "modes", "apart", "alike"):
         assert len(velocities) == WORKS[name].count
+
+
+def test_parts_of_now_go_on_and_the_first_figures_stay(tmp_path, monkeypatch, capsys):
+    path, first, made = tmp_path / "now.json", tmp_path / "first.json", []
+    monkeypatch.setattr(now, "FIRST", first)
+
+    def counted(done, budget):
+        for name in "abc":
+            if name not in done:
+                budget.check()
+                made.append(name)
+                yield name, now.number_row(len(made), "-")
+                if name == "b":
+                    budget.ends = 0.0
+
+    monkeypatch.setitem(now.PARTS, "speed", counted)
+    now.measured("speed", path, now.Budget(float("inf")))
+    part = now.read(path)["speed"]
+    assert (list(part["rows"]), part["complete"]) == (["a", "b"], False)
+    assert now.keep_first(path) == 1
+    now.measured("speed", path, now.Budget(float("inf")))
+    assert made == ["a", "b", "c"]
+    assert now.read(path)["speed"]["complete"]
+    assert (now.keep_first(path), now.keep_first(path)) == (0, 1)
+    # A complete part begins anew, and so does one of other sources.
+    for name in ("speed", "speed"):
+        capsys.readouterr()
+        now.measured(name, path, now.Budget(float("inf")))
+        monkeypatch.setattr(now, "commit", lambda: "other")
+    assert made == [*"abcababc"[:5], *"ab"]
+    assert now.read(first)["speed"]["rows"]["a"]["median"] == 1
+    assert capsys.readouterr().out.split()[:4] == ["a", "1", "6", "6.000"]
+
+
+def test_shares_have_their_interval():
+    row = now.share_row(3, 20)
+    assert (row["median"], row["n"]) == (0.15, 20)
+    assert row["low"] < 0.06 < 0.34 < row["high"]
 
 
 def test_each_program_of_the_list_is_there(capsys):

@@ -1,0 +1,345 @@
+"""Figures of this version beside the first ones: `python -m bench now [PART ...]`.
+
+Each part writes its figures into bench/now.json as they come, with the commit of the sources, the
+processor and the width of the packs. A part that ran out of its time goes on at the next call, at
+the same commit on the same machine; else it begins anew. CPU times are figures over the time of the
+fixed program of bench/limit, measured in turn, and in seconds beside. `--first` keeps the parts
+that are complete in bench/first.json, to which later figures are compared; what is there stays.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from datetime import datetime, timezone
+from pathlib import Path
+from typing import Any
+
+import diagnoses
+import lines
+from blind.scoring import interval
+from limit import Reference
+from limit.figures import PACKS, run_ratio, sweep_ratios
+from measure import FEWEST, MOST, ROOT, Figure, figure_of, filled, in_turn, pin, processor, ratios
+from works import WORKS
+
+HERE = Path(__file__).resolve().parent
+NOW, FIRST = HERE / "now.json", HERE / "first.json"
+REPEATS = 3  # of a diagnosis; chosen, as each takes up to minutes
+TABLES, BATCH = 2000, 100  # sound tables in all, and between two looks at the clock
+SEED, CHANGES = 1, {"python": 40, "core": 20}  # drawn changes of the sources
+
+Row = dict[str, Any]
+"""A figure: its unit, median, low, high, n; CPU times have seconds besides."""
+
+
+class OutOfTime(Exception):
+    """The part goes on at the next call."""
+
+
+@dataclass
+class Budget:
+    """When a part has to end, and how many samples a figure has at least and at most."""
+
+    ends: float
+    fewest: int = FEWEST
+    most: int = MOST
+
+    @property
+    def left(self) -> float:
+        return self.ends - time.monotonic()
+
+    def check(self) -> None:
+        if self.left <= 0.0:
+            raise OutOfTime
+
+
+Part = Callable[[dict[str, Row], Budget], Iterator[tuple[str, Row]]]
+
+
+def cpu_row(samples: Sequence[Sequence[float]], count: int = 1) -> Row:
+    """Of CPU seconds of a work, of which a figure is one of `count`, and of the fixed program."""
+    seconds = figure_of([row[0] / count for row in samples])
+    figure = ratios([(row[0] / count, row[-1]) for row in samples])
+    return {"unit": "fixed program", **figure._asdict(), "seconds": seconds._asdict()}
+
+
+def figure_row(found: dict[str, float], unit: str) -> Row:
+    return {"unit": unit, **{key: found[key] for key in Figure._fields}}
+
+
+def share_row(count: int, total: int) -> Row:
+    low, high = interval(count, total)
+    return {"unit": "share", "median": count / total, "low": low, "high": high, "n": total}
+
+
+def number_row(value: float, unit: str) -> Row:
+    """Of what has no scatter, or was measured once."""
+    return {"unit": unit, "median": value, "low": value, "high": value, "n": 1}
+
+
+RUNS = ("run", "law", "laws", "curve", "plane", "program", "events", "swept", "alike")
+STEPS = ("stepped", "bare steps", "rolled out", "modes", "apart", "points", "replaced")
+SPEEDS = [*((name, rtol) for name in RUNS for rtol in (1e-6, 1e-8)), *((n, 1e-8) for n in STEPS)]
+
+
+def speed(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
+    """CPU time of each work, of one run, step, event or call."""
+    pin()
+    pairs = budget.fewest, budget.most
+    with closing(Reference()) as reference:
+        for name, rtol in SPEEDS:
+            figure = f"{name}, rtol {rtol:.0e}"
+            if figure not in done:
+                budget.check()
+                work = WORKS[name]
+                sample = filled(lambda work=work, rtol=rtol: work.call(rtol))
+                turns = list(in_turn([sample, reference.seconds], *pairs))
+                yield figure, cpu_row(turns, work.count)
+        # At equal true error, as `bench limit` has them.
+        if "run at equal error" not in done:
+            budget.check()
+            yield "run at equal error", figure_row(run_ratio(reference, *pairs), "fixed program")
+        names = {f"speed of a sweep in {pack}": pack for pack in PACKS}
+        if not names.keys() <= done.keys():
+            budget.check()
+            found = sweep_ratios(reference, *pairs)
+            for name, pack in names.items():
+                yield name, figure_row(found[pack], "program's speed")
+
+
+@contextmanager
+def beside_program() -> Iterator[Callable[[float], list[float]]]:
+    """Turns CPU seconds of something long, in this context, into a sample with the program's."""
+    with closing(Reference()) as reference:
+        before = reference.seconds()
+        yield lambda seconds: [seconds, (before + reference.seconds()) / 2.0]
+
+
+def in_process(code: str) -> Any:
+    """What a program of this folder prints as JSON, in a process of its own."""
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=HERE, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    if done.returncode != 0:
+        sys.exit(done.stderr)
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def diagnosis(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
+    """CPU time and simulations of whole diagnoses with one thread."""
+    for turn in range(REPEATS):
+        for name in diagnoses.CASES:
+            row = done.get(name, {"samples": []})
+            if len(row["samples"]) > turn:
+                continue
+            budget.check()
+            with beside_program() as sample:
+                found = in_process(f"import diagnoses; diagnoses.main({name!r})")
+                samples = [*row["samples"], sample(found["cpu_seconds"])]
+            yield name, {**cpu_row(samples), "verdict": found["verdict"], "samples": samples}
+            yield f"{name}, simulations", number_row(found["simulations"], "simulations")
+
+
+def tables(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
+    """False alarms on sound tables of a model of one's own, and how long each takes."""
+    row = done.get("tables, p below 0.05", {"seen": {}})
+    seen = Counter[str](row["seen"])
+    while seen["tables"] < TABLES:
+        budget.check()
+        for seed in range(seen["tables"], seen["tables"] + BATCH):
+            verdict, p_value, seconds = diagnoses.sound_table(seed)
+            seen.update({
+                "tables": 1, f"verdict {verdict}": 1, "p below 0.05": int(p_value < 0.05),
+                "p below 0.01": int(p_value < 0.01), "CPU time above 0.5 s": int(seconds > 0.5),
+            })  # fmt: skip
+        for name in sorted(set(seen) - {"tables"}):
+            row = share_row(seen[name], seen["tables"])
+            yield f"tables, {name}", row | ({"seen": dict(seen)} if "0.05" in name else {})
+
+
+def mutations(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
+    """Share of drawn changes of the sources that the tests see; those that do not build apart."""
+    for kind, count in CHANGES.items():
+        path = HERE / "results" / f"mutations-{kind}-{commit()}.jsonl"
+        path.parent.mkdir(exist_ok=True)
+        path.touch()
+        while True:
+            rows = path.read_text().splitlines()
+            said = Counter(json.loads(row)["verdict"] for row in rows)
+            if tried := said["seen"] + said["survives"]:
+                yield f"{kind} changes seen", share_row(said["seen"], tried)
+            if len(rows) >= count:
+                break
+            budget.check()
+            # Of a seed the first are the same for any count; what was tried is not tried again.
+            words = ["--seed", str(SEED), "--count", str(len(rows) + 1), "--out", str(path)]
+            command = [sys.executable, "-m", "mutations", kind, *words]
+            ended = subprocess.run(command, env={**os.environ, "PYTHONPATH": str(HERE)},
+                                   stdout=subprocess.DEVNULL, check=False)  # fmt: skip
+            if len(path.read_text().splitlines()) == len(rows):
+                sys.exit(f"{' '.join(command)}: status {ended.returncode}, and no row")
+
+
+def sizes(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
+    """Lines of each part of the project, words, circles of imports."""
+    for part, (count, _, aim) in lines.sizes().items():
+        first_word = part.partition(" ")[0]
+        unit = first_word if first_word in ("words", "circles") else "lines"
+        yield part, {**number_row(count, unit), "aim": aim}
+
+
+def _children(command: Sequence[str | Path], **variables: str) -> tuple[float, float]:
+    """CPU and wall seconds of a command and its children."""
+
+    def spent() -> float:
+        usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return usage.ru_utime + usage.ru_stime
+
+    before, started = spent(), time.monotonic()
+    ended = subprocess.run(command, cwd=ROOT, env={**os.environ, **variables}, check=False)
+    if ended.returncode != 0:
+        sys.exit(f"{' '.join(map(str, command))}: status {ended.returncode}")
+    return spent() - before, time.monotonic() - started
+
+
+def build(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
+    """A clean build of the wheel."""
+    with tempfile.TemporaryDirectory() as folder, beside_program() as sample:
+        command = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps"]
+        command += ["--no-build-isolation", "-C", f"build-dir={folder}/build"]
+        cpu, _ = _children([*command, "--wheel-dir", folder, "."], CCACHE_DISABLE="1")
+        yield "clean build of the wheel", cpu_row([sample(cpu)])
+
+
+def tests(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
+    """The tests in Python of `make test`, with as many processes as there are processors."""
+    jobs = str(len(os.sched_getaffinity(0)))
+    pytest = [sys.executable, "-m", "pytest", "-q", "-n", jobs, "--dist", "worksteal"]
+    with beside_program() as sample:
+        cpu, wall = _children(pytest)
+        yield "make test", cpu_row([sample(cpu)])
+    yield "make test, by the clock", number_row(wall, f"s with {jobs} processes")
+
+
+PARTS: dict[str, Part] = {
+    "speed": speed, "sizes": sizes, "diagnosis": diagnosis, "build": build, "tables": tables,
+    "tests": tests, "mutations": mutations,
+}  # fmt: skip
+
+
+def commit() -> str:
+    """The last commit that changed the sources, and whether they have changed since."""
+    git = ["git", "-C", str(ROOT)]
+    sources = ["--", "cpp", "python", "cmake", "CMakeLists.txt", "pyproject.toml"]
+    last = subprocess.run([*git, "log", "-1", "--format=%h", *sources], capture_output=True,
+                          text=True, check=True).stdout.strip()  # fmt: skip
+    changed = subprocess.run([*git, "diff", "--quiet", "HEAD", *sources], check=False).returncode
+    return last + ("+" if changed else "")
+
+
+def read(path: Path) -> dict[str, Any]:
+    return json.loads(path.read_text()) if path.is_file() else {}
+
+
+def rounded(value: Any) -> Any:
+    """Numbers to six digits, as more are noise."""
+    if isinstance(value, dict):
+        return {key: rounded(each) for key, each in value.items()}
+    if isinstance(value, list):
+        return list(map(rounded, value))
+    return float(f"{value:.6g}") if isinstance(value, float) else value
+
+
+def written(path: Path, parts: dict[str, Any]) -> None:
+    """Write whole, one figure a line."""
+    shown = []
+    for name, part in parts.items():
+        head = "".join(f"  {json.dumps(key)}: {json.dumps(value)},\n"
+                       for key, value in part.items() if key != "rows")  # fmt: skip
+        rows = ",\n".join(f"   {json.dumps(figure)}: {json.dumps(row)}"
+                          for figure, row in part["rows"].items())  # fmt: skip
+        shown.append(f' {json.dumps(name)}: {{\n{head}  "rows": {{\n{rows}\n  }}\n }}')
+    whole = path.with_suffix(".part")
+    whole.write_text("{\n" + ",\n".join(shown) + "\n}\n")
+    whole.replace(path)
+
+
+def line(figure: str, row: Row, first: Row | None) -> str:
+    """Figure, first, new, their ratio, and the interval of the new one."""
+    old = first["median"] if first else float("nan")
+    ratio = row["median"] / old if old else float("nan")
+    between = f"{row['low']:.4g} to {row['high']:.4g}"
+    return f"{figure:42}{old:11.4g}{row['median']:11.4g}{ratio:8.3f}  {between:22} {row['unit']}"
+
+
+def measured(name: str, path: Path, budget: Budget) -> None:
+    """Begin or continue a part, and write each figure as it comes."""
+    parts, first = read(path), read(FIRST).get(name, {}).get("rows", {})
+    model, width = processor()
+    stated = {"commit": commit(), "processor": model, "kernel width": width}
+    part = parts.get(name, {})
+    if part.get("complete", True) or any(part[key] != stated[key] for key in stated):
+        part = {**stated, "rows": {}}
+    parts[name] = part = {**part, "complete": False,
+                          "date": datetime.now(timezone.utc).date().isoformat()}  # fmt: skip
+    allowed = os.sched_getaffinity(0)
+    try:
+        for figure, row in PARTS[name](part["rows"], budget):
+            part["rows"][figure] = rounded(row)
+            written(path, parts)
+            print(line(figure, row, first.get(figure)), flush=True)
+    except OutOfTime:
+        print(f"{name}: out of time; the next call goes on")
+        return
+    finally:
+        os.sched_setaffinity(0, allowed)
+    part["complete"] = True
+    written(path, parts)
+
+
+def keep_first(path: Path) -> int:
+    """Copy the complete parts that bench/first.json does not have; 1 where there is none."""
+    first = read(FIRST)
+    new = {name: part for name, part in read(path).items()
+           if part["complete"] and name not in first}  # fmt: skip
+    if not new:
+        print(f"{FIRST}: nothing new; it has {', '.join(first) or 'no part'}, and keeps it")
+        return 1
+    written(FIRST, first | new)
+    print(f"{FIRST}: {', '.join(new)}")
+    return 0
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="python -m bench now", description=__doc__)
+    parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(PARTS))
+    parser.add_argument("--minutes", type=float, default=15.0, help="of each part")
+    parser.add_argument("--fewest", type=int, default=FEWEST, help="samples of a figure at least")
+    parser.add_argument("--most", type=int, default=MOST, help="and at most")
+    parser.add_argument("--first", action="store_true", help="keep complete parts as the first")
+    parser.add_argument("--out", type=Path, default=NOW)
+    options = parser.parse_args()
+    if not set(options.parts) <= set(PARTS):
+        parser.error(f"PART: allowed are {', '.join(PARTS)}")
+    if options.first:
+        return keep_first(options.out)
+    print(f"{'figure':42}{'first':>11}{'new':>11}{'ratio':>8}  95 % interval")
+    for name in options.parts or PARTS:
+        ends = time.monotonic() + 60.0 * options.minutes
+        measured(name, options.out, Budget(ends, options.fewest, options.most))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
