@@ -10,6 +10,7 @@ import numpy as np
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 
+import diagnoses
 import limit
 import lines
 import measure
@@ -115,6 +116,13 @@ def test_parts_of_now_go_on_and_the_first_figures_stay(tmp_path, monkeypatch, ca
     assert made == [*"abcababc"[:5], *"ab"]
     assert now.read(first)["speed"]["rows"]["a"]["median"] == 1
     assert capsys.readouterr().out.split()[:4] == ["a", "1", "6", "6.000"]
+
+
+def test_sound_tables_have_nothing_to_find():
+    found = [diagnoses.sound_table(seed) for seed in range(12)]
+    assert sum(kind == "none" for kind, *_ in found) >= 10
+    assert len({p_value for _, p_value, _ in found}) == len(found)
+    assert all(0.0 < p_value <= 1.0 and seconds > 0.0 for _, p_value, seconds in found)
 
 
 def test_shares_have_their_interval():
