@@ -279,8 +279,8 @@ def line(figure: str, row: Row, first: Row | None) -> str:
     """Figure, first, new, their ratio, and the interval of the new one."""
     old = first["median"] if first else float("nan")
     ratio = row["median"] / old if old else float("nan")
-    between = f"{row['low']:.4g} to {row['high']:.4g}"
-    return f"{figure:42}{old:11.4g}{row['median']:11.4g}{ratio:8.3f}  {between:22} {row['unit']}"
+    between = f"{row['low']:.5g} to {row['high']:.5g}"
+    return f"{figure:42}{old:11.5g}{row['median']:11.5g}{ratio:8.3f}  {between:22} {row['unit']}"
 
 
 def measured(name: str, path: Path, budget: Budget) -> None:
