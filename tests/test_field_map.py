@@ -269,6 +269,7 @@ def test_coils_that_are_not_there_have_zeros(exact):
     fields[:, 1:4] = 0.0
     made = FieldMap.from_points(points, fields)
     assert made.relative_residual[1] == 0.0
+    assert made.degrees[1:4] == (1, 1, 1)
     run = simulate(with_map(made))
     assert run.mean_velocity == pytest.approx(simulate(with_map(exact)).mean_velocity, rel=1e-12)
     with pytest.raises(ScenarioError, match=r"coil\.map: coil xm has 0 T/A along its axis"):
