@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.signal import lfilter
 
-from free_shapes import curve
+from free_shapes import SHAPES, curve
 from stickslip import Coils, Scenario, simulate_batch
 
 # Angle in rad that the fastest free swing goes through between two samples: wanted, and the most
@@ -231,6 +231,12 @@ def _rates(run):
     linear = s.drag.linear * (1.0 + abs(s.get("effects.angle_drag.strength")))
     rotational = s.get("effects.rotational_drag.coefficient") + s.drag.rotational * turning
     fastest = swing + linear / robot.mass + rotational / inertia
+    # Over a span that the motion crosses in less time, a shape changes faster than the motion.
+    crossed = {"angle": turning, "rate": swing * turning, "speed": radius * swing**2}
+    for name in SHAPES:
+        of = name.rpartition("_")[2]
+        if of in crossed and any(s.get(f"effects.{name}.knot_{i}") for i in range(1, 6)):
+            fastest += crossed[of] / s.get(f"effects.{name}.span")
     # The currents' own rate is followed where there are samples enough: a faster change is a jump.
     of_currents = s.coil.resistance / s.coil.inductance
     wanted = (fastest + of_currents) / WANTED_PHASE

@@ -15,6 +15,7 @@ import math
 import numpy as np
 from hypothesis import strategies as st
 
+from free_shapes import SHAPES
 from stickslip import Robot, Scenario, ScenarioError, Waveform
 from stickslip.scenario.keys import known_keys
 
@@ -226,6 +227,14 @@ EFFECTS = {
     "rotational_drag": lambda d: {"coefficient": d.decades(1e-16, 1e-11)},
     "surface_tilt": lambda d: {"angle": d.uniform(-0.5, 0.5)},
     "friction_patches": lambda d: {"amplitude": d.uniform(-1, 1), "period": d.decades(1e-5, 1e-3)},
+    **{
+        name: lambda d, span=span: {
+            **{f"knot_{k}": d.uniform(-0.9, 2.0) for k in range(1, 6)},
+            "span": span * d.decades(0.1, 2.0),
+        }
+        for name, (span, _) in SHAPES.items()
+        if name != "free_contact_place"  # a contact that rolls is in none of the laws
+    },
 }
 
 
