@@ -85,6 +85,7 @@ def test_a_unit_is_named_where_a_laboratory_has_one():
         ({"coil.side": 60.0}, "unit-length", "coil.side", "in mm?"),
         ({"coil.inductance": 25.0, "coil.turns": 300.0}, "unit-inductance", "inductance", "in mH?"),
         ({"drive.frequency": 0.1}, "unit-time", "drive.frequency = 0.1", "in kHz?"),
+        ({"drive.frequency": 0.1, "coil.inductance": 5e-324}, "unit-time", "lasts 10 s", "kHz?"),
     ],
 )  # fmt: skip
 def test_a_value_in_another_unit_gets_one_note(changes, code, key, unit):

@@ -153,8 +153,10 @@ def _of_pulses(scenario: Scenario, core: _core.Scenario) -> list[Note]:
     slowest = max(time_constants(scenario, core).values())
     if not max(LONG_PULSE, MANY_TIME_CONSTANTS * slowest) < lasting < math.inf:
         return []
-    times = f"{lasting / slowest:.3g} times the longest time constant of a coil"
-    return [Note("unit-time", f"a pulse lasts {lasting:.4g} s, {times}; {meant}", lasting)]
+    text = f"a pulse lasts {lasting:.4g} s"
+    if slowest > 0.0:  # not of an inductance next to zero
+        text += f", {lasting / slowest:.3g} times the longest time constant of a coil"
+    return [Note("unit-time", f"{text}; {meant}", lasting)]
 
 
 def shortest_tooth(blocks: Sequence[tuple[Array, Array, int]]) -> float:
