@@ -71,10 +71,16 @@ TEST_CASE("flat robot, rear lands: the slip that is left, with the coefficients 
     CHECK(result.body.vx == result.slip_velocity);
     CHECK(result.body.omega == 0.0);
 
-    // A front that was slipping has mu_k too: T = mu_k S.
-    const ImpactResult sliding =
-        face_impact(model, rear_comes_down(omega, -0.01), Arrival::behind, true);
-    CHECK(sliding.slip_velocity == doctest::Approx(omega * (mu_k * b - h) - 0.01).epsilon(1e-12));
+    // A front that was slipping has mu_k too, here another one each way: T = -way (1 + 0.3 way)
+    // mu_k S.
+    model.friction = {mu_s, mu_k, {.smooth = {.anisotropy = 0.3}}};
+    for (const double way : {-1.0, 1.0}) {
+        const double slip = way * 0.1, friction = -way * (1.0 + 0.3 * way) * mu_k * b;
+        const ImpactResult sliding =
+            face_impact(model, rear_comes_down(omega, slip), Arrival::behind, true);
+        const double left = slip + omega * (friction - h);
+        CHECK(sliding.slip_velocity == doctest::Approx(left).epsilon(1e-12));
+    }
 }
 
 TEST_CASE("rocking block: a tall one rolls over, and keeps 1 - 3/2 sin^2 alpha of its rate") {
