@@ -142,7 +142,7 @@ class Trial:
             return _NO_IMPORT
         if status < 0:
             return _HANGS
-        failed = re.search(r"^(?:FAILED|ERROR) (\S+)", said, re.MULTILINE)
+        failed = re.search(r"^(?:FAILED|ERROR) (.+?)(?: - |$)", said, re.MULTILINE)
         if failed is None and status not in (0, 2, 5):  # 2: the budget is spent
             sys.exit(f"pytest ended with {status}\n{said}")
         return failed[1] if failed else ""
