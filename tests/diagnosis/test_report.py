@@ -48,7 +48,7 @@ def results(rough, none):
         "ambiguous": made.said(
             rough, "ambiguous", members=chance[:3], causes=("bump", "kink"), common=("bump",)
         ),
-        "unexplained": made.said(rough, "unexplained", fit=None, causes=()),
+        "unexplained": made.said(rough, "unexplained", fit=None, causes=(), leader=plain),
         "none": none,
         "data-problem": made.refused(rough),
     }
@@ -71,6 +71,7 @@ def test_each_verdict_has_a_page_of_its_numbers(results, kind, tmp_path):
     assert {each for each in links if each} <= {f"#{each}" for each in ids}
     (text,) = (each["text"] for each in seen.all("body"))
     assert numbers["headline"].split(". ")[0] in " ".join(text.split())
+    assert ("nearest, with a bump" in text) == (kind == "unexplained")
     assert not re.search(r"\b(None|nan|inf|Undefined|Namespace|Decimal)\b|[{}]", text)
     assert numbers["headline"] == result.summary().split("\n")[0]
     assert "Verdict" in result._repr_html_()
@@ -183,6 +184,7 @@ def test_a_curve_is_drawn_where_the_model_can_be_computed(everywhere):
     axes = result.plot.residuals().axes[0]
     (drawn,) = [each for each in axes.lines if len(each.get_xdata()) >= 20 and
                 each.get_color() == VERMILION]  # fmt: skip
+    assert drawn.get_label() == "with a wave"
     places, change = np.array(drawn.get_data())
     assert (len(places) > 20) == everywhere == bool(axes.collections[1:])
     known = result.predict({"x": places})

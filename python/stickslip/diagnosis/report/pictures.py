@@ -356,8 +356,8 @@ class Plots:
 
     def _label(self, name: str) -> str:
         verdict = self._result.verdict
-        fit = verdict.leader if name == "nearest" else verdict.fit
-        if name not in ("extended", "nearest") or fit is None:
+        fit = {"extended": verdict.fit, "nearest": verdict.leader}.get(name)
+        if fit is None:
             return f"{name} model"
         return f"{'nearest, ' if name == 'nearest' else ''}with {self._title(fit.name)}"
 
