@@ -233,7 +233,9 @@ EFFECTS = {
             "span": span * d.decades(0.1, 2.0),
         }
         for name, (span, _) in SHAPES.items()
-        if name != "free_contact_place"  # a contact that rolls is in none of the laws
+        # A contact that rolls is in none of the laws; where friction depends on the load, a slip
+        # may have several normal forces, or none.
+        if name not in ("free_contact_place", "free_friction_load")
     },
 }
 
