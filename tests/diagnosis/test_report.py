@@ -254,6 +254,8 @@ def test_a_measurement_has_an_extended_scenario(tmp_path):
     extended = load(tmp_path / "extended.toml")
     key = "contact.kinetic_friction"
     assert extended.get(key) == pytest.approx(result.params.loc[key, "value"])
+    text = (tmp_path / "extended.toml").read_text()
+    assert re.findall(r"^# (\S+): \S+ -> ", text, re.MULTILINE) == [key]
     assert extended.uncertain.matrix[0][0] == pytest.approx(result.params.loc[key, "sd"] ** 2)
     table = result.predict([{"frequency": 25.0, "direction": "+x", "base": 0.5e-3}])
     row = next(
