@@ -1,4 +1,4 @@
-"""Types of arrays, checks of numbers, equal settings, and the number of workers."""
+"""Types of arrays, equal settings, and the number of workers."""
 
 from __future__ import annotations
 
@@ -9,22 +9,11 @@ from collections.abc import Collection, Iterable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stickslip._util.messages import check_whole, refuse
+from stickslip._util.messages import check_whole
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Mask = NDArray[np.bool_]
-
-
-def numbers_of(name: str, values: object, allowed: str) -> Array:
-    """The finite numbers that the values are, in whatever shape; else refuse them."""
-    try:
-        given = np.asarray(values)
-    except ValueError:  # rows of several lengths
-        refuse(name, values, allowed)
-    if given.dtype.kind not in "iuf" or not np.isfinite(given).all():
-        refuse(name, values, allowed)
-    return given.astype(float)
 
 
 def root_mean_square(values: ArrayLike) -> float:
@@ -33,31 +22,37 @@ def root_mean_square(values: ArrayLike) -> float:
 
 
 RELATIVE = 1e-6
-"""Part of a number within which another one is the same setting. Chosen: finer than any apparatus
-is set, and wider than the rounding of a table in seven digits."""
+"""Part of the spread of a column within which two of its numbers are the same setting. Chosen:
+finer than any apparatus is set, and wider than the rounding of a table in seven digits."""
 
-ABSOLUTE = 1e-12
-"""The same of a number near 0, in its SI unit: what sums that should be 0 leave."""
+_LAST_PLACES = 4
+"""Units in the last place of a column's largest number that are the same. Chosen: what a few sums
+and products leave."""
 
 
-def are_equal(
-    one: float, other: float, relative: float = RELATIVE, absolute: float = ABSOLUTE
-) -> bool:
-    """Whether two numbers are the same setting."""
+def are_equal(one: float, other: float, relative: float, absolute: float = 1e-12) -> bool:
+    """Whether two numbers are nearly the same."""
     return math.isclose(one, other, rel_tol=relative, abs_tol=absolute)
 
 
-def representatives(
-    values: Iterable[float], kept: Collection[float] = (), absolute: float = ABSOLUTE
-) -> dict[float, float]:
-    """What stands for each value: the same number for all that are the same setting.
+def representatives(values: Iterable[float], kept: Collection[float] = ()) -> dict[float, float]:
+    """What stands for each value of a column: the same number for all that are the same setting.
 
-    Values are grouped from the smallest up: a group takes in what is equal to its first value. One
-    of `kept` stands for a group that has one, else the value that is written shortest.
+    Numbers are the same within 1e-6 of the spread of all, and never of their size, which is an
+    offset as often as not. Values are grouped from the smallest up: a group takes in what is equal
+    to its first value. One of `kept` stands for a group that has one, else the value that is
+    written shortest.
     """
+    ordered = sorted({*values, *kept})
+    if not ordered:
+        return {}
+    within = max(
+        RELATIVE * (ordered[-1] - ordered[0]),
+        _LAST_PLACES * math.ulp(max(abs(ordered[0]), abs(ordered[-1]))),
+    )
     groups: list[list[float]] = []
-    for value in sorted({*values, *kept}):
-        if groups and are_equal(groups[-1][0], value, absolute=absolute):
+    for value in ordered:
+        if groups and value - groups[-1][0] <= within:
             groups[-1].append(value)
         else:
             groups.append([value])

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from stickslip._util.arrays import numbers
 from stickslip._util.extras import naming_the_extra
-from stickslip._util.numbers import Array, Indices, Mask, numbers_of, worker_count
+from stickslip._util.numbers import Array, Indices, Mask, worker_count
 
 with naming_the_extra("stickslip.control.environments"):
     import gymnasium
@@ -198,7 +199,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         if goal is not None and self.task != "reach":
             raise ScenarioError(f'goal: the task "{self.task}" takes none')
         if goal is not None:
-            goal = numbers_of("goal", goal, "x and y, m")
+            goal = numbers("goal", goal, "x and y, m")
             if goal.shape != (2,):
                 raise ScenarioError(f"goal of shape {goal.shape}: allowed is (2,), x and y, m")
             _check_within_coils("goal", goal[None], self.scenario)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from stickslip._util.arrays import numbers
 from stickslip._util.messages import check_above_zero
-from stickslip._util.numbers import Array, numbers_of
+from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
 
 _BEHIND, _AHEAD = 0.2e-3, 0.6e-3  # chosen: m, where along the path a robot is looked for
@@ -46,7 +47,7 @@ class Path:
     """
 
     def __init__(self, points: ArrayLike) -> None:
-        corners = numbers_of("path", points, "shape (k, 2) of finite x and y, m")
+        corners = numbers("path", points, "shape (k, 2) of finite x and y, m")
         if corners.ndim != 2 or corners.shape[-1] != 2 or len(corners) < 2:
             raise ScenarioError(f"path of shape {corners.shape}: allowed is (k, 2), k at least 2")
         sides = np.diff(corners, axis=0)
@@ -77,7 +78,7 @@ class Path:
 
     def at(self, progress: ArrayLike) -> Array:
         """Places at arc lengths, m, shape (...) to (..., 2); beyond an end, that end."""
-        lengths = np.asarray(progress, dtype=float)
+        lengths = numbers("progress", progress, unit="m")
         x, y = (np.interp(lengths, self._starts, each) for each in self.points.T)
         return np.stack([x, y], axis=-1)
 

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
-from stickslip._util.numbers import Array, numbers_of
+from stickslip._util.arrays import numbers
+from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
 
 
@@ -38,9 +39,9 @@ def heading_voltages(heading: ArrayLike, along: ArrayLike, clamp: ArrayLike) -> 
     [26.0, 0.0, 0.0, 0.0, -10.0]
     """
     given = [
-        numbers_of("heading", heading, "finite numbers of rad"),
-        numbers_of("along", along, "finite numbers of V"),
-        numbers_of("clamp", clamp, "finite numbers of V"),
+        numbers("heading", heading, "finite numbers of rad"),
+        numbers("along", along, "finite numbers of V"),
+        numbers("clamp", clamp, "finite numbers of V"),
     ]
     try:
         ahead, strength, held = np.broadcast_arrays(*given)

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip._util.arrays import columns_of, locked, numbers
 from stickslip._util.messages import meant
 from stickslip._util.numbers import Array
 from stickslip._util.text import OneLine, brief
@@ -138,7 +139,7 @@ class OwnModel(OneLine):
         acting = [each for each in self.causes if each.table in (None, table.name)]
 
         def physics(keys: Sequence[str], rows: Array) -> Array:
-            p = Values({key: rows[:, [k]] for k, key in enumerate(keys)})
+            p = Values({key: locked(rows[:, [k]]) for k, key in enumerate(keys)})
             return _rows(table, self.predicted(_seen(table, acting, p), p), len(rows))
 
         readers = [each for each in acting if each.input is None]
@@ -146,9 +147,16 @@ class OwnModel(OneLine):
 
     def predicted(self, table: Any, p: Values) -> Any:
         """What the own function returns."""
-        if self.laws or _takes(self.predict, 3):
-            return self.predict(table, p, Curves(self.laws, p))
-        return self.predict(table, p)
+        curves = (Curves(self.laws, p),) if self.laws or _takes(self.predict, 3) else ()
+        try:
+            return self.predict(table, p, *curves)
+        except ValueError as error:
+            if "read-only" not in str(error):
+                raise
+            raise ScenarioError(
+                "predict: it writes into its table or into p: allowed are copies, as "
+                f'table["x"].copy() makes; {error}'
+            ) from error
 
     def columns(self, table: str, names: Sequence[str]) -> dict[str, int]:
         """Columns of `names` that count for a table, by the names that the model knows."""
@@ -186,13 +194,12 @@ def of_record(parameter: Parameter, table: Table) -> str:
 
 def _unread(settings: Any) -> Table:
     """A table of settings without readings."""
-    if isinstance(settings, Sequence) and settings and isinstance(settings[0], Mapping):
-        settings = {key: np.asarray([row.get(key, np.nan) for row in settings])
-                    for key in settings[0]}  # fmt: skip
-    if isinstance(settings, Mapping) or hasattr(settings, "columns"):
-        settings = {key: np.atleast_1d(np.asarray(settings[key])) for key in settings}
-        return Table(settings, np.zeros(len(next(iter(settings.values()), []))), sd=1.0)
-    return Table(np.asarray(settings), np.zeros(len(settings)), sd=1.0)
+    columns = columns_of("conditions", settings)
+    first = settings if columns is None else next(iter(columns.values()), [])
+    made = Table(settings, np.zeros(np.shape(first)[:1]), sd=1.0, name="conditions")
+    if made.own_notes:
+        raise ScenarioError(f"{made.own_notes[0]} Allowed are rows without gaps")
+    return made
 
 
 def _seen(table: Table, causes: Sequence[Cause], p: Mapping[str, Array]) -> Table:
@@ -261,11 +268,8 @@ def overflows(problem: Problem) -> list[Note]:
 
 
 def _rows(table: Table, made: Any, vectors: int) -> Array:
-    """Predictions of a table, shape (vectors, n)."""
-    try:
-        rows = np.asarray(made, dtype=float)
-    except (TypeError, ValueError):
-        rows = np.zeros(0)
+    """Predictions of a table, shape (vectors, n), in an array of their own; NaN is allowed."""
+    rows = numbers("predict: its answer", made, "an array of numbers", gaps=True, finite=False)
     if rows.shape != (vectors, len(table)):
         at = f" of table {table.name}" if table.name else ""
         raise ScenarioError(

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from stickslip._util.arrays import numbers
 from stickslip._util.messages import check_whole, refuse, shown
 from stickslip._util.numbers import Array
 from stickslip._util.text import OneLine
@@ -16,7 +17,6 @@ from stickslip.diagnosis.decision.experiments import PROPOSED
 from stickslip.diagnosis.entry import diagnose
 from stickslip.diagnosis.fitting.search import Progress
 from stickslip.diagnosis.result import Diagnosis
-from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import Value
 
@@ -125,13 +125,10 @@ def _measured(result: Diagnosis, measure: _Measure, count: int) -> list[DataFram
 def _velocities(measure: _Measure, drive: dict[str, Value]) -> Array:
     """What is measured at a drive, without gaps."""
     said = measure(drive)
-    try:
-        found = np.atleast_1d(np.asarray(said, dtype=float))
-    except (TypeError, ValueError):
-        found = np.zeros((1, 1))
+    what, allowed = f"measure({shown(drive)})", "numbers in m/s, one for each trial"
+    found = np.atleast_1d(numbers(what, said, allowed, unit="m/s", gaps=True))
     if found.ndim != 1:
-        allowed = "allowed are numbers in m/s, one for each trial"
-        raise ScenarioError(f"measure({shown(drive)}) = {shown(said)}: {allowed}")
+        refuse(what, said, allowed)
     return np.asarray(found[~np.isnan(found)])
 
 

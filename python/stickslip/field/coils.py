@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
+from stickslip._util.arrays import numbers
 from stickslip._util.messages import refuse
 from stickslip._util.numbers import Array
 
@@ -150,7 +151,7 @@ class Coils:
 
 def _five(values: ArrayLike) -> list[float]:
     """One value a coil, of one for all or of five; other shapes are a ValueError."""
-    array = np.asarray(values, dtype=np.float64)
+    array = numbers("a value of the coils", values)
     if array.shape not in ((), (5,)):
         raise ValueError(f"a value of the coils must have shape () or (5,); got {array.shape}")
     return [float(each) for each in np.broadcast_to(array, 5)]
@@ -178,14 +179,8 @@ def _flatten(points: ArrayLike, currents: ArrayLike) -> tuple[Array, Array, tupl
 
 
 def _checked(name: str, values: ArrayLike, columns: int, unit: str) -> Array:
-    try:
-        array = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} must be numbers of shape (..., {columns}), in {unit}") from None
+    allowed = f"shape (..., {columns}) of finite numbers, in {unit}"
+    array = numbers(name, values, allowed, unit=unit)
     if array.ndim == 0 or array.shape[-1] != columns:
-        raise ValueError(f"{name} must have shape (..., {columns}), in {unit}; got {array.shape}")
-    finite = np.isfinite(array)
-    if not finite.all():
-        where = tuple(int(i) for i in np.argwhere(~finite)[0])
-        raise ValueError(f"{name} must be finite, in {unit}; {name}{list(where)} is {array[where]}")
+        raise ValueError(f"{name} of shape {array.shape}: allowed is {allowed}")
     return array

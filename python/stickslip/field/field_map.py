@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
+from stickslip._util.arrays import numbers
 from stickslip._util.files import read_bytes
 from stickslip._util.messages import meant, refuse
 from stickslip._util.numbers import Array
@@ -138,13 +139,8 @@ class FieldMap:
         ScenarioError
             If a shape or a number is not allowed, or no field of coils fits the values.
         """
-        try:
-            places = np.asarray(points, dtype=np.float64)
-            values = np.asarray(fields, dtype=np.float64)
-        except (TypeError, ValueError, OverflowError):
-            raise ScenarioError(
-                "points and fields: allowed are numbers of shapes (n, 3) and (n, 5, 3)"
-            ) from None
+        places = numbers("points", points, unit="m")
+        values = numbers("fields", fields, unit="T/A")
         count = len(places) if places.ndim else 0
         if places.shape != (count, 3) or values.shape != (count, len(_AXES), 3):
             raise ScenarioError(
@@ -179,6 +175,14 @@ class FieldMap:
             the values.
         """
         _check_count("samples", samples)
+        if lines is None:  # arrays of a user
+            samples = [
+                (
+                    numbers(f"points of {name}", points, unit="m"),
+                    numbers(f"fields of {name}", fields, unit="T/A"),
+                )
+                for name, (points, fields) in zip(_core.coil_names, samples, strict=True)
+            ]
         low, high, fits = fit_coils(samples, lines)
         for k, (name, fit) in enumerate(zip(_core.coil_names, fits, strict=True)):
             if fit.residual > _WORST * fit.field:

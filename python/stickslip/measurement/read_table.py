@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from stickslip._util.arrays import numbers
 from stickslip._util.csv_rows import DECIMAL_COMMAS, CsvTable
 from stickslip._util.files import read_bytes
 from stickslip._util.messages import misspelt, nearest, refuse, shown
@@ -158,7 +159,7 @@ def rows_of_frame(table: DataFrame, units: Units) -> Rows:
         header = [str(each) for each in table.columns]
         cells = [table.iloc[:, k] for k in range(len(header))]
         columns = [
-            [_cell(value) for value in (_in_seconds(column) if heading in units else column)]
+            [_cell(value) for value in _plain(heading, column, units)]
             for heading, column in zip(header, cells, strict=True)
         ]
         pairs = zip(index_labels(table), zip(*columns, strict=True), strict=True)
@@ -171,11 +172,13 @@ def index_labels(table: DataFrame) -> list[Line]:
     return [int(each) if isinstance(each, int | np.integer) else str(each) for each in table.index]
 
 
-def _in_seconds(column: Series[Any]) -> Series[Any]:
-    """A column of dates or durations as numbers, s; any other as it is."""
-    if column.dtype.kind == "M":
-        column = column - column.min()
-    return column.dt.total_seconds() if column.dtype.kind == "m" else column
+def _plain(heading: str, column: Series[Any], units: Units) -> Iterable[Any]:
+    """A column with numbers as floats, dates and durations among them; texts as they are."""
+    unit = units.get(split_unit(heading)[0])
+    if unit is None or any(isinstance(each, str) for each in column):
+        return column  # cells of texts are checked one by one, as those of a file
+    found: list[float] = numbers(f"column {heading}", column, unit=unit, gaps=True).tolist()
+    return found
 
 
 def _cell(value: Any) -> str:

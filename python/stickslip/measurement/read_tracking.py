@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from stickslip._util.messages import refuse, shown
-from stickslip._util.numbers import Array, are_equal
+from stickslip._util.numbers import RELATIVE, Array, are_equal
 from stickslip._util.text import OneLine, counted, highest, is_number
 from stickslip._util.units import split_unit, unit_meant
 from stickslip.errors import ScenarioError, prefixed
@@ -153,7 +153,7 @@ def _unit_of_times(times: Array, rate: float, end: float) -> _Why | None:
     if len(different) < 2 or different[-1] <= end:
         return None
     spacing = float(np.median(np.diff(different)))
-    counts = are_equal(spacing, 1.0)
+    counts = are_equal(spacing, 1.0, RELATIVE)
     if math.isfinite(rate):
         meant = unit_meant("s", spacing * rate, 1.0 + _OTHER_RATE)
         if counts and rate > 1.0 + _OTHER_RATE:

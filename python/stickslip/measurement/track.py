@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from stickslip._util.arrays import check_indexes, numbers
 from stickslip._util.messages import check_kind, refuse
 from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
@@ -120,7 +121,8 @@ def _frames(
     t: ArrayLike, x: ArrayLike, start: float, end: float, period: float
 ) -> tuple[Array, Array]:
     """Sound frames within the measuring window, in s and m."""
-    times, places = np.asarray(t, dtype=float), np.asarray(x, dtype=float)
+    check_indexes("", {"t": t, "x": x})
+    times, places = numbers("t", t, unit="s", gaps=True), numbers("x", x, unit="m", gaps=True)
     if times.ndim != 1 or times.shape != places.shape:
         raise ScenarioError(
             f"t and x have the shapes {times.shape} and {places.shape}: allowed is one number of "

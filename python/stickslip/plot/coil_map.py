@@ -12,6 +12,7 @@ from matplotlib.ticker import LogLocator
 from numpy.typing import ArrayLike
 
 from stickslip._util import palette
+from stickslip._util.arrays import numbers
 from stickslip._util.messages import check_kind, refuse
 from stickslip._util.numbers import Array
 from stickslip.field.coils import Coils
@@ -79,12 +80,10 @@ def coils(scenario: Scenario, currents: ArrayLike | None = None, ax: Axes | None
 
 def _checked(currents: ArrayLike) -> Array:
     """Currents that a user gave."""
-    try:
-        amperes = np.asarray(currents, np.float64)
-    except (TypeError, ValueError):  # words, or rows of several lengths
-        amperes = np.empty(0)
-    if amperes.shape != (len(COIL_NAMES),) or not np.isfinite(amperes).all():
-        refuse("currents", currents, "a list of five finite numbers, A")
+    allowed = "a list of five finite numbers, A"
+    amperes = numbers("currents", currents, allowed, unit="A")
+    if amperes.shape != (len(COIL_NAMES),):
+        refuse("currents", currents, allowed)
     return amperes
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
+from stickslip._util.arrays import check_indexes, locked, numbers
 from stickslip._util.files import replacing
 from stickslip._util.messages import check_above_zero, check_whole, meant, refuse
 from stickslip._util.numbers import Array, Mask
@@ -259,7 +260,7 @@ class Waveform:
         ValueError
             If a time lies outside the waveform.
         """
-        times = np.asarray(t, dtype=np.float64)
+        times = numbers("t", t, "finite numbers of s", unit="s")
         if not np.all((times >= 0.0) & (times <= self.duration)):
             raise ValueError(f"t: allowed are times from 0 to {highest(self.duration)} s")
         result = np.empty((*times.shape, len(COIL_NAMES)))
@@ -408,28 +409,24 @@ def _five(voltages: Voltages) -> list[float]:
             raise ValueError(f"coil {name!r}: allowed is one of {allowed}{hint}")
         return _five([voltages.get(name, 0.0) for name in COIL_NAMES])
     given = list(voltages) if isinstance(voltages, Iterable) else [voltages]
-    values = given or [0.0] * len(COIL_NAMES)
-    wrong = [value for value in values if not is_number(value)]
-    if wrong:
-        raise ValueError(f"voltages: {wrong[0]!r}: allowed are finite numbers of V")
+    allowed = "finite numbers of V"
+    values = numbers("voltages", given, allowed, unit="V").tolist() or [0.0] * len(COIL_NAMES)
     if len(values) != len(COIL_NAMES):
         raise ValueError(f"{len(values)} voltages: allowed are {len(COIL_NAMES)}, one a coil")
     return values
 
 
 def _frozen_block(times: ArrayLike, voltages: ArrayLike, repeats: int) -> _Block:
-    t = np.array(times, dtype=np.float64)
-    v = np.array(voltages, dtype=np.float64)
+    check_indexes("", {"t": times, "voltages": voltages})
+    t = numbers("t", times, "finite numbers of s", unit="s")
+    v = numbers("voltages", voltages, "finite numbers of V", unit="V")
     if t.ndim != 1 or v.shape != (len(t), len(COIL_NAMES)):
         raise ValueError(
             f"times of shape {t.shape} and voltages of shape {v.shape}: allowed are (n,) and (n, 5)"
         )
-    with np.errstate(invalid="ignore"):  # what is not finite is refused by the core
-        risen = np.maximum.accumulate(t)
-        t = np.where(risen - t <= _ROUNDING * risen, risen, t)
+    risen = np.maximum.accumulate(t)
+    t = locked(np.where(risen - t <= _ROUNDING * risen, risen, t))
     _check_points(t, v)
-    t.flags.writeable = False
-    v.flags.writeable = False
     return t, v, int(repeats)
 
 

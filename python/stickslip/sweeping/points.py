@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip._util.messages import MOST_VALUES, as_list, check_kind, shown
-from stickslip._util.numbers import ABSOLUTE, RELATIVE, Array, Indices, representatives
+from stickslip._util.numbers import RELATIVE, Array, Indices, representatives
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import (
     COIL_NAMES,
@@ -209,15 +209,14 @@ def _check_key(key: str) -> None:
 def _check_axis(key: str, values: list[Value]) -> None:
     if not values:
         raise ScenarioError(f"{key}: there is no value")
-    # No setting of a drive is as small as 1e-12; a mass or a drag may be.
-    absolute = ABSOLUTE if key.startswith("drive.") else 0.0
-    numbers = [value for value in values if isinstance(value, float)]
-    same: dict[Any, Any] = representatives(numbers, absolute=absolute)
+    same: dict[Any, Any] = representatives(value for value in values if isinstance(value, float))
     seen: dict[Value, Value] = {}
     for value in values:
         one = same.get(value, value)
         if one in seen:
-            near = f", as {shown(seen[one])}: numbers within {RELATIVE:g} are the same setting"
+            near = (
+                f", as {shown(seen[one])}: numbers within {RELATIVE:g} of the spread are the same"
+            )
             said = "this value is given twice" + ("" if value == seen[one] else near)
             raise ScenarioError(f"{key} = {shown(value)}: {said}")
         seen[one] = value

@@ -5,16 +5,17 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Mapping, Sequence
-from typing import NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.signal import correlate
 
+from stickslip._util.arrays import check_indexes, locked, row
+from stickslip._util.messages import refuse
 from stickslip._util.numbers import Array, root_mean_square
 from stickslip._util.text import brief
 from stickslip.diagnosis.data.errors import FEWEST, Errors
-from stickslip.diagnosis.data.table import Table, stated_errors
+from stickslip.diagnosis.data.table import Table, stated_errors, without_gaps
 from stickslip.errors import ScenarioError
 from stickslip.simulation.note import Note
 
@@ -39,9 +40,9 @@ class Series(Table):
     Parameters
     ----------
     t : array_like, shape (n,)
-        Time of each reading, s, increasing; steps may differ.
+        Time of each reading, s, increasing; steps may differ. Dates are read as s from the first.
     y : array_like, shape (n,)
-        Readings.
+        Readings. A row with a gap (masked, None, NaN) is left out, and a note says so.
     inputs : mapping, optional
         What acts on the system, by name, each of shape (n,).
     sd : float or array_like, shape (n,), optional
@@ -63,7 +64,8 @@ class Series(Table):
     Raises
     ------
     ScenarioError
-        If lengths differ, a number is not finite or times do not increase.
+        If lengths or pandas indexes differ, a time or an input is missing, a number is not finite,
+        times do not increase, or an array carries a unit that is not converted.
     """
 
     def __init__(
@@ -79,31 +81,37 @@ class Series(Table):
     ) -> None:
         self.name, self.unit = str(name), unit
         self.repeat_of = repeat_of.name if isinstance(repeat_of, Series) else repeat_of
-        self.t = self._row("t", t)
-        count = len(self.t)
-        late = np.flatnonzero(np.diff(self.t) <= 0.0)
-        if len(late):
-            row = int(late[0]) + 1
-            self._refuse("t", row, self.t[row], f"a time after {self.t[row - 1]:g}")
-        self.y = self._row("y", y, count)
         if inputs is not None and not isinstance(inputs, Mapping):
             raise ScenarioError(f"{self._at}inputs = {brief(inputs)}: allowed are rows by name")
-        self.inputs = {
-            str(key): self._row(f"inputs {key}", each, count)
-            for key, each in (inputs or {}).items()
-        }
+        given = {str(key): each for key, each in (inputs or {}).items()}
+        check_indexes(self._at, {"t": t, "y": y, "sd": sd, **given})
+        times = row(f"{self._at}t", t, unit="s")
+        count = len(times)
+        late = np.flatnonzero(np.diff(times) <= 0.0)
+        if len(late):
+            before, time = times[late[0] : late[0] + 2].tolist()
+            refuse(f"{self._at}t: row {late[0] + 1}", time, f"a time after {before!r}")
+        readings = row(f"{self._at}y", y, count, unit=unit, gaps=True)
+        acting = {key: row(f"{self._at}inputs {key}", each, count) for key, each in given.items()}
+        gap = np.isnan(readings)
+        stated = None if sd is None else stated_errors(f"{self._at}sd", sd, count, unit)
+        gap = gap if stated is None else gap | np.isnan(stated)
+        self.own_notes = tuple(without_gaps(self._at, gap))
+        self.t, self.y = locked(times[~gap]), locked(readings[~gap])
+        self.inputs = {key: locked(each[~gap]) for key, each in acting.items()}
+        count = len(self.t)
         self.settings = {"t": self.t, **self.inputs}
         self.condition = self.first = np.arange(count)
         self.mean, self.places = self.y, None
         self.run, self.order = np.zeros(count, dtype=np.int64), np.arange(count, dtype=float)
         self.group = np.arange(count) * min(STRETCHES, count) // count
-        if sd is not None:
-            each = stated_errors(sd, count, f"{self._at}sd")
+        if stated is not None:
+            each = stated[~gap]
             self.errors = Errors(each, told={"s0": root_mean_square(each), "rho": 0.0})
         else:
             self.errors = _about_a_curve(self.t, self.y, unit)
         self.stated = sd is not None
-        self.notes = list(self.errors.notes)
+        self.notes = [*self.own_notes, *self.errors.notes]
 
     @property
     def _at(self) -> str:
@@ -135,28 +143,8 @@ class Series(Table):
     def with_inputs(self, inputs: Mapping[str, Array]) -> Series:
         """The same record with other inputs, of shape (n,) or (vectors, n)."""
         made = copy.copy(self)
-        made.inputs = {**self.inputs, **inputs}
+        made.inputs = {**self.inputs, **{key: locked(each) for key, each in inputs.items()}}
         return made
-
-    def _row(self, key: str, values: ArrayLike, count: int | None = None) -> Array:
-        try:
-            row = np.asarray(values, dtype=float)
-        except (TypeError, ValueError):
-            row = np.zeros((0, 0))
-        if row.ndim != 1 or not len(row):
-            raise ScenarioError(
-                f"{self._at}{key} = {brief(values)}: allowed is one row of finite numbers"
-            )
-        if count is not None and len(row) != count:
-            said = f"{len(row)} values; allowed are {count}, one for each time"
-            raise ScenarioError(f"{self._at}{key}: {said}")
-        wrong = np.flatnonzero(~np.isfinite(row))
-        if len(wrong):
-            self._refuse(key, int(wrong[0]), row[wrong[0]], "a finite number")
-        return row
-
-    def _refuse(self, key: str, row: int, value: float, allowed: str) -> NoReturn:
-        raise ScenarioError(f"{self._at}{key}: row {row}: {value:g}: allowed is {allowed}")
 
 
 def with_repeats(series: Sequence[Series]) -> list[Table]:

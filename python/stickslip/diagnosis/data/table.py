@@ -3,35 +3,42 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip._util.numbers import Array, Indices, representatives
-from stickslip._util.text import brief
+from stickslip._util.arrays import check_indexes, column, columns_of, labels, locked, numbers, row
+from stickslip._util.numbers import RELATIVE, Array, Indices, Mask, representatives
+from stickslip._util.text import brief, counted
 from stickslip.diagnosis.data.errors import Errors, estimate
 from stickslip.errors import ScenarioError
 from stickslip.simulation.note import Note
 
 _FEWEST_RUNS = 3  # that are held out whole
+_NAMED = 5  # rows that a note names; of more only the number is given
 
 
 class Table:
-    """Readings at settings. Rows with equal settings (to 1e-6) are repeats of one condition.
+    """Readings at settings. Rows with equal settings are repeats of one condition.
+
+    Numbers are equal within 1e-6 of the spread of their column. A row with a gap (masked, None,
+    NaN) is left out, and a note says so. Arrays are copied.
 
     Parameters
     ----------
     settings : mapping, DataFrame or array_like
-        Columns by name, each of shape (n,), or an array of shape (n,) or (n, columns). Texts are
-        allowed.
+        Columns by name, each of shape (n,), or an array of shape (n,) or (n, columns): numbers,
+        dates (s from the earliest), durations (s) or texts. Frames and structured arrays are read
+        by columns.
     y : array_like, shape (n,)
         Readings.
     sd : float or array_like, shape (n,), optional
         Standard deviation of each reading; estimated from repeats, if not given.
     block : array_like, shape (n,), optional
-        Set-up of each reading: readings of one set-up share an error.
+        Set-up of each reading: readings of one set-up share an error. One without a label is a
+        set-up of its own.
     run : array_like, shape (n,), optional
         Run of each reading: errors of neighbours in a run may be correlated, in the order of the
         rows.
@@ -40,7 +47,8 @@ class Table:
 
     Attributes
     ----------
-    settings : as given
+    settings : dict of ndarray, or ndarray
+        Columns by name, or an array, as it was given; read-only.
     y : ndarray, shape (n,)
     condition : ndarray of int, shape (n,)
         Of each reading, numbered in the order of their first rows.
@@ -61,13 +69,16 @@ class Table:
     Raises
     ------
     ScenarioError
-        If lengths differ or a number is not finite.
+        If lengths or pandas indexes differ, a number is not finite, or an array carries a unit
+        that is not converted to that of the readings.
     """
 
     run: Indices | None
     order: Array | None
     places: Array | None
     notes: list[Note]
+    own_notes: tuple[Note, ...] = ()
+    """Notes that do not depend on the errors."""
 
     def __init__(
         self,
@@ -80,38 +91,54 @@ class Table:
         name: str = "",
         unit: str = "-",
     ) -> None:
-        self.name, self.unit, self.settings = str(name), unit, settings
+        self.name, self.unit = str(name), unit
         at = f"table {name}: " if name else "table: "
-        self.y = _row(y, at + "y")
-        count = len(self.y)
-        columns = _columns(settings, count, at)
-        keys = list(zip(*(_equal(each) for each in columns), strict=True)) or [()] * count
+        columns = columns_of(f"{at}settings", settings)
+        beside = {"y": y, "sd": sd, "block": block, "run": run}
+        check_indexes(at, {**beside, "settings": settings, **(columns or {})})
+        readings = row(f"{at}y", y, unit=unit, gaps=True)
+        count = len(readings)
+        gap = np.isnan(readings)
+        given = _of_array(f"{at}settings", settings, count) if columns is None else columns
+        read = {}
+        for key, each in given.items():
+            read[key], missing = column(f"{at}settings {key}", each, count)
+            gap = gap | missing
+        stated = None if sd is None else stated_errors(f"{at}sd", sd, count, unit)
+        gap = gap if stated is None else gap | np.isnan(stated)
+        setup, runs = (
+            None if each is None else labels(f"{at}{key}", each, count)[~gap]
+            for key, each in (("block", block), ("run", run))
+        )
+        self.y = locked(readings[~gap])
+        read = {key: locked(each[~gap]) for key, each in read.items()}
+        self.settings = read if columns is not None else _as_array(settings, read)
+        said = without_gaps(at, gap)
+        same = [_equal(key, each, said) for key, each in read.items()]
+        keys = list(zip(*same, strict=True)) or [()] * len(self.y)
         number = {key: k for k, key in enumerate(dict.fromkeys(keys))}
         self.condition = np.array([number[key] for key in keys], dtype=np.int64)
         self.first = np.unique(self.condition, return_index=True)[1]
-        self.places = _places([each[self.first] for each in columns])
+        self.places = _places([each[self.first] for each in read.values()])
         self.group = np.arange(len(number), dtype=np.int64)
-        runs = None if run is None else _labels(run, count, at + "run")
-        stated = None if sd is None else stated_errors(sd, count, at + "sd")
-        self.mean, self.errors = estimate(
-            self.y, self.condition, sd=stated, run=runs,
-            setup=None if block is None else _labels(block, count, at + "block"),
-        )  # fmt: skip
-        self.notes = list(self.errors.notes)
+        stated = None if stated is None else stated[~gap]
+        self.mean, self.errors = estimate(self.y, self.condition, sd=stated, run=runs, setup=setup)
+        self.own_notes = tuple(said)
+        self.notes = [*said, *self.errors.notes]
         self.run = self.order = None
-        if runs is not None and len(number) == count:
-            self.run, self.order = runs, np.arange(count, dtype=float)
-            if int(runs.max()) + 1 >= _FEWEST_RUNS:
-                self.group = runs  # a whole run is predicted from the others
+        if runs is not None and len(number) == len(self.y):
+            self.run, self.order = runs, np.arange(len(runs), dtype=float)
+            if len(np.unique(runs)) >= _FEWEST_RUNS:
+                self.group = np.unique(runs, return_inverse=True)[1]  # a whole run is held out
 
     def __getitem__(self, column: str) -> Array:
-        """A column of the settings, shape (n,)."""
+        """A column of the settings, shape (n,), read-only."""
         return np.asarray(self.settings[column])
 
     def with_errors(self, errors: Errors) -> Table:
         """The same readings with other errors, and notes of these alone."""
         made = copy.copy(self)
-        made.errors, made.notes = errors, list(errors.notes)
+        made.errors, made.notes = errors, [*self.own_notes, *errors.notes]
         return made
 
     def __len__(self) -> int:
@@ -121,69 +148,56 @@ class Table:
         return f"<Table {self.name}: {len(self.y)} readings, {len(self.mean)} conditions>"
 
 
-def _row(values: ArrayLike, what: str) -> Array:
-    try:
-        row = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
-        row = np.zeros(0)
-    if row.ndim != 1 or not len(row) or not np.all(np.isfinite(row)):
-        raise ScenarioError(f"{what} = {brief(values)}: allowed is one row of finite numbers")
-    return row
-
-
-def stated_errors(sd: ArrayLike, count: int, what: str) -> Array:
-    """The stated error of each reading."""
-    try:
-        each = np.broadcast_to(np.asarray(sd, dtype=float), (count,))
-    except (TypeError, ValueError):
-        each = np.zeros(1)
-    if not np.all(np.isfinite(each) & (each > 0.0)):
+def stated_errors(what: str, sd: ArrayLike, count: int, unit: str) -> Array:
+    """The stated error of each reading, shape (count,); NaN in gaps."""
+    each = numbers(what, sd, unit=unit, gaps=True)
+    if each.shape not in ((), (count,)) or not np.all(np.isnan(each) | (each > 0.0)):
         raise ScenarioError(
             f"{what} = {brief(sd)}: allowed is a number above 0, or {count} of them"
         )
-    return each
+    return np.broadcast_to(each, (count,))
 
 
-def _labels(values: ArrayLike, count: int, what: str) -> Indices:
-    labels = np.asarray(values)
-    if labels.shape != (count,):
-        raise ScenarioError(f"{what}: allowed is one for each of {count} readings")
-    texts = labels if labels.dtype.kind in "fiub" else labels.astype(str)
-    return np.asarray(np.unique(texts, return_inverse=True)[1], dtype=np.int64)
+def without_gaps(at: str, gap: Mask) -> list[Note]:
+    """A note on the rows that have a gap, if there are any; not all of them may."""
+    rows = np.flatnonzero(gap).tolist()
+    if not rows:
+        return []
+    which = f"{'row' if len(rows) == 1 else 'rows'} {', '.join(map(str, rows[:_NAMED]))}"
+    which += ", ..." if len(rows) > _NAMED else ""
+    if len(rows) == len(gap):
+        raise ScenarioError(f"{at}{which}: every row has a gap; allowed are rows of numbers")
+    text = f"{at}{which}: {len(rows)} of {len(gap)} rows have a gap and are left out."
+    return [Note("gaps", text, len(rows))]
 
 
-def _columns(settings: Any, count: int, at: str) -> list[Array]:
-    """Columns of settings, each of shape (n,)."""
-    if isinstance(settings, Mapping) or hasattr(settings, "columns"):
-        columns = [np.asarray(settings[key]) for key in settings]
-    elif isinstance(settings, Sequence) and settings and isinstance(settings[0], Mapping):
-        if any(not isinstance(row, Mapping) or row.keys() != settings[0].keys()
-               for row in settings):  # fmt: skip
-            raise ScenarioError(f"{at}settings: allowed are rows with the same names")
-        columns = [np.asarray([row[key] for row in settings]) for key in settings[0]]
-    else:
-        array = np.asarray(settings)
-        columns = list(array.T) if array.ndim == 2 else [array]
-    for each in columns:
-        if each.shape != (count,):
-            raise ScenarioError(f"{at}settings: allowed are {count} rows, one for each reading")
-        if each.dtype.kind == "f" and not np.all(np.isfinite(each)):
-            raise ScenarioError(f"{at}settings: allowed are finite numbers")
-    return columns
+def _of_array(what: str, settings: Any, count: int) -> dict[Any, Any]:
+    """Columns of an array of settings, shape (n,) or (n, columns), by number."""
+    array = np.ma.asanyarray(settings)
+    if not 1 <= array.ndim <= 2 or len(array) != count:
+        raise ScenarioError(f"{what}: allowed are {count} rows, one for each reading")
+    return dict(enumerate(array.T)) if array.ndim == 2 else {0: settings}
 
 
-def _equal(column: Array) -> list[Any]:
-    """What stands for each value, the same for equal settings."""
-    if column.dtype.kind not in "fiu":
-        return [str(each) for each in column.tolist()]
-    size = float(np.max(np.abs(column), initial=0.0))
-    same = representatives(column.astype(float).tolist(), absolute=1e-12 * size)
-    return [same[float(each)] for each in column.tolist()]
+def _as_array(settings: Any, columns: Mapping[Any, Array]) -> Array:
+    """The columns as an array of the dimensions that were given."""
+    several = np.ndim(settings) == 2
+    return locked(np.stack(list(columns.values()), axis=1)) if several else columns[0]
+
+
+def _equal(key: Any, values: Array, said: list[Note]) -> list[Any]:
+    """What stands for each value of a column, the same for equal settings."""
+    if values.dtype.kind != "f":
+        return values.tolist()
+    same = representatives(values.tolist())
+    merged = sum(value != one for value, one in same.items())
+    if merged:
+        text = f"Of {key}, {counted(merged, 'value')} within {RELATIVE:g} of the spread of another "
+        said.append(Note("equal-settings", f"{text}one count as the same setting.", merged))
+    return [same[each] for each in values.tolist()]
 
 
 def _places(columns: list[Array]) -> Array | None:
     """The columns of numbers that vary; None where there is none."""
-    varying = [
-        each.astype(float) for each in columns if each.dtype.kind in "fiu" and np.ptp(each) > 0.0
-    ]
+    varying = [each for each in columns if each.dtype.kind == "f" and np.ptp(each) > 0.0]
     return np.stack(varying, axis=1) if varying else None

@@ -335,8 +335,7 @@ class Plots:
         elif result.measurement is None and isinstance(table.settings, Mapping):
             first = table.first[rows[0] - part.start]
             given = {
-                name: np.full(len(places), np.asarray(column)[first])
-                for name, column in table.settings.items()
+                name: np.full(len(places), column[first]) for name, column in table.settings.items()
             } | {over: places}
         else:
             return at, {}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import statistics
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -40,7 +39,7 @@ def title_of(table: Table, k: int) -> str:
 def unit_of(table: Table, row: int) -> str:
     """The SI unit of a reading: a film has several."""
     if isinstance(table, FilmTable):
-        column = str(np.asarray(table.settings["column"])[table.first[row]])
+        column = str(table["column"][table.first[row]])
         return {"theta": "rad", "x": "m", "z": "m"}.get(column, "A")
     return table.unit
 
@@ -60,17 +59,12 @@ def settings_of(table: Table) -> Settings:
     """
     if isinstance(table, Series):
         return {"t": (table.t.tolist(), "s")}
-    given = table.settings
-    if hasattr(given, "keys"):
-        columns = {str(key): np.asarray(given[key]) for key in given}
-    elif isinstance(given, list | tuple) and given and isinstance(given[0], Mapping):
-        columns = {str(key): np.asarray([each[key] for each in given]) for key in given[0]}
-    else:
-        array = np.asarray(given)
-        array = array[:, None] if array.ndim == 1 else array
-        count = array.shape[1]
-        names = ["setting"] if count == 1 else [f"setting {k + 1}" for k in range(count)]
-        columns = dict(zip(names, array.T, strict=True))
+    columns = table.settings
+    if isinstance(columns, np.ndarray):
+        array = columns.reshape(len(columns), -1)
+        names = [f"setting {k + 1}" for k in range(array.shape[1])]
+        columns = dict(zip(names if len(names) > 1 else ["setting"], array.T, strict=True))
+    columns = {str(key): each for key, each in columns.items()}
     known = known_keys() if isinstance(table, VelocityTable) else {}
     columns = {key: columns[key] for key in known if key in columns} or columns
     own = _UNITS if isinstance(table, AngleTable | FieldTable) else {}

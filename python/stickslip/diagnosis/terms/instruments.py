@@ -32,6 +32,7 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg import lapack
 from scipy.spatial.transform import Rotation
 
+from stickslip._util.arrays import check_indexes, labels, row
 from stickslip._util.messages import refuse
 from stickslip._util.numbers import Array, root_mean_square
 from stickslip.diagnosis.data.series import Series
@@ -198,10 +199,9 @@ def delay(
         refuse("size", size, "a number above 0")
     if times is None:
         return _delay_in_time(size, largest, input, table, name)
-    at = np.asarray(times, dtype=float)
-    of = np.zeros(len(at), dtype=int) if curve is None else np.asarray(curve)
-    if at.ndim != 1 or of.shape != at.shape or not np.all(np.isfinite(at)):
-        raise ScenarioError("times, curve: allowed is one row of numbers each, of one length")
+    check_indexes("", {"times": times, "curve": curve})
+    at = row("times", times, unit="s")
+    of = np.zeros(len(at), dtype=int) if curve is None else labels("curve", curve, len(at))
     curves = [np.flatnonzero(of == each) for each in np.unique(of)]
     curves = [each[np.argsort(at[each], kind="stable")] for each in curves]
     if any(len(each) < 2 or not np.all(np.diff(at[each]) > 0.0) for each in curves):
@@ -276,12 +276,13 @@ def marker_place(
     """
     if (theta is None) == (angle is None):
         raise ScenarioError("theta, angle: allowed is one of them")
+    known = None if angle is None else row("angle", angle, unit="rad")
     parameters = tuple(
         _either_way(f"{name}.{word}", "m", size, largest) for word in ("along", "across")
     )
 
     def read(readings: Array, predicted: Array, p: dict[str, Array], _: Table) -> Array:
-        turned = np.asarray(angle, dtype=float) if theta is None else _some(predicted, theta)
+        turned = _some(predicted, theta) if theta is not None else known
         shifts = marker(turned, *(p[each.name] for each in parameters))
         for rows, shift in zip((x, z), shifts, strict=True):
             if rows is not None:

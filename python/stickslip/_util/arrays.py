@@ -1,0 +1,305 @@
+"""The door for data: every array of numbers or labels of a user is read here, once.
+
+What comes out is a copy: floats that cannot be written to, or labels. A gap is what a mask hides,
+None, NaN, NA or NaT.
+"""
+
+from __future__ import annotations
+
+import datetime
+import numbers as kinds_of_numbers
+from collections.abc import Hashable, Mapping, Sequence
+from decimal import Decimal
+from typing import Any, NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip._util.messages import refuse, shown
+from stickslip._util.numbers import Array, Indices, Mask
+from stickslip.errors import ScenarioError
+
+Elements = NDArray[Any]
+
+_NUMBER, _TRUTH, _TEXT, _DATE, _DURATION = "number", "truth", "text", "date", "duration"
+_KINDS = {"b": _TRUTH, "i": _NUMBER, "u": _NUMBER, "f": _NUMBER, "U": _TEXT, "M": _DATE,
+          "m": _DURATION}  # fmt: skip
+"""What an array of a dtype holds; an array of objects is asked one by one."""
+
+_FINITE = "finite numbers"
+
+
+def numbers(
+    what: str,
+    values: object,
+    allowed: str = _FINITE,
+    *,
+    unit: str | None = None,
+    gaps: bool = False,
+    finite: bool = True,
+) -> Array:
+    """The numbers that the values are: a read-only copy of the same shape.
+
+    Dates become seconds from the earliest one, durations seconds, texts the numbers that they
+    write.
+
+    Parameters
+    ----------
+    what : str
+        Name of the values in messages.
+    values : array_like
+    allowed : str
+        What messages call allowed.
+    unit : str, optional
+        Unit to which values that carry one are converted. Without it these are refused.
+    gaps : bool
+        Whether gaps become NaN. They are refused otherwise.
+    finite : bool
+        Whether infinite numbers are refused.
+
+    Raises
+    ------
+    ScenarioError
+        If a value is no finite number, if the values are of several kinds, or if their unit cannot
+        be converted.
+    """
+    given, missing = _elements(what, _without_unit(what, values, unit), allowed)
+    found = _as_floats(what, given, missing, allowed)
+    if missing.any() and not gaps:
+        refuse(_at(what, missing), np.nan, allowed)
+    wrong = ~np.isfinite(found) & ~missing
+    if finite and wrong.any():
+        _refuse_element(what, given, wrong, allowed)
+    return locked(found)
+
+
+def row(
+    what: str,
+    values: object,
+    count: int | None = None,
+    *,
+    unit: str | None = None,
+    gaps: bool = False,
+) -> Array:
+    """`numbers` of shape (n,), not empty; of shape (count,) where a count is given."""
+    allowed = "one row of finite numbers"
+    found = numbers(what, values, allowed, unit=unit, gaps=gaps)
+    if found.ndim != 1 or not len(found):
+        refuse(what, values, allowed)
+    if count is not None and len(found) != count:
+        raise ScenarioError(f"{what}: {len(found)} values; allowed are {count}")
+    return found
+
+
+def column(what: str, values: object, count: int) -> tuple[Elements, Mask]:
+    """A column of settings, shape (count,), and its gaps.
+
+    It holds floats, with NaN in gaps, or texts or truths, which are labels.
+    """
+    allowed = "numbers or texts"
+    given, missing = _elements(what, _without_unit(what, values, None), allowed)
+    if given.shape != (count,):
+        raise ScenarioError(f"{what}: allowed are {count} rows, one for each reading")
+    kind = _kind_of_all(what, given, missing, allowed)
+    if kind == _TEXT:
+        words = ["" if gap else str(each) for each, gap in zip(given, missing, strict=True)]
+        return locked(np.array(words)), missing
+    if kind == _TRUTH and not missing.any():
+        return locked(given.astype(bool)), missing
+    found = _as_floats(what, given, missing, allowed)
+    wrong = ~np.isfinite(found) & ~missing
+    if wrong.any():
+        _refuse_element(what, given, wrong, allowed)
+    return locked(found), missing
+
+
+def labels(what: str, values: object, count: int) -> Indices:
+    """Numbers of the different labels, from 0, shape (count,); a gap is like no other."""
+    given, missing = _elements(what, values, "labels")
+    if given.shape != (count,):
+        raise ScenarioError(f"{what}: allowed is one for each of {count} readings")
+    plain = given.tolist()
+    texts = any(isinstance(each, str) for each in plain)
+    keys: list[Hashable] = [
+        (k,) if gap else str(each) if texts else each
+        for k, (each, gap) in enumerate(zip(plain, missing.tolist(), strict=True))
+    ]
+    places = {key: k for k, key in enumerate(dict.fromkeys(keys))}
+    return np.array([places[key] for key in keys], dtype=np.int64)
+
+
+def columns_of(what: str, table: Any) -> dict[Any, Any] | None:
+    """Columns of a mapping, a frame, a structured array or a list of rows; None of other arrays."""
+    if isinstance(table, Mapping):
+        return dict(table)
+    if isinstance(table, Sequence) and table and isinstance(table[0], Mapping):
+        names = list(table[0])
+        if any(not isinstance(each, Mapping) or each.keys() != table[0].keys() for each in table):
+            raise ScenarioError(f"{what}: allowed are rows with the same names")
+        return {name: [each[name] for each in table] for name in names}
+    names = list(getattr(getattr(table, "dtype", None), "names", None)
+                 or getattr(table, "columns", ()))  # fmt: skip
+    for k, name in enumerate(names):
+        if name in names[:k]:
+            raise ScenarioError(f"{what}: column {shown(name)} is there twice; allowed is once")
+    return {name: table[name] for name in names} if names else None
+
+
+def check_indexes(at: str, given: Mapping[str, Any]) -> None:
+    """Refuse pandas objects whose indexes differ: by position other rows would meet."""
+    indexes = {
+        name: values.index
+        for name, values in given.items()
+        if _is_of_pandas(values) and hasattr(values, "index")
+    }
+    first = next(iter(indexes), "")
+    for name, index in indexes.items():
+        if not index.equals(indexes[first]):
+            raise ScenarioError(
+                f"{at}{name} has another index than {first}: allowed are equal indexes, or arrays"
+            )
+
+
+def _is_of_pandas(values: object) -> bool:
+    return type(values).__module__.partition(".")[0] == "pandas"
+
+
+def _without_unit(what: str, values: Any, unit: str | None) -> Any:
+    """The values in the wanted unit, if they carry one; else as they are."""
+    # An Index of dates has a `unit`, its resolution, and a Series that of a label: ask the dtype.
+    carrier = getattr(values, "dtype", None) if _is_of_pandas(values) else values
+    carried = getattr(carrier, "units", getattr(carrier, "unit", None))
+    if carried is None or _is_of_pandas(carrier):
+        return values
+    wanted = "" if unit in (None, "-", "1") else str(unit)
+    allowed = f"numbers in {wanted}" if wanted else "numbers without a unit"
+    refusal = f"{what} is in {carried}: allowed are {allowed}"
+    if unit is None:
+        raise ScenarioError(refusal)
+    try:
+        from pint import Quantity
+        from pint.errors import PintError
+    except ModuleNotFoundError:
+        raise ScenarioError(f"{refusal}; pint, which converts them, is not installed") from None
+    plain = getattr(values, "magnitude", getattr(values, "value", values))
+    try:
+        return Quantity(np.ma.asanyarray(plain), str(carried)).to(wanted).magnitude
+    except (PintError, TypeError, ValueError, AttributeError):
+        raise ScenarioError(refusal) from None
+
+
+def _elements(what: str, values: Any, allowed: str) -> tuple[Elements, Mask]:
+    """The values in an array of their own, and which of them are gaps."""
+    try:
+        given = np.array(np.ma.getdata(values) if np.ma.isMaskedArray(values) else values)
+        if given.dtype.kind in "USM" and not hasattr(values, "dtype"):
+            given = np.array(values, dtype=object)  # numbers beside texts would be texts
+    except (TypeError, ValueError, OverflowError):  # rows of several lengths
+        refuse(what, values, allowed)
+    if given.dtype.kind == "O":
+        missing = np.array([_is_gap(each) for each in given.flat], dtype=bool).reshape(given.shape)
+    elif given.dtype.kind in "fcmM":
+        missing = np.asarray(np.isnat(given) if given.dtype.kind in "mM" else np.isnan(given))
+    else:
+        missing = np.zeros(given.shape, dtype=bool)
+    return given, missing | np.ma.getmaskarray(values) if np.ma.isMaskedArray(values) else missing
+
+
+def _is_gap(value: Any) -> bool:
+    if value is None or value is np.ma.masked or type(value).__name__ in ("NAType", "NaTType"):
+        return True
+    return isinstance(value, kinds_of_numbers.Number | Decimal | np.generic) and value != value
+
+
+def _kind_of(value: Any) -> str | None:
+    """Kind of an object; None of one that has no place here, such as a complex number."""
+    if isinstance(value, bool | np.bool_):
+        return _TRUTH
+    if isinstance(value, kinds_of_numbers.Real | Decimal):
+        return _NUMBER
+    if isinstance(value, str):
+        return _TEXT
+    if isinstance(value, datetime.date | np.datetime64):
+        return _DATE
+    return _DURATION if isinstance(value, datetime.timedelta | np.timedelta64) else None
+
+
+def _kind_of_all(what: str, given: Elements, missing: Mask, allowed: str) -> str:
+    """The kind of all elements but gaps; truths among numbers are numbers."""
+    if given.dtype.kind != "O":
+        if given.dtype.kind not in _KINDS:
+            refuse(what, given, allowed)
+        return _KINDS[given.dtype.kind]
+    kinds = [_kind_of(value) for value in given[~missing]]
+    if set(kinds) == {_TRUTH, _NUMBER}:
+        return _NUMBER
+    wrong = np.zeros(given.shape, dtype=bool)
+    usual = next((kind for kind in kinds if kind != _TEXT), _TEXT)
+    wrong[~missing] = [kind is None or kind != usual for kind in kinds]
+    if wrong.any():
+        _refuse_element(what, given, wrong, allowed)
+    return kinds[0] or _NUMBER if kinds else _NUMBER
+
+
+def _as_floats(what: str, given: Elements, missing: Mask, allowed: str) -> Array:
+    """Elements of one kind as numbers, NaN in gaps."""
+    kind = _kind_of_all(what, given, missing, allowed)
+    if given.dtype.kind == "f":
+        found = given.astype(np.float64)
+        found[missing] = np.nan
+        return found
+    found = np.full(given.shape, np.nan)
+    sound = ~missing
+    if kind in (_DATE, _DURATION):
+        found[sound] = _seconds(what, given[sound], kind, allowed)
+    elif given.dtype.kind in "biu":
+        found[sound] = given[sound]
+    else:
+        for place in map(tuple, np.argwhere(sound)):
+            try:
+                found[place] = float(given[place])
+            except (TypeError, ValueError, OverflowError):
+                wrong = np.zeros(given.shape, dtype=bool)
+                wrong[place] = True
+                _refuse_element(what, given, wrong, allowed)
+    return found
+
+
+def _seconds(what: str, given: Elements, kind: str, allowed: str) -> Array:
+    """Durations, or dates from the earliest one, s, shape (n,)."""
+    try:
+        if given.dtype.kind == "O":
+            exact = [_in_utc(each) for each in given]
+            given = np.array(exact, dtype="M8[us]" if kind == _DATE else "m8[us]")
+        if kind == _DATE:
+            unit = "D" if np.datetime_data(given.dtype)[0] in "YM" else None
+            given = given.astype(f"M8[{unit}]") if unit else given
+            given = given - given.min() if len(given) else given - given
+        return np.asarray(given / np.timedelta64(1, "s"), dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):  # months, or dates of which some have a zone
+        refuse(what, given, allowed)
+
+
+def _in_utc(value: Any) -> Any:
+    """A date with a time zone as one of UTC without; others as they are."""
+    if getattr(value, "tzinfo", None) is None:
+        return value
+    return value.astimezone(datetime.timezone.utc).replace(tzinfo=None)
+
+
+def _refuse_element(what: str, given: Elements, wrong: Mask, allowed: str) -> NoReturn:
+    """Refuse the first of the wrong elements."""
+    refuse(_at(what, wrong), given[tuple(np.argwhere(wrong)[0])], allowed)
+
+
+def _at(what: str, wrong: Mask) -> str:
+    """The name of the first of the wrong elements."""
+    place = np.argwhere(wrong)[0].tolist()
+    where = f": row {place[0]}" if len(place) == 1 else f"{place}" if place else ""
+    return f"{what}{where}"
+
+
+def locked(array: Elements) -> Elements:
+    """The array, which can no longer be written to."""
+    array.flags.writeable = False
+    return array
