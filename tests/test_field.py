@@ -232,12 +232,12 @@ def test_strided_and_integer_input():
 @pytest.mark.parametrize(
     ("points", "currents", "message"),
     [
-        ([0, 0], [0] * 5, "points must have shape (..., 3), in m; got (2,)"),
-        (0.0, [0] * 5, "points must have shape (..., 3), in m; got ()"),
-        ([0, 0, 0], [0] * 4, "currents must have shape (..., 5), in A; got (4,)"),
+        ([0, 0], [0] * 5, "points of shape (2,): allowed is shape (..., 3)"),
+        (0.0, [0] * 5, "points of shape (): allowed is shape (..., 3)"),
+        ([0, 0, 0], [0] * 4, "currents of shape (4,): allowed is shape (..., 5)"),
         ([[0] * 3] * 2, [[0] * 5] * 3, "points of shape (2, 3) and currents of shape (3, 5)"),
-        ([[0, 0, 0], [0, np.nan, 0]], [0] * 5, "points must be finite, in m; points[1, 1] is nan"),
-        ([0, 0, 0], [0, 0, 0, 0, np.inf], "currents must be finite, in A; currents[4] is inf"),
+        ([[0, 0, 0], [0, np.nan, 0]], [0] * 5, "points[1, 1] = nan: allowed is"),
+        ([0, 0, 0], [0, 0, 0, 0, np.inf], "currents: row 4 = inf: allowed is"),
         ([0.099, 0.06925, 0.01], [1, 0, 0, 0, 0], "point (0.099, 0.06925, 0.01) m lies on the"),
         ([DISTANCE + 0.9e-9, HALF, HALF], [1, 0, 0, 0, 0], "point ("),
     ],

@@ -66,7 +66,8 @@ def numbers(
     given, missing = _elements(what, _without_unit(what, values, unit), allowed)
     found = _as_floats(what, given, missing, allowed)
     if missing.any() and not gaps:
-        refuse(_at(what, missing), np.nan, allowed)
+        first = given[tuple(np.argwhere(missing)[0])]
+        refuse(_at(what, missing), first if _is_gap(first) else np.nan, allowed)
     wrong = ~np.isfinite(found) & ~missing
     if finite and wrong.any():
         _refuse_element(what, given, wrong, allowed)

@@ -151,7 +151,7 @@ class Coils:
 
 def _five(values: ArrayLike) -> list[float]:
     """One value a coil, of one for all or of five; other shapes are a ValueError."""
-    array = numbers("a value of the coils", values)
+    array = numbers("a value of the coils", values, gaps=True, finite=False)
     if array.shape not in ((), (5,)):
         raise ValueError(f"a value of the coils must have shape () or (5,); got {array.shape}")
     return [float(each) for each in np.broadcast_to(array, 5)]

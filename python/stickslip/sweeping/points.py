@@ -215,7 +215,7 @@ def _check_axis(key: str, values: list[Value]) -> None:
         one = same.get(value, value)
         if one in seen:
             near = (
-                f", as {shown(seen[one])}: numbers within {RELATIVE:g} of the spread are the same"
+                f", as {shown(seen[one])}: the same within {RELATIVE:g} of the spread"
             )
             said = "this value is given twice" + ("" if value == seen[one] else near)
             raise ScenarioError(f"{key} = {shown(value)}: {said}")
