@@ -13,6 +13,7 @@ import numpy as np
 from stickslip._util.messages import meant, refuse, shown
 from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
+from stickslip.scenario.changes import Changes
 from stickslip.scenario.keys import (
     COIL_NAMES,
     PROGRAM,
@@ -20,7 +21,6 @@ from stickslip.scenario.keys import (
     Value,
     checked,
     find_key,
-    full_name,
     refuse_sawtooth,
 )
 from stickslip.scenario.scenario import Scenario
@@ -155,7 +155,7 @@ def made_space(
     """The checked search space; `volts` is the limit on the voltages."""
     if not free and knots is None:
         raise ScenarioError("nothing is free: allowed are keys with a range, or knots, or both")
-    by_name = {full_name(key): value for key, value in free.items()}
+    by_name = Changes(free)
     names: tuple[str, ...] = ()
     if knots is None:
         refuse_sawtooth(scenario.drive.mode, by_name)

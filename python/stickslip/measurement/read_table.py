@@ -177,7 +177,9 @@ def _plain(heading: str, column: Series[Any], units: Units) -> Iterable[Any]:
     unit = units.get(split_unit(heading)[0])
     if unit is None or any(isinstance(each, str) for each in column):
         return column  # cells of texts are checked one by one, as those of a file
-    found: list[float] = numbers(f"column {heading}", column, unit=unit, gaps=True, finite=False).tolist()
+    found: list[float] = numbers(
+        f"column {heading}", column, unit=unit, gaps=True, finite=False
+    ).tolist()
     return found
 
 

@@ -18,6 +18,7 @@ from stickslip._util.messages import check_kind
 from stickslip._util.units import handy
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.field.field_map import FieldMap
+from stickslip.scenario.changes import Changes
 from stickslip.scenario.effects import flat_effects
 from stickslip.scenario.keys import (
     COIL_MAP,
@@ -28,7 +29,6 @@ from stickslip.scenario.keys import (
     Value,
     find_key,
     full_name,
-    is_of_one_coil,
     known_keys,
     set_value,
 )
@@ -146,8 +146,7 @@ class Scenario:
         if coil is not None:
             self._map = coil.map
         if effects is not None:
-            for key, value in flat_effects(effects).items():
-                set_value(self._core, key, value)
+            Changes(flat_effects(effects)).apply(self._core)
         self._uncertain = None if uncertain is None else as_joint_prior(uncertain)
         self._check()
 
@@ -267,13 +266,7 @@ class Scenario:
         made = self._copy()
         if changes is not None:
             check_kind("changes", changes, Mapping)
-        given = {**(changes or {}), **more}
-        values = {full_name(str(key)): value for key, value in given.items()}
-        # A mode resets what another one has, and a key of all coils that of a single one.
-        for key in sorted(
-            values, key=lambda key: 0 if key == "drive.mode" else 1 + is_of_one_coil(key)
-        ):
-            value = values[key]
+        for key, value in Changes(changes or {}, more).in_order():
             if key == PROGRAM:
                 Drive(program=value)
                 made._program = value

@@ -9,7 +9,8 @@ from typing import Any, ClassVar, TypeVar
 from stickslip import _core
 from stickslip._util.messages import shown, suggestion
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import Key, keys_of, set_value
+from stickslip.scenario.changes import Changes
+from stickslip.scenario.keys import Key, keys_of
 
 _S = TypeVar("_S", bound="Section")
 
@@ -44,18 +45,17 @@ class Section:
         )
 
     def __init__(self, **values: object) -> None:
-        core = _core.Scenario()
-        # A mode that is set resets what another one has.
-        for field in sorted(values, key=lambda field: field != "mode"):
-            self._set(core, field, values[field])
-        self._core = core
+        self._core = _core.Scenario()
+        changes = [self._changes(field, value) for field, value in values.items()]
+        Changes(*changes).apply(self._core)
 
-    def _set(self, core: _core.Scenario, field: str, value: object) -> None:
+    def _changes(self, field: str, value: Any) -> dict[str, Any]:
+        """The changes that the value of a field makes, by dotted key."""
         if field not in self._fields:
             given = f"{self._name}.{field} = {shown(value)}"
             hint = suggestion(field, self._fields)
             raise ScenarioError(f"{given}: there is no such key; {hint}")
-        set_value(core, self._keys[field], value)
+        return {self._keys[field]: value}
 
     @classmethod
     def view(cls: type[_S], core: Any, *held: Any) -> _S:

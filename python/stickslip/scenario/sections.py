@@ -19,7 +19,6 @@ from stickslip.scenario.keys import (
     PROGRAM_HINT,
     is_of_one_coil,
     keys_of,
-    set_value,
 )
 from stickslip.scenario.section import Section
 from stickslip.scenario.waveform import Waveform
@@ -82,23 +81,20 @@ class Coil(
     __slots__ = ("_map",)
 
     def __init__(self, *, map=None, **values):
-        # Those of all coils before those of single ones.
-        super().__init__(**dict(sorted(values.items(), key=lambda item: item[0] in COIL_NAMES)))
+        super().__init__(**values)
         if map is not None:
             if not isinstance(map, FieldMap):
                 refuse(COIL_MAP, map, f"a path in a file or with --set; {MAP_HINT}")
             self._core.set_map(map.to_core())
         self._map = map
 
-    def _set(self, core, field, value):
+    def _changes(self, field, value):
         if field not in COIL_NAMES:
-            super()._set(core, field, value)
-            return
+            return super()._changes(field, value)
         own = value._asdict() if isinstance(value, OneCoil) else value
         if not isinstance(own, Mapping | None):
             refuse(f"coil.{field}", value, f"a table [coil.{field}]")
-        for name, each in (own or {}).items():
-            set_value(core, f"coil.{field}.{name}", each)
+        return {f"coil.{field}.{name}": each for name, each in (own or {}).items()}
 
     @property
     def map(self):

@@ -20,7 +20,8 @@ from stickslip._util.numbers import Array, Mask
 from stickslip._util.tables import read_table
 from stickslip._util.text import counted, highest, is_number
 from stickslip.errors import prefixed
-from stickslip.scenario.keys import COIL_NAMES, set_value
+from stickslip.scenario.changes import Changes
+from stickslip.scenario.keys import COIL_NAMES
 
 if TYPE_CHECKING:
     from stickslip.scenario.sections import Coil
@@ -185,8 +186,8 @@ class Waveform:
         if "mode" in fields:
             refuse("mode", fields["mode"], f"none, as the voltages are those of {mode}")
         core = _with_coil(coil)
-        for name, value in {"mode": mode, **fields}.items():
-            set_value(core, f"drive.{name}", value)
+        changes = {f"drive.{name}": value for name, value in fields.items()}
+        Changes({"drive.mode": mode}, changes).apply(core)
         with prefixed("", ValueError):
             core.check()
         return cls(core.program())

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from stickslip._util.messages import MOST_VALUES, as_list, check_kind, shown
 from stickslip._util.numbers import RELATIVE, Array, Indices, representatives
 from stickslip.errors import ScenarioError
+from stickslip.scenario.changes import Changes
 from stickslip.scenario.keys import (
     COIL_NAMES,
     OBJECTS,
@@ -22,7 +23,6 @@ from stickslip.scenario.keys import (
     Value,
     check_word,
     checked,
-    full_name,
     is_of_one_coil,
     known_keys,
     refuse_sawtooth,
@@ -133,7 +133,7 @@ def points_of(scenario: Scenario, vary: Vary | None) -> Points:
     """The points that `sweep` simulates."""
     check_kind("scenario", scenario, Scenario)
     if isinstance(vary, Mapping):
-        return grid(scenario, _by_full_name(vary))
+        return grid(scenario, Changes(vary))
     table: Any = vary
     if hasattr(table, "to_dict"):  # a DataFrame
         table = table.to_dict("records")
@@ -141,12 +141,7 @@ def points_of(scenario: Scenario, vary: Vary | None) -> Points:
     for place, row in enumerate(rows):
         if not isinstance(row, Mapping):
             raise ScenarioError(f"vary, point {place} = {shown(row)}: allowed is a mapping")
-    return from_changes(scenario, [_by_full_name(row) for row in rows])
-
-
-def _by_full_name(values: Mapping[str, Any]) -> dict[str, Any]:
-    """The same by the dotted keys of `Scenario.keys`."""
-    return {full_name(key): value for key, value in values.items()}
+    return from_changes(scenario, [Changes(row) for row in rows])
 
 
 def grid(scenario: Scenario, vary: Mapping[str, Iterable[Value]]) -> Points:
@@ -214,9 +209,7 @@ def _check_axis(key: str, values: list[Value]) -> None:
     for value in values:
         one = same.get(value, value)
         if one in seen:
-            near = (
-                f", as {shown(seen[one])}: the same within {RELATIVE:g} of the spread"
-            )
+            near = f", as {shown(seen[one])}: the same within {RELATIVE:g} of the spread"
             said = "this value is given twice" + ("" if value == seen[one] else near)
             raise ScenarioError(f"{key} = {shown(value)}: {said}")
         seen[one] = value

@@ -15,6 +15,7 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.numbers import Array
 from stickslip.diagnosis.terms.instruments import marker
+from stickslip.scenario.changes import Changes
 from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.scenario import Scenario
 
@@ -157,8 +158,7 @@ def record(
 def _core_with(base: _core.Scenario, names: Sequence[str], values: Array) -> _core.Scenario | None:
     core = _core.Scenario(base)
     try:
-        for name, value in zip(names, values, strict=True):
-            core.set(name, float(value))
+        Changes(dict(zip(names, values.tolist(), strict=True))).apply(core)
         core.check()
     except ValueError:
         return None
