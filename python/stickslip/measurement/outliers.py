@@ -3,7 +3,8 @@
 A reading is left out if it lies farther than `FAR` robust standard deviations from the value that
 the other readings let expect. What that is differs with the table: repeats of a condition have
 their median; a curve that was never repeated the line through two neighbours; rows with several
-settings a fit to all others; and frames of nearly one phase, which are many, a running median.
+settings a fit to all others; frames of nearly one phase, which are many, a running median; and
+frames of a track the frames that lead to them and on from them.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from collections.abc import Callable
 import numpy as np
 
 from stickslip._util.numbers import Array, Indices, Mask
+from stickslip.errors import ScenarioError
 
 FAR = 8.0
 """Robust standard deviations beyond which a reading is left out. Chosen: one normal error in 1e15
@@ -33,6 +35,8 @@ _BEND = 3.5  # standard deviations; chosen: one normal error in 2000 is as far
 _SHARE, _QUANTILE = 0.8, 1.2816  # of normal errors four fifths are below so many sd
 _ENOUGH = 2000  # trials; chosen: they tell a scale to 3 %, and more would only cost time
 _GRID, _WIDEST = 40, 50.0  # steps and reach of a scale about the median; chosen: 22 % a step
+_SOME, _SOME_NORMAL = 0.25, 0.3186  # a quarter of normal errors are below so many sd
+_OTHER = 8  # frames in a row that are another body; chosen: as many as make a velocity
 _FEW = 0.05  # of the rows; chosen: where more are far it is the fit that is wrong
 
 
@@ -136,3 +140,54 @@ def far_from_their_phase(level: Array, quantum: float) -> Mask:
     # Rounding scatters evenly over a step, which has the variance of a twelfth.
     usual = max(float(np.median(spread)), quantum / math.sqrt(12.0))
     return np.asarray(np.abs(level - middle) > FAR_FROM_PHASE * np.maximum(spread, usual))
+
+
+def one_place_each(t: Array, x: Array) -> tuple[Array, Array]:
+    """Times and places of frames in the order of time, each once; two places at one are refused."""
+    order = np.argsort(t, kind="stable")
+    t, x = t[order], x[order]
+    again = np.append(False, np.diff(t) == 0.0)
+    two = np.flatnonzero(again & np.append(False, np.diff(x) != 0.0))
+    if len(two):
+        k = int(two[0])
+        raise ScenarioError(
+            f"x: two places at t = {t[k]:.6g} s, {x[k - 1]:.6g} and {x[k]:.6g} m: allowed is one, "
+            "the track of one robot"
+        )
+    return t[~again], x[~again]
+
+
+def lost_frames(t: Array, x: Array, size: float) -> Mask:
+    """Which frames show no place of the tracked body; frames of another body are refused.
+
+    `t`, shape (n,), s, rises; `x`, shape (n,), m; `size` is the length of the body, m. The track is
+    cut where a frame lies farther from the one before than half a body, or than the others let
+    expect. The body is on the longest sequence of pieces of which each begins where an earlier one
+    ends. A piece that is not on it is of another body if it is long; whole numbers of metres are
+    what trackers write where they see none.
+    """
+    step = np.diff(x)
+    away = x - float(np.median(step / np.diff(t))) * (t - t[0])
+    jump = np.abs(np.diff(away))
+    # Two of three frames may be lost.
+    usual = float(np.quantile(jump, _SOME, method="lower")) / _SOME_NORMAL
+    far = max(0.5 * size, FAR * usual)
+    pieces = np.split(np.arange(len(x)), np.flatnonzero(jump > far) + 1)
+    held, before = [len(piece) for piece in pieces], [-1] * len(pieces)
+    for k, piece in enumerate(pieces):
+        for j in range(k):
+            near = abs(away[piece[0]] - away[pieces[j][-1]]) <= far
+            if near and held[j] + len(piece) > held[k]:
+                held[k], before[k] = held[j] + len(piece), j
+    off, k = np.ones(len(x), dtype=bool), int(np.argmax(held))
+    while k >= 0:
+        off[pieces[k]] = False
+        k = before[k]
+    for piece in pieces:
+        if off[piece[0]] and len(piece) >= _OTHER and np.any(x[piece] != np.round(x[piece])):
+            begin = int(piece[0])
+            raise ScenarioError(
+                f"x: another body from t = {t[begin]:.6g} s on, at {x[begin]:.6g} m: allowed is "
+                "the track of one robot"
+            )
+    return off

@@ -15,6 +15,7 @@ from stickslip._util.numbers import RELATIVE, Array, are_equal
 from stickslip._util.text import OneLine, counted, highest, is_number
 from stickslip._util.units import split_unit, unit_meant
 from stickslip.errors import ScenarioError, prefixed
+from stickslip.measurement.outliers import lost_frames, one_place_each
 from stickslip.measurement.read_table import read_numbers, stated_number
 from stickslip.scenario.keys import FILE
 from stickslip.scenario.scenario import Scenario
@@ -105,8 +106,11 @@ def read_tracking(
     columns, left_out = read_numbers(path, _REQUIRED, _OPTIONAL, _OF_A_RUN)
     why = _unit_of_times(columns["t"], rate, own.window[1])
     if why is None:
-        columns = _usable_frames(path.name, columns, own.window[1], left_out)
-        why = _too_little(columns, own)
+        try:
+            columns = _usable_frames(path.name, columns, own, left_out)
+            why = _too_little(columns, own)
+        except ScenarioError as error:
+            why = "run-of-two-bodies", str(error), math.nan
     if why is not None:
         code, text, value = why
         text = f"{path.name}: the run is left out, as {text}."
@@ -175,12 +179,14 @@ def _unit_of_times(times: Array, rate: float, end: float) -> _Why | None:
 
 
 def _usable_frames(
-    name: str, table: Mapping[str, Array], end: float, left_out: list[Note]
+    name: str, table: Mapping[str, Array], scenario: Scenario, left_out: list[Note]
 ) -> dict[str, Array]:
-    """Frames in the order of time, each time once, before the end of the last pulse, s.
+    """Frames of the robot in the order of time, each once, before the end of the last pulse.
 
-    What the coils do after that is not known.
+    What the coils do after that is not known. A ScenarioError says that there are two bodies.
     """
+    end, length = scenario.window[1], scenario.robot.length
+    one_place_each(table["t"], table["x"])
     order = np.argsort(table["t"], kind="stable")
     times, first = np.unique(table["t"][order], return_index=True)
     inside = times < end
@@ -199,6 +205,13 @@ def _usable_frames(
         text = f"{name}: the first {_LIMIT} of {sound} frames are enough."
         left_out.append(Note("frames-not-needed", text, sound))
     used = order[first][inside][:_LIMIT]
+    if len(used) > 2:
+        lost = lost_frames(table["t"][used], table["x"][used], length)
+        if lost.any():
+            text = f"{name}: in {counted(int(lost.sum()), 'frame')} x is not where the robot can "
+            text += f"be, the first at {times[inside][:_LIMIT][lost][0]:.5g} s; left out."
+            left_out.append(Note("lost-frames", text, int(lost.sum())))
+        used = used[~lost]
     return {key: column[used] for key, column in table.items()}
 
 

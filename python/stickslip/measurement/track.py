@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import math
+import warnings
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip._util.arrays import check_indexes, numbers
 from stickslip._util.messages import check_kind, refuse
-from stickslip._util.numbers import Array
+from stickslip._util.numbers import Array, Mask
 from stickslip.errors import ScenarioError
+from stickslip.measurement.outliers import far_from_a_fit, lost_frames, one_place_each
 from stickslip.measurement.read_velocity import FASTEST
 from stickslip.scenario.keys import Value, known_keys
 from stickslip.scenario.scenario import Scenario
@@ -24,6 +29,9 @@ _SWAY = 0.1
 """Prior standard deviation of the first harmonic, in body lengths. Chosen: a body that rocks by
 half a radian moves its centre by about as much."""
 
+_FINEST = 1e-3
+"""Least scatter of frames that counts, in body lengths. Chosen: no camera sees a smaller one."""
+
 # Standard deviations of a frame that are tried, in that of the first harmonic. Chosen: from the
 # rounding of positions to far beyond the body, in steps below the error of an estimate.
 _NOISES = np.geomspace(1e-6, 1e2, 400)
@@ -32,30 +40,33 @@ _NOISES = np.geomspace(1e-6, 1e2, 400)
 def velocity_of_track(t: ArrayLike, x: ArrayLike, drive: Drive | Scenario) -> dict[str, Value]:
     """One row for a table of velocities, from the tracked centre of a robot.
 
-    The velocity is the mean over the measuring window (`Scenario.window`), as in the summary of a
-    run: from the end of the third pulse to the end of the last. It is a fit to the frames within:
-    a steady motion, and one that repeats with every pulse; see `fitted_velocity`.
+    The velocity is the mean over the whole pulses that the track holds, from the end of the third
+    one on (`Scenario.window`), as in the summary of a run. It is a fit to the frames within: a
+    steady motion, and one that repeats with every pulse; see `fitted_velocity`. Frames without a
+    place of the robot, lost ones or specks, are left out; a warning says how many.
 
     Parameters
     ----------
     t : array_like, shape (n,)
         Times of the frames, s, in any order; 0 where the drive begins, before its ramp.
     x : array_like, shape (n,)
-        Place of the centre along +x, m. Frames that are not finite are left out.
+        Place of the centre along +x, m. Gaps are left out.
     drive : Drive or Scenario
         What the robot was driven with; of a scenario its robot's length counts too.
 
     Returns
     -------
     dict
-        `velocity` in m/s, and every setting of the drive by its bare name, so that
-        ``pandas.DataFrame([velocity_of_track(...), ...])`` suits `Measurement.from_dataframe`.
+        `velocity` and its `standard_error` in m/s, and every setting of the drive by its bare name,
+        so that ``pandas.DataFrame([velocity_of_track(...), ...])`` suits
+        `Measurement.from_dataframe`. `pulses` is three more than the track holds.
 
     Raises
     ------
     ScenarioError
-        With one line, if shapes differ, the times do not cover the measuring window, fewer than
-        eight frames are in it, the velocity can only be in another unit, or the drive is a program.
+        With one line, if shapes differ, two places have one time, another body takes over from some
+        frame on, the times hold no whole pulse or fewer than eight frames, the velocity can only be
+        in another unit, or the drive is a program.
 
     Examples
     --------
@@ -67,13 +78,14 @@ def velocity_of_track(t: ArrayLike, x: ArrayLike, drive: Drive | Scenario) -> di
     """
     scenario = Scenario(drive=drive) if isinstance(drive, Drive) else drive
     check_kind("drive", scenario, Scenario)
-    velocity, _ = fitted_velocity(t, x, scenario)
+    velocity, error, pulses = fitted_velocity(t, x, scenario)
     names = [key for key in known_keys() if key.startswith("drive.")]
-    return {"velocity": velocity, **{name[6:]: scenario.get(name) for name in names}}
+    settings = {name[6:]: scenario.get(name) for name in names}
+    return {"velocity": velocity, "standard_error": error, **settings, "pulses": pulses}
 
 
-def fitted_velocity(t: ArrayLike, x: ArrayLike, scenario: Scenario) -> tuple[float, float]:
-    """Mean velocity of a track over the measuring window, and its standard error, m/s.
+def fitted_velocity(t: ArrayLike, x: ArrayLike, scenario: Scenario) -> tuple[float, float, int]:
+    """Mean velocity of a track, its standard error, m/s, and the pulses of such a drive.
 
     The places are fitted with a + v t + b t^2, t from the middle of the window, a function of the
     phase of the pulse, and white noise. The function is a series of harmonics whose coefficients
@@ -88,10 +100,46 @@ def fitted_velocity(t: ArrayLike, x: ArrayLike, scenario: Scenario) -> tuple[flo
     """
     if scenario.drive.mode == "program":
         refuse("drive.mode", "program", "IPP or OPP, whose pulses say what is measured")
-    start, end = scenario.window
-    period = 1.0 / scenario.drive.frequency
-    times, places = _frames(t, x, start, end, period)
-    middle, half, unit = (start + end) / 2, (end - start) / 2, _SWAY * scenario.robot.length
+    length, period = scenario.robot.length, 1.0 / scenario.drive.frequency
+    times, places, (start, end) = _frames(t, x, scenario)
+
+    def fit(rows: Mask) -> _Fit | None:
+        enough = int(rows.sum()) >= FEWEST
+        return _fit(times[rows], places[rows], start, end, period, length) if enough else None
+
+    def left_by(rows: Mask) -> Array | None:
+        found = fit(rows)
+        return None if found is None else found.residual[:, None]
+
+    far = far_from_a_fit(left_by, len(times), _FINEST * length)
+    _say_left_out(times[far], len(times), "far from what the others let expect")
+    found = fit(~far)
+    assert found is not None
+    if abs(found.velocity) > FASTEST:
+        raise ScenarioError(
+            f"x: gives a velocity of {found.velocity:.6g} m/s: allowed is {FASTEST:g} m/s at most, "
+            "with x in m and t in s; x may be in um or in pixels"
+        )
+    whole = scenario.window[1] - scenario.window[0]
+    return (
+        found.velocity,
+        found.error,
+        scenario.drive.pulses - round((whole - end + start) / period),
+    )
+
+
+class _Fit(NamedTuple):
+    """Mean velocity and its standard error, m/s, and what the fit leaves of each frame, m."""
+
+    velocity: float
+    error: float
+    residual: Array
+
+
+def _fit(
+    times: Array, places: Array, start: float, end: float, period: float, length: float
+) -> _Fit:
+    middle, half, unit = (start + end) / 2, (end - start) / 2, _SWAY * length
     since = (times - middle) / half
     # The square takes up a velocity that changes, and is orthogonal to its mean.
     steady = np.column_stack([np.ones_like(since), since, since**2])
@@ -101,26 +149,21 @@ def fitted_velocity(t: ArrayLike, x: ArrayLike, scenario: Scenario) -> tuple[flo
 
     noise = _noise(steady, swaying, places / unit)
     # The prior as rows beside the frames, so that one least-squares problem holds both.
-    design = np.column_stack([steady, swaying]) / noise
-    prior = np.eye(design.shape[1])[steady.shape[1] :]
+    columns = np.column_stack([steady, swaying])
+    design, prior = columns / noise, np.eye(columns.shape[1])[steady.shape[1] :]
     q, r = np.linalg.qr(np.vstack([design, prior]))
     data = np.concatenate([places / unit / noise, np.zeros(len(prior))])
     inverse = np.linalg.inv(r)
+    found = inverse @ (q.T @ data)
     scale = unit / half
-    velocity = float(scale * inverse[1] @ (q.T @ data))
     error = float(scale * np.linalg.norm(inverse[1]))
-    if abs(velocity) > FASTEST:
-        raise ScenarioError(
-            f"x: gives a velocity of {velocity:.6g} m/s: allowed is {FASTEST:g} m/s at most, with "
-            "x in m and t in s; x may be in um or in pixels"
-        )
-    return velocity, error
+    return _Fit(float(scale * found[1]), error, places - unit * (columns @ found))
 
 
 def _frames(
-    t: ArrayLike, x: ArrayLike, start: float, end: float, period: float
-) -> tuple[Array, Array]:
-    """Sound frames within the measuring window, in s and m."""
+    t: ArrayLike, x: ArrayLike, scenario: Scenario
+) -> tuple[Array, Array, tuple[float, float]]:
+    """Frames of the robot in the order of time, s and m, and the whole pulses that they hold, s."""
     check_indexes("", {"t": t, "x": x})
     times, places = numbers("t", t, unit="s", gaps=True), numbers("x", x, unit="m", gaps=True)
     if times.ndim != 1 or times.shape != places.shape:
@@ -129,25 +172,49 @@ def _frames(
             "each for every frame"
         )
     sound = np.isfinite(times) & np.isfinite(places)
-    times, places = times[sound], places[sound]
-    window = f"the measuring window, {start:.6g} to {end:.6g} s"
-    if len(times) == 0:
+    if not sound.any():
         raise ScenarioError("t and x: no frame has both: allowed are numbers in s and m")
-    step = max(period, float(np.median(np.diff(np.unique(times)))) if np.ptp(times) else 0.0)
-    if times.min() > start + step or times.max() < end - step:
-        span = f"{times.min():.6g} to {times.max():.6g}"
-        raise ScenarioError(
-            f"t = {span}: allowed are times in s, 0 where the drive begins, that cover {window}, "
-            "to a pulse or a frame at either end"
-        )
-    inside = (times >= start) & (times <= end)
-    if inside.sum() < FEWEST or np.ptp(times[inside]) < 0.5 * (end - start):
-        hint = "; t may be in ms or the number of the frame" if times.max() > 10 * end else ""
-        raise ScenarioError(
-            f"t: {int(inside.sum())} frames are in {window}: allowed are {FEWEST} or more, spread "
-            f"over it{hint}"
-        )
-    return times[inside], places[inside]
+    times, places = one_place_each(times[sound], places[sound])
+    window = scenario.window
+    inside = (times >= window[0]) & (times <= window[1])
+    _check_count(times, inside, window)
+    length = scenario.robot.length
+    off = lost_frames(times[inside], places[inside], length)
+    _say_left_out(times[inside][off], len(off), f"not where the robot of {length:g} m can be")
+    times, places = times[inside][~off], places[inside][~off]
+    held = _held(times, window, 1.0 / scenario.drive.frequency)
+    inside = (times >= held[0]) & (times <= held[1])
+    _check_count(times, inside, held)
+    return times[inside], places[inside], held
+
+
+def _held(times: Array, window: tuple[float, float], period: float) -> tuple[float, float]:
+    """Begin and end of the whole pulses of a window that the times hold, to a frame or a pulse."""
+    start, end = window
+    step = max(period, float(np.median(np.diff(times))))
+    first = 0 if times[0] <= start + step else math.ceil((times[0] - start) / period)
+    last = round((end - start) / period)
+    if times[-1] < end - step:
+        last = math.floor((times[-1] - start) / period)
+    return start + first * period, start + max(last, first + 1) * period
+
+
+def _check_count(times: Array, inside: Mask, window: tuple[float, float]) -> None:
+    start, end = window
+    if inside.sum() >= FEWEST and np.ptp(times[inside]) > 0.0:
+        return
+    hint = "; t may be in ms or the number of the frame" if times.max() > 10 * end else ""
+    raise ScenarioError(
+        f"t = {times.min():.6g} to {times.max():.6g}: {int(inside.sum())} frames are in the "
+        f"measuring window, {start:.6g} to {end:.6g} s: allowed are times in s, 0 where the drive "
+        f"begins, with {FEWEST} frames or more in it{hint}"
+    )
+
+
+def _say_left_out(times: Array, count: int, why: str) -> None:
+    if len(times):
+        text = f"{len(times)} of {count} frames are {why}, the first at t = {times[0]:.6g} s"
+        warnings.warn(f"{text}; they are left out", stacklevel=4)
 
 
 def _noise(steady: Array, swaying: Array, places: Array) -> float:
