@@ -33,12 +33,21 @@ _OTHER_FORMATS = {
     b"<?xml": "an XML file, such as a TrackMate export",
     b"<html": "an HTML page",
     b"<!DOCTYPE": "an HTML page",
+    b"\x1f\x8b": "a gzip archive",
+    b"BZh": "a bzip2 archive",
+    b"\xfd7zXZ": "an xz archive",
+    b"\x28\xb5\x2f\xfd": "a Zstandard archive",
+    b"LabVIEW Measurement": "a LabVIEW measurement file (.lvm)",
+    b"{": "JSON",
+    b"[{": "JSON",
+    b"[[": "JSON",
 }
 """First bytes of files that users take for tables."""
 
 _SEPARATOR_LINE = re.compile(r'"?sep=([,;|\t])"?[,; \t]*', re.IGNORECASE)
 _QUOTED = re.compile('"[^"]*"')
 _DECIMAL = re.compile(r"[+-]?(?=\d|[.,]\d)\d*([.,])\d*(?:[eE][+-]?\d+)?")
+_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 _MARKS = {".": "point", ",": "comma"}
 
 
@@ -63,7 +72,9 @@ def text_lines(data: bytes) -> Iterator[str]:
     except UnicodeDecodeError as error:
         wrong, what = error.start, "not UTF-8"
     if wrong >= 0:
-        raise ScenarioError(f"is not text: byte {wrong + 1} is {what}; save it as CSV in UTF-8")
+        wide = " (UTF-16 without its mark?)" if what == "NUL" and wrong < 2 else ""
+        said = f"is not text: byte {wrong + 1} is {what}{wide}"
+        raise ScenarioError(f"{said}; save it as CSV in UTF-8")
     # Lines as they are wanted: all of them together would take ten times the room of the bytes.
     with io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig") as file:
         for line in file:
@@ -116,6 +127,9 @@ class CsvTable:
         self.line, self.header, self.separator = 0, list[str](), ","
         self.comments = self.beyond = 0
         self._mark: tuple[str, str, int] | None = None
+        # By column, the first cell that may have thousands, and the first without any mark.
+        self._thousands, self._bare = dict[int, tuple[int, str]](), dict[int, tuple[int, str]]()
+        self._decimals = False
         self._rows: Iterator[tuple[int, list[str]]] = iter(())
         lines = enumerate(text_lines(data), start=1)
         comments = []
@@ -174,14 +188,20 @@ class CsvTable:
                 row = self._fitted(row)
             yield number, row
 
-    def with_point(self, line: int, cell: str) -> str:
+    def with_point(self, line: int, column: int, cell: str) -> str:
         """A cell of numbers whose decimal comma, if it has one, is a decimal point.
 
         A ScenarioError if an earlier cell has the other one: either may separate thousands.
         """
         found = None if self.separator == "," else _DECIMAL.fullmatch(cell)
         if found is None:
+            if cell.isdigit():
+                self._bare.setdefault(column, (line, cell))
             return cell
+        if _THOUSANDS.fullmatch(cell):
+            self._thousands.setdefault(column, (line, cell))
+        else:
+            self._decimals = True
         mark, other, at = self._mark = self._mark or (found[1], cell, line)
         if mark != found[1]:
             raise ScenarioError(
@@ -190,6 +210,17 @@ class CsvTable:
                 "thousands"
             )
         return cell.replace(",", ".")
+
+    def check_thousands(self) -> None:
+        """Refuse, once all cells are read, commas that separate thousands as well as decimals."""
+        for column, (line, cell) in self._thousands.items():
+            if column in self._bare and not self._decimals:
+                at, bare = self._bare[column]
+                raise ScenarioError(
+                    f'line {line}: "{cell}" may be {cell.replace(",", "")} or '
+                    f'{cell.replace(",", ".", 1)}, as "{bare}" in line {at} has no comma; write '
+                    "numbers without separators of thousands"
+                )
 
     def _parsed(self, lines: Iterator[tuple[int, str]]) -> Iterator[tuple[int, list[str]]]:
         taken: list[int] = []

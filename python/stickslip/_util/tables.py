@@ -76,11 +76,12 @@ def _parsed(file: CsvTable, columns: Units) -> Rows:
             found.append(cells[order[name]])
         for name, unit in numbers.items():
             cell = cells[order[name]]
-            value = number(file.with_point(line, cell))
+            value = number(file.with_point(line, order[name], cell))
             if math.isnan(value):
                 what = f"a finite number of {unit}{comma_hint(cell)}"
                 refuse(f"row {line}, column {name}", cell, what)
             values.append(to_si(value, per[order[name]]))
+    file.check_thousands()
     table = np.frombuffer(values) if values else np.empty(0)
     return Rows(table.reshape(-1, len(numbers)), words, lines)
 
@@ -117,6 +118,11 @@ def _places(line: int, header: list[str], columns: Units) -> dict[str, int]:
             meant = "" if near is None else f", and {shown(near)} may be meant as it"
             raise ScenarioError(f"row {line}: the column {name} is missing{meant}; {expected}")
     for index, name in enumerate(header):
+        if not name:
+            raise ScenarioError(
+                f"row {line}: column {index + 1} has no name, as an index has none: allowed are "
+                f"named columns; leave it out (index=False in pandas)"
+            )
         if name not in columns:
             raise ScenarioError(
                 f"row {line}, column {shown(name)}: there is no such column; {expected}"

@@ -99,7 +99,10 @@ def _rows(path: Path, table: CsvTable, units: Units) -> Rows:
         for k, heading in enumerate(table.header)
         if not heading and not any(row[k] for _, row in rows if len(row) == width)
     ]
-    header = [heading or f"column {k + 1}" for k, heading in enumerate(table.header)]
+    header = [
+        heading or f"column {k + 1} (without a name, as an index)"
+        for k, heading in enumerate(table.header)
+    ]
     if empty:
         keep = [k for k in range(width) if k not in empty]
         header = [header[k] for k in keep]
@@ -115,6 +118,7 @@ def _rows(path: Path, table: CsvTable, units: Units) -> Rows:
         left_out.append(Note("empty-columns", text, lost))
     point = table.with_point if table.separator != "," else None
     header = _in_si(header, rows, units, point)
+    table.check_thousands()
     return Rows(path, path.name, header, rows, tuple(left_out), table.line)
 
 
@@ -122,7 +126,7 @@ def _in_si(
     header: Sequence[str],
     rows: Sequence[tuple[Line, list[str]]],
     units: Units,
-    with_point: Callable[[Any, str], str] | None = None,
+    with_point: Callable[[Any, int, str], str] | None = None,
 ) -> list[str]:
     """Names of the columns without their units; the numbers in `rows` are replaced by SI ones."""
     names, per = without_units(header, units)
@@ -135,7 +139,7 @@ def _in_si(
         for line, row in rows:
             if len(row) != len(names):
                 continue
-            row[k] = row[k] if with_point is None else with_point(line, row[k])
+            row[k] = row[k] if with_point is None else with_point(line, k, row[k])
             value = number(row[k])
             if per[k] != 1.0 and not math.isnan(value):
                 row[k] = repr(to_si(value, per[k]))
