@@ -49,7 +49,9 @@ class Candidate(OneLine):
 
     @cached_property
     def share(self) -> float:
-        """Part of the model's error that the causes take; 1 where nothing is left."""
+        """Part of the model's error that the causes take: 1 where nothing is left, NaN where no fit
+        with a discrepancy tells it.
+        """
         return share(self.models, self.fit) if self.fit.causes else 0.0
 
     @cached_property
@@ -69,7 +71,8 @@ class Candidate(OneLine):
         """
         if not self.fit.causes or self.fit.form == "none":
             return 1.0
-        return 1.0 / math.sqrt(min(max(self.share, _LEAST_SHARE), 1.0))
+        known = 0.0 if math.isnan(self.share) else self.share
+        return 1.0 / math.sqrt(min(max(known, _LEAST_SHARE), 1.0))
 
     @property
     def params(self) -> DataFrame:

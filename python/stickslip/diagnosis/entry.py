@@ -16,7 +16,13 @@ from stickslip.diagnosis.data.velocity import VelocityTable
 from stickslip.diagnosis.fitting.scatter import with_scatter
 from stickslip.diagnosis.fitting.search import Progress
 from stickslip.diagnosis.measured import pose
-from stickslip.diagnosis.own_model import OwnModel, Predict, overflows, pose_own
+from stickslip.diagnosis.own_model import (
+    OwnModel,
+    Predict,
+    computed_tables,
+    overflows,
+    pose_own,
+)
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.steps import run
 from stickslip.diagnosis.terms.cause import Cause
@@ -131,7 +137,11 @@ def diagnose_model(
     ('named', ('wave',))
     """
     check_whole("seed", seed)
-    problem = with_scatter(pose_own(predict, data, uncertain, causes), int(seed))
+    problem = pose_own(predict, data, uncertain, causes)
+    tables = computed_tables(problem, int(seed))
+    if tables != problem.tables:
+        problem = pose_own(predict, tables, uncertain, causes)
+    problem = with_scatter(problem, int(seed))
     notes = overflows(problem)
     alone = len(problem.tables) == 1
     suspect = next(filter(None, (find_problem(each, alone=alone) for each in problem.tables)), None)

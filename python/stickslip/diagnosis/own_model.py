@@ -13,11 +13,12 @@ import numpy as np
 
 from stickslip._util.arrays import columns_of, locked, numbers
 from stickslip._util.messages import meant
-from stickslip._util.numbers import Array
+from stickslip._util.numbers import Array, Mask
 from stickslip._util.text import OneLine, brief
 from stickslip.diagnosis.data.series import Series, with_repeats
-from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.data.table import Table, rows_in_words
 from stickslip.diagnosis.fitting.problem import HUGE, Cached, Problem
+from stickslip.diagnosis.fitting.search import recalibrated
 from stickslip.diagnosis.measured import freed
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.instruments import read_by
@@ -31,7 +32,7 @@ Predict = Callable[..., Array]
 need."""
 
 
-_TRIED = 8  # draws of all parameters, after which a row is never computed; chosen
+_MOST_LOST = 0.1  # part of the rows that the model may not compute; chosen
 
 
 class Values(dict[str, Array]):
@@ -89,22 +90,45 @@ def pose_own(
 
 
 def _check_rows(problem: Problem) -> None:
-    """Refuse a model that computes no reading, or never that of a row."""
-    x = np.random.default_rng(0).standard_normal((_TRIED, problem.size))
+    """Refuse a model that computes no reading."""
     stated = np.zeros((1, problem.size))
     if not np.any(np.isfinite(problem.model(problem.physical(stated)))):
         raise ScenarioError("predict: with the stated parameters it computes no reading")
-    x = np.vstack([stated, np.clip(x, *problem.limits)])
-    with np.errstate(all="ignore"):
-        computed = np.isfinite(problem.model(problem.physical(x)))
+
+
+def computed_tables(problem: Problem, seed: int) -> tuple[Table, ...]:
+    """The tables without the rows that the model without causes computes nowhere.
+
+    That is neither at the stated constants nor where a fit of the constants ends: a cause that
+    makes such a row computable would be named for that alone.
+
+    Raises
+    ------
+    ScenarioError
+        If they are more than a tenth of the rows of a table.
+    """
+    lost = _not_computed(problem, np.zeros(problem.size))
+    if lost.any():
+        lost &= _not_computed(problem, recalibrated(problem, seed)[0].x)
+    found = []
     for table, part in zip(problem.tables, problem.rows, strict=True):
-        never = np.flatnonzero(~computed[:, part].any(axis=0))
-        if len(never):
-            at = f" of table {table.name}" if table.name else ""
-            raise ScenarioError(
-                f"predict: row {table.first[never[0]]}{at}: it computes no reading whatever the "
-                "parameters; allowed is a table without that row"
-            )
+        gone = lost[part]
+        if gone.any():
+            rows = rows_in_words(table.rows[gone[table.condition]])
+            if gone.sum() > _MOST_LOST * len(gone):
+                raise ScenarioError(
+                    f"predict: {table.at}{rows}: the model without causes computes no reading there: "
+                    "allowed are a tenth of the rows; leave them out"
+                )
+            why = "the model without causes computes no reading there; left out of all models."
+            table = table.without(gone, why)
+        found.append(table)
+    return tuple(found)
+
+
+def _not_computed(problem: Problem, x: Array) -> Mask:
+    with np.errstate(all="ignore"):
+        return np.asarray(~np.isfinite(problem.model(problem.physical(x[None, :]))[0]))
 
 
 @dataclass(frozen=True, repr=False, eq=False)

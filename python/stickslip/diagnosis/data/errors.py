@@ -64,6 +64,10 @@ the rounding of a double, 1e-16, and that of any table."""
 _STRONGEST = 0.9999
 """Correlation of neighbours beyond which a run is one error. Chosen."""
 
+_FEWEST_STEPS, _PARTS, _OFF_STEP = 5, 4, 1e-3
+"""Different readings that show a step, parts of the least difference that are tried as one, and how
+far a reading may lie off it, in steps. Chosen: by chance one table in 1e10 looks stepped."""
+
 _NEAR_ZERO = 0.1
 """Part of the usual error that a stated relative error leaves near the level zero. Chosen."""
 
@@ -167,6 +171,40 @@ def estimate(
     pooled = math.sqrt(float(np.sum(away**2)) / free)
     scatter = _Scatter(condition, mean, moves, size, away, sd, pooled, setup, order, gap)
     return mean, scatter.errors(seed, notes)
+
+
+def no_finer_than_the_meter(y: Array, condition: Indices, errors: Errors, unit: str) -> Errors:
+    """The errors, or those of rounding where repeats scatter by less than the meter's step tells.
+
+    Readings that repeats round to the same number look exact. Their rounding is the same each time,
+    so that a mean of them is no better.
+    """
+    repeats = len(y) - len(errors.sd)
+    least = meter_step(y) / math.sqrt(12.0)
+    if repeats < FEWEST or (errors.of_reading(np.zeros(1))[0] >= least and errors.dof > 0.0):
+        return errors
+    if least == 0.0:
+        return errors
+    text = f"Repeats scatter by less than the meter's step tells; {least:.2g} {unit}".rstrip(" -")
+    note = Note(
+        "meter-step", f"{text}, the step / sqrt(12), is the error of each condition.", least
+    )
+    told = {**errors.told, "s0": least, "rho": 0.0}
+    return Errors(np.maximum(errors.sd, least), None, math.inf, told, (*errors.notes, note))
+
+
+def meter_step(y: Array) -> float:
+    """The step that all readings are multiples of, apart from a common offset; 0 for none."""
+    values = np.unique(y)
+    if len(values) < _FEWEST_STEPS:
+        return 0.0
+    apart = values - values[0]
+    least = float(np.min(np.diff(values)))
+    for part in range(1, _PARTS + 1):
+        steps = apart / (least / part)
+        if np.all(np.abs(steps - np.round(steps)) < _OFF_STEP):
+            return least / part
+    return 0.0
 
 
 def of_readings(y: Array, design: Array, condition: Indices, smallest: float, unit: str) -> Errors:

@@ -12,7 +12,7 @@ from scipy.signal import correlate
 
 from stickslip._util.arrays import check_indexes, locked, row
 from stickslip._util.messages import refuse
-from stickslip._util.numbers import Array, root_mean_square
+from stickslip._util.numbers import Array, Mask, root_mean_square
 from stickslip._util.text import brief
 from stickslip.diagnosis.data.errors import FEWEST, Errors
 from stickslip.diagnosis.data.table import Table, stated_errors, without_gaps
@@ -82,24 +82,25 @@ class Series(Table):
         self.name, self.unit = str(name), unit
         self.repeat_of = repeat_of.name if isinstance(repeat_of, Series) else repeat_of
         if inputs is not None and not isinstance(inputs, Mapping):
-            raise ScenarioError(f"{self._at}inputs = {brief(inputs)}: allowed are rows by name")
+            raise ScenarioError(f"{self.at}inputs = {brief(inputs)}: allowed are rows by name")
         given = {str(key): each for key, each in (inputs or {}).items()}
-        check_indexes(self._at, {"t": t, "y": y, "sd": sd, **given})
-        times = row(f"{self._at}t", t, unit="s")
+        check_indexes(self.at, {"t": t, "y": y, "sd": sd, **given})
+        times = row(f"{self.at}t", t, unit="s")
         count = len(times)
         late = np.flatnonzero(np.diff(times) <= 0.0)
         if len(late):
             before, time = times[late[0] : late[0] + 2].tolist()
-            refuse(f"{self._at}t: row {late[0] + 1}", time, f"a time after {before!r}")
-        readings = row(f"{self._at}y", y, count, unit=unit, gaps=True)
-        acting = {key: row(f"{self._at}inputs {key}", each, count) for key, each in given.items()}
+            refuse(f"{self.at}t: row {late[0] + 1}", time, f"a time after {before!r}")
+        readings = row(f"{self.at}y", y, count, unit=unit, gaps=True)
+        acting = {key: row(f"{self.at}inputs {key}", each, count) for key, each in given.items()}
         gap = np.isnan(readings)
-        stated = None if sd is None else stated_errors(f"{self._at}sd", sd, count, unit)
+        stated = None if sd is None else stated_errors(f"{self.at}sd", sd, count, unit)
         gap = gap if stated is None else gap | np.isnan(stated)
-        self.own_notes = tuple(without_gaps(self._at, gap))
+        self.own_notes = tuple(without_gaps(self.at, gap))
         self.t, self.y = locked(times[~gap]), locked(readings[~gap])
         self.inputs = {key: locked(each[~gap]) for key, each in acting.items()}
         count = len(self.t)
+        self.rows = np.flatnonzero(~gap)
         self.settings = {"t": self.t, **self.inputs}
         self.condition = self.first = np.arange(count)
         self.mean, self.places = self.y, None
@@ -114,7 +115,8 @@ class Series(Table):
         self.notes = [*self.own_notes, *self.errors.notes]
 
     @property
-    def _at(self) -> str:
+    def at(self) -> str:
+        """What messages begin with."""
         return f"series {self.name}: " if self.name else "series: "
 
     def __getitem__(self, column: str) -> Array:
@@ -123,7 +125,7 @@ class Series(Table):
             return self.t
         if column not in self.inputs:
             known = ", ".join(["t", *self.inputs])
-            raise ScenarioError(f"{self._at}there is no input {column}; allowed are {known}")
+            raise ScenarioError(f"{self.at}there is no input {column}; allowed are {known}")
         return self.inputs[column]
 
     def __repr__(self) -> str:
@@ -138,6 +140,16 @@ class Series(Table):
         """The same record under a name."""
         made = copy.copy(self)
         made.name = name
+        return made
+
+    def without(self, gone: Mask, why: str) -> Series:
+        """The same without some readings, and a note on their rows that ends with `why`."""
+        inputs = {key: each[~gone] for key, each in self.inputs.items()}
+        sd = self.errors.sd[~gone] if self.stated else None
+        made = Series(
+            self.t[~gone], self.y[~gone], inputs, sd, self.name, self.repeat_of, unit=self.unit
+        )
+        made._less(self, ~gone, why)
         return made
 
     def with_inputs(self, inputs: Mapping[str, Array]) -> Series:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from stickslip._util.arrays import check_indexes, column, columns_of, labels, locked, numbers, row
 from stickslip._util.numbers import RELATIVE, Array, Indices, Mask, representatives
 from stickslip._util.text import brief, counted
-from stickslip.diagnosis.data.errors import Errors, estimate
+from stickslip.diagnosis.data.errors import Errors, estimate, no_finer_than_the_meter
 from stickslip.errors import ScenarioError
 from stickslip.simulation.note import Note
 
@@ -64,6 +64,8 @@ class Table:
         Run of each condition and its place in it, along which a discrepancy may be correlated.
     group : ndarray of int, shape (m,)
         Conditions that are held out together, numbered from 0.
+    rows : ndarray of int, shape (n,)
+        Numbers of the rows among those that were given.
     notes : list of Note
 
     Raises
@@ -92,7 +94,7 @@ class Table:
         unit: str = "-",
     ) -> None:
         self.name, self.unit = str(name), unit
-        at = f"table {name}: " if name else "table: "
+        at = self.at
         columns = columns_of(f"{at}settings", settings)
         beside = {"y": y, "sd": sd, "block": block, "run": run}
         check_indexes(at, {**beside, "settings": settings, **(columns or {})})
@@ -123,6 +125,9 @@ class Table:
         self.group = np.arange(len(number), dtype=np.int64)
         stated = None if stated is None else stated[~gap]
         self.mean, self.errors = estimate(self.y, self.condition, sd=stated, run=runs, setup=setup)
+        if sd is None:
+            self.errors = no_finer_than_the_meter(self.y, self.condition, self.errors, unit)
+        self.rows, self._labels = np.flatnonzero(~gap), {"sd": stated, "block": setup, "run": runs}
         self.own_notes = tuple(said)
         self.notes = [*said, *self.errors.notes]
         self.run = self.order = None
@@ -134,6 +139,32 @@ class Table:
     def __getitem__(self, column: str) -> Array:
         """A column of the settings, shape (n,), read-only."""
         return np.asarray(self.settings[column])
+
+    def without(self, gone: Mask, why: str) -> Table:
+        """The same without some conditions, and a note on their rows that ends with `why`."""
+        kept = ~gone[self.condition]
+        beside = {key: None if each is None else each[kept] for key, each in self._labels.items()}
+        settings = self.settings
+        if isinstance(settings, dict):
+            settings = {key: each[kept] for key, each in settings.items()}
+        else:
+            settings = settings[kept]
+        made = Table(settings, self.y[kept], **beside, name=self.name, unit=self.unit)
+        return made._less(self, kept, why)
+
+    def _less(self, whole: Table, kept: Mask, why: str) -> Table:
+        """This table with the notes and the numbers of the rows of the whole one."""
+        self.rows = whole.rows[kept]
+        lost = whole.rows[~kept]
+        text = f"{whole.at}{rows_in_words(lost)}: {why}"
+        self.own_notes = (*whole.own_notes, Note("rows-not-computed", text, len(lost)))
+        self.notes = [*self.own_notes, *self.errors.notes]
+        return self
+
+    @property
+    def at(self) -> str:
+        """What messages begin with."""
+        return f"table {self.name}: " if self.name else "table: "
 
     def with_errors(self, errors: Errors) -> Table:
         """The same readings with other errors, and notes of these alone."""
@@ -160,15 +191,20 @@ def stated_errors(what: str, sd: ArrayLike, count: int, unit: str) -> Array:
 
 def without_gaps(at: str, gap: Mask) -> list[Note]:
     """A note on the rows that have a gap, if there are any; not all of them may."""
-    rows = np.flatnonzero(gap).tolist()
-    if not rows:
+    rows = np.flatnonzero(gap)
+    if not len(rows):
         return []
-    which = f"{'row' if len(rows) == 1 else 'rows'} {', '.join(map(str, rows[:_NAMED]))}"
-    which += ", ..." if len(rows) > _NAMED else ""
+    which = rows_in_words(rows)
     if len(rows) == len(gap):
         raise ScenarioError(f"{at}{which}: every row has a gap; allowed are rows of numbers")
     text = f"{at}{which}: {len(rows)} of {len(gap)} rows have a gap and are left out."
     return [Note("gaps", text, len(rows))]
+
+
+def rows_in_words(rows: Indices) -> str:
+    """``row 3`` or ``rows 3, 5``; of many the first."""
+    named = ", ".join(map(str, rows[:_NAMED].tolist()))
+    return f"{'row' if len(rows) == 1 else 'rows'} {named}{', ...' if len(rows) > _NAMED else ''}"
 
 
 def _of_array(what: str, settings: Any, count: int) -> dict[Any, Any]:

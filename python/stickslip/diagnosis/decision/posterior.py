@@ -130,17 +130,19 @@ def share(models: Models, fit: Fit) -> float:
     """Part of the model's error that a fit takes, 1 - D / D0, from 0 to 1.
 
     D0 is of no cause, D of the causes of the fit, each with its best form other than ``none``; D is
-    0 where the errors as stated explain what is left.
+    0 where the errors as stated explain what is left. NaN where there is no such fit.
     """
     if fit.form == "none" and adequacy(models.problem, fit) >= ADEQUATE:
         return 1.0
     whole, left = (_left(models, names) for names in (frozenset[str](), fit.names))
     if fit.form != "none":
         left = discrepancy(fit)
+    if math.isnan(left) or math.isnan(whole):
+        return math.nan
     return min(max(1.0 - left / whole, 0.0), 1.0) if whole > 0.0 else 0.0
 
 
 def _left(models: Models, names: frozenset[str]) -> float:
     """The discrepancy of a set of causes by its best form other than ``none``."""
     fits = [each for key, each in models.best.items() if key[0] == names and key[1] != "none"]
-    return discrepancy(max(fits, key=models.log_posterior)) if fits else 0.0
+    return discrepancy(max(fits, key=models.log_posterior)) if fits else math.nan

@@ -160,7 +160,10 @@ def _claimed(verdict: Verdict, models: Models, fit: Fit, reasons: tuple[Note, ..
     kind: Kind = "pair" if len(names) > 1 else "named"
     if plain is not None and adequacy(problem, plain) >= ADEQUATE:
         worse = any(each is not None and each.interval[1] < 0.0 for each in gains)
-        if not worse and not _at_end(models, plain):
+        # What a model without a cause explains too needs a proof that the cause gains something.
+        spare = adequacy(problem, models.null) >= ADEQUATE
+        proven = not spare or all(each is not None and each.certain for each in gains[:1])
+        if proven and not worse and not _at_end(models, plain):
             return _with(verdict, kind, names, plain, reasons, models, plain)
     against = list(reasons)
     if fit.form == "none":
@@ -185,7 +188,8 @@ def _claimed(verdict: Verdict, models: Models, fit: Fit, reasons: tuple[Note, ..
 def _takes_little(fit: Fit, part: float, gains: Sequence[Gain | None]) -> list[Note]:
     """What speaks against causes beside a discrepancy: a small share, or an uncertain gain."""
     found = []
-    if part < DOMINANT:
+    if not part >= DOMINANT:
+        part = 0.0 if math.isnan(part) else part
         text = (
             f"{fit.name} takes {100.0 * part:.0f} % of the model's error; a claim asks for "
             f"{100.0 * DOMINANT:.0f} %."
@@ -209,7 +213,8 @@ def _set(
     first = next(each for each in members if each.causes)
     against = list(reasons)
     if first.form != "none":
-        part = max(share(models, each) for each in members if each.causes)
+        parts = [share(models, each) for each in members if each.causes]
+        part = max((each for each in parts if not math.isnan(each)), default=0.0)
         plain = models.get(first.names) or first
         against += _takes_little(first, part, [measured(models.problem, models.null, plain)])
     if len(members) == 1 or len(against) > len(reasons):

@@ -47,7 +47,7 @@ def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
         "parameters": {},
         "probabilities": dict(verdict.probabilities),
         "p_value": found.test.p_value if result.fitted else None,
-        "share": verdict.share,
+        "share": _or_none(verdict.share),
         "discrepancy": None,
         "gain": _gain(result),
         "deciding_readings": [],
@@ -122,6 +122,11 @@ def notes_of(result: Diagnosis) -> list[dict[str, Any]]:
         for each, text in zip([*result.notes, *own], texts, strict=True)
     ]
     return sorted(found, key=lambda each: bool(each["routine"]))
+
+
+def _or_none(value: float | None) -> float | None:
+    """A number of JSON, which has no NaN."""
+    return None if value is None or math.isnan(value) else value
 
 
 def _words(result: Diagnosis, text: str) -> str:
@@ -235,7 +240,7 @@ def _leader(result: Diagnosis, candidate: Candidate) -> dict[str, Any]:
         "among_causes": own / with_cause if with_cause > 0.0 else 0.0,
         "in_all": result.probability_of(candidate.fit.names),
         "further": _further(result, candidate.fit),
-        "share": candidate.share,
+        "share": _or_none(candidate.share),
         "left": _left_in_words(result, candidate if result.verdict.fit else result.recalibrated),
     }
 
