@@ -9,8 +9,7 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.messages import check_whole, shown
 from stickslip._util.numbers import worker_count
-from stickslip.diagnosis.data.angle import AngleTable
-from stickslip.diagnosis.data.checks import find_problem, find_velocity_problem, velocity_notes
+from stickslip.diagnosis.data.checks import suspect_of, velocity_notes
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.data.velocity import VelocityTable
 from stickslip.diagnosis.fitting.scatter import with_scatter
@@ -24,7 +23,7 @@ from stickslip.diagnosis.own_model import (
     pose_own,
 )
 from stickslip.diagnosis.result import Diagnosis
-from stickslip.diagnosis.steps import run
+from stickslip.diagnosis.steps import moved_constants, run
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
@@ -73,15 +72,11 @@ def diagnose(
         )
     check_whole("seed", seed)
     problem = pose(measurement, worker_count(threads, "threads"), seed)
-    first, alone = problem.tables[0], len(problem.tables) == 1
-    suspect, notes = None, list[Note]()
-    if isinstance(first, AngleTable):
-        suspect = find_problem(first, alone=alone)
+    first, notes = problem.tables[0], list[Note]()
     if isinstance(first, VelocityTable):
-        suspect = find_velocity_problem(first, alone=alone)
         notes = [*velocity_notes(first), *_notes_of_runs(measurement, first)]
-    findings = run(problem, int(seed), progress or _silent, suspect)
-    return Diagnosis(findings, measurement, tuple(notes))
+    findings = run(problem, int(seed), progress or _silent, suspect_of(problem))
+    return Diagnosis(findings, measurement, (*notes, *moved_constants(findings)))
 
 
 def diagnose_model(
@@ -143,9 +138,8 @@ def diagnose_model(
         problem = pose_own(predict, tables, uncertain, causes)
     problem = with_scatter(problem, int(seed))
     notes = overflows(problem)
-    alone = len(problem.tables) == 1
-    suspect = next(filter(None, (find_problem(each, alone=alone) for each in problem.tables)), None)
-    findings = run(problem, int(seed), progress or _silent, suspect)
+    findings = run(problem, int(seed), progress or _silent, suspect_of(problem))
+    notes += moved_constants(findings)
 
     model, names = OwnModel(predict, tuple(uncertain), problem.causes), problem.names
     return Diagnosis(

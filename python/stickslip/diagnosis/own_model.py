@@ -117,8 +117,8 @@ def computed_tables(problem: Problem, seed: int) -> tuple[Table, ...]:
             rows = rows_in_words(table.rows[gone[table.condition]])
             if gone.sum() > _MOST_LOST * len(gone):
                 raise ScenarioError(
-                    f"predict: {table.at}{rows}: the model without causes computes no reading there: "
-                    "allowed are a tenth of the rows; leave them out"
+                    f"predict: {table.at}{rows}: the model without causes computes no reading "
+                    "there: allowed are a tenth of the rows; leave them out"
                 )
             why = "the model without causes computes no reading there; left out of all models."
             table = table.without(gone, why)

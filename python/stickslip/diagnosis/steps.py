@@ -20,6 +20,7 @@ from stickslip.simulation.note import Note
 # Draws about the recalibrated model that show its roughness, and their widths: a share of what the
 # data leave open, and at most so many standard deviations of the priors. Chosen: well within both.
 _DRAWS, _SHARE, _WIDEST = 24, 0.3, 0.02
+_FAR = 10.0  # standard deviations of a prior; chosen: no slip of an estimate is as large
 _BETTER = 1.0  # fall of the cost after which the recalibrated model is tested again
 
 
@@ -87,6 +88,19 @@ def run(
         verdict = Verdict("data-problem", (), None, (suspect,))
     say(1.0, "done")
     return Findings(models, test, found, verdict, seed)
+
+
+def moved_constants(findings: Findings) -> list[Note]:
+    """A note on each stated constant that the told model moves far from its prior."""
+    fit = findings.verdict.fit or findings.models.null
+    freed = {cause.frees for cause in fit.causes}
+    notes = []
+    for k, each in enumerate(findings.problem.constants):
+        known = each.prior is not None and each.prior.has_middle
+        if known and each.name not in freed and abs(fit.x[k]) > _FAR:
+            text = f"{each.name} is {abs(fit.x[k]):.0f} of its stated errors from its stated value."
+            notes.append(Note("constant-far", text, float(fit.x[k])))
+    return notes
 
 
 def _explained(models: Models) -> bool:

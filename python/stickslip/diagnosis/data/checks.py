@@ -5,16 +5,22 @@ A `Note` says what to do about it; None means that nothing stands out.
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 from scipy.stats import t as t_law
 
-from stickslip._util.numbers import Array
-from stickslip._util.units import far_size
+from stickslip._util.numbers import Array, Indices, root_mean_square
+from stickslip._util.units import factor_text, far_size
 from stickslip.diagnosis.data.errors import along_runs
+from stickslip.diagnosis.data.field import FieldTable
+from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.data.velocity import VelocityTable, in_words, varied
+from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.simulation.note import Note
 from stickslip.simulation.scenario_notes import STEADY_PULSES
 
@@ -43,21 +49,44 @@ _REVERSED, _SIMILAR = 3, 1.5
 which only the sign differs. Chosen: with fewer a rule is met by chance; room for constants that are
 off."""
 
+_LIKENESS, _FACTORS = 0.3, (1e3, 1e-3, 1e6, 1e-6)
+"""Part of the model's size within which changed readings are its own, and mistakes of a unit.
+Chosen: constants and causes of the usual size change predictions by less."""
+
 _WALKS, _LISTED = 0.1, 4
 """Share of the median speed above which the model is said to move, and conditions that a note
 names. Chosen: slower motion may well be read as zero; more are not read."""
 
 
+def suspect_of(problem: Problem) -> Note | None:
+    """What makes the data of a problem suspect, if anything does; each table is asked."""
+    alone = len(problem.tables) == 1
+    stated = problem.model(problem.physical(np.zeros((1, problem.size))))[0]
+    for table, part in zip(problem.tables, problem.rows, strict=True):
+        find = find_velocity_problem if isinstance(table, VelocityTable) else find_problem
+        found = find(table, alone=alone) or _unlike(table, stated[part])
+        if found is not None and not alone:
+            title = getattr(table, "title", "") or table.name or "a table"
+            found = replace(found, text=f"{title}: {found.text}")
+        if found is not None:
+            return found
+    count, free = len(problem.y), len(problem.constants)
+    if count <= free:
+        text = f"{count} conditions cannot tell {free} uncertain constants, let alone causes."
+        return Note("too-few-conditions", text, count)
+    return None
+
+
 def find_problem(table: Table, *, alone: bool = True) -> Note | None:
-    """What makes the readings of a table suspect, if anything does.
+    """What makes the readings of a table suspect by themselves, if anything does.
 
     A table that does not stand `alone` may say little: other data can tell causes apart.
     """
-    if not alone:
-        return None
     if not np.any(table.y):
         text = "Every reading is zero: nothing moved, so nothing can be told apart."
         return Note("all-zero", text)
+    if not alone:
+        return None
     mean, errors = table.mean, table.errors
     conditions = f"{len(mean)} condition{'' if len(mean) == 1 else 's'}"
     if len(mean) < FEWEST_CONDITIONS:
@@ -117,6 +146,59 @@ def velocity_notes(table: VelocityTable) -> list[Note]:
             )
             notes.append(Note("stands-still", text, fastest))
     return notes
+
+
+def _unlike(table: Table, stated: Array) -> Note | None:
+    """Readings that are the stated model's once they are reversed, rescaled or exchanged.
+
+    Only a nearly perfect likeness counts: what is between is a matter of causes.
+    """
+    if isinstance(table, VelocityTable):
+        return None  # which have rules of their own
+    for rows, what in _parts(table):
+        y, model = table.mean[rows], stated[rows]
+        size = root_mean_square(model)
+        if not np.isfinite(size) or size == 0.0:
+            continue
+        if isinstance(table, FilmTable):
+            far = far_size(root_mean_square(y), size, _of_a_film(what), "the stated model's")
+            if far is not None:
+                return Note("readings-size", f"{what} is {far}.", root_mean_square(y) / size)
+        if root_mean_square(y - model) < size:
+            continue
+        for changed, code, text in _changes(table, y):
+            if root_mean_square(changed - model) < _LIKENESS * size:
+                return Note(code, f"{what} would fit the stated model {text}.")
+    return None
+
+
+def _parts(table: Table) -> list[tuple[Indices | slice, str]]:
+    """Rows of a table that share a unit, and what they are called."""
+    if not isinstance(table, FilmTable):
+        return [(slice(None), "The table")]
+    columns = table["column"][table.first]
+    return [(np.flatnonzero(columns == each), f"Column {each}") for each in ("x", "theta")
+            if each in columns]  # fmt: skip
+
+
+def _of_a_film(what: str) -> str:
+    return "rad" if what.endswith("theta") else "m"
+
+
+def _changes(table: Table, y: Array) -> Iterator[tuple[Array, str, str]]:
+    """Readings as they may have been meant, with the code of the note and its words."""
+    yield -y, "readings-reversed", "with the other sign"
+    for factor in _FACTORS:
+        yield y / factor, "readings-unit", f"divided by {factor_text(factor)}: look at its unit"
+    if isinstance(table, FieldTable):
+        vectors = y.reshape(-1, 3)
+        for order in itertools.permutations(range(3)):
+            for sign in (1.0, -1.0):
+                exchanged = sign * vectors[:, order]
+                yield exchanged.ravel(), "readings-exchanged", "with its components exchanged"
+        for k, name in enumerate("xyz"):
+            mirrored = vectors * np.where(np.arange(3) == k, -1.0, 1.0)
+            yield mirrored.ravel(), "readings-reversed", f"with the other sign of B{name}"
 
 
 def _wrong_size(table: VelocityTable) -> Note | None:

@@ -179,18 +179,16 @@ def no_finer_than_the_meter(y: Array, condition: Indices, errors: Errors, unit: 
     Readings that repeats round to the same number look exact. Their rounding is the same each time,
     so that a mean of them is no better.
     """
-    repeats = len(y) - len(errors.sd)
-    least = meter_step(y) / math.sqrt(12.0)
-    if repeats < FEWEST or (errors.of_reading(np.zeros(1))[0] >= least and errors.dof > 0.0):
+    repeats, least = len(y) - len(errors.sd), meter_step(y) / math.sqrt(12.0)
+    scatter = float(errors.of_reading(np.zeros(1))[0])
+    if least == 0.0 or repeats < FEWEST or (errors.dof > 0.0 and scatter >= least):
         return errors
-    if least == 0.0:
-        return errors
-    text = f"Repeats scatter by less than the meter's step tells; {least:.2g} {unit}".rstrip(" -")
-    note = Note(
-        "meter-step", f"{text}, the step / sqrt(12), is the error of each condition.", least
-    )
+    size = f"{least:.2g} {unit}".removesuffix(" -")
+    text = f"Repeats scatter by less than the meter's step; {size}, the step / sqrt(12), is taken "
+    note = Note("meter-step", f"{text}for the error of each condition.", least)
+    known = errors.notes if errors.dof > 0.0 else ()
     told = {**errors.told, "s0": least, "rho": 0.0}
-    return Errors(np.maximum(errors.sd, least), None, math.inf, told, (*errors.notes, note))
+    return Errors(np.maximum(errors.sd, least), None, math.inf, told, (*known, note))
 
 
 def meter_step(y: Array) -> float:
