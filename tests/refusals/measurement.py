@@ -121,7 +121,7 @@ TRACKS = [
     (T, T[1:], "t and x have the shapes"),
     (T + np.nan, T, "no frame has both"),
     (T[:12], 1e-3 * T[:12], ["t = 0 to 0.11: 0 frames are in ", "0.15 to 1.05 s"]),
-    (T[::15], 1e-3 * T[::15], ["6 frames are in ", "8 frames or more"]),
+    (T[::15], 1e-3 * T[::15], ["5 frames are in ", "8 frames or more"]),
     (1e3 * T, T, "t may be in ms or the number of the frame"),
     (T, 1e3 * T, ["1000 m/s: allowed is 1 m/s at most", "x may be in um or in pixels"]),
 ]

@@ -32,6 +32,16 @@ Predict = Callable[..., Array]
 need."""
 
 
+_ARRAYS = "p holds arrays of shape (vectors, 1): allowed is a model that returns (vectors, rows)"
+_MEANT = {
+    "read-only": 'it writes into its table or into p: allowed are copies, as table["x"].copy()',
+    "truth value of an array": _ARRAYS,
+    "only length-1 arrays": _ARRAYS,
+    "only 0-dimensional arrays": _ARRAYS,
+    "must be real number, not": _ARRAYS,
+}
+"""What is meant by errors of NumPy in a user's model, by a part of their text."""
+
 _MOST_LOST = 0.1  # part of the rows that the model may not compute; chosen
 
 
@@ -81,12 +91,18 @@ def pose_own(
     names = [*(each.name for each in constants), *(p.name for c in every for p in c.parameters)]
 
     def rows(values: Array) -> Array:
-        made = [model(each, names, values)[:, each.first] for each in tables]
-        return np.hstack(made)
+        return np.hstack([_of_conditions(model, each, names, values) for each in tables])
 
     problem = Problem(tuple(tables), Cached(rows), constants, every)
     _check_rows(problem)
     return problem
+
+
+def _of_conditions(model: OwnModel, table: Table, names: Sequence[str], values: Array) -> Array:
+    """Predictions of the conditions of a table, shape (vectors, m)."""
+    if table.whole is None:
+        return model(table, names, values)[:, table.first]
+    return model(table.whole, names, values)[:, table.kept[table.first]]
 
 
 def _check_rows(problem: Problem) -> None:
@@ -171,16 +187,14 @@ class OwnModel(OneLine):
 
     def predicted(self, table: Any, p: Values) -> Any:
         """What the own function returns."""
-        curves = (Curves(self.laws, p),) if self.laws or _takes(self.predict, 3) else ()
+        curves = (Curves(self.laws, p),) if self.laws or _needs(self.predict, 3) else ()
         try:
             return self.predict(table, p, *curves)
-        except ValueError as error:
-            if "read-only" not in str(error):
+        except (TypeError, ValueError) as error:
+            advice = next((text for word, text in _MEANT.items() if word in str(error)), None)
+            if advice is None:
                 raise
-            raise ScenarioError(
-                "predict: it writes into its table or into p: allowed are copies, as "
-                f'table["x"].copy() makes; {error}'
-            ) from error
+            raise ScenarioError(f"predict: {advice}; {error}") from error
 
     def columns(self, table: str, names: Sequence[str]) -> dict[str, int]:
         """Columns of `names` that count for a table, by the names that the model knows."""
@@ -314,21 +328,26 @@ def _check_predict(predict: object, model: OwnModel) -> None:
     wanted = f"allowed is a function of ({', '.join(arguments)})"
     if not callable(predict):
         raise ScenarioError(f"predict = {brief(predict)}: {wanted}")
-    if _takes(predict, len(arguments)) is False and not _takes(predict, 3):
+    if not (_takes(predict, len(arguments)) or _needs(predict, 3)):
         raise ScenarioError(f"predict takes {inspect.signature(predict)}: {wanted}")
 
 
-def _takes(function: Callable[..., Any], count: int) -> bool | None:
-    """Whether a function takes so many arguments; None where, as some compiled ones, it is mute."""
+def _takes(function: Callable[..., Any], count: int) -> bool:
+    """Whether a function takes so many arguments; some compiled ones do not say, and may."""
     try:
         taken = inspect.signature(function)
     except (TypeError, ValueError):
-        return None
+        return True
     try:
         taken.bind(*range(count))
     except TypeError:
         return False
     return True
+
+
+def _needs(function: Callable[..., Any], count: int) -> bool:
+    """Whether a function takes so many arguments and no fewer; `*rest` and defaults are no need."""
+    return not _takes(function, count - 1) and _takes(function, count)
 
 
 def _check_names(

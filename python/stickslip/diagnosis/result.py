@@ -83,9 +83,9 @@ class Diagnosis(ShownBySummary):
 
     def summary(self) -> str:
         """The verdict, what it rests on, the parameters and the leading candidates as text."""
-        from stickslip.diagnosis.report.numbers import summary_text
+        from stickslip.diagnosis.report.numbers import summary_text, words_of
 
-        return summary_text(self.as_dict())
+        return summary_text(self.as_dict(), words_of(self))
 
     def _repr_html_(self) -> str:
         from stickslip.diagnosis.report.files import notebook
@@ -300,9 +300,10 @@ class Diagnosis(ShownBySummary):
     @property
     def next_step(self) -> Note:
         """Whether what is claimed is safe (the code ``name-safe``), or why it is not."""
-        from stickslip.diagnosis.report.amounts import title
+        from stickslip.diagnosis.report.numbers import words_of
 
         fit = self.verdict.fit
+        title = words_of(self).title
         names = [title(each, self.problem.causes) for each in self.verdict.causes]
         probability = 0.0 if fit is None else self.probability_of(fit.names)
         beside = fit is not None and fit.form != "none" and self.verdict.kind == "pair"

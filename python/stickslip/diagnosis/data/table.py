@@ -79,6 +79,9 @@ class Table:
     order: Array | None
     places: Array | None
     notes: list[Note]
+    whole: Table | None = None
+    """The table that a model predicts, of which this one has the rows `kept`; this one, if None."""
+    kept: Indices
     own_notes: tuple[Note, ...] = ()
     """Notes that do not depend on the errors."""
 
@@ -154,8 +157,8 @@ class Table:
 
     def _less(self, whole: Table, kept: Mask, why: str) -> Table:
         """This table with the notes and the numbers of the rows of the whole one."""
-        self.rows = whole.rows[kept]
-        lost = whole.rows[~kept]
+        self.whole, self.kept = whole, np.flatnonzero(kept)
+        self.rows, lost = whole.rows[kept], whole.rows[~kept]
         text = f"{whole.at}{rows_in_words(lost)}: {why}"
         self.own_notes = (*whole.own_notes, Note("rows-not-computed", text, len(lost)))
         self.notes = [*self.own_notes, *self.errors.notes]

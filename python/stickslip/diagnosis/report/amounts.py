@@ -35,46 +35,151 @@ _PLAIN = 1e-3, 1e5  # sizes between which a number needs no power of ten
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-def title(name: str, causes: Iterable[Cause] = ()) -> str:
-    """A model in plain words that follow ``of``; `causes` are those of the problem.
+class Words:
+    """What causes, parameters and their sizes are called.
 
-    A cause of one's own is its meaning where that has an article, else its name in quotes.
+    Those of the simulator have the words of causes.toml. A model of one's own has the words of its
+    user, whatever names it shares with the simulator.
     """
-    if name == "none":
-        return "no cause"
-    known = {each.name: each for each in causes}
-    return " and ".join(_title(each, known.get(each)) for each in name.split(" + "))
 
+    def __init__(self, own: bool) -> None:
+        self._own = own
+        self._causes: Mapping[str, Mapping[str, Any]] = {} if own else _CAUSES
+        self._constants: Mapping[str, Mapping[str, Any]] = {} if own else _WORDS["constants"]
 
-def _title(name: str, cause: Cause | None = None) -> str:
-    if name in _CAUSES:
-        return str(_CAUSES[name]["name"])
-    if cause is not None and cause.curve is not None:
-        return f"a dependence of {cause.curve.law} on {cause.curve.argument}"
-    constant = _WORDS["constants"].get(name)
-    if constant or (cause is not None and cause.frees == name):
-        return f"another {constant['name'] if constant else name} than stated"
-    meaning = "" if cause is None else cause.meaning.rstrip(".")
-    return meaning if re.match(r"an? ", meaning) else f"“{name}”"
+    def title(self, name: str, causes: Iterable[Cause] = ()) -> str:
+        """A model in plain words that follow ``of``; `causes` are those of the problem.
 
+        A cause of one's own is its meaning where that has an article, else its name in quotes.
+        """
+        if name == "none":
+            return "no cause"
+        known = {each.name: each for each in causes}
+        return " and ".join(self._title(each, known.get(each)) for each in name.split(" + "))
 
-def parameter(name: str) -> str:
-    """A parameter in plain words: of a cause, a constant, or its key where no words are known."""
-    cause, _, short = name.removeprefix("effects.").rpartition(".")
-    if name in _WORDS["constants"]:
-        return str(_WORDS["constants"][name]["name"])
-    return f"{_title(cause)}: {short.replace('_', ' ')}" if cause in _CAUSES else name
+    def _title(self, name: str, cause: Cause | None = None) -> str:
+        if name in self._causes:
+            return str(self._causes[name]["name"])
+        if cause is not None and cause.curve is not None:
+            return f"a dependence of {cause.curve.law} on {cause.curve.argument}"
+        constant = self._constants.get(name)
+        if constant or (cause is not None and cause.frees == name):
+            return f"another {constant['name'] if constant else name} than stated"
+        meaning = "" if cause is None else cause.meaning.rstrip(".")
+        return meaning if re.match(r"an? ", meaning) else f"“{name}”"
 
+    def parameter(self, name: str) -> str:
+        """A parameter in plain words: of a cause, a constant, or its key where none are known."""
+        cause, _, short = name.removeprefix("effects.").rpartition(".")
+        if name in self._constants:
+            return str(self._constants[name]["name"])
+        return f"{self._title(cause)}: {short.replace('_', ' ')}" if cause in self._causes else name
 
-def in_titles(text: str, causes: Sequence[Cause]) -> str:
-    """A sentence with causes in plain words in place of their names, and p as elsewhere."""
-    text = re.sub(r"\bp = (\d\S*\d)", lambda each: p_text(float(each[1])), text)
-    names = sorted((re.escape(each.name) for each in causes), key=len, reverse=True)
-    if not names:
-        return text
-    found = rf"(?<![\w.])(?:{'|'.join(names)})(?![\w.])"
-    text = re.sub(rf"({found}) \+ (?={found})", r"\1 and ", text)
-    return re.sub(found, lambda each: title(each[0], causes), text)
+    def in_titles(self, text: str, causes: Sequence[Cause]) -> str:
+        """A sentence with causes in plain words in place of their names, and p as elsewhere."""
+        text = re.sub(r"\bp = (\d\S*\d)", lambda each: p_text(float(each[1])), text)
+        names = sorted((re.escape(each.name) for each in causes), key=len, reverse=True)
+        if not names:
+            return text
+        found = rf"(?<![\w.])(?:{'|'.join(names)})(?![\w.])"
+        text = re.sub(rf"({found}) \+ (?={found})", r"\1 and ", text)
+        return re.sub(found, lambda each: self.title(each[0], causes), text)
+
+    def shown_in(self, name: str, unit: str) -> tuple[float, str]:
+        """Factor from the SI unit of a parameter to the one in which it is told, and its name."""
+        cause, _, parameter = name.removeprefix("effects.").rpartition(".")
+        size = self._causes.get(cause, {}).get("sizes", {}).get(parameter)
+        if size is None and name in self._constants:
+            size = self._constants[name]
+        if size is None:
+            known = name in known_keys() or name.startswith("tracking.")
+            return handy(unit) if known and not self._own else (1.0, unit_label(unit))
+        return float(_WORDS["units"][size["unit"]]), str(size["unit"])
+
+    def told(self, cause: Cause, sizes: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
+        """A cause in words: `title`, `meaning`, `finding`, `interval`, `remedy`, `drawing`, `way`.
+
+        `sizes` are its parameters, or the constant that it frees, by full name, with `value`,
+        `sd`, `low`, `high`, `unit` and, of a constant, what was `stated`. `way` is the word for the
+        sign of the largest; `meaning` is empty where the title says as much.
+        """
+        name, meaning, known = cause.name, cause.meaning, self._causes.get(cause.name)
+        said = {"name": name, "title": self.title(name, [cause]), "remedy": "", "way": ""}
+        new = set(re.findall(r"\w+", meaning)) - set(re.findall(r"\w+", said["title"]))
+        said["meaning"] = meaning if len(new) >= _NEW_WORDS else ""
+        said["drawing"] = known["drawing"] if known else ""
+        amounts: dict[str, str] = {}
+        largest, intervals = -math.inf, []
+        for full, each in sizes.items():
+            factor, unit = self.shown_in(full, each["unit"])
+            value, sd = each["value"] * factor, each["sd"] * factor
+            short = full.rpartition(".")[2]
+            words = known["sizes"].get(short, {}) if known else {}
+            way = words.get("up" if value >= 0.0 else "down", "")
+            amounts[short] = amount(abs(value) if way else value, sd, unit)
+            amounts[f"{short}_way"] = way
+            ends = each["low"], each["high"]
+            if way and min(ends) * max(ends) > 0.0:
+                ends = abs(ends[0]), abs(ends[1])
+            intervals.append(self.between(full, *ends, each["unit"]))
+            if abs(value) > largest:
+                largest, said["way"] = abs(value), way
+        said["interval"] = " and ".join(intervals)
+        if known is not None:
+            said |= {"finding": known["finding"].format(**amounts), "remedy": known["remedy"]}
+            return said
+        constant = self._constants.get(name)
+        if name in sizes and name not in self._causes:
+            what = constant["name"] if constant else name
+            said["finding"] = f"The {what} is {amounts[name.rpartition('.')[2]]}"
+            if sizes[name].get("stated") is not None:
+                factor, unit = self.shown_in(name, sizes[name]["unit"])
+                said["finding"] += (
+                    f", and was stated as {sizes[name]['stated'] * factor:.4g} {unit}"
+                )
+            said |= {"finding": said["finding"].rstrip() + ".", "remedy": "Measure it again"}
+            said["drawing"] = constant["drawing"] if constant else ""
+            return said
+        values = [f"{each.rpartition('.')[2]} {amounts[each.rpartition('.')[2]]}" for each in sizes]
+        what = said["title"]
+        said["finding"] = f"{what[:1].upper()}{what[1:]}: {', '.join(values)}."
+        return said
+
+    def between(self, name: str, low: float, high: float, unit: str) -> str:
+        """The ends of an interval of a parameter, with its unit: ``13.5 to 16.4 %``."""
+        factor, shown = self.shown_in(name, unit)
+        ends = sorted((low * factor, high * factor))
+        return _joined(ends, (ends[1] - ends[0]) / 4.0, " to ", shown)
+
+    def limit(self, name: str, value: float, unit: str, digits: int = 2) -> str:
+        """A value in the unit of its parameter: ``2.1 degrees``."""
+        factor, shown = self.shown_in(name, unit)
+        return f"{number(value * factor, digits)} {shown}".rstrip()
+
+    def before(self, known: Parameter) -> str:
+        """The prior of a parameter by its name, in the unit in which it is told."""
+        name, unit, prior = known.name, known.unit, known.prior
+        if prior is None:
+            assert known.size is not None
+            within = self.limit(name, known.size, unit)
+            about = known.high if known.falls else known.absent
+            shown = self.limit(name, about, unit) if about else "0"
+            if known.falls or known.one_sided:
+                way = "down" if known.falls else "on"
+                return f"half-normal from {shown} {way}, 68 % within {within}"
+            return f"normal about {shown}, 68 % within {within}"
+        if prior.kind == "normal":
+            return f"normal, {self.size(name, prior.first, prior.second, unit)}"
+        if prior.kind == "log-normal":
+            middle = self.limit(name, prior.first, unit, 4)
+            return f"log-normal, {middle} to a factor of {prior.second:.3g}"
+        low, high = (self.limit(name, each, unit) for each in (prior.first, prior.second))
+        return f"log-uniform, {low} to {high}"
+
+    def size(self, name: str, value: float, sd: float, unit: str) -> str:
+        """A parameter with its error, in the unit in which it is told."""
+        factor, shown = self.shown_in(name, unit)
+        return amount(value * factor, sd * factor, shown)
 
 
 def suspect(code: str, value: float | None) -> list[str]:
@@ -82,105 +187,6 @@ def suspect(code: str, value: float | None) -> list[str]:
     what, large, do = _WORDS["problems"].get(code, ["the data with what they can be", "", ""])
     size = "" if value is None else percent(value) if code == "drift" else number(value, 2)
     return [what, large.format(size), do]
-
-
-def shown_in(name: str, unit: str) -> tuple[float, str]:
-    """Factor from the SI unit of a parameter to the one in which it is told, and its name."""
-    cause, _, parameter = name.removeprefix("effects.").rpartition(".")
-    size = _CAUSES.get(cause, {}).get("sizes", {}).get(parameter)
-    if size is None and name in _WORDS["constants"]:
-        size = _WORDS["constants"][name]
-    if size is None:
-        # A model of one's own keeps its units.
-        own = name not in known_keys() and not name.startswith("tracking.")
-        return (1.0, unit_label(unit)) if own else handy(unit)
-    return float(_WORDS["units"][size["unit"]]), str(size["unit"])
-
-
-def told(cause: Cause, sizes: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
-    """A cause in words: `title`, `meaning`, `finding`, `interval`, `remedy`, `drawing`, `way`.
-
-    `sizes` are its parameters, or the constant that it frees, by full name, with `value`, `sd`,
-    `low`, `high`, `unit` and, of a constant, what was `stated`. `way` is the word for the sign of
-    the largest; `meaning` is empty where the title says as much.
-    """
-    name, meaning, known = cause.name, cause.meaning, _CAUSES.get(cause.name)
-    said = {"name": name, "title": title(name, [cause]), "remedy": "", "way": ""}
-    new = set(re.findall(r"\w+", meaning)) - set(re.findall(r"\w+", said["title"]))
-    said["meaning"] = meaning if len(new) >= _NEW_WORDS else ""
-    said["drawing"] = known["drawing"] if known else ""
-    amounts: dict[str, str] = {}
-    largest, intervals = -math.inf, []
-    for full, each in sizes.items():
-        factor, unit = shown_in(full, each["unit"])
-        value, sd = each["value"] * factor, each["sd"] * factor
-        short = full.rpartition(".")[2]
-        words = known["sizes"].get(short, {}) if known else {}
-        way = words.get("up" if value >= 0.0 else "down", "")
-        amounts[short] = amount(abs(value) if way else value, sd, unit)
-        amounts[f"{short}_way"] = way
-        ends = each["low"], each["high"]
-        if way and min(ends) * max(ends) > 0.0:
-            ends = abs(ends[0]), abs(ends[1])
-        intervals.append(between(full, *ends, each["unit"]))
-        if abs(value) > largest:
-            largest, said["way"] = abs(value), way
-    said["interval"] = " and ".join(intervals)
-    if known is not None:
-        said |= {"finding": known["finding"].format(**amounts), "remedy": known["remedy"]}
-        return said
-    constant = _WORDS["constants"].get(name)
-    if name in sizes and name not in _CAUSES:
-        what = constant["name"] if constant else name
-        said["finding"] = f"The {what} is {amounts[name.rpartition('.')[2]]}"
-        if sizes[name].get("stated") is not None:
-            factor, unit = shown_in(name, sizes[name]["unit"])
-            said["finding"] += f", and was stated as {sizes[name]['stated'] * factor:.4g} {unit}"
-        said |= {"finding": said["finding"].rstrip() + ".", "remedy": "Measure it again"}
-        said["drawing"] = constant["drawing"] if constant else ""
-        return said
-    values = [f"{each.rpartition('.')[2]} {amounts[each.rpartition('.')[2]]}" for each in sizes]
-    what = said["title"]
-    said["finding"] = f"{what[:1].upper()}{what[1:]}: {', '.join(values)}."
-    return said
-
-
-def between(name: str, low: float, high: float, unit: str) -> str:
-    """The ends of an interval of a parameter, with its unit: ``13.5 to 16.4 %``."""
-    factor, shown = shown_in(name, unit)
-    ends = sorted((low * factor, high * factor))
-    return _joined(ends, (ends[1] - ends[0]) / 4.0, " to ", shown)
-
-
-def limit(name: str, value: float, unit: str, digits: int = 2) -> str:
-    """A value in the unit of its parameter: ``2.1 degrees``."""
-    factor, shown = shown_in(name, unit)
-    return f"{number(value * factor, digits)} {shown}".rstrip()
-
-
-def before(known: Parameter) -> str:
-    """The prior of a parameter by its name, in the unit in which it is told."""
-    name, unit, prior = known.name, known.unit, known.prior
-    if prior is None:
-        assert known.size is not None
-        within = limit(name, known.size, unit)
-        about = known.high if known.falls else known.absent
-        shown = limit(name, about, unit) if about else "0"
-        if known.falls or known.one_sided:
-            way = "down" if known.falls else "on"
-            return f"half-normal from {shown} {way}, 68 % within {within}"
-        return f"normal about {shown}, 68 % within {within}"
-    if prior.kind == "normal":
-        return f"normal, {size(name, prior.first, prior.second, unit)}"
-    if prior.kind == "log-normal":
-        return f"log-normal, {limit(name, prior.first, unit, 4)} to a factor of {prior.second:.3g}"
-    return f"log-uniform, {limit(name, prior.first, unit)} to {limit(name, prior.second, unit)}"
-
-
-def size(name: str, value: float, sd: float, unit: str) -> str:
-    """A parameter with its error, in the unit in which it is told."""
-    factor, shown = shown_in(name, unit)
-    return amount(value * factor, sd * factor, shown)
 
 
 def in_unit(value: float, unit: str, digits: int = 2, own: bool = False) -> str:

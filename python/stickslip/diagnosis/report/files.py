@@ -27,7 +27,7 @@ from stickslip._util.text import json_text
 from stickslip.diagnosis.candidate import table_name
 from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.report import amounts
-from stickslip.diagnosis.report.numbers import numbers_of
+from stickslip.diagnosis.report.numbers import numbers_of, words_of
 from stickslip.diagnosis.report.pictures import Plots, drawing
 from stickslip.diagnosis.report.readings import title_of
 from stickslip.errors import ScenarioError
@@ -97,6 +97,7 @@ def page(result: Diagnosis, numbers: dict[str, Any]) -> str:
         "diagnosis/report/report.html.j2",
         report=numbers,
         a=amounts,
+        w=words_of(result),
         drawing=lambda name, way: Markup(drawing(name, way)),
         changes=[(text, _svg(each)) for text, each in plots.changes(main)] if drawable else [],
         key=plots.key(main) if drawable else [],
@@ -138,7 +139,7 @@ def save_figures(result: Diagnosis, folder: Path, formats: Sequence[str]) -> lis
 def notebook(result: Diagnosis) -> str:
     """The verdict with its tables as a cell of a notebook shows it."""
     template = "diagnosis/report/notebook.html.j2"
-    return str(page_text(template, report=numbers_of(result), a=amounts))
+    return str(page_text(template, report=numbers_of(result), a=amounts, w=words_of(result)))
 
 
 def _svg(figure: Figure | None) -> Markup:

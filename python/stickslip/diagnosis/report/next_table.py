@@ -12,7 +12,7 @@ from stickslip._util.files import text_writer, write_together
 from stickslip._util.messages import shown
 from stickslip._util.units import handy
 from stickslip.diagnosis.decision.experiments import Experiment, advice, prediction_table
-from stickslip.diagnosis.report.amounts import amount, title
+from stickslip.diagnosis.report.amounts import amount
 from stickslip.diagnosis.report.files import JSON
 from stickslip.diagnosis.result import Diagnosis, setting_columns
 from stickslip.errors import ScenarioError
@@ -88,15 +88,16 @@ class Rounds:
                     f"the budget of {_count(self.budget)} is used up; --budget {more} allows more."
                 )
             lines.append(f"  no drive is in {path}: {why}")
-        factor, unit = handy("m/s")
+        (factor, unit), words = handy("m/s"), Words(own=False)
         for number, each in enumerate(experiments, start=1):
             expected = "; ".join(
-                f"{amount(factor * said['velocity'], factor * said['sd'], unit)} with {title(name)}"
+                f"{amount(factor * said['velocity'], factor * said['sd'], unit)} with "
+                f"{words.title(name)}"
                 for name, said in each.predictions.items()
             )
             lines += [f"  {number}. {each}", f"     expected: {expected}"]
         causes = result.verdict.causes if result.verdict.kind == "ambiguous" else ()
-        notes = advice({name: title(name) for name in causes}, experiments)
+        notes = advice({name: words.title(name) for name in causes}, experiments)
         return lines + [f"  beside the drive: {note}" for note in notes]
 
     def as_dict(self, result: Diagnosis) -> dict[str, Any]:

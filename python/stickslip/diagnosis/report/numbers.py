@@ -25,6 +25,7 @@ from stickslip.diagnosis.decision.posterior import ALIKE, cosine
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import LOST
 from stickslip.diagnosis.report import amounts
+from stickslip.diagnosis.report.amounts import Words
 from stickslip.diagnosis.report.readings import in_words, settings_of, shown_unit, title_of, unit_of
 
 if TYPE_CHECKING:
@@ -91,13 +92,18 @@ def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
             re.sub(r": this shows (.*), and nothing of .*", r". This shows \1 alone.", str(each))
             for each in looks
         ]
-    numbers["headline"] = summary_text(numbers).split("\n", 1)[0]
+    numbers["headline"] = summary_text(numbers, words_of(result)).split("\n", 1)[0]
     return numbers
 
 
-def summary_text(numbers: Mapping[str, Any]) -> str:
+def words_of(result: Diagnosis) -> Words:
+    """The words of causes and parameters: the user's where the model is."""
+    return Words(own=result.measurement is None)
+
+
+def summary_text(numbers: Mapping[str, Any], words: Words) -> str:
     """The verdict and what it rests on, as the command and `Diagnosis.summary` print it."""
-    page = page_text("diagnosis/report/summary.txt.j2", report=numbers, a=amounts)
+    page = page_text("diagnosis/report/summary.txt.j2", report=numbers, a=amounts, w=words)
     return "\n".join(line.rstrip() for line in unescape(page).strip().split("\n"))
 
 
@@ -130,11 +136,11 @@ def _or_none(value: float | None) -> float | None:
 
 
 def _words(result: Diagnosis, text: str) -> str:
-    return amounts.in_titles(text, result.problem.causes)
+    return words_of(result).in_titles(text, result.problem.causes)
 
 
 def _title(result: Diagnosis, name: str) -> str:
-    return amounts.title(name, result.problem.causes)
+    return words_of(result).title(name, result.problem.causes)
 
 
 def _cause(result: Diagnosis) -> str | list[str] | None:
@@ -206,8 +212,8 @@ def _sizes(result: Diagnosis, candidate: Candidate) -> dict[str, dict[str, dict[
             names = [cause.frees]
         found[cause.name] = {
             k: {
-                **rows[k], **ends[k], "before": amounts.before(known[k]),
-                "title": amounts.parameter(k),
+                **rows[k], **ends[k], "before": words_of(result).before(known[k]),
+                "title": words_of(result).parameter(k),
             }
             for k in names
         }  # fmt: skip
@@ -220,7 +226,7 @@ def _told(result: Diagnosis, candidate: Candidate) -> dict[str, Any]:
     sizes = _sizes(result, candidate)
     causes = []
     for each in candidate.fit.causes:
-        said: dict[str, Any] = amounts.told(each, sizes[each.name])
+        said: dict[str, Any] = words_of(result).told(each, sizes[each.name])
         if each.curve is not None:
             # Drawings have the names of the laws.
             said |= {"finding": f"The law of {each.curve.name} has another shape.",
@@ -309,7 +315,7 @@ def _recalibrated(result: Diagnosis) -> dict[str, Any]:
         middle = each.prior is not None and each.prior.has_middle
         found[name] = {
             **rows[name], **ends[name],
-            "title": amounts.parameter(name), "before": amounts.before(each),
+            "title": words_of(result).parameter(name), "before": words_of(result).before(each),
             "stated": float(each.value(np.zeros(1))[0]) if middle else None,
             "extended": extended.get(name, {}).get("value"),
             "pull_extended": extended.get(name, {}).get("pull"),
@@ -323,7 +329,7 @@ def _moved(result: Diagnosis) -> dict[str, Any] | None:
     if not len(pulls):
         return None
     name = str(pulls.idxmax())
-    return {"name": name, "title": amounts.parameter(name), "pull": float(pulls.max())}
+    return {"name": name, "title": words_of(result).parameter(name), "pull": float(pulls.max())}
 
 
 def _all_deciding(
@@ -416,9 +422,9 @@ def _bounds(result: Diagnosis) -> dict[str, Any]:
         name.removeprefix("effects."): {
             "value": value, "unit": parameters[name].unit, "falls": parameters[name].falls,
             "relative": value / (parameters[name].size or 1.0),
-            "title": amounts.parameter(name),
+            "title": words_of(result).parameter(name),
             "cause": owners.get(name, ""),
-            "text": amounts.limit(name, value, parameters[name].unit),
+            "text": words_of(result).limit(name, value, parameters[name].unit),
             "seen": not _at_end(parameters[name], value),
         }
         for name, value in sorted(limits.items(), key=lambda each: each[1])

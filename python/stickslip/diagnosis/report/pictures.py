@@ -27,7 +27,7 @@ from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.data.velocity import VelocityTable
 from stickslip.diagnosis.decision.posterior import cosine
 from stickslip.diagnosis.report import amounts
-from stickslip.diagnosis.report.numbers import law_of, predictions
+from stickslip.diagnosis.report.numbers import law_of, predictions, words_of
 from stickslip.diagnosis.report.readings import (
     ROW,
     along,
@@ -361,7 +361,7 @@ class Plots:
         return f"{'nearest, ' if name == 'nearest' else ''}with {self._title(fit.name)}"
 
     def _title(self, name: str) -> str:
-        return amounts.title(name, self._result.problem.causes)
+        return words_of(self._result).title(name, self._result.problem.causes)
 
     def _check(self, table: int) -> None:
         if not 0 <= table < len(self._tables):
