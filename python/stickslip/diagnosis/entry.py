@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -142,9 +143,7 @@ def diagnose_model(
     notes += moved_constants(findings)
 
     model, names = OwnModel(predict, tuple(uncertain), problem.causes), problem.names
-    return Diagnosis(
-        findings, None, tuple(notes), lambda at, values: model.of_new(at, names, values)
-    )
+    return Diagnosis(findings, None, tuple(notes), partial(model.of_new, names))
 
 
 def _silent(fraction: float, stage: str) -> None:

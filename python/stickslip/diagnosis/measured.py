@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -88,14 +90,20 @@ def pose(measurement: Measurement, threads: int = 1, seed: int = 0) -> Problem:
     causes = (*effects, *suspects.values(), *freed(constants))
     model, draft = model_of(tables, constants, effects, list(suspects.values()))
 
-    def with_laws(problem: Problem, x: Array) -> Problem:
-        found = _laws(measurement, tables[0], problem, x) if effects else ()
-        own = model_of(tables, constants, effects, list(suspects.values()), found)
-        return replace(
-            problem, model=Cached(own[0]), draft=Cached(own[1]), causes=(*problem.causes, *found)
-        )
+    parts = tables, constants, effects, list(suspects.values())
+    laws = partial(_with_laws, measurement, parts)
+    return Problem(tuple(tables), Cached(model), tuple(constants), causes, Cached(draft), laws)
 
-    return Problem(tuple(tables), Cached(model), tuple(constants), causes, Cached(draft), with_laws)
+
+def _with_laws(
+    measurement: Measurement, parts: tuple[Any, ...], problem: Problem, x: Array
+) -> Problem:
+    tables, _, effects, _ = parts
+    found = _laws(measurement, tables[0], problem, x) if effects else ()
+    own = model_of(*parts, found)
+    return replace(
+        problem, model=Cached(own[0]), draft=Cached(own[1]), causes=(*problem.causes, *found)
+    )
 
 
 def _laws(
@@ -154,18 +162,25 @@ def model_of(
         own |= {each.name for cause in table.suspects for each in cause.parameters}
         columns.append([k for k, name in enumerate(names) if name in shared | own])
 
-    def rows(predict: Sequence[Callable[[Sequence[str], Array], Array]], values: Array) -> Array:
-        fixed = np.broadcast_to(np.array(list(reach.values())), (len(values), len(reach)))
-        values = np.hstack([values, fixed])
-        return np.hstack([
-            each([names[k] for k in at], values[:, at])
-            for each, at in zip(predict, columns, strict=True)
-        ])  # fmt: skip
-
     full = [each.predict for each in tables]
     cheap = [each.low_fidelity if isinstance(each, VelocityTable) else each.predict
              for each in tables]  # fmt: skip
-    return (lambda values: rows(full, values)), (lambda values: rows(cheap, values))
+    fixed = np.array(list(reach.values()))
+    return partial(_rows, names, columns, fixed, full), partial(_rows, names, columns, fixed, cheap)
+
+
+def _rows(
+    names: Sequence[str],
+    columns: Sequence[Sequence[int]],
+    fixed: Array,
+    predict: Sequence[Callable[[Sequence[str], Array], Array]],
+    values: Array,
+) -> Array:
+    values = np.hstack([values, np.broadcast_to(fixed, (len(values), len(fixed)))])
+    return np.hstack([
+        each([names[k] for k in at], values[:, at])
+        for each, at in zip(predict, columns, strict=True)
+    ])  # fmt: skip
 
 
 def _driven(measurement: Measurement) -> list[Scenario]:

@@ -7,6 +7,7 @@ import itertools
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -90,12 +91,16 @@ def pose_own(
     _check_predict(predict, model)
     names = [*(each.name for each in constants), *(p.name for c in every for p in c.parameters)]
 
-    def rows(values: Array) -> Array:
-        return np.hstack([_of_conditions(model, each, names, values) for each in tables])
-
+    rows = partial(_of_tables, model, tuple(tables), names)
     problem = Problem(tuple(tables), Cached(rows), constants, every)
     _check_rows(problem)
     return problem
+
+
+def _of_tables(
+    model: OwnModel, tables: Sequence[Table], names: Sequence[str], values: Array
+) -> Array:
+    return np.hstack([_of_conditions(model, each, names, values) for each in tables])
 
 
 def _of_conditions(model: OwnModel, table: Table, names: Sequence[str], values: Array) -> Array:
@@ -213,7 +218,7 @@ class OwnModel(OneLine):
             found[base if base in records else name] = k
         return found
 
-    def of_new(self, conditions: Any, names: Sequence[str], values: Array) -> Array:
+    def of_new(self, names: Sequence[str], conditions: Any, values: Array) -> Array:
         """Readings of a table, or of settings, that were not measured, (vectors, rows).
 
         A record of another name begins at the middles of its start states.

@@ -15,9 +15,9 @@ degrees of freedom of its size (Satterthwaite, Biometrics Bulletin 2 (1946) 110)
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from scipy.optimize import minimize, nnls
@@ -317,6 +317,22 @@ def along_runs(
     return order, gap
 
 
+def _covariance_at(
+    parts: Array, told: Mapping[str, float], mean: Array, linked: bool, stated: bool, level: Array
+) -> Array:
+    """Covariance of the means where what they share follows a level, shape (m,).
+
+    `parts` are the covariances of the readings' own errors, of shifts and of gains.
+    """
+    own, shift, gain = parts
+    there, here = np.hypot(told["s0"], told["rho"] * np.array([level, mean]))
+    ratio = np.ones(len(mean)) if stated else there / here
+    signs = np.where(level == 0.0, np.sign(mean), np.sign(level))
+    both = np.outer(ratio, ratio)
+    readings = both * own if linked else own
+    return np.asarray(readings + both * (shift + np.outer(signs, signs) * gain))
+
+
 @dataclass(frozen=True, repr=False, eq=False)
 class _Scatter(OneLine):
     """Readings that tell their errors.
@@ -396,19 +412,9 @@ class _Scatter(OneLine):
                 f"{told['phi']:.2f} ({low:.2f} to {high:.2f})."
             )
             notes.append(Note("errors-correlated", text, told["phi"]))
-        own, shift, gain = factor * parts
-        mean, linked, stated = self.mean, "phi" in p, self.sd is not None
-
-        def of_level(level: Array) -> Array:
-            """Covariance of the means where what they share follows a level, shape (m,)."""
-            there, here = np.hypot(told["s0"], told["rho"] * np.array([level, mean]))
-            ratio = np.ones(len(mean)) if stated else there / here
-            signs = np.where(level == 0.0, np.sign(mean), np.sign(level))
-            both = np.outer(ratio, ratio)
-            readings = both * own if linked else own
-            return np.asarray(readings + both * (shift + np.outer(signs, signs) * gain))
-
-        covariance = of_level(mean)
+        known = self.mean, "phi" in p, self.sd is not None
+        of_level = partial(_covariance_at, factor * parts, told, *known)
+        covariance = of_level(self.mean)
         sd = np.sqrt(np.diag(covariance))
         return Errors(sd, covariance, dof, told, tuple(notes), of_level)
 

@@ -12,7 +12,7 @@ from stickslip._util.files import text_writer, write_together
 from stickslip._util.messages import shown
 from stickslip._util.units import handy
 from stickslip.diagnosis.decision.experiments import Experiment, advice, prediction_table
-from stickslip.diagnosis.report.amounts import amount
+from stickslip.diagnosis.report.amounts import Words, amount
 from stickslip.diagnosis.report.files import JSON
 from stickslip.diagnosis.result import Diagnosis, setting_columns
 from stickslip.errors import ScenarioError

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any, ParamSpec, TypeVar, cast
 
 from stickslip._util.messages import refuse
 from stickslip._util.numbers import Array
@@ -66,3 +68,41 @@ class Cause(OneLine):
         object.__setattr__(self, "parameters", tuple(given))
         if not self.parameters and self.frees is None:
             raise ScenarioError(f"cause {self.name} has no Parameter: allowed are one or more")
+
+
+_P = ParamSpec("_P")
+_Made = TypeVar("_Made", Cause, tuple[Cause, ...])
+
+
+class _Remade:
+    """How an instrument reads: a function of a call that makes causes, and pickled as that call."""
+
+    def __init__(self, read: Read, call: tuple[Any, ...], place: int) -> None:
+        self._read, self._made_by = read, (*call, place)
+
+    def __call__(self, *given: Any) -> Array:
+        return self._read(*given)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _made_again, self._made_by
+
+
+def _made_again(factory: Any, args: Any, options: Any, place: int) -> Read:
+    made = factory(*args, **options)
+    return cast(Read, (made if isinstance(made, tuple) else (made,))[place].read)
+
+
+def pickled_as_call(factory: Callable[_P, _Made]) -> Callable[_P, _Made]:
+    """Let the causes of a function of a module be pickled, though how they read is local to it."""
+
+    @functools.wraps(factory)
+    def made(*args: _P.args, **options: _P.kwargs) -> _Made:
+        found = factory(*args, **options)
+        causes = tuple(
+            each if each.read is None
+            else replace(each, read=_Remade(each.read, (made, args, options), place))
+            for place, each in enumerate(found if isinstance(found, tuple) else (found,))
+        )  # fmt: skip
+        return cast(_Made, causes if isinstance(found, tuple) else causes[0])
+
+    return made

@@ -32,7 +32,7 @@ from stickslip._util.numbers import Array
 from stickslip._util.text import is_number
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import Table
-from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.cause import Cause, pickled_as_call
 from stickslip.diagnosis.terms.parameter import LARGEST_ERROR, Parameter
 from stickslip.errors import ScenarioError
 from stickslip.scenario.uncertain import Prior
@@ -42,6 +42,7 @@ _WIDTH, _FINENESS = 0.4, 0.025
 predictions change. Chosen: nearly even over the range; an event of a hundredth of it is found."""
 
 
+@pickled_as_call
 def step(
     size: float,
     begin: float,
@@ -64,6 +65,7 @@ def step(
     return Cause(name, (height, time), meaning, read=read, table=table, input=input)
 
 
+@pickled_as_call
 def pulse(
     size: float,
     begin: float,

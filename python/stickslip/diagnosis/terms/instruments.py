@@ -37,7 +37,7 @@ from stickslip._util.messages import refuse
 from stickslip._util.numbers import Array, root_mean_square
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import Table
-from stickslip.diagnosis.terms.cause import Cause, Read
+from stickslip.diagnosis.terms.cause import Cause, Read, pickled_as_call
 from stickslip.diagnosis.terms.parameter import LARGEST_ERROR, Parameter
 from stickslip.errors import ScenarioError
 
@@ -62,6 +62,7 @@ _TURN = Parameter("angle_offset.angle", unit="rad", low=-0.3, high=0.3, size=0.0
 _SOUND = 0.98
 
 
+@pickled_as_call
 def scale(
     size: float = 0.02,
     *,
@@ -80,6 +81,7 @@ def scale(
     return Cause(name, (parameter,), "readings have a wrong scale", read=read, table=table)
 
 
+@pickled_as_call
 def offset(
     unit: str,
     size: float,
@@ -101,6 +103,7 @@ def offset(
     return Cause(name, (parameter,), "readings have a wrong zero", read=read, table=table)
 
 
+@pickled_as_call
 def clipping(
     unit: str,
     highest: float,
@@ -135,6 +138,7 @@ def clipping(
     return Cause(name, (parameter,), "readings saturate at a limit", read=read, table=table)
 
 
+@pickled_as_call
 def lag(
     size: float,
     *,
@@ -169,6 +173,7 @@ def lag(
     return Cause(name, (time,), what, read=read, table=table, input=input)
 
 
+@pickled_as_call
 def delay(
     times: ArrayLike | None = None,
     size: float | None = None,
@@ -249,6 +254,7 @@ def _in_time(table: Table, name: str) -> Series:
     return table
 
 
+@pickled_as_call
 def marker_place(
     x: Rows | None,
     z: Rows | None,
@@ -383,6 +389,7 @@ def _angle_offset(read: Read | None = None, table: str | None = None) -> Cause:
     return Cause("angle_offset", (_TURN,), meaning, read=read, table=table)
 
 
+@pickled_as_call
 def of_velocities(measured: Array) -> tuple[Cause, ...]:
     """A wrong camera, zero or limit of measured velocities, m/s, shape (n,); none where all are 0.
 
@@ -407,6 +414,7 @@ def of_velocities(measured: Array) -> tuple[Cause, ...]:
     )
 
 
+@pickled_as_call
 def of_angles(theta: Array) -> tuple[Cause, ...]:
     """A turned camera, a wrong scale and a limit of angles, rad, shape (n,)."""
 
@@ -420,6 +428,7 @@ def of_angles(theta: Array) -> tuple[Cause, ...]:
     )
 
 
+@pickled_as_call
 def of_fields(fields: Array) -> tuple[Cause, ...]:
     """A probe that is turned against the coils, and its limit; fields in T, shape (n, 3)."""
     about = [f"probe_turned.about_{axis}" for axis in "xyz"]
@@ -435,6 +444,7 @@ def of_fields(fields: Array) -> tuple[Cause, ...]:
     return turned, *_limit("probe_clipping", "T", fields, "field")
 
 
+@pickled_as_call
 def of_films(theta: Array) -> tuple[Cause, ...]:
     """What may be wrong with all films alike; `theta` are angles of one, rad, shape (n,).
 

@@ -105,7 +105,7 @@ def free_law(
         low=float(low),
         high=float(high),
         places=places,
-        design=lambda u: np.asarray(columns(np.clip(u, low, high)), dtype=float),
+        design=partial(_within, columns, low, high),
         constant=factor_of,
         stated=0.0 if factor_of is None else 1.0,
         relative=factor_of is not None,
@@ -175,6 +175,11 @@ class Curves(dict[str, Callable[[ArrayLike], Array]]):
 
     def __missing__(self, name: str) -> NoReturn:
         raise ScenarioError(f"curves: there is no free law {shown(name)}{meant(name, self)}")
+
+
+def _within(columns: CubicHermiteSpline, low: float, high: float, u: Array) -> Array:
+    """Columns of a curve at arguments, the ends of its range beyond them."""
+    return np.asarray(columns(np.clip(u, low, high)), dtype=float)
 
 
 def _curve_at(curve: Curve, knots: Array, argument: ArrayLike) -> Array:
