@@ -185,7 +185,7 @@ def lost_frames(t: Array, x: Array, size: float) -> Mask:
         k = before[k]
     for piece in pieces:
         if off[piece[0]] and len(piece) >= _OTHER and np.any(x[piece] != np.round(x[piece])):
-            begin = int(piece[0])
+            begin = max(int(piece[0]), int(np.argmin(off)))
             raise ScenarioError(
                 f"x: another body from t = {t[begin]:.6g} s on, at {x[begin]:.6g} m: allowed is "
                 "the track of one robot"

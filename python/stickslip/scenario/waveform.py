@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -409,7 +409,7 @@ def _five(voltages: Voltages) -> list[float]:
             hint = meant(name, COIL_NAMES)
             raise ValueError(f"coil {name!r}: allowed is one of {allowed}{hint}")
         return _five([voltages.get(name, 0.0) for name in COIL_NAMES])
-    given = list(voltages) if isinstance(voltages, Iterable) else [voltages]
+    given: Any = voltages if hasattr(voltages, "__len__") else [voltages]
     allowed = "finite numbers of V"
     values = numbers("voltages", given, allowed, unit="V").tolist() or [0.0] * len(COIL_NAMES)
     if len(values) != len(COIL_NAMES):

@@ -1,0 +1,387 @@
+"""What laboratories have, by every door: kinds of arrays, tracks, models and tables of readings."""
+
+import datetime
+import pickle
+from decimal import Decimal
+from fractions import Fraction
+
+import numpy as np
+import pandas as pd
+import pint
+import polars
+import pytest
+from astropy import units as astropy_units
+
+from made_velocities import drives, measurement, trials
+from stickslip import (
+    Cause,
+    Coils,
+    Drive,
+    Parameter,
+    Prior,
+    Scenario,
+    ScenarioError,
+    Series,
+    Table,
+    Waveform,
+    diagnose,
+    diagnose_model,
+    events,
+    instruments,
+    optimise,
+    simulate,
+    sweep,
+    velocity_of_track,
+)
+from stickslip.diagnosis.data.camera import record
+
+V = np.arange(1.0, 13.0)
+ROW = np.arange(12.0)
+SLOW = Drive(frequency=2.0, pulses=30)  # of which 1.55 to 15.05 s are measured
+
+
+def track(t):
+    return [velocity_of_track(t, 1e-4 * ROW, SLOW)["velocity"]]
+
+
+# What a door makes of a row, its unit, and whether it leaves out a gap or refuses it.
+DOORS = {
+    "Table y": (lambda v: Table({"x": ROW}, v, sd=1.0, unit="m").y, "m", True),
+    "Table setting": (lambda v: Table({"x": v}, ROW, sd=1.0)["x"], None, True),
+    "Table array": (lambda v: Table(v, ROW, sd=1.0).settings, None, True),
+    "Table sd": (lambda v: Table({"x": ROW}, ROW, sd=v, unit="m").errors.sd, "m", True),
+    "Series y": (lambda v: Series(ROW, v, sd=1.0, unit="m").y, "m", True),
+    "Series sd": (lambda v: Series(ROW, ROW, sd=v, unit="m").errors.sd, "m", True),
+    "Series t": (lambda v: Series(v, ROW, sd=1.0).t, "s", False),
+    "Series input": (lambda v: Series(ROW, ROW, {"u": v}, sd=1.0)["u"], None, False),
+    "delay": (lambda v: [instruments.delay(v, 1.0).parameters[0].size], "s", False),
+    "Waveform": (lambda v: Waveform.hold(1.0, v[:5]).points()[1], "V", False),
+    "Coils": (lambda v: Coils().field([0.0, 0.0, 0.01], v[:5]), "A", False),
+    "track": (track, "s", True),
+}
+
+SAME = {
+    "float32": lambda v: v.astype(np.float32),
+    "big-endian": lambda v: v.astype(">f8"),
+    "int": lambda v: v.astype(int),
+    "list": lambda v: v.tolist(),
+    "objects": lambda v: np.array([*v[:-1], int(v[-1])], dtype=object),
+    "Decimal": lambda v: [Decimal(str(each)) for each in v],
+    "Fraction": lambda v: [Fraction(int(each), 1) for each in v],
+    "pandas": lambda v: pd.Series(v),
+    "pandas Int64": lambda v: pd.Series(v).astype("Int64"),
+    "category": lambda v: pd.Series(pd.Categorical(v)),
+    "polars": lambda v: polars.Series(v),
+    "no mask": lambda v: np.ma.array(v),
+    "memory": lambda v: memoryview(v.copy()),
+    "durations": lambda v: (1000 * v).astype("timedelta64[ms]"),
+    "timedelta": lambda v: [datetime.timedelta(seconds=each) for each in v.tolist()],
+}
+GAPS = {
+    "mask": lambda v: np.ma.masked_values(np.where(ROW == 3, -9999.0, v), -9999.0),
+    "NaN": lambda v: np.where(ROW == 3, np.nan, v),
+    "None": lambda v: [None if k == 3 else each for k, each in enumerate(v.tolist())],
+    "NA": lambda v: pd.Series(v).astype("Int64").where(ROW != 3),
+    "NaT": lambda v: pd.to_timedelta(pd.Series(np.where(ROW == 3, np.nan, v)), "s"),
+    "null": lambda v: polars.Series([None if k == 3 else each for k, each in enumerate(v)]),
+}
+REFUSED = {
+    "complex": (lambda v: v + 0j, "allowed"),
+    "text among numbers": (lambda v: [*v[:3].tolist(), "4,0", *v[4:].tolist()], "row 3"),
+    "word": (lambda v: ["b", *v[1:].tolist()], "row 0"),
+    "infinite": (lambda v: np.where(ROW == 3, np.inf, v), "row 3"),
+    "a date among numbers": (
+        lambda v: [datetime.date(2026, 1, 5) if each == 4 else each for each in v],
+        "row 3",
+    ),
+    "months": (lambda v: v.astype(int).astype("timedelta64[M]"), "allowed"),
+}
+
+
+@pytest.mark.parametrize("kind", SAME)
+@pytest.mark.parametrize("door", DOORS)
+def test_numbers_of_any_kind_are_the_same_numbers(door, kind):
+    make, _, _ = DOORS[door]
+    np.testing.assert_array_equal(make(SAME[kind](V)), make(V))
+
+
+@pytest.mark.parametrize("kind", GAPS)
+@pytest.mark.parametrize("door", DOORS)
+def test_a_gap_is_left_out_or_refused_with_its_row(door, kind):
+    make, _, leaves_out = DOORS[door]
+    if not leaves_out:
+        with pytest.raises(ScenarioError, match="row 3"):
+            make(GAPS[kind](V))
+        return
+    found = np.asarray(make(GAPS[kind](V)))
+    assert np.isfinite(found).all()
+    assert found.size in (1, 11)  # a velocity, or a row less
+
+
+@pytest.mark.parametrize("kind", REFUSED)
+@pytest.mark.parametrize("door", DOORS)
+def test_what_is_no_number_is_refused(door, kind):
+    values, said = REFUSED[kind]
+    with pytest.raises(ScenarioError, match=said):
+        DOORS[door][0](values(V))
+
+
+@pytest.mark.parametrize("door", DOORS)
+def test_a_unit_is_converted_or_refused(door):
+    make, unit, _ = DOORS[door]
+    for quantity in (pint.Quantity(1e3 * V, f"m{unit}"), 1e3 * V * astropy_units.Unit(f"m{unit}")) \
+            if unit else ():  # fmt: skip
+        np.testing.assert_allclose(make(quantity), make(V), rtol=1e-12)
+    with pytest.raises(ScenarioError, match="kelvin"):
+        make(pint.Quantity(V, "kelvin"))
+
+
+@pytest.mark.parametrize("door", DOORS)
+def test_what_a_user_does_afterwards_changes_nothing(door):
+    make, _, _ = DOORS[door]
+    given = V.copy()
+    found = make(given)
+    given *= 2.0
+    np.testing.assert_array_equal(found, make(V))
+
+
+def test_dates_are_seconds_from_the_first():
+    dates = pd.date_range("2026-01-05", periods=12, freq="10s")
+    for given in (
+        dates,
+        dates.tz_localize("UTC"),
+        dates.to_numpy().astype("datetime64[s]"),
+        list(dates.to_pydatetime()),
+        polars.Series(dates.to_pydatetime().tolist()),
+    ):
+        np.testing.assert_array_equal(Series(given, ROW, sd=1.0).t, 10.0 * ROW)
+        np.testing.assert_array_equal(Table({"t": given}, ROW, sd=1.0)["t"], 10.0 * ROW)
+
+
+def test_tables_are_read_by_columns():
+    frame = pd.DataFrame({"x": V, "word": ["a", "b"] * 6})
+    rows = frame.to_dict("records")
+    for given in (frame, frame.to_records(index=False), polars.DataFrame(rows), rows):
+        table = Table(given, ROW, sd=1.0)
+        np.testing.assert_array_equal(table["x"], V)
+        assert table["word"].tolist() == ["a", "b"] * 6
+        assert not table["x"].flags.writeable
+    with pytest.raises(ScenarioError, match='column "x" is there twice'):
+        Table(pd.concat([frame[["x"]]] * 2, axis=1), ROW, sd=1.0)
+    with pytest.raises(ScenarioError, match="another index than y"):
+        Table(frame[["x"]][::-1], pd.Series(ROW), sd=1.0)
+
+
+def test_rows_with_gaps_are_named():
+    table = Table({"x": np.where(ROW == 2, np.nan, V)}, np.where(ROW == 5, np.nan, ROW), sd=1.0)
+    (said,) = table.notes
+    assert (said.code, said.value) == ("gaps", 2)
+    assert "rows 2, 5: 2 of 12 rows" in said.text
+
+
+@pytest.mark.parametrize("nothing", [np.nan, None, pd.NA])
+def test_a_reading_of_no_known_set_up_has_one_of_its_own(nothing):
+    x, known = np.tile(np.arange(6.0), 6), np.repeat(np.arange(6), 6) < 2
+    y = 10.0 * x + np.random.default_rng(0).standard_normal(36)
+    own = np.where(known, np.repeat(["a", "b"], 18), np.arange(36).astype(str))
+    missing = [each if is_known else nothing for each, is_known in zip(own, known, strict=True)]
+    one, other = (Table({"x": x}, y, block=each).errors for each in (own, missing))
+    np.testing.assert_array_equal(one.sd, other.sd)
+
+
+@pytest.mark.parametrize("origin", [0.0, 1.7e9, 1.7e12, 2460000.5])
+def test_settings_are_told_apart_by_their_spread(origin):
+    table = Table({"t": origin + 60.0 * ROW}, ROW, sd=1.0)
+    assert len(table.mean) == 12
+    assert not table.notes
+    near = Table({"t": origin + np.repeat([0.0, 600.0], 6) + 1e-5 * (ROW == 1)}, ROW, sd=1.0)
+    merged = origin < 1e12  # else it is beyond the digits of a double
+    assert len(near.mean) == 2
+    assert [each.code for each in near.notes] == ["equal-settings"] * merged
+
+
+# ---------------------------------------------------------------------------------------- tracks
+
+FRAMES = np.arange(0.0, 0.31, 0.005)
+LONG = Drive(frequency=50.0, pulses=13)
+PLACES = 1e-3 * FRAMES + 1e-3 + 2e-6 * np.random.default_rng(0).standard_normal(len(FRAMES))
+SPOILT = {
+    "one written as 0": np.arange(len(FRAMES)) == 40,
+    "some written as 0": np.arange(len(FRAMES)) % 7 == 3,
+    "every third": np.arange(len(FRAMES)) % 3 == 0,
+    "several in a row": (FRAMES > 0.2) & (FRAMES < 0.22),
+}
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0, 0.02])
+@pytest.mark.parametrize("lost", SPOILT)
+def test_frames_without_the_robot_are_left_out(lost, value):
+    sound = velocity_of_track(FRAMES, np.where(SPOILT[lost], np.nan, PLACES), LONG)
+    with pytest.warns(UserWarning, match="left out"):
+        found = velocity_of_track(FRAMES, np.where(SPOILT[lost], value, PLACES), LONG)
+    assert found == sound
+    assert abs(found["velocity"] - 1e-3) < 3.0 * found["standard_error"]
+
+
+def test_a_speck_within_a_body_is_left_out():
+    with pytest.warns(UserWarning, match=r"1 of 40 frames .* t = 0.2 s"):
+        found = velocity_of_track(FRAMES, PLACES + 50e-6 * (FRAMES[40] == FRAMES), LONG)
+    assert abs(found["velocity"] - 1e-3) < 3.0 * found["standard_error"]
+
+
+@pytest.mark.parametrize(
+    ("t", "x", "said"),
+    [
+        (np.r_[FRAMES, FRAMES], np.r_[PLACES, PLACES + 1e-4], "two places at t = 0 s"),
+        (FRAMES, np.where(FRAMES > 0.2, 2e-3 + PLACES, PLACES), "another body from t = 0.205 s"),
+        (FRAMES, np.where(FRAMES > 0.2, 2e-3, PLACES), "another body from t = 0.205 s"),
+    ],
+)
+def test_two_bodies_are_refused_with_the_time(t, x, said):
+    with pytest.raises(ScenarioError, match=said):
+        velocity_of_track(t, x, LONG)
+
+
+def test_any_whole_pulses_of_a_walk_are_enough():
+    some = (FRAMES > 0.165) & (FRAMES < 0.275)
+    found = velocity_of_track(FRAMES[some], PLACES[some], LONG)
+    assert found["pulses"] == 3 + 4  # 0.17 to 0.27 s hold those from 0.19 to 0.27 s
+    assert abs(found["velocity"] - 1e-3) < 3.0 * found["standard_error"]
+
+
+# ------------------------------------------------------------------------- models of one's own
+
+
+def line(table, p):
+    return p["slope"] * table["x"] + p.get("wave.h", 0.0) * np.sin(5.0 * table["x"])
+
+
+SLOPE = Parameter("slope", Prior("normal", 1.0, 0.1))
+WAVE = Cause("wave", Parameter("wave.h", size=0.5, low=-5.0, high=5.0))
+X = np.linspace(0.0, 3.0, 24)
+Y = X + 0.1 * np.random.default_rng(1).standard_normal(24)
+
+
+def saturating(table, p):
+    x = table["x"]
+    with np.errstate(all="ignore"):
+        return p["slope"] * x * x / (x + p.get("wave.h", 0.0))
+
+
+def test_a_row_that_only_a_cause_makes_computable_is_left_out():
+    size = Cause("size", Parameter("wave.h", low=0.0, high=2.0, size=0.1))
+    found = diagnose_model(saturating, Table({"x": X}, Y, sd=0.1), [SLOPE], [size])
+    assert found.verdict.kind == "none"
+    (said,) = found.problem.tables[0].notes
+    assert said.code == "rows-not-computed"
+    assert "row 0" in said.text
+
+
+@pytest.mark.parametrize(
+    ("predict", "said"),
+    [
+        (lambda table, p: table["x"].__imul__(p["slope"][0, 0]), r"copies, as table"),
+        (lambda table, p: np.array([[float(p["slope"]) if p["slope"] > 0 else 0.0]]), "vectors"),
+        (lambda table, p: line(table, p) + 0j, "allowed is an array of numbers"),
+    ],
+)
+def test_what_a_model_may_not_do_is_said(predict, said):
+    with pytest.raises(ScenarioError, match=said):
+        diagnose_model(predict, Table({"x": X}, Y, sd=0.1), [SLOPE], [WAVE])
+
+
+@pytest.mark.parametrize(
+    "predict",
+    [
+        lambda table, p, factor=1.0: factor * line(table, p),
+        lambda table, p, *rest: line(table, p),
+        lambda table, p, **rest: line(table, p).tolist(),
+        lambda table, p: pd.DataFrame(line(table, p)),
+    ],
+)
+def test_a_model_may_have_more_arguments_and_other_arrays(predict):
+    y = Y + 0.5 * np.sin(5.0 * X)
+    found = diagnose_model(predict, Table({"x": X}, y, sd=0.1), [SLOPE], [WAVE])
+    assert found.verdict.causes == ("wave",)
+
+
+def test_a_coarse_meter_has_the_error_of_its_step():
+    x = np.repeat(np.linspace(1.0, 3.0, 12), 3)
+    y = np.round(2.0 * x + 0.01 * np.random.default_rng(0).standard_normal(36), 1)
+    table = Table({"x": x}, y)
+    assert table.errors.sd == pytest.approx(np.full(12, 0.1 / np.sqrt(12.0)))
+    assert "meter-step" in {each.code for each in table.notes}
+    fine = Table({"x": x}, 2.0 * x + 0.05 * np.random.default_rng(0).standard_normal(36))
+    assert "meter-step" not in {each.code for each in fine.notes}
+
+
+def test_causes_of_ones_own_are_told_in_the_users_words():
+    y = Y + np.sin(5.0 * X)
+    for name in ("coil_heating", "surface_tilt", "length_scale"):
+        wave = Cause(name, Parameter("wave.h", unit="mrad", size=0.5, low=-5, high=5), "a wave")
+        found = diagnose_model(line, Table({"x": X}, y, sd=0.1), [SLOPE], [wave])
+        assert found.verdict.causes == (name,)
+        assert "a wave: h" in found.summary()
+        assert "mrad" in found.summary()
+
+
+def test_causes_and_diagnoses_are_pickled():
+    t = np.linspace(0.0, 1.0, 24)
+    causes = [
+        instruments.offset("V", 0.2),
+        instruments.clipping("V", 10.0, 3.0),
+        instruments.delay(t, 0.5),
+        instruments.lag(0.1),
+        events.step(0.5, 0.0, 1.0),
+    ]
+    readings, table = np.linspace(1.0, 2.0, 24)[None, :], Series(t, Y, sd=0.1)
+    for cause in causes:
+        again = pickle.loads(pickle.dumps(cause))
+        p = {each.name: np.full((1, 1), 0.3) for each in cause.parameters}
+        one, other = (each.read(readings, readings, p, table) for each in (cause, again))
+        np.testing.assert_array_equal(one, other)
+    for found in (
+        diagnose_model(line, Table({"x": X}, Y, sd=0.1), [SLOPE], [WAVE]),
+        diagnose(measurement(trials(table=drives(mode="IPP"))), threads=1),
+    ):
+        assert pickle.loads(pickle.dumps(found)).summary() == found.summary()
+
+
+# ------------------------------------------------------------------------------------ changes
+
+
+SHORT, FULL = "surface_tilt.angle", "effects.surface_tilt.angle"
+WALK = Scenario(drive=Drive(base=0.5e-3, pulses=4))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda keys: WALK.replace(dict.fromkeys(keys, 0.01)),
+        lambda keys: WALK.replace({keys[0]: 0.01}, **{keys[1]: 0.01}),
+        lambda keys: sweep(WALK, {key: [0.0, 0.01] for key in keys}),
+        lambda keys: sweep(WALK, [dict.fromkeys(keys, 0.01)]),
+        lambda keys: sweep(WALK, pd.DataFrame({key: [0.0, 0.1] for key in keys})),
+        lambda keys: optimise(
+            WALK, maximise="mean_velocity", free=dict.fromkeys(keys, (0.0, 0.1)), evaluations=8
+        ),
+        lambda keys: WALK.with_uncertain({key: {"mean": 0.0, "sd": 0.1} for key in keys}),
+    ],
+)
+@pytest.mark.parametrize("keys", [(SHORT, FULL), (FULL, SHORT)])
+def test_a_key_by_two_names_is_refused(change, keys):
+    with pytest.raises(ScenarioError, match="twice"):
+        change(keys)
+
+
+@pytest.mark.parametrize("keys", [("coil", "coil.xp"), ("coil.xp", "coil")])
+def test_keys_of_all_coils_are_set_before_those_of_one(keys):
+    values = {"coil": 10.0, "coil.xp": 12.0}
+    changes = {f"{key}.resistance": values[key] for key in keys}
+    asked = WALK.replace({"coil.xp.resistance": 12.0})
+    assert WALK.replace(changes) == asked
+    velocity = simulate(asked).mean_velocity
+    assert sweep(WALK, [changes])["mean_velocity"].item() == velocity
+    (motion,) = record(WALK, list(changes), np.array([list(changes.values())]), 1e3, 1)
+    (expected,) = record(asked, [], np.zeros((1, 0)), 1e3, 1)
+    np.testing.assert_array_equal(motion["x"], expected["x"])
