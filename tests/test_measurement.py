@@ -153,7 +153,7 @@ def test_frames_are_sorted_and_each_time_counts_once(tmp_path):
     # The scenario's pulses go from 50 to 130 ms.
     rows = [f"{k}e-3,{k}e-3,{k}e-6" for k in range(120)]
     rows[3], rows[4] = rows[4], rows[3]
-    frames = "\n".join(["t,theta,x", *rows, "50e-3,9,9", "0.125,,3", "0.2,0,0"])
+    frames = "\n".join(["t,theta,x", *rows, "50e-3,50e-3,50e-6", "0.125,,3", "0.2,0,0"])
     found = read_measurement(write_files(tmp_path, NOMINAL, toml, frames=frames))
     (run,) = found.tracking
     assert np.allclose(run.columns["t"], np.arange(120) * 1e-3)

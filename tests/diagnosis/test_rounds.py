@@ -90,7 +90,7 @@ def test_the_progress_is_that_of_all_diagnoses(diagnosed):
 @pytest.mark.parametrize(
     ("returned", "said"),
     [
-        ("fast", "measure.*: allowed are numbers in m/s, one for each trial"),
+        ("fast", "measure.*: allowed is numbers in m/s, one for each trial"),
         ([[1e-3]], "one for each trial"),
     ],
 )

@@ -99,10 +99,9 @@ def _rows(path: Path, table: CsvTable, units: Units) -> Rows:
         for k, heading in enumerate(table.header)
         if not heading and not any(row[k] for _, row in rows if len(row) == width)
     ]
-    header = [
-        heading or f"column {k + 1} (without a name, as an index)"
-        for k, heading in enumerate(table.header)
-    ]
+    header = [heading or f"column {k + 1}" for k, heading in enumerate(table.header)]
+    if not table.header[0] and "index" not in header:
+        header[0] = "index"  # as tables in memory are often written with theirs
     if empty:
         keep = [k for k in range(width) if k not in empty]
         header = [header[k] for k in keep]

@@ -50,7 +50,9 @@ _MANY_LOST = 0.1
 _MOST = 0.5
 """Part of the rows; if more have a setting in another unit, the table is refused. Chosen: most."""
 
-NOT_SETTINGS: Units = {"velocity": "m/s", "trial": None, "block": None, "order": "-"}
+NOT_SETTINGS: Units = {
+    "velocity": "m/s", "standard_error": "m/s", "trial": None, "block": None, "order": "-",
+}  # fmt: skip
 """Columns that say nothing of the drive, with the units of their numbers."""
 
 
