@@ -3,7 +3,10 @@
 import resource
 import subprocess
 import sys
+from ast import literal_eval
+from pathlib import Path
 
+import h5py
 import numpy as np
 import pandas as pd
 import pytest
@@ -22,6 +25,7 @@ from stickslip import (
     simulate,
     sweep,
 )
+from stickslip._util import checked_file
 
 
 def test_a_run_that_is_read_back_is_drawn_and_goes_on(tmp_path):
@@ -71,6 +75,32 @@ def test_a_part_stays_until_it_is_saved(tmp_path):
     assert [each.name for each in tmp_path.iterdir()] == ["run.nc.part"]
     open_run(tmp_path / "run.nc.part").save(tmp_path / "run.nc")
     assert_same_record(open_run(tmp_path / "run.nc"), open_run(tmp_path / "run.nc.part"))
+
+
+@pytest.mark.parametrize("count", [60, pytest.param(500, marks=pytest.mark.nightly)])
+def test_a_damaged_file_is_refused_or_read_as_it_was(count):
+    code = Path(__file__).with_name("damaged_files.py")
+    command = [sys.executable, code, str(count), "1"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    kinds = literal_eval(done.stdout)
+    assert len(kinds) == 3
+    assert all(sum(each.values()) >= count // 3 and each["refused"] for each in kinds.values())
+
+
+def test_a_file_without_checksums_is_opened_in_limited_time(tmp_path, monkeypatch):
+    path = tmp_path / "run.nc"
+    simulate(COARSE, out=path)
+    whole, sums = simulate(COARSE), path.read_bytes()[-8:]
+    with h5py.File(path, "r+") as file:  # as another program would
+        file.attrs["more"] = 1
+    assert path.read_bytes()[-8:] != sums
+    assert_same_record(open_run(path), whole)
+    monkeypatch.setattr(checked_file, "_LIMITS", (1, 1.0))
+    monkeypatch.setattr(checked_file, "_TRIAL", "while True: pass")
+    path.touch()
+    with pytest.raises(ScenarioError, match=r"run\.nc: is no netCDF file, or a damaged one"):
+        open_run(path)
 
 
 @pytest.mark.parametrize("rate", [2000.0, "events"])

@@ -105,7 +105,7 @@ PREDICTED = [
 ]
 
 ANOTHER = "cannot be resumed: it belongs to another sweep"
-NO_FILE = "cannot be resumed: it is not the file of a sweep"
+NO_FILE = "cannot be resumed: is no netCDF file"
 IPP = Waveform.ipp(base=0.5e-3, pulses=2)
 RESUMED = [
     ("scenario", {"then": (BASE.replace({"drive.hold": 2e-3}), FRICTION)}, ANOTHER),

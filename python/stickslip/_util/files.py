@@ -16,6 +16,8 @@ from stickslip.errors import NotWritten, ScenarioError
 
 NETCDF_SUFFIXES = (".nc", ".nc4", ".h5")
 
+_LONGEST_NAME = 255  # bytes, of most file systems
+
 
 def read_bytes(path: str | PathLike[str], most: int, kind: str) -> bytes:
     """The bytes of a file or a pipe; `kind` is a word of the errors.
@@ -52,10 +54,21 @@ def check_name(path: str | PathLike[str]) -> None:
     if "\0" in name:
         raise OSError("the name has a character NUL")
     try:
-        name.encode("utf-8")
-    except UnicodeEncodeError:
+        os.fsencode(name).decode("utf-8")
+    except UnicodeError:
         # Reports, scenarios and JSON name the files that they are of, and are UTF-8.
-        raise OSError("the name is not UTF-8") from None
+        raise OSError("the name is not UTF-8, or not of the locale's characters") from None
+
+
+def beside(path: Path, before: str, after: str) -> Path:
+    """A file that belongs to another, with more before and after its name.
+
+    Where that is longer than a name can be, a digest is in place of the name.
+    """
+    name = os.fsencode(path.name)
+    if len(name) + len(before) + len(after) > _LONGEST_NAME:
+        return path.with_name(f"{before}{hashlib.sha256(name).hexdigest()}{after}")
+    return path.with_name(f"{before}{path.name}{after}")
 
 
 def check_suffix(path: str | PathLike[str], allowed: tuple[str, ...]) -> None:
@@ -81,7 +94,8 @@ def replacing(path: str | PathLike[str]) -> Iterator[Path]:
         if not target.parent.is_dir():
             raise FileNotFoundError(f"there is no folder {Path(path).parent}")
         # matplotlib takes the format from the suffix.
-        temporary = target.with_name(f".{secrets.token_hex(8)}.part{target.suffix}")
+        suffix = target.suffix if target.suffix.isascii() and len(target.suffix) < 9 else ""
+        temporary = target.with_name(f".{secrets.token_hex(8)}.part{suffix}")
         temporary.touch(exist_ok=False)
         yield temporary
         os.replace(temporary, target)
@@ -144,4 +158,5 @@ def write_together(writers: Mapping[Path, Callable[[Path], object]]) -> None:
 
 def text_writer(text: str) -> Callable[[Path], object]:
     """A function for `write_together` that writes a text."""
-    return lambda path: path.write_text(text, encoding="utf-8")
+    # The names of files in it are the bytes of their names, also where the locale has only ASCII.
+    return lambda path: path.write_text(text, encoding="utf-8", errors="surrogateescape")

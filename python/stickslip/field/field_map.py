@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+import zlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from os import PathLike
@@ -199,13 +200,17 @@ class FieldMap:
 
     def to_json(self) -> str:
         """The fitted map as JSON, from which `from_json` makes the same bits."""
-        return json.dumps(dataclasses.asdict(self))
+        content = dataclasses.asdict(self)
+        return json.dumps({**content, "crc32": _checksum(content)})
 
     @classmethod
     def from_json(cls, text: str | bytes) -> FieldMap:
         """The map of a text from `to_json`; a ScenarioError for another text."""
         try:
             found = json.loads(text)
+            # A file of an earlier version has no checksum, and a damaged one may have another key.
+            if found.pop("crc32", None) not in (None, _checksum(found)) or {*found} != _FIELDS:
+                raise ValueError("damaged")
             (x0, y0, z0), (x1, y1, z1) = map(_floats, (found["low"], found["high"]))
             return cls(
                 (x0, y0, z0),
@@ -220,8 +225,8 @@ class FieldMap:
             raise
         except (KeyError, TypeError, ValueError, OverflowError, RecursionError):
             raise ScenarioError(
-                "is no fitted map; allowed is the .json that a scenario was written with, or a "
-                "measured map as .csv"
+                "is no fitted map, or a damaged one; allowed is the .json that a scenario was "
+                "written with, or a measured map as .csv"
             ) from None
 
     @property
@@ -260,6 +265,13 @@ class FieldMap:
 
     def __repr__(self) -> str:
         return f"<FieldMap: {self}>"
+
+
+_FIELDS = {each.name for each in dataclasses.fields(FieldMap)}
+
+
+def _checksum(content: dict[str, Any]) -> int:
+    return zlib.crc32(json.dumps(content).encode())
 
 
 def _floats(values: Iterable[Any]) -> tuple[float, ...]:

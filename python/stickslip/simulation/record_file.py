@@ -20,8 +20,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip import _core
+from stickslip._util.checked_file import FORMAT, PART, checked, seal
 from stickslip._util.extras import naming_the_extra
-from stickslip._util.files import check_writable, replacing
+from stickslip._util.files import beside, check_writable, replacing
 from stickslip._util.messages import refuse
 from stickslip.errors import NotWritten, ScenarioError, prefixed
 from stickslip.field.field_map import FieldMap
@@ -40,21 +41,21 @@ if TYPE_CHECKING:
 
     Block = Mapping[str, NDArray[Any]]
 
-PART = ".part"
-"""The end of a file's name until the file is complete."""
-
 BLOCK = 65536
 """Samples of a block: as many as the core hands over at a time."""
 
 # zlib's fastest level after a shuffle of the bytes. Measured on 262 144 samples of a walking robot:
-# the slowest level takes half as long again for a file that is 2 % smaller.
-_STORED: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+# the slowest level takes half as long again for a file that is 2 % smaller. The checksum of each
+# block is for a file whose writer was killed, before it had those of `seal`.
+_STORED: dict[str, Any] = {
+    "compression": "gzip",
+    "compression_opts": 1,
+    "shuffle": True,
+    "fletcher32": True,
+}
 
 # Of what HDF5 writes beside the samples, bytes; chosen: a block adds less than a tenth of it.
 _MARGIN = 1 << 20
-
-# The first format that can be read while it is written, or where its writer was killed (SWMR).
-_FORMAT = {"libver": "v110"}
 
 
 def origin(scenario: Scenario) -> dict[str, str]:
@@ -150,7 +151,7 @@ class RecordFile:
             import h5netcdf
             import h5py
 
-        self.path, self.part = Path(path), Path(f"{os.fspath(path)}{PART}")
+        self.path, self.part = Path(path), beside(Path(path), "", PART)
         self.samples, self.recorded_until = 0, math.nan
         self._scenario = run.scenario
         record = run.scenario.record
@@ -159,7 +160,7 @@ class RecordFile:
             span = run.scenario.duration - record.from_
             chunk = max(1, min(BLOCK, math.ceil(record.rate * span) + 1))
         image = io.BytesIO()
-        with h5netcdf.File(image, "w", **_FORMAT) as file:
+        with h5netcdf.File(image, "w", **FORMAT) as file:
             file.dimensions = {"t": None, "coil": len(_core.coil_names)}
             coil = file.create_variable("coil", ("coil",), h5py.string_dtype())
             coil[:] = np.array(_core.coil_names, dtype=object)
@@ -199,12 +200,15 @@ class RecordFile:
             self.samples, self.recorded_until = end, float(block["t"][-1])
 
     def describe(self, run: Run, path: Path | None = None) -> None:
-        """Add the attributes of a run that ended."""
+        """Add the attributes of a run that ended, and checksums."""
         import h5netcdf
 
         self._try(0, path)
-        with h5netcdf.File(str(path or self.part), "r+", locking=False, **_FORMAT) as file:
+        path = path or self.part
+        with h5netcdf.File(str(path), "r+", locking=False, **FORMAT) as file:
             _set_attributes(file, run, run.complete)
+        with path.open("r+b") as sealed:
+            seal(sealed)
 
     def finish(self, run: Run) -> None:
         """The same for a run that came to its end, and give the file its name."""
@@ -263,7 +267,7 @@ def write_run(run: Run, path: str | PathLike[str]) -> None:
     """Write a run whose arrays are at hand, whole or not at all."""
     arrays = {name: getattr(run, name) for name in recorded_names(run.scenario) or ("t",)}
     with replacing(path) as temporary:  # and NAME.part, which may be what is saved, stays
-        part = Path(f"{temporary}{PART}")
+        part = beside(temporary, "", PART)
         try:
             file = RecordFile(temporary, run)
             for start in range(0, len(arrays["t"]), BLOCK):
@@ -302,6 +306,9 @@ class StoredRecord(Mapping[str, "NDArray[Any]"]):
             array: NDArray[Any] = file[name][: self.samples]
             return array
 
+    def __contains__(self, name: object) -> bool:  # else it is read to see whether it is there
+        return name in self._names
+
     def __iter__(self) -> Iterator[str]:
         return iter(self._names)
 
@@ -319,15 +326,8 @@ def _opened(path: str | PathLike[str]) -> Iterator[Any]:
     """An HDF5 file, also one that is being written or whose writer was killed."""
     with naming_the_extra("a netCDF file"):
         import h5py
-    try:
-        with open(path, "rb"):  # whose errors say more than those of HDF5
-            pass
-        with h5py.File(path, "r", swmr=True) as file:
-            yield file
-    except (OSError, RuntimeError) as error:
-        if isinstance(error, OSError) and error.strerror is not None:
-            raise ScenarioError(f"cannot be read: {error.strerror}") from None
-        raise ScenarioError(f"is no netCDF file, or a damaged one; {_ALLOWED}") from None
+    with checked(path) as (source, grows), h5py.File(source, "r", swmr=grows) as file:
+        yield file
 
 
 _ALLOWED = "allowed is a netCDF file that Run.save or --out wrote"

@@ -11,8 +11,9 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stickslip._util.files import replacing
-from stickslip.errors import ScenarioError
+from stickslip._util.checked_file import FORMAT, checked, seal
+from stickslip._util.files import beside, replacing
+from stickslip.errors import ScenarioError, prefixed
 
 if TYPE_CHECKING:
     import xarray
@@ -38,32 +39,30 @@ def write(data: xarray.Dataset, path: str | PathLike[str]) -> None:
 
     # To memory first: where a disk is full, HDF5 can take the process down with it.
     image = io.BytesIO()
-    with h5netcdf.File(image, "w") as file:
+    with h5netcdf.File(image, "w", **FORMAT) as file:
         data.dump_to_store(H5NetCDFStore(file))
+    seal(image)
     with replacing(path) as temporary:
         temporary.write_bytes(image.getbuffer())
 
 
 def take_over(path: str | PathLike[str], data: xarray.Dataset) -> None:
     """Read the file of the same sweep into its empty Dataset."""
-    import xarray
+    import h5py
 
-    try:
-        stored = xarray.load_dataset(path, engine="h5netcdf")
-        same = stored.attrs.get("sweep") == data.attrs["sweep"]
-    except Exception as error:  # whatever HDF5 and xarray raise
-        reason = " ".join(str(error).split())
-        raise ScenarioError(
-            f"{path} cannot be resumed: it is not the file of a sweep ({reason})"
-        ) from None
-    if not same:
-        raise ScenarioError(
-            f"{path} cannot be resumed: it belongs to another sweep, whose scenario, points or "
-            "version of stickslip differ"
-        )
-    for name in stored.data_vars:
-        if name in data:
-            data[name].values[...] = stored[name].values
+    with (
+        prefixed(f"{path} cannot be resumed"),
+        checked(path) as (source, _),
+        h5py.File(source, "r") as file,
+    ):
+        if file.attrs.get("sweep") != data.attrs["sweep"]:
+            raise ScenarioError(
+                "it belongs to another sweep, whose scenario, points or version of stickslip differ"
+            )
+        for name, column in data.data_vars.items():
+            if name in file:
+                stored = file[name]
+                column.values[...] = (stored.asstr() if stored.dtype == object else stored)[()]
 
 
 def checkpoint(data: xarray.Dataset, path: str | PathLike[str]) -> float:
@@ -87,7 +86,7 @@ def locked(path: str | PathLike[str] | None) -> Iterator[None]:
     if path is None or not HAS_LOCKS or not os.access(target.parent, os.W_OK):
         yield
         return
-    lock = target.with_name(f".{target.name}.lock")
+    lock = beside(target, ".", ".lock")
     descriptor = _acquired(lock, path)
     try:
         yield
