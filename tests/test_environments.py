@@ -122,6 +122,15 @@ def test_the_goal_is_seen_from_the_body():
         assert (left, cosine, sine) == pytest.approx((0.0, sign, 0.0), abs=1e-12)
 
 
+@pytest.mark.parametrize(
+    "seed", [[5, 6, 7], (5, 6, 7), range(5, 8), np.array([5, 6, 7], np.uint8), np.int64(5), None]
+)
+def test_seeds_are_numbers_of_any_kind(seed):
+    envs = RobotVectorEnv(3, "reach")
+    expected = envs.reset(seed=5)[0]
+    assert np.array_equal(envs.reset(seed=seed)[0], expected) == (seed is not None)
+
+
 @pytest.mark.parametrize("mode", list(AutoresetMode))
 def test_an_episode_that_is_over_begins_anew_as_the_mode_says(mode):
     envs = RobotVectorEnv(4, max_episode_steps=5, autoreset_mode=mode)
@@ -143,7 +152,7 @@ def test_an_episode_that_is_over_begins_anew_as_the_mode_says(mode):
         with pytest.raises(ValueError, match="reset_mask"):
             envs.step(actions(1, 4)[0])
         mask = np.array([True, False, True, False])
-        observations, _ = envs.reset(options={"reset_mask": mask})
+        observations, _ = envs.reset(options={"reset_mask": mask.tolist()})
         assert np.array_equal(observations[mask], start[mask])
         assert not np.array_equal(observations[~mask], start[~mask])
 

@@ -116,6 +116,17 @@ ROWS = [
     ("env's scenario", env(scenario="x.toml"), 'scenario = "x.toml"'),
     ("no robots", lambda _: RobotVectorEnv(0), "num_envs = 0"),
     ("seeds", lambda _: RobotVectorEnv(2).reset(seed=[1, 2, 3]), "3 entries: allowed are 2"),
+    ("seed below 0", lambda _: RobotVectorEnv(2).reset(seed=np.array([1, -1])), "seed = -1"),
+    ("seed a fraction", lambda _: RobotVectorEnv(2).reset(seed=1.5), "seed = 1.5"),
+    ("seed of one", lambda _: RobotEnv().reset(seed=-1), "seed = -1"),
+    *(
+        (
+            "reset_mask",
+            lambda _, mask=mask: RobotVectorEnv(2).reset(options={"reset_mask": mask}),
+            "2 booleans",
+        )
+        for mask in ([1, 0], np.array([1, 0], np.uint8), [0.0, 1.0], [True], None, [[True, False]])
+    ),
     ("coils", env(coils=["zp"]), "coils"),
     ("coils a word", env(coils="xp"), 'coils = "xp"'),
     ("coils a number", env(coils=5), "coils = 5"),

@@ -217,17 +217,15 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
     def reset(
         self,
         *,
-        seed: int | Sequence[int | None] | None = None,
+        seed: int | Sequence[int | None] | Indices | None = None,
         options: dict[str, Any] | None = None,
     ) -> tuple[Array, dict[str, Any]]:
         """Begin all episodes anew, or those of ``options["reset_mask"]``."""
-        mask = (options or {}).get("reset_mask", np.ones(self.num_envs, dtype=bool))
-        seeds = seed if isinstance(seed, Sequence) else [None] * self.num_envs
-        if seed is not None and not isinstance(seed, Sequence):
-            seeds = [int(seed) + i for i in range(self.num_envs)]
-        if len(seeds) != self.num_envs:
-            raise ScenarioError(f"seed has {len(seeds)} entries: allowed are {self.num_envs}")
-        for i, own in enumerate(seeds):
+        given = (options or {}).get("reset_mask", [True] * self.num_envs)
+        mask = np.asarray(given)
+        if mask.dtype != bool or mask.shape != (self.num_envs,):
+            refuse("reset_mask", given, f"{self.num_envs} booleans, one for each robot")
+        for i, own in enumerate(_seeds(seed, self.num_envs)):
             if mask[i] and own is not None:
                 self._random[i] = np.random.default_rng(own)
         self._begin(mask)
@@ -347,6 +345,7 @@ class RobotEnv(gymnasium.Env[Array, Array]):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Array, dict[str, Any]]:
         """Begin an episode; `seed` draws its goal, its uncertain values and its noise."""
+        seed, *_ = _seeds(seed, 1)
         super().reset(seed=seed)
         observations, _ = self._many.reset(seed=seed)
         return observations[0], {}
@@ -358,6 +357,19 @@ class RobotEnv(gymnasium.Env[Array, Array]):
         own = {key: value[0] for key, value in info.items() if not key.startswith("_")}
         ends = bool(terminated[0]), bool(truncated[0])
         return observations[0], float(rewards[0]), *ends, own
+
+
+def _seeds(seed: object, count: int) -> list[int | None]:
+    """The seed of each robot; of one number it and those that follow."""
+    given = np.asarray(seed, dtype=object)
+    seeds: list[Any] = given.tolist() if given.ndim else [seed] * count
+    for each in seeds:
+        if each is not None:
+            check_whole("seed", each)
+    if len(seeds) != count:
+        raise ScenarioError(f"seed has {len(seeds)} entries: allowed are {count}")
+    one = given.ndim == 0 and seed is not None
+    return [int(each) + i for i, each in enumerate(seeds)] if one else seeds
 
 
 def _checked(
