@@ -6,13 +6,28 @@ import io
 from collections.abc import Sequence
 from typing import Any
 
+import matplotlib
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip._util import palette
 
+# What a style of the user, such as dark_background or text in TeX, would make unreadable. Fonts
+# stay, which may be those with the letters of a cause's name, and the formats of files.
+_LOOK = (
+    *("axes.", "contour.", "errorbar.", "figure.", "font.size", "grid.", "hatch.", "image."),
+    *("legend.", "lines.", "markers.", "patch.", "path.", "pcolor", "savefig.edgecolor"),
+    *("savefig.facecolor", "scatter.", "text.", "xaxis.", "xtick.", "yaxis.", "ytick."),
+)
+
+PLAIN: Any = {
+    key: each for key, each in matplotlib.rcParamsDefault.items() if key.startswith(_LOOK)
+}
+"""The look of matplotlib, whatever the user's settings are."""
+
 RC: Any = {
+    **PLAIN,
     "font.size": 9.0,
     "axes.labelsize": 9.0,
     "axes.titlesize": 10.0,
@@ -32,8 +47,16 @@ class Picture(Figure):
 
     A plain `matplotlib.figure.Figure` is shown by notebooks only after pyplot was imported, which
     nothing here does. It is shown once where pyplot was imported too: what is not made by pyplot
-    is not shown by it at the end of a cell.
+    is not shown by it at the end of a cell. Ticks and colours of a file are made when it is drawn.
     """
+
+    @matplotlib.rc_context(PLAIN)
+    def draw(self, renderer: Any) -> None:
+        super().draw(renderer)
+
+    @matplotlib.rc_context(PLAIN)
+    def savefig(self, fname: Any, **options: Any) -> None:
+        super().savefig(fname, **options)
 
     def _repr_png_(self) -> bytes:
         buffer = io.BytesIO()

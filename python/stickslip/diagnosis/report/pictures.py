@@ -15,11 +15,12 @@ from functools import cached_property
 from importlib import resources
 from typing import TYPE_CHECKING, Any
 
+import matplotlib
 import numpy as np
 
 from stickslip._util.numbers import Array, Indices
 from stickslip._util.palette import BLACK, BLUE, DARK_GREY, GREY, LIGHT_GREY, VERMILION
-from stickslip._util.picture import Picture
+from stickslip._util.picture import PLAIN, Picture
 from stickslip._util.text import shortened
 from stickslip._util.units import handy, in_handy_units
 from stickslip.diagnosis.data.film import FilmTable
@@ -91,18 +92,21 @@ class Plots:
     def __init__(self, result: Diagnosis) -> None:
         self._result = result
 
+    @matplotlib.rc_context(PLAIN)
     def fit(self, table: int = 0) -> Figure:
         """Readings and models of a table over the setting that varies most."""
         self._check(table)
         panels = self.panels(table, most_varied(self._tables[table]))
         return _figure(panels, self._draw)
 
+    @matplotlib.rc_context(PLAIN)
     def residuals(self, table: int = 0) -> Figure:
         """What both models leave of a table, over the setting that shows the cause best."""
         self._check(table)
         panels = self.panels(table, self._best_setting(table))
         return _figure(panels, self._draw_change)
 
+    @matplotlib.rc_context(PLAIN)
     def ranking(self) -> Figure:
         """Probabilities of the models."""
         chance = self._result.chance.models if self._result.fitted else {}
@@ -127,6 +131,7 @@ class Plots:
         axes.spines[["top", "right"]].set_visible(False)
         return figure
 
+    @matplotlib.rc_context(PLAIN)
     def cosines(self) -> Figure | None:
         """How alike the effects of the leading causes are on these data; None of fewer than two."""
         result = self._result
@@ -159,6 +164,7 @@ class Plots:
         axes.set_xticks(range(len(names)), [str(k + 1) for k in range(len(names))])
         return figure
 
+    @matplotlib.rc_context(PLAIN)
     def film(self, table: int) -> Figure | None:
         """Tilt and place of a film over the phase of the drive; None where nothing is steady."""
         film = self._tables[table]
@@ -198,6 +204,7 @@ class Plots:
                       ncols=3, frameon=False)  # fmt: skip
         return figure
 
+    @matplotlib.rc_context(PLAIN)
     def law(self) -> Figure | None:
         """The curve of a claimed law of a free shape with its band; None where there is none."""
         law = law_of(self._result.best) if self._result.fitted else None
@@ -249,6 +256,7 @@ class Plots:
             panels.append(Panel(title, k, over, groups, markers))
         return panels
 
+    @matplotlib.rc_context(PLAIN)
     def changes(self, k: int) -> list[tuple[str, Figure]]:
         """A picture for each panel of `residuals`, with its alternative text."""
         table = self._tables[k]
