@@ -1,15 +1,16 @@
-"""Makes the stubs of sections and runs from the tables: ``python tests/sections_stub.py``."""
+"""Makes the stubs of names, sections and runs from tables: ``python tests/sections_stub.py``."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from stickslip import COIL_NAMES, _core
+from stickslip import _HOMES, COIL_NAMES, _core
 from stickslip.scenario.keys import Key, keys_of
 from stickslip.scenario.sections import SECTIONS
 
 PACKAGE = Path(__file__).parents[1] / "python" / "stickslip"
 FILE = PACKAGE / "scenario" / "sections.pyi"
+NAMES_FILE = PACKAGE / "__init__.pyi"
 RUN_FILE = PACKAGE / "simulation" / "recorded.pyi"
 
 HEAD = """\
@@ -93,6 +94,14 @@ def stub_text() -> str:
     return "\n".join([HEAD, *classes])
 
 
+def names_stub_text() -> str:
+    """The stub of the public names, in which type checkers take none that is not named twice."""
+    lines = [f"from {home} import {name} as {name}" for name, home in _HOMES.items()]
+    return "\n".join(
+        ["# Made by tests/sections_stub.py from the table in __init__.py.", *lines, ""]
+    )
+
+
 def run_stub_text() -> str:
     """The stub of the recorded quantities of a run."""
     return "\n".join(
@@ -113,5 +122,6 @@ def run_stub_text() -> str:
 
 
 if __name__ == "__main__":
+    NAMES_FILE.write_text(names_stub_text())
     FILE.write_text(stub_text())
     RUN_FILE.write_text(run_stub_text())

@@ -9,7 +9,14 @@ import numpy as np
 import pytest
 
 import stickslip
-from sections_stub import FILE, RUN_FILE, run_stub_text, stub_text
+from sections_stub import (
+    FILE,
+    NAMES_FILE,
+    RUN_FILE,
+    names_stub_text,
+    run_stub_text,
+    stub_text,
+)
 from stickslip import (
     STATE_COLUMNS,
     Contact,
@@ -84,6 +91,7 @@ def test_the_stub_is_that_of_the_table():
         return ast.dump(ast.parse(text))
 
     assert code(FILE.read_text()) == code(stub_text())
+    assert code(NAMES_FILE.read_text()) == code(names_stub_text())
     assert code(RUN_FILE.read_text()) == code(run_stub_text())
 
 

@@ -1,16 +1,52 @@
 """Stick-slip locomotion of magnetic micro-robots in the field of five square coils.
 
-The public names, which ``__init__.pyi`` lists, are imported on first use, so that ``import
-stickslip`` stays quick.
+The public names are imported on first use, so that ``import stickslip`` stays quick.
 """
 
 from __future__ import annotations
 
 import importlib
 
-# The stub is the one list of names: type checkers read it, and no computed one.
-with open(f"{__file__}i", encoding="utf-8") as _stub:
-    _HOMES = {words[3]: words[1] for words in map(str.split, _stub) if words and words[0] == "from"}
+# The one list of names. Type checkers read no computed one: tests/sections_stub.py makes a stub of
+# it, which a packager may leave out.
+_NAMES = {
+    "stickslip": "plot",
+    "stickslip._core": "__version__",
+    "stickslip.design.optimise": "optimise",
+    "stickslip.design.optimum": "Optimum",
+    "stickslip.diagnosis.data.series": "Series",
+    "stickslip.diagnosis.data.table": "Table",
+    "stickslip.diagnosis.entry": "diagnose diagnose_model",
+    "stickslip.diagnosis.result": "Diagnosis",
+    "stickslip.diagnosis.rounds": "diagnose_in_rounds",
+    "stickslip.diagnosis.terms": "events instruments",
+    "stickslip.diagnosis.terms.cause": "Cause",
+    "stickslip.diagnosis.terms.laws": "free_law",
+    "stickslip.diagnosis.terms.parameter": "Parameter",
+    "stickslip.errors": "ScenarioError SimulationError",
+    "stickslip.field.coils": "Coils",
+    "stickslip.field.field_map": "FieldMap",
+    "stickslip.measurement.reading": "Measurement read_measurement",
+    "stickslip.measurement.track": "velocity_of_track",
+    "stickslip.reproduction.study": "reproduce",
+    "stickslip.scenario.effects": "EffectParameter effects register_effect",
+    "stickslip.scenario.keys": "COIL_NAMES",
+    "stickslip.scenario.scenario": "Scenario load",
+    "stickslip.scenario.sections": "STATE_COLUMNS Coil Contact Drag Drive Environment Record Robot "
+    "Solver State",
+    "stickslip.scenario.uncertain": "JointPrior Prior",
+    "stickslip.scenario.waveform": "Waveform volts_per_tesla",
+    "stickslip.simulation.note": "Note",
+    "stickslip.simulation.rollout": "STATE_UNITS Rollout rollout",
+    "stickslip.simulation.run": "Run open_run",
+    "stickslip.simulation.simulate": "simulate simulate_batch",
+    "stickslip.simulation.simulator": "Simulator Snapshot",
+    "stickslip.sweeping.predict": "predict",
+    "stickslip.sweeping.run_sweep": "sweep",
+    "stickslip.sweeping.sweep_table": "sweep_dataframe",
+    "stickslip.versions": "show_versions",
+}
+_HOMES = {name: home for home, names in _NAMES.items() for name in names.split()}
 
 # No module may have the name of a function here: importing it would put it in the function's place.
 __all__ = sorted(_HOMES)

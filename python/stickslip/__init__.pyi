@@ -1,5 +1,4 @@
-"""The public names and their homes; `__init__.py` reads the lines below, one a name."""
-
+# Made by tests/sections_stub.py from the table in __init__.py.
 from stickslip import plot as plot
 from stickslip._core import __version__ as __version__
 from stickslip.design.optimise import optimise as optimise

@@ -49,6 +49,7 @@ class LazyCommand(click.Command):
 
 
 @click.group(
+    help="Simulate magnetic micro-robots that walk by stick-slip in the field of five coils.",
     commands=[LazyCommand(name, help=line) for name, line in COMMANDS.items()],
     context_settings={
         "help_option_names": [*_HELP],
@@ -63,7 +64,7 @@ class LazyCommand(click.Command):
     package_name="stickslip", prog_name="stickslip", message="%(prog)s %(version)s"
 )
 def stickslip() -> None:
-    """Simulate magnetic micro-robots that walk by stick-slip in the field of five coils."""
+    pass
 
 
 def run(arguments: Sequence[str] | None) -> tuple[int, str]:

@@ -22,6 +22,11 @@ _SAID_FIRST = 3
 
 @click.command(
     "diagnose",
+    help="""Find what in a MEASUREMENT (a TOML file) the model does not explain.
+
+    Recalibrates the uncertain parameters, tests for a misfit, and gives a verdict: named, dominant,
+    pair, ambiguous, unexplained, none or data-problem.
+    """,
     epilog="\b\nExample:\n"
     "  stickslip diagnose measurement.toml --out found\n"
     "  stickslip diagnose measurement.toml --out found --next 1",
@@ -58,11 +63,6 @@ def command(
     most: int | None,
     budget: int | None,
 ) -> None:
-    """Find what in a MEASUREMENT (a TOML file) the model does not explain.
-
-    Recalibrates the uncertain parameters, tests for a misfit, and gives a verdict: named, dominant,
-    pair, ambiguous, unexplained, none or data-problem.
-    """
     if budget is not None and most is None:
         raise click.UsageError("--budget: allowed with --next only")
     data = stickslip.read_measurement(measurement)

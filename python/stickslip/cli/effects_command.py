@@ -13,19 +13,20 @@ from stickslip.scenario.keys import PREFIX
 
 
 @click.command(
-    "effects", epilog="\b\nExample:\n  stickslip effects surface_tilt\n  stickslip effects drag"
-)
-@click.argument("word", required=False, default="")
-@JSON
-def command(word: str, as_json: bool) -> None:
-    """List the effects of the model, or those that have a WORD in their name.
+    "effects",
+    help="""List the effects of the model, or those that have a WORD in their name.
 
     Where no name has it, meanings are searched.
 
     Each is printed with its meaning, its parameters with unit, range and default, and its source.
     An effect is used by a section [effects.NAME] in a scenario, or by --set
     effects.NAME.PARAMETER=VALUE.
-    """
+    """,
+    epilog="\b\nExample:\n  stickslip effects surface_tilt\n  stickslip effects drag",
+)
+@click.argument("word", required=False, default="")
+@JSON
+def command(word: str, as_json: bool) -> None:
     found = having(word.removeprefix(PREFIX), {each.name: each.meaning for each in effects()})
     if not found:
         raise ScenarioError(f"{word}: no effect has this word; {suggested_effect(word)}")

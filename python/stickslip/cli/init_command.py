@@ -38,13 +38,16 @@ _TAIL = """\
 _WIDTH = 100  # as the help of the commands
 
 
-@click.command("init", epilog="\b\nExample:\n  stickslip init scenario.toml")
-@click.argument("file", type=PATH, default=Path("scenario.toml"))
-def command(file: Path) -> None:
-    """Write a scenario that walks, with all keys and what they mean, to FILE.
+@click.command(
+    "init",
+    help="""Write a scenario that walks, with all keys and what they mean, to FILE.
 
     FILE is scenario.toml where none is given; one that is there is not overwritten.
-    """
+    """,
+    epilog="\b\nExample:\n  stickslip init scenario.toml",
+)
+@click.argument("file", type=PATH, default=Path("scenario.toml"))
+def command(file: Path) -> None:
     if file.is_file() or file.is_symlink():
         raise ScenarioError(f"{file} already exists: choose another name, or remove it")
     with prefixed("FILE", OSError):

@@ -22,18 +22,21 @@ FILES = {
 """Keys that name a file, by their section."""
 
 
-@click.command("keys", epilog="\b\nExample:\n  stickslip keys drive\n  stickslip keys friction")
-@click.argument("word", required=False, default="", shell_complete=key_names)
-@JSON
-def command(word: str, as_json: bool) -> None:
-    """List all keys of a scenario, or those that have a WORD in their name.
+@click.command(
+    "keys",
+    help="""List all keys of a scenario, or those that have a WORD in their name.
 
     WORD is any part of a name, such as drive, friction or drive.frequency; where no name has it,
     meanings are searched.
 
     Each is printed with its unit, default, range and meaning. A key is set by its
     section in a scenario, by --set SECTION.KEY=VALUE, or varied by --vary.
-    """
+    """,
+    epilog="\b\nExample:\n  stickslip keys drive\n  stickslip keys friction",
+)
+@click.argument("word", required=False, default="", shell_complete=key_names)
+@JSON
+def command(word: str, as_json: bool) -> None:
     keys = [
         known_keys()[name]
         for name in having(word, {k.name: k.meaning for k in known_keys().values()})

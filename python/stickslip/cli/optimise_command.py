@@ -19,6 +19,19 @@ from stickslip.errors import ScenarioError, prefixed
 
 @click.command(
     "optimise",
+    help="""Find the drive of a SCENARIO (a TOML file) that is best under limits.
+
+    Uncertain parameters are drawn, the same draws for every drive, and a limit has to hold in all
+    of them. The drive has to walk: at most 20 % of the time in flight, and never upright, unless
+    --allow-flight or a limit of yours says otherwise. The result is compared with the start and
+    with the best sawtooth of a grid, on fresh draws; the better of search and sawtooth is written.
+    Without uncertain parameters the scenario is the one draw.
+
+    Fields of the drive, such as drive.peak, are those of a voltage held for ever; in a fast pulse
+    the field stays far below. To limit the field, limit field_max.
+
+    Ctrl-C ends the search, and writes the best so far.
+    """,
     epilog="""\b
 Examples:
   stickslip optimise scenario.toml --maximise mean_velocity --limit voltage_max=26 \\
@@ -101,19 +114,6 @@ def command(
     as_json: bool,
     **how: Any,
 ) -> None:
-    """Find the drive of a SCENARIO (a TOML file) that is best under limits.
-
-    Uncertain parameters are drawn, the same draws for every drive, and a limit has to hold in all
-    of them. The drive has to walk: at most 20 % of the time in flight, and never upright, unless
-    --allow-flight or a limit of yours says otherwise. The result is compared with the start and
-    with the best sawtooth of a grid, on fresh draws; the better of search and sawtooth is written.
-    Without uncertain parameters the scenario is the one draw.
-
-    Fields of the drive, such as drive.peak, are those of a voltage held for ever; in a fast pulse
-    the field stays far below. To limit the field, limit field_max.
-
-    Ctrl-C ends the search, and writes the best so far.
-    """
     if how["maximise"] is None and how["minimise"] is None:
         raise click.UsageError("--maximise or --minimise is missing, with a number of the summary")
     base, read = load_uncertain(scenario, set, uncertain)

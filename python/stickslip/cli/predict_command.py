@@ -26,6 +26,12 @@ if TYPE_CHECKING:
 
 @click.command(
     "predict",
+    help="""Predict the summary of a SCENARIO (a TOML file) with error bars.
+
+    Prints the quantiles of 10, 50 and 90 % over draws from its [uncertain], or from that of another
+    file. Draws that fail are in no quantile: their number is printed on standard error, and the
+    exit status is 1.
+    """,
     epilog="\b\nExample:\n"
     "  stickslip predict scenario.toml --uncertain measurement.toml \\\n"
     "    --vary drive.frequency=20:200:10 --out bands.csv --plot bands.png",
@@ -61,12 +67,6 @@ def command(
     plot: Path | None,
     as_json: bool,
 ) -> int:
-    """Predict the summary of a SCENARIO (a TOML file) with error bars.
-
-    Prints the quantiles of 10, 50 and 90 % over draws from its [uncertain], or from that of another
-    file. Draws that fail are in no quantile: their number is printed on standard error, and the
-    exit status is 1.
-    """
     loaded, read = load_uncertain(scenario, set, uncertain)
     output.check_files(read, out=(out, SUFFIXES), plot=(plot, ()))
     if plot is not None:

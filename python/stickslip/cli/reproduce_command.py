@@ -15,6 +15,11 @@ from stickslip.errors import prefixed
 
 @click.command(
     "reproduce",
+    help="""Redo the paper's simulations and test its statements.
+
+    Tries what the paper leaves open, says for each of its statements S1 to S17 whether it is
+    reproduced, and with which settings, and draws Figs. 2 (e) to (h) and 4 to 15.
+    """,
     epilog="\b\nExample:\n  stickslip reproduce --out reproduction --only fig8,fig12",
 )
 @click.option(
@@ -27,11 +32,6 @@ from stickslip.errors import prefixed
 @THREADS
 @JSON
 def command(out: Path, only: str | None, threads: int | None, as_json: bool) -> None:
-    """Redo the paper's simulations and test its statements.
-
-    Tries what the paper leaves open, says for each of its statements S1 to S17 whether it is
-    reproduced, and with which settings, and draws Figs. 2 (e) to (h) and 4 to 15.
-    """
     names = None if only is None else [name.strip() for name in only.split(",")]
     with progress_bar() as bar, prefixed("--out", OSError):
         result = stickslip.reproduce(out, only=names, threads=threads, progress=bar)

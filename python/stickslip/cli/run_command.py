@@ -38,6 +38,15 @@ _EVENTS = "\n".join(f"  {name:<10}  {meaning}" for name, meaning in _core.events
 
 @click.command(
     "run",
+    help="""Simulate one SCENARIO (a TOML file) and print its summary.
+
+    Velocity, angles and slip are those of the measuring window, which is printed with them: from
+    the end of the third pulse to the end of the last; with a program of voltages, all of it.
+
+    --out, --plot and --animate record on a uniform grid if the scenario's record.rate is "none".
+    What --out recorded before Ctrl-C or a full disk stays in FILE.part. The exit status is 1 if the
+    simulation failed or there was nothing to draw, with the reason on standard error.
+    """,
     epilog=f"""\b
 Events that the summary counts:
 {_EVENTS}
@@ -94,15 +103,6 @@ def command(
     slowdown: float | None,
     as_json: bool,
 ) -> int:
-    """Simulate one SCENARIO (a TOML file) and print its summary.
-
-    Velocity, angles and slip are those of the measuring window, which is printed with them: from
-    the end of the third pulse to the end of the last; with a program of voltages, all of it.
-
-    --out, --plot and --animate record on a uniform grid if the scenario's record.rate is "none".
-    What --out recorded before Ctrl-C or a full disk stays in FILE.part. The exit status is 1 if the
-    simulation failed or there was nothing to draw, with the reason on standard error.
-    """
     loaded, read = load_with(scenario, set)
     check_files(read, out=(out, SUFFIXES), plot=(plot, ()), animate=(animate, _MOVING))
     pictures = plot is not None or animate is not None

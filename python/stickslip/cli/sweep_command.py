@@ -38,6 +38,15 @@ _SHOWN = ("theta_min", "theta_max", "slip_up", "slip_down", "airborne_fraction")
 
 @click.command(
     "sweep",
+    help="""Simulate a SCENARIO (a TOML file) at all combinations of the values of some keys.
+
+    Prints the summaries; what the scenario records is ignored. A point that fails is a status in
+    the results: the command still succeeds, and says on standard error how many there are.
+
+    --out is written every second or more rarely, and on Ctrl-C, so that --resume can go on with it
+    after whatever stopped the sweep, without simulating a finished point again.
+    The exit status is 1 if --plot had nothing to draw, as no point has a velocity.
+    """,
     epilog="\b\nExample:\n"
     "  stickslip sweep scenario.toml --vary drive.frequency=5:200:40 --vary drive.mode=IPP,OPP \\\n"
     "    --out sweep.nc --plot sweep.png",
@@ -67,15 +76,6 @@ def command(
     plot: Path | None,
     as_json: bool,
 ) -> int:
-    """Simulate a SCENARIO (a TOML file) at all combinations of the values of some keys.
-
-    Prints the summaries; what the scenario records is ignored. A point that fails is a status in
-    the results: the command still succeeds, and says on standard error how many there are.
-
-    --out is written every second or more rarely, and on Ctrl-C, so that --resume can go on with it
-    after whatever stopped the sweep, without simulating a finished point again.
-    The exit status is 1 if --plot had nothing to draw, as no point has a velocity.
-    """
     if both := vary.keys() & set.keys():
         raise click.UsageError(f"{min(both)}: allowed is either --set or --vary, not both")
     if resume and out is None:

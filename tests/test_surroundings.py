@@ -1,0 +1,97 @@
+"""The package where it is not at home: frozen, without docstrings, in other locales and styles."""
+
+import compileall
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+import stickslip
+
+SCENARIO = "é λ.toml"
+LONG = "x" * 250 + "é"  # with .nc the 255 bytes that a name can have
+STYLE = "axes.facecolor: black\nsavefig.facecolor: black\ntext.usetex: True\nlines.linewidth: 9\n"
+
+# What the commands say of themselves, and a run and a sweep with files.
+CODE = """
+import sys
+import stickslip
+from stickslip.cli.commands import COMMANDS, run
+
+print(len(dir(stickslip)))
+scenario, long = sys.argv[1:]
+for arguments in (
+    *([name, "--help"] for name in COMMANDS),
+    ["run", scenario, "--json", "--out", f"{long}.nc", "--plot", f"{long[1:]}.png"],
+    ["run", scenario, "--out", f"{long[1:]}.csv"],
+    ["sweep", scenario, "--vary", "drive.frequency=20,30", "--out", f"y{long[1:]}.nc"],
+    ["sweep", scenario, "--vary", "drive.frequency=20,30", "--out", f"y{long[1:]}.nc", "--resume"],
+):
+    print(ascii(run(arguments)))
+from stickslip.reproduction.statements import STATEMENTS
+print(ascii([*STATEMENTS.values()]))
+"""
+
+
+def frozen(folder):
+    """Bytecode without docstrings alone, and no file for type checkers."""
+    shutil.copytree(Path(stickslip.__file__).parent, folder / "stickslip")
+    compileall.compile_dir(folder / "stickslip", quiet=1, legacy=True, optimize=2)
+    for path in (folder / "stickslip").rglob("*.py*"):
+        if path.suffix in (".py", ".pyi"):
+            path.unlink()
+    return {"PYTHONPATH": str(folder), "PYTHONOPTIMIZE": "2"}
+
+
+def ascii_locale(folder):
+    """Names of files are ASCII to Python, and all other bytes in them escapes."""
+    return {"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}
+
+
+def own_style(folder):
+    (folder / "matplotlibrc").write_text(STYLE)
+    return {"MATPLOTLIBRC": str(folder)}
+
+
+def done_in(folder, where):
+    """What the commands print and write in some surroundings."""
+    around, inside = folder / "around", folder / "inside"
+    for each in (around, inside):
+        each.mkdir()
+    (inside / SCENARIO).write_text("stickslip = 1\n[drive]\npulses = 4\nbase = 0.5e-3\n")
+    command = [sys.executable, "-c", CODE, SCENARIO, LONG]
+    how = {"env": {**os.environ, **where(around)}, "cwd": inside, "capture_output": True}
+    done = subprocess.run(command, check=True, **how)
+    files = {each.name: each.read_bytes() for each in inside.iterdir()}
+    return done.stdout, files
+
+
+@pytest.fixture(scope="module")
+def at_home(tmp_path_factory):
+    printed, files = done_in(tmp_path_factory.mktemp("home"), lambda folder: {})
+    assert printed.count(b"Usage: ") == 9
+    assert sorted(len(os.fsencode(name)) for name in files) == [10, 255, 255, 255, 255]
+    return printed, files
+
+
+@pytest.mark.parametrize("where", [frozen, ascii_locale, own_style])
+def test_all_is_as_at_home(tmp_path, at_home, where):
+    printed, files = done_in(tmp_path, where)
+    assert printed.decode("utf-8", "replace") == at_home[0].decode()
+    assert files == at_home[1]
+
+
+def test_the_names_are_known_within_an_archive(tmp_path):
+    with zipfile.ZipFile(tmp_path / "packages.zip", "w") as archive:
+        for path in Path(stickslip.__file__).parent.glob("*.py"):
+            archive.write(path, f"stickslip/{path.name}")
+    code = "import stickslip; print(stickslip.__file__, stickslip.__all__)"
+    env = {**os.environ, "PYTHONPATH": str(tmp_path / "packages.zip")}
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, env=env, capture_output=True, text=True, check=True)
+    assert done.stdout.startswith(str(tmp_path))
+    assert done.stdout.endswith(f"{stickslip.__all__}\n")
