@@ -344,7 +344,7 @@ REFUSED = {
     "MATLAB": (b"MATLAB 5.0 MAT-file, Platform: GLNXA64", "a MATLAB file"),
     "MATLAB 7.3": (b"\x89HDF\r\n\x1a\n\x00", "MATLAB 7.3"),
     "XML": (codecs.BOM_UTF8 + b"\n<?xml version='1.0'?>\n<TrackMate>", "an XML file"),
-    "UTF-16 without its mark": ("a,b\n1,2\n".encode("utf-16-le"), "byte 2 is NUL .UTF-16 without its mark"),
+    "UTF-16 without its mark": ("a,b\n1,2\n".encode("utf-16-le"), "byte 2 is NUL .UTF-16"),
     "half of UTF-16": (codecs.BOM_UTF16_LE + b"a\x00b", "damaged UTF-16"),
     "header only": (b"frequency,velocity\n", "no row of data"),
     "header in a comment only": (b"# frequency,velocity\n", "no row of data"),
