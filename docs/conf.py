@@ -17,7 +17,7 @@ sys.path[:0] = [str(HERE), str(HERE / "_extensions"), str(HERE.parent / "tests")
 
 project = "stickslip"
 author = "stickslip developers"
-project_copyright = "2025, stickslip developers"
+project_copyright = "2026, stickslip developers"
 version = release = stickslip.__version__
 
 extensions = [

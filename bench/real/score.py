@@ -106,7 +106,9 @@ def judged(result: Diagnosis, truth: Truth) -> str:
     kind, causes = result.verdict.kind, set(result.verdict.causes)
     present, allowed = set(truth.present), {*truth.present, *truth.possible}
     if kind == "ambiguous":
-        return "set with the truth" if causes & present else "set without the truth"
+        if not causes & present:
+            return "set without the truth"
+        return "set with the truth" if truth.certain else "not contradicted"
     if kind not in CLAIMS:
         leader = result.verdict.leader
         near = kind == "unexplained" and leader is not None and leader.names & present

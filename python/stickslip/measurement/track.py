@@ -42,7 +42,7 @@ def velocity_of_track(t: ArrayLike, x: ArrayLike, drive: Drive | Scenario) -> di
 
     The velocity is the mean over the whole pulses that the track holds, from the end of the third
     one on (`Scenario.window`), as in the summary of a run. It is a fit to the frames within: a
-    steady motion, and one that repeats with every pulse; see `fitted_velocity`. Frames without a
+    steady motion, and one that repeats with every pulse. Frames without a
     place of the robot, lost ones or specks, are left out; a warning says how many.
 
     Parameters

@@ -149,7 +149,8 @@ FIELDS_TOGETHER = Scan("drive.peak", _FIELD_AXIS, _FIELDS, 30.0, proportional=Tr
 def small_changes(count: int) -> Array:
     """Factors of frequency, friction and field, shape (count, 3); the first are 1.
 
-    Near 100 Hz velocities are irregular, so that a median over small changes says more. They are
+    At 100 Hz a frequency 2 % higher changes one velocity in ten by more than 8 %, so a median over
+    small changes says more. They are
     spread evenly by Roberts' additive recurrence with the plastic number of three dimensions.
     """
     ratio = 1.2207440846057596  # the real root of x^4 = x + 1
