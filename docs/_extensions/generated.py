@@ -151,7 +151,10 @@ def _load(results: dict[str, Any]) -> str:
     """What else the machine had to do, if known: times by the clock suffer from it."""
     if "load_before" not in results:
         return ""
-    return f"Processes that wanted a processor beside it: {results['load_before']:.1f} on average."
+    return (
+        f"Processes that wanted a processor beside it: {results['load_before']:.1f} on average; "
+        "they make times by the clock longer, and the speed-up with threads smaller."
+    )
 
 
 def _bench(results: dict[str, Any]) -> str:

@@ -123,7 +123,7 @@ class Diagnosis(ShownBySummary):
     def probability_of(self, names: Collection[str]) -> float:
         """Probability that all of these causes are in the model, whatever is beside them."""
         models = (each for each in self.chance.fits if each.names.issuperset(names))
-        return math.fsum(self.chance.models[each.name] for each in models)
+        return min(1.0, math.fsum(self.chance.models[each.name] for each in models))
 
     def candidate(self, name: str) -> Candidate:
         """A model that was fitted: ``none``, the name of a cause, or a pair as ``"a + b"``.

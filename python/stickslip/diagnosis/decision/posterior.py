@@ -90,7 +90,7 @@ def posterior(models: Models) -> Posterior:
     causes = {each.name: 0.0 for each in models.offered}
     for names, chance in by_set.items():
         for name in names:
-            causes[name] = min(1.0, causes[name] + chance)  # a sum of roundings
+            causes[name] = min(1.0, causes[name] + chance)  # rounding may pass 1
     causes = dict(sorted(causes.items(), key=lambda each: -each[1]))
     return Posterior(fits, {each.name: by_set[each.names] for each in fits}, causes)
 
