@@ -219,6 +219,9 @@ def test_init_writes_a_robot_that_walks_with_all_keys_once(tmp_path):
     for key in Scenario.keys():  # noqa: SIM118
         if not key.startswith("effects."):
             assert f"\n{key.rpartition('.')[2]} = " in text, key
+    section, coil = text.split("[coil]")
+    (tmp_path / "scenario.toml").write_text(f"{section}[coil]{coil.replace('= 510.0', '= 200.0')}")
+    assert load(tmp_path / "scenario.toml") == written.replace({"coil.turns": 200.0})
 
 
 @pytest.mark.parametrize("command", [[], *([name] for name in COMMANDS)])

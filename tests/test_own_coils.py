@@ -99,6 +99,20 @@ def test_a_key_of_all_coils_sets_those_that_no_key_of_one_does(turned_round):
     assert found["mean_velocity"].values.item() == expected
 
 
+def test_a_key_of_all_coils_that_single_ones_hide_is_known_until_it_acts():
+    five = {name: {"turns": 510.0} for name in COIL_NAMES}
+    changes = {f"coil.{name}.turns": 510.0 for name in COIL_NAMES}
+    for hidden in (
+        Scenario(coil=Coil(turns=200.0, **five)),
+        Scenario().replace({"coil.turns": 200.0, **changes}),
+    ):
+        assert hidden == Scenario()
+        assert hidden.hidden == {"coil.turns": 200.0}
+        assert hidden.replace({"drive.pulses": 5}).hidden == {"coil.turns": 200.0}
+        assert not hidden.replace({"coil.turns": 300.0}).hidden
+        assert not hidden.replace({"coil.xp.turns": 200.0}).hidden
+
+
 def test_a_key_of_all_coils_reads_as_the_value_of_most():
     assert Scenario().replace({"coil.xp.turns": 9.0}).coil.turns == 510.0
     four = {f"coil.{name}.turns": 9.0 for name in ("xp", "xm", "ym", "clamp")}

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stickslip import Drive, Scenario, Waveform, simulate
+from stickslip import COIL_NAMES, Drive, Scenario, Waveform, simulate
 from stickslip.simulation.scenario_notes import field_swing, scenario_notes
 
 WEIGHT = 25.6e-9 * 9.81
@@ -11,6 +11,8 @@ WEIGHT = 25.6e-9 * 9.81
 VOLUME = 250e-6 * 130e-6 * 100e-6  # m^3, of the robot
 # 10 ohm over 0.96258 mT/A: 10389 V for 1 T in one coil, half of that in each of a pair.
 VOLTS = 10389.0
+
+FIVE = {f"coil.{name}.turns": 510.0 for name in COIL_NAMES}
 
 # One key of each is nonsense with the others at their defaults: the note's code, and its value.
 NONSENSE = [
@@ -38,6 +40,7 @@ NONSENSE = [
     ({"drive.pulses": 3}, "start-up", 3.0),
     ({"contact.tangential_restitution": 0.5}, "tangential-restitution", 0.5),
     ({"drive.base": 2.5e-3}, "no-pulses", 2.5e-3),
+    ({"coil.turns": 200.0, **FIVE}, "hidden-key", 200.0),
 ]  # fmt: skip
 
 
@@ -54,6 +57,8 @@ def test_nonsense_gets_a_note(changes, code, value):
         {},
         {"drive.pulses": 4},
         {"solver.rtol": 1e-5},
+        {"coil.turns": 510.0, **FIVE},
+        {**FIVE, "coil.turns": 200.0, "coil.yp.turns": 200.0},
         {"contact.tangential_restitution": 0.6, "contact.restitution": 0.1},
     ],
 )

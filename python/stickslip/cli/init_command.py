@@ -13,7 +13,7 @@ from stickslip.cli.keys_command import FILES
 from stickslip.cli.options import PATH
 from stickslip.cli.output import say
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.keys import Key, known_keys
+from stickslip.scenario.keys import COIL_NAMES, Key, is_of_one_coil, known_keys
 from stickslip.scenario.toml_file import FORMAT_VERSION
 
 _HEAD = f"""\
@@ -28,6 +28,11 @@ _WALKS = {"drive.base": 0.5e-3}
 _DRIVE = """\
 # base, hold, edge and clamp are not stated in the paper: their defaults are this package's. That of
 # base is 0, with which the holding coil alone turns the robot upright and it rolls over."""
+
+_ONE_COIL = f"""\
+# A coil that differs ({", ".join(COIL_NAMES)}) has a table of its own:
+# [coil.clamp]
+# resistance = 10.5  # ohm"""
 
 _TAIL = """\
 # Effects; "stickslip effects" lists them.
@@ -59,7 +64,11 @@ def command(file: Path) -> None:
 
 def _commented_scenario() -> str:
     """The text of a scenario file with every key."""
-    keys = [key for key in known_keys().values() if not key.name.startswith("effects.")]
+    keys = [
+        key
+        for key in known_keys().values()
+        if not key.name.startswith("effects.") and not is_of_one_coil(key.name)
+    ]
     blocks = [_HEAD]
     for section in dict.fromkeys(key.section for key in keys):
         lines = [f"[{section}]", *([_DRIVE] if section == "drive" else [])]
@@ -68,6 +77,8 @@ def _commented_scenario() -> str:
         for key in keys:
             if key.section == section:
                 lines += _setting(key)
+        if section == "coil":
+            lines.append(_ONE_COIL)
         blocks.append("\n".join(lines) + "\n")
     return "\n".join([*blocks, _TAIL])
 

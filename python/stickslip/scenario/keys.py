@@ -6,9 +6,10 @@ import functools
 import keyword
 import math
 import numbers
-from collections.abc import Callable, Iterable
+import re
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Literal, ParamSpec, TypeVar
+from typing import Any, Literal, ParamSpec, TypeVar
 
 from stickslip import _core
 from stickslip._util.messages import meant, nearest, refuse, shown, suggestion
@@ -39,6 +40,12 @@ COIL_MAP = "coil.map"
 
 OBJECTS = (PROGRAM, COIL_MAP)
 """Keys whose value in Python is an object."""
+
+ROUND_HINT = (
+    "coils are square; a round one of radius R is close to side = 1.77 R, a square of the same area"
+)
+"""For who asks for a radius. At R = 40 mm, 60 mm away, such a square has 1.4 % less field and 0.2 %
+less gradient over field than a circle, whose field is known in closed form."""
 
 PROGRAM_HINT = f'{FILE} names the CSV file of voltages, with drive.mode = "program"'
 
@@ -159,6 +166,8 @@ def key_hint(name: str, others: Iterable[str] = ()) -> str:
     `others` are names of another kind that may be meant too.
     """
     keys = known_keys()
+    if of_round_coil(name):
+        return ROUND_HINT
     section = name.rpartition(".")[0]
     siblings = [key.name for key in keys_of(section)]
     siblings += [key for key in PATHS if siblings and key.startswith(f"{section}.") and key != name]
@@ -172,6 +181,11 @@ def key_hint(name: str, others: Iterable[str] = ()) -> str:
     return suggestion(section, sections, dict.fromkeys(each.partition(".")[0] for each in sections))
 
 
+def of_round_coil(key: str) -> bool:
+    """Whether a key that is none would be the radius or diameter of a coil."""
+    return re.fullmatch(r"coil\.(.*_)?(radius|diameter)", key.casefold()) is not None
+
+
 def full_name(name: str) -> str:
     """The dotted key of a parameter of an effect that is named without ``effects.``."""
     keys = known_keys()
@@ -181,6 +195,19 @@ def full_name(name: str) -> str:
 def is_of_one_coil(key: str) -> bool:
     """Whether a key is of a single coil, such as ``coil.xp.turns``."""
     return key.startswith("coil.") and key.count(".") > 1
+
+
+def hidden_keys(core: _core.Scenario, changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Those of all coils among the changes of a scenario whose value no coil has.
+
+    Single coils have their own then, all five of them.
+    """
+    names = {f"coil.{key.field}": key.field for key in keys_of("coil") if key.name in changes}
+    return {
+        name: changes[name]
+        for name, field in names.items()
+        if all(core.get(f"coil.{coil}.{field}") != changes[name] for coil in COIL_NAMES)
+    }
 
 
 def check_word(key: object) -> None:

@@ -29,6 +29,7 @@ from stickslip.scenario.keys import (
     Value,
     find_key,
     full_name,
+    hidden_keys,
     known_keys,
     set_value,
 )
@@ -105,10 +106,10 @@ class Scenario:
     30.0
     """
 
-    __slots__ = ("__weakref__", "_core", "_map", "_program", "_uncertain")
+    __slots__ = ("__weakref__", "_core", "_hidden", "_map", "_program", "_uncertain")
 
     drive = _View(Drive, "_program")
-    coil = _View(Coil, "_map")
+    coil = _View(Coil, "_hidden", "_map")
     robot = _View(Robot)
     contact = _View(Contact)
     drag = _View(Drag)
@@ -135,6 +136,7 @@ class Scenario:
         self._core = _core.Scenario()
         self._program: Waveform | None = None
         self._map: FieldMap | None = None
+        self._hidden: dict[str, Any] = {}
         given = (drive, coil, robot, contact, drag, environment, initial, solver, record)
         for (name, kind), section in zip(SECTIONS.items(), given, strict=True):
             if section is None:
@@ -144,7 +146,7 @@ class Scenario:
         if drive is not None:
             self._program = drive.program
         if coil is not None:
-            self._map = coil.map
+            self._map, self._hidden = coil.map, coil._hidden
         if effects is not None:
             Changes(flat_effects(effects)).apply(self._core)
         self._uncertain = None if uncertain is None else as_joint_prior(uncertain)
@@ -266,7 +268,8 @@ class Scenario:
         made = self._copy()
         if changes is not None:
             check_kind("changes", changes, Mapping)
-        for key, value in Changes(changes or {}, more).in_order():
+        given = Changes(changes or {}, more)
+        for key, value in given.in_order():
             if key == PROGRAM:
                 Drive(program=value)
                 made._program = value
@@ -277,13 +280,14 @@ class Scenario:
                 made._core.set_map(None if value is None else value.to_core())
             else:
                 set_value(made._core, key, value)
+        made._hidden = hidden_keys(made._core, {**self._hidden, **given})
         made._check()
         return made
 
     def _copy(self) -> Scenario:
         made = object.__new__(type(self))
         made._core, made._program, made._map = self.to_core(), self._program, self._map
-        made._uncertain = self._uncertain
+        made._uncertain, made._hidden = self._uncertain, self._hidden
         return made
 
     def with_state(self, state: State) -> Scenario:
@@ -361,6 +365,14 @@ class Scenario:
         """The same scenario for the compiled core, with the effects registered now."""
         with prefixed("", ValueError):
             return _core.Scenario(self._core)
+
+    @property
+    def hidden(self) -> Mapping[str, Any]:
+        """Values without effect by dotted key: those of all coils, where all five have their own.
+
+        They are known of what was read or changed here, not of a pickled or written scenario.
+        """
+        return MappingProxyType(self._hidden)
 
     def _state(self) -> tuple[dict[str, Value], Waveform | None, FieldMap | None, Any]:
         return self._core.changed(), self._program, self._map, self._uncertain

@@ -10,7 +10,7 @@ from stickslip import _core
 from stickslip._util.messages import shown, suggestion
 from stickslip.errors import ScenarioError
 from stickslip.scenario.changes import Changes
-from stickslip.scenario.keys import Key, keys_of
+from stickslip.scenario.keys import ROUND_HINT, Key, keys_of, of_round_coil
 
 _S = TypeVar("_S", bound="Section")
 
@@ -53,7 +53,8 @@ class Section:
         """The changes that the value of a field makes, by dotted key."""
         if field not in self._fields:
             given = f"{self._name}.{field} = {shown(value)}"
-            hint = suggestion(field, self._fields)
+            round_one = of_round_coil(f"{self._name}.{field}")
+            hint = ROUND_HINT if round_one else suggestion(field, self._fields)
             raise ScenarioError(f"{given}: there is no such key; {hint}")
         return {self._keys[field]: value}
 

@@ -17,6 +17,7 @@ from stickslip.scenario.keys import (
     MAP_HINT,
     PROGRAM,
     PROGRAM_HINT,
+    hidden_keys,
     is_of_one_coil,
     keys_of,
 )
@@ -78,7 +79,7 @@ class Coil(
         for name in COIL_NAMES
     },
 ):
-    __slots__ = ("_map",)
+    __slots__ = ("_hidden", "_map")
 
     def __init__(self, *, map=None, **values):
         super().__init__(**values)
@@ -87,6 +88,7 @@ class Coil(
                 refuse(COIL_MAP, map, f"a path in a file or with --set; {MAP_HINT}")
             self._core.set_map(map.to_core())
         self._map = map
+        self._hidden = hidden_keys(self._core, {f"coil.{name}": v for name, v in values.items()})
 
     def _changes(self, field, value):
         if field not in COIL_NAMES:

@@ -25,6 +25,7 @@ CODES = (
     # A motion whose mean velocity says less than it seems to.
     "field-change", "velocity-grows", "turning", "start-up", "window-short", "pulses-short",
     # Other values that are probably mistakes.
+    "hidden-key",
     "voltage", "density", "steep-surface", "adhesion", "tangential-restitution", "tolerance",
     # Facts, without a fault.
     "map",

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from stickslip import _core
+from stickslip._util.messages import shown
 from stickslip.simulation.note import Note
 from stickslip.simulation.unit_notes import DEFAULTS, time_constants, unit_notes
 
@@ -110,6 +111,9 @@ def _of_drive(scenario: Scenario, core: _core.Scenario) -> Iterator[Note]:
             amperes = volts / ohms[name]
             text = f"the drive asks for {volts:.4g} V at coil {name}, {amperes:.4g} A when steady"
             yield Note("voltage", text, volts)
+    for key, value in scenario.hidden.items():
+        text = f"{key} = {shown(value)} has no effect: all five coils have their own values"
+        yield Note("hidden-key", f"{text}, such as those of [coil.xp]", float(value))
     if scenario.coil.map is not None:
         yield Note("map", f"the field of the coils is that of {scenario.coil.map}")
     times = time_constants(scenario, core)
