@@ -167,6 +167,15 @@ def test_a_run_is_written_as_a_moving_picture(scenario, tmp_path, name, options,
         assert picture.n_frames == frames
 
 
+def test_a_robot_that_stays_has_no_velocity_in_print(scenario):
+    still = ("run", scenario, "--set=drive.base=2.5e-3", "--set=drive.peak=2.5e-3")
+    still += ("--set=drive.pulses=24",)
+    assert 0.0 < abs(printed(*still)["mean_velocity"]) < 1e-8
+    text = stickslip(*still).stdout
+    assert re.search(r"^mean_velocity +0 m/s +0 mm/s$", text, re.MULTILINE)
+    assert re.search(r"^velocity_growth +0 +0 %$", text, re.MULTILINE)
+
+
 # --- keys, effects, init, help
 
 

@@ -53,6 +53,19 @@ def test_the_command_gives_what_python_gives(files):
     assert f"{100 * (0.1 + math.sqrt(0.09 / 24)):.3g} %" in table
 
 
+def test_figures_choose_the_columns(files):
+    options = ("--figures", "field_max,mean_velocity,velocity_along", "--out", "b.csv")
+    done = stickslip("predict", *COMMON, *options, cwd=files)
+    assert done.returncode == 0
+    assert done.stderr == "stickslip: note: velocity_along is one of the whole plane, left out\n"
+    names = {name.split()[0].rpartition("_")[0] for name in pd.read_csv(files / "b.csv")}
+    chosen = {"field_max", "mean_velocity"}
+    assert names == {"", *chosen, *(f"{name}_error" for name in chosen)}
+    assert done.stdout.split()[:7:3] == ["field_max_q10", "mean_velocity_q10", "failed"]
+    found = json.loads(stickslip("predict", *COMMON, *options[:2], "--json", cwd=files).stdout)
+    assert {*found["results"][0]} == names - {""} | {"failed"}
+
+
 def test_the_command_says_what_failed(files):
     done = stickslip("predict", *COMMON, "--vary", "contact.static_friction=0.145,0.01", cwd=files)
     assert done.returncode == 1

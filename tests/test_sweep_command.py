@@ -6,6 +6,7 @@ import socket
 from concurrent.futures import ThreadPoolExecutor
 
 import distributed
+import pandas as pd
 import pytest
 import xarray
 
@@ -64,6 +65,17 @@ def test_the_file_holds_the_dataset_of_the_library(scenario, tmp_path):
         "sweep", scenario, *VARY, "--set=contact.adhesion=0", "--out=a.nc", "--resume", cwd=tmp_path
     )
     assert (again.returncode, again.stdout) == (0, done.stdout)
+
+
+def test_a_table_is_written_once_at_the_end(scenario, tmp_path):
+    options = ("--vary=drive.frequency=10:1000:3:log", "--set=drive.pulses=4", "--out=a.csv")
+    done = stickslip("sweep", scenario, *options, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    table = pd.read_csv(tmp_path / "a.csv")
+    assert table["drive_frequency (Hz)"].tolist() == [10.0, 100.0, 1000.0]
+    data = sweep(load(scenario).replace({"drive.pulses": 4}), {"drive.frequency": [10, 100, 1000]})
+    assert table["mean_velocity (m/s)"].tolist() == data["mean_velocity"].values.tolist()
+    check(stickslip("sweep", scenario, *options, cwd=tmp_path), "a.csv already exists")
 
 
 def test_a_sweep_is_drawn(scenario, tmp_path):

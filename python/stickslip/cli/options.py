@@ -80,22 +80,27 @@ def _list(text: str, separator: str) -> list[Value]:
 
 
 def _values(key: str, text: str) -> list[Value]:
-    """The values of ``start:stop:count``, with both ends, or of ``a,b,c``."""
+    """The values of ``start:stop:count``, with both ends, in steps or ratios, or of ``a,b,c``."""
     if ":" not in text:
         return _list(text, ",")
+    text, log, more = text.partition(":log")
     try:
         first, last, number = text.split(":")
         # Decimals, so that 0.1:0.5:5 gives 0.3 and not the sum of rounded steps.
         start, stop, count = Decimal(first.strip()), Decimal(last.strip()), int(number)
         step = (stop - start) / max(count - 1, 1)
-        allowed = step.is_finite() and 1 <= count <= MOST_VALUES
+        allowed = step.is_finite() and 1 <= count <= MOST_VALUES and not more
+        allowed &= not log or min(start, stop) > 0
     except (ArithmeticError, ValueError):
         allowed = False
     if not allowed or (count == 1) != (start == stop):
         raise ValueError(
             "allowed is start:stop:count with two numbers, and a whole number of values from 2 to "
-            f"{MOST_VALUES}"
+            f"{MOST_VALUES}, or start:stop:count:log with numbers above 0"
         )
+    if log:
+        ratio = (stop / start).ln() / max(count - 1, 1)
+        return [float(start), *(float(start * (k * ratio).exp()) for k in range(1, count))]
     return [float(start + place * step) for place in range(count)]
 
 
@@ -142,7 +147,8 @@ def vary_option(required: bool) -> Callable[[_F], _F]:
         "--vary",
         _values,
         "key=start:stop:count or key=a,b,c, such as drive.frequency=5:200:40",
-        "A key and its values, start:stop:count with both ends, or a,b,c",
+        "A key and its values, start:stop:count with both ends, the same with :log for equal "
+        "ratios, or a,b,c",
         required=required,
         **KEYS,
     )

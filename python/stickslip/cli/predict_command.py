@@ -10,18 +10,31 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import stickslip
+from stickslip._util.messages import shown, suggestion
 from stickslip._util.tables import write_frame
 from stickslip.cli import options, output
 from stickslip.cli.loading import load_uncertain
 from stickslip.cli.progress import progress_bar
 from stickslip.simulation.note import lines_of_json
+from stickslip.simulation.quantities import NUMBERS
 from stickslip.simulation.run import SUFFIXES
-from stickslip.simulation.seen_from_drive import shown_velocities
+from stickslip.simulation.seen_from_drive import VELOCITIES, shown_velocities
 from stickslip.sweeping.checkpoint import write
 from stickslip.sweeping.predict import DRAWS
 
 if TYPE_CHECKING:
     import xarray
+
+
+def _figures(ctx: click.Context, param: click.Parameter, text: str | None) -> list[str]:
+    """The names of numbers of a summary, each once."""
+    known = {**VELOCITIES, **NUMBERS}
+    names = [] if text is None else list(dict.fromkeys(map(str.strip, text.split(","))))
+    for name in names:
+        if name not in known:
+            hint = suggestion(name, known)
+            raise click.BadParameter(f"{shown(name)}: no number of a summary; {hint}", ctx, param)
+    return names
 
 
 @click.command(
@@ -54,6 +67,13 @@ if TYPE_CHECKING:
 @click.option(
     "--plot", type=options.PATH, help="Draw velocities with bands: .png, .pdf, .svg and others."
 )
+@click.option(
+    "--figures",
+    callback=_figures,
+    metavar="NAME,NAME",
+    help="Numbers of the summary that are printed and written, such as mean_velocity,field_max; "
+    "default: all, of which velocity and flight are printed.",
+)
 @options.JSON
 def command(
     scenario: Path,
@@ -65,6 +85,7 @@ def command(
     threads: int | None,
     out: Path | None,
     plot: Path | None,
+    figures: list[str],
     as_json: bool,
 ) -> int:
     loaded, read = load_uncertain(scenario, set, uncertain)
@@ -74,10 +95,16 @@ def command(
     count = math.prod(map(len, vary.values())) * draws
     with progress_bar(count) as bar:
         data = stickslip.predict(loaded, vary, draws, seed, threads=threads, progress=bar)
+    whole = data
+    if figures:
+        there = [name for name in figures if name in data]
+        for name in [name for name in figures if name not in there]:
+            output.say(f"stickslip: note: {name} is one of the whole plane, left out", err=True)
+        data = data[["failed", "quantile", *there, *(f"{name}_error" for name in there)]]
     if as_json:
         output.print_json(_as_dict(data))
     else:
-        _print(data)
+        _print(data, figures)
     failed, redrawn = int(data.attrs["failed_draws"]), int(data.attrs["redrawn"])
     if redrawn:
         output.say(
@@ -90,7 +117,7 @@ def command(
         write_frame(stickslip.sweep_dataframe(data), out)
     elif out is not None:
         write(data, out)
-    done = output.drawn("--plot", plot, output.save_plot("velocity", data))
+    done = output.drawn("--plot", plot, output.save_plot("velocity", whole))
     return 0 if done and not failed else 1
 
 
@@ -114,11 +141,13 @@ def _as_dict(data: xarray.Dataset) -> dict[str, Any]:
     }
 
 
-def _print(data: xarray.Dataset) -> None:
+def _print(data: xarray.Dataset, chosen: list[str]) -> None:
     """The points, if they are few, counts, and the precision of the quantiles."""
     table = stickslip.sweep_dataframe(data)
     units = table.attrs["units"]
-    figures = (next(iter(shown_velocities(data))), "airborne_fraction")
+    figures = [name for name in chosen if name in data]
+    if not chosen:
+        figures = [next(iter(shown_velocities(data))), "airborne_fraction"]
     names = [f"{name}_q{100.0 * level:g}" for name in figures for level in data["quantile"].values]
     shown = [*map(str, data["failed"].coords), *names, "failed"]
     output.print_points({(name, units[name] or "-"): table[name] for name in shown})

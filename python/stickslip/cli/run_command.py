@@ -32,6 +32,11 @@ _SAMPLES_PER_PULSE = 50
 # Chosen: some 145 MB of arrays; of a longer run the picture and the file are coarser.
 _MOST_SAMPLES = 1_000_000
 
+# Chosen: a robot that moves by less than this part of its length, some 3 nm, stays: no camera sees
+# it, and what is left is settling and rounding.
+_STAYS = 1e-5
+_MOTION = ("mean_velocity", "mean_velocity_y", "velocity_growth")
+
 _MOVING = (".gif", ".webp", ".mp4")
 _EVENTS = "\n".join(f"  {name:<10}  {meaning}" for name, meaning in _core.events.items())
 
@@ -165,11 +170,15 @@ def _rows(run: Run) -> Iterator[tuple[str, str]]:
     """The summary: names, values in SI units and in handier ones."""
     summary = run.summary()
     yield "status", run.status
+    start, stop = summary["window_start"], summary["window_end"]
+    way = math.hypot(summary["mean_velocity"], summary["mean_velocity_y"]) * (stop - start)
+    stays = way < _STAYS * run.scenario.robot.length
     for name, (unit, _) in {**VELOCITIES, **NUMBERS}.items():
         across = name in (*VELOCITIES, "mean_velocity_y", "turning_speed")
         if name not in summary or (across and not run.scenario.whole_plane):
             continue
-        yield name, _in_two_units(summary[name], unit)
+        still = stays and name in (*_MOTION, *VELOCITIES)
+        yield name, _in_two_units(0.0 if still else summary[name], unit)
     if run.scenario.whole_plane:
         end = run.final_state
         for name, unit in {"x": "m", "y": "m", "heading": "rad"}.items():

@@ -16,12 +16,13 @@ import click
 
 import stickslip
 from stickslip._util.extras import naming_the_extra
-from stickslip._util.files import NETCDF_SUFFIXES
+from stickslip._util.tables import write_frame
 from stickslip.cli import options, output
 from stickslip.cli.loading import load_with
 from stickslip.cli.progress import progress_bar
 from stickslip.errors import ScenarioError
 from stickslip.simulation.note import lines_of_json
+from stickslip.simulation.run import SUFFIXES
 from stickslip.simulation.seen_from_drive import shown_velocities
 
 if TYPE_CHECKING:
@@ -43,8 +44,8 @@ _SHOWN = ("theta_min", "theta_max", "slip_up", "slip_down", "airborne_fraction")
     Prints the summaries; what the scenario records is ignored. A point that fails is a status in
     the results: the command still succeeds, and says on standard error how many there are.
 
-    --out is written every second or more rarely, and on Ctrl-C, so that --resume can go on with it
-    after whatever stopped the sweep, without simulating a finished point again.
+    A netCDF --out is written every second or more rarely, and on Ctrl-C, so that --resume can go on
+    with it after whatever stopped the sweep, without simulating a finished point again.
     The exit status is 1 if --plot had nothing to draw, as no point has a velocity.
     """,
     epilog="\b\nExample:\n"
@@ -56,7 +57,12 @@ _SHOWN = ("theta_min", "theta_max", "slip_up", "slip_down", "airborne_fraction")
 @options.SET
 @options.THREADS
 @click.option("--dask", metavar="ADDRESS", help="Simulate on the workers of a Dask cluster.")
-@click.option("--out", type=options.PATH, help="Write the results to a netCDF file.")
+@click.option(
+    "--out",
+    type=options.PATH,
+    help="Write the results: .nc (netCDF; also .nc4, .h5) "
+    "while the sweep goes on, or .csv at its end.",
+)
 @click.option("--resume", is_flag=True, help="Go on with the sweep that --out holds, if any.")
 @click.option(
     "--plot",
@@ -78,25 +84,29 @@ def command(
 ) -> int:
     if both := vary.keys() & set.keys():
         raise click.UsageError(f"{min(both)}: allowed is either --set or --vary, not both")
-    if resume and out is None:
-        raise click.UsageError("--resume: allowed with --out only, the file to go on with")
+    as_csv = out is not None and out.suffix.lower() == ".csv"
+    if resume and (out is None or as_csv):
+        raise click.UsageError("--resume: allowed with a netCDF --out only, the file to go on with")
     if dask is not None and threads is not None:
         raise click.UsageError("--threads: not allowed with --dask, whose workers are all used")
     loaded, read = load_with(scenario, set)
-    output.check_files(read, out=(out, NETCDF_SUFFIXES), plot=(plot, ()))
+    output.check_files(read, out=(out, SUFFIXES), plot=(plot, ()))
     if out is not None and out.exists() and not resume:
-        raise ScenarioError(f"--out: {out} already exists; --resume goes on with it")
+        cure = "choose another name" if as_csv else "--resume goes on with it"
+        raise ScenarioError(f"--out: {out} already exists; {cure}")
     if plot is not None:
         options.check_drawable(vary, 2)
     count = math.prod(map(len, vary.values()))
     with progress_bar(count) as bar, _cluster(dask) as executor:
         how: dict[str, Any] = {"threads": threads, "executor": executor, "resume": resume}
-        data = stickslip.sweep(loaded, vary, out=out, progress=bar, **how)
+        data = stickslip.sweep(loaded, vary, out=None if as_csv else out, progress=bar, **how)
     table = stickslip.sweep_dataframe(data)
     if as_json:
         output.print_json(_as_dict(data, table))
     else:
         _print(data, table)
+    if as_csv and out is not None:
+        write_frame(table, out)
     if failed := int(data.attrs["failed_points"]):
         first = next(filter(None, table["message"]))
         output.say(f"stickslip: {failed} of {count} points failed; the first: {first}", err=True)

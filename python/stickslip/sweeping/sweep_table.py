@@ -44,7 +44,7 @@ def sweep_dataframe(data: xarray.Dataset) -> pd.DataFrame:
     """
     names = {*getattr(data, "data_vars", ())}
     counted = "status" if "status" in names else "failed"
-    if not {counted, "mean_velocity"} <= names:
+    if not ("failed" in names or {"status", "mean_velocity"} <= names):
         refuse("data", data, "what sweep or predict gave")
     like = data[counted]
     columns: dict[str, Any] = {}
