@@ -6,9 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from command_line import check, stickslip
 from made_measurement import write_files
-from refusals.measurement import NOMINAL, TOML, in_memory
-from stickslip import Scenario
+from refusals.measurement import FRAMES, NOMINAL, TOML, in_memory
+from stickslip import Scenario, ScenarioError
 from stickslip.measurement import Prior, read_measurement
 from stickslip.measurement.read_table import read_rows
 from stickslip.measurement.read_velocity import read_velocity, velocity_units
@@ -30,6 +31,38 @@ ROWS = TABLE.to_csv(index=False)
 
 def read(folder, rows=ROWS):
     return read_measurement(write_files(folder, NOMINAL, TOML, velocity=rows))
+
+
+# -------------------------------------------------------------------------- a table of data alone
+COIL_ROW = "xp,xm,yp,ym,clamp,x,y,z,Bx (mT),By (mT),Bz (mT)\n" + 3 * "1,0,0,0,0,0,0,0,1,0,0\n"
+
+
+@pytest.mark.parametrize(
+    ("observable", "table"),
+    {
+        "velocity": "frequency;velocity (mm/s)\n30;0,6\n50;1,1\n",
+        "tracking": FRAMES,
+        "angle": "# a bench\nBx,Bz,theta (deg)\n1e-3,0,5\n2e-3,0,9\n",
+        "field": COIL_ROW,
+    }.items(),
+)
+def test_a_table_is_answered_with_the_measurement_that_fits_its_columns(
+    tmp_path, observable, table
+):
+    (tmp_path / "scenario.toml").write_text(NOMINAL)
+    (tmp_path / "my data.csv").write_text(table)
+    done = stickslip("diagnose", "my data.csv", cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert f"my data.csv: is a table for [[{observable}]]" in done.stderr
+    wrote = stickslip("diagnose", "my data.csv", "--write", cwd=tmp_path)
+    assert (wrote.returncode, wrote.stdout) == (0, "wrote my data.toml\n")
+    assert (tmp_path / "my data.toml").read_text() == done.stdout
+    assert len(getattr(read_measurement(tmp_path / "my data.toml"), observable)) == 1
+    again = stickslip("diagnose", "my data.csv", "--write", cwd=tmp_path)
+    check(again, "my data.toml already exists")
+    with pytest.raises(ScenarioError, match="a table for"):
+        read_measurement(tmp_path / "my data.csv")
 
 
 # ------------------------------------------------------------------------------------- velocities

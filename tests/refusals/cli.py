@@ -155,6 +155,12 @@ REFUSALS = [
     ("command", "run s.toml --out missing/a.nc", ["missing/a.nc", "no folder"]),
     ("command", "run s.toml --out .", "is a folder"),
     ("command", "run s.toml --out /dev/null", "not an ordinary file"),
+    (
+        "command",
+        ("diagnose spots.csv", {"spots.csv": "FRAME,POSITION_X\n1,2\n"}),
+        ["spots.csv: is a table of data", "FRAME, POSITION_X", "t, x, theta", "velocity_of_track"],
+    ),
+    ("command", ("diagnose m.toml --write", MEASURED), ["--write", "table of data"]),
     ("command", "run s.toml --out a.txt", ["--out", ".nc, .nc4, .h5, .csv"]),
     ("command", "run s.toml --plot a.docx", ["--plot", "a.docx", ".png"]),
     ("command", "run s.toml --plot a.png --set record.rate=events", ["--plot", "uniform grid"]),

@@ -9,12 +9,13 @@ import click
 import stickslip
 from stickslip._util.files import check_folder
 from stickslip.cli.options import FOLDER, JSON, PATH, SEED, THREADS
-from stickslip.cli.output import print_json, say
+from stickslip.cli.output import print_json, say, write_new
 from stickslip.cli.progress import progress_bar
 from stickslip.diagnosis.report.files import report_files
 from stickslip.diagnosis.report.next_table import TABLES, with_measured
 from stickslip.diagnosis.rounds import BUDGET
 from stickslip.errors import prefixed
+from stickslip.measurement.first_lines import TableGiven
 
 # Lines about left-out data that are printed before the work; the report has all.
 _SAID_FIRST = 3
@@ -23,6 +24,8 @@ _SAID_FIRST = 3
 @click.command(
     "diagnose",
     help="""Find what in a MEASUREMENT (a TOML file) the model does not explain.
+
+    Of a table of data (CSV) it prints the lines of the measurement that fit its columns.
 
     Recalibrates the uncertain parameters, tests for a misfit, and gives a verdict: named, dominant,
     pair, ambiguous, unexplained, none or data-problem.
@@ -51,6 +54,11 @@ _SAID_FIRST = 3
     type=click.IntRange(1),
     help=f"With --next: experiments that may be measured in all.  [default: {BUDGET}]",
 )
+@click.option(
+    "--write",
+    is_flag=True,
+    help="Of a table of data: write the measurement file that names it beside it, and no more.",
+)
 @JSON
 @SEED
 @THREADS
@@ -62,10 +70,20 @@ def command(
     threads: int | None,
     most: int | None,
     budget: int | None,
+    write: bool,
 ) -> None:
     if budget is not None and most is None:
         raise click.UsageError("--budget: allowed with --next only")
-    data = stickslip.read_measurement(measurement)
+    try:
+        data = stickslip.read_measurement(measurement)
+    except TableGiven as error:
+        if not write:
+            click.echo(error.lines, nl=False)
+            raise
+        write_new("--write", measurement.with_suffix(".toml"), error.lines)
+        return
+    if write:
+        raise click.UsageError("--write: allowed with a table of data only")
     # Before what takes minutes: a cell with a slip of the pen may be worth mending first.
     for said in data.left_out[:_SAID_FIRST]:
         say(f"stickslip: left out: {said}", err=True)

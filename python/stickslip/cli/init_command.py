@@ -7,12 +7,10 @@ from pathlib import Path
 
 import click
 
-from stickslip._util.files import check_writable, replacing
 from stickslip._util.text import json_text
 from stickslip.cli.keys_command import FILES
 from stickslip.cli.options import PATH
-from stickslip.cli.output import say
-from stickslip.errors import ScenarioError, prefixed
+from stickslip.cli.output import write_new
 from stickslip.scenario.keys import COIL_NAMES, Key, is_of_one_coil, known_keys
 from stickslip.scenario.toml_file import FORMAT_VERSION
 
@@ -53,13 +51,7 @@ _WIDTH = 100  # as the help of the commands
 )
 @click.argument("file", type=PATH, default=Path("scenario.toml"))
 def command(file: Path) -> None:
-    if file.is_file() or file.is_symlink():
-        raise ScenarioError(f"{file} already exists: choose another name, or remove it")
-    with prefixed("FILE", OSError):
-        check_writable(file)
-    with replacing(file) as temporary:
-        temporary.write_text(_commented_scenario(), encoding="utf-8")
-    say(f"wrote {file}")
+    write_new("FILE", file, _commented_scenario())
 
 
 def _commented_scenario() -> str:

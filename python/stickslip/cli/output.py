@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 import stickslip
-from stickslip._util.files import check_suffix, check_writable
+from stickslip._util.files import check_suffix, check_writable, replacing
 from stickslip._util.text import json_text, printable
 from stickslip.errors import ScenarioError, prefixed
 
@@ -62,6 +62,17 @@ def check_files(read: Iterable[Path], /, **written: tuple[Path | None, tuple[str
         with prefixed(f"--{name}", ValueError):
             check_suffix(path, suffixes) if suffixes else stickslip.plot.check_format(path)
         taken[place] = f"is that of --{name} too"
+
+
+def write_new(name: str, path: Path, text: str) -> None:
+    """Write a text to a path that is not there; `name` is that of the argument in errors."""
+    if path.is_file() or path.is_symlink():
+        raise ScenarioError(f"{path} already exists: choose another name, or remove it")
+    with prefixed(name, OSError):
+        check_writable(path)
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    say(f"wrote {path}")
 
 
 def drawn(option: str, path: Path | None, draw: Callable[[Path], object]) -> bool:

@@ -32,7 +32,7 @@ Line = int | str
 LARGEST = 1e60
 """Beyond every quantity of a laboratory, in any unit; its fourth power is still a number."""
 
-_MOST_ROWS, _MOST_COLUMNS, _MOST_BYTES = 2_000_000, 1000, 1 << 26
+_MOST_ROWS, _MOST_COLUMNS, MOST_BYTES = 2_000_000, 1000, 1 << 26
 """Limits of a table. Chosen: far beyond what a laboratory has, and small enough for memory."""
 
 _NAMED = 5
@@ -77,7 +77,7 @@ def read_rows(path: Path, units: Units) -> Rows:
     or is empty, or that a column is there twice or in a unit that is not known.
     """
     with prefixed(path):
-        return _rows(path, CsvTable(read_bytes(path, _MOST_BYTES, "table"), units), units)
+        return _rows(path, CsvTable(read_bytes(path, MOST_BYTES, "table"), units), units)
 
 
 def _rows(path: Path, table: CsvTable, units: Units) -> Rows:

@@ -22,7 +22,7 @@ from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.note import Note
 from stickslip.simulation.quantities import COLUMNS, headings
 
-_REQUIRED = {"t": "s", "x": "m", "theta": "rad"}
+REQUIRED = {"t": "s", "x": "m", "theta": "rad"}
 _OPTIONAL = {"z": "m", "current_x": "A", "current_clamp": "A"}
 
 _OF_A_RUN = [split_unit(heading)[0] for name in COLUMNS for heading in headings(name)]
@@ -103,7 +103,7 @@ def read_tracking(
         stated = "frame_rate" in entry
         rate = stated_number("frame_rate", entry["frame_rate"]) if stated else math.nan
         exposure = _exposure(entry.get("exposure", 0.0), rate)
-    columns, left_out = read_numbers(path, _REQUIRED, _OPTIONAL, _OF_A_RUN)
+    columns, left_out = read_numbers(path, REQUIRED, _OPTIONAL, _OF_A_RUN)
     why = _unit_of_times(columns["t"], rate, own.window[1])
     if why is None:
         try:

@@ -15,6 +15,7 @@ from stickslip._util.messages import refuse, shown, suggestion
 from stickslip._util.numbers import Array
 from stickslip._util.text import OneLine, printable
 from stickslip.errors import ScenarioError, prefixed
+from stickslip.measurement.first_lines import TableGiven, refuse_table
 from stickslip.measurement.new_trials import read_new_trials
 from stickslip.measurement.read_table import (
     NothingSound,
@@ -23,7 +24,7 @@ from stickslip.measurement.read_table import (
     rows_of_frame,
     stated_number,
 )
-from stickslip.measurement.read_tracking import TrackingRun, read_tracking
+from stickslip.measurement.read_tracking import REQUIRED, TrackingRun, read_tracking
 from stickslip.measurement.read_velocity import (
     VelocityData,
     read_velocity,
@@ -60,6 +61,9 @@ _COLUMNS = {
         **dict.fromkeys(("Bx", "By", "Bz"), "T"),
     },
 }
+
+_REQUIRED = {"velocity": ("velocity",), "tracking": tuple(REQUIRED), **_COLUMNS}
+"""The columns without which there is no table of an observable."""
 
 Table = Mapping[str, Array]
 
@@ -196,10 +200,19 @@ def read_measurement(path: str | PathLike[str]) -> Measurement:
     """
     path = Path(path)
     try:
-        document = read_document(path, "measurement", '"stickslip_measurement = 1" and "scenario"')
+        try:
+            has = '"stickslip_measurement = 1" and "scenario"'
+            document = read_document(path, "measurement", has)
+        except ScenarioError:
+            if path.is_file():  # a pipe is read once
+                refuse_table(path, _REQUIRED)
+            raise
         return _measurement(document, path)
     except ScenarioError as error:
         text = str(error)
+        if isinstance(error, TableGiven):
+            error.args = (f"{path}: {text}",)
+            raise
         raise ScenarioError(
             text if text.startswith(printable(path)) else f"{path}: {text}"
         ) from None
