@@ -71,6 +71,36 @@ def test_failures_rank_behind_what_passes_a_limit_and_that_behind_what_does_not(
     assert order[-1] == 0
 
 
+def test_a_least_value_is_a_limit_from_below():
+    speed, field = "mean_velocity", "field_max"
+    goal = made_goal(None, "power_mean", "worst", {speed: 5.0}, False, {speed: 2.0, field: 0.0})
+    # The figure, the speed for both its limits, the field.
+    fine, slow, fast = [5.0, 3.0, 3.0, 1.0], [1.0, 1.5, 1.5, 1.0], [1.0, 6.0, 6.0, 0.0]
+    table = goal.table(np.array([[fine, fine], [fine, slow], [fast, fine]]))
+    assert table["exceeding"].tolist() == [0, 1, 1]
+    assert table["excess"].tolist() == pytest.approx([0.0, 0.25, 0.2])
+    assert table["mean_velocity_least"].tolist() == [3.0, 1.5, 3.0]
+    assert table[speed].tolist() == [3.0, 3.0, 6.0]
+    assert best_first(goal.keys(table)) == [0, 2, 1]
+    assert [goal.passed(table.loc[k]) for k in range(3)] == [
+        [],
+        ["mean_velocity 1.5 of at least 2 m/s"],
+        ["mean_velocity 6 of 5 m/s"],
+    ]
+
+
+def test_a_weaker_drive_that_still_walks_is_found():
+    free, least = {"drive.peak": (0.6e-3, 3e-3)}, {"mean_velocity": 1e-3}
+    few = {"evaluations": 40, "fresh": 1, "seed": 2}
+    found = optimise(START, minimise="current_max", free=free, at_least=least, **few)
+    walk, start = found.run.summary(), simulate(START).summary()
+    assert walk["mean_velocity"] >= 1e-3
+    assert walk["current_max"] < 0.9 * start["current_max"]
+    assert found.as_dict()["at_least"] == least
+    with pytest.raises(ValueError, match=r"nearest has mean_velocity .* of at least 1 m/s"):
+        optimise(START, minimise="current_max", free=free, at_least={"mean_velocity": 1.0}, **few)
+
+
 def test_one_draw_that_fails_or_passes_a_limit_counts():
     goal = made_goal("mean_velocity", None, "mean", {"voltage_max": 10.0}, False)
     fine, over, lost = [[1.0, 9.0]] * 3, [[1.0, 9.0], [1.0, 12.0], [2.0, 9.0]], [[1.0, 9.0]] * 2

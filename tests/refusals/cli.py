@@ -203,6 +203,8 @@ REFUSALS = [
     ("optimise", "--free drive.frequency=5Hz:300Hz", "without its unit"),
     ("optimise", "--free drive.frequency=low:high", "drive.frequency"),
     ("optimise", "--limit voltage_max", "figure=value"),
+    ("optimise", "--at-least mean_velocty=0", 'did you mean "mean_velocity"?'),
+    ("optimise", "--at-least pull_ratio=2 --limit pull_ratio=1", "at least pull_ratio = 2.0"),
     ("optimise", "--limit voltage_max=high", ["--limit", "a number"]),
     ("optimise", "--limit voltage_max=26V", "without its unit"),
     ("optimise", "--limit voltage_max=26 --limit voltage_max=20", "there twice"),

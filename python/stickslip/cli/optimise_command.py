@@ -54,6 +54,13 @@ Examples:
     "Greatest value of a number of the summary, or of tilt_max, the largest |theta|, in every draw",
     metavar="FIGURE=VALUE",
 )
+@options.pairs(
+    "--at-least",
+    options.number,
+    "figure=value, such as mean_velocity=1e-3",
+    "Least value of such a number",
+    metavar="FIGURE=VALUE",
+)
 @click.option(
     "--allow-flight",
     is_flag=True,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
@@ -38,7 +38,7 @@ class Goal:
     `sign` is 1 of a figure that is maximised, else -1. `score` is what of the draws counts: "q10"
     for the 10 % quantile, counted from the bad side, "mean" or "worst". `limits` has the greatest
     value that is allowed of other figures, in every draw, SI units; `assumed` names those that
-    nobody gave.
+    nobody gave. `at_least` has the least values.
     """
 
     figure: str
@@ -46,6 +46,14 @@ class Goal:
     score: str
     limits: Mapping[str, float]
     assumed: tuple[str, ...] = ()
+    at_least: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def bounds(self) -> dict[str, tuple[str, float, float]]:
+        """Both by column of `table`: the figure, 1 or for a least value -1, and the value."""
+        most = {name: (name, 1.0, value) for name, value in self.limits.items()}
+        least = {f"{name}_least": (name, -1.0, value) for name, value in self.at_least.items()}
+        return most | least
 
     @property
     def unit(self) -> str:
@@ -55,24 +63,28 @@ class Goal:
     def numbers(self, run: Run | None) -> list[float]:
         """The figure of a run and those that have a limit; NaN of one that failed."""
         if run is None or not run.ok:
-            return [math.nan] * (1 + len(self.limits))
+            return [math.nan] * (1 + len(self.bounds))
         found = {**run.numbers, **dict(zip(VELOCITIES, run.velocity, strict=True))}
         found["tilt_max"] = max(-found["theta_min"], found["theta_max"])
-        return [float(found[name]) for name in (self.figure, *self.limits)]
+        names = (self.figure, *(name for name, _, _ in self.bounds.values()))
+        return [float(found[name]) for name in names]
 
     def table(self, numbers: Array) -> pd.DataFrame:
-        """Drives by their numbers in each draw, shape (drives, draws, 1 + limits), a row each.
+        """Drives by their numbers in each draw, shape (drives, draws, 1 + bounds), a row each.
 
         Columns are the score, mean and worst of the figure, the draws, how many of them fail or
         pass a limit (`exceeding`) or fail (`failed`), by how much the limits are passed, relative
-        to them and summed (`excess`), and the greatest value of each figure with a limit.
+        to them and summed (`excess`), and the worst value of each figure with a limit, in its
+        column of `bounds`.
         """
-        good, limited = self.sign * numbers[..., 0], numbers[..., 1:]
+        bounds = self.bounds
+        limits = np.array([sign * limit for _, sign, limit in bounds.values()])
+        signs = np.array([sign for _, sign, _ in bounds.values()])
+        good, limited = self.sign * numbers[..., 0], signs * numbers[..., 1:]
         share = {"worst": 0.0, "mean": math.nan}.get(self.score)
         if share is None:
             share = int(self.score[1:]) / 100.0
         score = good.mean(axis=1) if math.isnan(share) else np.quantile(good, share, axis=1)
-        limits = np.array(list(self.limits.values()))
         worst = limited.max(axis=1)
         lost = ~np.isfinite(numbers).all(axis=-1)
         passed = np.maximum(worst - limits, 0.0) / np.where(limits == 0.0, 1.0, np.abs(limits))
@@ -85,7 +97,7 @@ class Goal:
                 "exceeding": (lost | (limited > limits).any(axis=-1)).sum(axis=1),
                 "failed": lost.sum(axis=1),
                 "excess": passed.sum(axis=1),
-                **dict(zip(self.limits, worst.T, strict=True)),
+                **dict(zip(bounds, (signs * worst).T, strict=True)),
             }
         )
 
@@ -100,16 +112,21 @@ class Goal:
         score = np.where((lost > 0.0) | (excess > 0.0), 0.0, -self.sign * table["score"])
         return np.column_stack([lost, excess, score])
 
-    def beside_limit(self, name: str, value: float) -> str:
+    def beside_limit(self, column: str, value: float) -> str:
         """A figure that has a limit, beside it."""
+        name, sign, limit = self.bounds[column]
         unit = units.unit_label(FIGURES[name].unit)
-        text = f"{name} {value:.6g} of {self.limits[name]:.6g} {unit}".rstrip()
-        return text + (", default (--allow-flight removes it)" if name in self.assumed else "")
+        of = "of" if sign > 0.0 else "of at least"
+        text = f"{name} {value:.6g} {of} {limit:.6g} {unit}".rstrip()
+        return text + (", default (--allow-flight removes it)" if column in self.assumed else "")
 
     def passed(self, worst: Mapping[str, float]) -> list[str]:
-        """The greatest values that pass their limits, each beside it."""
-        over = [name for name, limit in self.limits.items() if not worst[name] <= limit]
-        return [self.beside_limit(name, worst[name]) for name in over]
+        """The worst values that pass their limits, each beside it."""
+        return [
+            self.beside_limit(column, worst[column])
+            for column, (_, sign, limit) in self.bounds.items()
+            if not sign * worst[column] <= sign * limit
+        ]
 
 
 def made_goal(
@@ -118,23 +135,28 @@ def made_goal(
     score: str,
     limits: Mapping[str, float],
     walking: bool,
+    at_least: Mapping[str, float] | None = None,
 ) -> Goal:
     """The goal, once all is checked; a robot that has to walk has the limits of `WALKING` too."""
     figure = maximise if minimise is None else minimise
     if figure is None or (maximise is not None and minimise is not None):
         raise ScenarioError("allowed is either maximise or minimise, with a figure of the summary")
-    for name in (figure, *limits):
+    at_least = at_least or {}
+    for name in (figure, *limits, *at_least):
         if name not in FIGURES:
             hint = suggestion(str(name), FIGURES)
             raise ScenarioError(f"figure {shown(name)}: no number of a summary; {hint}")
-    for name, limit in limits.items():
+    for name, limit in (*limits.items(), *at_least.items()):
         if not is_number(limit) or not math.isfinite(limit):
             refuse(f"limit on {name}", limit, "a finite number")
+    for name in at_least.keys() & limits.keys():
+        if at_least[name] > limits[name]:
+            refuse(f"at least {name}", at_least[name], f"at most its limit, {limits[name]:g}")
     if not isinstance(score, str) or not re.fullmatch(r"q[1-9]\d?|mean|worst", score):
         refuse("score", score, '"q10" or another of "q1" to "q99", "mean", "worst"')
     assumed = {k: v for k, v in WALKING.items() if walking and k not in limits}
     sign = 1.0 if minimise is None else -1.0
-    return Goal(figure, sign, score, {**limits, **assumed}, tuple(assumed))
+    return Goal(figure, sign, score, {**limits, **assumed}, tuple(assumed), at_least)
 
 
 def best_first(keys: Array) -> Sequence[int]:

@@ -42,6 +42,7 @@ def optimise(
     minimise: str | None = None,
     free: Mapping[str, Any] | None = None,
     limits: Mapping[str, float] | None = None,
+    at_least: Mapping[str, float] | None = None,
     allow_flight: bool = False,
     knots: int | None = None,
     coils: Sequence[str] = ("xp", "clamp"),
@@ -77,6 +78,8 @@ def optimise(
         Greatest value of numbers of the summary, or of ``tilt_max``, the largest abs(theta), rad.
         To limit the field, limit ``field_max`` and not ``drive.peak``, which the field of a fast
         pulse does not reach.
+    at_least : mapping, optional
+        Least values of such numbers, as ``{"mean_velocity": 1e-3}``.
     allow_flight : bool
         Leaves out the default limits: ``airborne_fraction`` 0.2 and ``tilt_max`` 1.5 rad.
     knots : int, optional
@@ -112,11 +115,11 @@ def optimise(
         If a package of the extra ``optimise`` is missing.
     """
     check_kind("scenario", scenario, Scenario)
-    free, limits = free or {}, limits or {}
-    for name, given in {"free": free, "limits": limits}.items():
+    free, limits, at_least = free or {}, limits or {}, at_least or {}
+    for name, given in {"free": free, "limits": limits, "at_least": at_least}.items():
         check_kind(name, given, Mapping)
     check_progress(progress)
-    goal = made_goal(maximise, minimise, score, limits, walking=not allow_flight)
+    goal = made_goal(maximise, minimise, score, limits, not allow_flight, at_least)
     for name, count in {"draws": draws, "fresh": fresh, "evaluations": evaluations}.items():
         check_whole(name, count, 1)
     check_whole("seed", seed)
@@ -146,7 +149,7 @@ class _Design:
     """The best drive so far, and what it is compared with; Ctrl-C leaves what there is.
 
     `best` is its row of `Goal.table` in the draws of the search, with its `values`. `compared` has
-    the numbers of drives in fresh draws, (draws, 1 + limits), by name.
+    the numbers of drives in fresh draws, (draws, 1 + bounds), by name.
     """
 
     def __init__(
@@ -268,7 +271,7 @@ class _Design:
         )
 
     def _judge(self, drives: Sequence[Values], draws: Sequence[Scenario], stage: str) -> Array:
-        """Numbers of drives in each draw, (drives, draws, 1 + limits), by one batch."""
+        """Numbers of drives in each draw, (drives, draws, 1 + bounds), by one batch."""
         made: list[list[Scenario]] = []
         for values in drives:
             try:
@@ -288,7 +291,7 @@ class _Design:
         self._done += len(batch)
         self._message = next((run.message for run in runs if not run.ok), self._message)
         numbers = iter([self._goal.numbers(run) for run in runs])
-        lost = [math.nan] * (1 + len(self._goal.limits))
+        lost = [math.nan] * (1 + len(self._goal.bounds))
         return np.array([[next(numbers) if each else lost for _ in draws] for each in made])
 
     def _judged(self, drives: Sequence[Values], stage: str) -> pd.DataFrame:

@@ -88,7 +88,8 @@ class Optimum(OneLine):
     table : pandas.DataFrame
         Fresh draws of "start", "search" and "sawtooth", where these are not the best, and "best":
         score, mean and worst of the figure, draws, draws that exceed a limit or fail, those that
-        fail, the relative excess, and the greatest value of each figure with a limit.
+        fail, the relative excess, and the greatest value of each figure with a limit, the least of
+        one with a least value as "mean_velocity_least".
     fresh : pandas.DataFrame
         The figure of these drives, a column each, in every fresh draw.
     search : pandas.Series
@@ -133,9 +134,12 @@ class Optimum(OneLine):
 
     @property
     def active(self) -> list[str]:
-        """Figures whose greatest value in the draws of the search is at its limit."""
-        limits = self.goal.limits.items()
-        return [name for name, most in limits if most - self.search[name] <= _ACTIVE * abs(most)]
+        """Columns of `table` with a limit whose worst value in the draws of the search is at it."""
+        return [
+            column
+            for column, (_, sign, limit) in self.goal.bounds.items()
+            if sign * (limit - self.search[column]) <= _ACTIVE * abs(limit)
+        ]
 
     @property
     def beyond(self) -> str:
@@ -149,7 +153,10 @@ class Optimum(OneLine):
             "the run at the middle" if name == 0 else f"{over} of {draws} fresh draws"
             for name, over, draws in rows[["exceeding", "draws"]].itertuples()
         ]
-        passed = self.goal.passed(rows[list(self.goal.limits)].max())
+        bounds = self.goal.bounds.items()
+        passed = self.goal.passed(
+            {name: sign * (sign * rows[name]).max() for name, (_, sign, _) in bounds}
+        )
         passed += ["a simulation fails"] * bool(rows["failed"].any())
         return f"beyond the limits in {' and '.join(where)}: {', '.join(passed)}"
 
@@ -172,7 +179,7 @@ class Optimum(OneLine):
             *(f"  {line}" for line in shown_lines(self.run.notes)),
             "its limits, in every draw of the search:",
         ]
-        for name in goal.limits:
+        for name in goal.bounds:
             active = ", active" if name in self.active else ""
             lines.append(f"  {goal.beside_limit(name, self.search[name])}{active}")
         if not self.landscape.empty:
@@ -205,7 +212,7 @@ class Optimum(OneLine):
             return {
                 **{name: float(row[name]) for name in names},
                 **{name: int(row[name]) for name in ("draws", "exceeding")},
-                "limited": {name: float(row[name]) for name in goal.limits},
+                "limited": {name: float(row[name]) for name in goal.bounds},
             }
 
         return {
@@ -218,6 +225,7 @@ class Optimum(OneLine):
             "search": judged(self.search),
             "fresh": {name: judged(row) for name, row in self.table.iterrows()},
             "limits": dict(goal.limits),
+            "at_least": dict(goal.at_least),
             "default_limits": list(goal.assumed),
             "active": self.active,
             "landscape": self.landscape.to_dict("records"),

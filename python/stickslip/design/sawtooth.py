@@ -34,7 +34,7 @@ _BELOW = 0.999  # chosen: a field is not quite proportional where the robot move
 
 
 Probe = Callable[[Sequence[Values], int], Array]
-"""From drives and the index of a draw to their numbers in it, (drives, 1 + limits)."""
+"""From drives and the index of a draw to their numbers in it, (drives, 1 + bounds)."""
 
 
 def sawtooths(space: Space, goal: Goal, of_start: Array, probe: Probe) -> list[dict[str, Value]]:
@@ -42,7 +42,7 @@ def sawtooths(space: Space, goal: Goal, of_start: Array, probe: Probe) -> list[d
 
     Where the peak is free, limits on voltage, current, field and power decide how strong each is,
     by one run in the draw in which the start has most of them. `of_start` are its numbers, (draws,
-    1 + limits). Without such limits all have the top of the free peaks, or the start's peak. None
+    1 + bounds). Without such limits all have the top of the free peaks, or the start's peak. None
     are comparable with a program, or drive a coil that a free waveform may not.
     """
     drive, ends = space.start.drive, space.ranges.get("drive.peak")
