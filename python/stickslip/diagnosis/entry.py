@@ -22,6 +22,7 @@ from stickslip.diagnosis.own_model import (
     computed_tables,
     overflows,
     pose_own,
+    without_effect,
 )
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.steps import moved_constants, run
@@ -138,7 +139,7 @@ def diagnose_model(
     if tables != problem.tables:
         problem = pose_own(predict, tables, uncertain, causes)
     problem = with_scatter(problem, int(seed))
-    notes = overflows(problem)
+    notes = [*overflows(problem), *without_effect(problem)]
     findings = run(problem, int(seed), progress or _silent, suspect_of(problem))
     notes += moved_constants(findings)
 
@@ -151,8 +152,12 @@ def _silent(fraction: float, stage: str) -> None:
 
 
 def _notes_of_runs(measurement: Measurement, table: VelocityTable) -> list[Note]:
-    """What the stated model's runs at the measured conditions are noted for."""
+    """What the stated model's runs at the measured conditions are noted for.
+
+    Not for the tolerance, which the diagnosis has chosen.
+    """
     points = from_changes(measurement.scenario, table.conditions)
     rows = points.rows(np.arange(points.count))
     columns, _ = _core.sweep(points.scenario.to_core(), points.keys, rows, table.threads)
-    return notes_of(points, columns, "conditions")
+    notes = notes_of(points, columns, "conditions")
+    return [each for each in notes if each.code != "tolerance"]

@@ -310,6 +310,66 @@ def overflows(problem: Problem) -> list[Note]:
     return notes
 
 
+def without_effect(problem: Problem) -> list[Note]:
+    """A note for each parameter that changes no prediction, and each event outside all records.
+
+    Each is changed while the others are as stated and, as shapes need their amplitudes, while all
+    are at their usual sizes.
+    """
+    low, high = problem.limits
+    usual = np.clip(1.0, low, high)
+    falls = np.array([each.falls for each in problem.parameters])
+    # What begins to act as it falls is looked at where it acts most.
+    strong = np.where(falls, high, usual)
+    stated = np.diag(strong)
+    dead = _unchanged(problem, np.zeros((1, problem.size)), stated)
+    if dead.any():
+        others = np.tile(usual, (problem.size, 1))
+        np.fill_diagonal(others, np.where(falls, strong, 0.0))
+        dead &= _unchanged(problem, usual[None, :], others)
+    notes, said = [], set[str]()
+    for cause in problem.causes:
+        outside = _outside(cause, problem.tables)
+        notes += outside
+        if outside or cause.curve is not None:
+            said |= {each.name for each in cause.parameters}
+    for name in itertools.compress(problem.names, dead):
+        if name not in said:
+            text = (
+                f"{name} changes no prediction anywhere in its range: the model does not read it, "
+                "or these data do not show it."
+            )
+            notes.append(Note("without-effect", text))
+    return notes
+
+
+def _outside(cause: Cause, tables: Sequence[Table]) -> list[Note]:
+    """A note where an event happens outside every record."""
+    records = [
+        (each.t[0], each.t[-1])
+        for each in tables
+        if isinstance(each, Series) and cause.table in (None, each.name)
+    ]
+    if cause.between is None or not records:
+        return []
+    begin, end = cause.between
+    if any(begin <= last and end >= first for first, last in records):
+        return []
+    text = (
+        f"{cause.name} happens at {begin:.12g} to {end:.12g} s, outside every record: the first "
+        f"is of {records[0][0]:.12g} to {records[0][1]:.12g} s."
+    )
+    return [Note("event-outside", text)]
+
+
+def _unchanged(problem: Problem, base: Array, changed: Array) -> Mask:
+    """Rows of coordinates with the predictions of `base`, shape (1, size)."""
+    with np.errstate(all="ignore"):
+        made = problem.model(problem.physical(np.vstack([base, changed])))
+    same = (made[1:] == made[0]) | (np.isnan(made[1:]) & np.isnan(made[0]))
+    return np.asarray(np.all(same, axis=1))
+
+
 def _rows(table: Table, made: Any, vectors: int) -> Array:
     """Predictions of a table, shape (vectors, n), in an array of their own; NaN is allowed."""
     rows = numbers("predict: its answer", made, "an array of numbers", gaps=True, finite=False)

@@ -302,10 +302,12 @@ class Diagnosis(ShownBySummary):
         """Whether what is claimed is safe (the code ``name-safe``), or why it is not."""
         from stickslip.diagnosis.report.numbers import words_of
 
-        fit = self.verdict.fit
-        title = words_of(self).title
-        names = [title(each, self.problem.causes) for each in self.verdict.causes]
+        fit, causes = self.verdict.fit, self.verdict.causes
         probability = 0.0 if fit is None else self.probability_of(fit.names)
+        if self.verdict.kind == "none":
+            causes = tuple(self.chance.causes)[:1]
+            probability = 1.0 - self.chance.none
+        names = [words_of(self).title(each, self.problem.causes) for each in causes]
         beside = fit is not None and fit.form != "none" and self.verdict.kind == "pair"
         return design.next_step("dominant" if beside else self.verdict.kind, names, probability)
 
@@ -477,16 +479,20 @@ class Diagnosis(ShownBySummary):
     def _rivals(self) -> tuple[list[Candidate], list[tuple[int, int]]]:
         """Models to tell apart, and which of them from which.
 
-        A claim from those that come next; the members of a set from one another.
+        A claim, or no cause, from those that come next; the members of a set from one another.
         """
-        if self.verdict.kind in ("none", "data-problem"):
+        kind = self.verdict.kind
+        if kind == "data-problem" or (kind == "none" and self.next_step.code != "cause-left"):
             return [], []
         fits = list(self.chance.fits)
-        claim = self.verdict.fit if self.verdict.kind in CLAIMS else None
-        if claim is not None:
+        claim = self.verdict.fit if kind in CLAIMS else None
+        if kind == "none":
+            claim = self.recalibrated.fit
+            fits = [claim, *(each for each in fits if each.causes)]
+        elif claim is not None:
             # What has the claimed causes and more is no rival of the claim.
             fits = [claim, *(each for each in fits if not each.names >= claim.names)]
-        elif self.verdict.kind == "ambiguous":
+        elif kind == "ambiguous":
             fits = list(self.verdict.members)
         # The first rival is told apart however small its probability is, others only beside it.
         least = self.chance.models[fits[min(1, len(fits) - 1)].name] * _RIVAL

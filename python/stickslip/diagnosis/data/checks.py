@@ -92,7 +92,7 @@ def find_problem(table: Table, *, alone: bool = True) -> Note | None:
     if len(mean) < FEWEST_CONDITIONS:
         text = f"{conditions} cannot tell causes apart; at least {FEWEST_CONDITIONS} are needed."
         return Note("too-few-conditions", text, len(mean))
-    if errors.dof == 0.0:
+    if not errors.known:
         text = (
             "The error of a reading is not known, so no misfit can be judged: repeat some "
             "conditions, or state the error (velocity_sd of a measurement, sd of a table)."

@@ -97,6 +97,11 @@ class Errors(OneLine):
     notes: tuple[Note, ...] = ()
     _of_level: Callable[[Array], Array] | None = field(default=None, repr=False)
 
+    @property
+    def known(self) -> bool:
+        """Whether anything is known of them."""
+        return self.dof > 0.0
+
     def at(self, level: Array) -> Errors:
         """The same where errors that conditions share follow another level, shape (m,).
 

@@ -65,6 +65,13 @@ _LOOKS: dict[str, tuple[str, tuple[str, ...]]] = {
 """Measurements beside the drive, and the causes that they show."""
 
 
+UNSAFE = "no-safe-name", "cause-left"
+"""Next steps that ask for experiments."""
+
+LEFT = 0.1
+"""Probability of a cause from which on ``none`` asks for them. Chosen: few readings leave more."""
+
+
 @dataclass(frozen=True)
 class Experiment:
     """A drive that was not measured yet; ``str()`` gives it in words, and what it is for.
@@ -265,7 +272,10 @@ def _why(first: str, second: str, chi2: float, is_later: bool) -> Note:
 
 
 def next_step(kind: str, names: Sequence[str], probability: float) -> Note:
-    """Whether another experiment is needed after a verdict, with its causes as they are said."""
+    """Whether another experiment is needed after a verdict, with its causes as they are said.
+
+    After ``none`` they are the likeliest one, and the probability is that of any cause.
+    """
     said = f"{' and '.join(names)}, with a probability of {probability:.3g}"
     if kind == "dominant":
         text = (
@@ -278,13 +288,19 @@ def next_step(kind: str, names: Sequence[str], probability: float) -> Note:
                     probability)  # fmt: skip
     if kind == "ambiguous":
         return Note("no-safe-name", "No name is safe, as the verdict is ambiguous.")
+    if kind == "none" and probability >= LEFT:
+        text = (
+            f"With a probability of {100.0 * probability:.0f} % a cause is there all the same, such as "
+            f"{' and '.join(names)}: measure where it would show."
+        )
+        return Note("cause-left", text, probability)
     text = f"Nothing is proposed: the verdict {kind} leaves no candidates to tell apart."
     return Note("nothing-to-separate", text)
 
 
 def worth_measuring(step: Note, experiments: Sequence[Experiment]) -> list[Experiment]:
     """Of proposed experiments those that the next step needs, up to the last that tells enough."""
-    if step.code != "no-safe-name":
+    if step.code not in UNSAFE:
         return []
     enough = [k for k, each in enumerate(experiments) if each.separation >= LEAST_WORTH]
     return list(experiments[: max(enough, default=-1) + 1])

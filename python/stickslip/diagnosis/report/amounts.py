@@ -32,6 +32,7 @@ ROUTINE = (
 
 _NEW_WORDS = 3  # of a meaning that says more than the title
 _PLAIN = 1e-3, 1e5  # sizes between which a number needs no power of ten
+_DIGITS = 4  # of a setting
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -50,7 +51,7 @@ class Words:
     def title(self, name: str, causes: Iterable[Cause] = ()) -> str:
         """A model in plain words that follow ``of``; `causes` are those of the problem.
 
-        A cause of one's own is its meaning where that has an article, else its name in quotes.
+        A cause of one's own is its meaning, or its name in quotes where it has none.
         """
         if name == "none":
             return "no cause"
@@ -65,8 +66,8 @@ class Words:
         constant = self._constants.get(name)
         if constant or (cause is not None and cause.frees == name):
             return f"another {constant['name'] if constant else name} than stated"
-        meaning = "" if cause is None else cause.meaning.rstrip(".")
-        return meaning if re.match(r"an? ", meaning) else f"“{name}”"
+        meaning = "" if cause is None else cause.meaning.strip().rstrip(".")
+        return meaning or f"“{name}”"
 
     def parameter(self, name: str) -> str:
         """A parameter in plain words: of a cause, a constant, or its key where none are known."""
@@ -129,18 +130,16 @@ class Words:
             said |= {"finding": known["finding"].format(**amounts), "remedy": known["remedy"]}
             return said
         constant = self._constants.get(name)
-        if name in sizes and name not in self._causes:
-            what = constant["name"] if constant else name
-            said["finding"] = f"The {what} is {amounts[name.rpartition('.')[2]]}"
-            if sizes[name].get("stated") is not None:
-                factor, unit = self.shown_in(name, sizes[name]["unit"])
-                said["finding"] += (
-                    f", and was stated as {sizes[name]['stated'] * factor:.4g} {unit}"
-                )
-            said |= {"finding": said["finding"].rstrip() + ".", "remedy": "Measure it again"}
+        if not cause.parameters:
+            what, size = constant["name"] if constant else name, sizes[name]
+            stated = self.near(name, size["stated"], size["sd"], size["unit"])
+            found = amounts[name.rpartition(".")[2]]
+            said["finding"] = f"The {what} is {found}, and was stated as {stated}."
+            said["remedy"] = "Measure it again"
             said["drawing"] = constant["drawing"] if constant else ""
             return said
-        values = [f"{each.rpartition('.')[2]} {amounts[each.rpartition('.')[2]]}" for each in sizes]
+        shorts = [each.rpartition(".")[2] for each in sizes]
+        values = [f"{each} = {amounts[each]}" for each in shorts]
         what = said["title"]
         said["finding"] = f"{what[:1].upper()}{what[1:]}: {', '.join(values)}."
         return said
@@ -155,6 +154,11 @@ class Words:
         """A value in the unit of its parameter: ``2.1 degrees``."""
         factor, shown = self.shown_in(name, unit)
         return f"{number(value * factor, digits)} {shown}".rstrip()
+
+    def near(self, name: str, value: float, sd: float, unit: str) -> str:
+        """A value to the second digit of an error: ``9.810 m/s²``."""
+        factor, shown = self.shown_in(name, unit)
+        return _joined([value * factor], sd * factor, "", shown)
 
     def before(self, known: Parameter) -> str:
         """The prior of a parameter by its name, in the unit in which it is told."""
@@ -222,7 +226,9 @@ def _joined(values: list[float], step: float, by: str, unit: str) -> str:
     if not (all(map(math.isfinite, values)) and math.isfinite(step) and step > 0.0):
         return f"{number(values[0])} {unit}".rstrip()
     size = max(map(abs, (*values, step)))
-    ten = 0 if _PLAIN[0] <= size < _PLAIN[1] else math.floor(math.log10(size))
+    # Seconds since 1970 have more digits than a power of ten would save.
+    plain = _PLAIN[0] <= size and (size < _PLAIN[1] or step < size / _PLAIN[1])
+    ten = 0 if plain else math.floor(math.log10(size))
     values, step = [each / 10.0**ten for each in values], step / 10.0**ten
     places = 1 - math.floor(math.log10(step))
     if round(step, places) >= 9.5 * 10.0 ** (1 - places):
@@ -231,12 +237,22 @@ def _joined(values: list[float], step: float, by: str, unit: str) -> str:
     return f"{text} {unit}".rstrip() if ten == 0 else f"({text})·{power(ten)} {unit}".rstrip()
 
 
+def digits_for(values: Iterable[float]) -> int:
+    """Digits that tell these numbers apart: four of their spread, and at least four."""
+    known = [each for each in values if math.isfinite(each)]
+    spread = max(known, default=0.0) - min(known, default=0.0)
+    if not 0.0 < spread < math.inf:
+        return _DIGITS
+    size = max(map(abs, known))
+    return _DIGITS + max(math.floor(math.log10(size)) - math.floor(math.log10(spread)), 0)
+
+
 def number(value: float, digits: int = 3) -> str:
     """A number to some digits, with a power of ten where it is very large or small."""
     if not math.isfinite(value):
         return "not known" if math.isnan(value) else "∞"
-    if value == 0.0 or _PLAIN[0] <= abs(value) < _PLAIN[1]:
-        return f"{float(f'{value:.{digits}g}'):.12g}"
+    if value == 0.0 or _PLAIN[0] <= abs(value) < max(_PLAIN[1], 10.0**digits):
+        return f"{float(f'{value:.{digits}g}'):.{max(digits, 12)}g}"
     first, _, ten = f"{value:.{digits - 1}e}".partition("e")
     return f"{first}·{power(int(ten))}"
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from html import unescape
 from typing import TYPE_CHECKING, Any
 
@@ -12,12 +13,12 @@ import numpy as np
 
 from stickslip import _core
 from stickslip._util.html import page_text
-from stickslip._util.numbers import Array
+from stickslip._util.numbers import Array, Mask
 from stickslip.diagnosis.candidate import Candidate, spread_of, table_name
 from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.velocity import VelocityTable
-from stickslip.diagnosis.decision.experiments import advice
+from stickslip.diagnosis.decision.experiments import UNSAFE, advice
 from stickslip.diagnosis.decision.formulas import formula
 from stickslip.diagnosis.decision.gain import held_out, parts_of
 from stickslip.diagnosis.decision.limits import upper_limits
@@ -26,13 +27,27 @@ from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import LOST
 from stickslip.diagnosis.report import amounts
 from stickslip.diagnosis.report.amounts import Words
-from stickslip.diagnosis.report.readings import in_words, settings_of, shown_unit, title_of, unit_of
+from stickslip.diagnosis.report.readings import (
+    Settings,
+    in_words,
+    setting_text,
+    settings_of,
+    shown_unit,
+    title_of,
+    unit_of,
+    varied,
+)
 
 if TYPE_CHECKING:
     from stickslip.diagnosis.result import Diagnosis
 
 _DECIDING, _POINTS = 3, 41  # readings that are named; points of a law
 _FURTHER = 0.01  # probability from which on a further cause is named
+
+# Of a pattern of the misfit: the least lead of its log-likelihood, what each setting in it costs,
+# the share of its square on one side, and ends of ranges that are tried. Chosen: more than the best
+# of some hundred ranges of noise has; hardly a reading against the sign; a twentieth of the data.
+_STANDS_OUT, _A_WORD, _ONE_SIDED, _ENDS = 4.0, 2.0, 0.9, 21
 
 
 def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
@@ -67,12 +82,14 @@ def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
         "moved": None,
         "leader": None,
         "runner_up": None,
+        "likely": _likely(result),
         "common": [_title(result, each) for each in verdict.common],
         "beside": _beside(result),
         "offered": len(result.problem.causes),
         "odds": None,
         "alike": [],
         "misfit": [],
+        "pattern": None,
         "suspect": [],
         "advice": [],
         "tests": {"lack_of_fit": found.test.lack_of_fit, "score": found.test.score},
@@ -84,8 +101,9 @@ def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
         numbers |= _of_models(result, numbers["conditions"])
     elif verdict.reasons:
         numbers["suspect"] = _suspect(result)
-    if source is not None and verdict.kind == "ambiguous":
+    if source is not None and result.next_step.code in UNSAFE and source.velocity:
         numbers["next_experiments"] = _experiments(result)
+    if source is not None and verdict.kind == "ambiguous":
         names = {each: _title(result, each) for each in verdict.causes}
         looks = advice(names, result.propose_experiments())
         numbers["advice"] = [
@@ -169,7 +187,7 @@ def _of_models(result: Diagnosis, rows: Sequence[Mapping[str, Any]]) -> dict[str
         members = [each for each in verdict.members if each.causes]
     candidates = [Candidate(each, models) for each in members]
     parameters: dict[str, Any] = {}
-    for each in candidates or ([best] if verdict.kind == "unexplained" else []):
+    for each in candidates:
         for sizes in _sizes(result, each).values():
             for name, size in sizes.items():
                 parameters.setdefault(name.removeprefix("effects."), size)
@@ -188,6 +206,7 @@ def _of_models(result: Diagnosis, rows: Sequence[Mapping[str, Any]]) -> dict[str
             [] if other is None or told is None else _all_deciding(result, told, other, rows)
         ),
         "misfit": _misfit(result, rows),
+        "pattern": _pattern(result) if verdict.kind == "unexplained" else None,
         "alike": [] if told is None else _alike(result, told),
         "bounds": _bounds(result) if verdict.kind == "none" else {},
     }
@@ -347,6 +366,12 @@ def _all_deciding(
     ]  # fmt: skip
 
 
+def _likely(result: Diagnosis) -> str:
+    """The likeliest cause after ``none``, where its causes are left with some probability."""
+    left = result.next_step.code == "cause-left"
+    return _title(result, next(iter(result.chance.causes))) if left else ""
+
+
 def _misfit(result: Diagnosis, rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """The readings with the largest share of the recalibrated model's chi-square."""
     residual = result.recalibrated.fit.residual
@@ -358,6 +383,58 @@ def _misfit(result: Diagnosis, rows: Sequence[Mapping[str, Any]]) -> list[dict[s
          "share": float(square[k] / np.sum(square))}
         for k in np.argsort(-square).tolist()[:_DECIDING]
     ]  # fmt: skip
+
+
+def _pattern(result: Diagnosis) -> dict[str, Any] | None:
+    """The settings at which the recalibrated model misses most, how many readings, and their sign.
+
+    Of each table the values of its words and ranges of its numbers, by the likelihood that what is
+    left has a mean and a scatter of its own there; None where none stand out.
+    """
+    problem, residual = result.problem, result.recalibrated.fit.residual
+    z, best, found = residual / problem.sd, _STANDS_OUT, None
+    for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
+        own, settings = z[part], settings_of(table)
+        whole = len(own) * math.log(max(float(np.mean(own**2)), 1.0))
+        for rows, said in _regions(settings, len(own)):
+            some, rest = own[rows], own[~rows]
+            if min(len(some), len(rest)) < 2 or np.mean(some**2) <= np.mean(rest**2):
+                continue
+            # No scatter is below that of the readings.
+            split = sum(
+                len(each) * math.log(max(float(np.var(each)), 1.0)) for each in (some, rest)
+            )
+            lead = 0.5 * (whole - split) - _A_WORD * len(said)
+            if lead > best:
+                up = float(np.sum(some[some > 0.0] ** 2) / np.sum(some**2))
+                side = "above" if up > _ONE_SIDED else "below" if up < 1.0 - _ONE_SIDED else "both"
+                best, found = lead, {
+                    "table": table_name(problem, k), "where": ", ".join(said), "side": side,
+                    "readings": len(some), "of": len(own),
+                    "share": float(np.sum(some**2) / np.sum(z**2)),
+                    "mean": float(np.mean(residual[part][rows])), "unit": unit_of(table, 0),
+                }  # fmt: skip
+    return found
+
+
+def _regions(settings: Settings, count: int) -> Iterator[tuple[Mask, list[str]]]:
+    """Parts of the settings' range as rows, (count,), and words: values of words, and ranges."""
+    wording = [n for n in varied(settings) if isinstance(settings[n][0][0], str | bool)]
+    groups = {(): np.ones(count, dtype=bool)}
+    for names in [*([each] for each in wording), wording]:
+        columns = zip(*(settings[each][0] for each in names), strict=True)
+        for row, value in enumerate(columns):
+            key = tuple(setting_text(settings, *each) for each in zip(names, value, strict=True))
+            groups.setdefault(key, np.zeros(count, dtype=bool))[row] = True
+    for said, rows in groups.items():
+        yield rows, list(said)
+        for name in set(varied(settings)).difference(wording):
+            at = np.asarray(settings[name][0], dtype=float)
+            ends = np.unique(np.quantile(at, np.linspace(0.0, 1.0, _ENDS), method="nearest"))
+            for low, high in itertools.combinations_with_replacement(ends.tolist(), 2):
+                if (low, high) != (ends[0], ends[-1]):
+                    words = [*said, setting_text(settings, name, low, high)]
+                    yield rows & (at >= low) & (at <= high), words
 
 
 def _suspect(result: Diagnosis) -> list[str]:
@@ -484,6 +561,14 @@ def _gain(result: Diagnosis) -> dict[str, Any] | None:
             left = np.abs(held_out(problem, fit, "none", parts_of(problem)))
             means = [float(np.mean(left[part])) for part in problem.rows]
             found[key] = dict(zip(names, means, strict=True))
+    records = [
+        {"title": title_of(table, k), "unit": table.unit,
+         **{key: found[f"mae_{key}"][names[k]] for key in ("before", "after")}}
+        for k, table in enumerate(problem.tables) if not isinstance(table, FilmTable)
+    ]  # fmt: skip
+    found["records"] = sorted(
+        records, key=lambda each: -each["after"] / max(each["before"], 1e-300)
+    )
     for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
         before, after = (found[key][names[k]] for key in ("mae_before", "mae_after"))
         change = abs(before - after) / float(np.median(problem.sd[part]))
@@ -534,7 +619,8 @@ def _conditions(result: Diagnosis) -> list[dict[str, Any]]:
                 "table": table_name(problem, k), "number": i + 1,
                 "where": where[i],
                 "settings": {name: values[i] for name, (values, _) in settings.items()},
-                "unit": unit, "reading": float(problem.y[row]), "sd": float(problem.sd[row]),
+                "unit": unit, "reading": float(problem.y[row]),
+                "sd": float(problem.sd[row]) if problem.errors[k].known else None,
                 "readings": int(counts[i]),
                 **{name: float(of[row]) for name, of in models.items()},
             })  # fmt: skip
@@ -558,7 +644,8 @@ def _channels(result: Diagnosis) -> dict[str, Any]:
             # The columns of a film have units of their own.
             "unit": None if isinstance(table, FilmTable) else table.unit,
             "conditions": len(table.mean), "errors": dict(errors.told), "dof": errors.dof,
-            "median_sd": float(np.median(problem.sd[part])), "chi2_per_condition": chi2,
+            "median_sd": float(np.median(problem.sd[part])) if errors.known else None,
+            "digits": amounts.digits_for(problem.y[part].tolist()), "chi2_per_condition": chi2,
             "notes": [str(each) for each in table.notes],
         }  # fmt: skip
     return found

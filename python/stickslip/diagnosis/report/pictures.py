@@ -236,7 +236,7 @@ class Plots:
         for row in np.argsort(along(table, over)[0], kind="stable").tolist():
             panel = " ".join(settings[name][0][row] for name in words)
             group = ", ".join(
-                setting_text(name, settings[name][0][row], settings[name][1])
+                setting_text(settings, name, settings[name][0][row])
                 for name, value in usual.items()
                 if settings[name][0][row] != value
             )
@@ -267,7 +267,7 @@ class Plots:
             where = f" for {each.title}" if each.title else ""
             text = (
                 f"Measured {title_of(table, k)}{where} minus the recalibrated model over "
-                f"{each.over}, with error bars of two standard deviations; model: {models}."
+                f"{each.over}; model: {models}."
             )
             figure = _figure([each], self._draw_change, alone=len(panels))
             found.append((text, figure))
@@ -279,7 +279,7 @@ class Plots:
         markers = {
             m for each in self.panels(k, self._best_setting(k)) for m in each.markers.items()
         }
-        bars = " (bars: 2 standard errors)"
+        bars = " (bars: 2 standard errors)" if self._result.problem.errors[k].known else ""
         found = [(signs[m], "ink", (group or "measured") + bars) for group, m in sorted(markers)]
         words = f"{self._label('recalibrated')} (uncertain constants fitted, no cause)"
         found.append(("\N{EM DASH}", "accent", words))
@@ -417,7 +417,8 @@ class Plots:
             x, marker = at[rows - part.start], panel.markers[group]
             y = (result.problem.y - below)[rows] * factor
             dense = len(rows) > _SAMPLES
-            bars = None if dense else 2.0 * result.problem.sd[rows] * factor
+            known = not dense and result.problem.errors[panel.table].known
+            bars = 2.0 * result.problem.sd[rows] * factor if known else None
             axes.errorbar(x, y, bars, fmt="." if dense else marker, color=BLACK, lw=1.1,
                           ms=2.0 if dense else 4.5, label=group or "measured",
                           zorder=1 if dense else 3)  # fmt: skip

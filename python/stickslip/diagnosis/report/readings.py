@@ -15,6 +15,7 @@ from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.data.velocity import VelocityTable
+from stickslip.diagnosis.report.amounts import digits_for
 from stickslip.scenario.keys import known_keys
 
 Settings = dict[str, tuple[list[Any], str]]
@@ -83,12 +84,17 @@ def varied(settings: Settings) -> list[str]:
     return [name for name, (values, _) in settings.items() if len(set(values)) > 1]
 
 
-def setting_text(name: str, value: Any, unit: str) -> str:
-    """A setting as in ``peak 3 mT``; words as they are."""
-    if isinstance(value, str):
-        return value
+def setting_text(settings: Settings, name: str, *values: Any) -> str:
+    """A setting as in ``peak 3 mT``, or a range as in ``peak 2 to 3 mT``; words as they are.
+
+    With the digits that tell all its values apart.
+    """
+    if isinstance(values[0], str):
+        return f"{name} {values[0]}"
+    every, unit = settings[name]
     factor, shown = handy(unit)
-    return f"{name} {float(value) * factor:.4g} {shown}".rstrip()
+    texts = [f"{float(each) * factor:.{digits_for(every)}g}" for each in dict.fromkeys(values)]
+    return f"{name} {' to '.join(texts)} {shown}".rstrip()
 
 
 def usual_of(settings: Settings) -> dict[str, Any]:
@@ -113,9 +119,9 @@ def in_words(settings: Settings) -> list[str]:
     count = len(next(iter(settings.values()))[0]) if settings else 0
     found = []
     for i in range(count):
-        said = [f"{name} {settings[name][0][i]}" for name in words]
+        said = [setting_text(settings, name, settings[name][0][i]) for name in words]
         said += [
-            setting_text(name, settings[name][0][i], settings[name][1])
+            setting_text(settings, name, settings[name][0][i])
             for name, value in usual.items()
             if name == most or settings[name][0][i] != value
         ]

@@ -41,6 +41,8 @@ class Cause(OneLine):
         Name of the input that `read` changes; the readings, if not given.
     curve : Curve, optional
         Of a law of a free shape, whose values at the knots are the parameters.
+    between : (float, float), optional
+        Of an event: the times between which it happens, s.
 
     Raises
     ------
@@ -56,6 +58,7 @@ class Cause(OneLine):
     table: str | None = None
     input: str | None = None
     curve: Curve | None = None
+    between: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or self.name in ("", "none") or "+" in self.name:

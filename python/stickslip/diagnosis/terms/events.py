@@ -61,8 +61,10 @@ def step(
     def read(values: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
         return values + p[height.name] * edge(table, p[time.name])
 
-    meaning = f"{input or 'what is read'} changes at some time and stays so"
-    return Cause(name, (height, time), meaning, read=read, table=table, input=input)
+    meaning = f"a step of {input or 'the readings'}"
+    return Cause(
+        name, (height, time), meaning, read=read, table=table, input=input, between=(begin, end)
+    )
 
 
 @pickled_as_call
@@ -97,8 +99,11 @@ def pulse(
         ends = p[time.name] + p[length.name]
         return values + p[height.name] * (edge(table, p[time.name]) - edge(table, ends))
 
-    meaning = f"{input or 'what is read'} changes for a while"
-    return Cause(name, (height, time, length), meaning, read=read, table=table, input=input)
+    meaning = f"a pulse of {input or 'the readings'}"
+    parts = height, time, length
+    return Cause(
+        name, parts, meaning, read=read, table=table, input=input, between=(begin, end + longest)
+    )
 
 
 def edge(table: Table, time: Array) -> Array:

@@ -78,7 +78,7 @@ def scale(
         return _changed(readings, rows, _some(readings, rows) * (1.0 + p[error]))
 
     parameter = Parameter(error, low=-largest, high=largest, size=size)
-    return Cause(name, (parameter,), "readings have a wrong scale", read=read, table=table)
+    return Cause(name, (parameter,), "a wrong scale of the readings", read=read, table=table)
 
 
 @pickled_as_call
@@ -100,7 +100,7 @@ def offset(
     def read(readings: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
         return _changed(readings, rows, _some(readings, rows) + p[parameter.name])
 
-    return Cause(name, (parameter,), "readings have a wrong zero", read=read, table=table)
+    return Cause(name, (parameter,), "a wrong zero of the readings", read=read, table=table)
 
 
 @pickled_as_call
@@ -135,7 +135,7 @@ def clipping(
         limit = np.where(p[parameter.name] > 0.0, p[parameter.name], np.inf)
         return _changed(readings, rows, np.clip(_some(readings, rows), -limit, limit))
 
-    return Cause(name, (parameter,), "readings saturate at a limit", read=read, table=table)
+    return Cause(name, (parameter,), "a limit at which readings saturate", read=read, table=table)
 
 
 @pickled_as_call
@@ -169,7 +169,7 @@ def lag(
             result[vector] = lagged[:, 0]
         return result
 
-    what = f"{input} acts with a lag" if input else "readings lag"
+    what = f"a lag of {input or 'the readings'}"
     return Cause(name, (time,), what, read=read, table=table, input=input)
 
 
@@ -224,7 +224,7 @@ def delay(
                 result[vector, each] = spline(at[each] - delays[vector])
         return _changed(readings, rows, result)
 
-    return Cause(name, (parameter,), "readings are late", read=read, table=table)
+    return Cause(name, (parameter,), "a delay of the readings", read=read, table=table)
 
 
 def _delay_in_time(
@@ -244,7 +244,7 @@ def _delay_in_time(
                 result[vector] = np.interp(at, t, values[vector])
         return result
 
-    what = f"{input} acts late" if input else "readings are late"
+    what = f"a delay of {input or 'the readings'}"
     return Cause(name, (parameter,), what, read=read, table=table, input=input)
 
 
@@ -296,7 +296,7 @@ def marker_place(
                 readings = _changed(readings, rows, some + _fitting(shift, some))
         return readings
 
-    meaning = "the tracked point lies elsewhere on the body"
+    meaning = "another place of the tracked point on the body"
     return Cause(name, parameters, meaning, read=read, table=table)
 
 
