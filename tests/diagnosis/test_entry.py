@@ -5,6 +5,7 @@ import pytest
 
 from made_velocities import drives, measurement, trials
 from stickslip import Scenario, diagnose
+from stickslip.diagnosis.entry import _notes_of_runs
 from stickslip.diagnosis.measured import pose
 from stickslip.diagnosis.terms.library import library
 
@@ -49,6 +50,12 @@ def test_the_result_does_not_depend_on_threads_and_little_on_the_seed(table, sou
     assert other.verdict.kind == "none"
     moved = (other.params["value"] - result.params["value"]).abs()
     assert (moved < 0.2 * result.params["sd"]).all()
+
+
+def test_a_tolerance_that_the_diagnosis_chose_is_not_noted(table):
+    first = pose(measurement(table), threads=1).tables[0]
+    first.conditions[0]["solver.rtol"] = 1e-4
+    assert "tolerance" not in [each.code for each in _notes_of_runs(measurement(table), first)]
 
 
 # ---------------------------------------------------------------------------------- the problem

@@ -165,6 +165,9 @@ def test_a_safe_name_asks_for_nothing(kind):
     found = chosen([[0.0], [5.0]])
     assert design.worth_measuring(step, found) == []
     assert design.worth_measuring(design.next_step("none", [], 0.0), found) == []
+    left = design.next_step("none", ["warm coils"], 0.3, ["direction"])
+    assert (left.code, left.value) == ("cause-left", 0.3)
+    assert "direction" in str(left)
     assert design.worth_measuring(open_step, found) == found
     # Three in a row would not be enough.
     poor = chosen([[0.0], [1.0]])

@@ -9,8 +9,8 @@ import pytest
 
 import roller_table
 from documentation_blocks import blocks
-from stickslip import Cause, Parameter, Prior, Table, diagnose_model, instruments
-from stickslip.diagnosis.own_model import overflows, pose_own
+from stickslip import Cause, Parameter, Prior, Series, Table, diagnose_model, events, instruments
+from stickslip.diagnosis.own_model import overflows, pose_own, without_effect
 from toys import BEND, LEVEL, SLOPE, STEP, WAVE, data, line, problem
 
 X = np.linspace(1.0, 3.0, 12)
@@ -152,6 +152,39 @@ def test_a_cause_that_overflows_is_noted_by_its_name():
     posed = pose_own(growing, data(), [SLOPE], [burst, *problem(data()).causes[:1]])
     (note,) = overflows(posed)
     assert (note.code, note.text.count("\n")) == ("predictions-overflow", 0)
+
+
+TIME = 1000.0 + np.arange(30.0)
+HEIGHT = Parameter("bump.height", size=0.5, low=-5.0, high=5.0)
+WIDTH = Parameter("bump.width", Prior("log-normal", 5.0, 2.0), suspect=False)
+
+
+@pytest.mark.parametrize(
+    ("causes", "codes"),
+    [
+        ([Cause("bump", (HEIGHT, WIDTH))], {}),
+        ([Cause("idle", Parameter("idle", size=0.5, low=0.0, high=5.0))], {"idle": "without"}),
+        ([Cause("bump", (HEIGHT, Parameter("span", WIDTH.prior, suspect=False)))],
+         {"span": "without"}),
+        ([instruments.clipping("-", 4.0, 1.0)], {}),
+        ([instruments.clipping("-", 4000.0, 1.0, lowest=4.0)], {"clipping.limit": "without"}),
+        ([events.step(0.5, 1000.0, 1029.0)], {}),
+        ([events.step(0.5, 0.0, 29.0)], {"step": "event"}),
+        ([events.pulse(0.5, 2000.0, 2029.0, 5.0)], {"pulse": "event"}),
+    ],
+)  # fmt: skip
+def test_what_changes_no_prediction_is_noted(causes, codes):
+    """A shape acts beside its amplitude only, and a limit at the lowest end of its range."""
+
+    def model(record, p):
+        width = p.get("bump.width", 5.0)
+        bump = np.exp(-(((record.t - 1015.0) / width) ** 2))
+        return p["level"] + p.get("bump.height", 0.0) * bump
+
+    level = Parameter("level", Prior("normal", 3.0, 0.5))
+    notes = without_effect(pose_own(model, Series(TIME, TIME - 997.0, sd=0.1), [level], causes))
+    found = {each.text.split(" ")[0]: each.code.split("-")[0] for each in notes}
+    assert found == codes
     assert "burst makes 30 of 30 predictions" in note.text
     # exp(400 x) passes 1e100 where x > 0.58: everywhere.
     assert note.value == 30.0

@@ -22,8 +22,11 @@ from stickslip.diagnosis.report import amounts
 from stickslip.diagnosis.report.files import page
 from stickslip.diagnosis.report.numbers import _drift, notes_of, numbers_of
 from stickslip.diagnosis.report.pictures import drawing
+from stickslip.diagnosis.report.readings import setting_text
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.steps import run
+from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.scenario.scenario import load
 from stickslip.simulation.note import Note
 from toys import LEVEL, SLOPE, STEP, WAVE, data, line
@@ -91,6 +94,7 @@ def test_the_page_has_no_number_that_the_dictionary_lacks(results, rough, none):
 def test_numbers_are_those_of_the_result(rough, none):
     numbers = rough.as_dict()
     assert numbers["cause"] == "bump"
+    assert max(numbers["probabilities"].values()) <= 1.0
     assert numbers["parameters"]["bump.height"]["value"] == rough.params["value"]["bump.height"]
     assert numbers["share"] == rough.candidate("bump").share
     bounds = none.as_dict()["bounds"]
@@ -266,6 +270,83 @@ def test_a_measurement_has_an_extended_scenario(tmp_path):
     assert table["recalibrated"].iloc[0] == pytest.approx(predicted, rel=1e-3)
 
 
+def wave_of(cause, **names):
+    """A wave of a model of one's own, and how its cause is told."""
+    x = np.linspace(1.0, 3.0, 24)
+    y = x + np.sin(5.0 * x) + 0.1 * np.random.default_rng(0).standard_normal(24)
+    (name,) = (each.name for each in cause.parameters)
+    predict = lambda t, p: p["slope"] * t["x"] + p[name] * np.sin(5.0 * t["x"])  # noqa: E731
+    return diagnose_model(predict, Table({"x": x}, y, sd=0.1, **names), [SLOPE], [cause])
+
+
+@pytest.mark.parametrize(
+    ("name", "parameter", "meaning", "title"),
+    [
+        ("wave", "wave", "dry friction", "dry friction"),
+        ("wave", "wave.height", "The ripple of a motor.", "The ripple of a motor"),
+        ("surface_tilt", "surface_tilt.angle", "", "“surface_tilt”"),
+    ],
+)
+def test_an_own_cause_is_told_by_its_meaning(name, parameter, meaning, title):
+    cause = Cause(name, Parameter(parameter, unit="N m", size=0.5, low=-5.0, high=5.0), meaning)
+    (said,) = wave_of(cause).as_dict()["claimed"][0]["causes"]
+    assert (said["title"], said["remedy"], said["meaning"]) == (title, "", "")
+    short = parameter.rpartition(".")[2]
+    assert re.match(rf".*: {short} = [\d.]+ ± [\d.]+ N m\.", said["finding"])
+
+
+def test_a_misfit_that_nothing_explains_is_told_by_its_settings_and_sign():
+    """A bump below the line at 1.8 to 2.2, in one of two oils."""
+    x, oil = np.tile(np.linspace(1.0, 3.0, 31), 2), np.repeat(["thin", "thick"], 31)
+    y = x - 2.0 * ((abs(x - 2.0) < 0.21) & (oil == "thin"))
+    y += 0.1 * np.random.default_rng(0).standard_normal(62)
+    table = Table({"oil": oil, "x": x}, y, sd=0.1, unit="N")
+    result = diagnose_model(lambda t, p: p["slope"] * t["x"], table, [SLOPE])
+    numbers = made.said(result, "unexplained", causes=(), fit=None).as_dict()
+    pattern = numbers["pattern"]
+    assert (pattern["where"], pattern["side"]) == ("oil thin, x 1.8 to 2.2", "below")
+    assert (pattern["readings"], pattern["of"]) == (7, 62)
+    assert pattern["mean"] == pytest.approx(-2.0, abs=0.3)
+    assert numbers["parameters"] == {}
+
+
+def test_errors_that_are_not_known_are_not_shown(none):
+    table = none.problem.tables[0]
+    problem = replace(none.problem, errors=(replace(none.problem.errors[0], dof=0.0),))
+    findings = none.findings
+    models = type(findings.models)(problem, problem.causes)
+    result = made.refused(replace(none, findings=replace(findings, models=models)))
+    numbers = result.as_dict()
+    assert {each["sd"] for each in numbers["conditions"]} == {None}
+    assert numbers["channels"][table.name]["median_sd"] is None
+    (bars,) = result.plot.fit().axes[0].containers[:1]
+    assert not bars.has_yerr
+
+
+def test_the_gain_of_each_record_is_told_the_worst_first():
+    wave = 0.8 * np.sin(5.0 * np.linspace(1.0, 3.0, 30))
+    tables = [data(wave), data(wave), data(seed=1)]
+    for table, name in zip(tables, ("a", "b", "flat"), strict=True):
+        table.name = name
+    result = diagnose_model(line, tables, [SLOPE, LEVEL], [WAVE, STEP])
+    records = result.as_dict()["gain"]["records"]
+    assert {each["title"] for each in records} == {"a", "b", "flat"}
+    ratios = [each["after"] / each["before"] for each in records]
+    assert ratios == sorted(ratios, reverse=True)
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ([20.0, 150.0], "t 20 to 150 s"),
+        ([1.7e9 + 0.5, 1.7e9 + 59.0], "t 1700000000.5 to 1700000059 s"),
+        ([3.0, 3.0], "t 3 s"),
+    ],
+)
+def test_a_setting_has_the_digits_of_its_spread(values, said):
+    assert setting_text({"t": (values, "s")}, "t", *values) == said
+
+
 @pytest.mark.parametrize(
     ("value", "sd", "said"),
     [
@@ -274,6 +355,7 @@ def test_a_measurement_has_an_extended_scenario(tmp_path):
         (1.2231, 0.0993, "1.22 ± 0.10"),
         (1512.0, 97.3, "1510 ± 100"),
         (2.2e-7, 3e-8, "(2.20 ± 0.30)·10⁻⁷"),
+        (1.7e9 + 33.4, 0.14, "1700000033.40 ± 0.14"),
         (0.0, 0.02, "0.000 ± 0.020"),
         (3.0, float("nan"), "3"),
     ],

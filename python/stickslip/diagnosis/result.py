@@ -309,7 +309,12 @@ class Diagnosis(ShownBySummary):
             probability = 1.0 - self.chance.none
         names = [words_of(self).title(each, self.problem.causes) for each in causes]
         beside = fit is not None and fit.form != "none" and self.verdict.kind == "pair"
-        return design.next_step("dominant" if beside else self.verdict.kind, names, probability)
+        kind = "dominant" if beside else self.verdict.kind
+        tables = () if self.measurement is None else self.measurement.velocity
+        drives = [drive for each in tables for drive in each.conditions]
+        keys = ("direction", "frequency", "mode", "peak")
+        same = [key for key in keys if len({each[f"drive.{key}"] for each in drives}) == 1]
+        return design.next_step(kind, names, probability, same[:2])
 
     def worth_measuring(self, count: int = design.PROPOSED) -> list[design.Experiment]:
         """Of the proposed experiments those that `next_step` needs."""
@@ -479,20 +484,16 @@ class Diagnosis(ShownBySummary):
     def _rivals(self) -> tuple[list[Candidate], list[tuple[int, int]]]:
         """Models to tell apart, and which of them from which.
 
-        A claim, or no cause, from those that come next; the members of a set from one another.
+        A claim from those that come next; the members of a set from one another.
         """
-        kind = self.verdict.kind
-        if kind == "data-problem" or (kind == "none" and self.next_step.code != "cause-left"):
+        if self.verdict.kind in ("none", "data-problem"):
             return [], []
         fits = list(self.chance.fits)
-        claim = self.verdict.fit if kind in CLAIMS else None
-        if kind == "none":
-            claim = self.recalibrated.fit
-            fits = [claim, *(each for each in fits if each.causes)]
-        elif claim is not None:
+        claim = self.verdict.fit if self.verdict.kind in CLAIMS else None
+        if claim is not None:
             # What has the claimed causes and more is no rival of the claim.
             fits = [claim, *(each for each in fits if not each.names >= claim.names)]
-        elif kind == "ambiguous":
+        elif self.verdict.kind == "ambiguous":
             fits = list(self.verdict.members)
         # The first rival is told apart however small its probability is, others only beside it.
         least = self.chance.models[fits[min(1, len(fits) - 1)].name] * _RIVAL

@@ -65,11 +65,9 @@ _LOOKS: dict[str, tuple[str, tuple[str, ...]]] = {
 """Measurements beside the drive, and the causes that they show."""
 
 
-UNSAFE = "no-safe-name", "cause-left"
-"""Next steps that ask for experiments."""
-
 LEFT = 0.1
-"""Probability of a cause from which on ``none`` asks for them. Chosen: few readings leave more."""
+"""Probability of a cause from which on ``none`` asks for readings. Chosen: few readings leave more.
+"""
 
 
 @dataclass(frozen=True)
@@ -271,10 +269,13 @@ def _why(first: str, second: str, chi2: float, is_later: bool) -> Note:
     return Note("separates" if decides else "separates-too-little", text, apart)
 
 
-def next_step(kind: str, names: Sequence[str], probability: float) -> Note:
+def next_step(
+    kind: str, names: Sequence[str], probability: float, same: Sequence[str] = ()
+) -> Note:
     """Whether another experiment is needed after a verdict, with its causes as they are said.
 
-    After ``none`` they are the likeliest one, and the probability is that of any cause.
+    After ``none`` they are the likeliest one, the probability is that of any cause, and `same` are
+    settings that were not varied.
     """
     said = f"{' and '.join(names)}, with a probability of {probability:.3g}"
     if kind == "dominant":
@@ -290,8 +291,9 @@ def next_step(kind: str, names: Sequence[str], probability: float) -> Note:
         return Note("no-safe-name", "No name is safe, as the verdict is ambiguous.")
     if kind == "none" and probability >= LEFT:
         text = (
-            f"With a probability of {100.0 * probability:.0f} % a cause is there all the same, such as "
-            f"{' and '.join(names)}: measure where it would show."
+            f"With a probability of {100.0 * probability:.0f} % a cause is there all the same, "
+            f"such as {' and '.join(names)}: repeat readings, and vary "
+            f"{' and '.join(same) or 'the settings more'}."
         )
         return Note("cause-left", text, probability)
     text = f"Nothing is proposed: the verdict {kind} leaves no candidates to tell apart."
@@ -300,7 +302,7 @@ def next_step(kind: str, names: Sequence[str], probability: float) -> Note:
 
 def worth_measuring(step: Note, experiments: Sequence[Experiment]) -> list[Experiment]:
     """Of proposed experiments those that the next step needs, up to the last that tells enough."""
-    if step.code not in UNSAFE:
+    if step.code != "no-safe-name":
         return []
     enough = [k for k, each in enumerate(experiments) if each.separation >= LEAST_WORTH]
     return list(experiments[: max(enough, default=-1) + 1])

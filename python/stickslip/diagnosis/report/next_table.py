@@ -11,7 +11,7 @@ from stickslip._util.csv_rows import csv_line, text_lines
 from stickslip._util.files import text_writer, write_together
 from stickslip._util.messages import shown
 from stickslip._util.units import handy
-from stickslip.diagnosis.decision.experiments import UNSAFE, Experiment, advice, prediction_table
+from stickslip.diagnosis.decision.experiments import Experiment, advice, prediction_table
 from stickslip.diagnosis.report.amounts import Words, amount
 from stickslip.diagnosis.report.files import JSON
 from stickslip.diagnosis.result import Diagnosis, setting_columns
@@ -80,7 +80,7 @@ class Rounds:
                 f"{self.budget} measured",
                 "    Fill in its column velocity (m/s), and run this command again.",
             ]
-        elif result.next_step.code in UNSAFE:
+        elif result.next_step.code == "no-safe-name":
             why = "none that was tried would decide anything."
             if self.measured >= self.budget:
                 more = self.measured + self.most

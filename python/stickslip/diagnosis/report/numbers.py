@@ -18,7 +18,7 @@ from stickslip.diagnosis.candidate import Candidate, spread_of, table_name
 from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.velocity import VelocityTable
-from stickslip.diagnosis.decision.experiments import UNSAFE, advice
+from stickslip.diagnosis.decision.experiments import advice
 from stickslip.diagnosis.decision.formulas import formula
 from stickslip.diagnosis.decision.gain import held_out, parts_of
 from stickslip.diagnosis.decision.limits import upper_limits
@@ -82,7 +82,7 @@ def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
         "moved": None,
         "leader": None,
         "runner_up": None,
-        "likely": _likely(result),
+        "left": result.next_step.value if result.next_step.code == "cause-left" else None,
         "common": [_title(result, each) for each in verdict.common],
         "beside": _beside(result),
         "offered": len(result.problem.causes),
@@ -101,9 +101,8 @@ def numbers_of(result: Diagnosis, title: str | None = None) -> dict[str, Any]:
         numbers |= _of_models(result, numbers["conditions"])
     elif verdict.reasons:
         numbers["suspect"] = _suspect(result)
-    if source is not None and result.next_step.code in UNSAFE and source.velocity:
-        numbers["next_experiments"] = _experiments(result)
     if source is not None and verdict.kind == "ambiguous":
+        numbers["next_experiments"] = _experiments(result)
         names = {each: _title(result, each) for each in verdict.causes}
         looks = advice(names, result.propose_experiments())
         numbers["advice"] = [
@@ -364,12 +363,6 @@ def _all_deciding(
         for name, fit in alone.items() if fit is not None
         for each in _deciding(result, told, fit, rows)[:2]
     ]  # fmt: skip
-
-
-def _likely(result: Diagnosis) -> str:
-    """The likeliest cause after ``none``, where its causes are left with some probability."""
-    left = result.next_step.code == "cause-left"
-    return _title(result, next(iter(result.chance.causes))) if left else ""
 
 
 def _misfit(result: Diagnosis, rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
