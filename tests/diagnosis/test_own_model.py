@@ -152,6 +152,9 @@ def test_a_cause_that_overflows_is_noted_by_its_name():
     posed = pose_own(growing, data(), [SLOPE], [burst, *problem(data()).causes[:1]])
     (note,) = overflows(posed)
     assert (note.code, note.text.count("\n")) == ("predictions-overflow", 0)
+    assert "burst makes 30 of 30 predictions" in note.text
+    # exp(400 x) passes 1e100 where x > 0.58: everywhere.
+    assert note.value == 30.0
 
 
 TIME = 1000.0 + np.arange(30.0)
@@ -185,9 +188,6 @@ def test_what_changes_no_prediction_is_noted(causes, codes):
     notes = without_effect(pose_own(model, Series(TIME, TIME - 997.0, sd=0.1), [level], causes))
     found = {each.text.split(" ")[0]: each.code.split("-")[0] for each in notes}
     assert found == codes
-    assert "burst makes 30 of 30 predictions" in note.text
-    # exp(400 x) passes 1e100 where x > 0.58: everywhere.
-    assert note.value == 30.0
 
 
 def test_an_amplitude_below_zero_alone_is_named_like_one_above():

@@ -51,7 +51,8 @@ class Words:
     def title(self, name: str, causes: Iterable[Cause] = ()) -> str:
         """A model in plain words that follow ``of``; `causes` are those of the problem.
 
-        A cause of one's own is its meaning, or its name in quotes where it has none.
+        A cause of one's own is its meaning, or its name in quotes where it has none; so is an
+        effect of one's own whose meaning has an article.
         """
         if name == "none":
             return "no cause"
@@ -67,7 +68,9 @@ class Words:
         if constant or (cause is not None and cause.frees == name):
             return f"another {constant['name'] if constant else name} than stated"
         meaning = "" if cause is None else cause.meaning.strip().rstrip(".")
-        return meaning or f"“{name}”"
+        # A meaning of a user's effect of the robot may be a sentence.
+        noun = meaning and (self._own or re.match(r"an? ", meaning))
+        return meaning if noun else f"“{name}”"
 
     def parameter(self, name: str) -> str:
         """A parameter in plain words: of a cause, a constant, or its key where none are known."""
