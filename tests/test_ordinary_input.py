@@ -321,7 +321,7 @@ def test_causes_of_ones_own_are_told_in_the_users_words():
         wave = Cause(name, Parameter("wave.h", unit="mrad", size=0.5, low=-5, high=5), "a wave")
         found = diagnose_model(line, Table({"x": X}, y, sd=0.1), [SLOPE], [wave])
         assert found.verdict.causes == (name,)
-        assert "a wave: h" in found.summary()
+        assert "A wave: h" in found.summary()
         assert "mrad" in found.summary()
 
 

@@ -413,7 +413,7 @@ def _pattern(result: Diagnosis) -> dict[str, Any] | None:
 def _regions(settings: Settings, count: int) -> Iterator[tuple[Mask, list[str]]]:
     """Parts of the settings' range as rows, (count,), and words: values of words, and ranges."""
     wording = [n for n in varied(settings) if isinstance(settings[n][0][0], str | bool)]
-    groups = {(): np.ones(count, dtype=bool)}
+    groups: dict[tuple[str, ...], Mask] = {(): np.ones(count, dtype=bool)}
     for names in [*([each] for each in wording), wording]:
         columns = zip(*(settings[each][0] for each in names), strict=True)
         for row, value in enumerate(columns):
