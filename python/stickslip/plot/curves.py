@@ -18,8 +18,8 @@ from stickslip._util.numbers import Array
 from stickslip._util.picture import RC, Picture, legend_above
 from stickslip.plot import style
 from stickslip.plot.motion import Motion, motion
+from stickslip.simulation.note_table import resting_force
 from stickslip.simulation.run import Run
-from stickslip.simulation.scenario_notes import resting_force
 
 # More pulses than the first number cannot be told apart in the picture; then as many of the last
 # ones as the second says are drawn, which show the steady motion. Both chosen by eye.

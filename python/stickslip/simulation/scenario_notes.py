@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stickslip import _core
 from stickslip._util.messages import shown
 from stickslip.simulation.note import Note
+from stickslip.simulation.note_table import STEADY_PULSES, Facts, notes_of_table
 from stickslip.simulation.unit_notes import DEFAULTS, time_constants, unit_notes
 
 if TYPE_CHECKING:
@@ -24,30 +25,9 @@ LOOSE_TOLERANCE = 1e-5
 """Values of solver.rtol above this are noted: with base 0.5 mT and 20 pulses at 20 to 150 Hz the
 mean velocity is off by up to 0.1 % at 1e-5, by 1 % at 1e-4 and by 8 % at 1e-3."""
 
-DENSITIES = 100.0, 25_000.0
-"""Densities outside of these are noted, kg/m3: foams are lighter, and no element is heavier (osmium
-has 22 600)."""
-
 LEAST_SWING = 0.05
 """Parts of the asked swing of the field below this are noted. With the coils of Table I that is a
 sawtooth of more than 357 Hz, whose pulses last 0.4 L/R; the paper's 200 Hz give 9 %."""
-
-MUCH_ADHESION = 20.0
-"""Adhesion above so many times the weight is noted; the paper's is 0.9 times."""
-
-STEADY_PULSES = 4
-"""Fewest pulses whose measuring window, from the end of the third, has no start-up; section VII."""
-
-
-def pulses_measured(pulses: Any) -> Any:
-    """Pulses of the measuring window of a drive of so many, or of each of an array; section VII."""
-    return pulses - (STEADY_PULSES - 1) * (pulses >= STEADY_PULSES)
-
-
-def without_pulses(scenario: Scenario) -> bool:
-    """Whether a pulsed drive has a constant voltage."""
-    drive = scenario.drive
-    return drive.mode != "program" and drive.base == drive.peak
 
 
 def scenario_notes(scenario: Scenario) -> list[Note]:
@@ -56,7 +36,11 @@ def scenario_notes(scenario: Scenario) -> list[Note]:
     units = unit_notes(scenario, core)
     # A unit explains the density that it makes.
     explained = any(note.code in ("unit-mass", "unit-length") for note in units)
-    others = [*_of_drive(scenario, core), *_of_robot(scenario)]
+    others = [
+        *notes_of_table(Facts(scenario), "scenario"),
+        *_of_drive(scenario, core),
+        *_of_robot(scenario),
+    ]
     return [*units, *(note for note in others if not (explained and note.code == "density"))]
 
 
@@ -80,24 +64,8 @@ def field_swing(frequency: float, time_constant: float) -> float:
     return (1.0 - math.exp(-top)) / fall - top / share
 
 
-def weight(scenario: Scenario) -> float:
-    """Weight of the robot, N."""
-    return scenario.robot.mass * scenario.environment.gravity
-
-
-def resting_force(scenario: Scenario) -> float:
-    """Normal force on a body that lies still without field: weight and adhesion, N."""
-    return weight(scenario) + scenario.contact.adhesion
-
-
 def _of_drive(scenario: Scenario, core: _core.Scenario) -> Iterator[Note]:
     drive, pulsed = scenario.drive, scenario.drive.mode != "program"
-    if without_pulses(scenario):
-        text = (
-            f"drive.base = drive.peak = {drive.peak:g} T: the voltage is constant and gives no "
-            "pulses; set drive.peak above drive.base"
-        )
-        yield Note("no-pulses", text, drive.peak)
     if pulsed and drive.pulses < STEADY_PULSES:
         text = (
             f"drive.pulses = {drive.pulses} is fewer than {STEADY_PULSES}: the measuring window "
@@ -127,7 +95,7 @@ def _of_drive(scenario: Scenario, core: _core.Scenario) -> Iterator[Note]:
             "before, and what is measured is no steady motion"
         )
         yield Note("window-short", text, end - start)
-    if not pulsed or without_pulses(scenario):
+    if not pulsed or drive.base == drive.peak:
         return
     tau = times[core.in_plane_coil if drive.mode == "IPP" else "clamp"]
     swing = drive.peak - drive.base
@@ -143,34 +111,8 @@ def _of_drive(scenario: Scenario, core: _core.Scenario) -> Iterator[Note]:
 
 
 def _of_robot(scenario: Scenario) -> Iterator[Note]:
-    """Notes on its body and contact, and on the tolerance."""
-    robot, contact, pull = scenario.robot, scenario.contact, weight(scenario)
-    density = robot.mass / (robot.length * robot.width * robot.height)
-    if not DENSITIES[0] <= density <= DENSITIES[1]:
-        text = (
-            f"robot.mass = {robot.mass:g} makes a density of {density:.3g} kg/m3 with "
-            f"robot.length, width and height: bodies have {DENSITIES[0]:g} to {DENSITIES[1]:g}"
-        )
-        yield Note("density", text, density)
-    tilt = abs(float(scenario.get("effects.surface_tilt.angle")))
-    # Along the surface, and the largest friction against it.
-    along = pull * math.sin(tilt)
-    held = contact.static_friction * (pull * math.cos(tilt) + contact.adhesion)
-    if along > held:
-        text = (
-            f"effects.surface_tilt.angle = {tilt:.3g} rad is steeper than friction holds: the "
-            f"robot slides without any field, as its weight pulls along the surface with "
-            f"{along:.3g} N and contact.static_friction = {contact.static_friction:g} gives "
-            f"{held:.3g} N"
-        )
-        yield Note("steep-surface", text, tilt)
-    if contact.adhesion > MUCH_ADHESION * pull:
-        much = "acts on a robot without weight"
-        if pull > 0.0:
-            much = f"is {contact.adhesion / pull:.3g} times the weight"
-        yield Note(
-            "adhesion", f"contact.adhesion = {contact.adhesion:g} N {much}", contact.adhesion
-        )
+    """Notes on its contact, and on the tolerance."""
+    contact = scenario.contact
     back = contact.tangential_restitution
     if back and not contact.restitution:
         text = (

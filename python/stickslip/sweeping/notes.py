@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ScenarioError
 from stickslip.simulation.note import Note, by_seriousness
-from stickslip.simulation.run_notes import FEWEST_PULSES, LIMITS
-from stickslip.simulation.scenario_notes import pulses_measured, scenario_notes
+from stickslip.simulation.note_table import TABLE, holds, pulses_measured
+from stickslip.simulation.scenario_notes import scenario_notes
 from stickslip.sweeping.points import Points
 
 
@@ -20,10 +20,13 @@ def notes_of(points: Points, columns: Mapping[str, NDArray[Any]], things: str) -
     `columns` are those of the core by name, of all points. Notes on the scenario are those that do
     not depend on what is varied.
     """
-    beyond = {code: columns[each.number] > each.limit for code, each in LIMITS.items()}
     pulses = pulses_measured(points.at_each("drive.pulses")).reshape(columns["status"].shape)
-    beyond["velocity-grows"] &= ~beyond["field-change"] & (pulses >= FEWEST_PULSES)
-    said = {code: each.of_many for code, each in LIMITS.items()}
+    facts = {**columns, "measured_pulses": pulses}
+    rows = [row for row in TABLE["notes"] if "many" in row]
+    beyond, said = {}, {row["code"]: row["many"] for row in rows}
+    for row in rows:  # by numbers of a sweep alone
+        known = [each for each in row["when"] if each.split()[0] in facts]
+        beyond[row["code"]] = holds(known, facts)
     still = (columns["mean_velocity"] == 0.0) & (columns["mean_velocity_y"] == 0.0)
     beyond["rest"] = still & (columns["theta_min"] == columns["theta_max"])
     said["rest"] = "the robot never moved; the notes of such a run alone say why"

@@ -22,7 +22,7 @@ from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.data.velocity import VelocityTable, in_words, varied
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.simulation.note import Note
-from stickslip.simulation.scenario_notes import STEADY_PULSES
+from stickslip.simulation.note_table import STEADY_PULSES
 
 FEWEST_CONDITIONS = 4
 """Conditions without which no cause is told from another, if there are no other data. Chosen: two

@@ -1,0 +1,245 @@
+"""The table of notes, notes.toml: which rows hold for a scenario and what came of it."""
+
+from __future__ import annotations
+
+import functools
+import math
+import operator
+import re
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from importlib import resources
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip import _core
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import FIELDS, known_keys
+from stickslip.scenario.waveform import Waveform
+from stickslip.simulation.note import Note
+from stickslip.simulation.seen_from_drive import seen_from_drive
+from stickslip.simulation.unit_notes import DEFAULTS
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+if TYPE_CHECKING:
+    from stickslip.scenario.scenario import Scenario
+
+TABLE = tomllib.loads(
+    resources.files("stickslip").joinpath("simulation/notes.toml").read_text("utf-8")
+)
+
+FAST = 300.0
+"""Frequency of pulses beyond which a robot is not asked for more, Hz. Chosen: the coils let none of
+faster pulses through."""
+
+BASE = 0.2
+"""Part of the peak that makes a sound base, as in the first example."""
+
+STEADY_PULSES = 4
+"""Fewest pulses whose measuring window, from the end of the third, has no start-up; section VII."""
+
+_TRIED_PULSES = 12  # of a trial; chosen: enough to see a step
+
+_COMPARISONS: Mapping[str, Callable[[Any, Any], Any]] = {
+    ">": operator.gt, ">=": operator.ge, "<": operator.lt, "<=": operator.le,
+    "is": operator.eq, "isnt": operator.ne,
+}  # fmt: skip
+
+_PLACE = re.compile(r"\{([\w.-]+)(?:(=)([^}]*)|:([^}]*))?\}")
+
+
+def weight(scenario: Scenario) -> float:
+    """Weight of the robot, N."""
+    return scenario.robot.mass * scenario.environment.gravity
+
+
+def resting_force(scenario: Scenario) -> float:
+    """Normal force on a body that lies still without field: weight and adhesion, N."""
+    return weight(scenario) + scenario.contact.adhesion
+
+
+def pulses_measured(pulses: Any) -> Any:
+    """Pulses of the measuring window of a drive of so many, or of each of an array; section VII."""
+    return pulses - (STEADY_PULSES - 1) * (pulses >= STEADY_PULSES)
+
+
+class Facts:
+    """The names of the table for one scenario, and for a run of it with its summary."""
+
+    def __init__(
+        self, scenario: Scenario, summary: Mapping[str, Any] | None = None, ok: bool = True
+    ):
+        self.scenario = scenario
+        self._numbers = _of_scenario(scenario)
+        if summary is not None:
+            self._numbers |= {**summary, **_of_run(self, summary, ok)}
+
+    def __getitem__(self, name: str) -> Any:
+        if name in self._numbers:
+            return self._numbers[name]
+        if name.startswith("default."):
+            return DEFAULTS[name.removeprefix("default.")]
+        return self.scenario.get(name)
+
+
+def _of_scenario(scenario: Scenario) -> dict[str, Any]:
+    robot, drive, pull = scenario.robot, scenario.drive, weight(scenario)
+    pulsed = drive.mode != "program"
+    volume = robot.length * robot.width * robot.height
+    tilt = abs(float(scenario.get("effects.surface_tilt.angle")))
+    pressed = pull * math.cos(tilt) + scenario.contact.adhesion
+    return {
+        "weight": pull,
+        "resting_force": resting_force(scenario),
+        "friction_held": scenario.contact.static_friction * resting_force(scenario),
+        "density": robot.mass / volume,
+        "moment": abs(robot.magnetization) * volume,
+        "slope": tilt,
+        # Along the surface, and the largest friction against it.
+        "slope_force": pull * math.sin(tilt),
+        "slope_hold": scenario.contact.static_friction * pressed,
+        "swing": drive.peak - drive.base if pulsed else math.inf,
+        "middle_field": 0.5 * (drive.base + drive.peak),
+        "measured_pulses": pulses_measured(drive.pulses) if pulsed else 0,
+    }
+
+
+def _of_run(facts: Facts, summary: Mapping[str, Any], ok: bool) -> dict[str, Any]:
+    scenario, drive = facts.scenario, facts.scenario.drive
+    program = drive.mode == "program"
+    start, end = scenario.window
+    period = end - start if program else 1.0 / min(drive.frequency, FAST)
+    speeds = summary["mean_velocity"], summary["mean_velocity_y"]
+    forward = float(seen_from_drive(*speeds, drive.mode, drive.direction, drive.heading)[0])
+    rocks = abs(summary["slip_up"]) + abs(summary["slip_down"])
+    slips = rocks + abs(summary["slip_flat"])
+    # A program may lead out and back.
+    way = math.hypot(*speeds) + (slips if program else 0.0)
+    # Weight and adhesion, about the corner that a robot on a face would tip on.
+    stands = abs(math.sin(summary["theta_max"])) > math.sqrt(0.5)
+    lever = 0.5 * (scenario.robot.height if stands else scenario.robot.length)
+    torque, held = facts["moment"] * summary["field_max"], lever * facts["resting_force"]
+    rolls = summary["events"]["roll_over"]
+    return {
+        "step": way * period / scenario.robot.length if ok else math.nan,
+        "advance": forward * period / scenario.robot.length if ok else math.nan,
+        "forward": forward,
+        "backward": -forward,
+        "rocks": rocks,
+        "slips": slips,
+        "tilt": max(summary["theta_max"], -summary["theta_min"]),
+        "torque": torque,
+        "held_torque": held,
+        "tipping": held / torque if torque > 0.0 else math.inf,
+        "roll_over": rolls,
+        # One or two may be those of the start; without a base it rolls over in any case.
+        "rolls": rolls if drive.base != 0.0 else 0,
+    }
+
+
+def product(text: str, facts: Any) -> Any:
+    """Numbers and names, multiplied."""
+    return math.prod((facts[each] if each[0].isalpha() else float(each)) for each in text.split())
+
+
+def holds(conditions: Iterable[str], facts: Any) -> Any:
+    """Whether all conditions hold; of facts that are arrays, at each place."""
+    return functools.reduce(np.logical_and, (_holds(each, facts) for each in conditions), True)
+
+
+def _holds(condition: str, facts: Any) -> Any:
+    first, *rest = condition.split(maxsplit=2)
+    if first == "not":
+        return np.logical_not(_holds(*rest, facts))
+    if not rest:
+        return holds(TABLE["lists"][first], facts)
+    how, other = rest
+    right = other if how.startswith("is") else product(other, facts)
+    return _COMPARISONS[how](facts[first], right)
+
+
+def notes_of_table(facts: Facts, of: str) -> Iterator[Note]:
+    """Notes of the rows that hold, of a "scenario" or of a "run"."""
+    told = set()
+    for row in TABLE["notes"]:
+        if row.get("of", "run") != of or row.get("first_of") in told:
+            continue
+        if holds(row["when"], facts) and (found := _after_trial(row, facts)):
+            told.update([row["first_of"]] if "first_of" in row else [])
+            value = facts[row["value"]] if "value" in row else None
+            yield Note(row["code"], _text(row, facts, *found), value)
+
+
+def _after_trial(row: Mapping[str, Any], facts: Facts) -> tuple[Mapping[str, Any], Facts] | None:
+    """Changes and facts of the first trial of a row that does what it says; of a row without, none
+    and those of the run."""
+    if "set" not in row and "fields" not in row:
+        return {}, facts
+    for factor in row.get("fields", [None]):
+        if factor is not None:
+            changes = _with_field(facts.scenario, product(factor, facts))
+        else:
+            changes = {key: _changed(text, facts) for key, text in row["set"].items()}
+        tried = _tried(facts.scenario, changes)
+        if tried is not None and holds(row.get("then", ["walks"]), tried):
+            return changes, tried
+    return None
+
+
+def _changed(text: str, facts: Facts) -> Any:
+    is_word = " " not in text and "." not in text
+    return text if is_word else product(text, facts)
+
+
+def _with_field(scenario: Scenario, factor: float) -> dict[str, Any]:
+    """Changes that multiply the fields of the drive."""
+    if scenario.drive.mode == "program":
+        blocks = scenario.to_core().program()
+        return {"drive.program": Waveform([(t, factor * volts, n) for t, volts, n in blocks])}
+    stronger = {key: factor * float(scenario.get(key)) for key in FIELDS}
+    # At no base the holding coil alone turns it upright.
+    return stronger | {"drive.base": stronger["drive.base"] or BASE * stronger["drive.peak"]}
+
+
+def _tried(scenario: Scenario, changes: Mapping[str, Any]) -> Facts | None:
+    """Its first pulses with these changes; None of one that is refused or fails."""
+    if scenario.drive.mode != "program":
+        changes = {"drive.pulses": min(scenario.drive.pulses, _TRIED_PULSES), **changes}
+    try:
+        tried = scenario.replace({"record.rate": "none", **changes})
+    except ScenarioError:  # a value beyond its range
+        return None
+    (result,) = _core.simulate_batch([tried.to_core()], 1, lambda _: None, None)
+    return Facts(tried, result.summary()) if result.status == "ok" else None
+
+
+def _text(row: Mapping[str, Any], facts: Facts, changes: Mapping[str, Any], tried: Facts) -> str:
+    def filled(place: re.Match[str]) -> str:
+        name, given, other, unit = place.groups()
+        if name == "advice":
+            advice = (each["text"] for each in row["advice"] if holds(each["when"], facts))
+            return _PLACE.sub(filled, next(advice, ""))
+        if name == "set":
+            if "drive.program" in changes:
+                return "larger voltages"
+            return ", ".join(_setting(key, value) for key, value in changes.items())
+        if given:
+            word = other and isinstance(facts[name], str)
+            return _setting(name, other if word else product(other or name, facts))
+        if unit is None:
+            return name
+        of, name = (tried, name[6:]) if name.startswith("tried.") else (facts, name)
+        return f"{of[name] * TABLE['units'][unit]:.3g} {unit}".rstrip()
+
+    return _PLACE.sub(filled, row["text"])
+
+
+def _setting(key: str, value: Any) -> str:
+    if isinstance(value, str):
+        return f'{key} = "{value}"'
+    return f"{key} = {value:.4g} {known_keys()[key].unit.replace('-', '')}".rstrip()
