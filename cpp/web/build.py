@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import base64
 import gzip
+import hashlib
+import json
 import os
 import re
 import shutil
@@ -16,10 +18,16 @@ import sys
 import tempfile
 from pathlib import Path
 
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 PAGE = ROOT / "docs" / "play" / "index.html"
 BUILD = ROOT / "build" / "play"
+NOTES = ROOT / "python" / "stickslip" / "simulation" / "notes.toml"
 
 SCRIPTS = (
     "keys",
@@ -97,6 +105,7 @@ def joined() -> str:
     core = "\n".join(
         [
             (BUILD / "play.js").read_text(encoding="utf-8"),
+            f'const CORE_SOURCES = "{fingerprint()}";',
             f'const CORE_WASM = "{base64.b64encode(packed).decode()}";',
             source("load.js"),
         ]
@@ -104,13 +113,36 @@ def joined() -> str:
     parts = {
         "/*{page.css}*/": source("page.css"),
         "/*{core}*/": core,
-        "/*{scripts}*/": "\n".join(source(f"{name}.js") for name in SCRIPTS),
+        "/*{scripts}*/": "\n".join([notes(), *(source(f"{name}.js") for name in SCRIPTS)]),
     }
     page = source("page.html")
     for place, part in parts.items():
         before, after = page.split(place)  # each stands there once
         page = before + part + after
     return page
+
+
+def fingerprint() -> str:
+    """Of the sources that the core of the page is built from."""
+    files = [*(ROOT / "cpp" / "stickslip").rglob("*.[ch]pp"), HERE / "play.cpp"]
+    digest = hashlib.sha256()
+    for file in sorted(files):
+        digest.update(f"{file.relative_to(ROOT).as_posix()}\n".encode())
+        digest.update(file.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+def fingerprint_of(page: str) -> str:
+    """Of the sources that the core of a page was built from."""
+    found = re.search(r'^const CORE_SOURCES = "(\w+)";$', page, re.MULTILINE)
+    return found[1] if found else "unknown"
+
+
+def notes() -> str:
+    """The table of notes of the package, and its version."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    table = json.dumps(tomllib.loads(NOTES.read_text(encoding="utf-8")), indent=1)
+    return f'const VERSION = "{project["version"]}";\nconst NOTES = {table};'
 
 
 def source(name: str) -> str:

@@ -15,6 +15,7 @@ function choice(key, label, words) {
 const GROUPS = [
   ["Drive", [
     choice("drive.mode", "Pulses come from", [["IPP", "coil ahead: in-plane (IPP)"], ["OPP", "coil below: out-of-plane (OPP)"]]),
+    choice("drive.coils", "Field along the surface of", [["single", "the coil ahead"], ["pairs", "a pair, ahead and behind"]]),
     choice("drive.edge", "The field jumps", [["rise", "up"], ["fall", "down"]]),
     choice("drive.clamp", "Leans on", [["down", "front edge"], ["up", "rear edge"]]),
     choice("drive.direction", "Faces", [["+x", "right (+x)"], ["-x", "left (-x)"]]),
@@ -88,7 +89,7 @@ const ORDERED = [["drive.base", "drive.peak"], ["contact.kinetic_friction", "con
 
 const effectOf = (key) => EFFECTS.find(([, setting]) => setting.key === key);
 /** What an effect, or a constant among them, does. */
-const meaningOf = (key) => (key.startsWith("effects.") ? core.effectMeaning(key.split(".")[1]) : core.describe(key).meaning);
+const meaningOf = (key) => (key.startsWith("effects.") ? core.effectMeaning(key.split(".")[1]) : describe(key).meaning);
 
 /** What `value` is in SI units, without the noise of a product. */
 const toSI = (setting, shown) => Number((shown * setting.scale).toPrecision(12));

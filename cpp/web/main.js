@@ -4,7 +4,8 @@ const $ = (id) => document.getElementById(id);
 const SLOWNESS = [5, 10, 20, 40, 80, 160, 320, 640];
 const USUAL_SLOWNESS = 40;
 
-const state = { changes: {}, effect: null, forces: false, playing: true, slowness: USUAL_SLOWNESS, t: null };
+const STILL = matchMedia("(prefers-reduced-motion: reduce)");
+const state = { changes: {}, effect: null, forces: false, playing: !STILL.matches, slowness: USUAL_SLOWNESS, t: null };
 let run = null;
 let failure = "";
 let curve = null;
@@ -32,7 +33,8 @@ function addSlider(parent, setting) {
   row.show = () => {
     const value = valueOf(setting.key);
     input.value = value / setting.scale;
-    const text = withUnit(shownValue(setting, value), setting.unit);
+    const beside = setting.key === "robot.mass" ? `, ${numberOf(densityOf(changesNow()) / 1e3)} g/cm³` : "";
+    const text = withUnit(shownValue(setting, value), setting.unit) + beside;
     row.querySelector("output").textContent = text;
     input.setAttribute("aria-valuetext", text);
   };
@@ -93,7 +95,7 @@ function withoutEffects(changes) {
 
 function choosePreset(index) {
   state.t = null;
-  setPlaying(true);
+  setPlaying(!STILL.matches);
   setChanges({ ...PRESETS[index][1] });
 }
 
@@ -121,6 +123,7 @@ function setChanges(changes) {
   }
   state.changes = kept;
   say("");
+  $("copied").textContent = "";
   refresh();
 }
 
@@ -178,12 +181,12 @@ function showWords(changes) {
     $("story").textContent = failure;
     return;
   }
-  const story = storyOf(changes, run);
+  const { story, notes } = storyOf(changes, run);
   $("story").textContent = story;
   $("scene").setAttribute("aria-label", "The robot in motion. " + story);
-  for (const note of notesOf(changes, run)) {
+  for (const { text } of notes) {
     const item = document.createElement("li");
-    item.textContent = note;
+    item.textContent = text;
     $("notes").append(item);
   }
 }
@@ -307,11 +310,12 @@ function reset() {
   state.t = null;
   state.slowness = USUAL_SLOWNESS;
   state.forces = false;
-  setPlaying(true);
+  setPlaying(!STILL.matches);
   setChanges({});
 }
 
-async function copy(text, what) {
+const SAVE_AS = "Save it as robot.toml, then: stickslip run robot.toml";
+async function copy(text, what, where) {
   try {
     await navigator.clipboard.writeText(text);
   } catch {
@@ -323,8 +327,7 @@ async function copy(text, what) {
     document.execCommand("copy");
     area.remove();
   }
-  $("copied").textContent = `${what} copied`;
-  setTimeout(() => ($("copied").textContent = ""), 2000);
+  $("copied").textContent = `${what} copied. ${where}`;
 }
 
 /** What a copied scenario holds: all that is not stickslip's default. */
@@ -358,8 +361,9 @@ function verdict(answer, cause) {
   const setting = SETTINGS.get(cause.key);
   const value = withUnit(String(Number((puzzle.value / setting.scale).toPrecision(3))), setting.unit);
   const truth = `${cause.name.toLowerCase()}, ${cause.key} = ${value}`;
-  if (answer === cause) return `Right: ${truth}. ${puzzle.score} points: 20 for the name, 10 for each measurement that you did not need.`;
-  return `It was another one: ${truth}. ${cause.hint} No points.`;
+  const take = `“See it walk” drives this robot, and there “Copy as TOML” copies it. ${SAVE_AS}`;
+  if (answer === cause) return `Right: ${truth}. ${puzzle.score} points: 20 for the name, 10 for each measurement that you did not need. ${take}`;
+  return `It was another one: ${truth}. ${cause.hint} No points. ${take}`;
 }
 
 function buildGuess() {
@@ -474,9 +478,9 @@ function wire() {
     $("strips").addEventListener(type, seek);
     $("curve").addEventListener(type, pickFrequency);
   }
-  $("copy-toml").addEventListener("click", () => copy(toml(scenarioChanges()), "TOML"));
-  $("copy-python").addEventListener("click", () => copy(python(scenarioChanges()), "Python"));
-  $("copy-link").addEventListener("click", () => copy(location.href, "Link"));
+  $("copy-toml").addEventListener("click", () => copy(toml(scenarioChanges()), "TOML", SAVE_AS));
+  $("copy-python").addEventListener("click", () => copy(python(scenarioChanges()), "Python", "Save it as robot.py, then: python robot.py"));
+  $("copy-link").addEventListener("click", () => copy(location.href, "Link", "It opens this page with these settings."));
   document.addEventListener("keydown", onKey);
   window.addEventListener("hashchange", openHash);
   window.addEventListener("resize", () => puzzle && !$("guess").hidden && drawPuzzle($("puzzle"), puzzle));
@@ -494,6 +498,7 @@ async function main() {
     return;
   }
   contactNames = core.contactNames();
+  $("version").textContent = `Version ${VERSION}, sources of the core ${CORE_SOURCES}.`;
   readColours();
   curve = new Curve(() => {});
   buildControls();

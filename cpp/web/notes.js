@@ -1,24 +1,129 @@
-// A run in words: what moves the robot, or why it stays.
+// A run in words: what moves the robot, and the notes of the table NOTES (notes.toml of the package).
 
 const numberOf = (value, digits = 3) => Number(value.toPrecision(digits)).toLocaleString("en", { maximumSignificantDigits: digits, useGrouping: false });
 const mm = (v) => `${numberOf(v * 1e3)} mm/s`;
 const um = (x) => `${numberOf(x * 1e6, 2)} µm`;
 const ms = (t) => `${numberOf(t * 1e3, 2)} ms`;
 
-// Parts of its length in a pulse: by less it is at rest, by more a trial walks (run_notes.py).
-const AT_REST = 1e-3, WALKS = 2e-3;
+const TRIED_PULSES = 12;
 
-const settingOf = (changes, key) => changes[key] ?? describe(key).default;
+const settingOf = (changes, key) => changes[key] ?? SETTINGS.get(key)?.words?.[0][0] ?? describe(key).default;
+const volumeOf = (changes) => settingOf(changes, "robot.length") * settingOf(changes, "robot.height") * settingOf(changes, "robot.width");
+/** Magnetic moment, A m². */
+const momentOf = (changes) => volumeOf(changes) * settingOf(changes, "robot.magnetization");
+const densityOf = (changes) => settingOf(changes, "robot.mass") / volumeOf(changes);
 
-function stepOf(changes, run) {
-  return Math.abs(run.mean_velocity) / changes["drive.frequency"] / settingOf(changes, "robot.length");
+/** The names of the table for a run, as note_table.py of the package has them. */
+function factsOf(changes, run) {
+  const of = (key) => settingOf(changes, key);
+  const weight = of("robot.mass") * of("environment.gravity"), adhesion = of("contact.adhesion");
+  const friction = of("contact.static_friction"), slope = of("effects.surface_tilt.angle");
+  const forward = run.mean_velocity * (of("drive.direction") === "-x" ? -1 : 1);
+  const pulse = 1 / of("drive.frequency") / of("robot.length"), pulses = of("drive.pulses");
+  const stands = Math.abs(Math.sin(run.theta_max)) > Math.SQRT1_2;
+  const torque = Math.abs(momentOf(changes)) * run.field_max;
+  const held = 0.5 * of(stands ? "robot.height" : "robot.length") * (weight + adhesion);
+  const rocks = Math.abs(run.slip_up) + Math.abs(run.slip_down);
+  const facts = {
+    ...run, weight, forward, torque, rocks,
+    resting_force: weight + adhesion,
+    friction_held: friction * (weight + adhesion),
+    density: densityOf(changes),
+    moment: Math.abs(momentOf(changes)),
+    slope: Math.abs(slope),
+    slope_force: weight * Math.sin(Math.abs(slope)),
+    slope_hold: friction * (weight * Math.cos(slope) + adhesion),
+    downhill: run.mean_velocity * Math.sign(slope),
+    swing: of("drive.peak") - of("drive.base"),
+    middle_field: 0.5 * (of("drive.base") + of("drive.peak")),
+    measured_pulses: pulses >= 4 ? pulses - 3 : pulses,
+    step: run.status === "ok" ? Math.abs(forward) * pulse : NaN,
+    advance: run.status === "ok" ? forward * pulse : NaN,
+    backward: -forward,
+    slips: rocks + Math.abs(run.slip_flat),
+    tilt: Math.max(run.theta_max, -run.theta_min),
+    held_torque: held,
+    tipping: torque > 0 ? held / torque : Infinity,
+    roll_over: run.events.roll_over,
+    rolls: of("drive.base") !== 0 ? run.events.roll_over : 0,
+  };
+  return (name) => facts[name] ?? (name.startsWith("default.") ? describe(name.slice(8)).default : of(name));
 }
 
-/** The robot in a sentence or two. */
+const isName = (text) => /^[a-z]/i.test(text);
+const product = (text, facts) => text.split(" ").reduce((value, each) => value * (isName(each) ? facts(each) : Number(each)), 1);
+const COMPARISONS = { ">": (a, b) => a > b, ">=": (a, b) => a >= b, "<": (a, b) => a < b, "<=": (a, b) => a <= b };
+
+const holds = (conditions, facts) => conditions.every((condition) => {
+  const [first, how, ...other] = condition.split(" ");
+  if (first === "not") return !holds([[how, ...other].join(" ")], facts);
+  if (how === undefined) return holds(NOTES.lists[first], facts);
+  if (how.startsWith("is")) return (facts(first) === other[0]) === (how === "is");
+  return COMPARISONS[how](facts(first), product(other.join(" "), facts));
+});
+
+/** Changes and names of the first trial of a row that does what it says; null without one. */
+function afterTrial(row, changes, facts) {
+  if (!row.set && !row.fields) return { set: {}, tried: facts };
+  for (const factor of row.fields ?? [null]) {
+    const set = {};
+    if (factor !== null) {
+      for (const key of ["drive.peak", "drive.base", "drive.hold"]) set[key] = product(factor, facts) * facts(key);
+      set["drive.base"] ||= 0.2 * set["drive.peak"];
+    } else {
+      for (const [key, text] of Object.entries(row.set)) set[key] = /[ .]/.test(text) ? product(text, facts) : text;
+    }
+    const all = { ...changes, "drive.pulses": Math.min(facts("drive.pulses"), TRIED_PULSES), ...set };
+    try {
+      const run = measureRun(all), tried = factsOf(all, run);
+      if (run.status === "ok" && holds(row.then ?? ["walks"], tried)) return { set, tried };
+    } catch {
+      // A value beyond its range.
+    }
+  }
+  return null;
+}
+
+/** A setting by its label, and with a value if one is given. */
+function settingText(key, value) {
+  const setting = SETTINGS.get(key);
+  if (!setting) return value === undefined ? key : `${key} = ${numberOf(value)} ${describe(key).unit}`;
+  if (setting.words) return value === undefined ? setting.label : `“${setting.label}: ${setting.words.find(([word]) => word === value)[1]}”`;
+  const label = setting.label.split(",")[0].toLowerCase();
+  return value === undefined ? label : withUnit(`${label} = ${numberOf(value / setting.scale)}`, setting.unit);
+}
+
+function textOf(row, facts, { set, tried }) {
+  const filled = (text) => text.replace(/\{([\w.-]+)(?:(=)([^}]*)|:([^}]*))?\}/g, (_, name, given, other, unit) => {
+    if (name === "advice") return filled(row.advice.find(({ when }) => holds(when, facts))?.text ?? "");
+    if (name === "set") return Object.entries(set).map(([key, value]) => settingText(key, value)).join(", ");
+    if (given) return settingText(name, other && typeof facts(name) === "string" ? other : product(other || name, facts));
+    if (unit === undefined) return settingText(name);
+    const value = name.startsWith("tried.") ? tried(name.slice(6)) : facts(name);
+    return `${numberOf(value * NOTES.units[unit])} ${unit}`.trim();
+  });
+  return sentence(filled(row.text));
+}
+
+/** What holds of a run: code and sentence, the most serious first. */
+function notesOf(changes, run) {
+  const facts = factsOf(changes, run), notes = [], told = new Set();
+  for (const row of NOTES.notes) {
+    if (told.has(row.first_of) || !holds(row.when, facts)) continue;
+    const found = afterTrial(row, changes, facts);
+    if (!found) continue;
+    if (row.first_of) told.add(row.first_of);
+    notes.push({ code: row.code, text: textOf(row, facts, found) });
+  }
+  return notes;
+}
+
+/** The robot in a sentence or two, and the notes that these leave. */
 function storyOf(changes, run) {
-  if (run.status !== "ok") return `The run ended early: ${run.message}.`;
-  if (!(stepOf(changes, run) >= AT_REST)) return whyItStays(changes, run);
-  const period = run.period, forward = run.mean_velocity * run.direction;
+  if (run.status !== "ok") return { story: `The run ended early: ${run.message}.`, notes: [] };
+  const facts = factsOf(changes, run), notes = notesOf(changes, run);
+  if (!holds(["moves"], facts)) return { story: notes[0].text, notes: notes.slice(1) };
+  const period = run.period, forward = facts("forward");
   const noseDown = run.theta_min + run.theta_max > 0;
   const dropping = (noseDown ? run.slip_down : run.slip_up) * run.direction * period;
   const rising = (noseDown ? run.slip_up : run.slip_down) * run.direction * period;
@@ -33,95 +138,16 @@ function storyOf(changes, run) {
   parts.push(...slips);
   if (run.shares.flight > 0.01) parts.push(`is in the air for ${ms(run.shares.flight * period)}${Math.abs(flown) > 0.04 * Math.abs(forward * period) ? `, which moves it ${um(Math.abs(flown))} ${flown > 0 ? "forward" : "backward"}` : ""}`);
   const list = parts.length > 1 ? parts.slice(0, -1).join(", ") + " and " + parts[parts.length - 1] : parts[0];
-  const verb = isFrictionless(changes) ? "It is pulled along" : run.events.roll_over ? "It tips over" : forward < 0 ? "It slides back" : run.shares.flight > 0.2 ? "It hops" : "It walks";
-  return `${verb}: ${mm(Math.abs(forward))} ${way}, ${um(Math.abs(forward) * period)} a pulse. In each pulse of ${ms(period)} ${list}.`;
-}
-
-/** What a reader of the velocity should know. */
-function notesOf(changes, run) {
-  const notes = [];
-  if (run.status !== "ok") return notes;
-  const moves = stepOf(changes, run) >= AT_REST;
-  const forward = run.mean_velocity * run.direction;
-  if (moves && forward < 0) {
-    const edge = settingWord(changes, "drive.edge") === "rise" ? "fall" : "rise";
-    const other = velocityOf({ ...changes, "drive.edge": edge });
-    if (other > 0) notes.push(`The sudden stroke pushes the edge the wrong way. With a sudden ${edge} it walks ${mm(other)} forward.`);
-  }
-  if (run.shares.flight > 0.2) {
-    notes.push(`It is in the air for ${numberOf(100 * run.shares.flight, 2)} % of the time: it hops rather than walks, and its velocity depends on how it lands. A base field nearer to the peak keeps it down.`);
-  }
-  if (moves && isFrictionless(changes)) {
-    notes.push("Without friction nothing holds the edge: it goes where the pull of the field or a tilt of the surface takes it, which is no walk.");
-  }
-  if (moves && run.events.roll_over) {
-    notes.push(`It tipped over: ${run.events.roll_over} times it went from one edge over a face to the next.` + (changes["drive.base"] === 0 ? " At base field 0 the holding field alone stands it up on end; a base field keeps it lying." : ""));
-  }
-  if (Math.max(run.theta_max, -run.theta_min) > Math.PI / 2) notes.push("It tilted beyond upright.");
-  if (moves && run.slip_up === 0 && run.slip_down === 0 && run.slip_flat === 0) {
-    notes.push("The edge never slipped: the robot rolls or hops.");
-  }
-  if (moves && run.pull_ratio > 0.5) {
-    notes.push(`The field is stronger near the coil and pulls the robot along, with up to ${numberOf(100 * run.pull_ratio, 2)} % of what friction can hold: a part of its velocity is no walk.`);
-  }
-  return notes;
-}
-
-function isFrictionless(changes) {
-  return settingOf(changes, "contact.static_friction") === 0;
-}
-
-function settingWord(changes, key) {
-  return changes[key] ?? SETTINGS.get(key).words[0][0];
-}
-
-/** The reason why it does not move: that whose change makes it walk, as tried. */
-function whyItStays(changes, run) {
-  if (run.field_max === 0) return "It stays where it is: there is no field.";
-  if (changes["drive.base"] === changes["drive.peak"]) {
-    return "It stays where it is: base and peak are equal, so the field is steady and has no pulses. A steady field turns the magnet once and then holds it.";
-  }
-  if (settingOf(changes, "robot.magnetization") === 0) return "It stays where it is: it has no magnetic moment for the field to turn.";
-  const usual = (key) => describe(key).default;
-  const stronger = (factor) => ({
-    "drive.peak": factor * changes["drive.peak"],
-    "drive.base": factor * changes["drive.base"],
-    "drive.hold": factor * settingOf(changes, "drive.hold"),
-  });
-  const friction = settingOf(changes, "contact.static_friction"), hold = settingOf(changes, "drive.hold");
-  const base = changes["drive.base"], peak = changes["drive.peak"], lower = Number((peak / 3).toPrecision(2));
-  const trials = [
-    [{ "contact.adhesion": usual("contact.adhesion") }, settingOf(changes, "contact.adhesion") > 2 * usual("contact.adhesion"),
-      `adhesion of ${numberOf(settingOf(changes, "contact.adhesion") * 1e9)} nN holds the edge against every stroke. With ${numberOf(usual("contact.adhesion") * 1e9)} nN it walks.`],
-    [{ "robot.magnetization": usual("robot.magnetization") }, settingOf(changes, "robot.magnetization") < 0.5 * usual("robot.magnetization"),
-      `the magnet is too weak. The field turns it with at most ${numberOf(momentOf(changes) * run.field_max * 1e9, 2)} nN m, too little to shake the edge loose. With ${numberOf(usual("robot.magnetization") / 1e3)} kA/m it walks.`],
-    [{ "drive.hold": usual("drive.hold") }, hold < 0.5 * usual("drive.hold"),
-      `the holding field is ${numberOf(hold * 1e3)} mT, so the pulses change the field's size and hardly its direction, and do not rock the magnet. With ${numberOf(usual("drive.hold") * 1e3)} mT it walks.`],
-    [{ "drive.base": lower }, base > 0.5 * peak,
-      `base and peak differ by ${numberOf((peak - base) * 1e3)} mT, so the pulses are too small to break the edge loose. With a base field of ${numberOf(lower * 1e3)} mT it walks.`],
-    [{ "contact.static_friction": 0.25 * friction, "contact.kinetic_friction": 0.25 * settingOf(changes, "contact.kinetic_friction") }, true,
-      `friction holds the edge (coefficient ${numberOf(friction)}). With a quarter of the friction it walks.`],
-    [stronger(2), true, "the field rocks it too little. With twice the field it walks."],
-    [stronger(5), true, "the field rocks it too little. With five times the field it walks."],
-  ];
-  for (const [change, sensible, text] of trials) {
-    if (sensible && walksWith({ ...changes, ...change })) return "It stays where it is: " + text;
-  }
-  return "It stays where it is: neither a quarter of the friction nor five times the field makes it walk.";
-}
-
-function walksWith(changes) {
-  try {
-    const run = measureRun({ ...changes, "drive.pulses": 12 });
-    const rocks = run.slip_up !== 0 || run.slip_down !== 0;
-    return run.status === "ok" && rocks && run.airborne_fraction < 0.5 && stepOf(changes, run) > WALKS;
-  } catch {
-    return false;
-  }
-}
-
-/** Magnetic moment, A m². */
-function momentOf(changes) {
-  const volume = settingOf(changes, "robot.length") * settingOf(changes, "robot.height") * settingOf(changes, "robot.width");
-  return volume * settingOf(changes, "robot.magnetization");
+  const codes = new Set(notes.map(({ code }) => code));
+  const [, verb] = [
+    [codes.has("steep-surface") && facts("downhill") > 0, "It slides downhill"],
+    [codes.has("no-friction"), "It is pulled along"],
+    [codes.has("roll-over"), "It tips over"],
+    [holds(["goes_back"], facts), "It slides back"],
+    [codes.has("flight"), "It hops"],
+    [true, "It walks"],
+  ].find(([does]) => does);
+  const story = `${verb}: ${mm(Math.abs(forward))} ${way}, ${um(Math.abs(forward) * period)} a pulse.`;
+  if (verb === "It slides downhill") return { story, notes };
+  return { story: `${story} In each pulse of ${ms(period)} ${list}.`, notes };
 }

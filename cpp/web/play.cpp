@@ -38,19 +38,30 @@ val object_of(const RunResult& run) {
     return out;
 }
 
-/// The magnetic force (N) at each sample of a run with one in-plane coil and the clamp coil: which
-/// field each of the two makes is in the recorded sum, whatever the effects between voltage and
-/// field.
+/// The magnetic force (N) at each sample of a run with the in-plane coils of a heading along x and the
+/// clamp coil: which field each of the two makes is in the recorded sum, whatever the effects between
+/// voltage and field.
 void add_magnetic_force(const Scenario& scenario, const Recording& record, val& out) {
     const CoilSet coils = world_coil_set(scenario);
     const Model model = make_model(scenario);
     const double sign = model.frame_sign;
     const Coil driven = sign > 0.0 ? Coil::xp : Coil::xm;
+    const Coil behind = sign > 0.0 ? Coil::xm : Coil::xp;
+    // Of a pair, both coils make the same field at the centre.
+    const double of_behind = scenario.drive.coils == DriveCoils::pairs
+                                 ? coils.centre_field_per_ampere(driven) /
+                                       coils.centre_field_per_ampere(behind)
+                                 : 0.0;
     const Effects& effects = scenario.effects;
     std::vector<double> fx, fz;
     for (std::size_t i = 0; i < record.t.size(); ++i) {
         const Eigen::Vector3d place(record.x[i], 0.0, record.z[i]);
-        const FieldAndGradient ahead = coils.unit_field(driven, place);
+        FieldAndGradient ahead = coils.unit_field(driven, place);
+        if (of_behind != 0.0) {
+            const FieldAndGradient other = coils.unit_field(behind, place);
+            ahead.field += of_behind * other.field;
+            ahead.gradient += of_behind * other.gradient;
+        }
         const FieldAndGradient below = coils.unit_field(Coil::clamp, place);
         Eigen::Matrix2d unit;
         unit << ahead.field.x(), below.field.x(), ahead.field.z(), below.field.z();

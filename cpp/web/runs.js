@@ -38,9 +38,12 @@ function playRun(changes) {
 }
 
 const described = new Map();
-/** Default, unit and meaning of a numeric key. */
+/** Default, unit and meaning of a numeric key; without the table of the paper. */
 function describe(key) {
-  if (!described.has(key)) described.set(key, answered(core.describe(key)));
+  if (!described.has(key)) {
+    const { meaning, ...rest } = answered(core.describe(key));
+    described.set(key, { ...rest, meaning: meaning.replace(/, Tables? .*/, "") });
+  }
   return described.get(key);
 }
 
