@@ -10,6 +10,7 @@ import warnings
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from check_run import MEAN_VELOCITY, TOLERANCE
@@ -337,6 +338,20 @@ def test_a_page_with_reduced_motion_begins_at_rest(opened, wish):
     assert page.evaluate("document.getElementById('pause').textContent") == (
         "Pause" if moves else "Play"
     )
+
+
+@needs_chromium
+@pytest.mark.parametrize("coils", ["single", "pairs"])
+@pytest.mark.parametrize("direction", ["+x", "-x"])
+def test_the_forces_on_the_page_move_the_robot(opened, coils, direction):
+    page = opened(f"drive.coils={coils}&drive.direction={direction}")
+    names = ("vx", "magnetic_x", "friction_force")
+    vx, magnetic, friction = (np.array(page.evaluate(f"Array.from(run.{n})")) for n in names)
+    robot, step = Scenario(), 1.0 / page.evaluate("run.rate")
+    force = robot.robot.mass * (vx[2:] - vx[:-2]) / (2.0 * step)
+    rest = force - (magnetic + friction - robot.drag.linear * vx)[1:-1]
+    # Half of the samples have no change of contact beside them.
+    assert np.median(np.abs(rest)) < 0.02 * np.median(np.abs(magnetic + friction))
 
 
 @needs_chromium

@@ -256,10 +256,11 @@ def test_a_slide_downhill_is_no_walk():
         assert "steep-surface" in found
         assert "backward" not in found
     # A trial that slides is none either: with a quarter of the friction it would.
-    held = {**FIRST, **slope, "contact.static_friction": 0.3, "contact.kinetic_friction": 0.3}
-    run = run_of({**held, "drive.peak": 0.51e-3, "robot.magnetization": 5e3})
-    (note,) = [each for each in run.notes if each.code.startswith("rest")]
-    assert note.code != "rest-friction"
+    held = {
+        **slope, "contact.static_friction": 1.0, "contact.kinetic_friction": 1.0,
+        "drive.base": 0.1e-3, "drive.peak": 0.2e-3, "drive.hold": 0.5e-3, "drive.coils": "pairs",
+    }  # fmt: skip
+    assert codes(run_of({**held, "drive.pulses": 20})) == ["rest"]
 
 
 @pytest.mark.parametrize("frequency", [115.0, 150.0])

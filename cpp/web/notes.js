@@ -39,7 +39,6 @@ function factsOf(changes, run) {
     measured_pulses: pulses >= 4 ? pulses - 3 : pulses,
     step: run.status === "ok" ? Math.abs(forward) * pulse : NaN,
     advance: run.status === "ok" ? forward * pulse : NaN,
-    backward: -forward,
     slips: rocks + Math.abs(run.slip_flat),
     tilt: Math.max(run.theta_max, -run.theta_min),
     held_torque: held,
@@ -122,7 +121,10 @@ function notesOf(changes, run) {
 function storyOf(changes, run) {
   if (run.status !== "ok") return { story: `The run ended early: ${run.message}.`, notes: [] };
   const facts = factsOf(changes, run), notes = notesOf(changes, run);
-  if (!holds(["moves"], facts)) return { story: notes[0].text, notes: notes.slice(1) };
+  if (!holds(["moves"], facts)) {
+    const still = "The robot stays in its place", [{ text }, ...others] = notes;
+    return { story: text.startsWith(still) ? text : `${still}. ${text}`, notes: others };
+  }
   const period = run.period, forward = facts("forward");
   const noseDown = run.theta_min + run.theta_max > 0;
   const dropping = (noseDown ? run.slip_down : run.slip_up) * run.direction * period;

@@ -129,7 +129,6 @@ def _of_run(facts: Facts, summary: Mapping[str, Any], ok: bool) -> dict[str, Any
         "step": way * period / scenario.robot.length if ok else math.nan,
         "advance": forward * period / scenario.robot.length if ok else math.nan,
         "forward": forward,
-        "backward": -forward,
         "rocks": rocks,
         "slips": slips,
         "tilt": max(summary["theta_max"], -summary["theta_min"]),
@@ -153,12 +152,12 @@ def holds(conditions: Iterable[str], facts: Any) -> Any:
 
 
 def _holds(condition: str, facts: Any) -> Any:
-    first, *rest = condition.split(maxsplit=2)
+    first, _, rest = condition.partition(" ")
     if first == "not":
-        return np.logical_not(_holds(*rest, facts))
+        return np.logical_not(_holds(rest, facts))
     if not rest:
         return holds(TABLE["lists"][first], facts)
-    how, other = rest
+    how, _, other = rest.partition(" ")
     right = other if how.startswith("is") else product(other, facts)
     return _COMPARISONS[how](facts[first], right)
 
