@@ -85,7 +85,8 @@ def test_the_fingerprint_is_of_each_source_of_the_core(tmp_path, monkeypatch):
         with (tmp_path / "cpp" / changed).open("a") as file:
             file.write("//")
         found.add(BUILD.fingerprint())
-    (tmp_path / "cpp/stickslip/run/player.cpp").rename(tmp_path / "cpp/stickslip/run/other.cpp")
+    file = tmp_path / "cpp/stickslip/run/player.cpp"
+    file.rename(file.with_name("other.cpp"))
     found.add(BUILD.fingerprint())
     assert len(found) == 5
     (tmp_path / "cpp/web/main.js").write_text("")  # of the page, not of the core

@@ -57,7 +57,7 @@ const holds = (conditions, facts) => conditions.every((condition) => {
   const [first, how, ...other] = condition.split(" ");
   if (first === "not") return !holds([[how, ...other].join(" ")], facts);
   if (how === undefined) return holds(NOTES.lists[first], facts);
-  if (how.startsWith("is")) return (facts(first) === other[0]) === (how === "is");
+  if (how === "is") return facts(first) === other[0];
   return COMPARISONS[how](facts(first), product(other.join(" "), facts));
 });
 

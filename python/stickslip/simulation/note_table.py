@@ -47,7 +47,7 @@ _TRIED_PULSES = 12  # of a trial; chosen: enough to see a step
 
 _COMPARISONS: Mapping[str, Callable[[Any, Any], Any]] = {
     ">": operator.gt, ">=": operator.ge, "<": operator.lt, "<=": operator.le,
-    "is": operator.eq, "isnt": operator.ne,
+    "is": operator.eq,
 }  # fmt: skip
 
 _PLACE = re.compile(r"\{([\w.-]+)(?:(=)([^}]*)|:([^}]*))?\}")
@@ -158,7 +158,7 @@ def _holds(condition: str, facts: Any) -> Any:
     if not rest:
         return holds(TABLE["lists"][first], facts)
     how, _, other = rest.partition(" ")
-    right = other if how.startswith("is") else product(other, facts)
+    right = other if how == "is" else product(other, facts)
     return _COMPARISONS[how](facts[first], right)
 
 
