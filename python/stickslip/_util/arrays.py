@@ -138,8 +138,8 @@ def columns_of(what: str, table: Any) -> dict[Any, Any] | None:
         if any(not isinstance(each, Mapping) or each.keys() != table[0].keys() for each in table):
             raise ScenarioError(f"{what}: allowed are rows with the same names")
         return {name: [each[name] for each in table] for name in names}
-    names = list(getattr(getattr(table, "dtype", None), "names", None)
-                 or getattr(table, "columns", ()))  # fmt: skip
+    fields: Any = getattr(getattr(table, "dtype", None), "names", None)
+    names = list(fields or getattr(table, "columns", ()))
     for k, name in enumerate(names):
         if name in names[:k]:
             raise ScenarioError(f"{what}: column {shown(name)} is there twice; allowed is once")

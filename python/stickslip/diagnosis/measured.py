@@ -88,19 +88,18 @@ def pose(measurement: Measurement, threads: int = 1, seed: int = 0) -> Problem:
     every.sort(key=lambda each: each.parameters[0].high)
     suspects = {each.name: each for each in every}
     causes = (*effects, *suspects.values(), *freed(constants))
-    model, draft = model_of(tables, constants, effects, list(suspects.values()))
-
     parts = tables, constants, effects, list(suspects.values())
+    model, draft = model_of(*parts)
     laws = partial(_with_laws, measurement, parts)
     return Problem(tuple(tables), Cached(model), tuple(constants), causes, Cached(draft), laws)
 
 
 def _with_laws(
-    measurement: Measurement, parts: tuple[Any, ...], problem: Problem, x: Array
+    measurement: Measurement, parts: tuple[Any, Any, Any, Any], problem: Problem, x: Array
 ) -> Problem:
     tables, _, effects, _ = parts
     found = _laws(measurement, tables[0], problem, x) if effects else ()
-    own = model_of(*parts, found)
+    own = model_of(*parts, beside=found)
     return replace(
         problem, model=Cached(own[0]), draft=Cached(own[1]), causes=(*problem.causes, *found)
     )

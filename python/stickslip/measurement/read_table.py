@@ -179,7 +179,7 @@ def _plain(heading: str, column: Series[Any], units: Units) -> Iterable[Any]:
     """A column with numbers as floats, dates and durations among them; texts as they are."""
     unit = units.get(split_unit(heading)[0])
     if unit is None or any(isinstance(each, str) for each in column):
-        return column  # cells of texts are checked one by one, as those of a file
+        return list(column)  # cells of texts are checked one by one, as those of a file
     found: list[float] = numbers(
         f"column {heading}", column, unit=unit, gaps=True, finite=False
     ).tolist()

@@ -63,8 +63,10 @@ def suspect_of(problem: Problem) -> Note | None:
     alone = len(problem.tables) == 1
     stated = problem.model(problem.physical(np.zeros((1, problem.size))))[0]
     for table, part in zip(problem.tables, problem.rows, strict=True):
-        find = find_velocity_problem if isinstance(table, VelocityTable) else find_problem
-        found = find(table, alone=alone) or _unlike(table, stated[part])
+        if isinstance(table, VelocityTable):
+            found = find_velocity_problem(table, alone=alone)
+        else:
+            found = find_problem(table, alone=alone) or _unlike(table, stated[part])
         if found is not None and not alone:
             title = getattr(table, "title", "") or table.name or "a table"
             found = replace(found, text=f"{title}: {found.text}")
@@ -153,8 +155,6 @@ def _unlike(table: Table, stated: Array) -> Note | None:
 
     Only a nearly perfect likeness counts: what is between is a matter of causes.
     """
-    if isinstance(table, VelocityTable):
-        return None  # which have rules of their own
     for rows, what in _parts(table):
         y, model = table.mean[rows], stated[rows]
         size = root_mean_square(model)

@@ -78,6 +78,7 @@ class Table:
     run: Indices | None
     order: Array | None
     places: Array | None
+    settings: Any
     notes: list[Note]
     whole: Table | None = None
     """The table that a model predicts, of which this one has the rows `kept`; this one, if None."""
@@ -227,7 +228,7 @@ def _as_array(settings: Any, columns: Mapping[Any, Array]) -> Array:
 def _equal(key: Any, values: Array, said: list[Note]) -> list[Any]:
     """What stands for each value of a column, the same for equal settings."""
     if values.dtype.kind != "f":
-        return values.tolist()
+        return list(values)
     same = representatives(values.tolist())
     merged = sum(value != one for value, one in same.items())
     if merged:

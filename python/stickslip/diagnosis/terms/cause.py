@@ -99,13 +99,13 @@ def pickled_as_call(factory: Callable[_P, _Made]) -> Callable[_P, _Made]:
     """Let the causes of a function of a module be pickled, though how they read is local to it."""
 
     @functools.wraps(factory)
-    def made(*args: _P.args, **options: _P.kwargs) -> _Made:
+    def made(*args: _P.args, **options: _P.kwargs) -> Any:
         found = factory(*args, **options)
+        call: tuple[Any, ...] = made, args, options  # type: ignore[has-type]
         causes = tuple(
-            each if each.read is None
-            else replace(each, read=_Remade(each.read, (made, args, options), place))
+            each if each.read is None else replace(each, read=_Remade(each.read, call, place))
             for place, each in enumerate(found if isinstance(found, tuple) else (found,))
-        )  # fmt: skip
-        return cast(_Made, causes if isinstance(found, tuple) else causes[0])
+        )
+        return causes if isinstance(found, tuple) else causes[0]
 
     return made

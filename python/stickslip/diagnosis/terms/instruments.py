@@ -282,7 +282,7 @@ def marker_place(
     """
     if (theta is None) == (angle is None):
         raise ScenarioError("theta, angle: allowed is one of them")
-    known = None if angle is None else row("angle", angle, unit="rad")
+    known = np.empty(0) if angle is None else row("angle", angle, unit="rad")
     parameters = tuple(
         _either_way(f"{name}.{word}", "m", size, largest) for word in ("along", "across")
     )
