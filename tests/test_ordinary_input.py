@@ -136,6 +136,12 @@ def test_a_unit_is_converted_or_refused(door):
         make(pint.Quantity(V, "kelvin"))
 
 
+@pytest.mark.parametrize("unit", [pint.Unit("kelvin"), astropy_units.Unit("K")])
+def test_a_unit_of_several_columns_is_refused(unit):
+    with pytest.raises(ScenarioError, match="without a unit"):
+        Table(V[:, None] * unit, ROW)
+
+
 @pytest.mark.parametrize("door", DOORS)
 def test_what_a_user_does_afterwards_changes_nothing(door):
     make, _, _ = DOORS[door]
@@ -179,6 +185,12 @@ def test_rows_with_gaps_are_named():
     assert "rows 2, 5: 2 of 12 rows" in said.text
 
 
+def test_truths_beside_a_gap_stay_truths():
+    table = Table({"on": [True, None, False, True]}, [1.0, 2.0, 3.0, 4.0], sd=1.0)
+    assert table["on"].tolist() == [True, False, True]
+    assert table["on"].dtype == bool
+
+
 @pytest.mark.parametrize("nothing", [np.nan, None, pd.NA])
 def test_a_reading_of_no_known_set_up_has_one_of_its_own(nothing):
     x, known = np.tile(np.arange(6.0), 6), np.repeat(np.arange(6), 6) < 2
@@ -217,8 +229,9 @@ SPOILT = {
 @pytest.mark.parametrize("lost", SPOILT)
 def test_frames_without_the_robot_are_left_out(lost, value):
     sound = velocity_of_track(FRAMES, np.where(SPOILT[lost], np.nan, PLACES), LONG)
-    with pytest.warns(UserWarning, match="left out"):
+    with pytest.warns(UserWarning, match="left out") as said:
         found = velocity_of_track(FRAMES, np.where(SPOILT[lost], value, PLACES), LONG)
+    assert said[0].filename == __file__
     assert found == sound
     assert abs(found["velocity"] - 1e-3) < 3.0 * found["standard_error"]
 

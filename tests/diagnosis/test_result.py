@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import made_findings as made
-from stickslip import diagnose_model
+from stickslip import Parameter, Prior, diagnose_model
 from stickslip.diagnosis.decision.limits import upper_limits
 from stickslip.diagnosis.decision.posterior import discrepancy
+from stickslip.diagnosis.report import amounts
 from toys import LEVEL, SLOPE, WAVE, data, line
 
 
@@ -120,6 +121,14 @@ def test_candidates_are_there_after_verdicts_that_claim_none(extra):
     assert result.verdict.kind == ("unexplained" if extra else "none")
     assert result.best.name == "none"
     assert np.isfinite(result.candidate("wave").params["value"]).all()
+
+
+def test_the_number_of_constants_is_told_where_they_are_too_many():
+    idle = [Parameter(f"idle {k}", Prior("normal", 0.0, 1.0)) for k in range(3)]
+    refused = diagnose_model(line, data(n=5), [SLOPE, LEVEL, *idle], [WAVE])
+    (reason,) = refused.verdict.reasons
+    assert reason.text.startswith("5 conditions cannot tell 5 uncertain constants")
+    assert amounts.suspect(reason.code, reason.value)[1] == "5 uncertain constants."
 
 
 def test_data_that_cannot_be_judged_teach_nothing():

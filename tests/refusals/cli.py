@@ -6,6 +6,7 @@ HEAD = "stickslip = 1\n[drive]\n"
 CSV = "t,xp,xm,yp,ym,clamp\n0,0,0,0,0,0\n1,1,0,0,0,0\n"
 PROGRAM = {"s.toml": HEAD + 'mode = "program"\nfile = "v.csv"\n'}
 PRIOR = {"u.toml": '[uncertain]\n"contact.adhesion" = { mean = 0.22e-6, sd = 0.01e-6 }\n'}
+PRIOR_OF_A_TILT = {"u.toml": '[uncertain]\n"surface_tilt.angle" = { mean = 0.01, sd = 0.002 }\n'}
 MEASURED = {
     "m.toml": 'stickslip_measurement = 1\nscenario = "s.toml"\n'
     '[[velocity]]\nfile = "velocity.csv"\n',
@@ -132,6 +133,7 @@ REFUSALS = [
     ("--vary", "record.rate=100,200", ["record.rate", "summaries"]),
     ("--vary", "drive.file=a.csv,b.csv", "drive.file"),
     ("--vary", "drive.mode=IPP --set drive.mode=OPP", ["drive.mode", "--set", "--vary"]),
+    ("--vary", "surface_tilt.angle=0,1 --set effects.surface_tilt.angle=1", ["--set", "--vary"]),
     ("command", "rnu", ["rnu", "'run'"]),
     ("command", "run s.toml --sett drive.peak=0", ["--sett", "'--set'"]),
     ("command", "run", "SCENARIO"),
@@ -186,6 +188,11 @@ REFUSALS = [
         "command",
         ("predict s.toml --uncertain u.toml --set contact.adhesion=1e-7", PRIOR),
         "--set contact.adhesion: has no influence",
+    ),
+    (
+        "command",
+        ("predict s.toml --uncertain u.toml --set surface_tilt.angle=0.02", PRIOR_OF_A_TILT),
+        "--set effects.surface_tilt.angle: has no influence",
     ),
     (
         "command",

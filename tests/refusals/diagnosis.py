@@ -45,6 +45,8 @@ TABLES = [
     (lambda: Table({"x": []}, []), ["y = ", "one row"]),
     (lambda: Table({"x": ROW}, np.ones(4)), "settings x: allowed are 4 rows"),
     (lambda: Table({"x": [1.0, math.inf, 2.0]}, ROW), "settings x: row 1 = inf: allowed is"),
+    (lambda: Table([[1.0, "a"], [2.0, "b"]], [1.0, 2.0]), "settings: texts beside numbers"),
+    (lambda: Table([[1.0], [2.0, 3.0]], [1.0, 2.0]), "settings 0 = [[1.0], [2.0, 3.0]]: allowed"),
     (lambda: Table({"x": ROW}, ROW, sd=0.0), f"sd = 0.0: {ABOVE_0}, or 3 of"),
     (lambda: Table({"x": ROW}, ROW, sd=[0.1, 0.1]), ["sd = ", ABOVE_0]),
     (lambda: Table({"x": ROW}, ROW, sd="small"), 'sd = "small": allowed is finite numbers'),

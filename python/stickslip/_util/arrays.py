@@ -95,7 +95,7 @@ def row(
 def column(what: str, values: object, count: int) -> tuple[Elements, Mask]:
     """A column of settings, shape (count,), and its gaps.
 
-    It holds floats, with NaN in gaps, or texts or truths, which are labels.
+    It holds floats, with NaN in gaps, or texts or truths, which are labels, empty or False in gaps.
     """
     allowed = "numbers or texts"
     given, missing = _elements(what, _without_unit(what, values, None), allowed)
@@ -105,8 +105,8 @@ def column(what: str, values: object, count: int) -> tuple[Elements, Mask]:
     if kind == _TEXT:
         words = ["" if gap else str(each) for each, gap in zip(given, missing, strict=True)]
         return locked(np.array(words)), missing
-    if kind == _TRUTH and not missing.any():
-        return locked(given.astype(bool)), missing
+    if kind == _TRUTH:
+        return locked(np.where(missing, False, given).astype(bool)), missing
     found = _as_floats(what, given, missing, allowed)
     wrong = ~np.isfinite(found) & ~missing
     if wrong.any():

@@ -12,7 +12,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from stickslip._util.messages import MOST_VALUES, shown
-from stickslip.scenario.keys import PATHS, Value, known_keys
+from stickslip.scenario.keys import PATHS, Value, full_name, known_keys
 
 _F = TypeVar("_F", bound=Callable[..., Any])
 
@@ -41,7 +41,7 @@ class KeyValue(click.ParamType[Any]):
         if not equals or not key or not text:
             self.fail(f"{shown(value)}: allowed is {self.example}", param, ctx)
         try:
-            return key, self.parse(key, text)
+            return full_name(key), self.parse(key, text)  # so that two options of one key are found
         except ValueError as error:
             self.fail(f"{shown(value)}: {error}", param, ctx)
 

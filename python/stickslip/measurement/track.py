@@ -42,8 +42,8 @@ def velocity_of_track(t: ArrayLike, x: ArrayLike, drive: Drive | Scenario) -> di
 
     The velocity is the mean over the whole pulses that the track holds, from the end of the third
     one on (`Scenario.window`), as in the summary of a run. It is a fit to the frames within: a
-    steady motion, and one that repeats with every pulse. Frames without a
-    place of the robot, lost ones or specks, are left out; a warning says how many.
+    steady motion, and one that repeats with every pulse. Frames without a place of the robot, lost
+    ones or specks, are left out; a warning says how many.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ def _frames(
     _check_count(times, inside, window)
     length = scenario.robot.length
     off = lost_frames(times[inside], places[inside], length)
-    _say_left_out(times[inside][off], len(off), f"not where the robot of {length:g} m can be")
+    _say_left_out(times[inside][off], len(off), f"not where the robot of {length:g} m can be", 5)
     times, places = times[inside][~off], places[inside][~off]
     held = _held(times, window, 1.0 / scenario.drive.frequency)
     inside = (times >= held[0]) & (times <= held[1])
@@ -211,10 +211,10 @@ def _check_count(times: Array, inside: Mask, window: tuple[float, float]) -> Non
     )
 
 
-def _say_left_out(times: Array, count: int, why: str) -> None:
+def _say_left_out(times: Array, count: int, why: str, level: int = 4) -> None:
     if len(times):
         text = f"{len(times)} of {count} frames are {why}, the first at t = {times[0]:.6g} s"
-        warnings.warn(f"{text}; they are left out", stacklevel=4)
+        warnings.warn(f"{text}; they are left out", stacklevel=level)
 
 
 def _noise(steady: Array, swaying: Array, places: Array) -> float:

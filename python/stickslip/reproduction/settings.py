@@ -150,8 +150,8 @@ def small_changes(count: int) -> Array:
     """Factors of frequency, friction and field, shape (count, 3); the first are 1.
 
     At 100 Hz a frequency 2 % higher changes one velocity in ten by more than 8 %, so a median over
-    small changes says more. They are
-    spread evenly by Roberts' additive recurrence with the plastic number of three dimensions.
+    small changes says more. They are spread evenly by Roberts' additive recurrence with the plastic
+    number of three dimensions.
     """
     ratio = 1.2207440846057596  # the real root of x^4 = x + 1
     steps = np.array([1.0 / ratio, 1.0 / ratio**2, 1.0 / ratio**3])

@@ -75,7 +75,7 @@ def suspect_of(problem: Problem) -> Note | None:
     count, free = len(problem.y), len(problem.constants)
     if count <= free:
         text = f"{count} conditions cannot tell {free} uncertain constants, let alone causes."
-        return Note("too-few-conditions", text, count)
+        return Note("too-many-constants", text, free)
     return None
 
 
@@ -168,7 +168,7 @@ def _unlike(table: Table, stated: Array) -> Note | None:
             continue
         for changed, code, text in _changes(table, y):
             if root_mean_square(changed - model) < _LIKENESS * size:
-                return Note(code, f"{what} would fit the stated model {text}.")
+                return Note(code, f"{what} would fit the stated model if it were {text}.")
     return None
 
 
@@ -187,18 +187,19 @@ def _of_a_film(what: str) -> str:
 
 def _changes(table: Table, y: Array) -> Iterator[tuple[Array, str, str]]:
     """Readings as they may have been meant, with the code of the note and its words."""
-    yield -y, "readings-reversed", "with the other sign"
+    yield -y, "readings-reversed", "of the other sign"
     for factor in _FACTORS:
-        yield y / factor, "readings-unit", f"divided by {factor_text(factor)}: look at its unit"
+        size = factor_text(1.0 / factor)
+        yield y / factor, "readings-unit", f"{size} times as large: look at its unit"
     if isinstance(table, FieldTable):
         vectors = y.reshape(-1, 3)
         for order in itertools.permutations(range(3)):
             for sign in (1.0, -1.0):
                 exchanged = sign * vectors[:, order]
-                yield exchanged.ravel(), "readings-exchanged", "with its components exchanged"
+                yield exchanged.ravel(), "readings-exchanged", "one with its components exchanged"
         for k, name in enumerate("xyz"):
             mirrored = vectors * np.where(np.arange(3) == k, -1.0, 1.0)
-            yield mirrored.ravel(), "readings-reversed", f"with the other sign of B{name}"
+            yield mirrored.ravel(), "readings-reversed", f"one with the other sign of B{name}"
 
 
 def _wrong_size(table: VelocityTable) -> Note | None:

@@ -263,7 +263,7 @@ def _stated(
     if sd is not None:
         s0, rho = np.sqrt(nnls(np.column_stack([level**0, (level / size) ** 2]), sd**2)[0])
         return {"s0": float(s0), "rho": float(rho) / size}, math.inf
-    few = f"repeats have {free} degrees of freedom, {FEWEST} are needed"
+    few = f"of the {FEWEST} degrees of freedom that are needed, repeats have {free}"
     if math.isfinite(relative):
         text = f"The stated relative error of {relative:.3g} is used, as {few}."
         notes.append(Note("noise-stated", text, relative))

@@ -118,7 +118,9 @@ class Table:
         )
         self.y = locked(readings[~gap])
         read = {key: locked(each[~gap]) for key, each in read.items()}
-        self.settings = read if columns is not None else _as_array(settings, read)
+        self.settings = read
+        if columns is None:
+            self.settings = _as_array(f"{at}settings", settings, read)
         said = without_gaps(at, gap)
         same = [_equal(key, each, said) for key, each in read.items()]
         keys = list(zip(*same, strict=True)) or [()] * len(self.y)
@@ -213,14 +215,17 @@ def rows_in_words(rows: Indices) -> str:
 
 def _of_array(what: str, settings: Any, count: int) -> dict[Any, Any]:
     """Columns of an array of settings, shape (n,) or (n, columns), by number."""
-    array = np.ma.asanyarray(settings)
-    if not 1 <= array.ndim <= 2 or len(array) != count:
+    # Rows of a list may have numbers beside texts, and an array a unit.
+    array = settings if hasattr(settings, "dtype") else np.array(settings, dtype=object)
+    if not 1 <= np.ndim(array) <= 2 or len(array) != count:
         raise ScenarioError(f"{what}: allowed are {count} rows, one for each reading")
-    return dict(enumerate(array.T)) if array.ndim == 2 else {0: settings}
+    return dict(enumerate(array.T)) if np.ndim(array) == 2 else {0: settings}
 
 
-def _as_array(settings: Any, columns: Mapping[Any, Array]) -> Array:
+def _as_array(what: str, settings: Any, columns: Mapping[Any, Array]) -> Array:
     """The columns as an array of the dimensions that were given."""
+    if len({each.dtype.kind == "U" for each in columns.values()}) > 1:
+        raise ScenarioError(f"{what}: texts beside numbers: allowed are columns by name")
     several = np.ndim(settings) == 2
     return locked(np.stack(list(columns.values()), axis=1)) if several else columns[0]
 
@@ -232,8 +237,8 @@ def _equal(key: Any, values: Array, said: list[Note]) -> list[Any]:
     same = representatives(values.tolist())
     merged = sum(value != one for value, one in same.items())
     if merged:
-        text = f"Of {key}, {counted(merged, 'value')} within {RELATIVE:g} of the spread of another "
-        said.append(Note("equal-settings", f"{text}one count as the same setting.", merged))
+        text = f"{key} has {counted(merged, 'value')} within {RELATIVE:g} of the spread of another "
+        said.append(Note("equal-settings", f"{text}one; they count as the same setting.", merged))
     return [same[each] for each in values.tolist()]
 
 
