@@ -22,7 +22,7 @@ import sys
 import stickslip
 from stickslip.cli.commands import COMMANDS, run
 
-print(len(dir(stickslip)))
+print(len(dir(stickslip)), flush=True)
 scenario, long = sys.argv[1:]
 for arguments in (
     *([name, "--help"] for name in COMMANDS),
@@ -31,7 +31,7 @@ for arguments in (
     ["sweep", scenario, "--vary", "drive.frequency=20,30", "--out", f"y{long[1:]}.nc"],
     ["sweep", scenario, "--vary", "drive.frequency=20,30", "--out", f"y{long[1:]}.nc", "--resume"],
 ):
-    print(ascii(run(arguments)))
+    print(ascii(run(arguments)), flush=True)
 from stickslip.reproduction.statements import STATEMENTS
 print(ascii([*STATEMENTS.values()]))
 """
