@@ -117,8 +117,8 @@ def checked(path: str | PathLike[str]) -> Iterator[tuple[BinaryIO | str, bool]]:
         with open(path, "rb") as file:  # whose errors say more than those of HDF5
             source, grows = _sealed(file), False
             if source is None:
-                grows, state = _grows(file, path), os.fstat(file.fileno())
-                _try(os.path.abspath(path), grows, (state.st_ino, state.st_size, state.st_mtime_ns))
+                grows = _grows(file, path)
+                _try_as_it_grows(file, os.path.abspath(path), grows)
             yield source or os.fspath(path), grows
     except (ScenarioError, MissingExtra):
         raise
@@ -161,6 +161,17 @@ def _grows(file: BinaryIO, path: str | PathLike[str]) -> bool:
     if size < length and not flags & _WRITING:  # what follows were the checksums
         raise ScenarioError(_DAMAGED)
     return bool(flags & _WRITING)
+
+
+def _try_as_it_grows(file: BinaryIO, path: str, grows: bool) -> None:
+    """Open a file in another process, again where it has grown meanwhile: a block was half done."""
+    for last in (False, False, True):
+        state = os.fstat(file.fileno())
+        try:
+            return _try(path, grows, (state.st_ino, state.st_size, state.st_mtime_ns))
+        except OSError:
+            if last or os.fstat(file.fileno()).st_mtime_ns == state.st_mtime_ns:
+                raise
 
 
 @functools.lru_cache(maxsize=8)
