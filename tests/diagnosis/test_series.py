@@ -9,6 +9,7 @@ from stickslip import (
     Cause,
     Parameter,
     Prior,
+    ScenarioError,
     Series,
     Table,
     diagnose_model,
@@ -159,6 +160,20 @@ def test_repeats_tell_the_error_and_correlation_costs_degrees_of_freedom():
         # The sum of the squared correlations is (1 + phi^2) / (1 - phi^2).
         wanted = 2000 * (1 - correlation**2) / (1 + correlation**2)
         assert errors.dof == pytest.approx(wanted, rel=0.5)
+
+
+def test_a_gap_in_a_record_leaves_the_other_rows_of_its_repeats():
+    t, (first, again) = np.arange(200.0), random(13).standard_normal((2, 200))
+    missing = np.isin(t, [3, 150])
+    known = ~missing
+    gappy = [Series(t, np.where(missing, np.nan, first), name="a"),
+             Series(t, again, name="b", repeat_of="a")]  # fmt: skip
+    whole = [Series(t[known], first[known], name="a"),
+             Series(t[known], again[known], name="b", repeat_of="a")]  # fmt: skip
+    found, wanted = (with_repeats(each)[0].errors for each in (gappy, whole))
+    assert (found.told, found.dof) == (wanted.told, wanted.dof)
+    with pytest.raises(ScenarioError, match=r"row 4: t = 5: allowed is the same time, 4"):
+        with_repeats([gappy[0], Series(t + (t > 3), again, name="b", repeat_of="a")])
 
 
 def test_vectors_that_differ_in_another_record_alone_share_a_prediction():

@@ -388,6 +388,7 @@ REFUSALS = [
     ("map", {2: "8,0,0,xp,0,0,0"}, ["row 2", "x = 8.0", "millimetres"]),
     ("map", {2: "0,0,0,xp,0.5,0,0"}, ["row 2", "Bx = 0.5", "mT/A"]),
     ("json", "{}", ["coil.map", "is no fitted map"]),
+    ("json", "null", "is no fitted map"),
     ("json", "[" * 99_999, "is no fitted map"),
     ("json", '{"low": [0, 1e999]}', "is no fitted map"),
     ("points", lambda points, fields: ("text", fields), 'points = "text": allowed is'),

@@ -223,7 +223,7 @@ class FieldMap:
             )
         except ScenarioError:
             raise
-        except (KeyError, TypeError, ValueError, OverflowError, RecursionError):
+        except (AttributeError, KeyError, TypeError, ValueError, OverflowError, RecursionError):
             raise ScenarioError(
                 "is no fitted map, or a damaged one; allowed is the .json that a scenario was "
                 "written with, or a measured map as .csv"

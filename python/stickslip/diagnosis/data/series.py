@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import functools
 import math
 from collections.abc import Mapping, Sequence
 
@@ -12,7 +13,7 @@ from scipy.signal import correlate
 
 from stickslip._util.arrays import check_indexes, locked, row
 from stickslip._util.messages import refuse
-from stickslip._util.numbers import Array, Mask, root_mean_square
+from stickslip._util.numbers import Array, Indices, Mask, root_mean_square
 from stickslip._util.text import brief
 from stickslip.diagnosis.data.errors import FEWEST, Errors
 from stickslip.diagnosis.data.table import Table, stated_errors, without_gaps
@@ -192,28 +193,39 @@ def with_repeats(series: Sequence[Series]) -> list[Table]:
 
 
 def _check_repeat(of: Series, repeat: Series) -> None:
-    count = min(len(of), len(repeat))
+    rows, (first, other) = _common_rows([of, repeat])
     at = f"series {repeat.name}: repeat_of = {of.name}: "
-    apart = np.flatnonzero(np.abs(of.t[:count] - repeat.t[:count]) > _SAME * of.step)
+    apart = np.flatnonzero(np.abs(of.t[first] - repeat.t[other]) > _SAME * of.step)
     if len(apart):
-        row = int(apart[0])
-        said = f"row {row}: t = {repeat.t[row]:g}: allowed is the same time, {of.t[row]:g}"
+        k = int(apart[0])
+        time, same = repeat.t[other[k]], of.t[first[k]]
+        said = f"row {rows[k]}: t = {time:g}: allowed is the same time, {same:g}"
         raise ScenarioError(at + said)
     for key, values in of.inputs.items():
         if key not in repeat.inputs:
             raise ScenarioError(f"{at}allowed is a record with the same inputs; {key} is missing")
         size = root_mean_square(values) or 1.0
-        apart = np.flatnonzero(np.abs(values[:count] - repeat.inputs[key][:count]) > 0.1 * size)
+        own = repeat.inputs[key][other]
+        apart = np.flatnonzero(np.abs(values[first] - own) > 0.1 * size)
         if len(apart):
-            row = int(apart[0])
-            said = f"row {row}: {key} = {repeat.inputs[key][row]:g}: allowed is the same input"
-            raise ScenarioError(f"{at}{said}, {values[row]:g}")
+            k = int(apart[0])
+            said = f"row {rows[k]}: {key} = {own[k]:g}: allowed is the same input"
+            raise ScenarioError(f"{at}{said}, {values[first[k]]:g}")
+
+
+def _common_rows(group: Sequence[Series]) -> tuple[Indices, list[Indices]]:
+    """Rows, as they were given, that all records still have, and their places in each."""
+    rows = functools.reduce(np.intersect1d, [each.rows for each in group])
+    return rows, [np.searchsorted(each.rows, rows) for each in group]
 
 
 def _from_repeats(group: Sequence[Series]) -> Errors:
     """Error of a reading from the scatter of repeats, with what its correlation leaves of them."""
-    count = min(len(each) for each in group)
-    rows = np.array([each.y[:count] for each in group])
+    common, places = _common_rows(group)
+    count = len(common)
+    if not count:
+        return Errors(np.zeros(0), dof=0.0)
+    rows = np.array([each.y[at] for each, at in zip(group, places, strict=True)])
     away = rows - rows.mean(axis=0)
     sd = math.sqrt(float(np.sum(away**2)) / (count * (len(group) - 1)))
     if sd == 0.0:

@@ -13,7 +13,7 @@ size : float
 largest : float
     Largest size that is searched, to both sides; 30 times `size`, if not given.
 rows : array_like or slice
-    Rows that are read: indices, or a mask of shape (m,).
+    Rows that are read, of those without a gap: indices, or a mask of shape (m,).
 table : str
     Name of the table that is read; all tables, if not given.
 name : str
