@@ -311,6 +311,7 @@ def test_nothing_of_the_package_decides_about_a_data_set():
     assert {path for path in loaded if path.stem != "__init__"} == set(generator_files())
 
 
+@pytest.mark.nightly
 def test_a_data_set_is_written_as_a_measurement(tmp_path):
     a, b, c = (tmp_path / name for name in "abc")
     answer = write_case(a, "none, all tables", 3)

@@ -40,6 +40,7 @@ def _said(kind, seed):
     return _answer(name), found.as_dict(), set(found.verdict.causes)
 
 
+@pytest.mark.nightly
 def test_the_generator_agrees_with_the_core_where_nothing_is_hidden():
     made = make("none", 31)
     level, truth = made.level.velocity, made.truth

@@ -60,6 +60,7 @@ def test_the_code_of_a_page_saves_the_pictures_that_are_its_own(page):
             assert f'"{picture.name}"' in code, picture
 
 
+@pytest.mark.nightly
 def test_the_commands_of_the_readme_make_its_pictures(maker, tmp_path):
     names = {picture.name for _, picture in shown(README) if picture.parent.name == "readme"}
     assert {"run.png", "sweep.png", "path.png", "diagnosis.png"} == names

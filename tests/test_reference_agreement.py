@@ -43,7 +43,14 @@ def _name(case):
     return "-".join([case[0], f"{case[1]}Hz", *case[2:4], *words])
 
 
-@pytest.mark.parametrize("case", SCENARIOS + AT_THE_LIMIT, ids=_name)
+# Every third drive for each change; those at the limit always.
+DRIVES = [
+    pytest.param(case, marks=pytest.mark.nightly if number % 3 else ())
+    for number, case in enumerate(SCENARIOS)
+]
+
+
+@pytest.mark.parametrize("case", [*DRIVES, *AT_THE_LIMIT], ids=_name)
 def test_a_drive(case):
     mode, frequency, edge, clamp, base, hold, static, kinetic, adhesion, more = case
     drive = {

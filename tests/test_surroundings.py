@@ -78,7 +78,9 @@ def at_home(tmp_path_factory):
     return printed, files
 
 
-@pytest.mark.parametrize("where", [frozen, ascii_locale, own_style])
+@pytest.mark.parametrize(
+    "where", [pytest.param(frozen, marks=pytest.mark.nightly), ascii_locale, own_style]
+)
 def test_all_is_as_at_home(tmp_path, at_home, where):
     printed, files = done_in(tmp_path, where)
     assert printed.decode("utf-8", "replace") == at_home[0].decode()
