@@ -38,9 +38,9 @@ val object_of(const RunResult& run) {
     return out;
 }
 
-/// The magnetic force (N) at each sample of a run with the in-plane coils of a heading along x and the
-/// clamp coil: which field each of the two makes is in the recorded sum, whatever the effects between
-/// voltage and field.
+/// The magnetic force (N) at each sample of a run with the in-plane coils of a heading along x and
+/// the clamp coil: which field each of the two makes is in the recorded sum, whatever the effects
+/// between voltage and field.
 void add_magnetic_force(const Scenario& scenario, const Recording& record, val& out) {
     const CoilSet coils = world_coil_set(scenario);
     const Model model = make_model(scenario);
@@ -48,10 +48,10 @@ void add_magnetic_force(const Scenario& scenario, const Recording& record, val& 
     const Coil driven = sign > 0.0 ? Coil::xp : Coil::xm;
     const Coil behind = sign > 0.0 ? Coil::xm : Coil::xp;
     // Of a pair, both coils make the same field at the centre.
-    const double of_behind = scenario.drive.coils == DriveCoils::pairs
-                                 ? coils.centre_field_per_ampere(driven) /
-                                       coils.centre_field_per_ampere(behind)
-                                 : 0.0;
+    const double of_behind =
+        scenario.drive.coils == DriveCoils::pairs
+            ? coils.centre_field_per_ampere(driven) / coils.centre_field_per_ampere(behind)
+            : 0.0;
     const Effects& effects = scenario.effects;
     std::vector<double> fx, fz;
     for (std::size_t i = 0; i < record.t.size(); ++i) {
