@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.arrays import columns_of
 from stickslip._util.messages import MOST_VALUES, as_list, check_kind, shown
 from stickslip._util.numbers import RELATIVE, Array, Indices, representatives
 from stickslip.errors import ScenarioError
@@ -136,6 +137,7 @@ def points_of(scenario: Scenario, vary: Vary | None) -> Points:
         return grid(scenario, Changes(vary))
     table: Any = vary
     if hasattr(table, "to_dict"):  # a DataFrame
+        columns_of("vary", table)  # refuses a column that is there twice
         table = table.to_dict("records")
     rows = as_list("vary", table, "values by key, or a list of changes by key")
     for place, row in enumerate(rows):

@@ -160,9 +160,10 @@ def _claimed(verdict: Verdict, models: Models, fit: Fit, reasons: tuple[Note, ..
     kind: Kind = "pair" if len(names) > 1 else "named"
     if plain is not None and adequacy(problem, plain) >= ADEQUATE:
         worse = any(each is not None and each.interval[1] < 0.0 for each in gains)
-        # What a model without a cause explains too needs a proof that the cause gains something.
+        # What a model without a cause explains too needs a proof that the cause gains something,
+        # unless too few parts can be held out to give one.
         spare = adequacy(problem, models.null) >= ADEQUATE
-        proven = not spare or all(each is not None and each.certain for each in gains[:1])
+        proven = not spare or gains[0] is None or gains[0].certain
         if proven and not worse and not _at_end(models, plain):
             return _with(verdict, kind, names, plain, reasons, models, plain)
     against = list(reasons)
