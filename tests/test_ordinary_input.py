@@ -174,7 +174,7 @@ def test_tables_are_read_by_columns():
         assert not table["x"].flags.writeable
     with pytest.raises(ScenarioError, match='column "x" is there twice'):
         Table(pd.concat([frame[["x"]]] * 2, axis=1), ROW, sd=1.0)
-    with pytest.raises(ScenarioError, match='column "drive.frequency" is there twice'):
+    with pytest.raises(ScenarioError, match=r'column "drive\.frequency" is there twice'):
         sweep(WALK, pd.DataFrame([[50.0, 60.0]], columns=["drive.frequency"] * 2))
     with pytest.raises(ScenarioError, match="another index than y"):
         Table(frame[["x"]][::-1], pd.Series(ROW), sd=1.0)
