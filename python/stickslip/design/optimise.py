@@ -288,6 +288,7 @@ class _Design:
                 self._progress(min(done / self._expected, 1.0), stage)
 
         runs = simulate_batch(batch, self._threads, report)
+        report(1.0, stage)  # a short batch ends before its first report
         self._done += len(batch)
         self._message = next((run.message for run in runs if not run.ok), self._message)
         numbers = iter([self._goal.numbers(run) for run in runs])
