@@ -30,7 +30,7 @@ TRUE = angles({}, FIELDS)
 
 
 def table(theta, fields=FIELDS):
-    return AngleTable({"Bx": fields[:, 0], "Bz": fields[:, 1], "theta": theta}, SCENARIO, "tilts")
+    return AngleTable({"Bx": fields[:, 0], "Bz": fields[:, 1], "theta": theta}, SCENARIO)
 
 
 def measured(seed, repeats=1, noise=DEGREE):
@@ -107,7 +107,7 @@ def test_a_slip_is_left_out_and_a_turn_too_many_as_well():
 
 
 def test_other_units_are_refused():
-    with pytest.raises(ScenarioError, match=r"tilts: theta of .* degrees.* pi/180"):
+    with pytest.raises(ScenarioError, match=r"angle.*: theta of .* degrees.* pi/180"):
         table(np.degrees(TRUE))
-    with pytest.raises(ScenarioError, match=r"tilts: a field of .* in mT, divide them by 1e3"):
+    with pytest.raises(ScenarioError, match=r"angle.*: a field of .* in mT, divide them by 1e3"):
         table(TRUE, 1e3 * FIELDS)

@@ -7,13 +7,7 @@ import pandas as pd
 import pytest
 
 from made_velocities import drives, measurement, trials
-from stickslip.diagnosis.data.checks import (
-    FEWEST_CONDITIONS,
-    find_problem,
-    find_velocity_problem,
-    velocity_notes,
-)
-from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.data.table import FEWEST_CONDITIONS, Table
 from stickslip.diagnosis.data.velocity import VelocityTable
 
 
@@ -34,9 +28,17 @@ def of(level, repeats=3, seed=0, sd=0.03, **known):
     return Table({"x": np.repeat(np.arange(len(level)), repeats)}, y, **known)
 
 
+def problem(table):
+    return table.problem(table.stated)
+
+
+def remarks(table):
+    """What is remarked of the readings, and not of the stated model's runs."""
+    return [each for each in table.remarks() if each.code in ("stands-still", "few-pulses")]
+
+
 def code(table, **options):
-    find = find_velocity_problem if isinstance(table, VelocityTable) else find_problem
-    found = find(table, **options)
+    found = table.problem(np.full(len(table.mean), np.nan), **options)
     return None if found is None else found.code
 
 
@@ -92,7 +94,7 @@ def test_what_a_set_up_shares_makes_conditions_no_less_different():
     ],
 )
 def test_another_unit_is_recognised_by_its_size(sound, factor, said):
-    found = find_velocity_problem(velocities(sound.assign(velocity=factor * sound.velocity)))
+    found = problem(velocities(sound.assign(velocity=factor * sound.velocity)))
     assert found.code == "velocities-size"
     assert found.value == pytest.approx(factor, rel=0.1)
     assert said in found.text
@@ -102,13 +104,13 @@ def test_another_unit_is_recognised_by_its_size(sound, factor, said):
 def test_one_velocity_of_another_size_is_named(sound):
     table = velocities(sound)
     table.mean[5] *= 200.0
-    found = find_velocity_problem(table)
+    found = problem(table)
     assert found.code == "velocity-size"
     assert "direction +x, frequency 40 Hz" in found.text
     assert "mode OPP" in found.text
     # A slow one is none: the robot may stand still.
     table.mean[5] /= 200.0 * 200.0
-    assert find_velocity_problem(table) is None
+    assert problem(table) is None
 
 
 SIGNS = {
@@ -127,7 +129,7 @@ SIGNS = {
 @pytest.mark.parametrize("expected", SIGNS)
 def test_signs_that_follow_a_rule_are_a_problem_of_the_data(sound, expected):
     known = velocities(sound.assign(velocity=1.1 * sound.velocity * SIGNS[expected](sound)))
-    found, (kind, _, where) = find_velocity_problem(known), (expected or "").partition(", ")
+    found, (kind, _, where) = problem(known), (expected or "").partition(", ")
     assert (found.code if found else "") == kind
     assert where in (found.text if found else "")
 
@@ -141,7 +143,7 @@ def test_a_model_that_computes_nothing_says_why(sound):
     table = velocities(sound)
     table.stated = np.full(len(table.mean), np.nan)
     table.refusal = "contact.static_friction = 0.1: too small"
-    found = find_velocity_problem(table)
+    found = problem(table)
     assert found.code == "nothing-computed"
     assert "contact.static_friction" in found.text
 
@@ -159,7 +161,7 @@ def test_a_drift_is_found(sound):
         drifting = in_order(sound)
         drifting.y = table.y + slope[table.condition] * table.sequence / 48.0
         drifting.mean = np.bincount(table.condition, drifting.y) / 3.0
-        found = find_velocity_problem(drifting)
+        found = problem(drifting)
         assert found.code == "drift"
         assert found.value < 1e-3
 
@@ -178,7 +180,7 @@ def test_without_a_drift_none_is_found(sound):
             noise[after] = phi * noise[before] + (1.0 - phi**2) ** 0.5 * noise[after]
         table.y = table.stated[table.condition] + size * noise
         table.mean = np.bincount(table.condition, table.y) / 3.0
-        blamed += find_velocity_problem(table) is not None
+        blamed += problem(table) is not None
     assert blamed < 5
 
 
@@ -195,19 +197,19 @@ def test_what_differs_between_set_ups_is_no_drift(sound):
 
 def test_zero_readings_where_the_model_walks_are_noted(sound):
     table = velocities(sound)
-    assert velocity_notes(table) == []
+    assert remarks(table) == []
     table.mean[:6] = 0.0
-    (found,) = velocity_notes(table)
+    (found,) = remarks(table)
     assert found.code == "stands-still"
     assert found.value == pytest.approx(np.max(np.abs(table.stated[:6])))
     assert "at 6 of 16 conditions" in found.text
     assert found.text.endswith("and 2 more.")
     # Where the model hardly moves either, zero is no news.
     table.stated[:6] = 1e-6
-    assert velocity_notes(table) == []
+    assert remarks(table) == []
 
 
 @pytest.mark.parametrize(("pulses", "said"), [(3, [("few-pulses", 8)]), (4, [])])
 def test_drives_that_measure_the_start_up_are_noted(pulses, said):
-    notes = velocity_notes(velocities(trials(table=drives(pulses=pulses))))
+    notes = remarks(velocities(trials(table=drives(pulses=pulses))))
     assert [(each.code, each.value) for each in notes] == said

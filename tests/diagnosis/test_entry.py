@@ -5,7 +5,6 @@ import pytest
 
 from made_velocities import drives, measurement, trials
 from stickslip import Scenario, diagnose
-from stickslip.diagnosis.entry import _notes_of_runs
 from stickslip.diagnosis.measured import pose
 from stickslip.diagnosis.terms.library import library
 
@@ -55,7 +54,7 @@ def test_the_result_does_not_depend_on_threads_and_little_on_the_seed(table, sou
 def test_a_tolerance_that_the_diagnosis_chose_is_not_noted(table):
     first = pose(measurement(table), threads=1).tables[0]
     first.conditions[0]["solver.rtol"] = 1e-4
-    assert "tolerance" not in [each.code for each in _notes_of_runs(measurement(table), first)]
+    assert "tolerance" not in [each.code for each in first.remarks()]
 
 
 # ---------------------------------------------------------------------------------- the problem

@@ -31,7 +31,7 @@ def probed(in_plane=0.0, clamp=0.0, ambient=(0.0, 0.0), seed=0, repeats=1, noise
 
 
 def table(rows):
-    return FieldTable(dict(zip(COLUMNS, np.array(rows).T, strict=True)), Scenario(), "probe")
+    return FieldTable(dict(zip(COLUMNS, np.array(rows).T, strict=True)), Scenario())
 
 
 def test_predictions_are_the_field_that_a_simulated_robot_sees():

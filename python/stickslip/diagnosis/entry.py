@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
-from stickslip import _core
 from stickslip._util.messages import check_whole, shown
 from stickslip._util.numbers import worker_count
-from stickslip.diagnosis.data.checks import suspect_of, velocity_notes
 from stickslip.diagnosis.data.table import Table
-from stickslip.diagnosis.data.velocity import VelocityTable
+from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.scatter import with_scatter
 from stickslip.diagnosis.fitting.search import Progress
 from stickslip.diagnosis.measured import pose
@@ -31,8 +30,6 @@ from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
 from stickslip.simulation.note import Note
-from stickslip.sweeping.notes import notes_of
-from stickslip.sweeping.points import from_changes
 
 
 def diagnose(
@@ -74,9 +71,7 @@ def diagnose(
         )
     check_whole("seed", seed)
     problem = pose(measurement, worker_count(threads, "threads"), seed)
-    first, notes = problem.tables[0], list[Note]()
-    if isinstance(first, VelocityTable):
-        notes = [*velocity_notes(first), *_notes_of_runs(measurement, first)]
+    notes = [note for table in problem.tables for note in table.remarks()]
     findings = run(problem, int(seed), progress or _silent, suspect_of(problem))
     return Diagnosis(findings, measurement, (*notes, *moved_constants(findings)))
 
@@ -151,13 +146,16 @@ def _silent(fraction: float, stage: str) -> None:
     """Say nothing."""
 
 
-def _notes_of_runs(measurement: Measurement, table: VelocityTable) -> list[Note]:
-    """What the stated model's runs at the measured conditions are noted for.
-
-    Not for the tolerance, which the diagnosis has chosen.
-    """
-    points = from_changes(measurement.scenario, table.conditions)
-    rows = points.rows(np.arange(points.count))
-    columns, _ = _core.sweep(points.scenario.to_core(), points.keys, rows, table.threads)
-    notes = notes_of(points, columns, "conditions")
-    return [each for each in notes if each.code != "tolerance"]
+def suspect_of(problem: Problem) -> Note | None:
+    """What makes the data of a problem suspect, if anything does; each table is asked."""
+    alone = len(problem.tables) == 1
+    stated = problem.model(problem.physical(np.zeros((1, problem.size))))[0]
+    for table, part in zip(problem.tables, problem.rows, strict=True):
+        found = table.problem(stated[part], alone)
+        if found is not None:
+            return found if alone else replace(found, text=f"{table.at}{found.text}")
+    count, free = len(problem.y), len(problem.constants)
+    if count <= free:
+        text = f"{count} conditions cannot tell {free} uncertain constants, let alone causes."
+        return Note("too-many-constants", text, free)
+    return None

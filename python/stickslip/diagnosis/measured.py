@@ -13,6 +13,7 @@ from stickslip._util.numbers import Array
 from stickslip.diagnosis.data.angle import AngleTable
 from stickslip.diagnosis.data.field import FieldTable
 from stickslip.diagnosis.data.film import FilmTable
+from stickslip.diagnosis.data.simulated import SimulatedTable
 from stickslip.diagnosis.data.velocity import VelocityTable
 from stickslip.diagnosis.fitting.problem import Cached, Model, Problem
 from stickslip.diagnosis.terms.cause import Cause
@@ -26,10 +27,8 @@ from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.uncertain import refuse_geometry_beside_a_map
 from stickslip.simulation.scenario_notes import peak_voltages
 
-Measured = VelocityTable | AngleTable | FieldTable | FilmTable
 
-
-def tables_of(measurement: Measurement, threads: int, seed: int) -> list[Measured]:
+def tables_of(measurement: Measurement, threads: int, seed: int) -> list[SimulatedTable]:
     """All tables of a measurement: velocities, films, angles, fields.
 
     Raises
@@ -37,7 +36,7 @@ def tables_of(measurement: Measurement, threads: int, seed: int) -> list[Measure
     ScenarioError
         If nothing was measured that the diagnosis can use.
     """
-    found: list[Measured] = []
+    found: list[SimulatedTable] = []
     if any(len(each.velocity) for each in measurement.velocity):
         found.append(VelocityTable(measurement, threads=threads, seed=seed))
     found += [
@@ -45,13 +44,9 @@ def tables_of(measurement: Measurement, threads: int, seed: int) -> list[Measure
     ]
     scenario = measurement.scenario
     try:
-        for title, kind, several in (
-            ("Static tilt, [[angle]]", AngleTable, measurement.angle),
-            ("Field calibration, [[field]]", FieldTable, measurement.field),
-        ):
-            for number, columns in enumerate(several, start=1):
-                numbered = title if len(several) == 1 else f"{title} {number}"
-                found.append(kind(columns, scenario, numbered))
+        for kind, several in ((AngleTable, measurement.angle), (FieldTable, measurement.field)):
+            first = 0 if len(several) == 1 else 1  # a single one needs no number
+            found += [kind(each, scenario, k) for k, each in enumerate(several, start=first)]
     except ScenarioError as error:
         raise ScenarioError(f"{measurement.path}: {error}") from None
     if not found:
@@ -106,7 +101,7 @@ def _with_laws(
 
 
 def _laws(
-    measurement: Measurement, table: Measured, problem: Problem, x: Array
+    measurement: Measurement, table: SimulatedTable, problem: Problem, x: Array
 ) -> tuple[Cause, ...]:
     """The simulator's laws of a free shape at recalibrated constants; none without velocities."""
     if not isinstance(table, VelocityTable):
@@ -135,7 +130,7 @@ def freed(constants: Sequence[Parameter]) -> list[Cause]:
 
 
 def model_of(
-    tables: Sequence[Measured],
+    tables: Sequence[SimulatedTable],
     constants: Sequence[Parameter],
     effects: Sequence[Cause],
     suspects: Sequence[Cause],
@@ -153,17 +148,8 @@ def model_of(
     # How far laws reach is no parameter, but has to be set where they act.
     reach = {key: each for law in beside if law.curve for key, each in law.curve.fixed.items()}
     names += [*knots, *reach]
-    nuisance = {each.name for table in tables for each in table.nuisance}
-    shared = {*(each.name for each in constants), *amplitudes, *knots, *reach} - nuisance
-    columns = []
-    for table in tables:
-        own = {each.name for each in table.nuisance}
-        own |= {each.name for cause in table.suspects for each in cause.parameters}
-        columns.append([k for k, name in enumerate(names) if name in shared | own])
-
-    full = [each.predict for each in tables]
-    cheap = [each.low_fidelity if isinstance(each, VelocityTable) else each.predict
-             for each in tables]  # fmt: skip
+    columns = [table.own_columns(names) for table in tables]
+    full, cheap = [each.predict for each in tables], [each.low_fidelity for each in tables]
     fixed = np.array(list(reach.values()))
     return partial(_rows, names, columns, fixed, full), partial(_rows, names, columns, fixed, cheap)
 

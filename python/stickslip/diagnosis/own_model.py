@@ -442,10 +442,9 @@ def _check_inputs(tables: Sequence[Table], causes: Sequence[Cause]) -> None:
             continue
         read = [each for each in tables if cause.table in (None, each.name)]
         for table in read:
-            known = table.inputs if isinstance(table, Series) else {}
-            if cause.input not in known:
+            if cause.input not in table.inputs:
                 at = f" of {table.name}" if table.name else ""
-                allowed = ", ".join(known) or "none"
+                allowed = ", ".join(table.inputs) or "none"
                 raise ScenarioError(
                     f"cause {cause.name}: input = {cause.input}: allowed is an input{at}: {allowed}"
                 )

@@ -472,9 +472,8 @@ class Diagnosis(ShownBySummary):
 
     def _velocities(self, drives: Sequence[Mapping[str, Value]], values: Array) -> Array:
         """Velocities of any drives as they are read, m/s."""
-        table, names, known = self._velocity, self.problem.names, known_keys()
-        own = {each.name for cause in table.suspects for each in cause.parameters}
-        at = [k for k, name in enumerate(names) if name in known or name in own]
+        table, names = self._velocity, self.problem.names
+        at = table.own_columns(names)
         return read_by(
             table.suspects, [names[k] for k in at], values[:, at],
             lambda keys, rest: table.velocities(drives, keys, rest), table,

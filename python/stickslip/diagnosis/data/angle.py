@@ -10,7 +10,7 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.numbers import Array, Indices
 from stickslip.diagnosis.data.errors import of_readings
-from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.data.simulated import SimulatedTable
 from stickslip.diagnosis.terms.instruments import of_angles, read_by
 from stickslip.errors import ScenarioError
 from stickslip.measurement.outliers import far_from_their_neighbours, free_of_bends
@@ -36,7 +36,7 @@ _FEW = 0.2
 slips of a reader."""
 
 
-class AngleTable(Table):
+class AngleTable(SimulatedTable):
     """A table of static tilts, with the core's balance of torques as its model.
 
     Without repeats the error of a reading is what lines through every second condition leave over,
@@ -49,8 +49,8 @@ class AngleTable(Table):
         robot, in the world's frame, held long enough, and reached from lying flat without a swing.
     scenario : Scenario
         What no parameter sets.
-    title : str
-        Of the table, in messages.
+    number : int
+        Of the table among several; 0 for a single one.
 
     Raises
     ------
@@ -58,11 +58,10 @@ class AngleTable(Table):
         If angles or fields are in another unit.
     """
 
-    nuisance = ()
+    words, section = "angles", "Static tilt, [[angle]]"
 
-    def __init__(self, table: Mapping[str, Array], scenario: Scenario, title: str) -> None:
-        self.title, self._base = title, scenario.to_core()
-        self.left_out: list[Note] = []
+    def __init__(self, table: Mapping[str, Array], scenario: Scenario, number: int = 0) -> None:
+        self.number, self._base, self.left_out = number, scenario.to_core(), []
         rows = self._sound(np.stack([table["Bx"], table["Bz"], table["theta"]], axis=1))
         bx, bz, theta = self._without_outliers(rows).T
         super().__init__({"Bx": bx, "Bz": bz}, theta, sd=READING, name="angle", unit="rad")
@@ -72,12 +71,11 @@ class AngleTable(Table):
         self.notes = list(self.errors.notes)
         self.suspects = of_angles(self.mean)
 
-    def predict(self, names: Sequence[str], values: Array) -> Array:
-        """Angles as they are read, rad, shape (vectors, m); NaN where values make no scenario.
+    def setting_unit(self, name: str) -> str:
+        return "T"
 
-        `names` are scenario keys and parameters of `suspects`; `values` have the shape (vectors,
-        names).
-        """
+    def predict(self, names: Sequence[str], values: Array) -> Array:
+        """Angles as they are read, rad; NaN where values make no scenario."""
         return read_by(
             self.suspects, names, values,
             lambda keys, own: _core.static_tilts(self._base, list(keys), own, self.fields),
@@ -86,12 +84,12 @@ class AngleTable(Table):
 
     def _sound(self, rows: Array) -> Array:
         """Rows of Bx, Bz and theta within half a turn."""
-        refuse_larger(self.title, "field", rows[:, :2], _STRONGEST, "T")
+        refuse_larger(self.at, "field", rows[:, :2], _STRONGEST, "T")
         theta = rows[:, 2]
         beyond = np.abs(theta) > math.pi
         if np.mean(beyond) > _FEW:
             raise ScenarioError(
-                f"{self.title}: theta of {theta[np.argmax(np.abs(theta))]:.4g} rad; allowed is -pi "
+                f"{self.at}theta of {theta[np.argmax(np.abs(theta))]:.4g} rad; allowed is -pi "
                 "to pi. If angles are in degrees, multiply them by pi/180"
             )
         for each in theta[beyond].tolist():
@@ -115,12 +113,12 @@ class AngleTable(Table):
         return np.delete(rows, far, axis=0)
 
 
-def refuse_larger(title: str, what: str, sizes: Array, most: float, unit: str) -> None:
+def refuse_larger(at: str, what: str, sizes: Array, most: float, unit: str) -> None:
     """Refuse a table with a length or a field so large that its unit must be wrong."""
     size = float(np.max(np.abs(sizes)))
     if size > most:
         raise ScenarioError(
-            f"{title}: a {what} of {size:.4g} {unit}; allowed is at most {most:g} {unit}. If "
+            f"{at}a {what} of {size:.4g} {unit}; allowed is at most {most:g} {unit}. If "
             f"{what}s are in m{unit}, divide them by 1e3"
         )
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from stickslip._util.numbers import Array, Mask, root_mean_square
 from stickslip._util.units import far_size
 from stickslip.diagnosis.data.angle import refuse_larger
 from stickslip.diagnosis.data.errors import FEWEST, of_readings
-from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.data.simulated import SimulatedTable
 from stickslip.diagnosis.terms.instruments import of_fields, read_by
 from stickslip.errors import ScenarioError
 from stickslip.measurement.outliers import far_from_a_fit
@@ -30,7 +31,7 @@ Earth's field; a probe is at best placed to 0.1 mm and turned to 2 degrees, some
 _PLACE, _FIELD = ("x", "y", "z"), ("Bx", "By", "Bz")
 
 
-class FieldTable(Table):
+class FieldTable(SimulatedTable):
     """A table of fields, with the five coils' Biot-Savart field, or their map, as its model.
 
     Each component of a field is a reading. Without repeats their error is what free gains of the
@@ -42,8 +43,8 @@ class FieldTable(Table):
         Columns xp, xm, yp, ym, clamp (A), x, y, z (m), Bx, By, Bz (T), of shape (n,).
     scenario : Scenario
         What no parameter sets.
-    title : str
-        Of the table, in messages.
+    number : int
+        Of the table among several; 0 for a single one.
 
     Raises
     ------
@@ -51,18 +52,17 @@ class FieldTable(Table):
         If a column is in another unit, or every probe is on a wire or outside of the field map.
     """
 
-    nuisance = ()
+    words, section = "fields", "Field calibration, [[field]]"
 
-    def __init__(self, table: Mapping[str, Array], scenario: Scenario, title: str) -> None:
-        self.title, self._base = title, scenario.to_core()
-        self.left_out: list[Note] = []
+    def __init__(self, table: Mapping[str, Array], scenario: Scenario, number: int = 0) -> None:
+        self.number, self._base, self.left_out = number, scenario.to_core(), []
         currents, points, fields = (
             np.stack([table[key] for key in keys], axis=1) for keys in (COIL_NAMES, _PLACE, _FIELD)
         )
-        refuse_larger(title, "field", fields, _STRONGEST, "T")
-        refuse_larger(title, "place", points, _FARTHEST, "m")
+        refuse_larger(self.at, "field", fields, _STRONGEST, "T")
+        refuse_larger(self.at, "place", points, _FARTHEST, "m")
         coils = self._base.coils()
-        _refuse_outside(coils.box, points, title)
+        _refuse_outside(coils.box, points, self.at)
         # Fields of each coil alone, T.
         shares = coils.shares(points, currents)
         used = self._off_wires(shares)
@@ -70,7 +70,7 @@ class FieldTable(Table):
         currents, points, fields, shares = (
             each[used] for each in (currents, points, fields, shares)
         )
-        _refuse_currents(currents, shares, fields, title)
+        _refuse_currents(currents, shares, fields, self.at)
         settings = dict(zip((*COIL_NAMES, *_PLACE), np.hstack([currents, points]).T, strict=True))
         columns = {key: np.repeat(each, 3) for key, each in settings.items()}
         columns["component"] = np.tile(_FIELD, len(fields))
@@ -83,11 +83,13 @@ class FieldTable(Table):
         self.notes = list(self.errors.notes)
         self.suspects = of_fields(self.mean)
 
-    def predict(self, names: Sequence[str], values: Array) -> Array:
-        """Bx, By, Bz of each condition one after another, T, shape (vectors, m).
+    def setting_unit(self, name: str) -> str:
+        return "m" if name in _PLACE else "A"
 
-        `names` are scenario keys and parameters of `suspects`; `values` have the shape (vectors,
-        names). NaN for a geometry that puts a wire on a probe.
+    def predict(self, names: Sequence[str], values: Array) -> Array:
+        """Bx, By, Bz of each condition one after another, T.
+
+        NaN for a geometry that puts a wire on a probe.
         """
 
         def physics(keys: Sequence[str], own: Array) -> Array:
@@ -98,11 +100,22 @@ class FieldTable(Table):
 
         return read_by(self.suspects, names, values, physics, self)
 
+    def _changes(self, y: Array) -> Iterator[tuple[Array, str, str]]:
+        yield from super()._changes(y)
+        vectors = y.reshape(-1, 3)
+        for order in itertools.permutations(range(3)):
+            for sign in (1.0, -1.0):
+                exchanged = sign * vectors[:, order]
+                yield exchanged.ravel(), "readings-exchanged", "one with its components exchanged"
+        for k, name in enumerate("xyz"):
+            mirrored = vectors * np.where(np.arange(3) == k, -1.0, 1.0)
+            yield mirrored.ravel(), "readings-reversed", f"one with the other sign of B{name}"
+
     def _off_wires(self, shares: Array) -> Mask:
         """Rows whose probe lies on no wire, where there is no field."""
         off = np.asarray(np.isfinite(shares).all(axis=(1, 2)))
         if not off.any():
-            raise ScenarioError(f"{self.title}: every probe lies on the wire of a coil")
+            raise ScenarioError(f"{self.at}every probe lies on the wire of a coil")
         if not off.all():
             count = int(np.sum(~off))
             text = f"Rows whose probe lies on the wire of a coil are not used; {count} left out."
@@ -150,7 +163,7 @@ def _smallest(fields: Array) -> float:
     return max(_READING, _RELATIVE * root_mean_square(fields))
 
 
-def _refuse_outside(box: tuple[Array, Array] | None, places: Array, title: str) -> None:
+def _refuse_outside(box: tuple[Array, Array] | None, places: Array, at: str) -> None:
     """Refuse places, shape (n, 3), m, outside of the box of a field map."""
     if box is None:
         return
@@ -158,12 +171,12 @@ def _refuse_outside(box: tuple[Array, Array] | None, places: Array, title: str) 
     if outside.any():
         first = ", ".join(f"{each:g}" for each in places[int(np.argmax(outside))])
         raise ScenarioError(
-            f"{title}: {int(outside.sum())} of {len(places)} probes lie outside of coil.map, the "
+            f"{at}{int(outside.sum())} of {len(places)} probes lie outside of coil.map, the "
             f"first at ({first}) m: allowed are probes in the box of the map"
         )
 
 
-def _refuse_currents(currents: Array, shares: Array, fields: Array, title: str) -> None:
+def _refuse_currents(currents: Array, shares: Array, fields: Array, at: str) -> None:
     """Refuse currents, shape (n, 5), A, that could not make such fields, shape (n, 3), T."""
     read, made, most = map(
         root_mean_square, (fields, shares.sum(axis=1), np.abs(shares).sum(axis=1))
@@ -175,6 +188,6 @@ def _refuse_currents(currents: Array, shares: Array, fields: Array, title: str) 
         strongest = int(np.argmax(np.max(np.abs(shares), axis=(0, 2))))
         largest = float(np.max(np.abs(currents[:, strongest])))
         raise ScenarioError(
-            f"{title}: with currents of up to {largest:.4g} A in column {COIL_NAMES[strongest]} "
+            f"{at}with currents of up to {largest:.4g} A in column {COIL_NAMES[strongest]} "
             f"the fields are {far}"
         )

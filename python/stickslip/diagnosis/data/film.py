@@ -8,16 +8,17 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 from scipy.linalg import block_diag
 
-from stickslip._util.numbers import Array, Mask, root_mean_square
+from stickslip._util.numbers import Array, Indices, Mask, root_mean_square
 from stickslip._util.units import far_size
 from stickslip.diagnosis.data.camera import Camera, Recording, record, recording_rate, rocking
 from stickslip.diagnosis.data.errors import Errors
 from stickslip.diagnosis.data.folding import Kind, fold, frame_errors, reduce, undrifted
-from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.data.simulated import SimulatedTable
 from stickslip.diagnosis.terms.instruments import of_films
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.measurement.outliers import far_from_their_phase
 from stickslip.measurement.read_tracking import FEWEST, TrackingRun
+from stickslip.scenario.keys import known_keys
 from stickslip.scenario.uncertain import Prior
 from stickslip.simulation.note import Note
 
@@ -45,7 +46,7 @@ _CORRELATED = 0.2
 """Correlation of neighbours that is reported. Chosen: it changes an error by a fifth."""
 
 
-class FilmTable(Table):
+class FilmTable(SimulatedTable):
     """Frames of one run, folded on the drive's phase, and a simulation that its camera films.
 
     The conditions are the observables of each column, one column after another.
@@ -65,10 +66,12 @@ class FilmTable(Table):
         observables.
     """
 
+    drawable = False
+
     def __init__(self, film: TrackingRun, number: int = 1, threads: int = 1) -> None:
-        self.film, self.threads, self.title = film, threads, film.file
+        self.film, self.threads, self.words = film, threads, film.file
         self.name, self.rate = f"tracking.{number}", recording_rate(film.scenario)
-        self.left_out: list[Note] = []
+        self.left_out = []
         self.columns: dict[str, tuple[Mask, Array]] = {}
         self._told: dict[str, float] = {}
         self._said: list[Note] = []
@@ -96,11 +99,22 @@ class FilmTable(Table):
         self.nuisance = self._uncertain()
         self.suspects = of_films(film.columns["theta"][self.columns["theta"][0]])
 
-    def predict(self, names: Sequence[str], values: Array) -> Array:
-        """Observables, shape (vectors, m); NaN where the simulation fails.
+    @property
+    def at(self) -> str:
+        return f"{self.title}: "
 
-        `names` are scenario keys and parameters of `nuisance` and `suspects`; `values` have the
-        shape (vectors, names). Vectors that differ in the camera alone share a simulation.
+    def unit_of(self, condition: int) -> str:
+        return _KINDS[str(self["column"][self.first[condition]])][1]
+
+    def _parts(self) -> list[tuple[Indices | slice, str, str]]:
+        columns = self["column"][self.first]
+        return [(np.flatnonzero(columns == each), f"Column {each}", _KINDS[each][1])
+                for each in ("x", "theta") if each in columns]  # fmt: skip
+
+    def predict(self, names: Sequence[str], values: Array) -> Array:
+        """Observables; NaN where the simulation fails.
+
+        Vectors that differ in the camera alone share a simulation.
         """
         result = np.full((len(values), len(self.mean)), np.nan)
         for vector, frames in self._simulated(names, values):
@@ -139,9 +153,8 @@ class FilmTable(Table):
         self, names: Sequence[str], values: Array
     ) -> Iterator[tuple[int, dict[str, Array]]]:
         """Frames of each vector whose simulation succeeds."""
-        own = {each.name for each in self.nuisance}
-        own |= {parameter.name for each in self.suspects for parameter in each.parameters}
-        keys = [k for k, name in enumerate(names) if name not in own]
+        known = known_keys()
+        keys = [k for k, name in enumerate(names) if name in known]
         motions, which = np.unique(values[:, keys], axis=0, return_inverse=True)
         recorded = record(
             self.film.scenario, [names[k] for k in keys], motions, self.rate, self.threads

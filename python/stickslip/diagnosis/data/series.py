@@ -16,7 +16,7 @@ from stickslip._util.messages import refuse
 from stickslip._util.numbers import Array, Indices, Mask, root_mean_square
 from stickslip._util.text import brief
 from stickslip.diagnosis.data.errors import FEWEST, Errors
-from stickslip.diagnosis.data.table import Table, stated_errors, without_gaps
+from stickslip.diagnosis.data.table import Settings, Table, stated_errors, without_gaps
 from stickslip.errors import ScenarioError
 from stickslip.simulation.note import Note
 
@@ -131,6 +131,11 @@ class Series(Table):
 
     def __repr__(self) -> str:
         return f"<Series {self.name}: {len(self.y)} readings in {np.ptp(self.t):g} s>"
+
+    @functools.cached_property
+    def named_settings(self) -> Settings:
+        """The time alone, as the inputs follow."""
+        return {"t": (self.t.tolist(), "s")}
 
     @property
     def step(self) -> float:

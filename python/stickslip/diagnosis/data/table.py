@@ -3,21 +3,46 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip._util.arrays import check_indexes, column, columns_of, labels, locked, numbers, row
-from stickslip._util.numbers import RELATIVE, Array, Indices, Mask, representatives
+from stickslip._util.numbers import (
+    RELATIVE,
+    Array,
+    Indices,
+    Mask,
+    representatives,
+    root_mean_square,
+)
 from stickslip._util.text import brief, counted
+from stickslip._util.units import factor_text, far_size, unit_label
 from stickslip.diagnosis.data.errors import Errors, estimate, no_finer_than_the_meter
 from stickslip.errors import ScenarioError
 from stickslip.simulation.note import Note
 
+FEWEST_CONDITIONS = 4
+"""Conditions without which no cause is told from another, if there are no other data. Chosen: two
+constants and a cause leave one degree of freedom."""
+
 _FEWEST_RUNS = 3  # that are held out whole
 _NAMED = 5  # rows that a note names; of more only the number is given
+
+_SPREAD = 3.0
+"""Variance of the conditions' means, in that of their errors, below which they are alike. Chosen:
+means of nothing but errors have 1."""
+
+_LIKENESS, _FACTORS = 0.3, (1e3, 1e-3, 1e6, 1e-6)
+"""Part of the model's size within which changed readings are its own, and mistakes of a unit.
+Chosen: constants and causes of the usual size change predictions by less."""
+
+Settings = dict[str, tuple[list[Any], str]]
+"""Values of the conditions of a table, and their SI unit, by bare name."""
 
 
 class Table:
@@ -85,6 +110,12 @@ class Table:
     kept: Indices
     own_notes: tuple[Note, ...] = ()
     """Notes that do not depend on the errors."""
+    left_out: Sequence[Note] = ()
+    """What was read and is not used."""
+    inputs: Mapping[str, Array] = {}
+    """What was put in, by name; only a record has such."""
+    drawable = True
+    """Whether its readings share a unit, so that they are drawn over a setting."""
 
     def __init__(
         self,
@@ -171,6 +202,121 @@ class Table:
     def at(self) -> str:
         """What messages begin with."""
         return f"table {self.name}: " if self.name else "table: "
+
+    # ------------------------------------------------------------------ how it is told
+    @property
+    def title(self) -> str:
+        """What its readings are called; "" where they have no name."""
+        return self.name
+
+    @cached_property
+    def named_settings(self) -> Settings:
+        """The settings of the conditions as a reader sees them."""
+        columns = self.settings
+        if not isinstance(columns, dict):
+            array = columns.reshape(len(columns), -1)
+            names = [f"setting {k + 1}" for k in range(array.shape[1])]
+            columns = dict(zip(names if len(names) > 1 else ["setting"], array.T, strict=True))
+        return {
+            str(name): (column[self.first].tolist(), self.setting_unit(str(name)))
+            for name, column in columns.items()
+        }
+
+    def setting_unit(self, name: str) -> str:
+        """The SI unit of a setting."""
+        return "-"
+
+    def unit_of(self, condition: int) -> str:
+        """The SI unit of the readings of a condition."""
+        return self.unit
+
+    def shown_unit(self, condition: int) -> tuple[float, str]:
+        """Factor from that unit to the one that is shown; readings of one's own keep theirs."""
+        return 1.0, unit_label(self.unit_of(condition))
+
+    # ------------------------------------------------------------------ what makes it suspect
+    def problem(self, stated: Array, alone: bool = True) -> Note | None:
+        """What makes the readings suspect, before any cause is blamed; None of sound ones.
+
+        Parameters
+        ----------
+        stated : ndarray, shape (m,)
+            Predictions of the stated model.
+        alone : bool
+            Whether there is no other table. Beside others it may say little: they can tell causes
+            apart.
+        """
+        return self._tells_nothing(alone) or self._meant(stated)
+
+    def remarks(self) -> list[Note]:
+        """What a reader should know of readings that can be used."""
+        return []
+
+    def _tells_nothing(self, alone: bool) -> Note | None:
+        if not np.any(self.y):
+            text = "Every reading is zero: nothing moved, so nothing can be told apart."
+            return Note("all-zero", text)
+        if not alone:
+            return None
+        mean, errors = self.mean, self.errors
+        conditions = counted(len(mean), "condition")
+        if len(mean) < FEWEST_CONDITIONS:
+            text = (
+                f"{conditions} cannot tell causes apart; at least {FEWEST_CONDITIONS} are needed."
+            )
+            return Note("too-few-conditions", text, len(mean))
+        if not errors.known:
+            text = (
+                "The error of a reading is not known, so no misfit can be judged: repeat some "
+                "conditions, or state the error (velocity_sd of a measurement, sd of a table)."
+            )
+            return Note("no-noise", text)
+        if 0.0 < errors.dof < math.inf and 3 < len(mean) < len(self.y):  # from repeats
+            # What set-ups share is no error of one condition beside another.
+            own = errors.of_reading(mean) ** 2 / np.bincount(self.condition)
+            ratio = float(np.var(mean) / np.mean(own))
+            if ratio < _SPREAD:
+                text = (
+                    "The conditions differ by no more than their readings do: the variance between "
+                    f"them is {ratio:.2g} times that of their errors, and {_SPREAD:g} times is "
+                    "needed. Labels may be mixed up."
+                )
+                return Note("conditions-alike", text, ratio)
+        return None
+
+    def _meant(self, stated: Array) -> Note | None:
+        """Readings that are the stated model's once they are reversed, rescaled or exchanged.
+
+        Only a nearly perfect likeness counts: what is between is a matter of causes.
+        """
+        for rows, what, unit in self._parts():
+            y, model = self.mean[rows], stated[rows]
+            size, read = root_mean_square(model), root_mean_square(y)
+            if not np.isfinite(size) or size == 0.0:
+                continue
+            far = far_size(read, size, unit, "the stated model's") if unit else None
+            if far is not None:
+                return Note("readings-size", f"{what} is {far}.", read / size)
+            if root_mean_square(y - model) < size:
+                continue
+            for changed, code, text in self._changes(y):
+                if root_mean_square(changed - model) < _LIKENESS * size:
+                    return Note(code, f"{what} would fit the stated model if it were {text}.")
+        return None
+
+    def _parts(self) -> list[tuple[Indices | slice, str, str]]:
+        """Conditions to compare, what they are called, and the unit in which a size may be wrong.
+
+        Without a unit a size is a matter of causes.
+        """
+        return [(slice(None), "The table", "")]
+
+    def _changes(self, y: Array) -> Iterator[tuple[Array, str, str]]:
+        """Readings as they may have been meant, with the code of the note and its words."""
+        yield -y, "readings-reversed", "of the other sign"
+        for factor in _FACTORS:
+            size = factor_text(1.0 / factor)
+            yield y / factor, "readings-unit", f"{size} times as large: look at its unit"
 
     def with_errors(self, errors: Errors) -> Table:
         """The same readings with other errors, and notes of these alone."""

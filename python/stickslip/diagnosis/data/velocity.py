@@ -4,20 +4,27 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from itertools import compress
 
 import numpy as np
+from scipy.stats import t as t_law
 
 from stickslip import _core
 from stickslip._util.numbers import Array
-from stickslip.diagnosis.data.errors import estimate
-from stickslip.diagnosis.data.table import Table
+from stickslip._util.units import far_size
+from stickslip.diagnosis.data.errors import along_runs, estimate
+from stickslip.diagnosis.data.simulated import SimulatedTable
+from stickslip.diagnosis.data.table import Settings
 from stickslip.diagnosis.terms.instruments import of_velocities, read_by
 from stickslip.measurement.read_velocity import VelocityData
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import Value, known_keys
 from stickslip.scenario.uncertain import Prior
 from stickslip.simulation.note import Note
+from stickslip.simulation.note_table import STEADY_PULSES
+from stickslip.sweeping.notes import notes_of
+from stickslip.sweeping.points import from_changes
 
 Conditions = Sequence[Mapping[str, Value]]
 """Drive settings by dotted key, of each condition."""
@@ -37,11 +44,32 @@ _FEW_PULSES = 4.0
 """Most pulses of a low-fidelity simulation. Chosen: the first that is measured differs from the
 mean of 8 by 0.05 standard errors, and from that of 30 by 0.25."""
 
+_RARE, _FEWEST_ORDERED = 0.002, 12
+"""p-value below which a drift is said, and the fewest trials to judge by. Chosen: one in 500 sound
+data sets; a slope of fewer says little."""
+
+_LASTING = 0.97
+"""Correlation of neighbours above which errors are a drift themselves. Chosen: they last for thirty
+readings, most of a table."""
+
+_OPPOSITE = -0.8
+"""Cosine between measured and predicted velocities below which their signs are reversed. Chosen:
+near the -1 of reversed signs, with room for a model that is wrong otherwise."""
+
+_REVERSED, _SIMILAR = 3, 1.5
+"""Fewest conditions of either sign that show a rule, and the largest median ratio of speeds for
+which only the sign differs. Chosen: with fewer a rule is met by chance; room for constants that are
+off."""
+
+_WALKS, _LISTED = 0.1, 4
+"""Share of the median speed above which the model is said to move, and conditions that a note
+names. Chosen: slower motion may well be read as zero; more are not read."""
+
 _LABORATORY = {"T": ("mT", 1e3), "s": ("ms", 1e3)}
 """Units that a laboratory uses in place of SI units, and the factor to them."""
 
 
-class VelocityTable(Table):
+class VelocityTable(SimulatedTable):
     """All [[velocity]] tables of a measurement, pooled: trials at equal drives are repeats.
 
     The order of conditions does not depend on that of the rows. A run is a curve, whose conditions
@@ -81,7 +109,7 @@ class VelocityTable(Table):
     unless it computes none.
     """
 
-    nuisance = ()
+    words = "velocities"
 
     def __init__(self, measurement: Measurement, *, threads: int = 1, seed: int = 0) -> None:
         self.name, self.unit = "velocity", "m/s"
@@ -94,7 +122,7 @@ class VelocityTable(Table):
         middle = np.array([[float(prior.value(0.0)) for prior in uncertain.values()]])
         self.stated = self.velocities(self.conditions, list(uncertain), middle)[0]
         self.refusal = measurement.refusal()
-        self.left_out: list[Note] = []
+        self.left_out = []
         trials = self._without_refused(trials)
         self.condition, self.block, self.curve = trials[:, :3].T.astype(np.int64)
         self.y, self.sequence, place = np.ascontiguousarray(trials[:, 3:].T)
@@ -122,16 +150,26 @@ class VelocityTable(Table):
             key: np.array([each[key] for each in self.conditions])[self.condition] for key in keys
         }
 
-    def predict(self, names: Sequence[str], values: Array) -> Array:
-        """Velocities as they are read, m/s, shape (vectors, m); NaN where a run is refused.
+    @property
+    def at(self) -> str:
+        return f"{self.name}: "
 
-        `names` are scenario keys and parameters of `suspects`; `values` have the shape (vectors,
-        names).
-        """
+    @cached_property
+    def named_settings(self) -> Settings:
+        used = (each for each in known_keys() if each in self.settings and each != "solver.rtol")
+        return {
+            key.removeprefix("drive."): (
+                self.settings[key][self.first].tolist(), known_keys()[key].unit
+            )
+            for key in used
+        }  # fmt: skip
+
+    def predict(self, names: Sequence[str], values: Array) -> Array:
+        """Velocities as they are read, m/s; NaN where a run is refused."""
         return self._read(self.conditions, names, values)
 
     def low_fidelity(self, names: Sequence[str], values: Array) -> Array:
-        """The same by fewer pulses and a loose tolerance."""
+        """By fewer pulses and a loose tolerance."""
         pulses = [float(self._setting(each, "drive.pulses")) for each in self.conditions]
         loose = [
             {**each, "solver.rtol": TOLERANCES[0], "drive.pulses": min(count, _FEW_PULSES)}
@@ -210,6 +248,160 @@ class VelocityTable(Table):
         good = errors <= allowed
         good[-1] = True
         return np.asarray(tried[np.argmax(good, axis=0)])
+
+    # ------------------------------------------------------------------ what makes it suspect
+    def problem(self, stated: Array, alone: bool = True) -> Note | None:
+        """Also velocities that drift, or that are not what the stated model can give."""
+        return (
+            self._tells_nothing(alone) or self._wrong_size() or self._wrong_sign() or self._drift()
+        )
+
+    def remarks(self) -> list[Note]:
+        notes = []
+        short = sum(float(each["drive.pulses"]) < STEADY_PULSES for each in self.conditions)
+        if short:
+            text = (
+                f"At {short} of {len(self.mean)} conditions the drive has fewer than "
+                f"{STEADY_PULSES} pulses, so the mean velocity includes the start-up."
+            )
+            notes.append(Note("few-pulses", text, short))
+        speed = np.abs(self.stated)
+        if np.isfinite(speed).any():
+            still = np.flatnonzero((self.mean == 0.0) & (speed > _WALKS * np.nanmedian(speed)))
+            if len(still):
+                keys = varied(self.conditions)
+                names = [in_words(self.conditions[k], keys) for k in still[:_LISTED].tolist()]
+                more = f" and {len(still) - _LISTED} more" if len(still) > _LISTED else ""
+                fastest = float(np.max(speed[still]))
+                text = (
+                    f"Every reading is zero at {len(still)} of {len(self.mean)} conditions where "
+                    f"the stated model moves by up to {1e3 * fastest:.3g} mm/s: "
+                    f"{'; '.join(names)}{more}."
+                )
+                notes.append(Note("stands-still", text, fastest))
+        return notes + self._notes_of_runs()
+
+    def _notes_of_runs(self) -> list[Note]:
+        """What the stated model's runs at the measured conditions are noted for.
+
+        Not for the tolerance, which was chosen here.
+        """
+        points = from_changes(self.scenario, self.conditions)
+        rows = points.rows(np.arange(points.count))
+        columns, _ = _core.sweep(points.scenario.to_core(), points.keys, rows, self.threads)
+        notes = notes_of(points, columns, "conditions")
+        return [each for each in notes if each.code != "tolerance"]
+
+    def _wrong_size(self) -> Note | None:
+        """Velocities of another size than the stated model's, or all of the opposite sign."""
+        sound = np.isfinite(self.stated)
+        if not sound.any():
+            why = self.refusal or "look at the settings, and whether [uncertain] has refused values"
+            text = (
+                "No condition can be simulated with the stated scenario and the middles of what is "
+                f"uncertain: {why}."
+            )
+            return Note("nothing-computed", text)
+        stated, mean = self.stated[sound], self.mean[sound]
+        usual, measured = (float(np.median(np.abs(each))) for each in (stated, mean))
+        if usual == 0.0 or measured == 0.0:
+            return None
+        far = far_size(measured, usual, "m/s", "what the stated model gives")
+        if far is not None:
+            return Note("velocities-size", f"The velocities are {far}.", measured / usual)
+        fastest, most = float(np.max(np.abs(stated))), int(np.argmax(np.abs(self.mean)))
+        largest = abs(float(self.mean[most]))
+        far = far_size(largest, fastest, "m/s", "the stated model's fastest")
+        if far is not None and largest > fastest:
+            where = in_words(self.conditions[most], varied(self.conditions))
+            return Note("velocity-size", f"The velocity at {where} is {far}.", largest / fastest)
+        cosine = float(stated @ mean / (np.linalg.norm(stated) * np.linalg.norm(mean)))
+        if cosine < _OPPOSITE:
+            text = (
+                "The velocities have the opposite sign of the stated model's (a cosine of "
+                f"{cosine:.2g}); x, a direction, a mode or the clamp may be reversed."
+            )
+            return Note("opposite-sign", text, cosine)
+        return None
+
+    def _wrong_sign(self) -> Note | None:
+        """Speeds in place of velocities, or a direction or mode whose sign is reversed.
+
+        Every condition that is not slow then has the model's size, and its sign or the reverse by a
+        rule that a cause would hardly follow.
+        """
+        stated, mean = self.stated, self.mean
+        usual = float(np.nanmedian(np.abs(stated)))
+        clear = np.isfinite(stated) & (np.minimum(np.abs(stated), np.abs(mean)) > usual / 3.0)
+        turned = np.sign(mean[clear]) != np.sign(stated[clear])
+        if min(np.sum(turned), np.sum(~turned)) < _REVERSED:
+            return None
+        away = np.abs(np.log(np.abs(mean[clear] / stated[clear])))
+        if max(np.median(away[turned]), np.median(away[~turned])) > math.log(_SIMILAR):
+            return None
+        along = "A velocity is that along +x."
+        if np.array_equal(turned, stated[clear] < 0.0):
+            text = f"The velocities have the model's size without its sign, like speeds. {along}"
+            return Note("speeds", text)
+        for key in ("direction", "mode"):
+            words = np.array([str(each[f"drive.{key}"]) for each in self.conditions])[clear]
+            for word in np.unique(words):
+                if np.array_equal(turned, words == word):
+                    text = (
+                        "The velocities have the model's size, and the reverse of its sign "
+                        f"wherever {key} is {word}. {along}"
+                    )
+                    return Note("reversed", text)
+        return None
+
+    def _drift(self) -> Note | None:
+        """Velocities that change with time; what differs between set-ups is no drift."""
+        told = self.errors.told
+        moves = np.bincount(self.condition, self.y != 0.0) > 0
+        used = np.isfinite(self.sequence) & moves[self.condition]
+        if "shift" in told:
+            used &= self.block >= 0  # a trial of no known set-up has an error of its own
+        if np.sum(used) < _FEWEST_ORDERED:
+            return None
+        rows, gap = along_runs(self.curve, self.sequence, used, used)
+        phi = told.get("phi", 0.0)
+        link = (phi if phi < _LASTING else 0.0) ** gap[:, None]
+
+        def independent(columns: Array) -> Array:
+            """Columns, shape (trials, k), in which errors along a run are independent."""
+            fresh = columns.copy()
+            fresh[1:] -= link[1:] * columns[:-1]
+            return np.asarray(fresh / np.sqrt(1.0 - link**2))
+
+        c = self.condition[rows]
+        signs = np.sign(self.mean)[c, None]
+        free = [np.eye(len(self.mean))[c]]
+        if "shift" in told:
+            shares = np.eye(int(self.block.max()) + 1)[self.block[rows]]
+            free += [shares, shares * signs]
+        left, singular, _ = np.linalg.svd(independent(np.hstack(free)), full_matrices=False)
+        basis = left[:, singular > 1e-9 * singular[0]]
+        # A drift shifts all velocities alike, or all in proportion, whatever their sign.
+        scatter = (self.y[rows] - self.mean[c]) / self.errors.of_reading(self.mean)[c]
+        columns = np.column_stack([self.sequence[rows], scatter, scatter * signs[:, 0]])
+        whole = independent(columns)
+        time, *changes = (whole - basis @ (basis.T @ whole)).T
+        dof, power = len(rows) - basis.shape[1] - 1, float(time @ time)
+        if dof < 1 or power <= 1e-9 * float(whole[:, 0] @ whole[:, 0]):
+            return None
+        chances = []
+        for each in changes:
+            slope = float(time @ each) / power
+            rest = float(np.sum((each - slope * time) ** 2)) / dof
+            chances.append(2.0 * t_law.sf(abs(slope) * math.sqrt(power / max(rest, 1e-12)), dof))
+        p_value = 2.0 * min(chances)
+        if p_value >= _RARE:
+            return None
+        text = (
+            f"The velocities drift with the order in which they were measured (p = {p_value:.1g}, "
+            f"below {_RARE:g}); measure the conditions again in random order."
+        )
+        return Note("drift", text, p_value)
 
 
 def varied(conditions: Conditions) -> list[str]:

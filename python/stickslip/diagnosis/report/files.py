@@ -25,7 +25,6 @@ from stickslip._util.html import page_text, svg
 from stickslip._util.palette import BLUE, DARK_GREY, VERMILION
 from stickslip._util.text import json_text
 from stickslip.diagnosis.candidate import table_name
-from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.report import amounts
 from stickslip.diagnosis.report.numbers import numbers_of, words_of
 from stickslip.diagnosis.report.pictures import Plots, drawing
@@ -84,15 +83,15 @@ def page(result: Diagnosis, numbers: dict[str, Any]) -> str:
     films = [
         (f"The film {title_of(each, k)} over the phase of its drive", _svg(plots.film(k)))
         for k, each in enumerate(tables)
-        if isinstance(each, FilmTable)
+        if not each.drawable
     ]
     fits = [
         (f"Readings and models: {title_of(each, k)}", _svg(plots.fit(k)))
         for k, each in enumerate(tables)
-        if not isinstance(each, FilmTable)
+        if each.drawable
     ]
     judged = result.fitted
-    drawable = judged and not isinstance(tables[main], FilmTable)
+    drawable = judged and tables[main].drawable
     text = page_text(
         "diagnosis/report/report.html.j2",
         report=numbers,
@@ -119,7 +118,7 @@ def save_figures(result: Diagnosis, folder: Path, formats: Sequence[str]) -> lis
     plots = Plots(result)
     for k, table in enumerate(result.problem.tables if result.fitted else ()):
         name = table_name(result.problem, k).replace(" ", "-")
-        if isinstance(table, FilmTable):
+        if not table.drawable:
             figures[f"film-{name}"] = plots.film(k)
         else:
             figures |= {f"fit-{name}": plots.fit(k), f"residuals-{name}": plots.residuals(k)}

@@ -15,8 +15,8 @@ from stickslip import _core
 from stickslip._util.html import page_text
 from stickslip._util.numbers import Array, Mask
 from stickslip.diagnosis.candidate import Candidate, spread_of, table_name
-from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.data.series import Series
+from stickslip.diagnosis.data.table import Settings
 from stickslip.diagnosis.data.velocity import VelocityTable
 from stickslip.diagnosis.decision.experiments import advice
 from stickslip.diagnosis.decision.formulas import formula
@@ -28,13 +28,9 @@ from stickslip.diagnosis.fitting.problem import LOST
 from stickslip.diagnosis.report import amounts
 from stickslip.diagnosis.report.amounts import Words
 from stickslip.diagnosis.report.readings import (
-    Settings,
     in_words,
     setting_text,
-    settings_of,
-    shown_unit,
     title_of,
-    unit_of,
     varied,
 )
 
@@ -128,11 +124,9 @@ def _of_tables(result: Diagnosis, what: str) -> list[str]:
     """Notes of the tables; those of a film, or of one of several tables, with its name."""
     tables = result.problem.tables
     return [
-        f"{title_of(table, k)}: {each}"
-        if len(tables) > 1 or isinstance(table, FilmTable)
-        else str(each)
+        f"{title_of(table, k)}: {each}" if len(tables) > 1 or not table.drawable else str(each)
         for k, table in enumerate(tables)
-        for each in getattr(table, what, ())
+        for each in getattr(table, what)
     ]
 
 
@@ -285,7 +279,7 @@ def _left_in_words(result: Diagnosis, candidate: Candidate) -> list[str]:
         size = left.get("size", {}).get(name, 0.0)
         if size == 0.0:
             continue
-        factor, unit = shown_unit(table, 0)
+        factor, unit = table.shown_unit(0)
         text = f"{amounts.number(size * factor, 2)} {unit}".rstrip() + f" in {title_of(table, k)}"
         text = f"{'a scatter' if left['form'] == 'white' else 'an error'} of {text}"
         if name in left.get("correlation", {}):
@@ -387,7 +381,7 @@ def _pattern(result: Diagnosis) -> dict[str, Any] | None:
     problem, residual = result.problem, result.recalibrated.fit.residual
     z, best, found = residual / problem.sd, _STANDS_OUT, None
     for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
-        own, settings = z[part], settings_of(table)
+        own, settings = z[part], table.named_settings
         whole = len(own) * math.log(max(float(np.mean(own**2)), 1.0))
         for rows, said in _regions(settings, len(own)):
             some, rest = own[rows], own[~rows]
@@ -405,7 +399,7 @@ def _pattern(result: Diagnosis) -> dict[str, Any] | None:
                     "table": table_name(problem, k), "where": ", ".join(said), "side": side,
                     "readings": len(some), "of": len(own),
                     "share": float(np.sum(some**2) / np.sum(z**2)),
-                    "mean": float(np.mean(residual[part][rows])), "unit": unit_of(table, 0),
+                    "mean": float(np.mean(residual[part][rows])), "unit": table.unit_of(0),
                 }  # fmt: skip
     return found
 
@@ -557,7 +551,7 @@ def _gain(result: Diagnosis) -> dict[str, Any] | None:
     records = [
         {"title": title_of(table, k), "unit": table.unit,
          **{key: found[f"mae_{key}"][names[k]] for key in ("before", "after")}}
-        for k, table in enumerate(problem.tables) if not isinstance(table, FilmTable)
+        for k, table in enumerate(problem.tables) if table.drawable
     ]  # fmt: skip
     found["records"] = sorted(
         records, key=lambda each: -each["after"] / max(each["before"], 1e-300)
@@ -565,11 +559,11 @@ def _gain(result: Diagnosis) -> dict[str, Any] | None:
     for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
         before, after = (found[key][names[k]] for key in ("mae_before", "mae_after"))
         change = abs(before - after) / float(np.median(problem.sd[part]))
-        if change > best and not isinstance(table, FilmTable):
+        if change > best and table.drawable:
             best, level = change, float(np.mean(np.abs(problem.y[part])))
             found["told"] = {
                 "table": title_of(table, k), "before": before, "after": after,
-                "unit": unit_of(table, 0), "level": level,
+                "unit": table.unit_of(0), "level": level,
             }  # fmt: skip
     found["change"] = "falls" if gain.certain else "grows" if gain.interval[1] < 0.0 else "not sure"
     return found
@@ -604,10 +598,10 @@ def _conditions(result: Diagnosis) -> list[dict[str, Any]]:
     """Each reading with its settings and the predictions of the models, numbered in its table."""
     problem, models, rows = result.problem, predictions(result), []
     for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
-        settings, counts = settings_of(table), np.bincount(table.condition)
+        settings, counts = table.named_settings, np.bincount(table.condition)
         where = in_words(settings)
         for i, row in enumerate(range(part.start, part.stop)):
-            unit = unit_of(table, i)
+            unit = table.unit_of(i)
             rows.append({
                 "table": table_name(problem, k), "number": i + 1,
                 "where": where[i],
@@ -634,8 +628,7 @@ def _channels(result: Diagnosis) -> dict[str, Any]:
         }  # fmt: skip
         found[table_name(problem, k)] = {
             "title": title_of(table, k), "readings": len(table.y),
-            # The columns of a film have units of their own.
-            "unit": None if isinstance(table, FilmTable) else table.unit,
+            "unit": table.unit if table.drawable else None,
             "conditions": len(table.mean), "errors": dict(errors.told), "dof": errors.dof,
             "median_sd": float(np.median(problem.sd[part])) if errors.known else None,
             "digits": amounts.digits_for(problem.y[part].tolist()), "chi2_per_condition": chi2,

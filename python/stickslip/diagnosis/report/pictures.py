@@ -35,14 +35,11 @@ from stickslip.diagnosis.report.readings import (
     most_varied,
     numeric,
     setting_text,
-    settings_of,
-    shown_unit,
     title_of,
     usual_of,
     varied,
 )
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import known_keys
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -170,10 +167,8 @@ class Plots:
         film = self._tables[table]
         if not isinstance(film, FilmTable) or not self._result.fitted:
             return None
-        own = {each.name for each in film.nuisance}
-        own |= {each.name for cause in film.suspects for each in cause.parameters}
-        names, known = self._result.problem.names, known_keys()
-        used = [k for k, name in enumerate(names) if name in known or name in own]
+        names = self._result.problem.names
+        used = film.own_columns(names)
         traces = {}
         for name, of in self._models.items():
             seen = film.over_phase([names[k] for k in used], of.values()[0, used])
@@ -228,7 +223,7 @@ class Plots:
         in all panels.
         """
         table, first = self._tables[k], self._result.problem.rows[k].start
-        settings = settings_of(table)
+        settings = table.named_settings
         others = [name for name in varied(settings) if name != over]
         words = [name for name in others if isinstance(settings[name][0][0], str)]
         usual = {n: value for n, value in usual_of(settings).items() if n != over}
@@ -295,7 +290,7 @@ class Plots:
             return 0
         chi2 = [problem.chi2_of_tables(each.fit.residual[None, :])[:, 0] for each in models]
         fall = chi2[0] - chi2[1] if len(chi2) > 1 else chi2[0]
-        drawable = [not isinstance(each, FilmTable) for each in self._tables]
+        drawable = [each.drawable for each in self._tables]
         return int(np.argmax(np.where(drawable, fall, -np.inf))) if any(drawable) else 0
 
     @cached_property
@@ -326,7 +321,7 @@ class Plots:
         result, table, over = self._result, self._tables[panel.table], panel.over
         part = result.problem.rows[panel.table]
         at = along(table, over)[0][rows - part.start]
-        settings = settings_of(table)
+        settings = table.named_settings
         others = [n for n in varied(settings) if n != over]
         alone = all(len({settings[n][0][row - part.start] for row in rows}) == 1 for n in others)
         if over == ROW or not alone or not np.ptp(at) > 0.0:
@@ -388,7 +383,7 @@ class Plots:
         if not len(change) or not np.var(change) > 0.0:
             return most_varied(table)
         ratios: dict[str, float] = {}
-        settings = settings_of(table)
+        settings = table.named_settings
         most = max((len(set(settings[name][0])) for name in numeric(table)), default=0)
         for name in numeric(table):
             parts = self.panels(k, name)
@@ -409,7 +404,7 @@ class Plots:
         at = at * handy(unit)[0]
         first = next(iter(panel.groups.values()))[0]
         what = table.name or "reading"
-        factor, shown = shown_unit(table, int(first) - part.start)
+        factor, shown = table.shown_unit(int(first) - part.start)
         label = what if base is None else f"difference of {what}"
         label += f" ({shown})" if shown else ""
         below = np.zeros(len(result.problem.y)) if base is None else base

@@ -1,0 +1,69 @@
+"""What all tables have in common whose model is the simulator."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from stickslip._util.numbers import Array
+from stickslip._util.units import handy
+from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.parameter import Parameter
+from stickslip.scenario.keys import known_keys
+from stickslip.simulation.note import Note
+
+
+class SimulatedTable(Table):
+    """Readings that the simulator predicts, and what reads them.
+
+    Attributes
+    ----------
+    suspects : tuple of Cause
+        Instruments that may read it wrongly.
+    nuisance : tuple of Parameter
+        What is uncertain of its own instrument.
+    left_out : list of Note
+    """
+
+    words = ""
+    """What its readings are called."""
+    section = ""
+    """Its section in a measurement file, as messages begin with it."""
+    number = 0
+    """Its number among several of its kind; 0 for a single one."""
+    suspects: tuple[Cause, ...]
+    nuisance: tuple[Parameter, ...] = ()
+    left_out: list[Note]
+
+    def predict(self, names: Sequence[str], values: Array) -> Array:
+        """Readings of all conditions, shape (vectors, m); NaN where there is none.
+
+        `names` are scenario keys and parameters of `nuisance` and `suspects`; `values` have the
+        shape (vectors, names).
+        """
+        raise NotImplementedError
+
+    def low_fidelity(self, names: Sequence[str], values: Array) -> Array:
+        """The same at a lower cost, where there is a way."""
+        return self.predict(names, values)
+
+    def own_columns(self, names: Sequence[str]) -> list[int]:
+        """Places of the names that count for this table: scenario keys, and its own parameters."""
+        own = {each.name for each in self.nuisance}
+        own |= {each.name for cause in self.suspects for each in cause.parameters}
+        known = known_keys()
+        return [k for k, name in enumerate(names) if name in known or name in own]
+
+    @property
+    def at(self) -> str:
+        return f"{self._numbered(self.section)}: "
+
+    @property
+    def title(self) -> str:
+        return self._numbered(self.words)
+
+    def _numbered(self, text: str) -> str:
+        return f"{text} {self.number}" if self.number else text
+
+    def shown_unit(self, condition: int) -> tuple[float, str]:
+        return handy(self.unit_of(condition))
