@@ -11,9 +11,8 @@ from stickslip.diagnosis.result import Diagnosis
 
 NOMINAL = Scenario().replace({"drive.mode": "OPP", "drive.base": 0.5e-3, "drive.pulses": 5})
 OLD = pd.DataFrame({"frequency": [20.0, 20.0, 40.0, 40.0], "velocity": [1e-3, 1.1e-3, 2e-3, 2e-3]})
-UNSAFE = next_step("ambiguous", ["a", "b"], 0.0)
-SAFE = next_step("named", ["“a”"], 0.0)
-_VERDICTS = {UNSAFE.code: ("ambiguous", ("a", "b")), SAFE.code: ("named", ("a",))}
+_VERDICTS = Verdict("ambiguous", ("a", "b")), Verdict("named", ("a",)), Verdict("none")
+UNSAFE, SAFE = next_step(_VERDICTS[0], ["a", "b"], 0.0), next_step(_VERDICTS[1], ["“a”"], 0.0)
 
 
 class Asking(Diagnosis):
@@ -40,6 +39,6 @@ def experiments(count, separation=9.0):
 
 def asking(data, said=UNSAFE, count=3, separation=9.0):
     """A diagnosis of a measurement that says what to do next."""
-    verdict = Verdict(*_VERDICTS.get(said.code, ("none", ())))
+    verdict = {UNSAFE: _VERDICTS[0], SAFE: _VERDICTS[1]}.get(said, _VERDICTS[2])
     proposed, problem = experiments(count, separation), SimpleNamespace(causes=())
     return Asking(SimpleNamespace(verdict=verdict, proposed=proposed, problem=problem), data)

@@ -27,10 +27,9 @@ from blind.readings import velocities
 from blind.truth import Truth
 from blind.writing import KEYS, write_case, write_more
 from stickslip import Cause, Diagnosis, Drive, Scenario, diagnose, read_measurement, simulate_batch
-from stickslip.diagnosis.candidate import spread_of
 from stickslip.diagnosis.data.velocity import VelocityTable
+from stickslip.diagnosis.decision.candidate import spread_of
 from stickslip.diagnosis.decision.formulas import Formula, formula
-from stickslip.diagnosis.result import CLAIMS
 
 Row = dict[str, Any]
 Array = NDArray[np.float64]
@@ -274,7 +273,7 @@ def _effect(law: Cause) -> str:
 
 def _law(result: Diagnosis, gain: Row | None) -> Row | None:
     """The claimed law of a free shape: its curve with the ends of 95 %, and its formula."""
-    causes = result.best.fit.causes if result.verdict.kind in CLAIMS else ()
+    causes = result.best.fit.causes if result.verdict.claims else ()
     for cause in causes:
         if cause.curve is not None:
             at = np.linspace(cause.curve.low, cause.curve.high, _POINTS)

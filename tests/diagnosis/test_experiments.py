@@ -7,6 +7,7 @@ from scipy.stats import multivariate_normal
 
 from stickslip import Scenario
 from stickslip.diagnosis.decision import experiments as design
+from stickslip.diagnosis.decision.verdict import Verdict
 
 PAIR = [(0, 1)]
 
@@ -122,7 +123,10 @@ def test_a_second_drive_that_pins_the_constants_is_worth_its_time():
     assert "beside the drives before it" in found[1].why.text
     # So the first is needed too, though alone it tells little.
     assert found[0].separation < design.DECISIVE / 3
-    assert design.worth_measuring(design.next_step("ambiguous", ["a", "b"], 0.5), found) == found
+    assert (
+        design.worth_measuring(design.next_step(Verdict("ambiguous"), ["a", "b"], 0.5), found)
+        == found
+    )
 
 
 def test_nothing_to_choose_from_gives_nothing():
@@ -159,13 +163,15 @@ def test_what_was_measured_is_not_proposed_again():
 # ------------------------------------------------------------------------------ what is said
 @pytest.mark.parametrize("kind", ["named", "dominant", "pair"])
 def test_a_safe_name_asks_for_nothing(kind):
-    step, open_step = (design.next_step(k, ["warm coils"], 0.9812) for k in (kind, "ambiguous"))
+    step, open_step = (
+        design.next_step(Verdict(k), ["warm coils"], 0.9812) for k in (kind, "ambiguous")
+    )
     assert step.code == "name-safe"
     assert "safe: warm coils, with a probability of 0.981" in step.text
     found = chosen([[0.0], [5.0]])
     assert design.worth_measuring(step, found) == []
-    assert design.worth_measuring(design.next_step("none", [], 0.0), found) == []
-    left = design.next_step("none", ["warm coils"], 0.3, ["direction"])
+    assert design.worth_measuring(design.next_step(Verdict("none"), [], 0.0), found) == []
+    left = design.next_step(Verdict("none"), ["warm coils"], 0.3, ["direction"])
     assert (left.code, left.value) == ("cause-left", 0.3)
     assert "direction" in str(left)
     assert design.worth_measuring(open_step, found) == found

@@ -12,24 +12,26 @@ import films
 import made_findings as made
 import made_velocities
 from report_page import Page
+from stickslip._util import amounts
 from stickslip._util.palette import VERMILION
 from stickslip._util.text import json_text
 from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.data.velocity import VelocityTable
 from stickslip.diagnosis.entry import diagnose_model
 from stickslip.diagnosis.measured import pose
-from stickslip.diagnosis.report import amounts
-from stickslip.diagnosis.report.files import page
-from stickslip.diagnosis.report.numbers import _drift, notes_of, numbers_of
+from stickslip.diagnosis.report.files import figures_of, page
+from stickslip.diagnosis.report.numbers import notes_of, numbers_of
 from stickslip.diagnosis.report.pictures import drawing
 from stickslip.diagnosis.report.readings import setting_text
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.steps import run
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
+from stickslip.diagnosis.terms.words import _WORDS, suspect
 from stickslip.scenario.scenario import load
 from stickslip.simulation.note import Note
-from toys import LEVEL, SLOPE, STEP, WAVE, data, line
+from toys import LEVEL, SLOPE, STEP, WAVE, data, line, problem
 
 KEYS = {
     "verdict", "cause", "parameters", "probabilities", "p_value", "bounds", "gain", "next",
@@ -65,7 +67,7 @@ def test_each_verdict_has_a_page_of_its_numbers(results, kind, tmp_path):
     numbers = numbers_of(result)
     assert numbers["verdict"] == kind
     assert set(numbers) >= KEYS
-    html = page(result, {**numbers, "origin": []})
+    html = page({**numbers, "origin": []}, figures_of(result))
     html = re.sub(r"<(style|script).*?</\1>", "", html, flags=re.DOTALL)
     (tmp_path / "report.html").write_text(html)
     seen = Page(tmp_path / "report.html")
@@ -83,12 +85,12 @@ def test_each_verdict_has_a_page_of_its_numbers(results, kind, tmp_path):
 def test_the_page_has_no_number_that_the_dictionary_lacks(results, rough, none):
     """A page of report.json as it is read again, and one in which a number was changed."""
     for result in (rough, none, results["data-problem"]):
-        numbers = {**numbers_of(result), "origin": []}
+        numbers, figures = {**numbers_of(result), "origin": []}, figures_of(result)
         again = json.loads(json_text(numbers))
-        assert page(result, again) == page(result, numbers)
+        assert page(again, figures) == page(numbers, figures)
     numbers = {**numbers_of(rough), "origin": []}
     numbers["parameters"]["bump.height"]["value"] = 0.7654321
-    assert "0.765" in page(rough, numbers)
+    assert "0.765" in page(numbers, figures)
 
 
 def test_numbers_are_those_of_the_result(rough, none):
@@ -135,8 +137,10 @@ def test_a_drift_is_told_by_its_size_over_all_trials():
     table = SimpleNamespace(condition=condition, mean=mean, y=y, sequence=order.astype(float))
     used = order[:9]
     # Each is beside its own mean, which has grown too: by less than 0.1 %.
-    assert _drift(table) == pytest.approx(1e-4 * (used.max() - used.min()), rel=2e-3)
-    _, size, do = amounts.suspect("drift", 0.31)
+    assert VelocityTable.drift.fget(table) == pytest.approx(
+        1e-4 * (used.max() - used.min()), rel=2e-3
+    )
+    _, size, do = suspect(Note("drift", "They drift.", 0.31))
     assert "31 %" in size
     assert "random order" in do
 
@@ -163,13 +167,13 @@ def test_tables_of_one_name_have_errors_of_their_own():
     wave = 0.8 * np.sin(5.0 * np.linspace(1.0, 3.0, 30))
     tables = [data(wave, sd=sd) for sd in (0.1, 0.3)]
     tables[1].name = "other"
-    result = diagnose_model(line, tables, [SLOPE, LEVEL], [WAVE, STEP])
-    before = result.as_dict()["gain"]
+    posed = problem(tables)
+    before = run(posed, 0).verdict.gain
     tables[1].name = tables[0].name
-    after = result.as_dict()["gain"]
-    for key in ("mae_before", "mae_after"):
-        assert after[key]["line 1"] == pytest.approx(before[key]["line"])
-        assert after[key]["line 2"] == pytest.approx(before[key]["other"])
+    after = run(posed, 0).verdict.gain
+    for one, two in ((before.mae_before, after.mae_before), (before.mae_after, after.mae_after)):
+        assert list(two) == ["line 1", "line 2"]
+        assert list(two.values()) == pytest.approx(list(one.values()))
 
 
 @pytest.mark.parametrize("everywhere", [True, False])
@@ -203,7 +207,7 @@ def test_notes_that_every_measurement_has_come_last_and_those_of_a_film_name_it(
     own = replace(none, notes=notes).as_dict()
     assert [each["text"] for each in own["notes"]] == ["It rests.", "No blocks."]
     film = FilmTable(films.tracking_run({}, 400.0, 1, stated=False))
-    seen = SimpleNamespace(problem=SimpleNamespace(tables=(film,)), notes=())
+    seen = SimpleNamespace(problem=replace(none.problem, tables=(film,)), notes=())
     assert all(each["text"].startswith(f"{film.title}: ") for each in notes_of(seen))
     assert len(notes_of(seen)) == len(film.notes) > 0
 
@@ -211,9 +215,7 @@ def test_notes_that_every_measurement_has_come_last_and_those_of_a_film_name_it(
 def test_figures_are_files(rough, tmp_path):
     written = rough.save_figures(tmp_path / "figures")
     assert {each.name for each in written} == {
-        f"{name}.{form}"
-        for name in ("fit-volts", "residuals-volts", "ranking", "cosines")
-        for form in ("svg", "pdf")
+        f"{name}.{form}" for name in ("fit-volts", "residuals-volts") for form in ("svg", "pdf")
     }
     heads = {each.suffix: each.read_bytes()[:5] for each in written}
     assert heads == {".svg": b"<?xml", ".pdf": b"%PDF-"}
@@ -231,7 +233,7 @@ def test_a_law_is_told_by_its_curve_and_a_formula():
     # Five knots cannot bend as sharply as the truth does at first.
     assert np.max(np.abs(value - true)[inside]) < 0.03
     assert np.all(np.array(law["low"]) < value)
-    assert "friction" in page(result, {**numbers, "origin": []})
+    assert "friction" in page({**numbers, "origin": []}, figures_of(result))
 
 
 def test_user_text_is_escaped(rough, tmp_path):
@@ -366,5 +368,5 @@ def test_an_amount_ends_at_the_second_digit_of_its_error(value, sd, said):
 
 def test_each_cause_of_the_library_has_its_drawing():
     assert drawing("no such thing") == ""
-    for name, each in {**amounts._WORDS["effects"], **amounts._WORDS["readings"]}.items():
+    for name, each in {**_WORDS["effects"], **_WORDS["readings"]}.items():
         assert drawing(each["drawing"]), name

@@ -9,7 +9,7 @@ import made_findings as made
 from stickslip import Parameter, Prior, diagnose_model
 from stickslip.diagnosis.decision.limits import upper_limits
 from stickslip.diagnosis.decision.posterior import discrepancy
-from stickslip.diagnosis.report import amounts
+from stickslip.diagnosis.terms.words import suspect
 from toys import LEVEL, SLOPE, WAVE, data, line
 
 
@@ -111,7 +111,7 @@ def test_upper_limits_are_those_of_linear_least_squares(none):
         covariance = np.linalg.inv(used.T @ used)
         value, sd = (covariance @ used.T @ target)[2], np.sqrt(covariance[2, 2])
         either = max(value, 0.0 if name == "wave.size" else abs(value))
-        assert np.isclose(limits[name], either + 1.96 * sd, rtol=0.02)
+        assert np.isclose(limits[name].value, either + 1.96 * sd, rtol=0.02)
 
 
 @pytest.mark.parametrize("extra", [0.0, 2.0], ids=["none", "unexplained"])
@@ -128,7 +128,7 @@ def test_the_number_of_constants_is_told_where_they_are_too_many():
     refused = diagnose_model(line, data(n=5), [SLOPE, LEVEL, *idle], [WAVE])
     (reason,) = refused.verdict.reasons
     assert reason.text.startswith("5 conditions cannot tell 5 uncertain constants")
-    assert amounts.suspect(reason.code, reason.value)[1] == "5 uncertain constants."
+    assert suspect(reason)[1] == "5 uncertain constants."
 
 
 def test_data_that_cannot_be_judged_teach_nothing():

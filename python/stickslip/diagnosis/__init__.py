@@ -6,11 +6,12 @@ discrepancy and the fits of models, `decision` the verdict; `report` shows it.
 
 from __future__ import annotations
 
-from stickslip.diagnosis.candidate import Candidate
 from stickslip.diagnosis.data.errors import Errors
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.decision.candidate import Candidate
 from stickslip.diagnosis.decision.experiments import Experiment
+from stickslip.diagnosis.decision.facts import Findings
 from stickslip.diagnosis.decision.gain import Gain
 from stickslip.diagnosis.decision.test import Test
 from stickslip.diagnosis.decision.verdict import Verdict
@@ -20,7 +21,6 @@ from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.search import Models
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.rounds import Round, diagnose_in_rounds
-from stickslip.diagnosis.steps import Findings
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.curve import Curve
 from stickslip.diagnosis.terms.laws import Curves, free_law

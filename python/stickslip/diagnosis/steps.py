@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from stickslip._util.numbers import Array
-from stickslip._util.text import OneLine
+from stickslip.diagnosis.decision.facts import Findings
 from stickslip.diagnosis.decision.posterior import posterior
-from stickslip.diagnosis.decision.test import ADEQUATE, Test, adequacy, tested
+from stickslip.diagnosis.decision.test import ADEQUATE, adequacy, tested
 from stickslip.diagnosis.decision.verdict import Verdict, decide
 from stickslip.diagnosis.fitting.models import Fit, fit, sharpened
 from stickslip.diagnosis.fitting.problem import Problem
-from stickslip.diagnosis.fitting.responses import Response, responses
+from stickslip.diagnosis.fitting.responses import responses
 from stickslip.diagnosis.fitting.search import Models, Progress, recalibrated, screened, search
 from stickslip.simulation.note import Note
 
@@ -22,32 +22,6 @@ from stickslip.simulation.note import Note
 _DRAWS, _SHARE, _WIDEST = 24, 0.3, 0.02
 _FAR = 10.0  # standard deviations of a prior; chosen: no slip of an estimate is as large
 _BETTER = 1.0  # fall of the cost after which the recalibrated model is tested again
-
-
-@dataclass(frozen=True, repr=False, eq=False)
-class Findings(OneLine):
-    """What the steps found.
-
-    Attributes
-    ----------
-    models : Models
-        All fits; `models.problem` has the errors that they were compared with.
-    test : Test
-    responses : list of Response
-        Of every cause about the recalibrated model, that of the largest gain first.
-    verdict : Verdict
-    seed : int
-    """
-
-    models: Models
-    test: Test
-    responses: list[Response]
-    verdict: Verdict
-    seed: int
-
-    @property
-    def problem(self) -> Problem:
-        return self.models.problem
 
 
 def run(

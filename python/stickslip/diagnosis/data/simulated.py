@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from stickslip._util.numbers import Array
 from stickslip._util.units import handy
@@ -53,6 +54,9 @@ class SimulatedTable(Table):
         own |= {each.name for cause in self.suspects for each in cause.parameters}
         known = known_keys()
         return [k for k, name in enumerate(names) if name in known or name in own]
+
+    def elsewhere(self, condition: int, over: str, places: Array) -> Any:
+        return None
 
     @property
     def at(self) -> str:

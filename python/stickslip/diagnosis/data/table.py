@@ -209,6 +209,11 @@ class Table:
         """What its readings are called; "" where they have no name."""
         return self.name
 
+    @property
+    def step(self) -> float | None:
+        """Usual time between two readings of a record, s; None of what is no record."""
+        return None
+
     @cached_property
     def named_settings(self) -> Settings:
         """The settings of the conditions as a reader sees them."""
@@ -225,6 +230,14 @@ class Table:
     def setting_unit(self, name: str) -> str:
         """The SI unit of a setting."""
         return "-"
+
+    def elsewhere(self, condition: int, over: str, places: Array) -> Any:
+        """What the model takes at a condition and other places of a setting; None if it cannot."""
+        if not isinstance(self.settings, dict):
+            return None
+        row, count = self.first[condition], len(places)
+        same = {name: np.full(count, column[row]) for name, column in self.settings.items()}
+        return same | {over: places}
 
     def unit_of(self, condition: int) -> str:
         """The SI unit of the readings of a condition."""

@@ -164,6 +164,10 @@ class VelocityTable(SimulatedTable):
             for key in used
         }  # fmt: skip
 
+    def elsewhere(self, condition: int, over: str, places: Array) -> list[dict[str, Value]]:
+        own = {k: v for k, v in self.conditions[condition].items() if k.startswith("drive.")}
+        return [{**own, f"drive.{over}": place} for place in places.tolist()]
+
     def predict(self, names: Sequence[str], values: Array) -> Array:
         """Velocities as they are read, m/s; NaN where a run is refused."""
         return self._read(self.conditions, names, values)
@@ -398,10 +402,20 @@ class VelocityTable(SimulatedTable):
         if p_value >= _RARE:
             return None
         text = (
-            f"The velocities drift with the order in which they were measured (p = {p_value:.1g}, "
-            f"below {_RARE:g}); measure the conditions again in random order."
+            "The velocities drift with the order in which they were measured (p = "
+            f"{p_value:.1g}, below {_RARE:g}); measure the conditions again in random order."
         )
-        return Note("drift", text, p_value)
+        return Note("drift", text, self.drift)
+
+    @property
+    def drift(self) -> float:
+        """Part by which repeats of a condition change over all trials, in their order."""
+        mean = self.mean[self.condition]
+        used = np.isfinite(self.sequence) & (mean != 0.0)
+        c, order = self.condition[used], self.sequence[used]
+        at = order - (np.bincount(c, order) / np.maximum(np.bincount(c), 1))[c]
+        slope = float(at @ (self.y[used] / mean[used])) / max(float(at @ at), 1e-300)
+        return abs(slope) * float(np.ptp(order)) if len(c) else 0.0
 
 
 def varied(conditions: Conditions) -> list[str]:

@@ -12,6 +12,7 @@ import numpy as np
 
 from stickslip._util.messages import shown
 from stickslip._util.numbers import Array, are_equal
+from stickslip.diagnosis.decision.verdict import Verdict
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.measurement.read_table import Line, index_labels
 from stickslip.measurement.read_velocity import NOT_SETTINGS, with_index_columns
@@ -270,21 +271,21 @@ def _why(first: str, second: str, chi2: float, is_later: bool) -> Note:
 
 
 def next_step(
-    kind: str, names: Sequence[str], probability: float, same: Sequence[str] = ()
+    verdict: Verdict, names: Sequence[str], probability: float, same: Sequence[str] = ()
 ) -> Note:
     """Whether another experiment is needed after a verdict, with its causes as they are said.
 
     After ``none`` they are the likeliest one, the probability is that of any cause, and `same` are
     settings that were not varied.
     """
-    said = f"{' and '.join(names)}, with a probability of {probability:.3g}"
-    if kind == "dominant":
+    said, kind = f"{' and '.join(names)}, with a probability of {probability:.3g}", verdict.kind
+    if verdict.claims and verdict.partial:
         text = (
             f"Among the listed causes the name is safe: {said}. A cause that is not listed, with a "
             "similar effect, would get the same name."
         )
         return Note("name-safe", text, probability)
-    if kind in ("named", "pair"):
+    if verdict.claims:
         return Note("name-safe", f"The name is safe: {said}. Nothing more has to be measured.",
                     probability)  # fmt: skip
     if kind == "ambiguous":

@@ -14,6 +14,7 @@ from stickslip._util.text import OneLine
 from stickslip.diagnosis.fitting.forms import Correlated, Form, forms
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import Problem
+from stickslip.diagnosis.fitting.search import Models
 
 MOST_PARTS = 12
 """Parts that are held out in turn. Chosen: more cost more and tell little more."""
@@ -64,6 +65,11 @@ def parts_of(problem: Problem) -> list[Indices]:
     return [np.flatnonzero(part == k) for k in np.unique(part)]
 
 
+def gain_of(models: Models, fit: Fit) -> Gain | None:
+    """The gain of the causes of a fit over no cause, by plain least squares."""
+    return measured(models.problem, models.null, models.get(fit.names) or fit)
+
+
 def measured(problem: Problem, before: Fit, after: Fit, form: str = "none") -> Gain | None:
     """The gain of one fit over another; None of too few parts.
 
@@ -83,8 +89,8 @@ def measured(problem: Problem, before: Fit, after: Fit, form: str = "none") -> G
     middle = float(falls.mean())
     maes = [
         {
-            table.name or f"table {k + 1}": float(np.mean(np.abs(each[part])))
-            for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True))
+            name: float(np.mean(np.abs(each[part])))
+            for name, part in zip(problem.table_names, problem.rows, strict=True)
         }
         for each in errors
     ]

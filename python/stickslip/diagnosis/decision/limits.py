@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from scipy.stats import t as t_law
@@ -22,8 +23,18 @@ BOUND = 0.95
 _TRUSTED, _UNSEEN = 3.0, 1e-3
 
 
-def upper_limits(problem: Problem, null: Fit, found: Sequence[Response]) -> dict[str, float]:
-    """95 % upper limit of the magnitude of every amplitude, in its own unit, by name.
+class Limit(NamedTuple):
+    """An upper limit, in the unit of its amplitude, and whether these data show it.
+
+    Else it is the end of the range that was searched.
+    """
+
+    value: float
+    seen: bool
+
+
+def upper_limits(problem: Problem, null: Fit, found: Sequence[Response]) -> dict[str, Limit]:
+    """95 % upper limit of the magnitude of every amplitude by name.
 
     That of one that acts as it falls, such as a limit of an amplifier, is the lowest value that it
     could have. Of the responses of a sign and a shape the one counts whose size is nearest to its
@@ -67,14 +78,15 @@ def upper_limits(problem: Problem, null: Fit, found: Sequence[Response]) -> dict
                 reach = size * max(multiple, 1.0 / _TRUSTED)
             old = nearest.get(key, (math.inf, math.inf))
             nearest[key] = min(old, (abs(math.log(multiple)), reach))
-    limits: dict[str, float] = {}
+    limits: dict[str, Limit] = {}
     for (k, sign, _), (_, reach) in nearest.items():
-        parameter = problem.parameters[k]
-        reach = min(reach, _distance(parameter, problem.limits[int(sign > 0.0), k]))
-        limits[parameter.name] = max(limits.get(parameter.name, 0.0), reach)
+        name, end = problem.parameters[k].name, problem.limits[int(sign > 0.0), k]
+        end = _distance(problem.parameters[k], end)
+        own = Limit(min(reach, end), reach < end)
+        limits[name] = max(limits.get(name, own), own)
     falling = {each.name: each.high for each in problem.parameters if each.falls}
-    return {name: falling[name] - reach if name in falling else reach
-            for name, reach in limits.items()}  # fmt: skip
+    return {name: Limit(falling[name] - each.value, each.seen) if name in falling else each
+            for name, each in limits.items()}  # fmt: skip
 
 
 def _distance(parameter: Parameter, u: float) -> float:

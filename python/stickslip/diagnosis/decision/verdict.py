@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from stickslip._util.text import OneLine
-from stickslip.diagnosis.decision.gain import Gain, measured
+from stickslip.diagnosis.decision.gain import Gain, gain_of, measured
 from stickslip.diagnosis.decision.posterior import SURE, Posterior, discrepancy, posterior, share
 from stickslip.diagnosis.decision.test import ADEQUATE, Test, adequacy, follows_settings
 from stickslip.diagnosis.fitting.forms import HYPER
@@ -17,6 +17,9 @@ from stickslip.diagnosis.fitting.search import Models
 from stickslip.simulation.note import Note
 
 Kind = Literal["named", "dominant", "pair", "ambiguous", "unexplained", "none", "data-problem"]
+
+CLAIMS = ("named", "dominant", "pair")
+"""Kinds that claim a cause."""
 
 DOMINANT = 0.8
 """Share of the model's error that a dominant cause takes at least. Chosen: with 0.9 the prototype
@@ -54,7 +57,7 @@ class Verdict(OneLine):
     share : float, optional
         Part of the model's error that `fit`, or else the leader, takes.
     leader : Fit, optional
-        The most probable model with a cause.
+        The model with a cause that was judged, or else the most probable one.
     gain : Gain, optional
         Of `fit`, or else of the leader, on held-out readings, by plain least squares.
     """
@@ -69,6 +72,21 @@ class Verdict(OneLine):
     share: float | None = None
     leader: Fit | None = None
     gain: Gain | None = None
+
+    @property
+    def claims(self) -> bool:
+        """Whether a cause is claimed."""
+        return self.kind in CLAIMS
+
+    @property
+    def told(self) -> Fit | None:
+        """The model that is told: `fit`, or what comes nearest; None where no cause is sought."""
+        return None if self.kind in ("none", "data-problem") else self.fit or self.leader
+
+    @property
+    def partial(self) -> bool:
+        """Whether a discrepancy is left beside `fit`."""
+        return self.fit is not None and self.fit.form != "none"
 
 
 def decide(models: Models, test: Test) -> Verdict:
@@ -101,7 +119,8 @@ def _without_cause(verdict: Verdict, models: Models, test: Test, leader: Fit | N
             "model error.",
             test.p_value,
         )
-        return _with(verdict, "unexplained", (), None, (reason,), models, leader)
+        gain = gain_of(models, leader) if leader else None
+        return _with(verdict, "unexplained", (), None, (reason,), models, leader, gain)
     reason = Note(
         "nothing-left",
         f"The recalibrated model explains the data (p = {test.p_value:.2g}).",
@@ -154,7 +173,7 @@ def _claimed(verdict: Verdict, models: Models, fit: Fit, reasons: tuple[Note, ..
     """A cause or a pair, named if it explains the data, dominant beside a discrepancy."""
     problem, names = models.problem, tuple(sorted(fit.names))
     plain = models.get(fit.names)
-    gains = [measured(problem, models.null, plain or fit)]
+    gains = [gain_of(models, fit)]
     own_null = models.get((), fit.form) or models.null
     gains.append(measured(problem, own_null, fit, "own"))
     kind: Kind = "pair" if len(names) > 1 else "named"
@@ -165,7 +184,7 @@ def _claimed(verdict: Verdict, models: Models, fit: Fit, reasons: tuple[Note, ..
         spare = adequacy(problem, models.null) >= ADEQUATE
         proven = not spare or gains[0] is None or gains[0].certain
         if proven and not worse and not _at_end(models, plain):
-            return _with(verdict, kind, names, plain, reasons, models, plain)
+            return _with(verdict, kind, names, plain, reasons, models, plain, gains[0])
     against = list(reasons)
     if fit.form == "none":
         fit = next((each for each in models.leaders() if each.names == fit.names
@@ -181,9 +200,9 @@ def _claimed(verdict: Verdict, models: Models, fit: Fit, reasons: tuple[Note, ..
         text = f"A size of {fit.name} is at the end of its range."
         against.append(Note("size-at-end", text))
     if against[len(reasons) :]:
-        return _with(verdict, "unexplained", (), None, tuple(against), models, fit)
+        return _with(verdict, "unexplained", (), None, tuple(against), models, fit, gains[0])
     kind = "pair" if len(names) > 1 else "dominant"
-    return _with(verdict, kind, names, fit, reasons, models, fit)
+    return _with(verdict, kind, names, fit, reasons, models, fit, gains[0])
 
 
 def _takes_little(fit: Fit, part: float, gains: Sequence[Gain | None]) -> list[Note]:
@@ -212,14 +231,13 @@ def _set(
     """
     members = verdict.members
     first = next(each for each in members if each.causes)
-    against = list(reasons)
+    against, gain = list(reasons), gain_of(models, first)
     if first.form != "none":
         parts = [share(models, each) for each in members if each.causes]
         part = max((each for each in parts if not math.isnan(each)), default=0.0)
-        plain = models.get(first.names) or first
-        against += _takes_little(first, part, [measured(models.problem, models.null, plain)])
+        against += _takes_little(first, part, [gain])
     if len(members) == 1 or len(against) > len(reasons):
-        return _with(verdict, "unexplained", (), None, tuple(against), models, first)
+        return _with(verdict, "unexplained", (), None, tuple(against), models, first, gain)
     names = dict.fromkeys(name for each in members for name in sorted(each.names))
     together = sum(chance.models[each.name] for each in members)
     text = (
@@ -227,11 +245,13 @@ def _set(
         f"first, {first.name}, has {100.0 * chance.models[first.name]:.0f} %."
     )
     reason = Note("not-separated", text, chance.models[first.name])
-    return _with(verdict, "ambiguous", tuple(names), first, (*reasons, reason), models, first)
+    reasons = (*reasons, reason)
+    return _with(verdict, "ambiguous", tuple(names), first, reasons, models, first, gain)
 
 
 def _with(verdict: Verdict, kind: Kind, causes: tuple[str, ...], fit: Fit | None,
-          reasons: tuple[Note, ...], models: Models, told: Fit | None) -> Verdict:  # fmt: skip
+          reasons: tuple[Note, ...], models: Models, told: Fit | None,
+          gain: Gain | None = None) -> Verdict:  # fmt: skip
     """The verdict with the share and gain of the model that is told."""
     notes = list(reasons)
     leader = told or models.leaders(1)[0]
@@ -240,12 +260,9 @@ def _with(verdict: Verdict, kind: Kind, causes: tuple[str, ...], fit: Fit | None
     if kappa < CALM:
         text = f"The scatter is {kappa:.2g} times the stated errors: they are stated too large."
         notes.append(Note("errors-too-large", text, kappa))
-    gain = None
-    if told is not None:
-        gain = measured(models.problem, models.null, models.get(told.names) or told)
     return Verdict(
         kind, causes, fit, tuple(notes), verdict.probabilities, verdict.members, verdict.common,
-        None if told is None else share(models, told), verdict.leader, gain,
+        None if told is None else share(models, told), told or verdict.leader, gain,
     )  # fmt: skip
 
 

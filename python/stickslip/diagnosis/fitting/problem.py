@@ -144,6 +144,20 @@ class Problem(OneLine):
         return np.stack(columns, axis=1) if columns else np.zeros((len(x), 0))
 
     # ------------------------------------------------------------------------ rows
+    @property
+    def table_names(self) -> list[str]:
+        """Names of the tables, with their numbers where others are called the same."""
+        names = [each.name for each in self.tables]
+        return [
+            f"{name or 'table'} {k}" if names.count(name) > 1 or not name else name
+            for k, name in enumerate(names, start=1)
+        ]
+
+    @property
+    def titles(self) -> list[str]:
+        """What the readings of each table are called."""
+        return [each.title or f"table {k}" for k, each in enumerate(self.tables, start=1)]
+
     @cached_property
     def y(self) -> Array:
         """Means of all conditions of all tables, shape (n,)."""

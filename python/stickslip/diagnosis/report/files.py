@@ -9,7 +9,7 @@ import platform
 import re
 import shlex
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime
 from os import PathLike
 from pathlib import Path
@@ -20,15 +20,15 @@ import scipy
 from markupsafe import Markup
 
 from stickslip import _core
+from stickslip._util import amounts
 from stickslip._util.files import check_folder, sha256_of, text_writer, write_together
 from stickslip._util.html import page_text, svg
 from stickslip._util.palette import BLUE, DARK_GREY, VERMILION
 from stickslip._util.text import json_text
-from stickslip.diagnosis.candidate import table_name
-from stickslip.diagnosis.report import amounts
-from stickslip.diagnosis.report.numbers import numbers_of, words_of
+from stickslip.diagnosis.decision.facts import Facts
+from stickslip.diagnosis.report.numbers import numbers_of
 from stickslip.diagnosis.report.pictures import Plots, drawing
-from stickslip.diagnosis.report.readings import title_of
+from stickslip.diagnosis.terms.words import Words
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import is_of_one_coil, known_keys
@@ -43,8 +43,6 @@ from stickslip.scenario.toml_file import (
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from stickslip.diagnosis.result import Diagnosis
-
 PAGE, JSON, EXTENDED = "report.html", "report.json", "extended.toml"
 
 
@@ -57,54 +55,45 @@ def report_files(scenario: Scenario | None) -> tuple[str, ...]:
     return (PAGE, JSON, EXTENDED, *(name for name, value in held.items() if value is not None))
 
 
-def save(result: Diagnosis, out: str | PathLike[str], title: str | None) -> None:
+def save(facts: Facts, out: str | PathLike[str], title: str | None) -> None:
     """Write all files into the folder `out`, which is made, or none; see `save_report`."""
-    source, folder = result.measurement, Path(out)
+    source, folder = facts.measurement, Path(out)
     check_folder(out, report_files(None if source is None else source.scenario))
-    numbers = numbers_of(result, title)
-    numbers["origin"] = _origin(result)
+    numbers = numbers_of(facts, title)
+    numbers["origin"] = _origin(facts)
     writers = {
         folder / JSON: text_writer(json_text(numbers) + "\n"),
-        folder / PAGE: text_writer(page(result, numbers)),
+        folder / PAGE: text_writer(page(numbers, figures_of(facts))),
     }
     if source is not None:
-        extended = result.extended
+        extended = facts.extended
         assert isinstance(extended, Scenario)
-        lines = _comments(result, source, extended)
+        lines = _comments(facts, source, extended)
         writers |= scenario_writers(extended, folder / EXTENDED, lines)[1]
     folder.mkdir(parents=True, exist_ok=True)
     write_together(writers)
 
 
-def page(result: Diagnosis, numbers: dict[str, Any]) -> str:
-    """The report as one page that needs no other file."""
-    plots = Plots(result)
-    tables, main = result.problem.tables, plots.main_table()
-    films = [
-        (f"The film {title_of(each, k)} over the phase of its drive", _svg(plots.film(k)))
-        for k, each in enumerate(tables)
-        if not each.drawable
-    ]
-    fits = [
-        (f"Readings and models: {title_of(each, k)}", _svg(plots.fit(k)))
-        for k, each in enumerate(tables)
-        if each.drawable
-    ]
-    judged = result.fitted
-    drawable = judged and tables[main].drawable
+def figures_of(facts: Facts) -> dict[str, Any]:
+    """What a page shows beside its numbers: `change`, a `fit` of each channel, and a `law`."""
+    plots, problem = Plots(facts), facts.problem
+    drawable = facts.fitted and any(each.drawable for each in problem.tables)
+    return {
+        "change": _svg(plots.residuals() if drawable else None),
+        "fit": {name: _svg(plots.fit(k)) for k, name in enumerate(problem.table_names)},
+        "law": _svg(plots.law()),
+    }
+
+
+def page(numbers: Mapping[str, Any], figures: Mapping[str, Any]) -> str:
+    """The report of a `numbers_of` as one page that needs no other file."""
     text = page_text(
         "diagnosis/report/report.html.j2",
         report=numbers,
+        figures=figures,
         a=amounts,
-        w=words_of(result),
+        w=Words(not numbers["of_measurement"]),
         drawing=lambda name, way: Markup(drawing(name, way)),
-        changes=[(text, _svg(each)) for text, each in plots.changes(main)] if drawable else [],
-        key=plots.key(main) if drawable else [],
-        fits=fits,
-        films=[each for each in films if each[1]],
-        law=_svg(plots.law()),
-        ranking=_svg(plots.ranking()) if judged else "",
-        cosines=_svg(plots.cosines()),
     )
     # No line ends between a number and its sign or unit.
     units = r"(?<=\d) (?=(?:Hz|mT|mm/s|V|ms|s|N)\b)"
@@ -112,33 +101,23 @@ def page(result: Diagnosis, numbers: dict[str, Any]) -> str:
     return re.sub(r"(?<= )-(?=[xyz]\b)", "-&NoBreak;", re.sub(inside, "&nbsp;", text))
 
 
-def save_figures(result: Diagnosis, folder: Path, formats: Sequence[str]) -> list[Path]:
+def save_figures(facts: Facts, folder: Path, formats: Sequence[str]) -> list[Path]:
     """Write all figures; see `Diagnosis.save_figures`."""
-    figures: dict[str, Figure | None] = {}
-    plots = Plots(result)
-    for k, table in enumerate(result.problem.tables if result.fitted else ()):
-        name = table_name(result.problem, k).replace(" ", "-")
-        if not table.drawable:
-            figures[f"film-{name}"] = plots.film(k)
-        else:
-            figures |= {f"fit-{name}": plots.fit(k), f"residuals-{name}": plots.residuals(k)}
-    if result.fitted:
-        figures |= {"ranking": plots.ranking(), "cosines": plots.cosines(), "law": plots.law()}
     folder.mkdir(parents=True, exist_ok=True)
     written = []
-    for name, figure in figures.items():
+    for name, figure in Plots(facts).of_tables().items():
         if figure is not None:
-            paths = [folder / f"{name}.{form}" for form in formats]
+            paths = [folder / f"{name.replace(' ', '-')}.{form}" for form in formats]
             for path in paths:
                 figure.savefig(path)
             written += paths
     return written
 
 
-def notebook(result: Diagnosis) -> str:
+def notebook(numbers: Mapping[str, Any]) -> str:
     """The verdict with its tables as a cell of a notebook shows it."""
-    template = "diagnosis/report/notebook.html.j2"
-    return str(page_text(template, report=numbers_of(result), a=amounts, w=words_of(result)))
+    words = Words(not numbers["of_measurement"])
+    return page_text("diagnosis/report/notebook.html.j2", report=numbers, a=amounts, w=words)
 
 
 def _svg(figure: Figure | None) -> Markup:
@@ -150,9 +129,9 @@ def _svg(figure: Figure | None) -> Markup:
     return text
 
 
-def _comments(result: Diagnosis, measurement: Measurement, extended: Scenario) -> list[str]:
+def _comments(facts: Facts, measurement: Measurement, extended: Scenario) -> list[str]:
     """Where an extended scenario is from, and what it has changed."""
-    verdict = result.verdict
+    verdict = facts.verdict
     said = f"stickslip diagnose {measurement.path.name}: {verdict.kind} {', '.join(verdict.causes)}"
     lines = [said.rstrip()]
     if verdict.kind == "ambiguous" and verdict.fit is not None:
@@ -177,7 +156,7 @@ def _comments(result: Diagnosis, measurement: Measurement, extended: Scenario) -
     return [*lines, *(changed or ["nothing is changed"]), drive]
 
 
-def _origin(result: Diagnosis) -> list[list[str]]:
+def _origin(facts: Facts) -> list[list[str]]:
     """How a report was made: date, command, seed, versions, and checksums of the files."""
     program = Path(sys.argv[0]) if sys.argv else Path()
     is_command = program.stem == "stickslip" or program.parent.name == "stickslip"
@@ -185,12 +164,12 @@ def _origin(result: Diagnosis) -> list[list[str]]:
     rows = [
         ["date", datetime.now().astimezone().isoformat(sep=" ", timespec="seconds")],
         ["made by", shlex.join(["stickslip", *sys.argv[1:]]) if is_command else "save_report"],
-        ["seed", str(result.findings.seed)],
+        ["seed", str(facts.findings.seed)],
         ["stickslip", _core.__version__],
         ["Python", f"{python}, numpy {numpy.__version__}, scipy {scipy.__version__}"],
     ]
-    if result.measurement is not None:
-        rows += [[f"file {path.name}", _checksum(path)] for path in _files(result.measurement.path)]
+    if facts.measurement is not None:
+        rows += [[f"file {path.name}", _checksum(path)] for path in _files(facts.measurement.path)]
     return rows
 
 

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from stickslip._util.amounts import amount
 from stickslip._util.csv_rows import csv_line, text_lines
 from stickslip._util.files import text_writer, write_together
 from stickslip._util.messages import shown
 from stickslip._util.units import handy
 from stickslip.diagnosis.decision.experiments import Experiment, advice, prediction_table
-from stickslip.diagnosis.report.amounts import Words, amount
+from stickslip.diagnosis.decision.facts import Facts, setting_columns
 from stickslip.diagnosis.report.files import JSON
-from stickslip.diagnosis.result import Diagnosis, setting_columns
 from stickslip.errors import ScenarioError
 from stickslip.measurement.new_trials import unmeasured
 from stickslip.measurement.read_table import check_columns, read_rows
@@ -50,37 +50,37 @@ class Rounds:
     measured: int = 0
     trials: int = 0
 
-    def proposed(self, result: Diagnosis) -> list[Experiment]:
+    def proposed(self, facts: Facts) -> list[Experiment]:
         """What is to be measured next, within the budget."""
-        return result.worth_measuring(max(min(self.most, self.budget - self.measured), 0))
+        return facts.worth_measuring(max(min(self.most, self.budget - self.measured), 0))
 
-    def write(self, result: Diagnosis) -> None:
+    def write(self, facts: Facts) -> None:
         """Write both tables, if something is proposed; what was filled in stays as it is."""
-        experiments = self.proposed(result)
-        if not experiments or result.measurement is None:
+        experiments = self.proposed(facts)
+        if not experiments or facts.measurement is None:
             return
         path = self.folder / TABLE
-        predictions = prediction_table(experiments, setting_columns(result.measurement))
+        predictions = prediction_table(experiments, setting_columns(facts.measurement))
         texts = {
-            path: _below_what_was_measured(path, result.trial_table(experiments)),
+            path: _below_what_was_measured(path, facts.trial_table(experiments)),
             self.folder / PREDICTIONS: predictions.to_csv(index=False, float_format="%.6g"),
         }
         write_together({path: text_writer(text) for path, text in texts.items()})
 
-    def lines(self, result: Diagnosis) -> list[str]:
+    def lines(self, facts: Facts) -> list[str]:
         """What was read, whether the name is safe, and else what to measure and why."""
-        path, experiments = self.folder / TABLE, self.proposed(result)
+        path, experiments = self.folder / TABLE, self.proposed(facts)
         lines = []
         if self.measured:
             lines.append(f"  read from {path}: {self.trials} trials of {_count(self.measured)}")
-        lines.append(f"  {result.next_step}")
+        lines.append(f"  {facts.next_step}")
         if experiments:
             lines += [
                 f"  to measure: {_count(len(experiments))}, in {path}; {self.measured} of at most "
                 f"{self.budget} measured",
                 "    Fill in its column velocity (m/s), and run this command again.",
             ]
-        elif result.next_step.code == "no-safe-name":
+        elif facts.next_step.code == "no-safe-name":
             why = "none that was tried would decide anything."
             if self.measured >= self.budget:
                 more = self.measured + self.most
@@ -88,24 +88,24 @@ class Rounds:
                     f"the budget of {_count(self.budget)} is used up; --budget {more} allows more."
                 )
             lines.append(f"  no drive is in {path}: {why}")
-        (factor, unit), words = handy("m/s"), Words(own=False)
+        factor, unit = handy("m/s")
         for number, each in enumerate(experiments, start=1):
             expected = "; ".join(
                 f"{amount(factor * said['velocity'], factor * said['sd'], unit)} with "
-                f"{words.title(name)}"
+                f"{facts.words.title(name)}"
                 for name, said in each.predictions.items()
             )
             lines += [f"  {number}. {each}", f"     expected: {expected}"]
-        causes = result.verdict.causes if result.verdict.kind == "ambiguous" else ()
-        notes = advice({name: words.title(name) for name in causes}, experiments)
+        causes = facts.verdict.causes if facts.verdict.kind == "ambiguous" else ()
+        notes = advice({name: facts.words.title(name) for name in causes}, experiments)
         return lines + [f"  beside the drive: {note}" for note in notes]
 
-    def as_dict(self, result: Diagnosis) -> dict[str, Any]:
+    def as_dict(self, facts: Facts) -> dict[str, Any]:
         """The key `next` of ``--json``."""
-        experiments = self.proposed(result)
+        experiments = self.proposed(facts)
         return {
-            "safe": result.next_step.code == "name-safe",
-            "why": str(result.next_step),
+            "safe": facts.next_step.code == "name-safe",
+            "why": str(facts.next_step),
             "proposed": len(experiments),
             "measured": self.measured,
             "budget": self.budget,

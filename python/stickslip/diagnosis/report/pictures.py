@@ -1,4 +1,4 @@
-"""Pictures of a report and of `Diagnosis.plot`: matplotlib figures, and the drawings of causes.
+"""The three figures of a report and of `Diagnosis.plot`, and the drawings of causes.
 
 Readings are black; the stated model is grey, the recalibrated one blue; the extended one, and what
 is claimed, vermilion in all of them. What is nearest without a claim is dark grey.
@@ -6,10 +6,9 @@ is claimed, vermilion in all of them. What is nearest without a claim is dark gr
 
 from __future__ import annotations
 
-import itertools
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import resources
@@ -25,17 +24,15 @@ from stickslip._util.text import shortened
 from stickslip._util.units import handy, in_handy_units
 from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.data.table import Table
-from stickslip.diagnosis.data.velocity import VelocityTable
-from stickslip.diagnosis.decision.posterior import cosine
-from stickslip.diagnosis.report import amounts
-from stickslip.diagnosis.report.numbers import law_of, predictions, words_of
+from stickslip.diagnosis.decision.candidate import Candidate
+from stickslip.diagnosis.decision.facts import Facts
+from stickslip.diagnosis.report.numbers import law_of, predictions
 from stickslip.diagnosis.report.readings import (
     ROW,
     along,
     most_varied,
     numeric,
     setting_text,
-    title_of,
     usual_of,
     varied,
 )
@@ -44,11 +41,8 @@ from stickslip.errors import ScenarioError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from stickslip.diagnosis.result import Diagnosis
-
 _COLOURS = {"stated": GREY, "recalibrated": BLUE, "extended": VERMILION, "nearest": DARK_GREY}
-_MARKERS, _SIGNS = "osD^v<>Ph*", "●■◆▲▼◀▶✚⬢★"
-_MOST_PANELS, _MOST_RANKED, _MOST_COSINES = 8, 12, 12
+_MARKERS, _MOST_PANELS = "osD^v<>Ph*", 8
 _FEW = 3  # places of a setting below which nothing is seen over it
 _SAMPLES = 200  # points of a film's picture; of a group from which on there are no signs and bars
 # Places between readings at which models are computed, and how far a model may be from what it is
@@ -83,91 +77,62 @@ class Plots:
 
     Parameters
     ----------
-    result : Diagnosis
+    facts : Facts
     """
 
-    def __init__(self, result: Diagnosis) -> None:
-        self._result = result
+    def __init__(self, facts: Facts) -> None:
+        self._facts = facts
 
     @matplotlib.rc_context(PLAIN)
-    def fit(self, table: int = 0) -> Figure:
-        """Readings and models of a table over the setting that varies most."""
-        self._check(table)
-        panels = self.panels(table, most_varied(self._tables[table]))
-        return _figure(panels, self._draw)
+    def fit(self, table: int = 0) -> Figure | None:
+        """Readings and models of a table over the setting that varies most.
+
+        Of a film tilt and place over the phase of the drive; None where nothing is steady.
+        """
+        shown = self._table(table)
+        if isinstance(shown, FilmTable):
+            return self._film(shown) if self._facts.fitted else None
+        return _figure(self.panels(table, most_varied(shown)), self._draw)
 
     @matplotlib.rc_context(PLAIN)
-    def residuals(self, table: int = 0) -> Figure:
-        """What both models leave of a table, over the setting that shows the cause best."""
-        self._check(table)
-        panels = self.panels(table, self._best_setting(table))
-        return _figure(panels, self._draw_change)
+    def residuals(self, table: int | None = None) -> Figure:
+        """What both models leave of a table, over the setting that shows the cause best.
+
+        If not given, of the table in which the cause improves the fit most, or most misfit is left.
+        """
+        k = self.main_table() if table is None else table
+        self._table(k)
+        return _figure(self.panels(k, self._best_setting(k)), self._draw_change)
 
     @matplotlib.rc_context(PLAIN)
-    def ranking(self) -> Figure:
-        """Probabilities of the models."""
-        chance = self._result.chance.models if self._result.fitted else {}
-        shown = list(itertools.islice(chance.items(), _MOST_RANKED))
-        figure = Picture(figsize=(8.2, 0.8 + 0.3 * len(shown)), layout="constrained")
+    def law(self) -> Figure | None:
+        """The curve of a claimed law of a free shape with its band; None where there is none."""
+        law = law_of(self._facts.best) if self._facts.fitted else None
+        if law is None:
+            return None
+        figure = Picture(figsize=(7.2, 3.2), layout="constrained")
         axes = figure.subplots()
-        fit = self._result.verdict.fit
-        names = {e.name: e.names for e in self._result.chance.fits} if shown else {}
-        for place, (name, value) in enumerate(shown):
-            size = max(value, 1e-6)
-            # What has the claimed cause and more is of its colour, but paler.
-            has = fit is not None and names[name] >= fit.names
-            pale = 0.5 if fit is not None and has and name != fit.name else 1.0
-            axes.barh(place, size, color=VERMILION if has else DARK_GREY, alpha=pale)
-            axes.text(size * 1.15, place, amounts.percent(value, True), va="center")
-        axes.set_yticks(range(len(shown)), [shortened(self._title(n), 64) for n, _ in shown])
-        axes.invert_yaxis()
-        ticks = range(-6, 1)
-        axes.set(xscale="log", xlim=(1e-6, 30.0), xlabel="probability")
-        axes.set_xticks([10.0**k for k in ticks], [amounts.power(k) if k else "1" for k in ticks])
-        axes.minorticks_off()
         axes.spines[["top", "right"]].set_visible(False)
+        axes.fill_between(law["at"], law["low"], law["high"], color=LIGHT_GREY, label="95 %")
+        axes.plot(law["at"], law["value"], color=VERMILION, label="curve of free shape")
+        own = "" if law["law_unit"] == "-" else f" ({law['law_unit']})"
+        axes.set(xlabel=f"{law['argument']} ({law['unit']})", ylabel=law["law"] + own)
+        axes.legend(frameon=False)
         return figure
 
-    @matplotlib.rc_context(PLAIN)
-    def cosines(self) -> Figure | None:
-        """How alike the effects of the leading causes are on these data; None of fewer than two."""
-        result = self._result
-        effects: dict[str, Array] = {}
-        if not result.fitted:
-            return None
-        for each in result.findings.responses:
-            if np.any(each.gaps) and len(effects) < _MOST_COSINES:
-                effects.setdefault(each.cause.name, each.gaps[0])
-        names, null = list(effects), result.findings.models.null
-        if len(names) < 2:
-            return None
-        table = np.eye(len(names))
-        for i, j in itertools.combinations(range(len(names)), 2):
-            one, other = (effects[names[k]] for k in (i, j))
-            table[i, j] = table[j, i] = abs(cosine(result.problem, null, one, other))
-        figure = Picture(figsize=(7.0, 0.9 + 0.34 * len(names)), layout="constrained")
-        axes = figure.subplots()
-        edges = np.arange(len(names) + 1) - 0.5
-        axes.pcolormesh(edges, edges, table, cmap="Oranges", vmin=0.0, vmax=1.0)
-        axes.invert_yaxis()
-        for i, j in itertools.product(range(len(names)), repeat=2):
-            dark = table[i, j] > 0.7
-            axes.text(j, i, f"{table[i, j]:.2f}", ha="center", va="center", fontsize=8,
-                      color="#fffffe" if dark else "#000001")  # fmt: skip
-        axes.set_yticks(
-            range(len(names)),
-            [f"{shortened(self._title(name), 44)}  {k}" for k, name in enumerate(names, start=1)],
-        )
-        axes.set_xticks(range(len(names)), [str(k + 1) for k in range(len(names))])
-        return figure
+    def of_tables(self) -> dict[str, Figure | None]:
+        """The figures of all tables by the names of their files, and that of a law."""
+        if not self._facts.fitted:
+            return {}
+        found: dict[str, Figure | None] = {}
+        for k, name in enumerate(self._facts.problem.table_names):
+            found[f"fit-{name}"] = self.fit(k)
+            if self._tables[k].drawable:
+                found[f"residuals-{name}"] = self.residuals(k)
+        return found | {"law": self.law()}
 
-    @matplotlib.rc_context(PLAIN)
-    def film(self, table: int) -> Figure | None:
-        """Tilt and place of a film over the phase of the drive; None where nothing is steady."""
-        film = self._tables[table]
-        if not isinstance(film, FilmTable) or not self._result.fitted:
-            return None
-        names = self._result.problem.names
+    def _film(self, film: FilmTable) -> Figure | None:
+        names = self._facts.problem.names
         used = film.own_columns(names)
         traces = {}
         for name, of in self._models.items():
@@ -191,28 +156,11 @@ class Plots:
                     level = (seen[f"{key}_model"] - below)[::step] * factor
                     axes.plot(at, level, color=_COLOURS[name], label=self._label(name))
                 axes.set_ylabel(words + label)
-                axes.grid(color=LIGHT_GREY, lw=0.6)
-                axes.spines[["top", "right"]].set_visible(False)
+                _plain(axes)
         for axes in frames[1]:
             axes.set_xlabel("phase of the drive, in periods")
         figure.legend(*frames[0, 0].get_legend_handles_labels(), loc="outside upper center",
                       ncols=3, frameon=False)  # fmt: skip
-        return figure
-
-    @matplotlib.rc_context(PLAIN)
-    def law(self) -> Figure | None:
-        """The curve of a claimed law of a free shape with its band; None where there is none."""
-        law = law_of(self._result.best) if self._result.fitted else None
-        if law is None:
-            return None
-        figure = Picture(figsize=(7.2, 3.2), layout="constrained")
-        axes = figure.subplots()
-        axes.spines[["top", "right"]].set_visible(False)
-        axes.fill_between(law["at"], law["low"], law["high"], color=LIGHT_GREY, label="95 %")
-        axes.plot(law["at"], law["value"], color=VERMILION, label="curve of free shape")
-        own = "" if law["law_unit"] == "-" else f" ({law['law_unit']})"
-        axes.set(xlabel=f"{law['argument']} ({law['unit']})", ylabel=law["law"] + own)
-        axes.legend(frameon=False)
         return figure
 
     # ---------------------------------------------------------------- panels of a table
@@ -222,7 +170,7 @@ class Plots:
         A group is told by the settings in which it differs from most rows, and has the same marker
         in all panels.
         """
-        table, first = self._tables[k], self._result.problem.rows[k].start
+        table, first = self._tables[k], self._facts.problem.rows[k].start
         settings = table.named_settings
         others = [name for name in varied(settings) if name != over]
         words = [name for name in others if isinstance(settings[name][0][0], str)]
@@ -251,41 +199,9 @@ class Plots:
             panels.append(Panel(title, k, over, groups, markers))
         return panels
 
-    @matplotlib.rc_context(PLAIN)
-    def changes(self, k: int) -> list[tuple[str, Figure]]:
-        """A picture for each panel of `residuals`, with its alternative text."""
-        table = self._tables[k]
-        panels = self.panels(k, self._best_setting(k))
-        models = " and ".join(self._models)
-        found = []
-        for each in panels:
-            where = f" for {each.title}" if each.title else ""
-            text = (
-                f"Measured {title_of(table, k)}{where} minus the recalibrated model over "
-                f"{each.over}; model: {models}."
-            )
-            figure = _figure([each], self._draw_change, alone=len(panels))
-            found.append((text, figure))
-        return found
-
-    def key(self, k: int) -> list[tuple[str, str, str]]:
-        """What the signs of `changes` stand for: a sign, its colour in the style, and words."""
-        signs = dict(zip(_MARKERS, _SIGNS, strict=True))
-        markers = {
-            m for each in self.panels(k, self._best_setting(k)) for m in each.markers.items()
-        }
-        bars = " (bars: 2 standard errors)" if self._result.problem.errors[k].known else ""
-        found = [(signs[m], "ink", (group or "measured") + bars) for group, m in sorted(markers)]
-        words = f"{self._label('recalibrated')} (uncertain constants fitted, no cause)"
-        found.append(("\N{EM DASH}", "accent", words))
-        colours = {"extended": "cause", "nearest": "soft"}
-        told = [name for name in colours if name in self._predicted]
-        band = " (band, where drawn: 95 %)"
-        return found + [("\N{EM DASH}", colours[name], self._label(name) + band) for name in told]
-
     def main_table(self) -> int:
         """The table in which the cause improves the fit most, or most misfit is left."""
-        problem, models = self._result.problem, list(self._models.values())
+        problem, models = self._facts.problem, list(self._models.values())
         if not models:
             return 0
         chi2 = [problem.chi2_of_tables(each.fit.residual[None, :])[:, 0] for each in models]
@@ -294,23 +210,23 @@ class Plots:
         return int(np.argmax(np.where(drawable, fall, -np.inf))) if any(drawable) else 0
 
     @cached_property
-    def _models(self) -> dict[str, Any]:
-        result = self._result
-        if not result.fitted:
+    def _models(self) -> dict[str, Candidate]:
+        facts = self._facts
+        if not facts.fitted:
             return {}
-        found = {"recalibrated": result.recalibrated}
-        return found | ({} if result.verdict.fit is None else {"extended": result.best})
+        found = {"recalibrated": facts.recalibrated}
+        return found | ({} if facts.verdict.fit is None else {"extended": facts.best})
 
     @cached_property
     def _predicted(self) -> dict[str, Array]:
-        result, found = self._result, predictions(self._result)
-        if result.verdict.kind == "unexplained" and result.verdict.leader is not None:
-            found["nearest"] = result.problem.y - result.verdict.leader.residual
+        found, told = predictions(self._facts), self._facts.verdict.told
+        if told is not None and "extended" not in found:
+            found["nearest"] = self._facts.problem.y - told.residual
         return found
 
     @property
     def _tables(self) -> Sequence[Table]:
-        return self._result.problem.tables
+        return self._facts.problem.tables
 
     def _between(self, panel: Panel, rows: Indices) -> tuple[Array, dict[str, tuple[Array, Array]]]:
         """Places along a setting with predictions and their sd; none where a model has none.
@@ -318,8 +234,8 @@ class Plots:
         Only at conditions that differ in this setting alone, and where the model is at the readings
         what it is known to be: one of the user's own may know its own table only.
         """
-        result, table, over = self._result, self._tables[panel.table], panel.over
-        part = result.problem.rows[panel.table]
+        facts, table, over = self._facts, self._tables[panel.table], panel.over
+        part = facts.problem.rows[panel.table]
         at = along(table, over)[0][rows - part.start]
         settings = table.named_settings
         others = [n for n in varied(settings) if n != over]
@@ -330,20 +246,11 @@ class Plots:
         whole = along(table, over)[0]
         grid = np.linspace(whole.min(), whole.max(), _BETWEEN)
         places = np.union1d(at, grid[(grid > at.min()) & (grid < at.max())])
-        given: Any
-        if isinstance(table, VelocityTable):
-            drive = table.conditions[int(rows[0]) - part.start]
-            own = {key: value for key, value in drive.items() if key.startswith("drive.")}
-            given = [{**own, f"drive.{over}": float(place)} for place in places]
-        elif result.measurement is None and isinstance(table.settings, Mapping):
-            first = table.first[rows[0] - part.start]
-            given = {
-                name: np.full(len(places), column[first]) for name, column in table.settings.items()
-            } | {over: places}
-        else:
+        given = table.elsewhere(int(rows[0]) - part.start, over, places)
+        if given is None:
             return at, {}
         try:
-            made = result.predict(given)
+            made = facts.predict(given)
         except Exception:  # whatever the user's own model raises where it knows its table only
             return at, {}
         known = np.searchsorted(places, at)
@@ -351,32 +258,30 @@ class Plots:
         for name in self._models:
             level, sd = made[name].to_numpy(), made[f"{name}_sd"].to_numpy()
             apart = np.abs(level[known] - self._predicted[name][rows])
-            if not np.all(apart <= _SAME * result.problem.sd[rows]):
+            if not np.all(apart <= _SAME * facts.problem.sd[rows]):
                 return at, {}
             found[name] = level, sd
         return places, found
 
     def _label(self, name: str) -> str:
-        verdict = self._result.verdict
-        fit = {"extended": verdict.fit, "nearest": verdict.leader}.get(name)
-        if fit is None:
+        verdict = self._facts.verdict
+        if name not in ("extended", "nearest") or verdict.told is None:
             return f"{name} model"
-        return f"{'nearest, ' if name == 'nearest' else ''}with {self._title(fit.name)}"
+        title = self._facts.words.title(verdict.told.name)
+        return f"{'nearest, ' if name == 'nearest' else ''}with {title}"
 
-    def _title(self, name: str) -> str:
-        return words_of(self._result).title(name, self._result.problem.causes)
-
-    def _check(self, table: int) -> None:
-        if not 0 <= table < len(self._tables):
+    def _table(self, number: int) -> Table:
+        if not 0 <= number < len(self._tables):
             count = len(self._tables)
-            raise ScenarioError(f"table = {table}: allowed is 0 to {count - 1}")
+            raise ScenarioError(f"table = {number}: allowed is 0 to {count - 1}")
+        return self._tables[number]
 
     def _best_setting(self, k: int) -> str:
         """The setting over which the change by the cause is smoothest; else that varies most.
 
         By von Neumann's ratio: squared differences of neighbours beside the variance.
         """
-        table, part = self._tables[k], self._result.problem.rows[k]
+        table, part = self._tables[k], self._facts.problem.rows[k]
         found, change = self._predicted, np.zeros(0)
         if "extended" in found:
             change = (found["extended"] - found["recalibrated"])[part]
@@ -399,21 +304,21 @@ class Plots:
 
     def _draw(self, axes: Any, panel: Panel, base: Array | None = None) -> None:
         """Readings and models, or what they are beyond `base`: curves where they are computed."""
-        result, table = self._result, self._tables[panel.table]
-        part, (at, unit) = result.problem.rows[panel.table], along(table, panel.over)
+        facts, table = self._facts, self._tables[panel.table]
+        part, (at, unit) = facts.problem.rows[panel.table], along(table, panel.over)
         at = at * handy(unit)[0]
         first = next(iter(panel.groups.values()))[0]
         what = table.name or "reading"
         factor, shown = table.shown_unit(int(first) - part.start)
         label = what if base is None else f"difference of {what}"
         label += f" ({shown})" if shown else ""
-        below = np.zeros(len(result.problem.y)) if base is None else base
+        below = np.zeros(len(facts.problem.y)) if base is None else base
         for group, rows in panel.groups.items():
             x, marker = at[rows - part.start], panel.markers[group]
-            y = (result.problem.y - below)[rows] * factor
+            y = (facts.problem.y - below)[rows] * factor
             dense = len(rows) > _SAMPLES
-            known = not dense and result.problem.errors[panel.table].known
-            bars = 2.0 * result.problem.sd[rows] * factor if known else None
+            known = not dense and facts.problem.errors[panel.table].known
+            bars = 2.0 * facts.problem.sd[rows] * factor if known else None
             axes.errorbar(x, y, bars, fmt="." if dense else marker, color=BLACK, lw=1.1,
                           ms=2.0 if dense else 4.5, label=group or "measured",
                           zorder=1 if dense else 3)  # fmt: skip
@@ -441,8 +346,7 @@ class Plots:
         axes.set_ylabel(label)
         axes.set_title(panel.title, fontsize=11, fontweight="bold")
         axes.margins(x=0.07, y=0.12)
-        axes.grid(color=LIGHT_GREY, lw=0.6)
-        axes.spines[["top", "right"]].set_visible(False)
+        _plain(axes)
 
 
 def drawing(name: str, way: str = "") -> str:
@@ -468,21 +372,23 @@ def drawing(name: str, way: str = "") -> str:
     return ""
 
 
-def _figure(panels: Sequence[Panel], draw: Any, alone: int = 0) -> Figure:
-    """A figure with all panels, two in a row, and one legend; or of one `alone` of so many."""
+def _plain(axes: Any) -> None:
+    """A grid, and no frame where no axis is."""
+    axes.grid(color=LIGHT_GREY, lw=0.6)
+    axes.spines[["top", "right"]].set_visible(False)
+
+
+def _figure(panels: Sequence[Panel], draw: Any) -> Figure:
+    """A figure with all panels, two in a row, and one legend."""
     columns = min(len(panels), 2)
     rows = math.ceil(len(panels) / columns)
-    size = max(6.4, 4.9 * columns), 0.8 + 3.0 * rows
-    if alone:
-        size = (7.2, 3.2) if alone == 1 else (4.9, 3.0)
+    size = max(7.2, 4.9 * columns), 0.8 + 3.0 * rows
     figure = Picture(figsize=size, layout="constrained")
     frames = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes, each in zip(frames, panels, strict=False):
         draw(axes, each)
     for axes in frames[len(panels) :]:
         axes.remove()
-    if alone:
-        return figure
     shown: dict[str, Any] = {}
     for axes in frames[: len(panels)]:
         handles, labels = axes.get_legend_handles_labels()

@@ -7,18 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from stickslip._util.amounts import digits_for
 from stickslip._util.numbers import Array
 from stickslip._util.units import handy
 from stickslip.diagnosis.data.table import Settings, Table
-from stickslip.diagnosis.report.amounts import digits_for
 
 ROW = "row"
 """What stands for a setting where none is a number."""
-
-
-def title_of(table: Table, k: int) -> str:
-    """What the readings of the table of a number are called."""
-    return table.title or f"table {k + 1}"
 
 
 def varied(settings: Settings) -> list[str]:

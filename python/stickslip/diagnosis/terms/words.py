@@ -1,18 +1,20 @@
-"""Words of causes, from causes.toml, and numbers as a reader sees them: rounded, in handy units."""
+"""What causes, their parameters and sizes are called: the words of causes.toml."""
 
 from __future__ import annotations
 
 import math
 import re
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from importlib import resources
 from typing import Any
 
+from stickslip._util.amounts import amount, joined, number, p_text, percent
 from stickslip._util.units import handy, unit_label
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.scenario.keys import known_keys
+from stickslip.simulation.note import Note
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -20,46 +22,37 @@ else:
     import tomli as tomllib
 
 _WORDS: Mapping[str, Mapping[str, Any]] = tomllib.loads(
-    resources.files("stickslip").joinpath("diagnosis/report/causes.toml").read_text("utf-8")
+    resources.files("stickslip").joinpath("diagnosis/terms/causes.toml").read_text("utf-8")
 )
 _CAUSES: Mapping[str, Mapping[str, Any]] = {**_WORDS["effects"], **_WORDS["readings"]}
 
-ROUTINE = (
-    "no-block-column", "errors-correlated", "noise-repeats", "noise-free-fit", "frame-noise",
-    "frames-correlated",
-)  # fmt: skip
-"""Codes of notes that nearly every measurement has: the page has them last, the command never."""
-
 _NEW_WORDS = 3  # of a meaning that says more than the title
-_PLAIN = 1e-3, 1e5  # sizes between which a number needs no power of ten
-_DIGITS = 4  # of a setting
-_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 class Words:
     """What causes, parameters and their sizes are called.
 
     Those of the simulator have the words of causes.toml. A model of one's own has the words of its
-    user, whatever names it shares with the simulator.
+    user, whatever names it shares with the simulator. `causes` are those of a problem.
     """
 
-    def __init__(self, own: bool) -> None:
-        self._own = own
+    def __init__(self, own: bool, causes: Sequence[Cause] = ()) -> None:
+        self._own, self._known = own, {each.name: each for each in causes}
         self._causes: Mapping[str, Mapping[str, Any]] = {} if own else _CAUSES
         self._constants: Mapping[str, Mapping[str, Any]] = {} if own else _WORDS["constants"]
 
-    def title(self, name: str, causes: Iterable[Cause] = ()) -> str:
-        """A model in plain words that follow ``of``; `causes` are those of the problem.
+    def title(self, name: str) -> str:
+        """A model in plain words that follow ``of``.
 
         A cause of one's own is its meaning, or its name in quotes where it has none; so is an
         effect of one's own whose meaning has an article.
         """
         if name == "none":
             return "no cause"
-        known = {each.name: each for each in causes}
-        return " and ".join(self._title(each, known.get(each)) for each in name.split(" + "))
+        return " and ".join(map(self._title, name.split(" + ")))
 
-    def _title(self, name: str, cause: Cause | None = None) -> str:
+    def _title(self, name: str) -> str:
+        cause = self._known.get(name)
         if name in self._causes:
             return str(self._causes[name]["name"])
         if cause is not None and cause.curve is not None:
@@ -79,15 +72,15 @@ class Words:
             return str(self._constants[name]["name"])
         return f"{self._title(cause)}: {short.replace('_', ' ')}" if cause in self._causes else name
 
-    def in_titles(self, text: str, causes: Sequence[Cause]) -> str:
+    def in_titles(self, text: str) -> str:
         """A sentence with causes in plain words in place of their names, and p as elsewhere."""
         text = re.sub(r"\bp = (\d\S*\d)", lambda each: p_text(float(each[1])), text)
-        names = sorted((re.escape(each.name) for each in causes), key=len, reverse=True)
+        names = sorted(map(re.escape, self._known), key=len, reverse=True)
         if not names:
             return text
         found = rf"(?<![\w.])(?:{'|'.join(names)})(?![\w.])"
         text = re.sub(rf"({found}) \+ (?={found})", r"\1 and ", text)
-        return re.sub(found, lambda each: self.title(each[0], causes), text)
+        return re.sub(found, lambda each: self.title(each[0]), text)
 
     def shown_in(self, name: str, unit: str) -> tuple[float, str]:
         """Factor from the SI unit of a parameter to the one in which it is told, and its name."""
@@ -108,7 +101,7 @@ class Words:
         sign of the largest; `meaning` is empty where the title says as much.
         """
         name, meaning, known = cause.name, cause.meaning, self._causes.get(cause.name)
-        said = {"name": name, "title": self.title(name, [cause]), "remedy": "", "way": ""}
+        said = {"name": name, "title": self.title(name), "remedy": "", "way": ""}
         new = set(re.findall(r"\w+", meaning)) - set(re.findall(r"\w+", said["title"]))
         said["meaning"] = meaning if len(new) >= _NEW_WORDS else ""
         said["drawing"] = known["drawing"] if known else ""
@@ -151,7 +144,7 @@ class Words:
         """The ends of an interval of a parameter, with its unit: ``13.5 to 16.4 %``."""
         factor, shown = self.shown_in(name, unit)
         ends = sorted((low * factor, high * factor))
-        return _joined(ends, (ends[1] - ends[0]) / 4.0, " to ", shown)
+        return joined(ends, (ends[1] - ends[0]) / 4.0, " to ", shown)
 
     def limit(self, name: str, value: float, unit: str, digits: int = 2) -> str:
         """A value in the unit of its parameter: ``2.1 degrees``."""
@@ -161,7 +154,7 @@ class Words:
     def near(self, name: str, value: float, sd: float, unit: str) -> str:
         """A value to the second digit of an error: ``9.810 m/s²``."""
         factor, shown = self.shown_in(name, unit)
-        return _joined([value * factor], sd * factor, "", shown)
+        return joined([value * factor], sd * factor, "", shown)
 
     def before(self, known: Parameter) -> str:
         """The prior of a parameter by its name, in the unit in which it is told."""
@@ -189,94 +182,10 @@ class Words:
         return amount(value * factor, sd * factor, shown)
 
 
-def suspect(code: str, value: float | None) -> list[str]:
+def suspect(note: Note) -> list[str]:
     """Of a check that data failed what it compares, how large the finding is, and what to do."""
-    what, large, do = _WORDS["problems"].get(code, ["the data with what they can be", "", ""])
-    size = "" if value is None else percent(value) if code == "drift" else number(value, 2)
+    unknown = ["the data with what they can be", "", ""]
+    what, large, do = _WORDS["problems"].get(note.code, unknown)
+    value = note.value
+    size = "" if value is None else percent(value) if note.code == "drift" else number(value, 2)
     return [what, large.format(size), do]
-
-
-def in_unit(value: float, unit: str, digits: int = 2, own: bool = False) -> str:
-    """A number in the handy unit of an SI unit: ``0.095 mm/s``; an `own` unit stays."""
-    factor, shown = (1.0, unit_label(unit)) if own else handy(unit)
-    return f"{number(value * factor, digits)} {shown}".rstrip()
-
-
-def times(ratio: float) -> str:
-    """How many times as probable: ``2400 times``."""
-    return "more than a million times" if ratio > 1e6 else f"{number(ratio, 2)} times"
-
-
-def odds(ratio: float, short: bool = False) -> str:
-    """Odds of one model against another: ``2400 to 1``."""
-    if ratio > 1e6:
-        return f"> {power(6)} to 1" if short else "more than a million to 1"
-    return f"{number(ratio, 2)} to 1" if ratio >= 1.0 else f"1 to {number(1.0 / ratio, 2)}"
-
-
-def joined_ends(low: float, high: float) -> str:
-    """``0.13 to 0.16``."""
-    return _joined([low, high], (high - low) / 4.0, " to ", "")
-
-
-def amount(value: float, sd: float, unit: str = "") -> str:
-    """``14.9 ± 0.8 %``: a value with its error, both to the error's second digit."""
-    return _joined([value, sd], sd, " ± ", unit)
-
-
-def _joined(values: list[float], step: float, by: str, unit: str) -> str:
-    """Numbers to the second digit of a step, with one power of ten."""
-    if not (all(map(math.isfinite, values)) and math.isfinite(step) and step > 0.0):
-        return f"{number(values[0])} {unit}".rstrip()
-    size = max(map(abs, (*values, step)))
-    # Seconds since 1970 have more digits than a power of ten would save.
-    plain = _PLAIN[0] <= size and (size < _PLAIN[1] or step < size / _PLAIN[1])
-    ten = 0 if plain else math.floor(math.log10(size))
-    values, step = [each / 10.0**ten for each in values], step / 10.0**ten
-    places = 1 - math.floor(math.log10(step))
-    if round(step, places) >= 9.5 * 10.0 ** (1 - places):
-        places -= 1  # two digits just below a power of ten are one
-    text = by.join(f"{round(each, places) + 0.0:.{max(places, 0)}f}" for each in values)
-    return f"{text} {unit}".rstrip() if ten == 0 else f"({text})·{power(ten)} {unit}".rstrip()
-
-
-def digits_for(values: Iterable[float]) -> int:
-    """Digits that tell these numbers apart: four of their spread, and at least four."""
-    known = [each for each in values if math.isfinite(each)]
-    spread = max(known, default=0.0) - min(known, default=0.0)
-    if not 0.0 < spread < math.inf:
-        return _DIGITS
-    size = max(map(abs, known))
-    return _DIGITS + max(math.floor(math.log10(size)) - math.floor(math.log10(spread)), 0)
-
-
-def number(value: float, digits: int = 3) -> str:
-    """A number to some digits, with a power of ten where it is very large or small."""
-    if not math.isfinite(value):
-        return "not known" if math.isnan(value) else "∞"
-    if value == 0.0 or _PLAIN[0] <= abs(value) < max(_PLAIN[1], 10.0**digits):
-        return f"{float(f'{value:.{digits}g}'):.{max(digits, 12)}g}"
-    first, _, ten = f"{value:.{digits - 1}e}".partition("e")
-    return f"{first}·{power(int(ten))}"
-
-
-def power(ten: int) -> str:
-    """``10⁻⁵``."""
-    return f"10{str(ten).translate(_SUPERSCRIPT)}"
-
-
-def percent(share: float, short: bool = False) -> str:
-    """A probability or a share: ``86 %``, ``more than 99.9 %``, ``less than 0.1 %``."""
-    if share > 0.999:
-        return "> 99.9 %" if short else "more than 99.9 %"
-    if share < 0.001:
-        return "< 0.1 %" if short else "less than 0.1 %"
-    value = 100.0 * share
-    return f"{value:.1f} %" if value < 1.0 or value > 99.0 else f"{value:.0f} %"
-
-
-def p_text(p_value: float) -> str:
-    """``p = 0.03``, or that it is below what can be told."""
-    if p_value <= 1e-12:
-        return f"p < {power(-12)}"
-    return f"p = {number(p_value, 2).replace('.0·', '·')}"

@@ -13,10 +13,9 @@ from scipy.stats import t as t_law
 
 from stickslip._util.numbers import Array
 from stickslip._util.text import OneLine
-from stickslip.diagnosis.decision.gain import Gain, measured
+from stickslip.diagnosis.decision.gain import Gain, gain_of
 from stickslip.diagnosis.decision.posterior import share
 from stickslip.diagnosis.fitting.models import Fit
-from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.search import Models
 from stickslip.diagnosis.terms.parameter import Parameter
 
@@ -57,10 +56,7 @@ class Candidate(OneLine):
     @cached_property
     def gain(self) -> Gain | None:
         """Error on held-out readings; None for ``none``, or if there are too few to hold out."""
-        if not self.fit.causes:
-            return None
-        plain = self.models.get(self.fit.names) or self.fit
-        return measured(self.models.problem, self.models.null, plain)
+        return gain_of(self.models, self.fit) if self.fit.causes else None
 
     @property
     def widening(self) -> float:
@@ -127,7 +123,7 @@ class Candidate(OneLine):
         size = fit.sizes.get("s", math.sqrt(max(kappa**2 - 1.0, 0.0)))
         sizes, lasts = {}, {}
         for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
-            name, own = table_name(problem, k), size * float(unit[part][0])
+            name, own = problem.table_names[k], size * float(unit[part][0])
             if not own:
                 continue
             sizes[name] = own
@@ -150,7 +146,7 @@ class Candidate(OneLine):
         rows = []
         for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
             rows += [
-                (table_name(problem, k), float(problem.y[i]), float(problem.sd[i]),
+                (problem.table_names[k], float(problem.y[i]), float(problem.sd[i]),
                  float(problem.y[i] - fit.residual[i]), float(sd[i]), table.unit)
                 for i in range(part.start, part.stop)
             ]  # fmt: skip
@@ -200,13 +196,6 @@ class Candidate(OneLine):
     def _covariance(self) -> Array:
         slopes = self._slopes
         return np.asarray(slopes[:, None] * self.fit.covariance * slopes * self.widening**2)
-
-
-def table_name(problem: Problem, k: int) -> str:
-    """The name of a table, with its number where others are called the same."""
-    name = problem.tables[k].name
-    alike = [each.name for each in problem.tables].count(name) > 1
-    return f"{name or 'table'} {k + 1}" if alike or not name else name
 
 
 def spread_of(predicted: Array) -> Array:

@@ -1,0 +1,490 @@
+"""What a diagnosis found: the value that results and reports are made of."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip._util.messages import check_whole, meant, refuse
+from stickslip._util.numbers import Array
+from stickslip._util.text import OneLine, is_number, printable
+from stickslip.diagnosis.data.velocity import VelocityTable
+from stickslip.diagnosis.decision import experiments as design
+from stickslip.diagnosis.decision.candidate import Candidate, frame, spread_of
+from stickslip.diagnosis.decision.gain import Gain
+from stickslip.diagnosis.decision.posterior import Posterior, posterior, share
+from stickslip.diagnosis.decision.test import Test, adequacy
+from stickslip.diagnosis.decision.verdict import Verdict
+from stickslip.diagnosis.fitting.problem import Problem
+from stickslip.diagnosis.fitting.responses import Response
+from stickslip.diagnosis.fitting.search import Models
+from stickslip.diagnosis.terms.instruments import read_by
+from stickslip.diagnosis.terms.words import Words
+from stickslip.errors import ScenarioError
+from stickslip.measurement.reading import Measurement
+from stickslip.scenario.keys import Value, known_keys
+from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.uncertain import JointPrior
+from stickslip.simulation.note import Note
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+Forward = Callable[[Any, Array], Array]
+"""``forward(conditions, values)``: readings that a model predicts at new conditions, shape
+(vectors, conditions), from values of all parameters, (vectors, size); NaN where it has none."""
+
+# Models to tell apart, and the odds below which one is no rival beside the first. Chosen.
+_COMPARED, _RIVAL = 3, 1e-3
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Findings(OneLine):
+    """What the steps found.
+
+    Attributes
+    ----------
+    models : Models
+        All fits; `models.problem` has the errors that they were compared with.
+    test : Test
+    responses : list of Response
+        Of every cause about the recalibrated model, that of the largest gain first.
+    verdict : Verdict
+    seed : int
+    """
+
+    models: Models
+    test: Test
+    responses: list[Response]
+    verdict: Verdict
+    seed: int
+
+    @property
+    def problem(self) -> Problem:
+        return self.models.problem
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Facts:
+    """What was found in which data, and what follows from it.
+
+    Attributes
+    ----------
+    findings : Findings
+    measurement : Measurement, optional
+        What was diagnosed; none for a model of one's own.
+    notes : tuple of Note
+        What a reader should know beside the verdict.
+    forward : callable, optional
+        Of a model of one's own, to predict at new conditions; see `Forward`.
+    """
+
+    findings: Findings
+    measurement: Measurement | None = None
+    notes: tuple[Note, ...] = ()
+    forward: Forward | None = None
+
+    @property
+    def problem(self) -> Problem:
+        """What was fitted, with the errors that models were compared with."""
+        return self.findings.problem
+
+    @property
+    def fitted(self) -> bool:
+        """Whether the data allow a diagnosis, so that there are models."""
+        return self.verdict.kind != "data-problem"
+
+    @property
+    def verdict(self) -> Verdict:
+        """What is said: its `kind`, the `causes`, the `reasons` and all `probabilities`."""
+        return self.findings.verdict
+
+    @property
+    def gain(self) -> Gain | None:
+        """Error on held-out readings, recalibrated and extended, or of the leading model.
+
+        None where no model has a cause, or if there are too few readings to hold some out.
+        """
+        return self.verdict.gain
+
+    @cached_property
+    def words(self) -> Words:
+        """What causes and parameters are called: by the user where the model is."""
+        return Words(self.measurement is None, self.problem.causes)
+
+    @cached_property
+    def chance(self) -> Posterior:
+        """Probabilities of all fitted models."""
+        return posterior(self.findings.models)
+
+    def probability_of(self, names: Collection[str]) -> float:
+        """Probability that all of these causes are in the model, whatever is beside them."""
+        models = (each for each in self.chance.fits if each.names.issuperset(names))
+        return min(1.0, math.fsum(self.chance.models[each.name] for each in models))
+
+    def candidate(self, name: str) -> Candidate:
+        """A model that was fitted: ``none``, the name of a cause, or a pair as ``"a + b"``.
+
+        With the form of the discrepancy that is claimed, or else has the largest probability.
+
+        Raises
+        ------
+        ScenarioError
+            If no such model was fitted.
+        """
+        self._refuse_without_models("candidate")
+        names = frozenset(each.strip() for each in str(name).split("+")) - {"none"}
+        claimed = () if self.verdict.fit is None else (self.verdict.fit,)
+        for each in (*claimed, *self.chance.fits):
+            if each.names == names:
+                return Candidate(each, self.findings.models)
+        hint = meant(name, [each.name for each in self.chance.fits])
+        said = f"candidate({printable(repr(name))}): no such model was fitted; compare() has all"
+        raise ScenarioError(said + hint)
+
+    @property
+    def recalibrated(self) -> Candidate:
+        """The model without a cause: with the discrepancy of the extended one, if there is one."""
+        models, fit = self.findings.models, self.verdict.fit
+        null = None if fit is None else models.get((), fit.form)
+        best = next((each for each in self.chance.fits if not each.causes), models.null)
+        return Candidate(null or (models.null if fit else best), models)
+
+    @property
+    def best(self) -> Candidate:
+        """The extended model, or the recalibrated one if there is none."""
+        fit = self.verdict.fit
+        return self.recalibrated if fit is None else Candidate(fit, self.findings.models)
+
+    @property
+    def params(self) -> DataFrame:
+        """Parameters of the extended model, or the recalibrated one; see `Candidate.params`.
+
+        Empty for the verdict data-problem.
+        """
+        if not self.fitted:
+            return frame("parameter", [], [], ["value", "sd", "unit", "prior", "pull"])
+        return self.best.params
+
+    def conf_int(self, level: float = 0.95) -> DataFrame:
+        """Intervals of `params`, columns `low`, `high` and `unit`; see `Candidate.interval`.
+
+        Raises
+        ------
+        ScenarioError
+            If the level is not above 0 and below 1.
+        """
+        if not is_number(level) or not 0.0 < level < 1.0:
+            refuse("level", level, "a number above 0 and below 1")
+        if not self.fitted:
+            return frame("parameter", [], [], ["low", "high", "unit"])
+        return self.best.interval(level)
+
+    @property
+    def covariance(self) -> DataFrame:
+        """Covariance of `params`, in products of their units."""
+        return self.best.covariance if self.fitted else frame("parameter", [], [], [])
+
+    def compare(self) -> DataFrame:
+        """All models that were fitted, the most probable first.
+
+        Columns: `log_evidence` above that of ``none``; `probability`; `chi2` of the data; `p` of
+        the lack of fit without a discrepancy; `form` of the discrepancy and `share` of the
+        model's error that the causes take. Empty for the verdict data-problem.
+        """
+        columns = ["log_evidence", "probability", "chi2", "p", "form", "share"]
+        if not self.fitted:
+            return frame("candidate", [], [], columns)
+        models, fits = self.findings.models, self.chance.fits
+        none = max(each.log_evidence for each in models.best.values() if not each.causes)
+        rows = []
+        for each in fits:
+            plain = models.get(each.names) or each
+            taken = share(models, each) if each.causes else 0.0
+            rows.append(
+                (each.log_evidence - none, self.chance.models[each.name], plain.chi2,
+                 adequacy(self.problem, plain), each.form, taken)
+            )  # fmt: skip
+        return frame("candidate", [each.name for each in fits], rows, columns)
+
+    # ------------------------------------------------------------------ predictions
+    def predict(self, conditions: Any) -> DataFrame:
+        """Predictions of the fitted models at new conditions.
+
+        Parameters
+        ----------
+        conditions : DataFrame or sequence of dict, or whatever the own model takes
+            Of a measurement drive settings by name, such as ``frequency``; what is not given is as
+            in the scenario, and what a table of trials has besides, such as `velocity`, is ignored.
+
+        Returns
+        -------
+        DataFrame
+            A row for each condition: the settings that were given, then `recalibrated` and
+            `recalibrated_sd` and, where there is an extended model, `extended` and `extended_sd`.
+            In m/s or the own readings' unit, without the noise of a reading; NaN where a model
+            computes nothing.
+
+        Raises
+        ------
+        ScenarioError
+            If the data allow no diagnosis, a setting is not one that a drive can have, or the
+            measurement has no velocities.
+        """
+        self._refuse_without_models("predict")
+        at, settings = self._conditions(conditions)
+        models = {"recalibrated": self.recalibrated}
+        if self.verdict.fit is not None:
+            models["extended"] = self.best
+        for name, each in models.items():
+            made = self._predicted(each, at)
+            sd = np.sqrt(np.diag(spread_of(made)))
+            settings |= {name: made[0].tolist(), f"{name}_sd": sd.tolist()}
+        return _table(settings)
+
+    def separate(self, conditions: Any, trials: int = design.TRIALS) -> DataFrame | None:
+        """How well the leading models could be told apart at conditions not measured yet.
+
+        Parameters
+        ----------
+        conditions : as for `predict`
+        trials : int
+            Readings of each new condition, with the noise of the others.
+
+        Returns
+        -------
+        DataFrame, optional
+            A row for each condition: the settings, `separation`, the expected chi-square between
+            the two models `first` and `second` that it tells apart best, and of each model a
+            column with what it predicts and one with its sd. None where there is nothing to
+            separate.
+        """
+        check_whole("trials", trials, 1)
+        candidates, pairs = self._rivals
+        if not pairs:
+            return None
+        at, settings = self._conditions(conditions)
+        level, covariance, noise = self._apart(candidates, at, trials)
+        chi2 = design.expected_chi2(level, covariance, noise, pairs)
+        best = np.argmax(chi2, axis=0)
+        settings["separation"] = np.max(chi2, axis=0).tolist()
+        for k, word in enumerate(("first", "second")):
+            settings[word] = [candidates[pairs[pair][k]].name for pair in best.tolist()]
+        for k, each in enumerate(candidates):
+            sd = np.sqrt(np.diagonal(covariance[k]))
+            settings |= {each.name: level[k].tolist(), f"{each.name}_sd": sd.tolist()}
+        return _table(settings)
+
+    def propose_experiments(self, count: int = design.PROPOSED) -> list[design.Experiment]:
+        """The drives that would tell the leading models apart best, each of another kind.
+
+        Raises
+        ------
+        ScenarioError
+            If `count` is no whole number from 0; and for a model of one's own, of which no other
+            conditions are known; see `separate`.
+        """
+        if self.measurement is None:
+            raise ScenarioError(
+                "propose_experiments: which conditions a model of one's own can have is not known; "
+                "separate(conditions) compares those that you give"
+            )
+        check_whole("count", count)
+        # The first ones are the same, however many are asked for.
+        most = max(count, design.PROPOSED)
+        return (self._experiments if most == design.PROPOSED else self._proposed(most))[:count]
+
+    @cached_property
+    def next_step(self) -> Note:
+        """Whether what is claimed is safe (the code ``name-safe``), or why it is not."""
+        verdict, causes = self.verdict, self.verdict.causes
+        probability = 0.0 if verdict.fit is None else self.probability_of(verdict.fit.names)
+        if verdict.kind == "none":
+            causes = tuple(self.chance.causes)[:1]
+            probability = 1.0 - self.chance.none
+        names = [self.words.title(each) for each in causes]
+        tables = () if self.measurement is None else self.measurement.velocity
+        drives = [drive for each in tables for drive in each.conditions]
+        keys = ("direction", "frequency", "mode", "peak")
+        same = [key for key in keys if len({each[f"drive.{key}"] for each in drives}) == 1]
+        return design.next_step(verdict, names, probability, same[:2])
+
+    def worth_measuring(self, count: int = design.PROPOSED) -> list[design.Experiment]:
+        """Of the proposed experiments those that `next_step` needs."""
+        return design.worth_measuring(self.next_step, self.propose_experiments(count))
+
+    def next_trials(self, count: int = design.PROPOSED) -> DataFrame:
+        """The drives to measure next, a row for each trial, with an empty column `velocity`.
+
+        When that is filled in, `Measurement.with_velocities` takes the table. None where
+        `next_step` needs none.
+        """
+        return self.trial_table(self.worth_measuring(count))
+
+    def trial_table(
+        self, experiments: Sequence[design.Experiment], trials: int = design.TRIALS
+    ) -> DataFrame:
+        """A row for each trial of some experiments, with an empty column `velocity`."""
+        assert self.measurement is not None  # for a model of one's own none are proposed
+        tables = self.measurement.velocity
+        beside: dict[str, Any] = {}
+        if any(np.any(each.block >= 0) for each in tables):
+            # All rounds may stand in one table; the number of conditions grows with each.
+            beside["block"] = f"after-{sum(len(each.conditions) for each in tables)}"
+        if any(np.any(np.isfinite(each.order)) for each in tables):
+            beside["order"] = math.nan
+        columns = setting_columns(self.measurement)
+        return design.trial_table(experiments, columns, trials, **beside)
+
+    @property
+    def extended(self) -> Scenario | dict[str, float]:
+        """The model with recalibrated constants and, where there is one, the claimed cause.
+
+        Of a measurement a scenario; of a model of one's own the values of its parameters by name.
+        Uncertain in the scenario is what was fitted, with `covariance`; `stickslip.predict` draws
+        from that. From data that allow no diagnosis nothing is learnt: the scenario is as it was
+        given. What only readings have, such as a camera's offset, is no part of it.
+
+        Raises
+        ------
+        ScenarioError
+            If the fitted values are none that a scenario can have together.
+        """
+        values: dict[str, float] = {}
+        if self.fitted:
+            values = self.best.params["value"].to_dict()
+            for each in self.best.fit.causes:
+                values |= {} if each.curve is None else each.curve.fixed
+        if self.measurement is None:
+            return values
+        keys = known_keys()
+        changes = {name: value for name, value in values.items() if name in keys}
+        try:
+            changed = self.measurement.scenario.replace(changes)
+            return changed.with_uncertain(self._uncertain(changes))
+        except ScenarioError as error:
+            raise ScenarioError(f"the extended model makes no scenario: {error}") from None
+
+    def _uncertain(self, changes: Mapping[str, float]) -> JointPrior | None:
+        """The covariance of fitted keys; one that is pushed against its end is taken as known."""
+        if not self.fitted:
+            return None
+        matrix = self.best.covariance
+        names = [each for each in matrix.columns if each in changes and matrix.loc[each, each] > 0]
+        if not names:
+            return None
+        rows = matrix.loc[names, names].to_numpy().tolist()
+        return JointPrior({}, tuple(names), tuple(map(tuple, rows)))
+
+    # ---------------------------------------------------------------------- helpers
+    def _refuse_without_models(self, what: str) -> None:
+        if not self.fitted:
+            raise ScenarioError(f"{what}: the data allow no diagnosis, so no model was fitted")
+
+    def _conditions(self, given: Any) -> tuple[Any, dict[str, list[Any]]]:
+        """What the model takes, and the settings as columns where they have names."""
+        if self.measurement is None:
+            return given, {}
+        drives = design.drive_settings(given, self.measurement.scenario)
+        keys = dict.fromkeys(key for each in drives for key in each)
+        scenario = self.measurement.scenario
+        return drives, {key: [each.get(key, scenario.get(key)) for each in drives] for key in keys}
+
+    def _predicted(self, candidate: Candidate, at: Any) -> Array:
+        """Readings at new conditions for the values of a candidate, (values, conditions)."""
+        forward = self.forward if self.measurement is None else self._velocities
+        if forward is None:
+            raise ScenarioError("predict: this model was given without a way to new conditions")
+        return np.asarray(forward(at, candidate.values()))
+
+    @cached_property
+    def _velocity(self) -> VelocityTable:
+        for each in self.problem.tables:
+            if isinstance(each, VelocityTable):
+                return each
+        raise ScenarioError(
+            "there are no velocities in this measurement; stickslip.predict(result.extended, ...) "
+            "predicts those of any drive"
+        )
+
+    def _velocities(self, drives: Sequence[Mapping[str, Value]], values: Array) -> Array:
+        """Velocities of any drives as they are read, m/s."""
+        table, names = self._velocity, self.problem.names
+        at = table.own_columns(names)
+        return read_by(
+            table.suspects, [names[k] for k in at], values[:, at],
+            lambda keys, rest: table.velocities(drives, keys, rest), table,
+        )  # fmt: skip
+
+    @cached_property
+    def _rivals(self) -> tuple[list[Candidate], list[tuple[int, int]]]:
+        """Models to tell apart, and which of them from which.
+
+        A claim from those that come next; the members of a set from one another.
+        """
+        if self.verdict.kind in ("none", "data-problem"):
+            return [], []
+        fits = list(self.chance.fits)
+        claim = self.verdict.fit if self.verdict.claims else None
+        if claim is not None:
+            # What has the claimed causes and more is no rival of the claim.
+            fits = [claim, *(each for each in fits if not each.names >= claim.names)]
+        elif self.verdict.kind == "ambiguous":
+            fits = list(self.verdict.members)
+        # The first rival is told apart however small its probability is, others only beside it.
+        least = self.chance.models[fits[min(1, len(fits) - 1)].name] * _RIVAL
+        fits = [each for each in fits[:_COMPARED] if self.chance.models[each.name] >= least]
+        found = [Candidate(each, self.findings.models) for each in fits]
+        pairs = itertools.combinations(range(len(found)), 2)
+        return found, [each for each in pairs if claim is None or each[0] == 0]
+
+    def _apart(
+        self, candidates: Sequence[Candidate], at: Any, trials: int
+    ) -> tuple[Array, Array, Array]:
+        """Level, covariance and variance of the noise, as `expected_chi2` takes them."""
+        made = [self._predicted(each, at) for each in candidates]
+        level = np.array([each[0] for each in made])
+        covariance = np.array([spread_of(each) for each in made])
+        first = 0
+        if self.measurement is not None:
+            first = self.problem.tables.index(self._velocity)
+        sd = self.problem.errors[first].of_reading(np.mean(level, axis=0))
+        rough = self.problem.roughness
+        scatter = 0.0 if rough is None else float(np.median(rough[self.problem.rows[first]]))
+        return level, covariance, sd**2 / trials + scatter**2
+
+    @cached_property
+    def _experiments(self) -> list[design.Experiment]:
+        return self._proposed(design.PROPOSED)
+
+    def _proposed(self, count: int) -> list[design.Experiment]:
+        candidates, pairs = self._rivals
+        assert self.measurement is not None
+        if not pairs or not any(len(each.conditions) for each in self.measurement.velocity):
+            return []
+        measured_at = [
+            {key: value for key, value in each.items() if key.startswith("drive.")}
+            for each in self._velocity.conditions
+        ]
+        drives = design.proposals(measured_at)
+        level, covariance, noise = self._apart(candidates, drives, design.TRIALS)
+        names = [each.name for each in candidates]
+        return design.choose(drives, names, level, covariance, noise, count=count, pairs=pairs)
+
+
+def setting_columns(measurement: Measurement) -> list[str]:
+    """Bare names of the settings of a table of drives to measure next."""
+    conditions = [drive for each in measurement.velocity for drive in each.conditions]
+    return design.setting_columns(conditions, measurement.scenario)
+
+
+def _table(columns: Mapping[str, Sequence[Any]]) -> DataFrame:
+    import pandas as pd
+
+    return pd.DataFrame(dict(columns))
