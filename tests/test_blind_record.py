@@ -166,10 +166,18 @@ def test_shares_come_with_the_interval_of_wilson():
             if 0.0 < end < 1.0:
                 away = (count / total - end) / np.sqrt(end * (1.0 - end) / total)
                 assert abs(away) == pytest.approx(1.959964)
-    rows = [_row("none", [], None, verdict) for verdict in ("none", "none", "none", "unexplained")]
-    (counted,) = judged(rows)
-    assert (counted["count"], counted["total"], counted["met"]) == (1, 4, False)
-    assert counted["missed"] == [7]
+
+
+@pytest.mark.parametrize(
+    ("alarms", "total", "met", "passing"),
+    [(1, 59, None, None), (6, 60, True, 6), (7, 60, False, 6)],
+)
+def test_a_demand_is_missed_if_the_interval_excludes_it(alarms, total, met, passing):
+    # 5 % is asked for. Wilson's interval of 6 of 60 begins at 4.7 %, that of 7 at 5.8 %.
+    said = ["unexplained"] * alarms + ["none"] * (total - alarms)
+    (counted,) = judged([_row("none", [], None, each, seed=k) for k, each in enumerate(said)])
+    found = [counted[key] for key in ("count", "total", "met", "passing", "missed")]
+    assert found == [alarms, total, met, passing, list(range(alarms))]
 
 
 NAME = "friction over slip speed"

@@ -2,8 +2,9 @@
 
 `make` draws data sets into a folder, `diagnose` reads their files alone, `judge` opens the answers
 and prints the tables. `tables` prints those of a record, `write` lays out one data set as files,
-`frozen` sets the verdicts of 200 frozen sets beside those of an earlier engine. The folder is that
-of the stored study unless another one is given; a step that was stopped goes on where it stood.
+`store` keeps sets of old seeds with what the present engine says of them, `compare` sets the
+verdicts and fits of a later engine beside these. The folder is that of the stored study unless
+another one is given; a step that was stopped goes on where it stood.
 """
 
 from __future__ import annotations
@@ -12,9 +13,10 @@ import argparse
 import json
 from pathlib import Path
 
-from blind.kinds import KINDS, STUDY, plan
+from blind.kinds import KINDS, OLD, STUDY, plan
 from blind.scoring import read, report
-from blind.study import HERE, diagnose_sets, frozen, judge, make
+from blind.stored import compare, store
+from blind.study import HERE, diagnose_sets, judge, make
 from blind.writing import write_case
 
 
@@ -44,8 +46,12 @@ def main() -> None:
     write.add_argument("kind", choices=KINDS)
     write.add_argument("seed", type=int)
     write.add_argument("into", type=Path)
-    again = steps.add_parser("frozen", parents=[time, some], help="verdicts before and now")
-    again.add_argument("--out", type=Path, default=Path("bench/results/frozen.jsonl"))
+    short = argparse.ArgumentParser(add_help=False)
+    short.add_argument("--most", type=float, default=60.0, help="CPU seconds of a diagnosis")
+    kept = steps.add_parser("store", parents=[time, some, short], help="keep sets and verdicts")
+    kept.add_argument("--seeds", type=int, default=2, help="data sets of a kind, at most")
+    again = steps.add_parser("compare", parents=[time, some, short], help="before and now")
+    again.add_argument("--out", type=Path, default=Path("bench/results/stored.jsonl"))
     options = parser.parse_args()
     kinds = options.kinds.split(";") if "kinds" in options else []
     if not set(kinds) <= set(KINDS):
@@ -64,9 +70,11 @@ def main() -> None:
         answer = write_case(options.into / "data", options.kind, options.seed)
         (options.into / "answer.json").write_text(json.dumps(answer, indent=2) + "\n")
         print(options.into / "data" / "measurement.toml")
+    elif options.step == "store":
+        store(plan(OLD, options.seeds, kinds), options.minutes, options.most)
     else:
         options.out.parent.mkdir(parents=True, exist_ok=True)
-        frozen(options.out, kinds, options.minutes)
+        compare(options.out, kinds, options.minutes, options.most)
 
 
 if __name__ == "__main__":

@@ -138,7 +138,7 @@ def make(folder: Path, asked: Iterable[tuple[str, int]], minutes: float) -> None
     """
     folder.mkdir(parents=True, exist_ok=True)
     parts = {folder / name: folder / f"{name}.part" for name in (ANSWERS, SETS)}
-    _pack(parts)
+    pack(parts)
     there = {each["name"] for each in sets(folder / SETS)}
     data, end = _checksum(generator_files()), time.monotonic() + 60.0 * minutes
     for kind, seed in asked:
@@ -155,10 +155,10 @@ def make(folder: Path, asked: Iterable[tuple[str, int]], minutes: float) -> None
         append(parts[folder / ANSWERS], {"name": name, "answer": answer})
         append(parts[folder / SETS], {"name": name, "files": files})
         print(f"{name}: {time.process_time() - begin:.1f} CPU s", flush=True)
-    _pack(parts)
+    pack(parts)
 
 
-def _pack(parts: dict[Path, Path]) -> None:
+def pack(parts: dict[Path, Path]) -> None:
     """Move the rows of each part into its file, the last one of each name."""
     for path, part in parts.items():
         if part.exists():
@@ -302,48 +302,3 @@ def drawn(result: Diagnosis, law: Cause, argument: Array) -> tuple[Array, Array,
     whole = base * (1.0 + f) if curve.relative else f
     half = norm.ppf(0.975) * np.sqrt(np.diag(spread_of(whole)))
     return whole[0] - half, whole[0] + half, found
-
-
-def frozen(out: Path, kinds: list[str], minutes: float) -> None:
-    """Diagnose the 200 frozen sets, and set each verdict beside that of an earlier engine.
-
-    Rows of the present engine that are in `out` are not made again.
-    """
-    now, end = state()["engine"], time.monotonic() + 60.0 * minutes
-    before = {(row["kind"], row["seed"]): row for row in lines(HERE / "frozen" / "rows.jsonl")}
-    done = {(row["kind"], row["seed"]): row for row in lines(out) if row["engine"] == now}
-    rows = []
-    for one in sets(HERE / "frozen" / SETS):
-        name = (one["kind"], one["seed"])
-        if one["kind"] not in kinds:
-            continue
-        if name not in done:
-            if time.monotonic() > end:
-                continue
-            with tempfile.TemporaryDirectory() as work:
-                begin = time.process_time()
-                measurement = read_measurement(unpacked(one, Path(work)))
-                verdict = diagnose(measurement, threads=1).verdict
-            done[name] = {
-                "engine": now, "kind": name[0], "seed": name[1], "verdict": verdict.kind,
-                "causes": list(verdict.causes), "cpu_seconds": time.process_time() - begin,
-            }  # fmt: skip
-            append(out, done[name])
-        row, old = done[name], before[name]
-        cause = old["cause"] or []
-        old["causes"] = [cause] if isinstance(cause, str) else cause
-        rows.append((row, old))
-        truth = " + ".join(old["truth"] or [old["hook"] or "-"])
-        said_before, said_now = (
-            f"{each['verdict']} {', '.join(each['causes'][:4])}" for each in (old, row)
-        )
-        costs = f"{old['cpu_seconds']:.0f} -> {row['cpu_seconds']:.0f} CPU s"
-        print(f"{name[0]} {name[1]} | {truth} | {said_before} -> {said_now} | {costs}", flush=True)
-    same = [(old["verdict"], set(old["causes"])) == (row["verdict"], set(row["causes"]))
-            for row, old in rows]  # fmt: skip
-    costs = np.array([[old["cpu_seconds"], row["cpu_seconds"]] for row, old in rows] or [[0, 0]])
-    median, most = np.median(costs, axis=0), costs.max(axis=0)
-    print(
-        f"{sum(same)} of {len(rows)} verdicts are those of before; CPU s before and now: median "
-        f"{median[0]:.1f} and {median[1]:.1f}, at most {most[0]:.0f} and {most[1]:.0f}"
-    )
