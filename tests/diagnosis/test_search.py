@@ -7,7 +7,7 @@ import pytest
 
 from sliding_block import FRICTION, HIDDEN, measured, push, result
 from stickslip import Cause, Parameter, Prior, Table, diagnose_model
-from stickslip.diagnosis.fitting.descent import End, derivatives
+from stickslip.diagnosis.fitting.descent import End, derivatives, finished
 from stickslip.diagnosis.fitting.forms import forms
 from stickslip.diagnosis.fitting.models import fit
 from stickslip.diagnosis.fitting.responses import responses
@@ -114,13 +114,13 @@ def two_wells(kink=0.0):
 
 def test_the_model_without_a_cause_is_fitted_again_from_the_leaders_constants():
     posed = two_wells()
-    wrong = fit(posed, forms(posed)["none"], (), np.array([-1.0, 0.0, 0.0]))
+    wrong = finished(posed, fit(posed, forms(posed)["none"], (), np.array([-1.0, 0.0, 0.0])))
     assert wrong.x[0] < -0.5
     models = Models(posed, posed.causes)
     models.add(wrong)
     there = np.array([1.0, 0.0, 0.0])
     residual = posed.residuals(there[None, :])[0]
-    slopes = derivatives(posed, there, posed.free(()), residual)
+    slopes = finished(posed, derivatives(posed, there, posed.free(()), residual))
     search(models, [End(there, residual, slopes, 0.0)], posed.causes)
     assert models.get(["bump"]).x[0] == pytest.approx(1.0, abs=0.05)
     assert models.null.x[0] > 0.5
@@ -130,12 +130,16 @@ def test_the_model_without_a_cause_is_fitted_again_from_the_leaders_constants():
 def test_a_pair_begins_where_a_response_points_and_where_its_leader_is(monkeypatch):
     posed = two_wells(0.2)
     models = Models(posed, posed.causes)
-    models.add(fit(posed, models.forms["none"], (), np.array([1.0, 0.0, 0.0])))
+    models.add(finished(posed, fit(posed, models.forms["none"], (), np.array([1.0, 0.0, 0.0]))))
     bump, _ = posed.causes
-    leader = models.add(fit(posed, models.forms["none"], [bump], np.array([1.0, 0.0, 0.0])))
+    leader = models.add(
+        finished(posed, fit(posed, models.forms["none"], [bump], np.array([1.0, 0.0, 0.0])))
+    )
 
-    def misled(*given):
-        return [replace(each, x=np.append(-1.0, each.x[1:])) for each in responses(*given)]
+    def misled(*given, **options):
+        return [
+            replace(each, x=np.append(-1.0, each.x[1:])) for each in responses(*given, **options)
+        ]
 
     monkeypatch.setattr("stickslip.diagnosis.fitting.search.responses", misled)
     _look_beside(models, leader)
@@ -146,11 +150,11 @@ def test_a_cause_is_looked_at_from_three_places_at_most(monkeypatch):
     # However many minima the constants have: each place costs predictions of every cause.
     posed, asked = two_wells(), []
     models = Models(posed, posed.causes)
-    models.add(fit(posed, models.forms["none"], (), np.array([1.0, 0.0, 0.0])))
+    models.add(finished(posed, fit(posed, models.forms["none"], (), np.array([1.0, 0.0, 0.0]))))
 
-    def counted(*given):
+    def counted(*given, **options):
         asked.append(given)
-        return responses(*given)
+        return responses(*given, **options)
 
     monkeypatch.setattr("stickslip.diagnosis.fitting.search.responses", counted)
     places = [np.array([k, 0.0, 0.0]) for k in (-2.0, -1.0, 0.0, 1.0, 2.0)]

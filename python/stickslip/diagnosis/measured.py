@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -86,7 +86,7 @@ def pose(measurement: Measurement, threads: int = 1, seed: int = 0) -> Problem:
     parts = tables, constants, effects, list(suspects.values())
     model, draft = model_of(*parts)
     laws = partial(_with_laws, measurement, parts)
-    return Problem(tuple(tables), Cached(model), tuple(constants), causes, Cached(draft), laws)
+    return Problem(tuple(tables), model, tuple(constants), causes, draft, laws)
 
 
 def _with_laws(
@@ -94,10 +94,8 @@ def _with_laws(
 ) -> Problem:
     tables, _, effects, _ = parts
     found = _laws(measurement, tables[0], problem, x) if effects else ()
-    own = model_of(*parts, beside=found)
-    return replace(
-        problem, model=Cached(own[0]), draft=Cached(own[1]), causes=(*problem.causes, *found)
-    )
+    model, draft = model_of(*parts, beside=found)
+    return replace(problem, model=model, draft=draft, causes=(*problem.causes, *found))
 
 
 def _laws(
@@ -149,23 +147,22 @@ def model_of(
     reach = {key: each for law in beside if law.curve for key, each in law.curve.fixed.items()}
     names += [*knots, *reach]
     columns = [table.own_columns(names) for table in tables]
-    full, cheap = [each.predict for each in tables], [each.low_fidelity for each in tables]
+    full, cheap = list[Model](), list[Model]()
+    for table, own in zip(tables, columns, strict=True):
+        mine = [names[k] for k in own]
+        full.append(Cached(partial(table.predict, mine)))
+        # What has no cheaper model is predicted once for both.
+        same = type(table).low_fidelity is SimulatedTable.low_fidelity
+        cheap.append(full[-1] if same else Cached(partial(table.low_fidelity, mine)))
     fixed = np.array(list(reach.values()))
-    return partial(_rows, names, columns, fixed, full), partial(_rows, names, columns, fixed, cheap)
+    return partial(_rows, columns, fixed, full), partial(_rows, columns, fixed, cheap)
 
 
 def _rows(
-    names: Sequence[str],
-    columns: Sequence[Sequence[int]],
-    fixed: Array,
-    predict: Sequence[Callable[[Sequence[str], Array], Array]],
-    values: Array,
+    columns: Sequence[Sequence[int]], fixed: Array, predict: Sequence[Model], values: Array
 ) -> Array:
     values = np.hstack([values, np.broadcast_to(fixed, (len(values), len(fixed)))])
-    return np.hstack([
-        each([names[k] for k in at], values[:, at])
-        for each, at in zip(predict, columns, strict=True)
-    ])  # fmt: skip
+    return np.hstack([each(values[:, at]) for each, at in zip(predict, columns, strict=True)])
 
 
 def _driven(measurement: Measurement) -> list[Scenario]:

@@ -65,6 +65,10 @@ _WALKS, _LISTED = 0.1, 4
 """Share of the median speed above which the model is said to move, and conditions that a note
 names. Chosen: slower motion may well be read as zero; more are not read."""
 
+_STEPS_A_PULSE = 6000
+"""Most steps of a simulation for each of its pulses. Chosen: usual motions take some dozens, and
+one in thousands, of endless contacts, as many as all the others together."""
+
 _LABORATORY = {"T": ("mT", 1e3), "s": ("ms", 1e3)}
 """Units that a laboratory uses in place of SI units, and the factor to them."""
 
@@ -174,10 +178,9 @@ class VelocityTable(SimulatedTable):
 
     def low_fidelity(self, names: Sequence[str], values: Array) -> Array:
         """By fewer pulses and a loose tolerance."""
-        pulses = [float(self._setting(each, "drive.pulses")) for each in self.conditions]
         loose = [
             {**each, "solver.rtol": TOLERANCES[0], "drive.pulses": min(count, _FEW_PULSES)}
-            for each, count in zip(self.conditions, pulses, strict=True)
+            for each, count in zip(self.conditions, map(self._pulses, self.conditions), strict=True)
         ]
         return self._read(loose, names, values)
 
@@ -186,6 +189,11 @@ class VelocityTable(SimulatedTable):
 
         `names` are scenario keys; NaN where a simulation is refused.
         """
+        most = float(self.scenario.get("solver.max_steps"))
+        conditions = [
+            {**each, "solver.max_steps": min(most, _STEPS_A_PULSE * self._pulses(each))}
+            for each in conditions
+        ]
         keys = sorted({key for each in conditions for key in each})
         settings = np.array(
             [[self._number(key, self._setting(each, key)) for key in keys] for each in conditions]
@@ -205,6 +213,9 @@ class VelocityTable(SimulatedTable):
 
     def _setting(self, condition: Mapping[str, Value], key: str) -> Value:
         return condition[key] if key in condition else self.scenario.get(key)
+
+    def _pulses(self, condition: Mapping[str, Value]) -> float:
+        return float(self._setting(condition, "drive.pulses"))
 
     def _number(self, key: str, value: Value) -> float:
         """A setting as the core takes it."""

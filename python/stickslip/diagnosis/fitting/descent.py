@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -13,14 +14,19 @@ from stickslip.diagnosis.fitting.forms import Form, Softened
 from stickslip.diagnosis.fitting.problem import LOST, Problem
 from stickslip.diagnosis.terms.cause import Cause
 
+_Result = TypeVar("_Result")
+Asking = Generator[tuple[Array, bool], Array, _Result]
+"""A search that yields points, shape (vectors, size), and whether the draft will do, and is sent
+their residuals."""
+
 STAGES = ((10.0, np.inf), (3.0, np.inf), (1.0, 1.5))
 """Factors of the errors and bounds of outliers of the stages before the stated errors, so that no
 search is lost in a narrow minimum. In the last one a row whose motion is still of another kind does
 not hold the others back. Chosen: half decades, and a bound at which two errors count for half."""
 
 DAMPINGS = np.array([0.0, 0.3, 10.0])
-"""Dampings that are tried in one batch, relative to the curvature, and a hundred times as much if
-none of them lowers the cost by exact slopes. Chosen."""
+"""Dampings relative to the curvature: the full step, those that are tried where it gains little,
+and a hundred times as much if none of them lowers the cost by exact slopes. Chosen."""
 
 SETTLED = 0.02
 """A step that lowers the cost by less ends a descent: far below what a test or a lead counts."""
@@ -64,6 +70,36 @@ def cost(form: Form, h: Array, own: Array, precision: Array, residual: Array) ->
     return np.asarray(form.cost(residual, h) + np.einsum("vi,ij,vj->v", own, precision, own))
 
 
+def in_step(problem: Problem, searches: Sequence[Asking[_Result]]) -> list[_Result]:
+    """Results of several searches: what they ask for at a time is one batch of predictions."""
+    results: dict[int, _Result] = {}
+    asked: dict[int, tuple[Array, bool]] = {}
+
+    def go_on(k: int, answer: Array | None) -> None:
+        try:
+            asked[k] = searches[k].send(answer)  # type: ignore[arg-type]
+        except StopIteration as end:
+            results[k] = end.value
+            asked.pop(k, None)
+
+    for k in range(len(searches)):
+        go_on(k, None)
+    while asked:
+        for draft in (True, False):
+            mine = {k: x for k, (x, drafted) in asked.items() if drafted == draft}
+            if mine:
+                residuals = problem.residuals(np.vstack(list(mine.values())), draft)
+                ends = np.cumsum([len(x) for x in mine.values()])
+                for k, part in zip(mine, np.split(residuals, ends[:-1]), strict=True):
+                    go_on(k, part)
+    return [results[k] for k in range(len(searches))]
+
+
+def finished(problem: Problem, search: Asking[_Result]) -> _Result:
+    """The result of one search."""
+    return in_step(problem, [search])[0]
+
+
 def descend(
     problem: Problem,
     form: Form,
@@ -76,14 +112,16 @@ def descend(
     begin: End | None = None,
     slopes: Array | None = None,
     hopeless: float = np.inf,
-) -> End:
-    """The minimum of misfit and prior near `x`; each step takes two batches of predictions.
+    draft: bool | None = None,
+) -> Asking[End]:
+    """The minimum of misfit and prior near `x`.
 
-    Softened forms use the problem's draft. `begin` is an end at `x` of the same model, whose
-    residual and slopes are taken over; `slopes` are some that were found near by. A descent that is
-    above `hopeless` after two steps ends.
+    Without `draft`, softened forms use the problem's draft, and others do not. `begin` is an end at
+    `x` of the same model, whose residual and slopes are taken over; `slopes` are some that were
+    found near by. A descent that is above `hopeless` after two steps ends.
     """
-    free, draft = problem.free(causes), isinstance(form, Softened) and form.is_soft
+    free = problem.free(causes)
+    draft = isinstance(form, Softened) and form.is_soft if draft is None else draft
     precision = precision_of(problem, causes) if precision is None else precision
     low, high = problem.limits[:, free]
     x = x.copy()
@@ -92,9 +130,10 @@ def descend(
     x[absent] = 0.0
     x[free] = np.clip(x[free], low, high)
     if begin is None:
-        residual = problem.residuals(x[None, :], draft)[0]
+        (residual,) = yield x[None, :], draft
         exact = slopes is None
-        slopes = derivatives(problem, x, free, residual, draft) if slopes is None else slopes
+        if slopes is None:
+            slopes = yield from derivatives(problem, x, free, residual, draft)
     else:
         residual, slopes, exact = begin.residual, begin.slopes, begin.exact
     now = float(cost(form, h, x[None, free], precision, residual[None, :])[0])
@@ -108,18 +147,24 @@ def descend(
         curvature = gram[:-1, :-1] + precision
         downhill = gram[:-1, -1] - precision @ x[free]
         stuck = ((x[free] <= low) & (downhill < 0.0)) | ((x[free] >= high) & (downhill > 0.0))
-        tries = np.tile(x, (len(DAMPINGS), 1))
-        for row, damping in zip(tries, factor * DAMPINGS, strict=True):
-            step = _step(curvature, downhill, stuck, damping)
-            row[free] = np.clip(x[free] + np.clip(step, -longest, longest), low, high)
-        residuals = problem.residuals(tries, draft)
-        costs = cost(form, h, tries[:, free], precision, residuals)
-        best = int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))
-        move, fall = (tries[best] - x)[free], now - float(costs[best])
-        hoped = float(2.0 * downhill @ move - move @ curvature @ move)
-        learnt = _updated(slopes, residual - residuals[best], move, problem.sd)
+        fall, there, made = -np.inf, x, residual
+        for dampings in (DAMPINGS[:1], DAMPINGS[1:]):
+            tries = np.tile(x, (len(dampings), 1))
+            for row, damping in zip(tries, factor * dampings, strict=True):
+                step = _step(curvature, downhill, stuck, damping)
+                row[free] = np.clip(x[free] + np.clip(step, -longest, longest), low, high)
+            residuals = yield tries, draft
+            costs = cost(form, h, tries[:, free], precision, residuals)
+            best = int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))
+            if now - float(costs[best]) > fall:
+                fall, there, made = now - float(costs[best]), tries[best], residuals[best]
+            move = (there - x)[free]
+            hoped = float(2.0 * downhill @ move - move @ curvature @ move)
+            if fall > _GOOD * hoped or hoped < SETTLED:
+                break
+        learnt = _updated(slopes, residual - made, move, problem.sd)
         if fall > 0.0:
-            x, residual, now = tries[best], residuals[best], float(costs[best])
+            x, residual, now = there, made, now - fall
             slopes, was_exact, exact, factor = learnt, exact, False, 1.0
             if fall < SETTLED and (was_exact or hoped < SETTLED):
                 break
@@ -131,7 +176,8 @@ def descend(
             factor = 100.0
             continue
         inverse = np.diag(np.linalg.pinv(curvature))
-        slopes = derivatives(problem, x, free, residual, draft, np.sqrt(np.maximum(inverse, 0.0)))
+        spread = np.sqrt(np.maximum(inverse, 0.0))
+        slopes = yield from derivatives(problem, x, free, residual, draft, spread)
         exact = True
     return End(x, residual, slopes, now, exact)
 
@@ -175,7 +221,7 @@ def derivatives(
     draft: bool = False,
     spread: Array | None = None,
     central: bool = False,
-) -> Array:
+) -> Asking[Array]:
     """Slopes of the predictions by differences, shape (n, free).
 
     Differences are about as wide as what the data leaves open, `spread`. Where one shows a jump of
@@ -190,12 +236,12 @@ def derivatives(
     first = np.where(x[free] + 0.5 * width > high, -width, np.minimum(width, high - x[free]))
     second = np.where(x[free] - 0.5 * width < low, 2.0 * width, -np.minimum(width, x[free] - low))
     second = np.where(first < 0.0, 2.0 * first, second)
-    near = _differences(problem, x, free, residual, first, draft)
+    near = yield from _differences(problem, x, free, residual, first, draft)
     jumps = np.any(np.abs(near * first) > _JUMP * problem.sd[:, None], axis=0)
     again = np.flatnonzero(jumps | central)
     if not len(again):
         return near
-    far = _differences(problem, x, free[again], residual, second[again], draft)
+    far = yield from _differences(problem, x, free[again], residual, second[again], draft)
     one, two = first[again], second[again]
     # With both steps to one side, the slope of the stretch beyond the first.
     beyond = (two * far - one * near[:, again]) / np.where(one == two, 1.0, two - one)
@@ -209,12 +255,12 @@ def derivatives(
 
 def _differences(
     problem: Problem, x: Array, free: Indices, residual: Array, steps: Array, draft: bool
-) -> Array:
+) -> Asking[Array]:
     """Slopes over one step of each coordinate, by one batch; 0 where a row is not computed."""
     if not len(free):
         return np.zeros((len(residual), 0))
     points = np.tile(x, (len(free), 1))
     points[np.arange(len(free)), free] += steps
-    moved = problem.residuals(points, draft)
+    moved = yield points, draft
     lost = (moved == LOST * problem.sd) | (residual == LOST * problem.sd)
     return np.where(lost, 0.0, (residual - moved) / steps[:, None]).T

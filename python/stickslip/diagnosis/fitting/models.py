@@ -12,7 +12,7 @@ from scipy.special import log_ndtr, logsumexp
 
 from stickslip._util.numbers import Array, Indices
 from stickslip._util.text import OneLine
-from stickslip.diagnosis.fitting.descent import End, derivatives, descend, precision_of
+from stickslip.diagnosis.fitting.descent import Asking, End, derivatives, descend, precision_of
 from stickslip.diagnosis.fitting.forms import PRIOR, Form
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.terms.cause import Cause
@@ -107,7 +107,7 @@ def fit(
     slopes: Array | None = None,
     hopeless: float = math.inf,
     steps: int = 10,
-) -> Fit:
+) -> Asking[Fit]:
     """Fit a model from `x`: its coordinates in the inner product of h, and h at the coordinates.
 
     They take turns until the coordinates are at the minimum of the new inner product.
@@ -116,15 +116,17 @@ def fit(
     free, precision = problem.free(causes), precision_of(problem, causes)
     end = None
     if h is None:
-        h = form.begin(problem.residuals(x[None, :])[0])
+        (residual,) = yield x[None, :], False
+        h = form.begin(residual)
     for turn in range(_ROUNDS):
-        end = descend(
+        end = yield from descend(
             problem, form, h, causes, x, precision=precision, steps=steps, begin=end,
             slopes=slopes, hopeless=hopeless,
         )  # fmt: skip
         x = end.x
         if not end.exact and end.cost < hopeless:
-            end = replace(end, slopes=derivatives(problem, x, free, end.residual), exact=True)
+            slopes = yield from derivatives(problem, x, free, end.residual)
+            end = replace(end, slopes=slopes, exact=True)
         h, log_evidence, precision, covariance, left = evidence(problem, form, causes, end, h)
         if (not form.names and len(problem.precisions(causes)) == 1) or (
             left < _AT_MINIMUM and turn
@@ -149,10 +151,12 @@ def _fit(problem: Problem, form: Form, causes: tuple[Cause, ...], free: Indices,
     )  # fmt: skip
 
 
-def sharpened(problem: Problem, form: Form, old: Fit) -> Fit:
+def sharpened(problem: Problem, form: Form, old: Fit) -> Asking[Fit]:
     """The same fit with central derivatives, and so a better evidence."""
     spread = np.sqrt(np.maximum(np.diag(old.covariance), 0.0))
-    slopes = derivatives(problem, old.x, old.free, old.residual, spread=spread, central=True)
+    slopes = yield from derivatives(
+        problem, old.x, old.free, old.residual, spread=spread, central=True
+    )
     end = End(old.x, old.residual, slopes, math.nan)
     h, log_evidence, precision, covariance, _ = evidence(problem, form, old.causes, end, old.h)
     return _fit(problem, form, old.causes, old.free, end, h, precision, covariance, log_evidence)

@@ -70,11 +70,13 @@ def responses(
     form: Form,
     h: Array,
     sizes: Sequence[float] = AMPLITUDES,
+    draft: bool = False,
 ) -> list[Response]:
     """Responses of causes that are offered beside `causes`, which are fitted at `end`.
 
-    By one batch of predictions. `form` and `h` are the inner product, `sizes` the coordinates at
-    which amplitudes are tried; those of the largest gain come first.
+    By one batch of predictions, with `draft` of the problem's draft. `form` and `h` are the inner
+    product, `sizes` the coordinates at which amplitudes are tried; those of the largest gain come
+    first.
     """
     probes = [each for cause in offered for each in _probes(problem, cause, sizes)]
     points = []
@@ -84,9 +86,11 @@ def responses(
             points[-1][[*each.shapes, column]] = [*each.shapes.values(), value]
     gaps = np.zeros((0, len(problem.y)))
     if points:
-        moved = problem.residuals(np.array(points))
-        lost = (moved == LOST * problem.sd) | (end.residual == LOST * problem.sd)
-        gaps = np.where(lost, 0.0, end.residual - moved)
+        drafted = draft and problem.draft is not None
+        here = problem.residuals(end.x[None, :], True)[0] if drafted else end.residual
+        moved = problem.residuals(np.array(points), draft)
+        lost = (moved == LOST * problem.sd) | (here == LOST * problem.sd)
+        gaps = np.where(lost, 0.0, here - moved)
     # One product for all: the slopes of what is fitted, the gaps, the residual.
     prepared = form.prepared(np.column_stack([end.slopes, gaps.T, end.residual]))
     gram = form.weighted(prepared, end.residual, h)

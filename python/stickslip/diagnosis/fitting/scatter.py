@@ -11,7 +11,7 @@ import numpy as np
 from stickslip._util.numbers import Array, root_mean_square
 from stickslip.diagnosis.data.errors import FEWEST, Errors
 from stickslip.diagnosis.data.series import SMOOTH
-from stickslip.diagnosis.fitting.descent import End, descend, precision_of
+from stickslip.diagnosis.fitting.descent import End, descend, in_step, precision_of
 from stickslip.diagnosis.fitting.forms import Stated
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.responses import responses
@@ -47,8 +47,8 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
     starts = [null.x, *(each.x for each in found[:_STARTS])]
     for _ in range(_ROUNDS):
         form = Stated(problem)
-        ends = [descend(problem, form, h, problem.causes, x, steps=_STEPS) for x in starts]
-        best = min(ends, key=lambda each: each.cost)
+        every = [descend(problem, form, h, problem.causes, x, steps=_STEPS) for x in starts]
+        best = min(in_step(problem, every), key=lambda each: each.cost)
         starts = [best.x]
         spent = _parameters(problem, form, best)
         problem = _scattered(problem, unknown, best.residual, spent)

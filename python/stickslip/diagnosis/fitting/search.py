@@ -7,9 +7,10 @@ contains.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
@@ -17,7 +18,15 @@ from scipy.special import ndtri
 from scipy.stats import qmc
 
 from stickslip._util.numbers import Array
-from stickslip.diagnosis.fitting.descent import SETTLED, STAGES, End, derivatives, descend
+from stickslip.diagnosis.fitting.descent import (
+    SETTLED,
+    STAGES,
+    Asking,
+    End,
+    derivatives,
+    descend,
+    in_step,
+)
 from stickslip.diagnosis.fitting.draws import FEWEST, drawn
 from stickslip.diagnosis.fitting.forms import Form, Softened, forms
 from stickslip.diagnosis.fitting.models import Fit, fit, linear, log_prior, sharpened
@@ -65,6 +74,17 @@ _VIEWS, _LOOKED_AT = 3, 6
 _COMFORTABLE = 1.1
 # Models that are fitted with each further form of the discrepancy.
 _OTHER_FORMS = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Where the fit of a model begins: coordinates, and slopes and hyperparameters if known."""
+
+    form: str
+    causes: tuple[Cause, ...]
+    x: Array
+    slopes: Array | None = None
+    h: Array | None = None
 
 
 class Models:
@@ -120,27 +140,26 @@ class Models:
         fits = [each for each in self.best.values() if form in (None, each.form)]
         return sorted(fits, key=self.log_posterior, reverse=True)[:count]
 
-    def fit(
-        self,
-        form: str,
-        causes: Sequence[Cause],
-        x: Array,
-        slopes: Array | None = None,
-        h: Array | None = None,
-    ) -> None:
-        """Fit a model from a start, unless nothing can be fitted there."""
-        self.begun += 1
+    def fit(self, starts: Sequence[Start]) -> None:
+        """Fit models from starts, in step, unless nothing can be fitted there."""
+        self.begun += len(starts)
+        for found in in_step(self.problem, [self._fitted(each) for each in starts]):
+            if found is not None:
+                self.add(found)
+
+    def _fitted(self, start: Start) -> Asking[Fit | None]:
         hopeless = math.inf
-        if form == "none" and causes and self.best:
-            first = min(each.cost for each in self.leaders(1, form))
-            hopeless = first + _HOPELESS
+        if start.form == "none" and start.causes and self.best:
+            hopeless = self.leaders(1, start.form)[0].cost + _HOPELESS
         try:
-            own = fit(
-                self.problem, self.forms[form], causes, x, h=h, slopes=slopes, hopeless=hopeless
-            )
+            return (
+                yield from fit(
+                    self.problem, self.forms[start.form], start.causes, start.x, h=start.h,
+                    slopes=start.slopes, hopeless=hopeless,
+                )
+            )  # fmt: skip
         except np.linalg.LinAlgError:
-            return
-        self.add(own)
+            return None
 
 
 def _is_better(new: Fit, old: Fit) -> bool:
@@ -172,13 +191,13 @@ def _descended(problem: Problem, stated: Form, starts: Sequence[Array]) -> tuple
     softest: list[End] = []
     for stage, most in zip(STAGES, _DESCENTS, strict=False):
         soft = Softened(problem, *stage)
-        found = [descend(problem, soft, np.zeros(0), (), x) for x in starts[:most]]
-        found.sort(key=lambda each: each.cost)
+        every = [descend(problem, soft, np.zeros(0), (), x) for x in starts[:most]]
+        found = sorted(in_step(problem, every), key=lambda each: each.cost)
         distinct = list(_separated(found, lambda each: each.x, _SAME))
         softest = softest or distinct
         starts = [each.x for each in distinct]
     fits = [fit(problem, stated, (), x) for x in starts[: _DESCENTS[-1]]]
-    return min(fits, key=lambda each: each.cost), softest
+    return min(in_step(problem, fits), key=lambda each: each.cost), softest
 
 
 def _scan(problem: Problem, count: int, seed: int) -> Array:
@@ -246,14 +265,21 @@ def search(
                 _look_beside(models, leader)
         _fit_other_forms(models)
         _fit_stated_again(models)
-    for each in _near(models):
-        models.best[each.names, each.form] = sharpened(problem, models.forms[each.form], each)
+    compared = [each for each in models.leaders() if each in _near(models) or not each.causes]
+    sharper = [sharpened(problem, models.forms[each.form], each) for each in compared]
+    for each in in_step(problem, sharper):
+        models.best[each.names, each.form] = each
     _draw(models, seed)
 
 
 def _draw(models: Models, seed: int) -> None:
-    """Correct the evidence of the leading sets of causes by draws, or their fit by a better one."""
+    """Correct the evidence of the leading sets of causes by draws, or their fit by a better one.
+
+    Where no model comes near the data, leads are far larger than what Laplace's rule misses.
+    """
     problem = models.problem
+    if not models.reaches:
+        return
     sets: dict[frozenset[str], Fit] = {}
     for each in _near(models):
         sets.setdefault(each.names, each)
@@ -267,7 +293,7 @@ def _draw(models: Models, seed: int) -> None:
         own = found.best
         cost = form.cost(found.residual[[int(np.argmax(found.weight))]], each.h)[0]
         if float(cost + own[each.free] @ each.precision @ own[each.free]) < each.cost - _BETTER:
-            models.fit(each.form, each.causes, own, h=each.h)
+            models.fit([Start(each.form, each.causes, own, h=each.h)])
             each = models.best[names, each.form]
             found = drawn(problem, form, each, seed) or found
         models.corrections[names] = found.correction if found.effective > FEWEST else 0.0
@@ -285,23 +311,25 @@ def screened(models: Models, found: Sequence[Response]) -> None:
 
 
 def _near(models: Models) -> list[Fit]:
-    """The models that a verdict compares, and the recalibrated one."""
+    """The models that a verdict compares."""
     leaders = models.leaders()
     least = models.log_posterior(leaders[0]) - NEAR
-    return [each for each in leaders if models.log_posterior(each) > least or not each.causes]
+    return [each for each in leaders if models.log_posterior(each) > least]
 
 
 def _worth_a_look(models: Models) -> list[Fit]:
     """The leaders, each set of causes once; where none leaves little, more single causes too.
 
-    A cause that is one of two may be far behind by itself.
+    A cause that is one of two may be far behind by itself. Laws are too many for that, and each
+    costs most of all.
     """
     sets: dict[frozenset[str], Fit] = {}
     for each in _near(models):
         sets.setdefault(each.names, each)
     found = [each for each in sets.values() if each.causes][:LEADERS]
     best = models.leaders(form="none")
-    if best[0].chi2 > _COMFORTABLE * len(models.problem.y):
+    laws = any(each.curve is not None for each in models.offered)
+    if best[0].chi2 > _COMFORTABLE * len(models.problem.y) and not laws:
         singles = [each for each in best if len(each.causes) == 1][: 2 * LEADERS]
         found += [each for each in singles if each.names not in sets]
     return found
@@ -311,43 +339,54 @@ def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -
     """A fit of each cause by itself, begun where responses about several ends promise most."""
     problem, null = models.problem, models.null
     soft = _softened(problem, null)
-    views = [null.end]
-    for end in _separated(ends, lambda each: each.x, _APART):
-        # A view has to show where it is with the stated model, not with a draft.
-        views.append(_end_at(problem, (), end.x))
-        if len(views) == _VIEWS:
-            break
+    # A view has to show where it is with the stated model, not with a draft.
+    apart = itertools.islice(_separated(ends, lambda each: each.x, _APART), _VIEWS - 1)
+    views = [null.end, *in_step(problem, [_end_at(problem, (), each.x) for each in apart])]
     starts: dict[str, list[Response]] = {each.name: [] for each in causes}
     for view in views:
-        for each in responses(problem, view, (), causes, soft, np.zeros(0)):
+        for each in responses(problem, view, (), causes, soft, np.zeros(0), draft=True):
             starts[each.cause.name].append(each)
-    robust, looks = Softened(problem, *STAGES[-1]), []
-    for cause in causes:
-        # Responses are right to first order: their ends are looked at as they are.
-        near = list(_separated(starts[cause.name], lambda each: each.x, _APART))[:_LOOKED_AT]
-        residual = problem.residuals(np.array([each.x for each in near]))
-        order = np.argsort(soft.cost(residual, np.zeros(0)))[:2].tolist()
-        for each in (near[k] for k in order):
-            end = descend(
-                problem, soft, np.zeros(0), (cause,), each.x, steps=_LOOK, slopes=each.slopes
-            )
-            end = descend(
-                problem, robust, np.zeros(0), (cause,), end.x, steps=_LOOK, slopes=end.slopes
-            )
-            looks.append((end, cause))
+    looks = in_step(problem, [
+        _looked(problem, soft, each)
+        for cause in causes for each in _promising(problem, soft, starts[cause.name])
+    ])  # fmt: skip
     looks.sort(key=lambda each: each[0].cost)
-    for end, cause in looks:
-        if end.cost < looks[0][0].cost + _HOPELESS or models.get([cause.name]) is None:
-            models.fit("none", (cause,), end.x, end.slopes)
+    first = {cause.name: (end, cause) for end, cause in reversed(looks)}
+    hopeful = [each for each in looks if each[0].cost < looks[0][0].cost + _HOPELESS]
+    hopeful += [each for each in first.values() if each not in hopeful]
+    fits = [Start("none", (cause,), end.x, end.slopes) for end, cause in hopeful]
+    models.fit(fits[:1])
+    models.fit(fits[1:])
     # The recalibrated model gets as many searches as its rivals, from where they are.
-    singles = [each for each in models.leaders(form="none") if len(each.causes) == 1]
-    for rival in singles[:_RIVALS]:
-        models.fit("none", (), rival.x)
+    singles = [each for each in models.leaders(form="none") if len(each.causes) == 1][:_RIVALS]
+    constants = len(problem.constants)
+    rivals = _separated(singles, lambda each: each.x[:constants], _APART)
+    models.fit([Start("none", (), each.x) for each in rivals])
     null = models.null
+    worse = []
     for cause in causes:
         own = models.get([cause.name])
         if own is None or own.cost > null.cost + SETTLED:
-            models.fit("none", (cause,), null.x)  # no fit is worse than what it contains
+            worse.append(Start("none", (cause,), null.x))  # no fit is worse than what it contains
+    models.fit(worse)
+
+
+def _promising(problem: Problem, soft: Softened, starts: Sequence[Response]) -> list[Response]:
+    """The best two starts of a cause: responses are right to first order, so they are tried."""
+    near = list(_separated(starts, lambda each: each.x, _APART))[:_LOOKED_AT]
+    residual = problem.residuals(np.array([each.x for each in near]))
+    return [near[k] for k in np.argsort(soft.cost(residual, np.zeros(0)))[:2].tolist()]
+
+
+def _looked(problem: Problem, soft: Softened, start: Response) -> Asking[tuple[End, Cause]]:
+    """A first look at a cause by itself."""
+    x, slopes, causes = start.x, start.slopes, (start.cause,)
+    for form in (soft, Softened(problem, *STAGES[-1])):
+        end = yield from descend(
+            problem, form, np.zeros(0), causes, x, steps=_LOOK, slopes=slopes, draft=True
+        )
+        x, slopes = end.x, end.slopes
+    return end, start.cause
 
 
 def _softened(problem: Problem, base: Fit) -> Softened:
@@ -356,9 +395,9 @@ def _softened(problem: Problem, base: Fit) -> Softened:
     return Softened(problem, min(inflation, STAGES[0][0]))
 
 
-def _end_at(problem: Problem, causes: Sequence[Cause], x: Array) -> End:
-    residual = problem.residuals(x[None, :])[0]
-    slopes = derivatives(problem, x, problem.free(causes), residual)
+def _end_at(problem: Problem, causes: Sequence[Cause], x: Array) -> Asking[End]:
+    (residual,) = yield x[None, :], False
+    slopes = yield from derivatives(problem, x, problem.free(causes), residual)
     return End(x, residual, slopes, math.nan)
 
 
@@ -368,18 +407,21 @@ def _look_beside(models: Models, leader: Fit) -> None:
     if leader.form == "none":
         metric, h = _softened(problem, leader), np.zeros(0)
     bases = [(leader.causes, leader.end)] if len(leader.causes) < MOST_CAUSES else []
-    for cause in leader.causes:
-        rest = tuple(each for each in leader.causes if each is not cause)
-        x = leader.x.copy()
+    smaller = [
+        tuple(each for each in leader.causes if each is not cause) for cause in leader.causes
+    ]
+    points = np.tile(leader.x, (len(smaller), 1))
+    for x, cause in zip(points, leader.causes, strict=True):
         x[problem.columns([cause])] = 0.0
-        end = _end_at(problem, rest, x)
-        models.fit(leader.form, rest, x, end.slopes)
-        bases.append((rest, end))
+    at = [_end_at(problem, *each) for each in zip(smaller, points, strict=True)]
+    bases += zip(smaller, in_step(problem, at), strict=True)
+    starts = [Start(leader.form, rest, end.x, end.slopes) for rest, end in bases
+              if rest != leader.causes]  # fmt: skip
     for rest, end in bases:
         offered = [each for each in models.offered if each not in (*rest, *leader.causes)]
         least = _WORTH if rest == leader.causes else -math.inf
         tried: dict[str, int] = {}
-        for each in responses(problem, end, rest, offered, metric, h, AMPLITUDES[1:2]):
+        for each in responses(problem, end, rest, offered, metric, h, AMPLITUDES[1:2], draft=True):
             name = each.cause.name
             if each.gain < least or (name not in tried and len(tried) == _MORE):
                 continue
@@ -387,10 +429,12 @@ def _look_beside(models: Models, leader: Fit) -> None:
             if tried[name] > 2:
                 continue
             both = (*rest, each.cause)
-            models.fit(leader.form, both, each.x, each.slopes, h if metric.names else None)
+            places = [each.x]
             if rest == leader.causes and tried[name] == 1:
-                # Nested: never worse than what it contains.
-                models.fit(leader.form, both, leader.x, each.slopes, h if metric.names else None)
+                places.append(leader.x)  # nested: never worse than what it contains
+            own = h if metric.names else None
+            starts += [Start(leader.form, both, x, each.slopes, own) for x in places]
+    models.fit(starts)
 
 
 def _fit_other_forms(models: Models) -> None:
@@ -412,9 +456,11 @@ def _fit_other_forms(models: Models) -> None:
             better = known is None or hope.log_evidence > known.log_evidence + _BETTER
             hopes.append((models.log_posterior(hope), old, hope, better))
         hopes.sort(key=lambda each: -each[0])
-        for place, (_, old, hope, better) in enumerate(hopes):
-            if better and (place < _OTHER_FORMS or not old.causes):
-                models.fit(name, old.causes, old.x, old.slopes, hope.h)
+        models.fit([
+            Start(name, old.causes, old.x, old.slopes, hope.h)
+            for place, (_, old, hope, better) in enumerate(hopes)
+            if better and (place < _OTHER_FORMS or not old.causes)
+        ])  # fmt: skip
 
 
 def _fit_stated_again(models: Models) -> None:
@@ -422,7 +468,7 @@ def _fit_stated_again(models: Models) -> None:
 
     Where predictions jump, a descent may stop before a jump that wider errors let it pass.
     """
-    stated = models.forms["none"]
+    stated, starts = models.forms["none"], []
     for old in models.leaders(form="none"):
         for form in models.forms:
             other = models.get(old.names, form)
@@ -431,4 +477,5 @@ def _fit_stated_again(models: Models) -> None:
             cost = stated.cost(other.residual[None, :], np.zeros(0))[0]
             own = other.x[other.free]
             if float(cost + own @ old.precision @ own) < old.cost - _BETTER:
-                models.fit("none", old.causes, other.x, other.slopes)
+                starts.append(Start("none", old.causes, other.x, other.slopes))
+    models.fit(starts)
