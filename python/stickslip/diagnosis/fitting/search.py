@@ -464,18 +464,21 @@ def _fit_other_forms(models: Models) -> None:
 
 
 def _fit_stated_again(models: Models) -> None:
-    """Fit models with the errors as stated from where another form has fitted them better.
+    """Fit models with the errors as stated from where others have fitted better: none is worse
+    than what it contains.
 
-    Where predictions jump, a descent may stop before a jump that wider errors let it pass.
+    With another form: where predictions jump, a descent may stop before a jump that wider errors
+    let it pass.
     """
     stated, starts = models.forms["none"], []
     for old in models.leaders(form="none"):
-        for form in models.forms:
-            other = models.get(old.names, form)
-            if other is None or other is old:
+        for other in models.best.values():
+            alike = other.names == old.names
+            if other is old or not (alike or (other.form == "none" and other.names < old.names)):
                 continue
             cost = stated.cost(other.residual[None, :], np.zeros(0))[0]
-            own = other.x[other.free]
+            own = other.x[old.free]
             if float(cost + own @ old.precision @ own) < old.cost - _BETTER:
-                starts.append(Start("none", old.causes, other.x, other.slopes))
+                slopes = other.slopes if alike else None
+                starts.append(Start("none", old.causes, other.x, slopes))
     models.fit(starts)
