@@ -1,5 +1,7 @@
 """Which experiments tell candidates apart, and tables of them."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -196,7 +198,8 @@ def test_advice_is_given_where_it_tells_causes_apart():
 def test_a_table_has_a_row_for_each_trial_and_each_prediction():
     ramp, covariance = {"drive.ramp": 0.01}, diagonal([[0.0, 0.0], [0.04, 0.04]])
     found = chosen([[0.0, 0.0], [5.0, 4.0]], covariance, more=ramp)
-    columns = design.setting_columns([condition(**ramp)], Scenario())
+    velocity = [SimpleNamespace(conditions=[condition(**ramp)])]
+    columns = design.setting_columns(SimpleNamespace(velocity=velocity, scenario=Scenario()))
     varied = [key.removeprefix("drive.") for key in design.CHOICES]
     assert columns[:6] == varied
     assert "ramp" in columns

@@ -16,6 +16,7 @@ from stickslip._util import amounts
 from stickslip._util.palette import VERMILION
 from stickslip._util.text import json_text
 from stickslip.diagnosis.data.film import FilmTable
+from stickslip.diagnosis.data.settings import Settings
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.data.velocity import VelocityTable
 from stickslip.diagnosis.entry import diagnose_model
@@ -23,7 +24,6 @@ from stickslip.diagnosis.measured import pose
 from stickslip.diagnosis.report.files import figures_of, page
 from stickslip.diagnosis.report.numbers import notes_of, numbers_of
 from stickslip.diagnosis.report.pictures import drawing
-from stickslip.diagnosis.report.readings import setting_text
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.steps import run
 from stickslip.diagnosis.terms.cause import Cause
@@ -346,7 +346,7 @@ def test_the_gain_of_each_record_is_told_the_worst_first():
     ],
 )
 def test_a_setting_has_the_digits_of_its_spread(values, said):
-    assert setting_text({"t": (values, "s")}, "t", *values) == said
+    assert Settings({"t": (values, "s")}, len(values)).text("t", *values) == said
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import functools
 import hashlib
 import io
 import re
@@ -17,6 +18,7 @@ from stickslip._util import palette
 from stickslip._util.text import printable, printable_lines
 
 if TYPE_CHECKING:
+    import jinja2
     from markupsafe import Markup
     from matplotlib.figure import Figure
 
@@ -27,10 +29,17 @@ def page_text(template: str, **values: object) -> str:
     The template extends ``_util/page.html``, or is a part of a page. Values are escaped, and are
     shown without control characters.
     """
+    shared = {"palette": palette, "version": _core.__version__}
+    return _templates().get_template(template).render(shared, **values)
+
+
+@functools.cache
+def _templates() -> jinja2.Environment:
+    """All templates, each of which is compiled once."""
     import jinja2
 
     package = resources.files("stickslip")
-    environment = jinja2.Environment(
+    return jinja2.Environment(
         loader=jinja2.FunctionLoader(lambda path: package.joinpath(path).read_text("utf-8")),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
@@ -43,8 +52,6 @@ def page_text(template: str, **values: object) -> str:
             else each
         ),
     )
-    shared = {"palette": palette, "version": _core.__version__}
-    return environment.get_template(template).render(shared, **values)
 
 
 def svg(figure: Figure | None) -> Markup:

@@ -16,7 +16,8 @@ from stickslip._util.messages import refuse
 from stickslip._util.numbers import Array, Indices, Mask, root_mean_square
 from stickslip._util.text import brief
 from stickslip.diagnosis.data.errors import FEWEST, Errors
-from stickslip.diagnosis.data.table import Settings, Table, stated_errors, without_gaps
+from stickslip.diagnosis.data.settings import Settings
+from stickslip.diagnosis.data.table import Table, stated_errors, without_gaps
 from stickslip.errors import ScenarioError
 from stickslip.simulation.note import Note
 
@@ -135,7 +136,7 @@ class Series(Table):
     @functools.cached_property
     def named_settings(self) -> Settings:
         """The time alone, as the inputs follow."""
-        return {"t": (self.t.tolist(), "s")}
+        return Settings({"t": (self.t.tolist(), "s")}, len(self.t))
 
     @property
     def step(self) -> float:

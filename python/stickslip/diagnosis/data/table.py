@@ -23,6 +23,7 @@ from stickslip._util.numbers import (
 from stickslip._util.text import brief, counted
 from stickslip._util.units import factor_text, far_size, unit_label
 from stickslip.diagnosis.data.errors import Errors, estimate, no_finer_than_the_meter
+from stickslip.diagnosis.data.settings import Settings
 from stickslip.errors import ScenarioError
 from stickslip.simulation.note import Note
 
@@ -40,9 +41,6 @@ means of nothing but errors have 1."""
 _LIKENESS, _FACTORS = 0.3, (1e3, 1e-3, 1e6, 1e-6)
 """Part of the model's size within which changed readings are its own, and mistakes of a unit.
 Chosen: constants and causes of the usual size change predictions by less."""
-
-Settings = dict[str, tuple[list[Any], str]]
-"""Values of the conditions of a table, and their SI unit, by bare name."""
 
 
 class Table:
@@ -222,10 +220,11 @@ class Table:
             array = columns.reshape(len(columns), -1)
             names = [f"setting {k + 1}" for k in range(array.shape[1])]
             columns = dict(zip(names if len(names) > 1 else ["setting"], array.T, strict=True))
-        return {
+        shown = {
             str(name): (column[self.first].tolist(), self.setting_unit(str(name)))
             for name, column in columns.items()
         }
+        return Settings(shown, len(self.first))
 
     def setting_unit(self, name: str) -> str:
         """The SI unit of a setting."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from functools import cached_property
 from itertools import compress
 
 import numpy as np
@@ -14,8 +13,8 @@ from stickslip import _core
 from stickslip._util.numbers import Array
 from stickslip._util.units import far_size
 from stickslip.diagnosis.data.errors import along_runs, estimate
+from stickslip.diagnosis.data.settings import Settings
 from stickslip.diagnosis.data.simulated import SimulatedTable
-from stickslip.diagnosis.data.table import Settings
 from stickslip.diagnosis.terms.instruments import of_velocities, read_by
 from stickslip.measurement.read_velocity import VelocityData
 from stickslip.measurement.reading import Measurement
@@ -68,9 +67,6 @@ names. Chosen: slower motion may well be read as zero; more are not read."""
 _STEPS_A_PULSE = 6000
 """Most steps of a simulation for each of its pulses. Chosen: usual motions take some dozens, and
 one in thousands, of endless contacts, as many as all the others together."""
-
-_LABORATORY = {"T": ("mT", 1e3), "s": ("ms", 1e3)}
-"""Units that a laboratory uses in place of SI units, and the factor to them."""
 
 
 class VelocityTable(SimulatedTable):
@@ -158,15 +154,9 @@ class VelocityTable(SimulatedTable):
     def at(self) -> str:
         return f"{self.name}: "
 
-    @cached_property
+    @property
     def named_settings(self) -> Settings:
-        used = (each for each in known_keys() if each in self.settings and each != "solver.rtol")
-        return {
-            key.removeprefix("drive."): (
-                self.settings[key][self.first].tolist(), known_keys()[key].unit
-            )
-            for key in used
-        }  # fmt: skip
+        return settings_of(self.conditions)
 
     def elsewhere(self, condition: int, over: str, places: Array) -> list[dict[str, Value]]:
         own = {k: v for k, v in self.conditions[condition].items() if k.startswith("drive.")}
@@ -226,9 +216,8 @@ class VelocityTable(SimulatedTable):
         sound = np.isfinite(self.stated)
         if sound.all() or not sound.any():
             return trials
-        keys = varied(self.conditions)
-        for each in compress(self.conditions, ~sound):
-            text = f"The stated model cannot compute {in_words(each, keys)}; left out."
+        for each in compress(self.named_settings.words, ~sound):
+            text = f"The stated model cannot compute {each}; left out."
             self.left_out.append(Note("condition-not-computed", text))
         self.conditions = list(compress(self.conditions, sound))
         self.stated = self.stated[sound]
@@ -284,8 +273,7 @@ class VelocityTable(SimulatedTable):
         if np.isfinite(speed).any():
             still = np.flatnonzero((self.mean == 0.0) & (speed > _WALKS * np.nanmedian(speed)))
             if len(still):
-                keys = varied(self.conditions)
-                names = [in_words(self.conditions[k], keys) for k in still[:_LISTED].tolist()]
+                names = [self.named_settings.words[k] for k in still[:_LISTED].tolist()]
                 more = f" and {len(still) - _LISTED} more" if len(still) > _LISTED else ""
                 fastest = float(np.max(speed[still]))
                 text = (
@@ -328,7 +316,7 @@ class VelocityTable(SimulatedTable):
         largest = abs(float(self.mean[most]))
         far = far_size(largest, fastest, "m/s", "the stated model's fastest")
         if far is not None and largest > fastest:
-            where = in_words(self.conditions[most], varied(self.conditions))
+            where = self.named_settings.words[most]
             return Note("velocity-size", f"The velocity at {where} is {far}.", largest / fastest)
         cosine = float(stated @ mean / (np.linalg.norm(stated) * np.linalg.norm(mean)))
         if cosine < _OPPOSITE:
@@ -429,22 +417,15 @@ class VelocityTable(SimulatedTable):
         return abs(slope) * float(np.ptp(order)) if len(c) else 0.0
 
 
-def varied(conditions: Conditions) -> list[str]:
-    """Dotted keys of the settings that are not the same in all conditions."""
-    keys = [key for key in known_keys() if key in conditions[0] and key.startswith("drive.")]
-    return [key for key in keys if len({each[key] for each in conditions}) > 1]
-
-
-def in_words(settings: Mapping[str, Value], keys: Sequence[str]) -> str:
-    """Some settings of a condition, as in ``mode IPP, frequency 75 Hz, peak 3 mT``."""
-    words = []
-    for key in keys:
-        value, unit = settings[key], known_keys()[key].unit
-        if not isinstance(value, str | bool):
-            unit, factor = _LABORATORY.get(unit, (unit, 1.0))
-            value = f"{float(value) * factor:.5g}"
-        words.append(f"{key.split('.')[1]} {value} {unit}".removesuffix(" -").rstrip())
-    return ", ".join(words)
+def settings_of(conditions: Conditions) -> Settings:
+    """Settings of drives as a reader sees them."""
+    known = known_keys()
+    names = [key for key in known if key in conditions[0] and key != "solver.rtol"]
+    columns = {
+        key.removeprefix("drive."): ([each[key] for each in conditions], known[key].unit)
+        for key in names
+    }
+    return Settings(columns, len(conditions))
 
 
 def _pooled(tables: Sequence[VelocityData]) -> tuple[list[dict[str, Value]], Array]:

@@ -12,11 +12,13 @@ import numpy as np
 
 from stickslip._util.messages import shown
 from stickslip._util.numbers import Array, are_equal
+from stickslip.diagnosis.data.velocity import settings_of
 from stickslip.diagnosis.decision.verdict import Verdict
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.measurement.read_table import Line, index_labels
 from stickslip.measurement.read_velocity import NOT_SETTINGS, with_index_columns
-from stickslip.scenario.keys import Value, find_key, in_allowed_case, known_keys
+from stickslip.measurement.reading import Measurement
+from stickslip.scenario.keys import Value, find_key, in_allowed_case
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.note import Note
 
@@ -48,7 +50,6 @@ CHOICES: dict[str, tuple[Value, ...]] = {
 measured. Chosen."""
 
 _ROUNDING = 0.005  # part of a number by which three digits may change it
-_LABORATORY = {"T": ("mT", 1e3), "s": ("ms", 1e3)}  # units in place of SI units, and the factor
 
 _CURRENTS = "coil_heating", "amplifier_limit", "sample_hold", "edge_time", "mutual_inductance"
 _LOOKS: dict[str, tuple[str, tuple[str, ...]]] = {
@@ -93,22 +94,14 @@ class Experiment:
     predictions: Mapping[str, Mapping[str, float]]
 
     def __str__(self) -> str:
-        settings = [_in_words(key, self.drive[key.removeprefix("drive.")]) for key in CHOICES]
-        return f"{', '.join(settings)}. {self.why}"
+        settings = settings_of([{f"drive.{name}": value for name, value in self.drive.items()}])
+        names = [key.removeprefix("drive.") for key in CHOICES]
+        return f"{', '.join(settings.text(n, self.drive[n]) for n in names)}. {self.why}"
 
     @property
     def decides(self) -> bool:
         """Whether it is expected to tell these two apart."""
         return self.separation > DECISIVE
-
-
-def _in_words(key: str, value: Value) -> str:
-    """A setting as in ``peak 3 mT``."""
-    name = key.removeprefix("drive.")
-    if isinstance(value, str):
-        return f"{name} {value}"
-    unit, factor = _LABORATORY.get(known_keys()[key].unit, (known_keys()[key].unit, 1.0))
-    return f"{name} {value * factor:.5g} {unit}".removesuffix(" -")
 
 
 def proposals(conditions: Sequence[Drive]) -> list[dict[str, Value]]:
@@ -327,13 +320,19 @@ def advice(names: Mapping[str, str], experiments: Sequence[Experiment]) -> list[
 
 
 # ---------------------------------------------------------------- tables of drives
-def setting_columns(conditions: Sequence[Drive], scenario: Scenario) -> list[str]:
-    """Bare names of the settings of a table of proposed drives.
+def setting_columns(measurement: Measurement) -> list[str]:
+    """Bare names of the settings of a table of drives to measure next.
 
     Those that proposals vary, and those in which a measured drive differs from the scenario. What
     is proposed after further trials has the same ones.
     """
-    changed = {k for each in conditions for k, value in each.items() if value != scenario.get(k)}
+    changed = {
+        key
+        for data in measurement.velocity
+        for drive in data.conditions
+        for key, value in drive.items()
+        if value != measurement.scenario.get(key)
+    }
     return [key.removeprefix("drive.") for key in [*CHOICES, *sorted(changed.difference(CHOICES))]]
 
 

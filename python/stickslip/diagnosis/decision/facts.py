@@ -339,7 +339,7 @@ class Facts:
             beside["block"] = f"after-{sum(len(each.conditions) for each in tables)}"
         if any(np.any(np.isfinite(each.order)) for each in tables):
             beside["order"] = math.nan
-        columns = setting_columns(self.measurement)
+        columns = design.setting_columns(self.measurement)
         return design.trial_table(experiments, columns, trials, **beside)
 
     @property
@@ -476,12 +476,6 @@ class Facts:
         level, covariance, noise = self._apart(candidates, drives, design.TRIALS)
         names = [each.name for each in candidates]
         return design.choose(drives, names, level, covariance, noise, count=count, pairs=pairs)
-
-
-def setting_columns(measurement: Measurement) -> list[str]:
-    """Bare names of the settings of a table of drives to measure next."""
-    conditions = [drive for each in measurement.velocity for drive in each.conditions]
-    return design.setting_columns(conditions, measurement.scenario)
 
 
 def _table(columns: Mapping[str, Sequence[Any]]) -> DataFrame:

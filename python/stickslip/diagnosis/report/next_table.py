@@ -11,9 +11,15 @@ from stickslip._util.amounts import amount
 from stickslip._util.csv_rows import csv_line, text_lines
 from stickslip._util.files import text_writer, write_together
 from stickslip._util.messages import shown
+from stickslip._util.text import counted
 from stickslip._util.units import handy
-from stickslip.diagnosis.decision.experiments import Experiment, advice, prediction_table
-from stickslip.diagnosis.decision.facts import Facts, setting_columns
+from stickslip.diagnosis.decision.experiments import (
+    Experiment,
+    advice,
+    prediction_table,
+    setting_columns,
+)
+from stickslip.diagnosis.decision.facts import Facts
 from stickslip.diagnosis.report.files import JSON
 from stickslip.errors import ScenarioError
 from stickslip.measurement.new_trials import unmeasured
@@ -69,24 +75,24 @@ class Rounds:
 
     def lines(self, facts: Facts) -> list[str]:
         """What was read, whether the name is safe, and else what to measure and why."""
-        path, experiments = self.folder / TABLE, self.proposed(facts)
-        lines = []
+        path, experiments, lines = self.folder / TABLE, self.proposed(facts), []
+        read, wanted, budget = (
+            counted(each, "experiment") for each in (self.measured, len(experiments), self.budget)
+        )
         if self.measured:
-            lines.append(f"  read from {path}: {self.trials} trials of {_count(self.measured)}")
+            lines.append(f"  read from {path}: {self.trials} trials of {read}")
         lines.append(f"  {facts.next_step}")
         if experiments:
             lines += [
-                f"  to measure: {_count(len(experiments))}, in {path}; {self.measured} of at most "
-                f"{self.budget} measured",
+                f"  to measure: {wanted}, in {path}; {self.measured} of at most {self.budget} "
+                "measured",
                 "    Fill in its column velocity (m/s), and run this command again.",
             ]
         elif facts.next_step.code == "no-safe-name":
             why = "none that was tried would decide anything."
             if self.measured >= self.budget:
                 more = self.measured + self.most
-                why = (
-                    f"the budget of {_count(self.budget)} is used up; --budget {more} allows more."
-                )
+                why = f"the budget of {budget} is used up; --budget {more} allows more."
             lines.append(f"  no drive is in {path}: {why}")
         factor, unit = handy("m/s")
         for number, each in enumerate(experiments, start=1):
@@ -160,7 +166,3 @@ def _below_what_was_measured(path: Path, trials: DataFrame) -> str:
             kept.append(line.replace(",", ";") if alike else line)
     new = trials.reindex(columns=table.header).to_csv(index=False, header=False)
     return "\n".join([*kept, str(new)])
-
-
-def _count(experiments: int) -> str:
-    return f"{experiments} experiment{'' if experiments == 1 else 's'}"

@@ -15,7 +15,7 @@ from stickslip import _core
 from stickslip._util import amounts
 from stickslip._util.html import page_text
 from stickslip._util.numbers import Array, Mask
-from stickslip.diagnosis.data.table import Settings
+from stickslip.diagnosis.data.settings import Settings
 from stickslip.diagnosis.decision.candidate import Candidate, spread_of
 from stickslip.diagnosis.decision.experiments import advice
 from stickslip.diagnosis.decision.facts import Facts
@@ -24,7 +24,6 @@ from stickslip.diagnosis.decision.limits import upper_limits
 from stickslip.diagnosis.decision.posterior import ALIKE, cosine
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import LOST
-from stickslip.diagnosis.report.readings import in_words, setting_text, varied
 from stickslip.diagnosis.terms.words import Words, suspect
 
 ROUTINE = (
@@ -32,6 +31,14 @@ ROUTINE = (
     "frames-correlated",
 )  # fmt: skip
 """Codes of notes that nearly every measurement has: the page has them last, the command never."""
+
+# What there is only of fitted models, or of a kind of verdict.
+_NULL = ("p_value", "discrepancy", "law", "moved", "leader", "runner_up", "odds", "pattern")
+_LISTS = (
+    "deciding_readings", "next_experiments", "ranking", "claimed", "alike", "cosines", "misfit",
+    "suspect", "advice",
+)  # fmt: skip
+_TABLES = "parameters", "bounds", "recalibrated"
 
 _DECIDING, _POINTS = 3, 41  # readings that are named; points of a law
 _COMPARED = 12  # causes whose effects are compared
@@ -49,49 +56,29 @@ def numbers_of(facts: Facts, title: str | None = None) -> dict[str, Any]:
     source = facts.measurement
     lost = [*(() if source is None else map(str, source.left_out)), *_of_tables(facts, "left_out")]
     numbers: dict[str, Any] = {
+        **dict.fromkeys(_NULL), **{key: [] for key in _LISTS}, **{key: {} for key in _TABLES},
         "verdict": verdict.kind,
         "cause": _cause(facts),
         "name": title or ("Diagnosis" if source is None else source.name),
-        "headline": "",
-        "parameters": {},
         "probabilities": dict(verdict.probabilities),
-        "p_value": found.test.p_value if facts.fitted else None,
         "share": _or_none(verdict.share),
-        "discrepancy": None,
         "gain": _gain(facts),
-        "deciding_readings": [],
-        "bounds": {},
         "next": str(facts.next_step),
-        "next_experiments": [],
         "reasons": [facts.words.in_titles(str(each)) for each in verdict.reasons],
         "notes": notes_of(facts),
         "left_out": lost,
-        "recalibrated": {},
-        "ranking": [],
         "conditions": _conditions(facts),
         "channels": _channels(facts),
-        "claimed": [],
-        "law": None,
-        "moved": None,
-        "leader": None,
-        "runner_up": None,
         "left": facts.next_step.value if facts.next_step.code == "cause-left" else None,
         "common": [facts.words.title(each) for each in verdict.common],
         "beside": _beside(facts),
         "partial": verdict.partial,
         "offered": len(facts.problem.causes),
-        "odds": None,
-        "alike": [],
-        "cosines": [],
-        "misfit": [],
-        "pattern": None,
-        "suspect": [],
-        "advice": [],
         "tests": {"lack_of_fit": found.test.lack_of_fit, "score": found.test.score},
         "seed": found.seed,
         "version": _core.__version__,
         "of_measurement": source is not None,
-    }
+    }  # fmt: skip
     if facts.fitted:
         numbers |= _of_models(facts, numbers["conditions"])
     elif verdict.reasons:
@@ -161,7 +148,6 @@ def _of_models(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any
         }
         for fit, (name, row) in zip(fits, table.to_dict("index").items(), strict=True)
     ]  # fmt: skip
-    other = None if told is None else _other(facts, told)
     members = [verdict.fit] if verdict.fit is not None else []
     if verdict.kind == "ambiguous":
         members = [each for each in verdict.members if each.causes]
@@ -172,25 +158,50 @@ def _of_models(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any
             for name, size in sizes.items():
                 parameters.setdefault(name.removeprefix("effects."), size)
     return {
+        "p_value": facts.findings.test.p_value,
         "parameters": parameters,
         "discrepancy": best.left,
         "ranking": ranking,
         "claimed": [_told(facts, each) for each in candidates],
-        "leader": None if told is None else _leader(facts, best),
         "law": law_of(best),
-        "odds": None if told is None else {"none": _odds(facts, told.name, "none")},
-        "runner_up": None if other is None or told is None else _runner_up(facts, told, other),
         "recalibrated": _recalibrated(facts),
         "moved": _moved(facts),
-        "deciding_readings": (
-            [] if other is None or told is None else _all_deciding(facts, told, other, rows)
-        ),
         "misfit": _misfit(facts, rows),
         "pattern": _pattern(facts) if verdict.kind == "unexplained" else None,
-        "alike": [] if told is None else _alike(facts, told),
         "cosines": _cosines(facts),
         "bounds": _bounds(facts) if verdict.kind == "none" else {},
+        **({} if told is None else _of_told(facts, best, rows)),
     }
+
+
+def _of_told(
+    facts: Facts, candidate: Candidate, rows: Sequence[Mapping[str, Any]]
+) -> dict[str, Any]:
+    """The model that is told, beside the most probable one without its causes."""
+    told, models, chance = candidate.fit, facts.findings.models, facts.chance
+    other = next((e for e in chance.fits if not e.names >= told.names), models.null)
+    with_cause, own = 1.0 - chance.none, chance.models[told.name]
+    larger = next((each for each in chance.fits if each.names > told.names), None)
+    further = ""
+    if larger is not None and chance.models[larger.name] >= _FURTHER:
+        further = facts.words.title(" + ".join(sorted(larger.names - told.names)))
+    leader = {
+        "among_causes": own / with_cause if with_cause > 0.0 else 0.0,
+        "in_all": facts.probability_of(told.names),
+        "further": further,
+        "share": _or_none(candidate.share),
+        "left": _left_in_words(facts, candidate if facts.verdict.fit else facts.recalibrated),
+    }
+    return {
+        "leader": {**_told(facts, candidate), **leader},
+        "odds": {"none": _odds(facts, told.name, "none")},
+        "runner_up": {
+            "candidate": other.name, "title": facts.words.title(other.name),
+            "odds": _odds(facts, told.name, other.name),
+        },
+        "deciding_readings": _all_deciding(facts, told, other, rows),
+        "alike": _alike(facts, told),
+    }  # fmt: skip
 
 
 def _beside(facts: Facts) -> list[str]:
@@ -237,28 +248,6 @@ def _told(facts: Facts, candidate: Candidate) -> dict[str, Any]:
             "probability": chance, "causes": causes}  # fmt: skip
 
 
-def _leader(facts: Facts, candidate: Candidate) -> dict[str, Any]:
-    """The model that is told: its probability among those with a cause, its share and its gain."""
-    with_cause = 1.0 - facts.chance.none
-    own = facts.chance.models[candidate.name]
-    return {
-        **_told(facts, candidate),
-        "among_causes": own / with_cause if with_cause > 0.0 else 0.0,
-        "in_all": facts.probability_of(candidate.fit.names),
-        "further": _further(facts, candidate.fit),
-        "share": _or_none(candidate.share),
-        "left": _left_in_words(facts, candidate if facts.verdict.fit else facts.recalibrated),
-    }
-
-
-def _further(facts: Facts, told: Fit) -> str:
-    """The most probable cause beside those that are told, where it has more than 1 %."""
-    larger = (each for each in facts.chance.fits if each.names > told.names)
-    most = next(larger, told)
-    seen = most is not told and facts.chance.models[most.name] >= _FURTHER
-    return facts.words.title(" + ".join(sorted(most.names - told.names))) if seen else ""
-
-
 def _left_in_words(facts: Facts, candidate: Candidate) -> list[str]:
     """What is left beside a cause, and the errors of readings, a text for each table."""
     left, said, problem = candidate.left, [], facts.problem
@@ -291,17 +280,6 @@ def _left_in_words(facts: Facts, candidate: Candidate) -> list[str]:
 def _odds(facts: Facts, one: str, other: str) -> float:
     chance = facts.chance.models
     return chance[one] / max(chance[other], 1e-300)
-
-
-def _runner_up(facts: Facts, told: Fit, other: Fit) -> dict[str, Any]:
-    """The most probable model that has not the causes of the one that is told, and the odds."""
-    odds = _odds(facts, told.name, other.name)
-    return {"candidate": other.name, "title": facts.words.title(other.name), "odds": odds}
-
-
-def _other(facts: Facts, told: Fit) -> Fit:
-    others = (each for each in facts.chance.fits if not each.names >= told.names)
-    return next(others, facts.findings.models.null)
 
 
 def _recalibrated(facts: Facts) -> dict[str, Any]:
@@ -394,21 +372,21 @@ def _pattern(facts: Facts) -> dict[str, Any] | None:
 
 def _regions(settings: Settings, count: int) -> Iterator[tuple[Mask, list[str]]]:
     """Parts of the settings' range as rows, (count,), and words: values of words, and ranges."""
-    wording = [n for n in varied(settings) if isinstance(settings[n][0][0], str | bool)]
+    wording = [name for name in settings.varied if settings.is_word(name)]
     groups: dict[tuple[str, ...], Mask] = {(): np.ones(count, dtype=bool)}
     for names in [*([each] for each in wording), wording]:
         columns = zip(*(settings[each][0] for each in names), strict=True)
         for row, value in enumerate(columns):
-            key = tuple(setting_text(settings, *each) for each in zip(names, value, strict=True))
+            key = tuple(settings.text(*each) for each in zip(names, value, strict=True))
             groups.setdefault(key, np.zeros(count, dtype=bool))[row] = True
     for said, rows in groups.items():
         yield rows, list(said)
-        for name in set(varied(settings)).difference(wording):
+        for name in set(settings.varied).difference(wording):
             at = np.asarray(settings[name][0], dtype=float)
             ends = np.unique(np.quantile(at, np.linspace(0.0, 1.0, _ENDS), method="nearest"))
             for low, high in itertools.combinations_with_replacement(ends.tolist(), 2):
                 if (low, high) != (ends[0], ends[-1]):
-                    words = [*said, setting_text(settings, name, low, high)]
+                    words = [*said, settings.text(name, low, high)]
                     yield rows & (at >= low) & (at <= high), words
 
 
@@ -569,7 +547,7 @@ def _conditions(facts: Facts) -> list[dict[str, Any]]:
     problem, models, rows = facts.problem, predictions(facts), []
     for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
         settings, counts = table.named_settings, np.bincount(table.condition)
-        where = in_words(settings)
+        where = settings.words
         for i, row in enumerate(range(part.start, part.stop)):
             unit = table.unit_of(i)
             rows.append({

@@ -23,19 +23,11 @@ from stickslip._util.picture import PLAIN, Picture
 from stickslip._util.text import shortened
 from stickslip._util.units import handy, in_handy_units
 from stickslip.diagnosis.data.film import FilmTable
+from stickslip.diagnosis.data.settings import ROW
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.candidate import Candidate
 from stickslip.diagnosis.decision.facts import Facts
 from stickslip.diagnosis.report.numbers import law_of, predictions
-from stickslip.diagnosis.report.readings import (
-    ROW,
-    along,
-    most_varied,
-    numeric,
-    setting_text,
-    usual_of,
-    varied,
-)
 from stickslip.errors import ScenarioError
 
 if TYPE_CHECKING:
@@ -92,7 +84,7 @@ class Plots:
         shown = self._table(table)
         if isinstance(shown, FilmTable):
             return self._film(shown) if self._facts.fitted else None
-        return _figure(self.panels(table, most_varied(shown)), self._draw)
+        return _figure(self.panels(table, shown.named_settings.most_varied), self._draw)
 
     @matplotlib.rc_context(PLAIN)
     def residuals(self, table: int | None = None) -> Figure:
@@ -170,16 +162,15 @@ class Plots:
         A group is told by the settings in which it differs from most rows, and has the same marker
         in all panels.
         """
-        table, first = self._tables[k], self._facts.problem.rows[k].start
-        settings = table.named_settings
-        others = [name for name in varied(settings) if name != over]
-        words = [name for name in others if isinstance(settings[name][0][0], str)]
-        usual = {n: value for n, value in usual_of(settings).items() if n != over}
+        settings, first = self._tables[k].named_settings, self._facts.problem.rows[k].start
+        others = [name for name in settings.varied if name != over]
+        words = [name for name in others if settings.is_word(name)]
+        usual = {n: value for n, value in settings.usual.items() if n != over}
         found: dict[str, dict[str, list[int]]] = {}
-        for row in np.argsort(along(table, over)[0], kind="stable").tolist():
+        for row in np.argsort(settings.along(over)[0], kind="stable").tolist():
             panel = " ".join(settings[name][0][row] for name in words)
             group = ", ".join(
-                setting_text(settings, name, settings[name][0][row])
+                settings.text(name, settings[name][0][row])
                 for name, value in usual.items()
                 if settings[name][0][row] != value
             )
@@ -236,14 +227,14 @@ class Plots:
         """
         facts, table, over = self._facts, self._tables[panel.table], panel.over
         part = facts.problem.rows[panel.table]
-        at = along(table, over)[0][rows - part.start]
         settings = table.named_settings
-        others = [n for n in varied(settings) if n != over]
+        whole = settings.along(over)[0]
+        at = whole[rows - part.start]
+        others = [n for n in settings.varied if n != over]
         alone = all(len({settings[n][0][row - part.start] for row in rows}) == 1 for n in others)
         if over == ROW or not alone or not np.ptp(at) > 0.0:
             return at, {}
         # Groups share their places, so that equal curves are one.
-        whole = along(table, over)[0]
         grid = np.linspace(whole.min(), whole.max(), _BETWEEN)
         places = np.union1d(at, grid[(grid > at.min()) & (grid < at.max())])
         given = table.elsewhere(int(rows[0]) - part.start, over, places)
@@ -281,23 +272,22 @@ class Plots:
 
         By von Neumann's ratio: squared differences of neighbours beside the variance.
         """
-        table, part = self._tables[k], self._facts.problem.rows[k]
+        settings, part = self._tables[k].named_settings, self._facts.problem.rows[k]
         found, change = self._predicted, np.zeros(0)
         if "extended" in found:
             change = (found["extended"] - found["recalibrated"])[part]
         if not len(change) or not np.var(change) > 0.0:
-            return most_varied(table)
+            return settings.most_varied
         ratios: dict[str, float] = {}
-        settings = table.named_settings
-        most = max((len(set(settings[name][0])) for name in numeric(table)), default=0)
-        for name in numeric(table):
+        most = max((len(set(settings[name][0])) for name in settings.numeric), default=0)
+        for name in settings.numeric:
             parts = self.panels(k, name)
             rows = [rows - part.start for each in parts for rows in each.groups.values()]
             steps = [np.diff(change[each]) for each in rows if len(each) >= _FEW]
             # Over a setting with few values nothing is seen.
             if steps and len(set(settings[name][0])) >= max(_FEW, most / 2):
                 ratios[name] = float(np.mean(np.concatenate(steps) ** 2) / np.var(change))
-        return min(ratios, key=lambda name: ratios[name]) if ratios else most_varied(table)
+        return min(ratios, key=lambda name: ratios[name]) if ratios else settings.most_varied
 
     def _draw_change(self, axes: Any, panel: Panel) -> None:
         self._draw(axes, panel, self._predicted.get("recalibrated"))
@@ -305,7 +295,7 @@ class Plots:
     def _draw(self, axes: Any, panel: Panel, base: Array | None = None) -> None:
         """Readings and models, or what they are beyond `base`: curves where they are computed."""
         facts, table = self._facts, self._tables[panel.table]
-        part, (at, unit) = facts.problem.rows[panel.table], along(table, panel.over)
+        part, (at, unit) = facts.problem.rows[panel.table], table.named_settings.along(panel.over)
         at = at * handy(unit)[0]
         first = next(iter(panel.groups.values()))[0]
         what = table.name or "reading"

@@ -1,0 +1,99 @@
+"""Settings of conditions as a reader sees them, and in words."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from stickslip._util.amounts import digits_for
+from stickslip._util.numbers import Array
+from stickslip._util.units import handy
+
+ROW = "row"
+"""What stands for a setting where none is a number."""
+
+
+class Settings(dict[str, tuple[list[Any], str]]):
+    """Values of some conditions, and their SI unit, by bare name.
+
+    Parameters
+    ----------
+    columns : mapping
+    count : int
+        Of the conditions.
+    """
+
+    def __init__(self, columns: Mapping[str, tuple[list[Any], str]], count: int) -> None:
+        super().__init__(columns)
+        self.count = count
+
+    @property
+    def varied(self) -> list[str]:
+        """Names of the settings that are not the same in all conditions."""
+        return [name for name, (values, _) in self.items() if len(set(values)) > 1]
+
+    @property
+    def numeric(self) -> list[str]:
+        """Settings that are numbers: those that vary, or all."""
+        numbers = [name for name in self if not self.is_word(name)]
+        return [name for name in self.varied if name in numbers] or numbers
+
+    @property
+    def most_varied(self) -> str:
+        """The number that has most values; `ROW` without any."""
+        return max(self.numeric, key=lambda name: len(set(self[name][0])), default=ROW)
+
+    def is_word(self, name: str) -> bool:
+        """Whether the values of a setting are words."""
+        return isinstance(self[name][0][0], str | bool)
+
+    def along(self, name: str) -> tuple[Array, str]:
+        """Places of the conditions along a setting, shape (count,), and its SI unit."""
+        if name == ROW:
+            return np.arange(1.0, self.count + 1.0), "-"
+        values, unit = self[name]
+        return np.asarray(values, dtype=float), unit
+
+    def text(self, name: str, *values: Any) -> str:
+        """A setting as in ``peak 3 mT``, or a range as in ``peak 2 to 3 mT``; words as they are.
+
+        With the digits that tell all its values apart.
+        """
+        if isinstance(values[0], str):
+            return f"{name} {values[0]}"
+        every, unit = self[name]
+        factor, shown = handy(unit)
+        texts = [f"{float(each) * factor:.{digits_for(every)}g}" for each in dict.fromkeys(values)]
+        return f"{name} {' to '.join(texts)} {shown}".rstrip()
+
+    @property
+    def usual(self) -> dict[str, Any]:
+        """Of the numbers that vary the value that more than half of the conditions have, by name.
+
+        None where there is no such value: then each is told.
+        """
+        found: dict[str, Any] = {}
+        for name in self.varied:
+            values = self[name][0]
+            if not isinstance(values[0], str):
+                value = statistics.mode(values)
+                found[name] = value if 2 * values.count(value) > len(values) else None
+        return found
+
+    @property
+    def words(self) -> list[str]:
+        """Each condition by its words, the number that varies most, and those that are unusual."""
+        usual = self.usual
+        most = max(usual, key=lambda name: len(set(self[name][0])), default="")
+        told = [*(name for name in self.varied if name not in usual), *usual]
+        return [
+            ", ".join(
+                self.text(name, self[name][0][i])
+                for name in told
+                if name not in usual or name == most or self[name][0][i] != usual[name]
+            )
+            for i in range(self.count)
+        ]
