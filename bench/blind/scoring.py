@@ -22,9 +22,8 @@ Row = dict[str, Any]
 # cause cannot be as strong as the kind asks for.
 _REACHED = 0.9
 _FEW = 6  # members of a set that are still an answer
-# Codes of a verdict's reasons that say that a cause was named and something is left over; those in
-# capitals are in the record of an earlier engine.
-_LEFT_OVER = ("SMOOTH_REST", "PAIR_LEADS_TOO_LITTLE", "second-cause-predicts-nothing")
+_LEFT_OVER = "second-cause-predicts-nothing"
+"""Code of a verdict's reason that says that a cause was named and something is left over."""
 # Parameters whose library form is the generator's too, so that their values can be compared.
 _SAME_FORM = {
     f"{name}.{key}"
@@ -94,8 +93,7 @@ class Case:
 
     @property
     def first_in_rank(self) -> bool:
-        chance = {name: p for name, p in self.said["probabilities"].items()
-                  if name not in ("none", "unknown")}  # fmt: skip
+        chance = {name: p for name, p in self.said["probabilities"].items() if name != "none"}
         return max(chance, key=lambda name: chance[name], default="") in self.truth
 
     @cached_property
@@ -116,10 +114,7 @@ class Case:
     @property
     def gained(self) -> bool:
         gain = self.said["gain"] or {"before": 0.0, "after": 0.0}
-        before, after = (
-            gain.get(key, gain.get(f"heldout_chi2_{key}")) for key in ("before", "after")
-        )
-        return bool(after < before)
+        return bool(gain["after"] < gain["before"])
 
     @property
     def consistent(self) -> bool:
@@ -127,9 +122,8 @@ class Case:
 
     def error(self, when: str) -> float:
         """Mean absolute error of held-out velocities, m/s, before or after; or NaN."""
-        gain = self.said["gain"] if self.shape is None else self.shape["gain"]
-        error = np.nan if gain is None else gain[f"mae_{when}"]
-        return float(error["velocity"] if isinstance(error, dict) else error)
+        gain = self.said["gain"]
+        return float(np.nan if gain is None else gain[f"mae_{when}"]["velocity"])
 
     @property
     def halved(self) -> bool:
@@ -151,22 +145,20 @@ class Case:
         """The hidden second cause is said, or that something is left beside the first."""
         if self.answer["answer"][1] in self.causes or self.right_when_dominant:
             return True
-        return self.named and any(code in _LEFT_OVER for code in self.row.get("reasons", ()))
+        return self.named and _LEFT_OVER in self.row.get("reasons", ())
 
     @cached_property
     def shape(self) -> dict[str, Any] | None:
         """The law of another shape that is said, and no other cause beside it."""
         shape = self.said.get("open_set")
         alone = self.causes <= set(self.said.get("laws", {}))
-        return shape if shape is not None and shape["accepted"] and alone else None
+        return shape if alone else None
 
     @property
     def hook_right(self) -> bool:
         """All that is said acts where the truth acts."""
         laws = self.said.get("laws", {})
         said = {laws.get(name, name) for name in self.causes}
-        # The record of an earlier engine has laws where no cause is claimed.
-        said = said or (set() if self.shape is None else {self.shape["effect"]})
         return {HOOK_OF.get(name) for name in said} == {self.hook}
 
     # A wave acts nowhere.
@@ -412,10 +404,7 @@ def calibration(rows: Sequence[Row]) -> list[dict[str, Any]]:
     thought = []
     for row in rows:
         family, chance = KINDS[row["answer"]["kind"]].family, row["said"]["probabilities"]
-        if family == "unknown":
-            # The record of an earlier engine has a name for what no cause explains.
-            truth = "unknown" if "unknown" in chance else "none"
-        elif family.startswith("none"):
+        if family == "unknown" or family.startswith("none"):
             truth = "none"
         elif family in _ONE_ANSWER:
             (truth,) = row["answer"]["answer"]

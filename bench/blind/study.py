@@ -254,7 +254,7 @@ def diagnosed(path: Path) -> Row:
     return {
         "said": {
             **{key: whole[key] for key in ("verdict", "cause", "p_value", "gain")},
-            "laws": laws, "open_set": _law(result, whole["gain"]), "parameters": parameters,
+            "laws": laws, "open_set": _law(result), "parameters": parameters,
             "probabilities": dict(likely),
         },
         "reasons": [each.code for each in result.verdict.reasons],
@@ -271,7 +271,7 @@ def _effect(law: Cause) -> str:
     return span.split(".")[1]
 
 
-def _law(result: Diagnosis, gain: Row | None) -> Row | None:
+def _law(result: Diagnosis) -> Row | None:
     """The claimed law of a free shape: its curve with the ends of 95 %, and its formula."""
     causes = result.best.fit.causes if result.verdict.claims else ()
     for cause in causes:
@@ -279,7 +279,7 @@ def _law(result: Diagnosis, gain: Row | None) -> Row | None:
             at = np.linspace(cause.curve.low, cause.curve.high, _POINTS)
             low, high, found = drawn(result, cause, at)
             return {
-                "accepted": True, "effect": _effect(cause), "gain": gain,
+                "effect": _effect(cause),
                 "curve": {"argument": at.tolist(), "low": low.tolist(), "high": high.tolist()},
                 "formula": None if found is None else found.text,
                 "others": [] if found is None else list(found.others),
