@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import stickslip
+from stickslip import _core
 
 ROOT = Path(__file__).resolve().parents[1]
 MEASURED = ROOT / "docs" / "measured"
@@ -107,17 +108,13 @@ def cpu_seconds_in_turn(works: Sequence[Callable[[], object]], repeats: int = 7)
 
 def processor() -> tuple[str, int]:
     """Its name, and how many runs a pack of the core has on it at most."""
-    name, flags = platform.processor(), set[str]()
+    name = platform.processor()
     with contextlib.suppress(OSError):
         for each in Path("/proc/cpuinfo").read_text().splitlines():
             key, _, value = map(str.strip, each.partition(":"))
             if key == "model name":
                 name = value
-            elif key == "flags":
-                flags = set(value.split())
-    wide = {"avx512f", "avx512dq", "avx512vl"} <= flags
-    width = 8 if wide else 4 if "avx2" in flags else 1
-    return name, min(width, int(os.environ.get("STICKSLIP_LANES", width)))
+    return name, _core.kernel()[1]
 
 
 def machine() -> dict[str, str]:

@@ -1,19 +1,97 @@
-"""How many runs step together at most is read from the environment."""
+"""Which steps are made is read from the environment, and no result depends on it."""
 
+import json
 import os
 import subprocess
 import sys
 
 import pytest
 
+from frozen import freeze
+from frozen.scenarios import OWN_NAME, register_own_effect, scenarios
+from own_effects import unregister
+from stickslip import _core
+
 BATCH = "import stickslip as s; s.simulate_batch([s.Scenario()])"
+VELOCITIES = """
+import json, test_lanes
+from frozen.scenarios import register_own_effect
+from stickslip import _core, simulate, simulate_batch
+register_own_effect()
+chosen = test_lanes.some_runs()
+together = [run.mean_velocity.hex() for run in simulate_batch(chosen.values(), threads=1)]
+alone = [simulate(each).mean_velocity.hex() for each in chosen.values()]
+print(json.dumps([_core.kernel(), together, alone]))
+"""
+PROCESSORS = ("baseline", "x86-64-v3", "x86-64-v4")
+KERNEL, _ = _core.kernel()
 
 
-@pytest.mark.parametrize("width", ["2", "04"])
-def test_a_width_that_does_not_exist_is_named(width):
-    environment = {**os.environ, "STICKSLIP_LANES": width}
+@pytest.fixture(scope="module", autouse=True)
+def own_effect():
+    """Some of the scenarios have an effect of the user."""
+    register_own_effect()
+    yield
+    unregister(OWN_NAME)
+
+
+def some_runs():
+    """Frozen runs that packs have, with and without effects."""
+    return {name: each for name, each in scenarios().items() if name.startswith("pack/")}
+
+
+def velocities(**variables):
+    """The kernel of a process with these variables, and its velocities together and alone."""
+    folder = os.path.dirname(os.path.abspath(__file__))
+    environment = {**os.environ, **variables, "PYTHONPATH": os.pathsep.join([folder, *sys.path])}
+    done = subprocess.run(
+        [sys.executable, "-c", VELOCITIES],
+        capture_output=True,
+        text=True,
+        env=environment,
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "allowed"),
+    [
+        ("STICKSLIP_LANES", "2", "1, 4 or 8"),
+        ("STICKSLIP_LANES", "04", "1, 4 or 8"),
+        ("STICKSLIP_PROCESSOR", "v3", "baseline, x86-64-v3 or x86-64-v4"),
+    ],
+)
+def test_a_value_that_does_not_exist_is_named(name, value, allowed):
+    environment = {**os.environ, name: value}
     done = subprocess.run(
         [sys.executable, "-c", BATCH], capture_output=True, text=True, env=environment, timeout=120
     )
     assert done.returncode == 1
-    assert f"STICKSLIP_LANES = {width}: allowed is 1, 4 or 8" in done.stderr
+    assert f"{name} = {value}: allowed is {allowed}" in done.stderr
+
+
+@pytest.mark.skipif(KERNEL == "baseline", reason="this processor has one kernel")
+def test_all_kernels_with_fused_multiply_add_give_the_same_bits():
+    (_, together, alone) = velocities()
+    assert alone == together
+    for processor in PROCESSORS[1 : PROCESSORS.index(KERNEL) + 1]:
+        kernel, *others = velocities(STICKSLIP_PROCESSOR=processor)
+        assert kernel == [processor, 4 if processor == "x86-64-v3" else 8]
+        assert others == [together, together]
+        kernel, *others = velocities(STICKSLIP_PROCESSOR=processor, STICKSLIP_LANES="1")
+        assert kernel == [processor, 1]
+        assert others == [together, together]
+
+
+def test_the_kernel_of_any_processor_differs_by_rounding_alone():
+    kernel, together, alone = velocities(STICKSLIP_PROCESSOR="baseline")
+    assert kernel == ["baseline", 1]
+    assert alone == together
+    _, expected = freeze.read()
+    for name, velocity in zip(some_runs(), map(float.fromhex, together), strict=True):
+        stored = expected[name]
+        own, limit = stored.numbers["mean_velocity"], freeze.ELSEWHERE + 10.0 * stored.spread
+        assert abs(velocity - own) <= limit * max(abs(own), freeze.FLOOR), name

@@ -45,7 +45,7 @@ def test_the_check_of_a_wheel_passes_here_and_can_fail(tmp_path):
     assert result.returncode == 0, result.stdout + result.stderr
     code = check.read_text(encoding="utf-8")
     changed = tmp_path / "check_run.py"
-    changed.write_text(code.replace("1.91280506962", "1.91280506963"), encoding="utf-8")
+    changed.write_text(code.replace("1.912805069", "1.912805068"), encoding="utf-8")
     assert changed.read_text(encoding="utf-8") != code
     result = subprocess.run([sys.executable, changed], capture_output=True, text=True, check=False)
     assert result.returncode == 1

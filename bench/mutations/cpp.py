@@ -67,16 +67,18 @@ MUTATIONS = (
     Mutation(
         "packs",
         "adhesion_ageing",
-        "lane_kernel.cpp",
-        "e.adhesion.aged(e.contact_age + tau);",
-        "Real(1.0);",
+        "lanes.cpp",
+        "            lane.run.enter(phase, numbers);\n",
+        "            lane.run.enter(phase, numbers);\n"
+        "            if constexpr (kEffects) numbers.named.effects.adhesion.ageing_rate = 0.0;\n",
     ),
     Mutation(
         "packs",
         "friction_patches",
-        "lane_kernel.cpp",
-        "return robot_->static_friction * friction().place(slip, x);",
-        "return robot_->static_friction;",
+        "lanes.cpp",
+        "            lane.run.enter(phase, numbers);\n",
+        "            lane.run.enter(phase, numbers);\n"
+        "            if constexpr (kEffects) numbers.named.effects.friction.patch_amplitude = 0.0;\n",
     ),
     Mutation(
         "stepped",

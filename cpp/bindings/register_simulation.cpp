@@ -166,6 +166,10 @@ void register_simulation(py::module_& module) {
         .def("take_recording",
              [](RunResult& self) { return recording_dict(std::move(self.recording)); });
 
+    module.def("kernel", [] {
+        const StepKernels& chosen = step_kernels();
+        return py::make_tuple(name_of(chosen.processor), chosen.size);
+    });
     module.def("simulate_batch", &batch, py::arg("scenarios"), py::arg("threads") = 1,
                py::arg("progress") = py::none(), py::arg("until") = py::none());
     module.def("stream", &stream, py::arg("result"), py::arg("scenario"), py::arg("sink"),

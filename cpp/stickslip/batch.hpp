@@ -9,5 +9,5 @@
 ///
 /// - batch: runs from start to end, and points of a sweep
 /// - simulator, rollout: runs that are entered and left step by step, alone or many
-/// - lanes, lane_kernel: runs whose steps are taken together, as packs
+/// - lanes: runs whose steps are taken together, as packs
 namespace stickslip {}

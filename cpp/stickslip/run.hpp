@@ -10,6 +10,7 @@
 #include "stickslip/run/run_snapshot.hpp"
 #include "stickslip/run/simulation.hpp"
 #include "stickslip/run/status.hpp"
+#include "stickslip/run/step_numbers.hpp"
 #include "stickslip/run/stop_condition.hpp"
 #include "stickslip/run/summary.hpp"
 
@@ -20,5 +21,7 @@
 /// - player: the motion, segment after segment, phase after phase
 /// - recording: samples of it; measurement, with summary and drive_observer: what it comes to
 /// - run: the three together, and when it ends; run_snapshot: where it stands between two steps
+/// - step_numbers, step_kernel, step_kernels: steps of one run and of packs, for each kind of
+///   processor
 /// - simulation: a run from start to end, with its message; status: how it ended
 namespace stickslip {}

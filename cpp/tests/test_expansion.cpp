@@ -49,6 +49,13 @@ double gradient_difference(const PlanarField& a, const PlanarField& b) {
                       a.dbz_dz - b.dbz_dz);
 }
 
+// By the terms about the far centre, of steady currents.
+PlanarField far_value(const LocalField& field, double x, double z) {
+    const FieldCourse course = field.course({x, z});
+    const auto& [xx, xy, xz, yy, yz, zz] = course.gradient[0];
+    return {course.basis[0][0], course.basis[0][2], xx, xz, zz};
+}
+
 // m, from a point of the plane y = 0 between the coils to the nearest wire.
 double distance_to_wires(double x, double z) {
     const double a = 0.5 * CoilGeometry().side, c = CoilGeometry().distance;
@@ -91,7 +98,7 @@ TEST_CASE("local field: within 1e-9 of the full sum inside its reach") {
         const double offset = LocalField::kReach * std::sqrt(random.between(0.0, 1.0));
         const double x = centre_x + offset * std::cos(angle);
         const double z = centre_z + offset * std::sin(angle);
-        const PlanarField found = field.at(0.5)(x, z);
+        const PlanarField found = far_value(field, x, z);
         const FullSum full = full_sum(currents, x, z);
         const double error = field_difference(found, full.field) / full.field_size;
         worst_field = std::max(worst_field, error);
@@ -121,9 +128,38 @@ TEST_CASE("local field: in the working volume the gradient is within 1e-8") {
         field.rebase({x, z});
         const double step = LocalField::kReach * std::numbers::sqrt2 / 2.0;
         const FullSum full = full_sum(currents, x + step, z - step);
-        const PlanarField found = field.at(0.0)(x + step, z - step);
+        const PlanarField found = far_value(field, x + step, z - step);
         CHECK(gradient_difference(found, full.field) < 1e-8 * full.gradient_size);
         CHECK(field_difference(found, full.field) < 1e-11 * full.field_size);
+    }
+}
+
+TEST_CASE("local field: about a near centre two orders are left out") {
+    Random random(6);
+    for (int n = 0; n < 1000; ++n) {
+        const PerCoil currents = random_currents(random);
+        LocalField field(paper_coils(), all_driven());
+        field.set_segment(steady(currents));
+        const double x = random.between(-0.05, 0.05), z = random.between(-0.05, 0.05);
+        field.rebase({x, z});
+        // Near the far centre or not: the terms about the near one are its own.
+        const double part = 0.49 * LocalField::kReach;
+        const double near_x = x + random.between(-part, part);
+        const double near_z = z + random.between(-part, part);
+        field.rebase({near_x, near_z});
+        const double angle = random.between(0.0, 2.0 * std::numbers::pi);
+        const double offset = random.between(0.0, 2e-5);
+        const double there_x = near_x + offset * std::cos(angle);
+        const double there_z = near_z + offset * std::sin(angle);
+        const PlanarField found = field.at(0.5)(there_x, there_z);
+        const PlanarField far = far_value(field, there_x, there_z);
+        const FullSum full = full_sum(currents, there_x, there_z);
+        const double rho = distance_to_wires(near_x, near_z), ratio = offset / rho;
+        // The first terms left out, as above; a factor of four stands for the constants.
+        CHECK(field_difference(found, far) <=
+              (4.0 * std::pow(ratio, 3) + 8.0 * kRounding) * full.field_size);
+        CHECK(gradient_difference(found, far) <=
+              16.0 * (std::pow(ratio, 2) * full.field_size / rho + kRounding * full.gradient_size));
     }
 }
 
@@ -140,15 +176,19 @@ TEST_CASE("local field: follows the robot by rebase") {
         z += random.between(-1e-4, 1e-4);
         field.rebase({x, z});
         const Expansion expansion = field.at(0.0);
-        CHECK(std::abs(x - expansion.centre[0]) <= 0.5 * LocalField::kReach);
-        CHECK(std::abs(z - expansion.centre[1]) <= 0.5 * LocalField::kReach);
+        CHECK(!is_far<double, 2>({x, z}, field.far().centre, 0.5 * LocalField::kReach));
+        CHECK(!is_far<double, 2>({x, z}, expansion.centre, LocalField::kNear * LocalField::kReach));
         const FullSum full = full_sum(currents, x, z);
         CHECK(field_difference(expansion(x, z), full.field) < 1e-9 * full.field_size);
     }
     CHECK(std::abs(x) > 10.0 * LocalField::kReach);  // the walk has gone somewhere
-    const Expansion before = field.at(0.0);
-    field.rebase({before.centre[0] + 0.49 * LocalField::kReach, before.centre[1]});
-    CHECK(field.at(0.0).centre[0] == before.centre[0]);  // not moved without need
+    // Not moved without need.
+    const auto far = field.far().centre;
+    const double near_x = far[0] + 0.49 * LocalField::kReach;
+    field.rebase({near_x, far[1]});
+    CHECK(field.far().centre == far);
+    field.rebase({near_x - 0.9 * LocalField::kNear * LocalField::kReach, far[1]});
+    CHECK(field.centre()[0] == near_x);
 }
 
 TEST_CASE("local field: currents that change, whatever the base time of the exponentials") {

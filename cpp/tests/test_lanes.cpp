@@ -12,7 +12,7 @@ TEST_CASE("lanes: a stop ends them all") {
     int taken = 0, ended = 0;
     LaneStore lanes;
     play_in_lanes(
-        lane_kernels(), 8,
+        step_kernels(), 8,
         [&] {
             if (++taken == 8) control.stop = true;
             return lanes.make(0, endless, control);

@@ -30,6 +30,9 @@ class _Effect(TypedDict):
 
 _Block = tuple[NDArray[float64], NDArray[float64], int]
 
+def kernel() -> tuple[str, int]:
+    """Kind of processor that steps are made for, and runs in a pack."""
+
 def key_table() -> list[dict[str, Any]]: ...
 def effects() -> list[_Effect]: ...
 def register_effect(

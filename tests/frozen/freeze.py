@@ -5,8 +5,9 @@ should, the command prints which runs it changed and by how much, and writes the
 differences of the file show the same in a review.
 
 The bits belong to one kind of machine: the mathematics library rounds exp, sin and pow in its own
-way, on one processor so and on another otherwise, and a compiler may order a sum anew. Threads and
-the width of packs change none. So the file keeps what it was made on. On the same kind the bits
+way, on one processor so and on another otherwise, steps are made with fused multiply-add or
+without, and a compiler may order a sum anew. Threads and the width of packs change none. So the
+file keeps what it was made on. On the same kind the bits
 have to be the same; elsewhere numbers have to agree within 1e-9 of themselves and ten times what a
 change of the robot's mass in its last bits makes of this run, which the file keeps too: long runs,
 in which a contact is decided by rounding, are another run after that, and only end alike.
@@ -138,7 +139,7 @@ def changes(
 
 
 def machine() -> dict[str, str]:
-    """What bits depend on: processor, mathematics library (how it rounds), compiler."""
+    """What bits depend on: processor, mathematics library (how it rounds), compiler, steps."""
     values = [
         function(0.37 * k)
         for k in range(1, 500)
@@ -155,6 +156,7 @@ def machine() -> dict[str, str]:
         "processor": platform.machine(),
         "libm": f"{' '.join(platform.libc_ver())}, rounding {rounding:08x}",
         "compiler": made_by[0].decode() if made_by else "unknown",
+        "fused": "no" if _core.kernel()[0] == "baseline" else "yes",
     }
 
 

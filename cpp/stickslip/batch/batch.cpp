@@ -104,7 +104,7 @@ void play_all(std::size_t count, int threads, RunControl& control,
     if (count == 0) return;
     const int workers =
         static_cast<int>(std::min(count, static_cast<std::size_t>(std::max(threads, 1))));
-    const LaneKernels& kernels = lane_kernels();
+    const StepKernels& kernels = step_kernels();
     // Four packs of runs keep the packs of all kinds of phases full, and fit into the cache. No
     // thread takes so many at once that another has nothing to do.
     constexpr std::size_t kLanesAPlace = 4;

@@ -3,59 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <cstdlib>
 #include <deque>
-#include <limits>
-#include <stdexcept>
-#include <string>
 #include <type_traits>
 #include <utility>
 
-#include "stickslip/contact/phases.hpp"
-
 namespace stickslip {
-
-const std::vector<LaneKernels>& all_lane_kernels() {
-    static const std::vector<LaneKernels> all = [] {
-        std::vector<LaneKernels> result;
-#ifdef STICKSLIP_X86_KERNELS
-        if (__builtin_cpu_supports("avx2")) result.push_back(lane_kernels_of<4>());
-        if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-            __builtin_cpu_supports("avx512vl")) {
-            result.push_back(lane_kernels_of<8>());
-        }
-#endif
-        return result;
-    }();
-    return all;
-}
-
-namespace {
-
-/// The widest pack that the environment variable STICKSLIP_LANES allows.
-int widest_allowed() {
-    const char* text = std::getenv("STICKSLIP_LANES");
-    if (text == nullptr) return std::numeric_limits<int>::max();
-    for (const int width : {1, 4, 8}) {
-        if (text == std::to_string(width)) return width;
-    }
-    throw std::invalid_argument("STICKSLIP_LANES = " + std::string(text) +
-                                ": allowed is 1, 4 or 8");
-}
-
-}  // namespace
-
-const LaneKernels& lane_kernels() {
-    static const LaneKernels chosen = [] {
-        const int widest = widest_allowed();
-        LaneKernels result = {1};
-        for (const LaneKernels& each : all_lane_kernels()) {
-            if (each.size <= widest) result = each;
-        }
-        return result;
-    }();
-    return chosen;
-}
 
 namespace {
 
@@ -64,7 +16,7 @@ namespace {
 template <class Phase, bool kEffects>
 class PhasePack {
 public:
-    PhasePack(int size, const LaneKernel<Phase, kEffects>& kernel)
+    PhasePack(int size, const StepKernel<Phase, kEffects>& kernel)
         : size_(static_cast<std::size_t>(size)), kernel_(kernel) {}
 
     std::size_t count() const { return filled_ + waiting_.size(); }
@@ -75,13 +27,13 @@ public:
     /// of voltage has ended.
     void step(const auto& leave, const auto& end, bool stay) {
         fill();
-        const LaneRound round = kernel_.step(memory_.data());
+        const StepRound round = kernel_.step(memory_.data());
         for (std::size_t place = 0; place < size_; ++place) {
             if (!(round.flagged >> place & 1u) || places_[place] == nullptr) continue;
             Lane& lane = *places_[place];
-            const Finish found = finish(lane, place, round.to_end >> place & 1u);
-            if (found == Finish::step) continue;
-            const bool same = stay && found == Finish::segment;
+            const Attempt found = finish(lane, place, round.to_end >> place & 1u);
+            if (found == Attempt::step || found == Attempt::far_step) continue;
+            const bool same = stay && found == Attempt::segment;
             const bool over = same && !lane.run.next_phase();
             if (same && !over) {
                 enter(lane, place);
@@ -94,7 +46,8 @@ public:
     }
 
 private:
-    using Numbers = LaneNumbers<Phase, kEffects>;
+    using Numbers = StepNumbers<Phase, kEffects>;
+    using Attempt = Run::Attempt;
     static constexpr std::size_t kMostPlaces = 8;
 
     void fill() {
@@ -107,83 +60,38 @@ private:
         }
     }
 
+    // Calls `use` with the phase of a run in this pack.
+    static void with_phase(Lane& lane, auto&& use) {
+        lane.run.player().with_phase([&](auto phase) {
+            if constexpr (std::is_same_v<decltype(phase), Phase>) use(phase);
+        });
+    }
+
     // Puts what its next phase begins with into the place.
     void enter(Lane& lane, std::size_t place) {
-        auto& player = lane.run.player();
-        player.with_phase([&](auto phase) {
-            if constexpr (std::is_same_v<decltype(phase), Phase>) {
-                Numbers numbers;
-                numbers.progress =
-                    lane.run.tsit5().begin(phase, player.memory(), player.tau(),
-                                           player.segment().duration, phase.begin(player.body()));
-                numbers.progress.look = lane.run.next_look();
-                numbers.robot = player.dynamics().robot();
-                set_around(numbers, player.dynamics());
-                numbers.contact_x = phase.contact(numbers.progress.step.first)[0];
-                numbers.slip = player.state().mode.slip;
-                numbers.workspace = player.dynamics().field().workspace();
-                set_memory(numbers, player.memory());
-                kernel_.put_beginning(memory_.data(), place, numbers);
-            }
+        with_phase(lane, [&](Phase& phase) {
+            Numbers numbers;
+            lane.run.enter(phase, numbers);
+            kernel_.put_beginning(memory_.data(), place, numbers);
         });
     }
-
-    static void set_around(Numbers& numbers, const Dynamics& dynamics) {
-        const LocalField& field = dynamics.field();
-        numbers.field = field.segment();
-        if constexpr (kEffects) {
-            numbers.named = {{field.further(1), field.further(2)}, dynamics.smooth_effects()};
-        }
-    }
-
-    static void set_memory(Numbers& numbers, const PhaseMemory& memory) {
-        for (std::size_t i = 0; i < Phase::kEvents; ++i) {
-            numbers.unarmed[i] = memory.armed[i] ? 0.0 : 1.0;
-        }
-        numbers.stalled = memory.stalled ? 1.0 : 0.0;
-    }
-
-    // What an attempt comes to; after a segment of voltage the phase goes on.
-    enum class Finish { step, segment, phase };
 
     // What only one run can do: accepts the attempt or not, looks for events.
-    Finish finish(Lane& lane, std::size_t place, bool to_end) {
-        Run& run = lane.run;
-        auto& player = run.player();
-        Numbers numbers;
-        kernel_.take_attempt(memory_.data(), place, numbers);
-        for (std::size_t i = 0; i < Phase::kEvents; ++i) {
-            player.memory().armed[i] = numbers.unarmed[i] == 0.0;
-        }
-        const auto centre = [&] { return player.dynamics().field().centre(); };
-        const auto before = centre();
-        Finish found = Finish::step;
-        player.with_phase([&](auto phase) {
-            if constexpr (std::is_same_v<decltype(phase), Phase>) {
-                PhaseEnd<Phase> end;
-                if (!run.tsit5().finish(phase, player.memory(), numbers.progress, to_end,
-                                        run.observer(phase), end)) {
-                    return;
-                }
-                const bool goes_on = end.status == Status::ok && end.event == Event::none;
-                found = goes_on ? Finish::segment : Finish::phase;
-                run.end_phase(phase, end, run.tsit5().counts().accepted);
-            }
-        });
-        if (found == Finish::step) {
-            numbers.progress.look = run.next_look();
-            set_memory(numbers, player.memory());
+    Attempt finish(Lane& lane, std::size_t place, bool to_end) {
+        Attempt found = Attempt::step;
+        with_phase(lane, [&](Phase& phase) {
+            Numbers numbers;
+            kernel_.take_attempt(memory_.data(), place, numbers);
+            found = lane.run.finish(phase, numbers, to_end);
+            if (found == Attempt::segment || found == Attempt::phase) return;
             kernel_.put_going_on(memory_.data(), place, numbers);
-            if (centre() != before) {
-                set_around(numbers, player.dynamics());
-                kernel_.put_around(memory_.data(), place, numbers);
-            }
-        }
+            if (found == Attempt::far_step) kernel_.put_around(memory_.data(), place, numbers);
+        });
         return found;
     }
 
     std::size_t size_;
-    LaneKernel<Phase, kEffects> kernel_;
+    StepKernel<Phase, kEffects> kernel_;
     std::array<Lane*, kMostPlaces> places_ = {};
     std::size_t filled_ = 0;
     std::deque<Lane*> waiting_;
@@ -195,7 +103,7 @@ private:
 template <bool kEffects>
 class PhasePacks {
 public:
-    PhasePacks(int size, const LaneKernels::Phases<kEffects>& kernels)
+    PhasePacks(int size, const StepKernels::Phases<kEffects>& kernels)
         : stick_(size, kernels.corner_stick),
           slip_(size, kernels.corner_slip),
           flight_(size, kernels.flight) {}
@@ -218,7 +126,7 @@ private:
 /// The runs of a thread, each in the pack of its phase.
 class LaneGroup {
 public:
-    LaneGroup(const LaneKernels& kernels, std::size_t most, const std::function<void(Lane&)>& done)
+    LaneGroup(const StepKernels& kernels, std::size_t most, const std::function<void(Lane&)>& done)
         : done_(done),
           has_packs_(kernels.size > 1 && most >= kLeast),
           plain_(kernels.size, kernels.plain),
@@ -305,7 +213,7 @@ private:
 
 }  // namespace
 
-void play_in_lanes(const LaneKernels& kernels, std::size_t count,
+void play_in_lanes(const StepKernels& kernels, std::size_t count,
                    const std::function<Lane*()>& next, const std::function<void(Lane&)>& done,
                    const RunControl& control) {
     LaneGroup group(kernels, count, done);

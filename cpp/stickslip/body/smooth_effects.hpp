@@ -5,8 +5,8 @@
 
 /// The named effects on forces, adhesion and friction that have one formula for all runs, in which
 /// an absent one has zeros. They are written for a number or a pack of numbers, so that runs with
-/// different effects go on together (lane_kernel.cpp). A zero leaves the bits of a result as they
-/// are, so what takes long is left out where no member has it.
+/// different effects go on together (run/step_kernel.cpp). A zero leaves the bits of a result as
+/// they are, so what takes long is left out where no member has it.
 namespace stickslip {
 
 /// Effects `gradient_scale`, `angle_drag` and `quadratic_drag`.
@@ -24,9 +24,13 @@ struct SmoothForces {
     [[gnu::always_inline]] Real add(const auto& field, Real mx, Real mz, Real cosine, Real vx,
                                     Real vz, auto& load) const {
         Real drag = angle_drag * cosine * cosine;
-        if (any(quadratic_drag > 0.0)) drag = drag + quadratic_drag * root(vx * vx + vz * vz);
-        load.fx += gradient_excess * (mx * field.dbx_dx + mz * field.dbx_dz) - drag * vx;
-        load.fz += gradient_excess * (mx * field.dbx_dz + mz * field.dbz_dz) - drag * vz;
+        if (any(quadratic_drag > 0.0)) {
+            drag = fma(quadratic_drag, root(fma(vx, vx, vz * vz)), drag);
+        }
+        load.fx =
+            fma(gradient_excess, fma(mx, field.dbx_dx, mz * field.dbx_dz), fnma(drag, vx, load.fx));
+        load.fz =
+            fma(gradient_excess, fma(mx, field.dbx_dz, mz * field.dbz_dz), fnma(drag, vz, load.fz));
         return drag;
     }
 };
@@ -42,12 +46,14 @@ struct SmoothAdhesion {
         return std::tie(angle_loss, ageing_rate, ageing_time);
     }
     /// Factor at the sine of theta.
-    [[gnu::always_inline]] Real at_angle(Real sine) const { return 1.0 - angle_loss * sine * sine; }
+    [[gnu::always_inline]] Real at_angle(Real sine) const {
+        return fnma(angle_loss * sine, sine, Real(1.0));
+    }
     /// Factor of a contact that was made `seconds` ago.
     [[gnu::always_inline]] Real aged(Real seconds) const {
         if (!any(ageing_rate > 0.0)) return 1.0;
         const Real past = greater(seconds, Real(0.0));
-        return 1.0 + ageing_rate * logarithm(1.0 + past / ageing_time);
+        return fma(ageing_rate, logarithm(1.0 + past / ageing_time), Real(1.0));
     }
 };
 
@@ -72,16 +78,16 @@ struct SmoothFriction {
     /// Factor on both coefficients of a contact at x (m) that slips, or is about to, to the side
     /// `slip`.
     [[gnu::always_inline]] Real place(Real slip, Real x) const {
-        Real factor = 1.0 + anisotropy * slip;
+        Real factor = fma(anisotropy, slip, Real(1.0));
         if (any(magnitude(patch_amplitude) > 0.0)) {
-            factor = factor * (1.0 + patch_amplitude * sine(patch_wavenumber * x));
+            factor = factor * fma(patch_amplitude, sine(patch_wavenumber * x), Real(1.0));
         }
         return factor;
     }
     /// Coefficient, apart from that factor, of a contact that slips at `slip_velocity` (m/s).
     [[gnu::always_inline]] Real kinetic(Real static_friction, Real kinetic_friction,
                                         Real slip_velocity) const {
-        Real coefficient = kinetic_friction + viscous * magnitude(slip_velocity);
+        Real coefficient = fma(viscous, magnitude(slip_velocity), kinetic_friction);
         const auto falls = stribeck_velocity > 0.0;
         if (any(falls)) {
             const Real ratio = slip_velocity / stribeck_velocity;

@@ -74,7 +74,7 @@ using CornerStick = CornerStickOf<double>;
 template <class Real>
 [[gnu::always_inline]] inline Real moment_about_corner(const PoseOf<Real>& pose,
                                                        const LoadOf<Real>& load) {
-    return load.torque + (pose.height * load.fx + pose.lever * load.fz);
+    return load.torque + fma(pose.height, load.fx, pose.lever * load.fz);
 }
 
 /// Reaction at a corner that stays where it is while the body turns about it, alpha in rad/s^2. The
@@ -85,9 +85,9 @@ template <class Real>
                                                               Real alpha,
                                                               const LoadOf<Real>& load) {
     const Real ww = omega * omega;
-    const Real ax = alpha * pose.height + ww * pose.lever;
-    const Real az = alpha * pose.lever - ww * (pose.height - pose.bend);
-    return {robot.mass * az - load.fz + load.contact_adhesion, robot.mass * ax - load.fx};
+    const Real ax = fma(alpha, pose.height, ww * pose.lever);
+    const Real az = fnma(ww, pose.height - pose.bend, alpha * pose.lever);
+    return {fma(robot.mass, az, load.contact_adhesion - load.fz), fma(robot.mass, ax, -load.fx)};
 }
 
 /// Inertia about the point that touches, kg m^2.
@@ -136,7 +136,7 @@ using CornerSlip = CornerSlipOf<double>;
 template <class Real>
 inline Real painleve_inertia(const PlainDynamics<Real>& robot, const PoseOf<Real>& pose,
                              Real coefficient) {
-    return robot.inertia + robot.mass * pose.lever * (pose.lever - coefficient * pose.height);
+    return fma(robot.mass * pose.lever, fnma(coefficient, pose.height, pose.lever), robot.inertia);
 }
 
 template <class Real>
@@ -146,13 +146,15 @@ template <class Real>
                                                              Real coefficient) {
     const Real ww = omega * omega;
     const Real adhesion = load.contact_adhesion;
-    const Real arm = pose.lever - coefficient * pose.height;
+    const Real arm = fnma(coefficient, pose.height, pose.lever);
     const Real effective = painleve_inertia(robot, pose, coefficient);
-    const Real rest = adhesion - robot.mass * ww * (pose.height - pose.bend) - load.fz;
-    const Real alpha = (load.torque + pose.lever * adhesion - arm * rest) / effective;
-    const Real normal = robot.mass * pose.lever * alpha + rest;
-    const Real ax = (load.fx - coefficient * normal) * robot.per_mass;
-    return {alpha, ax - alpha * pose.height - ww * pose.lever, normal, effective, coefficient};
+    const Real rest = fnma(robot.mass * ww, pose.height - pose.bend, adhesion - load.fz);
+    const Real per_effective = 1.0 / effective;  // known before the load
+    const Real alpha = (load.torque + fnma(arm, rest, pose.lever * adhesion)) * per_effective;
+    const Real normal = fma(robot.mass * pose.lever, alpha, rest);
+    const Real ax = fnma(coefficient, normal, load.fx) * robot.per_mass;
+    return {alpha, fnma(ww, pose.lever, fnma(alpha, pose.height, ax)), normal, effective,
+            coefficient};
 }
 
 /// A face that lies on the surface. `ahead` is its end at +half_base (the quadrant's own corner),

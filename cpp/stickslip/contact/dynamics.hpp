@@ -60,26 +60,27 @@ struct PlainDynamics {
         constexpr double kEighthTurn = 0.5 * kQuarterTurn, kCosineEighth = 0.7071067811865475;
         const CosineAndSine<Real> on = cosine_and_sine(angle - kEighthTurn);
         return {kCosineEighth * (on.cosine - on.sine), kCosineEighth * (on.cosine + on.sine),
-                middle_lever * on.cosine - middle_height * on.sine,
-                middle_height * on.cosine + middle_lever * on.sine};
+                fnma(middle_height, on.sine, middle_lever * on.cosine),
+                fma(middle_lever, on.sine, middle_height * on.cosine)};
     }
 
     /// Magnet, weight and drag, Eqs. (8)-(12), (18), (19).
     [[gnu::always_inline]] LoadOf<Real> load(const PlanarFieldOf<Real>& field, Real mx, Real mz,
                                              Real vx, Real vz, Real omega) const {
-        const Real turning = (turning_drag + turning_drag_quadratic * magnitude(omega)) * omega;
+        // The field at the robot's place is known last.
+        const Real turning = fma(turning_drag_quadratic, magnitude(omega), turning_drag) * omega;
         LoadOf<Real> load;
-        load.fx = mx * field.dbx_dx + mz * field.dbx_dz + weight_x - drag * vx;
-        load.fz = mx * field.dbx_dz + mz * field.dbz_dz + weight_z - drag * vz;
-        load.torque = (mz * field.bx - turning) - mx * field.bz;
+        load.fx = fma(mx, field.dbx_dx, fma(mz, field.dbx_dz, fnma(drag, vx, weight_x)));
+        load.fz = fma(mx, field.dbx_dz, fma(mz, field.dbz_dz, fnma(drag, vz, weight_z)));
+        load.torque = fnma(mx, field.bz, fma(mz, field.bx, -turning));
         load.contact_adhesion = adhesion;
         return load;
     }
     [[gnu::always_inline]] Real moment_x(const PoseOf<Real>& pose) const {
-        return moment_cosine * pose.cosine - moment_sine * pose.sine;
+        return fnma(moment_sine, pose.sine, moment_cosine * pose.cosine);
     }
     [[gnu::always_inline]] Real moment_z(const PoseOf<Real>& pose) const {
-        return -(moment_sine * pose.cosine + moment_cosine * pose.sine);
+        return -fma(moment_cosine, pose.sine, moment_sine * pose.cosine);
     }
 };
 

@@ -128,7 +128,12 @@ public:
     }
     [[gnu::always_inline]] static Seen seen_at_corner(const Field& field, const Place& corner,
                                                       const PoseOf<Real>& pose) {
-        return seen_at(field, {corner[0] - (pose.lever - pose.roll)}, pose.height);
+        // The corner's own distance from the middle of the field does not wait for the pose.
+        const Real back = pose.lever - pose.roll;
+        return {{},
+                corner[0] - back,
+                pose.height,
+                field.beside((corner[0] - field.centre[0]) - back, pose.height - field.centre[1])};
     }
     [[gnu::always_inline]] Load load(const Seen& seen, Real tau, const PoseOf<Real>& pose,
                                      const Vector& velocity, Real vz, Real omega) const {

@@ -21,7 +21,8 @@
 ///   speed(y)           bound on the speed of the centre of mass
 ///   kRests             of a body that lies still: no error tells how long its steps may be
 ///   longest_step(y, rates)     of a slip in the whole plane, s
-///   rebase(y)          centres the field's expansion for the next step
+///   rebase(y)          moves the field's near centre for the next step
+///   recentre(y)        moves its far one
 ///   centre(y, pose)    the centre of mass, of a phase that packs have
 ///   angle, omega, slip_place, slip_speed(y)   what the summary watches
 ///   contact(y), slip(y)        place and velocity of what slips, to go on with
@@ -29,8 +30,8 @@
 ///   begin(body), body(tau, y)  to coordinates and back
 ///   scale()            the size of each coordinate, for the error norm
 /// They are written for any frame (frame.hpp), and the formulas, rates and what they use, for any
-/// numbers: those of a FixedFrame of a pack of robots (lane_kernel.cpp) are packs. The rest is of
-/// one robot.
+/// numbers: those of a FixedFrame of a pack of robots (run/step_kernel.cpp) are packs. The rest is
+/// of one robot.
 namespace stickslip {
 
 /// What all phases share.
@@ -150,6 +151,7 @@ public:
         return Base::centre_behind(contact_, pose);
     }
     void rebase(const State& y) { frame_.field().rebase(centre(y, dynamics().pose(y[0]))); }
+    void recentre(const State& y) { frame_.field().recentre(centre(y, dynamics().pose(y[0]))); }
     State begin(const BodyState& body) const { return {body.angle, body.omega}; }
     BodyState body(double tau, const State& y) const {
         return Base::body_on(tau, contact_, y[0], {}, y[1]);
@@ -238,6 +240,9 @@ public:
         return Base::centre_behind(contact(y), pose);
     }
     void rebase(const State& y) { frame_.field().rebase(centre(y, dynamics().pose(y[kAngle]))); }
+    void recentre(const State& y) {
+        frame_.field().recentre(centre(y, dynamics().pose(y[kAngle])));
+    }
     State begin(const BodyState& body) const {
         return gather<State>(contact_, body.angle, slide_.begin(), body.omega);
     }
@@ -292,10 +297,10 @@ private:
         Motion motion;
         const Vector way = slide_.way(seen.heading, slip(y));
         motion.slip = frame_.in_plane(seen.heading, slip(y));
-        const auto load =
-            frame_.load(seen, tau, pose,
-                        frame_.vector(motion.slip.along + omega * pose.height, motion.slip.across),
-                        omega * pose.lever, omega);
+        const auto load = frame_.load(
+            seen, tau, pose,
+            frame_.vector(fma(omega, pose.height, motion.slip.along), motion.slip.across),
+            omega * pose.lever, omega);
         const Real touch_x = frame_.moved(contact(y), seen.heading, pose.roll)[0];
         const Real coefficient = dynamics().corner_kinetic(way.along, motion.slip.size(), touch_x,
                                                            pose, omega, load, tau);
@@ -358,6 +363,7 @@ public:
         return frame_.centre(place(y), y[kZ]);
     }
     void rebase(const State& y) { frame_.field().rebase(centre(y, {})); }
+    void recentre(const State& y) { frame_.field().recentre(centre(y, {})); }
     State begin(const BodyState& body) const {
         return gather<State>(frame_.place(body.x, body.y), body.z, body.angle,
                              frame_.place(body.vx, body.vy), body.vz, body.omega);
@@ -390,8 +396,8 @@ private:
     [[gnu::always_inline]] std::array<Real, 4> gaps(const auto& y, const PoseOf<Real>& pose) const {
         const Real behind = 2.0 * robot().half_base * pose.sine;
         const Real ahead = 2.0 * robot().half_rise * pose.cosine;
-        const Real below = (y[kZ] - pose.height) + kFlightRounding * robot().radius;
-        return {below, below + behind, below + ahead, below + behind + ahead};
+        const Real below = fma(Real(kFlightRounding), robot().radius, y[kZ] - pose.height);
+        return {below, below + behind, below + ahead, below + (behind + ahead)};
     }
 };
 

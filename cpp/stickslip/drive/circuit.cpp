@@ -1,7 +1,6 @@
 #include "stickslip/drive/circuit.hpp"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -106,7 +105,10 @@ PerCoil Circuit::field_lag() const {
 }
 
 void Circuit::set_currents(const PerCoil& currents, const PerCoil& field_lag) {
-    mode_ = from_modes_.partialPivLu().solve(Eigen::Map<const Vector>(currents.data()));
+    // Those that the voltages of these currents keep up.
+    PerCoil voltages;
+    for (std::size_t k = 0; k < kCoilCount; ++k) voltages[k] = resistance_[k] * currents[k];
+    mode_ = product(to_modes_, Eigen::Map<const Vector>(voltages.data()));
     for (std::size_t k = 0; k < kCoilCount; ++k) lagging_[k] = currents[k] + field_lag[k];
 }
 

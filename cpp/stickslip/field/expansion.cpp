@@ -67,8 +67,8 @@ double on_grid(double place, double reach) {
 }
 
 // The terms of one coil about a place by differences over d, in m.
-Series<double, 2>::Terms expanded(const CoilSet& coils, Coil coil, const PlaceOf<double, 2>& place,
-                                  double d) {
+Series<double, 2>::FarTerms expanded(const CoilSet& coils, Coil coil,
+                                     const PlaceOf<double, 2>& place, double d) {
     struct Gradient {
         double xx, xz, zz;
     };
@@ -164,7 +164,10 @@ std::array<double, 6> gradient_of(const SpatialFieldValue& b) {
 template <int D>
 LocalFieldOf<D>::LocalFieldOf(const CoilSet& coils, const PerCoil& gain, const Centre& ambient)
     : coils_(&coils), reach_(reach_of(coils)), gain_(gain), ambient_(ambient) {
-    for (auto& each : further_) each.basis.fill(FurtherExponential<double, D>::kNothing);
+    for (auto& each : further_) {
+        each.basis.fill(FurtherExponential<double, D>::kNothing);
+        each.far.fill(FurtherExponential<double, D>::kNothing);
+    }
     set_workspace();
 }
 
@@ -185,7 +188,7 @@ template <int D>
 void LocalFieldOf<D>::set_gain(const PerCoil& gain) {
     gain_ = gain;
     set_workspace();
-    if (expanded_) expand(course_.centre);
+    if (expanded_) expand(far_.centre);
 }
 
 template <int D>
@@ -209,23 +212,42 @@ void LocalFieldOf<D>::begin_segment(const CurrentSegment& segment, const Centre&
     if (workspace_.holds(place)) {
         Centre centre;
         for (std::size_t i = 0; i < D; ++i) centre[i] = on_grid(place[i], reach_);
-        if (!expanded_ || centre != course_.centre) expand(centre);
+        if (!expanded_ || centre != far_.centre) expand(centre);
+        course_.centre = place;
     }
     set_segment(segment);
     rebase(place);
 }
 
 template <int D>
-void LocalFieldOf<D>::rebase(const Centre& place) {
+bool LocalFieldOf<D>::recentre(const Centre& place) {
     outside_ = !workspace_.holds(place);
-    if (outside_) return;
-    bool far = !expanded_;
-    for (std::size_t i = 0; i < D; ++i) {
-        far = far || std::abs(place[i] - course_.centre[i]) > 0.5 * reach_;
-    }
-    if (!far) return;
+    if (outside_ || (expanded_ && !is_far(place, far_.centre, 0.5 * reach_))) return false;
     expand(place);
+    course_.centre = place;
     combine();
+    return true;
+}
+
+template <int D>
+void LocalFieldOf<D>::rebase(const Centre& place) {
+    if (recentre(place) || outside_) return;
+    if (D == 2 && is_far(place, course_.centre, kNear * reach_)) approach(place);
+}
+
+template <int D>
+void LocalFieldOf<D>::approach(const Centre& place) {
+    if constexpr (D == 2) {
+        far_.move(place, course_);
+        for (std::size_t j = 1; j < static_cast<std::size_t>(segment_.exponentials); ++j) {
+            auto& each = further_[j - 1];
+            each.basis = Series<double, D>::moved(each.far, far_.distance_to(place));
+        }
+    } else {
+        course_.basis = far_.basis;
+        course_.centre = far_.centre;
+        for (auto& each : further_) each.basis = each.far;
+    }
 }
 
 template <int D>
@@ -266,14 +288,15 @@ void LocalFieldOf<D>::expand(const Centre& place) {
         if (gain_[k] == 0.0) continue;
         unit_[k] = expanded(*coils_, static_cast<Coil>(k), place, reach_ / 1.5);
     }
-    course_.centre = place;
+    far_.centre = place;
     expanded_ = true;
 }
 
 template <int D>
 void LocalFieldOf<D>::combine() {
     for (std::size_t b = 0; b < static_cast<std::size_t>(2 + segment_.exponentials); ++b) {
-        Terms sum = {};
+        FarTerms& sum = basis(b);
+        sum = {};
         PerCoil c;
         for (std::size_t k = 0; k < kCoilCount; ++k) c[k] = gain_[k] * segment_.field[b][k];
         // In space the coils of x and of y in pairs, whose sum does not see which is which.
@@ -289,9 +312,9 @@ void LocalFieldOf<D>::combine() {
                 sum[i] += part;
             }
         }
-        (b < 3 ? course_.basis[b] : further_[b - 3].basis) = sum;
     }
-    for (std::size_t i = 0; i < D; ++i) course_.basis[0][i] += ambient_[i];
+    for (std::size_t i = 0; i < D; ++i) far_.basis[0][i] += ambient_[i];
+    approach(course_.centre);
 }
 
 template <>

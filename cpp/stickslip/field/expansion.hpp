@@ -46,13 +46,18 @@ struct Series;
 
 template <class Real>
 struct Series<Real, 2> {
-    // bx bz | gxx gxz gzz | xxx xxz xzz zzz | xxxx xxxz xxzz xzzz zzzz: derivatives of the
-    // potential.
-    using Terms = std::array<Real, 14>;
+    // Derivatives of the potential, bx bz | gxx gxz gzz | xxx xxz xzz zzz: of a near centre.
+    using Terms = std::array<Real, 9>;
+    // The same, and | xxxx xxxz xxzz xzzz zzzz.
+    using FarTerms = std::array<Real, 14>;
     using Value = PlanarFieldOf<Real>;
 
     /// At a displacement from the centre.
     [[gnu::always_inline]] static Value at(const Terms& terms, Real dx, Real dz);
+    [[gnu::always_inline]] static Value at(const FarTerms& terms, Real dx, Real dz);
+    /// The terms about a near centre at a displacement from the far one.
+    [[gnu::always_inline]] static Terms moved(const FarTerms& terms,
+                                              const PlaceOf<Real, 2>& distance);
 };
 
 template <>
@@ -61,6 +66,7 @@ struct Series<double, 3> {
     // others follow from Laplace's equation: x y | z | xx xy yy | xz yz | xxx xxy xyy yyy | xxz xyz
     // yyz | xxxx xxxy xxyy xyyy yyyy | xxxz xxyz xyyz yyyz
     using Terms = std::array<double, 24>;
+    using FarTerms = Terms;
     using Value = SpatialFieldValue;
     /// Where derivatives of one order begin.
     static constexpr std::size_t kSecond = 3, kThird = 8, kFourth = 15;
@@ -81,6 +87,12 @@ struct ExpansionOf {
     template <class... Coordinates>
     [[gnu::always_inline]] auto operator()(const Coordinates&... place) const {
         return at(std::make_index_sequence<D>(), place...);
+    }
+
+    /// At a displacement from the centre, m.
+    template <class... Coordinates>
+    [[gnu::always_inline]] auto beside(const Coordinates&... displacement) const {
+        return Series<Real, D>::at(terms, displacement...);
     }
 
 private:
@@ -109,31 +121,58 @@ struct FieldSegment {
         result.centre = centre;
         result.tau = tau;
         const Real fading = exponential(-rate * tau);
-        if constexpr (std::is_same_v<Real, double>) {
-            using Pair = Pack<2>;
-            for (std::size_t i = 0; i < result.terms.size(); i += 2) {
-                store(pair(&basis[0][i]) + pair(&basis[1][i]) * Pair(tau) +
-                          pair(&basis[2][i]) * Pair(fading),
-                      &result.terms[i]);
-            }
-        } else {
-            for (std::size_t i = 0; i < result.terms.size(); ++i) {
-                result.terms[i] = basis[0][i] + basis[1][i] * tau + basis[2][i] * fading;
-            }
-        }
+        combine(basis[0], basis[1], tau, basis[2], fading, result.terms);
         return result;
     }
 };
+
+/// The same about a far centre, to one order more, from which that about a near one is made.
+template <class Real, int D = 2>
+struct FarField {
+    using Terms = typename Series<Real, D>::FarTerms;
+
+    std::array<Terms, 3> basis;
+    PlaceOf<Real, D> centre;
+
+    [[gnu::always_inline]] constexpr auto members() { return std::tie(basis, centre); }
+
+    /// Moves the near centre to a place.
+    [[gnu::always_inline]] void move(const PlaceOf<Real, D>& place,
+                                     FieldSegment<Real, D>& near) const {
+        for (std::size_t b = 0; b < basis.size(); ++b) {
+            near.basis[b] = Series<Real, D>::moved(basis[b], distance_to(place));
+        }
+        near.centre = place;
+    }
+    [[gnu::always_inline]] PlaceOf<Real, D> distance_to(const PlaceOf<Real, D>& place) const {
+        PlaceOf<Real, D> result;
+        for (std::size_t i = 0; i < D; ++i) result[i] = place[i] - centre[i];
+        return result;
+    }
+};
+
+/// Whether a coordinate of a place is more than `reach` m from that of a centre.
+template <class Real, std::size_t D>
+[[gnu::always_inline]] inline MaskOf<Real> is_far(const std::array<Real, D>& place,
+                                                  const std::array<Real, D>& centre, Real reach) {
+    MaskOf<Real> result = magnitude(place[0] - centre[0]) > reach;
+    for (std::size_t i = 1; i < D; ++i) {
+        result = result | (magnitude(place[i] - centre[i]) > reach);
+    }
+    return result;
+}
 
 /// What an exponential beside the first adds to the field of a segment.
 template <class Real, int D = 2>
 struct FurtherExponential {
     using Terms = typename ExpansionOf<Real, D>::Terms;
+    using FarTerms = typename Series<Real, D>::FarTerms;
 
     Terms basis;
-    Real rate;  ///< 1/s
+    FarTerms far;
+    Real rate;  ///< 1/s, zero where there is no such exponential
 
-    [[gnu::always_inline]] constexpr auto members() { return std::tie(basis, rate); }
+    [[gnu::always_inline]] constexpr auto members() { return std::tie(basis, far, rate); }
 
     /// Where there is no such exponential the terms are minus zero, which leaves the bits of a sum.
     static constexpr double kNothing = -0.0;
@@ -141,7 +180,7 @@ struct FurtherExponential {
     [[gnu::always_inline]] void add(Real tau, ExpansionOf<Real, D>& expansion) const {
         const Real fading = exponential(-rate * tau);
         for (std::size_t i = 0; i < basis.size(); ++i) {
-            expansion.terms[i] = expansion.terms[i] + basis[i] * fading;
+            expansion.terms[i] = fma(basis[i], fading, expansion.terms[i]);
         }
     }
 };
@@ -172,11 +211,13 @@ struct CoilField {
 
 /// The field of the driven coils near the robot and over one segment of voltage.
 ///
-/// The field derives from a potential, which is expanded to fourth order about a centre near the
-/// robot; its coefficients come from the analytic field and gradient at the centre and at points
-/// about it. Inside the reach of the centre the field is then within 1e-9 of the full sum of
-/// Eqs. (4)-(6) (cpp/tests/test_expansion.cpp), at a twentieth of its cost. Coils smaller than
-/// those of Table I have a smaller reach, in proportion; with a map it is in proportion to the map.
+/// The field derives from a potential, which is expanded to fourth order about a far centre; its
+/// coefficients come from the analytic field and gradient at the centre and at points about it.
+/// Inside the reach of the centre the field is then within 1e-9 of the full sum of Eqs. (4)-(6)
+/// (cpp/tests/test_expansion.cpp), at a twentieth of its cost. Coils smaller than those of Table I
+/// have a smaller reach, in proportion; with a map it is in proportion to the map. In the plane the
+/// terms about a near centre, which goes with the robot, follow from it to third order, and have to
+/// be computed nine at each stage of a step. In space the two centres are the same.
 ///
 /// In space, a setting that is turned by 90 degrees about z has the same bits: every sum is ordered
 /// so that x and y may change places.
@@ -208,11 +249,20 @@ public:
     /// For a coil that gets its first current.
     void set_gain(const PerCoil& gain);
 
-    /// Moves the centre to the robot where it has left half the reach.
+    /// Moves the near centre to the robot where it has gone kNear of the reach, and the far one
+    /// where it has gone half.
     void rebase(const Centre& place);
+    /// Moves both to the robot where it has gone half the reach from the far one; whether it has.
+    bool recentre(const Centre& place);
+    /// What a kernel has made of the segment: its near centre has moved (run/step_kernel.cpp).
+    void set_near(const FieldSegment<double, D>& near) { course_ = near; }
+    void set_near(std::size_t j, const FurtherExponential<double, D>& near) {
+        further_[j - 1].basis = near.basis;
+    }
     const Centre& centre() const { return course_.centre; }
     /// How far from its centre an expansion holds, m.
     double reach() const { return reach_; }
+    static constexpr double kNear = 0.01;
 
     /// Half the time constant of the fastest exponential of the segment, s.
     double min_time_constant() const { return min_time_constant_; }
@@ -234,12 +284,14 @@ public:
 
     /// The segment as the formulas see it, where no shape multiplies it: its first exponential.
     const FieldSegment<double, D>& segment() const { return course_; }
+    const FarField<double, D>& far() const { return far_; }
     /// What exponential j adds, counted from 0 and beginning with 1, where there is such a one.
     const FurtherExponential<double, D>& further(std::size_t j) const { return further_[j - 1]; }
 
 private:
     using Expansion = ExpansionOf<double, D>;
     using Terms = typename Expansion::Terms;
+    using FarTerms = typename Series<double, D>::FarTerms;
 
     [[gnu::always_inline]] Expansion sum_at(double tau) const {
         Expansion result = course_.at(tau);
@@ -251,16 +303,19 @@ private:
     }
     void set_workspace();
     void expand(const Centre& place);
+    // Moves the near centre there.
+    void approach(const Centre& place);
     void combine();
     void multiply(double tau, Expansion& expansion) const;
-    /// Of terms about the centre, at a place.
-    auto value(const Terms& terms, const Centre& place) const {
-        const Expansion expansion = {terms, course_.centre, 0.0};
-        return std::apply(expansion, place);
+    /// Of terms about the far centre, at a place.
+    auto value(const FarTerms& terms, const Centre& place) const {
+        return std::apply([&](auto... d) { return Series<double, D>::at(terms, d...); },
+                          far_.distance_to(place));
     }
     /// Of a function of the currents.
-    const Terms& basis(std::size_t b) const {
-        return b < 3 ? course_.basis[b] : further_[b - 3].basis;
+    FarTerms& basis(std::size_t b) { return b < 3 ? far_.basis[b] : further_[b - 3].far; }
+    const FarTerms& basis(std::size_t b) const {
+        return b < 3 ? far_.basis[b] : further_[b - 3].far;
     }
 
     const CoilSet* coils_;
@@ -273,7 +328,8 @@ private:
     CurrentSegment segment_;
     bool expanded_ = false;
     bool outside_ = false;
-    std::array<Terms, kCoilCount> unit_ = {};  // per ampere of each coil
+    std::array<FarTerms, kCoilCount> unit_ = {};  // per ampere of each coil
+    FarField<double, D> far_ = {};
     FieldSegment<double, D> course_ = {};
     // Of the second exponential and those after it.
     std::array<FurtherExponential<double, D>, kMaxExponentials - 1> further_ = {};
@@ -286,34 +342,49 @@ template <>
 SpatialExpansion LocalFieldOf<3>::at(double tau) const;
 
 template <class Real>
-inline PlanarFieldOf<Real> Series<Real, 2>::at(const Terms& terms, Real dx, Real dz) {
-    const Real xx = 0.5 * (dx * dx), xz = dx * dz, zz = 0.5 * (dz * dz);
-    constexpr double third = 1.0 / 3.0;
-    const Real xxx = third * dx * xx, xxz = dz * xx, xzz = dx * zz, zzz = third * dz * zz;
-    // Sums in pairs: what counts is the longest chain of dependent operations. Those of B_z and of
-    // dB_x/dz are those of B_x and dB_x/dx with each term's neighbour.
-    const auto field_of = [&](auto c, auto first) __attribute__((always_inline)) {
-        return ((first + c(2) * dx) + (c(3) * dz + c(5) * xx)) +
-               ((c(6) * xz + c(7) * zz) +
-                ((c(9) * xxx + c(10) * xxz) + (c(11) * xzz + c(12) * zzz)));
+inline PlanarFieldOf<Real> Series<Real, 2>::at(const Terms& t, Real dx, Real dz) {
+    // The gradient there, and half way, which is its mean on the way. The displacement is known
+    // last.
+    const auto gradient = [&](std::size_t i, Real x, Real z) __attribute__((always_inline)) {
+        return fma(z, dz, fma(x, dx, t[i]));
     };
-    const auto gradient_of = [&](auto c) __attribute__((always_inline)) {
-        return (c(2) + (c(5) * dx + c(6) * dz)) + (c(9) * xx + (c(10) * xz + c(11) * zz));
+    const Real xxx = 0.5 * t[5], xxz = 0.5 * t[6], xzz = 0.5 * t[7], zzz = 0.5 * t[8];
+    const Real xx = gradient(2, xxx, xxz), xz = gradient(3, xxz, xzz), zz = gradient(4, xzz, zzz);
+    return {fma(xx, dx, fma(xz, dz, t[0])), fma(xz, dx, fma(zz, dz, t[1])), gradient(2, t[5], t[6]),
+            gradient(3, t[6], t[7]), gradient(4, t[7], t[8])};
+}
+
+template <class Real>
+inline typename Series<Real, 2>::Terms Series<Real, 2>::moved(const FarTerms& t,
+                                                              const PlaceOf<Real, 2>& distance) {
+    const Real dx = distance[0], dz = distance[1], half_x = 0.5 * dx, half_z = 0.5 * dz;
+    const auto plus =
+        [](Real first, Real xs, Real x, Real zs, Real z) __attribute__((always_inline)) {
+        return fma(zs, z, fma(xs, x, first));
     };
-    const Real zz_gradient = (terms[4] + (terms[7] * dx + terms[8] * dz)) +
-                             (terms[11] * xx + (terms[12] * xz + terms[13] * zz));
-    if constexpr (std::is_same_v<Real, double>) {
-        const auto both = [&](std::size_t i) __attribute__((always_inline)) {
-            return pair(&terms[i]);
-        };
-        const Pack<2> field = field_of(both, both(0)), gradient = gradient_of(both);
-        return {field.v[0], field.v[1], gradient.v[0], gradient.v[1], zz_gradient};
-    } else {
-        const auto x_part = [&](std::size_t i) { return terms[i]; };
-        const auto z_part = [&](std::size_t i) { return terms[i + 1]; };
-        return {field_of(x_part, terms[0]), field_of(z_part, terms[1]), gradient_of(x_part),
-                gradient_of(z_part), zz_gradient};
+    // With the fourth derivatives Q, the third ones T, the gradient G and the field B they are
+    // T + Q d, G + (T + Q d / 2) d and B + (G + (T + Q d / 3) d / 2) d.
+    Terms result;
+    std::array<Real, 4> for_gradient, for_field;
+    for (std::size_t i = 0; i < 4; ++i) {
+        const Real change = fma(t[10 + i], dz, t[9 + i] * dx);
+        result[5 + i] = t[5 + i] + change;
+        for_gradient[i] = fma(Real(0.5), change, t[5 + i]);
+        for_field[i] = fma(Real(1.0 / 3.0), change, t[5 + i]);
     }
+    std::array<Real, 3> mean;
+    for (std::size_t i = 0; i < 3; ++i) {
+        result[2 + i] = plus(t[2 + i], for_gradient[i], dx, for_gradient[i + 1], dz);
+        mean[i] = plus(t[2 + i], for_field[i], half_x, for_field[i + 1], half_z);
+    }
+    for (std::size_t i = 0; i < 2; ++i) result[i] = plus(t[i], mean[i], dx, mean[i + 1], dz);
+    return result;
+}
+
+template <class Real>
+inline PlanarFieldOf<Real> Series<Real, 2>::at(const FarTerms& t, Real dx, Real dz) {
+    const Terms there = moved(t, {dx, dz});
+    return {there[0], there[1], there[2], there[3], there[4]};
 }
 
 /// The derivative of order N of the potential contracted with a displacement: one of order N - 1,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "stickslip/numbers/pack.hpp"
@@ -19,17 +20,19 @@ template <class Real>
 [[gnu::always_inline]] inline Real exponential(Real a) {
     constexpr double kLeast = -708.0;  // of a result that is a normal number
     const Real x = greater(a, Real(kLeast));
-    const Real shifted = x * 1.4426950408889634 + kRound;
+    const Real shifted = fma(x, Real(1.4426950408889634), Real(kRound));
     const Real twos = shifted - kRound;
-    const Real r = (x - twos * kLn2High) - twos * kLn2Low;
+    const Real r = fnma(twos, Real(kLn2Low), fnma(twos, Real(kLn2High), x));
     // Taylor's series: |r| <= 0.347, and the next term is below 5e-18.
     const Real rr = r * r, rrrr = rr * rr;
-    const Real low = (1.0 + r) + rr * (1.0 / 2 + r * (1.0 / 6));
-    const Real middle = (1.0 / 24 + r * (1.0 / 120)) + rr * (1.0 / 720 + r * (1.0 / 5040));
-    const Real high =
-        (1.0 / 40320 + r * (1.0 / 362880)) + rr * (1.0 / 3628800 + r * (1.0 / 39916800));
-    const Real highest = 1.0 / 479001600 + r * (1.0 / 6227020800);
-    const Real p = low + rrrr * (middle + rrrr * (high + rrrr * highest));
+    const auto pair = [r](double c0, double c1) __attribute__((always_inline)) {
+        return fma(r, Real(c1), Real(c0));
+    };
+    const Real low = fma(rr, pair(1.0 / 2, 1.0 / 6), 1.0 + r);
+    const Real middle = fma(rr, pair(1.0 / 720, 1.0 / 5040), pair(1.0 / 24, 1.0 / 120));
+    const Real high = fma(rr, pair(1.0 / 3628800, 1.0 / 39916800), pair(1.0 / 40320, 1.0 / 362880));
+    const Real highest = pair(1.0 / 479001600, 1.0 / 6227020800);
+    const Real p = fma(rrrr, fma(rrrr, fma(rrrr, highest, high), middle), low);
     return from_bits<Real>(to_bits(p) + (to_bits(shifted) << 52));
 }
 
@@ -48,11 +51,14 @@ template <class Real>
     // ln m = 2 artanh s; Taylor's series: |s| <= 0.172, and the next term is below 1e-18.
     const Real s = (m - 1.0) / (m + 1.0);
     const Real z = s * s, zz = z * z, zzzz = zz * zz;
-    const Real low = (1.0 + z * (1.0 / 3)) + zz * (1.0 / 5 + z * (1.0 / 7));
-    const Real middle = (1.0 / 9 + z * (1.0 / 11)) + zz * (1.0 / 13 + z * (1.0 / 15));
-    const Real high = (1.0 / 17 + z * (1.0 / 19)) + zz * (1.0 / 21);
-    const Real artanh = s * (low + zzzz * (middle + zzzz * high));
-    return twos * kLn2High + (twos * kLn2Low + 2.0 * artanh);
+    const auto pair = [z](double c0, double c1) __attribute__((always_inline)) {
+        return fma(z, Real(c1), Real(c0));
+    };
+    const Real low = fma(zz, pair(1.0 / 5, 1.0 / 7), pair(1.0, 1.0 / 3));
+    const Real middle = fma(zz, pair(1.0 / 13, 1.0 / 15), pair(1.0 / 9, 1.0 / 11));
+    const Real high = fma(zz, Real(1.0 / 21), pair(1.0 / 17, 1.0 / 19));
+    const Real artanh = s * fma(zzzz, fma(zzzz, high, middle), low);
+    return fma(twos, Real(kLn2High), fma(twos, Real(kLn2Low), 2.0 * artanh));
 }
 
 /// sin(a), within 5e-16 for |a| < 3e6 and within the rounding of a beyond.
@@ -61,17 +67,21 @@ template <class Real>
     // pi in three parts, of which a multiple by less than 2^20 of the first two is exact.
     constexpr double kPiHigh = 3.14159265346825122833e+00, kPiMiddle = 1.21542010126079319532e-10,
                      kPiLow = 4.04453249742233291160e-21;
-    const Real shifted = a * 0.3183098861837907 + kRound;
+    const Real shifted = fma(a, Real(0.3183098861837907), Real(kRound));
     const Real halves = shifted - kRound;
-    const Real r = ((a - halves * kPiHigh) - halves * kPiMiddle) - halves * kPiLow;
+    const Real r =
+        fnma(halves, Real(kPiLow), fnma(halves, Real(kPiMiddle), fnma(halves, Real(kPiHigh), a)));
     // Taylor's series: |r| <= pi/2, and the next term is below 2e-18.
     const Real z = r * r, zz = z * z, zzzz = zz * zz;
-    const Real low = (1.0 - z * (1.0 / 6)) + zz * (1.0 / 120 - z * (1.0 / 5040));
+    const auto pair = [z](double c0, double c1) __attribute__((always_inline)) {
+        return fnma(z, Real(c1), Real(c0));
+    };
+    const Real low = fma(zz, pair(1.0 / 120, 1.0 / 5040), pair(1.0, 1.0 / 6));
     const Real middle =
-        (1.0 / 362880 - z * (1.0 / 39916800)) + zz * (1.0 / 6227020800 - z * (1.0 / 1307674368000));
-    const Real high = (1.0 / 355687428096000 - z * (1.0 / 121645100408832000.0)) +
-                      zz * (1.0 / 51090942171709440000.0);
-    const Real result = r * (low + zzzz * (middle + zzzz * high));
+        fma(zz, pair(1.0 / 6227020800, 1.0 / 1307674368000), pair(1.0 / 362880, 1.0 / 39916800));
+    const Real high = fma(zz, Real(1.0 / 51090942171709440000.0),
+                          pair(1.0 / 355687428096000, 1.0 / 121645100408832000.0));
+    const Real result = r * fma(zzzz, fma(zzzz, high, middle), low);
     // Half a turn more changes the sign.
     return from_bits<Real>(to_bits(result) ^ (to_bits(shifted) << 63));
 }
@@ -110,8 +120,10 @@ template <class Real>
                                 -7.558810571848394e-13};
     const Real z = a * a, zz = z * z, zzzz = zz * zz;
     const auto sum = [&](const auto& k) __attribute__((always_inline)) {
-        return ((k[0] + z * k[1]) + zz * (k[2] + z * k[3])) +
-               zzzz * ((k[4] + z * k[5]) + zz * (k[6] + z * k[7]));
+        const auto pair = [&](std::size_t i) __attribute__((always_inline)) {
+            return fma(z, Real(k[i + 1]), Real(k[i]));
+        };
+        return fma(zzzz, fma(zz, pair(6), pair(4)), fma(zz, pair(2), pair(0)));
     };
     CosineAndSine<Real> result = {sum(kCosine), a * sum(kSine)};
     const auto far = !(z < kRange);
@@ -138,7 +150,7 @@ template <class Real>
 [[gnu::always_inline]] inline Real rough_exp2(Real a) {
     const Real shifted = a + kRound;
     const Real f = a - (shifted - kRound);
-    const Real p = (1.0 + f * 0.69314718) + f * f * 0.24022651;
+    const Real p = fma(f * f, Real(0.24022651), fma(f, Real(0.69314718), Real(1.0)));
     return from_bits<Real>(to_bits(p) + (to_bits(shifted) << 52));
 }
 

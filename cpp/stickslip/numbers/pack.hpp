@@ -16,11 +16,20 @@
 
 /// Numbers that the formulas of a step are written in: a double, or a pack of doubles of which each
 /// belongs to another run. Every operation on a pack is the IEEE operation on each of its members,
-/// so that a run has the same bits in a pack as alone.
+/// so that a run has the same bits in a pack of any width.
 namespace stickslip {
+
+/// Processors that the steps of runs are compiled for (run/step_kernel.cpp). Packs carry theirs in
+/// their type: what is compiled for one never stands in for what is compiled for another.
+enum class Processor { baseline, x86_64_v3, x86_64_v4 };
 
 template <int N>
 struct Registers;
+template <>
+struct Registers<1> {
+    using Vector = double;
+    using Bits = std::int64_t;
+};
 template <>
 struct Registers<2> {
     using Vector [[gnu::vector_size(16)]] = double;
@@ -38,26 +47,27 @@ struct Registers<8> {
 };
 
 /// N doubles in one register (N a power of two that the machine's registers hold).
-template <int N>
+template <int N, Processor P = Processor::baseline>
 struct Pack {
     static constexpr int kSize = N;
     using Vector = typename Registers<N>::Vector;
     using Bits = typename Registers<N>::Bits;
     /// All bits set where a condition holds.
-    struct Mask {
+    struct BitMask {
         static constexpr int kSize = N;
         Bits bits;
 
-        friend Mask operator&(Mask a, Mask b) { return {a.bits & b.bits}; }
-        friend Mask operator|(Mask a, Mask b) { return {a.bits | b.bits}; }
-        friend Mask operator!(Mask a) { return {~a.bits}; }
+        friend BitMask operator&(BitMask a, BitMask b) { return {a.bits & b.bits}; }
+        friend BitMask operator|(BitMask a, BitMask b) { return {a.bits | b.bits}; }
+        friend BitMask operator!(BitMask a) { return {~a.bits}; }
     };
+    using Mask = std::conditional_t<N == 1, bool, BitMask>;
 
     Vector v;
 
     Pack() = default;
     Pack(Vector vector) : v(vector) {}
-    Pack(double value) : v(value - Vector{}) {}
+    Pack(double value) requires(N > 1) : v(value - Vector{}) {}
 
     friend Pack operator+(Pack a, Pack b) { return a.v + b.v; }
     friend Pack operator-(Pack a, Pack b) { return a.v - b.v; }
@@ -76,32 +86,66 @@ struct Pack {
     friend Mask operator>(Pack a, Pack b) { return {a.v > b.v}; }
     friend Mask operator<=(Pack a, Pack b) { return {a.v <= b.v}; }
     friend Mask operator>=(Pack a, Pack b) { return {a.v >= b.v}; }
+
+    /// a b + c, rounded once where the processor can do so, else as written; see `fma(double ...)`.
+    friend Pack fma(Pack a, Pack b, Pack c) { return fused<false>(a, b, c); }
+    /// c - a b, likewise.
+    friend Pack fnma(Pack a, Pack b, Pack c) { return fused<true>(a, b, c); }
+
+private:
+    template <bool kNegative>
+    [[gnu::always_inline]] static Pack fused(Pack a, Pack b, Pack c) {
+        if constexpr (P == Processor::baseline) {
+            return kNegative ? c - a * b : a * b + c;
+#if defined(__FMA__)
+        } else if constexpr (N == 1) {
+            return Pack(__builtin_fma(kNegative ? -a.v : a.v, b.v, c.v));
+        } else if constexpr (N == 2) {
+            return Pack(std::bit_cast<Vector>(kNegative ? _mm_fnmadd_pd(a.v, b.v, c.v)
+                                                        : _mm_fmadd_pd(a.v, b.v, c.v)));
+        } else if constexpr (N == 4) {
+            return Pack(std::bit_cast<Vector>(kNegative ? _mm256_fnmadd_pd(a.v, b.v, c.v)
+                                                        : _mm256_fmadd_pd(a.v, b.v, c.v)));
+#endif
+#if defined(__AVX512F__)
+        } else if constexpr (N == 8) {
+            return Pack(std::bit_cast<Vector>(kNegative ? _mm512_fnmadd_pd(a.v, b.v, c.v)
+                                                        : _mm512_fmadd_pd(a.v, b.v, c.v)));
+#endif
+        }
+    }
 };
 
-/// Two neighbours in memory, for the pairs of one run.
-[[gnu::always_inline]] inline Pack<2> pair(const double* from) {
-    Pack<2> result;
-    std::memcpy(&result.v, from, sizeof result.v);
-    return result;
+/// a b + c in one operation: packs that are compiled for a processor with fused multiply-add round
+/// it once. A double, whose formulas run on every processor, is rounded twice.
+inline double fma(double a, double b, double c) {
+    return a * b + c;
 }
-[[gnu::always_inline]] inline void store(Pack<2> numbers, double* to) {
-    std::memcpy(to, &numbers.v, sizeof numbers.v);
+/// c - a b, likewise.
+inline double fnma(double a, double b, double c) {
+    return c - a * b;
 }
 
 template <class Real>
 struct MaskType {
     using Type = bool;
 };
-template <int N>
-struct MaskType<Pack<N>> {
-    using Type = typename Pack<N>::Mask;
+template <int N, Processor P>
+struct MaskType<Pack<N, P>> {
+    using Type = typename Pack<N, P>::Mask;
 };
 /// The outcome of a comparison.
 template <class Real>
 using MaskOf = typename MaskType<Real>::Type;
+/// Whether it is of one run.
+template <class Real>
+inline constexpr bool kIsOne = std::is_same_v<MaskOf<Real>, bool>;
 
 inline bool any(bool mask) {
     return mask;
+}
+inline unsigned members(bool mask) {
+    return mask ? 1u : 0u;
 }
 /// Bit i set where the condition holds for member i.
 template <class Mask, int N = Mask::kSize>
@@ -127,10 +171,14 @@ template <class Mask, int N = Mask::kSize>
 inline double select(bool where, double yes, double no) {
     return where ? yes : no;
 }
-template <int N>
-[[gnu::always_inline]] inline Pack<N> select(typename Pack<N>::Mask where, Pack<N> yes,
-                                             Pack<N> no) {
-    return Pack<N>(where.bits ? yes.v : no.v);
+template <int N, Processor P>
+[[gnu::always_inline]] inline Pack<N, P> select(typename Pack<N, P>::Mask where, Pack<N, P> yes,
+                                                Pack<N, P> no) {
+    if constexpr (N == 1) {
+        return where ? yes : no;
+    } else {
+        return Pack<N, P>(where.bits ? yes.v : no.v);
+    }
 }
 
 /// Calls `visit` with each number of a struct of numbers, or with those of several that are alike,
@@ -168,7 +216,7 @@ inline constexpr bool kListsAll = [] {
 /// `target` becomes `source` where `where` holds; both are numbers of the type Real throughout.
 template <class Real, class Numbers>
 [[gnu::always_inline]] inline void blend(MaskOf<Real> where, Numbers& target, Numbers& source) {
-    if constexpr (std::is_same_v<Real, double>) {
+    if constexpr (kIsOne<Real>) {
         if (where) target = source;
     } else {
         const auto choose = [&](Real & to, const Real& from) __attribute__((always_inline)) {
@@ -191,42 +239,86 @@ template <class Real>
 inline double magnitude(double a) {
     return std::abs(a);
 }
-template <int N>
-[[gnu::always_inline]] inline Pack<N> magnitude(Pack<N> a) {
-    using Bits = typename Pack<N>::Bits;
-    const Bits sign = Bits{} + INT64_MIN;
-    return Pack<N>(std::bit_cast<typename Pack<N>::Vector>(std::bit_cast<Bits>(a.v) & ~sign));
+template <int N, Processor P>
+[[gnu::always_inline]] inline Pack<N, P> magnitude(Pack<N, P> a) {
+    using Bits = typename Pack<N, P>::Bits;
+    if constexpr (N == 1) {
+        return Pack<N, P>(std::abs(a.v));
+    } else {
+        const Bits sign = Bits{} + INT64_MIN;
+        return Pack<N, P>(
+            std::bit_cast<typename Pack<N, P>::Vector>(std::bit_cast<Bits>(a.v) & ~sign));
+    }
 }
 
 /// The square root, which IEEE 754 rounds as it does a sum.
 inline double root(double a) {
     return std::sqrt(a);
 }
-template <int N>
-[[gnu::always_inline]] inline Pack<N> root(Pack<N> a) {
+template <int N, Processor P>
+[[gnu::always_inline]] inline Pack<N, P> root(Pack<N, P> a) {
+    if constexpr (N == 1) return Pack<N, P>(std::sqrt(a.v));
 #if defined(__AVX2__)
     if constexpr (N == 4) {
-        return Pack<N>(std::bit_cast<typename Pack<N>::Vector>(_mm256_sqrt_pd(a.v)));
+        return Pack<N, P>(std::bit_cast<typename Pack<N, P>::Vector>(_mm256_sqrt_pd(a.v)));
     }
 #endif
 #if defined(__AVX512F__)
     if constexpr (N == 8) {
         // With all members: the form without a mask has a warning of uninitialized numbers.
-        return Pack<N>(std::bit_cast<typename Pack<N>::Vector>(_mm512_maskz_sqrt_pd(0xff, a.v)));
+        return Pack<N, P>(
+            std::bit_cast<typename Pack<N, P>::Vector>(_mm512_maskz_sqrt_pd(0xff, a.v)));
     }
 #endif
-    Pack<N> result;
-    for (int i = 0; i < N; ++i) result.v[i] = std::sqrt(a.v[i]);
-    return result;
+    if constexpr (N > 1) {
+        Pack<N, P> result;
+        for (int i = 0; i < N; ++i) result.v[i] = std::sqrt(a.v[i]);
+        return result;
+    }
+}
+
+/// Numbers of one run that stand side by side, as many as are quickest.
+template <class Real>
+struct SideBySide {
+    using Type = Pack<2>;
+};
+template <Processor P>
+struct SideBySide<Pack<1, P>> {
+    using Type = Pack<P == Processor::baseline ? 2 : 4, P>;
+};
+
+/// a + b x + c y of arrays of numbers.
+template <class Real, std::size_t N>
+[[gnu::always_inline]] inline void combine(const std::array<Real, N>& a,
+                                           const std::array<Real, N>& b, Real x,
+                                           const std::array<Real, N>& c, Real y,
+                                           std::array<Real, N>& result) {
+    std::size_t i = 0;
+    if constexpr (kIsOne<Real>) {
+        using Some = typename SideBySide<Real>::Type;
+        const auto at = [](const Real& from) __attribute__((always_inline)) {
+            Some numbers;
+            std::memcpy(&numbers.v, &from, sizeof numbers.v);
+            return numbers;
+        };
+        const auto all = [](Real of) __attribute__((always_inline)) {
+            return Some(std::bit_cast<double>(of));
+        };
+        for (; i + Some::kSize <= N; i += Some::kSize) {
+            const Some sum = fma(at(c[i]), all(y), fma(at(b[i]), all(x), at(a[i])));
+            std::memcpy(&result[i], &sum.v, sizeof sum.v);
+        }
+    }
+    for (; i < N; ++i) result[i] = fma(c[i], y, fma(b[i], x, a[i]));
 }
 
 /// Bits of numbers as integers of the same size, and back.
 inline std::int64_t to_bits(double a) {
     return std::bit_cast<std::int64_t>(a);
 }
-template <int N>
-[[gnu::always_inline]] inline typename Pack<N>::Bits to_bits(Pack<N> a) {
-    return std::bit_cast<typename Pack<N>::Bits>(a.v);
+template <int N, Processor P>
+[[gnu::always_inline]] inline typename Pack<N, P>::Bits to_bits(Pack<N, P> a) {
+    return std::bit_cast<typename Pack<N, P>::Bits>(a.v);
 }
 
 template <class Real, class Bits>

@@ -34,6 +34,8 @@ Run::Run(const Scenario& scenario, RunControl* control, std::optional<StopCondit
         throw std::invalid_argument(stickslip::message(result_));
 #endif
     }
+    fits_kernels_ = is_tsit5() && !player_.in_whole_plane() && player_.model().is_smooth() &&
+                    player_.circuit().exponentials() <= kMostPackedExponentials;
     result_.most_steps = scenario.solver.max_steps;
     result_.map = scenario.map;
     result_.swing_rate = player_.options().swing_rate;
@@ -109,8 +111,37 @@ void Run::begin() {
     after_event();
 }
 
+template <class Phase, bool kEffects>
+void Run::play_in_kernel(Phase& phase, const StepKernel<Phase, kEffects>& kernel) {
+    StepNumbers<Phase, kEffects> numbers;
+    enter(phase, numbers);
+    while (true) {
+        if (tsit5_.is_stopped()) {
+            // A record may have seen it already.
+            if (numbers.done > 0.0) numbers.progress.commit(phase, true, false);
+            const auto end = tsit5_.leave(phase, numbers.progress, Status::interrupted);
+            end_phase(phase, end, tsit5_.counts().accepted);
+            return;
+        }
+        const StepRound round = kernel.run(numbers);
+        if (round.flagged == 0) continue;
+        const Attempt found = finish(phase, numbers, round.to_end != 0);
+        if (found == Attempt::segment || found == Attempt::phase) return;
+    }
+}
+
 void Run::play_phase() {
     player_.with_phase([this](auto phase) {
+        if constexpr (requires { kernels_->plain.of(phase); }) {
+            if (fits_kernels_) {
+                if (is_plain()) {
+                    play_in_kernel(phase, kernels_->plain.of(phase));
+                } else {
+                    play_in_kernel(phase, kernels_->extended.of(phase));
+                }
+                return;
+            }
+        }
         const auto advance = [&](auto& method) {
             const auto end =
                 method.advance(phase, player_.memory(), player_.tau(), player_.segment().duration,

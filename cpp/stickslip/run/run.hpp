@@ -11,6 +11,7 @@
 #include "stickslip/run/player.hpp"
 #include "stickslip/run/recording.hpp"
 #include "stickslip/run/simulation.hpp"
+#include "stickslip/run/step_numbers.hpp"
 #include "stickslip/solver/event_location.hpp"
 #include "stickslip/solver/tsit5.hpp"
 #ifdef STICKSLIP_WITH_ARKODE
@@ -56,26 +57,26 @@ public:
     /// Integrates that phase up to its end, or that of the segment of voltage.
     void play_phase();
     Player& player() { return player_; }
-    Tsit5& tsit5() { return tsit5_; }
-    double next_look() const { return measurement_.next_look(); }
-    /// What is called for each step of a phase, see StepLoop::advance.
-    template <class Phase>
-    auto observer(Phase& phase);
-    /// Goes on from where a phase has ended, after so many steps of the run.
-    template <class Phase>
-    void end_phase(Phase& phase, const PhaseEnd<Phase>& end, std::int64_t steps_taken);
+    /// What the steps of the phase begin with.
+    template <class Phase, bool kEffects>
+    void enter(Phase& phase, StepNumbers<Phase, kEffects>& numbers);
+    /// What an attempt comes to. With a `far_step` the field's far centre has moved; after a
+    /// segment of voltage the phase goes on.
+    enum class Attempt { step, far_step, segment, phase };
+    /// Accepts an attempt or not, looks for events, and says in the numbers how to go on.
+    template <class Phase, bool kEffects>
+    Attempt finish(Phase& phase, StepNumbers<Phase, kEffects>& numbers, bool to_end);
     /// Ends the run where it is.
     void give_up(Status status) {
         result_.status = status;
         end_here();
     }
-    /// Whether packs can have it: no effect but smooth ones, and nothing to look for within the
-    /// steps.
-    bool fits_packs() const {
-        return is_tsit5() && !player_.in_whole_plane() && player_.model().is_smooth() &&
-               player_.circuit().exponentials() <= kMostPackedExponentials &&
-               !recorder_.on_grid() && !stop_;
-    }
+    /// Whether kernels make its steps: no effect but smooth ones.
+    bool fits_kernels() const { return fits_kernels_; }
+    /// Whether packs can have it: nothing to look for within the steps.
+    bool fits_packs() const { return fits_kernels() && !recorder_.on_grid() && !stop_; }
+    /// By which its steps are made from now on.
+    void set_kernels(const StepKernels& kernels) { kernels_ = &kernels; }
     /// Whether its phases have no named effect.
     bool is_plain() const {
         return player_.dynamics().is_plain() && player_.circuit().exponentials() == 1;
@@ -89,6 +90,20 @@ private:
         return true;
 #endif
     }
+    // What is called for each step of a phase, see StepLoop::advance.
+    template <class Phase>
+    auto observer(Phase& phase);
+    // Goes on from where a phase has ended, after so many steps of the run.
+    template <class Phase>
+    void end_phase(Phase& phase, const PhaseEnd<Phase>& end, std::int64_t steps_taken);
+    template <class Phase, bool kEffects>
+    void play_in_kernel(Phase& phase, const StepKernel<Phase, kEffects>& kernel);
+    // From when on (s, in the segment) steps have to be looked at.
+    double next_look() const;
+    template <class Phase, bool kEffects>
+    void set_around(StepNumbers<Phase, kEffects>& numbers) const;
+    template <class Phase, bool kEffects>
+    void set_memory(StepNumbers<Phase, kEffects>& numbers);
     bool next_segment();
     // Of a run that ends within a segment.
     void end_here();
@@ -114,6 +129,8 @@ private:
     Measurement measurement_;
     Recorder recorder_;
     Tsit5 tsit5_;
+    const StepKernels* kernels_ = &step_kernels();
+    bool fits_kernels_;
 #ifdef STICKSLIP_WITH_ARKODE
     std::optional<Arkode> arkode_;  // where solver.method asks for it
 #endif
@@ -177,6 +194,75 @@ double Run::find_stop(auto& phase, const auto& step, double s) const {
                         phase.body(tau, at == 0.0 ? step.first : step.dense(at)));
     });
     return hit ? hit.s * s : kGoesOn;
+}
+
+inline double Run::next_look() const {
+    if (stop_) return 0.0;
+    const double sample = recorder_.next_time() - player_.segment().start;
+    // Either side of the difference is rounded.
+    return std::min(measurement_.next_look(), sample - 1e-9 * std::abs(sample));
+}
+
+template <class Phase, bool kEffects>
+void Run::enter(Phase& phase, StepNumbers<Phase, kEffects>& numbers) {
+    tsit5_.begin(phase, player_.memory(), player_.tau(), player_.segment().duration,
+                 phase.begin(player_.body()), numbers.progress);
+    numbers.progress.look = next_look();
+    numbers.robot = player_.dynamics().robot();
+    set_around(numbers);
+    numbers.contact_x = phase.contact(numbers.progress.step.first)[0];
+    numbers.slip = player_.state().mode.slip;
+    numbers.workspace = player_.dynamics().field().workspace();
+    numbers.done = 0.0;
+    set_memory(numbers);
+}
+
+template <class Phase, bool kEffects>
+void Run::set_around(StepNumbers<Phase, kEffects>& numbers) const {
+    const LocalField& field = player_.dynamics().field();
+    numbers.far = field.far();
+    numbers.field = field.segment();
+    if constexpr (kEffects) {
+        numbers.named = {{field.further(1), field.further(2)}, player_.dynamics().smooth_effects()};
+    }
+}
+
+template <class Phase, bool kEffects>
+void Run::set_memory(StepNumbers<Phase, kEffects>& numbers) {
+    const PhaseMemory& memory = player_.memory();
+    for (std::size_t i = 0; i < Phase::kEvents; ++i) {
+        numbers.unarmed[i] = memory.armed[i] ? 0.0 : 1.0;
+    }
+    numbers.stalled = memory.stalled ? 1.0 : 0.0;
+}
+
+template <class Phase, bool kEffects>
+Run::Attempt Run::finish(Phase& phase, StepNumbers<Phase, kEffects>& numbers, bool to_end) {
+    PhaseMemory& memory = player_.memory();
+    for (std::size_t i = 0; i < Phase::kEvents; ++i) memory.armed[i] = numbers.unarmed[i] == 0.0;
+    LocalField& field = player_.dynamics().field();
+    if (field.centre() != numbers.field.centre) {
+        field.set_near(numbers.field);
+        if constexpr (kEffects) {
+            field.set_near(1, numbers.named.further[0]);
+            field.set_near(2, numbers.named.further[1]);
+        }
+    }
+    const auto far = field.far().centre;
+    PhaseEnd<Phase> end;
+    const Tsit5::Finish found =
+        tsit5_.finish(phase, memory, numbers.progress, to_end, observer(phase), end);
+    if (found == Tsit5::Finish::phase) {
+        const bool goes_on = end.status == Status::ok && end.event == Event::none;
+        end_phase(phase, end, tsit5_.counts().accepted);
+        return goes_on ? Attempt::segment : Attempt::phase;
+    }
+    numbers.done = found == Tsit5::Finish::accepted ? 1.0 : 0.0;
+    numbers.progress.look = next_look();
+    set_memory(numbers);
+    if (field.far().centre == far) return Attempt::step;
+    set_around(numbers);
+    return Attempt::far_step;
 }
 
 template <class Phase>

@@ -37,11 +37,11 @@ struct EventSamples {
 
     [[gnu::always_inline]] Real start_slope(std::size_t i) const {
         constexpr auto w = slope_weights(0.0, 0.0, kEarly, kLate);
-        return w[0] * start[i] + w[1] * early[i] + w[2] * late[i];
+        return fma(Real(w[2]), late[i], fma(Real(w[1]), early[i], w[0] * start[i]));
     }
     [[gnu::always_inline]] Real end_slope(std::size_t i) const {
         constexpr auto w = slope_weights(1.0, kEarly, kLate, 1.0);
-        return w[0] * early[i] + w[1] * late[i] + w[2] * end[i];
+        return fma(Real(w[2]), end[i], fma(Real(w[1]), late[i], w[0] * early[i]));
     }
 
     /// Where the tangents at the ends, of these two slopes, have the same value.
@@ -63,7 +63,7 @@ struct EventSamples {
         if (!any(turns)) return (lowest[i] < 0.0) | drops;
         const Real meet = tangents_meet(i, falling, rising);
         const auto below =
-            (start[i] + falling * meet < 0.0) | (end[i] - rising * (1.0 - meet) < 0.0);
+            (fma(falling, meet, start[i]) < 0.0) | (fnma(rising, 1.0 - meet, end[i]) < 0.0);
         return (lowest[i] < 0.0) | drops | (turns & below);
     }
 

@@ -38,50 +38,65 @@ public:
     template <class Phase, class Observer>
     PhaseEnd<Phase> advance(Phase& phase, PhaseMemory& memory, double tau, double tau_end,
                             const typename Phase::State& y, Observer&& observe) {
-        Progress<Phase> progress = begin(phase, memory, tau, tau_end, y);
+        Progress<Phase> progress;
+        begin(phase, memory, tau, tau_end, y, progress);
         PhaseEnd<Phase> end;
-        do {
-            if (options_.stop && options_.stop->load(std::memory_order_relaxed)) {
-                return leave(phase, progress, Status::interrupted);
-            }
-        } while (!finish(phase, memory, progress, progress.attempt(phase), observe, end));
-        return end;
+        while (true) {
+            if (is_stopped()) return leave(phase, progress, Status::interrupted);
+            const bool to_end = progress.attempt(phase);
+            const Finish found = finish(phase, memory, progress, to_end, observe, end);
+            if (found == Finish::phase) return end;
+            if (found == Finish::rejected) continue;
+            progress.commit(phase, true, false);
+            phase.rebase(progress.step.first);
+        }
     }
 
-    // The parts of `advance`, for lanes.
+    // The parts of `advance`, for steps that a kernel makes (run/step_kernel.cpp).
+
+    bool is_stopped() const {
+        return options_.stop && options_.stop->load(std::memory_order_relaxed);
+    }
+    /// Ends the phase where the last step that was committed has ended.
+    template <class Phase>
+    PhaseEnd<Phase> leave(Phase& phase, Progress<Phase>& p, Status status) {
+        p.leave(phase, p.step.first, counts_);
+        return {status, Event::none, p.tau, p.step.first, p.trace};
+    }
 
     template <class Phase>
-    Progress<Phase> begin(Phase& phase, PhaseMemory& memory, double tau, double tau_end,
-                          const typename Phase::State& y) {
-        Progress<Phase> progress = {};
+    void begin(Phase& phase, PhaseMemory& memory, double tau, double tau_end,
+               const typename Phase::State& y, Progress<Phase>& progress) {
         typename Phase::State rates;
         phase.rebase(y);
         phase.rates(phase.field_at(tau), y, rates, progress.samples.start);
         ++counts_.evaluations;
         progress.tau = tau;
         progress.tau_end = tau_end;
+        progress.accepted = 0.0;
         progress.most_steps = static_cast<double>(options_.most_steps - counts_.accepted);
         progress.step.first = y;
         progress.trace = {phase.angle(y), phase.angle(y), phase.slip_place(y)};
         method_.start(options_, phase, memory, rates, progress);
         memory.begin(progress.samples.start, phase.event_rounding());
-        return progress;
     }
 
-    /// What follows an attempt: accepts the step or not, looks for events; true if the phase, or
-    /// the segment, has ended.
+    /// What an attempt comes to: a step that is to be committed, none, or the end of the phase or
+    /// of the segment.
+    enum class Finish { accepted, rejected, phase };
+    /// Accepts an attempt or not and looks for events.
     template <class Phase, class Observer>
-    bool finish(Phase& phase, PhaseMemory& memory, Progress<Phase>& p, bool to_end,
-                Observer&& observe, PhaseEnd<Phase>& end) {
+    Finish finish(Phase& phase, PhaseMemory& memory, Progress<Phase>& p, bool to_end,
+                  Observer&& observe, PhaseEnd<Phase>& end) {
         const auto& step = p.step;
         const auto ended = [&](Status status) {
             end = leave(phase, p, status);
-            return true;
+            return Finish::phase;
         };
         if (!(p.tau + step.width > p.tau)) return ended(Status::step_underflow);
         if (!p.is_accepted()) {
             const Status status = p.reject(counts_);
-            return status != Status::ok && ended(status);
+            return status != Status::ok ? ended(status) : Finish::rejected;
         }
         const auto value = [&](std::size_t i, double s) {
             ++counts_.evaluations;
@@ -101,22 +116,18 @@ public:
                 stops ? Event::none : Phase::kEvent[static_cast<std::size_t>(hit.index)];
             end = {Status::ok, event, p.tau + s * step.width, last, p.trace};
             p.leave(phase, last, counts_);
-            return true;
+            return Finish::phase;
         }
+        phase.recentre(step.last);
+        const bool is_spent = p.accepted + 1.0 >= p.most_steps;
+        if (!phase.outside() && !to_end && !is_spent) return Finish::accepted;
         p.commit(phase, true, to_end);
-        phase.rebase(step.first);
-        if (phase.outside()) return ended(Status::left_workspace);
-        if (to_end) return ended(Status::ok);
-        return p.accepted >= p.most_steps && ended(Status::too_many_steps);
+        return ended(phase.outside() ? Status::left_workspace
+                     : to_end        ? Status::ok
+                                     : Status::too_many_steps);
     }
 
 private:
-    template <class Phase>
-    PhaseEnd<Phase> leave(Phase& phase, Progress<Phase>& p, Status status) {
-        p.leave(phase, p.step.first, counts_);
-        return {status, Event::none, p.tau, p.step.first, p.trace};
-    }
-
     StepperOptions options_;
     StepCounts counts_;
     Method method_;

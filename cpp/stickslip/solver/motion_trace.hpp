@@ -15,7 +15,9 @@ public:
         c2_ = 3.0 * d - 2.0 * slope0 - slope1;
         c3_ = slope0 + slope1 - 2.0 * d;
     }
-    [[gnu::always_inline]] Real at(Real s) const { return c0_ + s * (c1_ + s * (c2_ + s * c3_)); }
+    [[gnu::always_inline]] Real at(Real s) const {
+        return fma(s, fma(s, fma(s, c3_, c2_), c1_), c0_);
+    }
     /// Where the slope is zero, which has different signs at the two ends.
     [[gnu::always_inline]] Real turning_point() const {
         const Real size = root(c2_ * c2_ - 3.0 * c1_ * c3_);

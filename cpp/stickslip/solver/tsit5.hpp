@@ -109,15 +109,18 @@ template <class Phase, class Samples>
     const Real h = step.width;
     // The field at the stages' times does not wait for the stages: it is computed first, and the
     // processor overlaps it with the chain of dependent stages.
-    std::array<decltype(phase.field_at(h)), 5> field;
-    for (std::size_t s = 0; s < 5; ++s) field[s] = phase.field_at(step.start + Table::c[s + 1] * h);
+    const auto field_at = [&](std::size_t stage) __attribute__((always_inline)) {
+        return phase.field_at(fma(Real(Table::c[stage]), h, step.start));
+    };
+    const std::array<decltype(phase.field_at(h)), 5> field = {field_at(1), field_at(2), field_at(3),
+                                                              field_at(4), field_at(5)};
 
     const auto stage_end = [&](auto row) __attribute__((always_inline)) {
         constexpr std::size_t kStages = decltype(row)::value;
         State y = step.first;
         for (std::size_t j = 0; j < kStages; ++j) {
             const Real weight = h * Table::a[kStages - 1][j];
-            for (std::size_t i = 0; i < y.size(); ++i) y[i] += weight * step.slope[j][i];
+            for (std::size_t i = 0; i < y.size(); ++i) y[i] = fma(weight, step.slope[j][i], y[i]);
         }
         return y;
     };
@@ -143,10 +146,12 @@ template <class Phase, class Samples>
 
     Real sum = 0.0;
     for (std::size_t i = 0; i < step.last.size(); ++i) {
-        Real error = 0.0;
-        for (std::size_t j = 0; j < 7; ++j) error += Table::error[j] * step.slope[j][i];
+        Real error = Table::error[0] * step.slope[0][i];
+        for (std::size_t j = 1; j < 7; ++j) {
+            error = fma(Real(Table::error[j]), step.slope[j][i], error);
+        }
         error *= h * step.weight[i];
-        sum += error * error;
+        sum = fma(error, error, sum);
     }
     return sum;
 }
@@ -170,7 +175,7 @@ struct WidthControl {
     /// nothing of the next.
     [[gnu::always_inline]] void accept(Real width, Real squared_error, MaskOf<Real> cut) {
         const Real now = 0.5 * rough_log2(greater(squared_error, Real(1e-20)));
-        Real factor = 0.9 * rough_exp2(0.04 * log_error - 0.17 * now);
+        Real factor = 0.9 * rough_exp2(fnma(Real(0.17), now, 0.04 * log_error));
         factor = lesser(greater(factor, Real(0.2)), Real(8.0));
         factor = select(rejected > 0.0, lesser(factor, Real(1.0)), factor);
         const Real next = width * factor;
@@ -189,7 +194,7 @@ struct WidthControl {
 };
 
 /// Where the integration of a phase stands. All members are numbers, so that a pack of phases has
-/// the same members as packs (lane_kernel.cpp).
+/// the same members as packs (run/step_kernel.cpp).
 template <class Phase>
 struct Tsit5Progress {
     using Real = typename Phase::Real;
@@ -241,6 +246,7 @@ struct Tsit5Progress {
     /// Moves on to the end of the step where it is `done`; `cut`: it goes to the end of the
     /// segment.
     [[gnu::always_inline]] void commit(const Phase& phase, MaskOf<Real> done, MaskOf<Real> cut) {
+        if (kIsOne<Real> && !any(done)) return;
         WidthControl<Real> next_control = control;
         next_control.accept(step.width, error, cut);
         blend<Real>(done, control, next_control);

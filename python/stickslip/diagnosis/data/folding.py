@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.linalg import block_diag, cholesky, solve_banded
+from scipy.linalg import block_diag, cholesky, solve_banded, solve_triangular
 from scipy.sparse import csr_array, dia_array, hstack
 from scipy.special import ndtr
 from scipy.stats import chi2 as chi2_law
@@ -266,8 +266,12 @@ def _solved(
     scale[free:-1] = ratio
     normal *= np.outer(scale, scale)
     normal[range(free, len(normal) - 1), range(free, len(normal) - 1)] += 1.0
-    pivots = np.diag(cholesky(normal, lower=True, check_finite=False))
-    return determinant + 2.0 * float(np.sum(np.log(pivots[:-1]))), float(pivots[-1] ** 2)
+    factor = cholesky(normal[:-1, :-1], lower=True, check_finite=False)
+    fitted = solve_triangular(factor, normal[:-1, -1], lower=True, check_finite=False)
+    # Frames without noise leave what rounding makes of the difference, of either sign.
+    rounding = len(normal) * np.finfo(float).eps * normal[-1, -1]
+    left = max(float(normal[-1, -1] - fitted @ fitted), rounding)
+    return determinant + 2.0 * float(np.sum(np.log(np.diag(factor)))), left
 
 
 def reduce(

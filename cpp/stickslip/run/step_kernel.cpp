@@ -1,0 +1,207 @@
+#include "stickslip/run/step_numbers.hpp"
+
+// Steps of one run and of packs of runs. Compiled once for each kind of processor
+// (STICKSLIP_PROCESSOR) and the width of its registers (STICKSLIP_WIDTH), so nothing here may be
+// shared with other translation units: all is templates over packs of that processor.
+namespace stickslip {
+
+/// The dynamics of a pack of robots without named effects or with them; see Dynamics for the
+/// meaning.
+template <class R, bool kEffects>
+class PackDynamics {
+public:
+    using Real = R;
+    using Named = std::conditional_t<kEffects, EffectNumbers<Real>, NoEffectNumbers>;
+
+    PackDynamics(const PlainDynamics<Real>& robot, const FieldSegment<Real>& field,
+                 const Named& named)
+        : robot_(&robot), field_(&field), named_(&named) {}
+
+    const PlainDynamics<Real>& robot() const { return *robot_; }
+    [[gnu::always_inline]] ExpansionOf<Real> field_at(Real tau) const {
+        ExpansionOf<Real> result = field_->at(tau);
+        if constexpr (kEffects) {
+            for (const FurtherExponential<Real>& each : named_->further) {
+                if (any(each.rate > 0.0)) each.add(tau, result);
+            }
+        }
+        return result;
+    }
+    [[gnu::always_inline]] PoseOf<Real> pose(Real angle) const { return robot_->pose(angle); }
+    [[gnu::always_inline]] Real static_limit(double slip, Real x, const PoseOf<Real>&, Real,
+                                             Real) const {
+        if constexpr (kEffects) return robot_->static_friction * friction().place(slip, x);
+        return robot_->static_friction;
+    }
+    [[gnu::always_inline]] Real corner_kinetic(Real slip, Real slip_velocity, Real x,
+                                               const PoseOf<Real>&, Real, const LoadOf<Real>&,
+                                               Real) const {
+        if constexpr (kEffects) {
+            return friction().kinetic(robot_->static_friction, robot_->kinetic_friction,
+                                      slip_velocity) *
+                   friction().place(slip, x);
+        }
+        return robot_->kinetic_friction;
+    }
+    [[gnu::always_inline]] LoadOf<Real> load(const PlanarFieldOf<Real>& field, Real tau, Real, Real,
+                                             const PoseOf<Real>& pose, Real vx, Real vz,
+                                             Real omega) const {
+        const Real mx = robot_->moment_x(pose), mz = robot_->moment_z(pose);
+        LoadOf<Real> load = robot_->load(field, mx, mz, vx, vz, omega);
+        if constexpr (kEffects) {
+            const SmoothEffects<Real>& e = named_->effects;
+            const Real cosine = e.turn_cosine * pose.cosine - e.turn_sine * pose.sine;
+            const Real sine = e.turn_sine * pose.cosine + e.turn_cosine * pose.sine;
+            e.forces.add(field, mx, mz, cosine, vx, vz, load);
+            load.contact_adhesion =
+                robot_->adhesion * e.adhesion.at_angle(sine) * e.adhesion.aged(e.contact_age + tau);
+        }
+        return load;
+    }
+
+private:
+    const SmoothFriction<Real>& friction() const { return named_->effects.friction; }
+
+    const PlainDynamics<Real>* robot_;
+    const FieldSegment<Real>* field_;
+    const Named* named_;
+};
+
+/// The phase of these numbers.
+template <class Phase, bool kEffects>
+[[gnu::always_inline]] inline Phase make_phase(const StepNumbers<Phase, kEffects>& numbers,
+                                               auto& dynamics) {
+    const FixedFrame frame(dynamics);
+    if constexpr (Phase::kFlies) {
+        return Phase(frame);
+    } else if constexpr (Phase::kSlips) {
+        return Phase(frame, {numbers.contact_x}, {numbers.slip, 0.0});
+    } else {
+        return Phase(frame, {numbers.contact_x});
+    }
+}
+
+/// Moves the field's near centre to the robot where it has gone far from it.
+template <class Phase, bool kEffects>
+[[gnu::always_inline]] inline void follow(StepNumbers<Phase, kEffects>& n,
+                                          MaskOf<typename Phase::Real> done) {
+    using Real = typename Phase::Real;
+    const auto far =
+        done & is_far(n.place, n.field.centre, 2.0 * LocalField::kNear * n.progress.half_reach);
+    if (!any(far)) return;
+    FieldSegment<Real> near = n.field;
+    n.far.move(n.place, near);
+    blend<Real>(far, n.field, near);
+    if constexpr (kEffects) {
+        for (FurtherExponential<Real>& each : n.named.further) {
+            const auto there = far & (each.rate > 0.0);
+            if (!any(there)) continue;
+            auto moved = Series<Real, 2>::moved(each.far, n.far.distance_to(n.place));
+            blend<Real>(there, each.basis, moved);
+        }
+    }
+}
+
+/// Commits the last step where it is done, and makes the next attempt.
+template <class Phase, bool kEffects>
+[[gnu::always_inline]] inline StepRound next_attempt(StepNumbers<Phase, kEffects>& n,
+                                                     auto&& dynamics) {
+    using Real = typename Phase::Real;
+    auto& p = n.progress;
+    const Phase phase = make_phase(n, dynamics);
+    const auto done = n.done > 0.0;
+    p.commit(phase, done, MaskOf<Real>{});
+    follow(n, done);
+
+    const auto to_end = p.attempt(phase);
+
+    // What the caller has to see: a step that is not accepted, ends the segment or may hold an
+    // event or a turn of the field; a robot that leaves the middle of the field's expansion.
+    auto flagged = (!(p.error <= 1.0)) | to_end | (p.accepted + 1.0 >= p.most_steps) |
+                   (!(p.tau + p.step.width > p.tau)) | (n.stalled > 0.0) |
+                   (p.tau + p.step.width >= p.look);
+    for (std::size_t i = 0; i < p.samples.end.size(); ++i) {
+        const auto unarmed = n.unarmed[i] > 0.0;
+        flagged = flagged |
+                  ((!unarmed) & ((p.samples.start[i] <= 0.0) | (p.samples.end[i] <= 0.0) |
+                                 p.samples.may_dip(i))) |
+                  (unarmed & !p.samples.rises(i));
+    }
+    n.place = phase.centre(p.step.last, dynamics.pose(phase.angle(p.step.last)));
+    flagged = flagged | !n.workspace.holds(n.place) | is_far(n.place, n.far.centre, p.half_reach);
+
+    n.done = select(flagged, Real(0.0), Real(1.0));
+    for (Real& unarmed : n.unarmed) unarmed = select(flagged, unarmed, Real(0.0));
+    return {members(flagged), members(to_end)};
+}
+
+template <template <class> class PhaseOf, class Real, bool kEffects>
+struct StepsOf {
+    using Phase = PhaseOf<PackDynamics<Real, kEffects>>;
+    using Numbers = StepNumbers<Phase, kEffects>;
+    using One = StepNumbers<PhaseOf<Dynamics>, kEffects>;
+    static_assert(sizeof(Numbers) == Real::kSize * sizeof(One));
+
+    static Numbers& of(void* pack) { return *static_cast<Numbers*>(pack); }
+    template <auto kList>
+    static void put(void* pack, std::size_t place, One& one) {
+        const auto copy = [place](Real & to, const double& from) __attribute__((always_inline)) {
+            to.v[place] = from;
+        };
+        visit_numbers(copy, kList(of(pack)), kList(one));
+    }
+    static void take_attempt(void* pack, std::size_t place, One& one) {
+        const auto copy = [place](double& to, const Real& from) __attribute__((always_inline)) {
+            to = from.v[place];
+        };
+        visit_numbers(copy, one.attempt(), of(pack).attempt());
+    }
+    static StepRound step(void* pack) {
+        Numbers& n = of(pack);
+        return next_attempt(n, PackDynamics<Real, kEffects>(n.robot, n.field, n.named));
+    }
+    /// Of one run, whose numbers are those of its pack of one.
+    static StepRound run(One& one) {
+        constexpr int kMany = 10'000;  // milliseconds
+        Numbers& n = of(&one);
+        PackDynamics<Real, kEffects> dynamics(n.robot, n.field, n.named);
+        StepRound round;
+        for (int i = 0; i < kMany && round.flagged == 0; ++i) round = next_attempt(n, dynamics);
+        return round;
+    }
+};
+
+namespace {
+
+constexpr Processor kProcessor = Processor::STICKSLIP_PROCESSOR;
+
+template <template <class> class PhaseOf, bool kEffects>
+StepKernel<PhaseOf<Dynamics>, kEffects> kernel_of() {
+    using Alone = StepsOf<PhaseOf, Pack<1, kProcessor>, kEffects>;
+    if constexpr (STICKSLIP_WIDTH == 1) {
+        return {&Alone::run};
+    } else {
+        using Packed = StepsOf<PhaseOf, Pack<STICKSLIP_WIDTH, kProcessor>, kEffects>;
+        return {&Alone::run,
+                &Packed::step,
+                &Packed::template put<[](auto& numbers) { return numbers.beginning(); }>,
+                &Packed::template put<[](auto& numbers) { return numbers.going_on(); }>,
+                &Packed::template put<[](auto& numbers) { return numbers.around(); }>,
+                &Packed::take_attempt};
+    }
+}
+
+template <bool kEffects>
+StepKernels::Phases<kEffects> kernels_of_phases() {
+    return {kernel_of<CornerStickPhaseOf, kEffects>(), kernel_of<CornerSlipPhaseOf, kEffects>(),
+            kernel_of<FlightPhaseOf, kEffects>()};
+}
+
+}  // namespace
+
+template <>
+StepKernels step_kernels_of<kProcessor>() {
+    return {kProcessor, STICKSLIP_WIDTH, kernels_of_phases<false>(), kernels_of_phases<true>()};
+}
+
+}  // namespace stickslip
