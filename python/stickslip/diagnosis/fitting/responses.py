@@ -20,9 +20,13 @@ AMPLITUDES = (0.15, 0.6, 2.0)
 """Coordinates of amplitudes at which responses are taken, as piecewise smooth models have causes
 without a slope at zero. Chosen: a factor of about four apart."""
 
-# Of a shape: 1.5 standard deviations of its prior; chosen. Of one over a small part of whose range
-# predictions change, such as the time of an event, a scan of so many places at most.
-_SHAPES, _FINE, _SCANNED = (-1.5, 0.0, 1.5), 0.2, 64
+FINE = 0.2
+"""Part of its unit over which predictions change with a shape that is fine, such as the time of an
+event. Chosen."""
+
+# Of a shape: 1.5 standard deviations of its prior; chosen. Of a fine one a scan of so many places
+# at most.
+_SHAPES, _SCANNED = (-1.5, 0.0, 1.5), 64
 # Multiple of a response up to which it is trusted, and largest move of a constant that makes up for
 # one. Chosen: a response says little of amplitudes far beyond its own.
 _MULTIPLE, _FAR = 1.8, 6.0
@@ -109,7 +113,7 @@ def _probes(problem: Problem, cause: Cause, sizes: Sequence[float]) -> list[_Pro
     shapes = [k for k in columns if not problem.parameters[k].is_amplitude and cause.curve is None]
     moved = [k for k in columns if k not in shapes]
     signs = (1.0,) if all(0.0 in (low[k], high[k]) for k in moved) else (1.0, -1.0)
-    places = [_SHAPES if problem.fineness[k] > _FINE else _scanned(problem, k) for k in shapes]
+    places = [_SHAPES if problem.fineness[k] > FINE else _scanned(problem, k) for k in shapes]
     if any(each is not _SHAPES for each in places):
         sizes = sizes[len(sizes) // 2 :][:1]
     return [

@@ -31,7 +31,7 @@ from stickslip.diagnosis.fitting.draws import FEWEST, drawn
 from stickslip.diagnosis.fitting.forms import Form, Softened, forms
 from stickslip.diagnosis.fitting.models import Fit, fit, linear, log_prior, sharpened
 from stickslip.diagnosis.fitting.problem import Problem, lack_of_fit
-from stickslip.diagnosis.fitting.responses import AMPLITUDES, Response, responses
+from stickslip.diagnosis.fitting.responses import AMPLITUDES, FINE, Response, responses
 from stickslip.diagnosis.terms.cause import Cause
 
 _Item = TypeVar("_Item")
@@ -57,6 +57,9 @@ _APART, _SAME = 0.7, 0.05
 _LOOK, _HOPELESS = 3, 30.0
 # Chi-square per row up to which a model is near the data. Chosen.
 _NEAR_DATA = 100.0
+# Part of chi-square that a round leaves at most, where no model is near the data, if another one
+# follows. Chosen.
+_PAYS = 0.5
 # Fits of a search after which no further leader is looked beside: where nothing explains the data,
 # each look finds others. Chosen: a pair takes 160.
 _MOST_FITS = 250
@@ -68,8 +71,13 @@ _MORE, _WORTH, _BETTER = 6, 2.0, 1.0
 _DRAWN = 4
 # Single causes from whose constants the recalibrated model is fitted again. Chosen.
 _RIVALS = 8
-# Ends about which single causes are looked for, and starts of each that are looked at.
-_VIEWS, _LOOKED_AT = 3, 6
+# Ends about which single causes are looked for, starts of each that are looked at and that are
+# followed; steps of each stage of a look where predictions change over a small part of the range
+# of a shape. Chosen.
+_VIEWS, _LOOKED_AT, _FOLLOWED, _LONGER_LOOK = 3, 6, 2, 10
+# Places of a scan of a freed constant, and how far it goes in stated standard deviations. Chosen: a
+# wrong estimate is rarely farther off.
+_PLACES, _WIDENED = 9, 8.0
 # Chi-square per row up to which a model leaves hardly more than its errors. Chosen.
 _COMFORTABLE = 1.1
 # Models that are fitted with each further form of the discrepancy.
@@ -247,9 +255,7 @@ def search(
     """
     problem = models.problem
     _fit_singles(models, ends, causes)
-    # Where the best cause leaves ten errors in each row, a second one explains nothing.
-    most = models.begun + (_MOST_FITS if models.reaches else 0)
-    done = {frozenset[str](): models.null.log_evidence}
+    most, done = models.begun + _MOST_FITS, {frozenset[str](): models.null.log_evidence}
     for turn in range(ROUNDS):
         say(0.3 + 0.5 * turn / ROUNDS, "comparing models")
         new = [
@@ -257,14 +263,20 @@ def search(
             for each in _worth_a_look(models)
             if each.log_evidence > done.get(each.names, -math.inf) + _BETTER
         ]
+        # Where the best model leaves ten errors in each row, few looks beside others explain more.
+        reaches = models.reaches
+        new = new[: None if reaches else 1]
         if not new:
             break
+        before = models.leaders(1, "none")[0].chi2
         for leader in new:
             done[leader.names] = leader.log_evidence
             if models.begun < most:
                 _look_beside(models, leader)
         _fit_other_forms(models)
         _fit_stated_again(models)
+        if not reaches and models.leaders(1, "none")[0].chi2 > _PAYS * before:
+            break
     compared = [each for each in models.leaders() if each in _near(models) or not each.causes]
     sharper = [sharpened(problem, models.forms[each.form], each) for each in compared]
     for each in in_step(problem, sharper):
@@ -336,21 +348,10 @@ def _worth_a_look(models: Models) -> list[Fit]:
 
 
 def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -> None:
-    """A fit of each cause by itself, begun where responses about several ends promise most."""
-    problem, null = models.problem, models.null
-    soft = _softened(problem, null)
-    # A view has to show where it is with the stated model, not with a draft.
-    apart = itertools.islice(_separated(ends, lambda each: each.x, _APART), _VIEWS - 1)
-    views = [null.end, *in_step(problem, [_end_at(problem, (), each.x) for each in apart])]
-    starts: dict[str, list[Response]] = {each.name: [] for each in causes}
-    for view in views:
-        for each in responses(problem, view, (), causes, soft, np.zeros(0), draft=True):
-            starts[each.cause.name].append(each)
-    looks = in_step(problem, [
-        _looked(problem, soft, each)
-        for cause in causes for each in _promising(problem, soft, starts[cause.name])
-    ])  # fmt: skip
-    looks.sort(key=lambda each: each[0].cost)
+    """A fit of each cause by itself, begun where first looks promise most."""
+    problem = models.problem
+    searches = [_looked(problem, *each) for each in _first_looks(models, ends, causes)]
+    looks = sorted(in_step(problem, searches), key=lambda each: each[0].cost)
     first = {cause.name: (end, cause) for end, cause in reversed(looks)}
     hopeful = [each for each in looks if each[0].cost < looks[0][0].cost + _HOPELESS]
     hopeful += [each for each in first.values() if each not in hopeful]
@@ -371,22 +372,88 @@ def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -
     models.fit(worse)
 
 
-def _promising(problem: Problem, soft: Softened, starts: Sequence[Response]) -> list[Response]:
+_Look = tuple[Cause, Array, Array | None, Sequence[Softened], int]
+"""A cause, where a look at it begins, slopes there, and the stages of so many steps each."""
+
+
+def _first_looks(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -> list[_Look]:
+    """Where responses about several ends promise most, and where a freed constant is near the data.
+
+    A cause with a fine shape has many minima, and gains about one end do not compare with those
+    about another: it is followed from each, the stated constants too, and farther.
+    """
+    problem, null = models.problem, models.null
+    soft, robust = _softened(problem, null), Softened(problem, *STAGES[-1])
+    # A view has to show where it is with the stated model, not with a draft.
+    apart = itertools.islice(_separated(ends, lambda each: each.x, _APART), _VIEWS - 1)
+    places = [*(each.x for each in apart), np.zeros(problem.size)]
+    *views, stated = [null.end, *in_step(problem, [_end_at(problem, (), x) for x in places])]
+    fine = [each for each in causes if np.any(problem.fineness[problem.columns([each])] <= FINE)]
+    bundles: list[tuple[Cause, list[Response]]] = [
+        (each, []) for each in causes if each not in fine
+    ]
+    together = {cause.name: found for cause, found in bundles}
+    for view in [*views, stated]:
+        own: dict[str, list[Response]] = {each.name: [] for each in fine}
+        seen = fine if view is stated else causes
+        for each in (
+            responses(problem, view, (), seen, soft, np.zeros(0), draft=True) if seen else ()
+        ):
+            own.get(each.cause.name, together.get(each.cause.name, [])).append(each)
+        bundles += [(each, own[each.name]) for each in fine]
+    looks: list[_Look] = []
+    for promising in in_step(problem, [_promising(soft, found) for _, found in bundles]):
+        for each in promising:
+            steps = _LONGER_LOOK if each.cause in fine else _LOOK
+            looks.append((each.cause, each.x, each.slopes, (soft, robust), steps))
+    freed = [each for each in causes if each.frees is not None and not each.parameters]
+    stages = (*(Softened(problem, *each) for each in STAGES[:2]), robust)
+    for cause, starts in zip(
+        freed, in_step(problem, [_along(problem, each, null) for each in freed]), strict=True
+    ):
+        looks += [(cause, x, None, stages, 2 * _LOOK) for x in starts]
+    return looks
+
+
+def _promising(soft: Softened, found: Sequence[Response]) -> Asking[list[Response]]:
     """The best two starts of a cause: responses are right to first order, so they are tried."""
-    near = list(_separated(starts, lambda each: each.x, _APART))[:_LOOKED_AT]
-    residual = problem.residuals(np.array([each.x for each in near]))
-    return [near[k] for k in np.argsort(soft.cost(residual, np.zeros(0)))[:2].tolist()]
+    near = list(_separated(found, lambda each: each.x, _APART))[:_LOOKED_AT]
+    residual = yield np.array([each.x for each in near]), True
+    return [near[k] for k in np.argsort(soft.cost(residual, np.zeros(0)))[:_FOLLOWED].tolist()]
 
 
-def _looked(problem: Problem, soft: Softened, start: Response) -> Asking[tuple[End, Cause]]:
+def _along(problem: Problem, cause: Cause, null: Fit) -> Asking[list[Array]]:
+    """Points along a freed constant over its widened prior where the data are nearest.
+
+    Velocities jump, so that no descent leads to a constant that is far off. One about the
+    recalibrated constants and two about the stated ones: a fit without the cause may have bent the
+    others to where no descent leads back. For the same reason their priors do not rank.
+    """
+    k = [each.name for each in problem.constants].index(str(cause.frees))
+    low, high = problem.limits[:, k]
+    values = np.linspace(-_WIDENED, _WIDENED, _PLACES)
+    values = values[(values >= low) & (values <= high)]
+    soft, starts = Softened(problem, *STAGES[0]), list[Array]()
+    for base, count in ((null.x, 1), (np.zeros(problem.size), 2)):
+        x = np.tile(base, (len(values), 1))
+        x[:, k] = values
+        residual = yield x, True
+        order = np.argsort(soft.cost(residual, np.zeros(0)), kind="stable")
+        starts += [x[j] for j in order[:count]]
+    return list(_separated(starts, lambda each: each, _APART))
+
+
+def _looked(
+    problem: Problem, cause: Cause, x: Array, slopes: Array | None, stages: Sequence[Softened],
+    steps: int,
+) -> Asking[tuple[End, Cause]]:  # fmt: skip
     """A first look at a cause by itself."""
-    x, slopes, causes = start.x, start.slopes, (start.cause,)
-    for form in (soft, Softened(problem, *STAGES[-1])):
+    for form in stages:
         end = yield from descend(
-            problem, form, np.zeros(0), causes, x, steps=_LOOK, slopes=slopes, draft=True
+            problem, form, np.zeros(0), (cause,), x, steps=steps, slopes=slopes, draft=True
         )
         x, slopes = end.x, end.slopes
-    return end, start.cause
+    return end, cause
 
 
 def _softened(problem: Problem, base: Fit) -> Softened:
