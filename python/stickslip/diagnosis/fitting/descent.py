@@ -160,7 +160,7 @@ def descend(
                 fall, there, made = now - float(costs[best]), tries[best], residuals[best]
             move = (there - x)[free]
             hoped = float(2.0 * downhill @ move - move @ curvature @ move)
-            if fall > _GOOD * hoped or hoped < SETTLED:
+            if fall > _GOOD * hoped:
                 break
         learnt = _updated(slopes, residual - made, move, problem.sd)
         if fall > 0.0:
