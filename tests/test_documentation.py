@@ -62,8 +62,9 @@ def test_every_public_name_is_on_one_page_of_the_interface():
         for name in re.findall(r"^\.\. auto\w+:: ([\w.]+)$", page.read_text(), re.MULTILINE)
     ]
     assert len(listed) == len(set(listed))
-    names = set(stickslip.__all__) - {"__version__", "events", "instruments", "plot"}
-    names |= {f"stickslip.plot.{name}" for name in stickslip.plot.__all__}
+    names = set(stickslip.__all__) - {"__version__", "events", "instruments", "models", "plot"}
+    for home in (stickslip.plot, stickslip.models):
+        names |= {f"{home.__name__}.{name}" for name in home.__all__}
     for module, known in {"events": "step", "instruments": "scale"}.items():
         home = getattr(stickslip, module)
         made = {

@@ -10,7 +10,7 @@ import importlib
 # The one list of names. Type checkers read no computed one: tests/sections_stub.py makes a stub of
 # it, which a packager may leave out.
 _NAMES = {
-    "stickslip": "plot",
+    "stickslip": "models plot",
     "stickslip._core": "__version__",
     "stickslip.design.optimise": "optimise",
     "stickslip.design.optimum": "Optimum",

@@ -1,4 +1,5 @@
 # Made by tests/sections_stub.py from the table in __init__.py.
+from stickslip import models as models
 from stickslip import plot as plot
 from stickslip._core import __version__ as __version__
 from stickslip.design.optimise import optimise as optimise

@@ -23,7 +23,8 @@ EXTRAS = {
 
 _DIAGNOSIS = (
     *("Cause", "Diagnosis", "Measurement", "Parameter", "Table", "diagnose", "diagnose_in_rounds"),
-    *("Series", "diagnose_model", "events", "free_law", "instruments", "read_measurement"),
+    *("Series", "diagnose_model", "events", "free_law", "instruments", "models"),
+    "read_measurement",
 )
 _NEEDED: dict[str, tuple[str, ...]] = {
     "Optimum": ("optimise",),

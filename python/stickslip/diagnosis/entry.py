@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -79,13 +80,13 @@ def diagnose(
 def diagnose_model(
     predict: Predict,
     data: Table | Sequence[Table],
-    uncertain: Sequence[Parameter],
+    uncertain: Sequence[Parameter] | None = None,
     causes: Sequence[Cause] = (),
     *,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Diagnosis:
-    """Diagnose measured data with a forward model of one's own.
+    """Diagnose measured data with a forward model of one's own, or with one of `models`.
 
     Parameters
     ----------
@@ -93,13 +94,15 @@ def diagnose_model(
         ``predict(table, p)`` returns readings of one table or series of `data`, shape (vectors,
         rows). ``p["name"]`` are the values of a parameter in its unit, shape (vectors, 1); those
         of absent causes are at their `absent` value. What it cannot compute is NaN. With free laws
-        among the causes it is called as ``predict(table, p, curves)``, see `free_law`.
+        among the causes it is called as ``predict(table, p, curves)``, see `free_law`. A model of
+        `stickslip.models` brings its uncertain parameters and usual causes.
     data : Table, Series, or sequence of them
     uncertain : sequence of Parameter
-        Constants that are known by their priors. For each whose prior has a middle, unless it is no
-        suspect, "other than stated" is a cause, too.
+        Constants that are known by their priors; not given with a model of
+        `stickslip.models`. For each whose prior has a middle, unless it is no suspect, "other than
+        stated" is a cause, too.
     causes : sequence of Cause
-        Effects, instruments (see `instruments`) and free laws.
+        Effects, instruments (see `instruments`) and free laws, beside those of the model.
     seed : int
         From 0, of the random draws.
     progress : callable, optional
@@ -129,6 +132,8 @@ def diagnose_model(
     ('named', ('wave',))
     """
     check_whole("seed", seed)
+    if uncertain is None:
+        uncertain, causes = _with_terms(predict, data, causes)
     problem = pose_own(predict, data, uncertain, causes)
     tables = computed_tables(problem, int(seed))
     if tables != problem.tables:
@@ -140,6 +145,16 @@ def diagnose_model(
 
     model, names = OwnModel(predict, tuple(uncertain), problem.causes), problem.names
     return Diagnosis(findings, None, tuple(notes), partial(model.of_new, names))
+
+
+def _with_terms(
+    predict: Predict, data: Any, causes: Sequence[Cause]
+) -> tuple[Sequence[Parameter], Sequence[Cause]]:
+    """What a model that has `terms` says of data, and the other causes."""
+    if not hasattr(predict, "terms"):
+        raise ScenarioError("uncertain: allowed is a list of Parameter, or a model of `models`")
+    uncertain, own = predict.terms(data)
+    return uncertain, [*own, *causes] if isinstance(causes, Sequence) else causes
 
 
 def _silent(fraction: float, stage: str) -> None:

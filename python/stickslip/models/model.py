@@ -1,0 +1,389 @@
+"""What all models have in common: their terms, the causes that these become, and their readings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stickslip._util.arrays import row
+from stickslip._util.messages import meant, refuse
+from stickslip._util.numbers import Array, root_mean_square
+from stickslip._util.text import OneLine, brief, is_number
+from stickslip.diagnosis.data.series import Series
+from stickslip.diagnosis.terms import instruments
+from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.parameter import LARGEST_ERROR, Parameter
+from stickslip.errors import ScenarioError, prefixed
+from stickslip.scenario.uncertain import Prior
+
+Known = float | tuple[float, float] | Prior
+"""What is known of a term: its value; its value and standard deviation; or a Prior."""
+
+Physics = Callable[[Array, Mapping[str, Array], Mapping[str, Array]], Array]
+"""``physics(t, inputs, values)``: states, (readings, states, vectors), at times, (readings,), of
+inputs by name, (readings, vectors), and of values by name, (vectors,)."""
+
+_KNOWN = "a number, (value, error) or a Prior"
+
+_COARSE = 100
+"""Parts of a record between whose ends slopes are taken for the usual size of a derivative. Chosen:
+noise of a dense log counts little there, and what is faster is rarely asked."""
+
+_SAME = {"K": ("C", "degC", "°C")}  # units of readings that do as well
+
+_LEAST = 1e-3  # of its middle: a constant above zero; chosen, a wrong unit
+_ABOVE, _BELOW = 1.2, 0.1  # where limits act: of the largest input; chosen, as for `clipping`
+
+
+@dataclass(frozen=True)
+class Term:
+    """A row of a model's table: a constant, an effect, or the shape of an effect.
+
+    Attributes
+    ----------
+    name, unit, meaning : str
+    size : float
+        Of an effect: how large it usually is, in the scale `of`. Of a shape: its largest value; the
+        least is a hundredth. 0 of a constant.
+    of : str
+        Scales of the log and constants, such as ``"force / speed"``.
+    signed : bool
+        Whether an effect may have either sign; a constant has to be above zero otherwise.
+    falls : bool
+        Whether an effect acts as it falls, such as a limit.
+    value : float, optional
+        Of a constant that need not be stated.
+    shape : Term, optional
+        What an effect has beside its size.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    size: float = 0.0
+    of: str = ""
+    signed: bool = False
+    falls: bool = False
+    value: float | None = None
+    shape: Term | None = None
+
+    @property
+    def absent(self) -> float | None:
+        """Its value where nothing is said of it."""
+        return self.value if not self.size else math.inf if self.falls else 0.0
+
+    def usual(self, scales: Mapping[str, float]) -> float:
+        """Its size in its unit."""
+        over, _, under = self.of.partition("/")
+        above = math.prod(scales[name] for name in over.split() if name != "1")
+        return self.size * above / math.prod(scales[name] for name in under.split())
+
+    def parameter(self, prior: Prior) -> Parameter:
+        """As an uncertain constant."""
+        low = -math.inf if self.signed else 0.0 if self.size else _LEAST * float(prior.value(0.0))
+        return Parameter(self.name, prior, self.unit, low)
+
+    def ranged(self, scales: Mapping[str, float]) -> Parameter:
+        """As a shape of which only the range is known."""
+        largest = self.usual(scales)
+        prior = Prior("log-uniform", 0.01 * largest, largest)
+        return Parameter(self.name, prior, self.unit, suspect=False)
+
+    def cause(self, scales: Mapping[str, float], known: Mapping[str, object]) -> Cause:
+        """As a cause of its usual size."""
+        size = self.usual(scales)
+        low, high = -LARGEST_ERROR * size if self.signed else 0.0, LARGEST_ERROR * size
+        if self.falls:
+            low, high, size = _BELOW * size, _ABOVE * size, _BELOW * _ABOVE * size
+        strength = Parameter(
+            self.name, None, self.unit, low, high, size, self.absent or 0.0, self.falls
+        )
+        shape = self.shape
+        more = () if shape is None or shape.name in known else (shape.ranged(scales),)
+        return Cause(self.name, (strength, *more), self.meaning)
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """A usual error of a reading or an input: `makes` is a function of `instruments`."""
+
+    name: str
+    makes: str
+    size: float
+    of: str
+    input: str | None = None
+
+    def cause(self, scales: Mapping[str, float], unit: str) -> Cause:
+        """As a cause of its usual size."""
+        size = Term("", "", "", self.size, self.of).usual(scales)
+        if self.makes == "offset":
+            return instruments.offset(unit, size, name=self.name)
+        made = instruments.lag if self.makes == "lag" else instruments.delay
+        return made(size=max(size, scales["step"]), input=self.input, name=self.name)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """The table of a kind of model.
+
+    Attributes
+    ----------
+    name : str
+    physics : callable
+    terms : tuple of Term
+    states : tuple of (str, str)
+        Start states: name, and unit.
+    reads : dict
+        Of what may be read: the number of its state, and of its start state.
+    inputs : dict
+        Units by name.
+    sensors : tuple of Sensor
+    inertia, gain : str
+        Constants that make a force of the fastest derivative, and of the first input.
+    placed : frozenset of str
+        Effects by which readings depend on the first start state, though another one is read.
+    """
+
+    name: str
+    physics: Physics
+    terms: tuple[Term, ...]
+    states: tuple[tuple[str, str], ...]
+    reads: Mapping[str, tuple[int, int]]
+    inputs: Mapping[str, str]
+    sensors: tuple[Sensor, ...]
+    inertia: str = ""
+    gain: str = ""
+    placed: frozenset[str] = frozenset()
+
+    @property
+    def every(self) -> dict[str, Term]:
+        """All terms, with shapes and start states, by name."""
+        shapes = (each.shape for each in self.terms if each.shape is not None)
+        starts = (Term(name, unit, "start", signed=True, value=0.0) for name, unit in self.states)
+        return {each.name: each for each in (*self.terms, *shapes, *starts)}
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Model(OneLine):
+    """A model of a log, with what is known of it and the usual causes: for `diagnose_model`.
+
+    What is stated is a constant; each effect that is not stated is a cause. It is called with a
+    `Series` and values by name, as any ``predict(table, p)``.
+
+    Attributes
+    ----------
+    kind : Kind
+    reads : str
+    known : dict
+        Values and priors by name.
+    without : tuple of str
+        Causes that are left out.
+    smooth : bool
+        Whether inputs change evenly between two readings; they are held otherwise.
+    """
+
+    kind: Kind
+    reads: str
+    known: Mapping[str, float | Prior]
+    without: tuple[str, ...] = ()
+    smooth: bool = False
+
+    def __call__(self, record: Series, p: Mapping[str, Array]) -> Array:
+        given = {name: np.atleast_2d(record[name]) for name in self.kind.inputs
+                 if name in record.inputs}  # fmt: skip
+        vectors = max((len(each) for each in (*p.values(), *given.values())), default=1)
+        values = {}
+        for name, term in self.kind.every.items():
+            stated = self.known.get(name)
+            value = p[name][:, 0] if name in p else term.absent if stated is None else stated
+            values[name] = np.broadcast_to(np.asarray(value, dtype=float), vectors)
+        inputs = {}
+        for name, each in given.items():
+            if self.smooth:
+                each = np.hstack([0.5 * (each[:, :-1] + each[:, 1:]), each[:, -1:]])
+            inputs[name] = np.broadcast_to(each.T, (len(record), vectors))
+        with np.errstate(all="ignore"):
+            states = self.kind.physics(record.t, inputs, values)
+        return np.asarray(states[:, self.kind.reads[self.reads][0]].T)
+
+    @property
+    def unit(self) -> str:
+        """Unit of the readings."""
+        return self.kind.states[self.kind.reads[self.reads][1]][1]
+
+    def simulate(
+        self, t: ArrayLike, inputs: Mapping[str, ArrayLike] | None = None, **values: float
+    ) -> Array:
+        """Readings at the times `t`, s, of inputs by name, each of shape (readings,).
+
+        Effects are absent, uncertain constants at the middle of their priors, and start states 0,
+        where no value is given.
+
+        Raises
+        ------
+        ScenarioError
+            If a name is unknown or a value is not allowed.
+        """
+        self._check_names(values)
+        record = Series(t, np.zeros(np.shape(np.asarray(t))), inputs, sd=1.0)
+        self._check_record(record)
+        middles = {name: float(each.value(0.0)) for name, each in self.known.items()
+                   if isinstance(each, Prior)}  # fmt: skip
+        stated = {**middles, **values}
+        p = {name: row(name, [each])[:, None] for name, each in stated.items()}
+        return np.asarray(self(record, p)[0])
+
+    def terms(self, data: Any) -> tuple[list[Parameter], list[Cause]]:
+        """Uncertain parameters, and causes of usual sizes, for a `Series` or a list of them.
+
+        Raises
+        ------
+        ScenarioError
+            If the data are no series, or their unit or inputs are none of the model's.
+        """
+        kind = self.kind
+        records = data if isinstance(data, Sequence) else [data]
+        if not records or not all(isinstance(each, Series) for each in records):
+            raise ScenarioError(f"{kind.name}: data = {brief(data)}: allowed is a Series or a list")
+        for each in records:
+            self._check_record(each)
+        scales = self._scales(records)
+        uncertain = [kind.every[name].parameter(prior) for name, prior in self.known.items()
+                     if isinstance(prior, Prior)]  # fmt: skip
+        causes = []
+        for term in kind.terms:
+            if not term.size:
+                continue
+            if term.name not in self.known:
+                causes.append(term.cause(scales, self.known))
+            elif term.shape is not None and term.shape.name not in self.known:
+                uncertain.append(term.shape.ranged(scales))
+        acting = set.intersection(*(set(each.inputs) for each in records))
+        causes += [each.cause(scales, self.unit) for each in kind.sensors
+                   if each.input is None or each.input in acting]  # fmt: skip
+        for name in self.without:
+            if name not in {each.name for each in causes}:
+                allowed = ", ".join(each.name for each in causes)
+                raise ScenarioError(f"{kind.name}: without = {name}: allowed is one of {allowed}")
+        causes = [each for each in causes if each.name not in self.without]
+        uncertain += self._starts(records, scales, {each.name for each in causes})
+        return uncertain, causes
+
+    def _starts(
+        self, records: Sequence[Series], scales: Mapping[str, float], causes: set[str]
+    ) -> list[Parameter]:
+        """Start states that are not known, and count."""
+        read = self.kind.reads[self.reads][1]
+        first = np.array([each.y[0] for each in records])
+        found = []
+        for k, (name, unit) in enumerate(self.kind.states):
+            if name in self.known or (k < read and not self.kind.placed & {*causes, *self.known}):
+                continue
+            size, middle = scales[("length", "speed")[k]], 0.0
+            if k == read:
+                middle, size = float(first.mean()), max(float(np.ptp(first)), size)
+            prior = Prior("normal", middle, size)
+            found.append(Parameter(name, prior, unit, suspect=False, each_record=True))
+        return found
+
+    def _scales(self, records: Sequence[Series]) -> dict[str, float]:
+        """Usual sizes of the log's quantities, and the stated constants."""
+        first = next(iter(self.kind.inputs))
+        y = np.concatenate([each.y - each.y.mean() for each in records])
+        slope = np.concatenate([_slopes(each) for each in records])
+        tiny = 1e-300
+        size, change = root_mean_square(y) or 1.0, root_mean_square(slope) or 1.0
+        made = {name: float(each.value(0.0)) if isinstance(each, Prior) else each
+                for name, each in self.known.items()}  # fmt: skip
+        made |= {"reading": size}
+        if self.kind.reads[self.reads][1] == 1:
+            made |= {"length": size**2 / change, "speed": size, "acceleration": change}
+        else:
+            made |= {"length": size, "speed": change, "acceleration": change**2 / size}
+        driven = [each.inputs[first] for each in records if first in each.inputs]
+        acts = np.concatenate(driven) if driven else np.zeros(1)
+        made |= {"input": root_mean_square(acts), "peak": float(np.max(np.abs(acts)))}
+        made["step"] = max(each.step for each in records)
+        fastest = made[("speed", "acceleration")[len(self.kind.states) - 1]]
+        made["force"] = max(
+            made.get(self.kind.inertia, 1.0) * fastest,
+            made.get(self.kind.gain, 1.0) * made["input"], tiny,
+        )  # fmt: skip
+        # A spring whose ringing the readings resolve.
+        ringing = 4.0 * made["step"] ** 2 / made.get(self.kind.inertia, 1.0)
+        made["deflection"] = max(0.02 * made["length"] / made["force"], ringing)
+        made["input"], made["peak"] = made["input"] or 1.0, made["peak"] or 1.0
+        made["time"] = made["length"] / made["speed"]
+        return made
+
+    def _check_record(self, record: Series) -> None:
+        unit, known = self.unit, self.kind.inputs
+        if record.unit not in ("-", unit, *_SAME.get(unit, ())):
+            refuse(f"{record.at}unit", record.unit, f"{unit}, which a {self.kind.name} reads")
+        for name in record.inputs:
+            if name not in known:
+                allowed = " and ".join(f"{key} ({each})" for key, each in known.items())
+                raise ScenarioError(
+                    f"{record.at}input {name}: a {self.kind.name} has {allowed}{meant(name, known)}"
+                )
+
+    def _check_names(self, names: Mapping[str, object]) -> None:
+        known = self.kind.every
+        for name in names:
+            if name not in known:
+                allowed = ", ".join(known)
+                raise ScenarioError(
+                    f"{self.kind.name}: there is no {name}{meant(name, known)}; known are {allowed}"
+                )
+
+
+def made(
+    kind: Kind, reads: str, smooth: bool, without: Sequence[str], known: Mapping[str, Any]
+) -> Model:
+    """The model of a kind with what is known of it.
+
+    Raises
+    ------
+    ScenarioError
+        If a name is unknown, a value is not allowed, or a constant is missing.
+    """
+    if reads not in kind.reads:
+        refuse(f"{kind.name}: reads", reads, " or ".join(kind.reads))
+    if isinstance(without, str) or not isinstance(without, Sequence):
+        refuse(f"{kind.name}: without", without, "a list of names of causes")
+    stated = {name: _checked(f"{kind.name}: {name}", each) for name, each in known.items()}
+    model = Model(kind, reads, stated, tuple(without), bool(smooth))
+    model._check_names(stated)
+    for name, term in kind.every.items():
+        given = stated.get(name)
+        if given is None and term.absent is None:
+            raise ScenarioError(f"{kind.name}: {name} is missing: allowed is {_KNOWN}, {term.unit}")
+        middle = float(given.value(0.0)) if isinstance(given, Prior) else given
+        if middle is not None and not term.signed and not middle >= (1e-300, 0.0)[term.size > 0.0]:
+            allowed = "from 0" if term.size else "above 0"
+            refuse(f"{kind.name}: {name}", middle, f"a value {allowed}, {term.unit}")
+    return model
+
+
+def _checked(at: str, given: object) -> float | Prior:
+    if isinstance(given, Prior):
+        return given
+    if is_number(given) and math.isfinite(given):
+        return float(given)
+    if isinstance(given, tuple) and len(given) == 2:
+        with prefixed(at):
+            return Prior("normal", *given)
+    refuse(at, given, _KNOWN)
+
+
+def _slopes(record: Series) -> Array:
+    """Slopes over the parts of a record."""
+    at = np.unique(np.linspace(0, len(record) - 1, min(_COARSE, len(record))).astype(int))
+    if len(at) < 2:
+        return np.zeros(1)
+    return np.asarray(np.diff(record.y[at]) / np.diff(record.t[at]))

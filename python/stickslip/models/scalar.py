@@ -1,0 +1,109 @@
+"""A model of one vector as a model of many, and low-pass filters for logs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.signal import butter, sosfiltfilt
+
+from stickslip._util.arrays import row
+from stickslip._util.messages import refuse
+from stickslip._util.numbers import Array
+from stickslip._util.text import OneLine, is_number
+from stickslip.diagnosis.data.series import Series
+from stickslip.diagnosis.data.table import Table
+from stickslip.errors import ScenarioError
+
+_ORDER = 4  # of the filter, half of it each way; common in the identification of robots
+_UNEVEN = 0.01  # of a step: how even steps have to be; chosen
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class _OneByOne(OneLine):
+    """A model that is asked about one vector after another."""
+
+    function: Callable[[Any, dict[str, float]], ArrayLike]
+
+    def __call__(self, table: Table, p: Mapping[str, Array]) -> Array:
+        inputs = table.inputs if isinstance(table, Series) else {}
+        many = [name for name, each in inputs.items() if each.ndim == 2]
+        vectors = max((len(each) for each in p.values()), default=1)
+        rows = []
+        for k in range(vectors):
+            own = {name: inputs[name][k] for name in many}
+            seen = table.with_inputs(own) if own and isinstance(table, Series) else table
+            values = {name: float(each[k, 0]) for name, each in p.items()}
+            rows.append(np.asarray(self.function(seen, values), dtype=float))
+        return np.array(rows)
+
+
+def vectorised(function: Callable[[Any, dict[str, float]], ArrayLike]) -> Callable[..., Array]:
+    """A model of one vector of parameters as `diagnose_model` asks for it.
+
+    Parameters
+    ----------
+    function : callable
+        ``function(table, p)`` of a `Table` or `Series` returns readings, shape (rows,); ``p[name]``
+        is a number, ``table[name]`` and ``table.t`` are of shape (rows,).
+
+    Returns
+    -------
+    callable
+        ``predict(table, p)``, which calls it for one vector after another.
+    """
+    if not callable(function):
+        refuse("vectorised", function, "a function of (table, p)")
+    return _OneByOne(function)
+
+
+def low_pass(t: ArrayLike, y: ArrayLike, cutoff: float, *, derivatives: int = 0) -> Array:
+    """A row of a log without what is faster than a frequency, or its derivative.
+
+    A Butterworth filter of order 2 runs forwards and backwards, so nothing comes late; derivatives
+    are central differences of what it leaves. The readings at both ends are worse. Errors of
+    neighbours are correlated then: keep every n-th reading, about four a period of `cutoff`, for a
+    diagnosis.
+
+    Parameters
+    ----------
+    t, y : array_like, shape (n,)
+        Times, s, with even steps, and what was read.
+    cutoff : float
+        Frequency at which half of the power is left, Hz, below half the rate of the log.
+    derivatives : int
+        0, 1 or 2.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+
+    Raises
+    ------
+    ScenarioError
+        If steps are uneven, a row is too short or not finite, or `cutoff` is not allowed.
+    """
+    times = row("t", t, unit="s")
+    values = row("y", y, len(times))
+    steps = np.diff(times)
+    if len(times) < 3 * _ORDER:
+        raise ScenarioError(f"t: {len(times)} times; allowed are {3 * _ORDER} or more")
+    step = float(np.median(steps))
+    uneven = np.flatnonzero(~(np.abs(steps - step) <= _UNEVEN * step))
+    if len(uneven):
+        at = int(uneven[0]) + 1
+        refuse(f"t: row {at}", float(times[at]), f"{times[at - 1] + step:.12g}, an even step")
+    if not is_number(cutoff) or not 0.0 < cutoff < 0.5 / step:
+        refuse("cutoff", cutoff, f"a frequency above 0 and below {0.5 / step:g} Hz")
+    if derivatives not in (0, 1, 2):
+        refuse("derivatives", derivatives, "0, 1 or 2")
+    # Twice the filter: at the cutoff each pass leaves the root of a half.
+    width = cutoff / (np.sqrt(2.0) - 1.0) ** (1.0 / _ORDER)
+    sections = butter(_ORDER // 2, min(width, 0.4999 / step), fs=1.0 / step, output="sos")
+    result = np.asarray(sosfiltfilt(sections, values))
+    for _ in range(derivatives):
+        result = np.gradient(result, step, edge_order=2)
+    return result

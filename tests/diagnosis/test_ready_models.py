@@ -1,0 +1,562 @@
+"""The models of `stickslip.models`: closed forms, another integrator, and hidden effects."""
+
+import inspect
+import pickle
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.special import ellipk
+
+from stickslip import Prior, ScenarioError, Series, Table, diagnose_model, events, models
+from stickslip.models.model import Kind
+
+T = np.linspace(0.0, 2.0, 201)
+HELD = 0.01
+FACTORIES = {
+    each.__name__: each
+    for each in (models.joint, models.axis, models.pendulum, models.oscillator, models.thermal)
+}
+LEAST = {
+    "joint": {"inertia": 0.1, "reads": "angle"},
+    "axis": {"mass": 2.0},
+    "pendulum": {"length": 0.5},
+    "oscillator": {"mass": 1.0, "stiffness": 40.0},
+    "thermal": {"capacity": 200.0, "loss": 2.0},
+}
+
+
+def constant(value):
+    return np.full(len(T), value)
+
+
+def random(seed):
+    return np.random.default_rng([66, seed])
+
+
+def staircase(seed, size, stair=20, count=201):
+    return np.repeat(random(seed).uniform(-size, size, count // stair + 1), stair)[:count]
+
+
+# Closed forms.
+
+
+def test_a_joint_slows_down_and_speeds_up_with_its_time_constant():
+    joint = models.joint(inertia=0.1, viscous=0.05)
+    slows = joint.simulate(T, start_speed=3.0)
+    assert slows == pytest.approx(3.0 * np.exp(-0.5 * T), rel=1e-12)
+    driven = joint.simulate(T, {"torque": constant(0.2)})
+    assert driven == pytest.approx(4.0 * (1.0 - np.exp(-0.5 * T)), rel=1e-12)
+    turned = models.joint(inertia=0.1, viscous=0.05, reads="angle").simulate(T, start_speed=3.0)
+    assert turned == pytest.approx(6.0 * (1.0 - np.exp(-0.5 * T)), rel=1e-12)
+
+
+def test_dry_friction_holds_what_is_below_it_and_stops_what_moves():
+    joint = models.joint(inertia=0.1, coulomb=0.3, asymmetry=0.1, reads="angle")
+    for torque, angle in ((0.39, 0.0), (0.5, 0.5 * T**2), (-0.19, 0.0), (-0.3, -0.5 * T**2)):
+        found = joint.simulate(T, {"torque": constant(torque)})
+        assert found == pytest.approx(angle + 0.0 * T, rel=1e-12, abs=1e-14)
+    # From 3 rad/s at -4 rad/s^2 it stops after 0.75 s, between two readings of an odd clock.
+    t = np.linspace(0.0, 2.0, 138)
+    moving = np.minimum(t, 0.75)
+    found = joint.simulate(t, start_speed=3.0)
+    assert found == pytest.approx(3.0 * moving - 2.0 * moving**2, abs=1e-13)
+
+
+def test_a_motor_crosses_its_backlash_and_takes_its_load_along():
+    torque = np.where(T < 0.005, 0.0, -0.2)
+    t = np.maximum(T - HELD, 0.0)
+    # The motor alone has 0.08 kg m^2 and crosses 0.03 rad; both go on with its momentum.
+    a, both = -0.2 / 0.08, -0.2 / 0.1
+    meets = np.sqrt(2.0 * 0.03 / -a)
+    later = np.maximum(t - meets, 0.0)
+    speed = 0.8 * a * meets
+    motor = np.where(t < meets, 0.5 * a * t**2, -0.03 + speed * later + 0.5 * both * later**2)
+    load = -0.015 + speed * later + 0.5 * both * later**2
+    for reads, expected in (("angle", motor), ("load angle", load)):
+        joint = models.joint(inertia=0.1, backlash=0.03, load_share=0.2, reads=reads)
+        found = joint.simulate(T, {"torque": torque})
+        assert found == pytest.approx(expected, abs=1e-12)
+
+
+def test_an_elastic_joint_rings_about_its_common_motion():
+    frequency = np.sqrt(1.0 / (2e-3 * 0.1 * 0.25))
+    joint = models.joint(inertia=0.1, compliance=2e-3, damping_ratio=0.1)
+    found = joint.simulate(T, {"torque": constant(0.5)})
+    decay, turn = 0.1 * frequency, np.sqrt(0.99) * frequency
+    ringing = 5.0 * np.exp(-decay * T) * np.sin(turn * T) / turn
+    assert found == pytest.approx(5.0 * T + ringing, abs=1e-9)
+
+
+def test_a_motor_has_a_dead_zone_and_a_limit_and_may_differ_by_direction():
+    axis = models.axis(mass=2.0, viscous=4.0, gain=3.0, dead_zone=0.5, saturation=2.0,
+                       gain_asymmetry=0.1, reads="speed")  # fmt: skip
+    for command, force in ((0.4, 0.0), (1.5, 3.3), (9.0, 6.6), (-1.5, -2.7), (-9.0, -5.4)):
+        found = axis.simulate(T, {"command": constant(command)})
+        assert found == pytest.approx(0.25 * force * (1.0 - np.exp(-2.0 * T)), abs=1e-13)
+
+
+@pytest.mark.parametrize("angle", [0.01, 1.0, 3.0])
+def test_a_pendulum_swings_with_the_period_of_its_amplitude(angle):
+    period = 4.0 * np.sqrt(0.5 / 9.81) * ellipk(np.sin(0.5 * angle) ** 2)
+    t = np.linspace(0.0, 2.0 * period, 401)
+    found = models.pendulum(length=0.5).simulate(t, start_position=angle)
+    assert found[[100, 200, 300, 400]] == pytest.approx([-angle, angle, -angle, angle], rel=1e-6)
+    assert found[50] == pytest.approx(0.0, abs=1e-6 * angle)
+
+
+def test_an_oscillator_rings_and_dry_friction_takes_the_same_off_each_half_swing():
+    damped = models.oscillator(mass=2.0, stiffness=200.0, viscous=0.8)
+    turn = np.sqrt(100.0 - 0.04)
+    expected = 0.3 * np.exp(-0.2 * T) * (np.cos(turn * T) + 0.2 / turn * np.sin(turn * T))
+    assert damped.simulate(T, start_position=0.3) == pytest.approx(expected, abs=1e-12)
+    dry = models.oscillator(mass=2.0, stiffness=200.0, coulomb=4.0)
+    t = np.arange(8) * np.pi / 10.0
+    swings = [0.3, -0.26, 0.22, -0.18, 0.14, -0.10, 0.06, -0.02]
+    assert dry.simulate(t, start_position=0.3) == pytest.approx(swings, abs=1e-9)
+    rest = dry.simulate(np.linspace(0.0, 9.0, 50), start_position=0.3)[-1]
+    assert rest == pytest.approx(-0.02, abs=1e-9)
+
+
+def test_a_heater_warms_up_and_cools_down():
+    heater = models.thermal(capacity=200.0, loss=2.0, ambient=20.0)
+    found = heater.simulate(50.0 * T, {"power": constant(60.0)}, start_temperature=20.0)
+    assert found == pytest.approx(50.0 - 30.0 * np.exp(-0.5 * T), rel=1e-12)
+    warm = heater.simulate(50.0 * T, {"ambient": constant(10.0)}, start_temperature=30.0)
+    assert warm == pytest.approx(10.0 + 20.0 * np.exp(-0.5 * T), rel=1e-12)
+
+
+def test_an_input_that_changes_evenly_is_a_ramp_to_second_order():
+    joint = models.joint(inertia=0.5, smooth=True)
+    assert joint.simulate(T, {"torque": T}) == pytest.approx(T**2, abs=1e-12)
+
+
+# Another integrator: SciPy's, from event to event, and the equations as they are written in the
+# docstrings.
+
+
+def integrated(slope, start, t, u, margins=(), switch=None):
+    """States at the times, with events where a margin falls through zero."""
+    z = np.array(start, dtype=float)
+    if switch:
+        z, state = switch(z, u[0], None, None)
+    rows = [z]
+    for k in range(len(t) - 1):
+        left = t[k + 1] - t[k]
+        z, state = switch(z, u[k], state, None) if switch else (z, None)
+        for _ in range(20):
+
+            def event(number, u=u[k], state=state):
+                # What begins at zero has not fallen through it.
+                def margin(time, there):
+                    return margins[number](there, u, state) + (1e-13 if time == 0.0 else 0.0)
+
+                margin.terminal, margin.direction = True, -1
+                return margin
+
+            found = solve_ivp(
+                lambda _, z, u=u[k], state=state: slope(z, u, state), (0.0, left), z,
+                method="DOP853", rtol=1e-11, atol=1e-13,
+                events=[event(number) for number in range(len(margins))] or None,
+            )  # fmt: skip
+            z, left = found.y[:, -1], left - found.t[-1]
+            if found.status != 1 or left < 1e-15:
+                break
+            hit = next(n for n, times in enumerate(found.t_events) if len(times))
+            z, state = switch(z, u[k], state, hit)
+        rows.append(z)
+    return np.array(rows)
+
+
+def with_friction(force, friction, inertia, start, u):
+    """One inertia that sticks: `force(x, v, u)`, `friction(v, sign)`."""
+
+    def switch(z, u, sign, hit):
+        if hit is not None or sign is None:
+            sign = 0 if hit is not None else np.sign(z[1])
+            z = np.array([z[0], 0.0 if hit is not None else z[1]])
+        if sign == 0:
+            pulls = force(z[0], 0.0, u)
+            sign = np.sign(pulls) * (abs(pulls) > abs(friction(0.0, np.sign(pulls))))
+        return z, sign
+
+    def slope(z, u, sign):
+        return [z[1], (force(*z, u) - friction(z[1], sign)) / inertia] if sign else [0.0, 0.0]
+
+    return integrated(slope, start, T, u, [lambda z, u, sign: sign * z[1]], switch)
+
+
+def of_joint():
+    p = {"inertia": 0.1, "viscous": 0.2, "viscous_asymmetry": 0.05, "coulomb": 0.3,
+         "asymmetry": 0.08, "stribeck": 0.2, "stribeck_speed": 0.4, "quadratic": 0.02,
+         "load": 0.1, "gravity": 0.7}  # fmt: skip
+    u = staircase(1, 2.5)
+
+    def force(x, v, u):
+        return u - 0.2 * v - 0.1 - 0.7 * np.sin(x)
+
+    def friction(v, sign):
+        falls = 0.2 * np.exp(-((v / 0.4) ** 2))
+        return sign * (0.3 + sign * 0.08 + falls) + 0.05 * sign * v + sign * 0.02 * v**2
+
+    return models.joint(reads="angle", **p), {"torque": u}, with_friction(
+        force, friction, 0.1, (0.1, 0.2), u)[:, 0]  # fmt: skip
+
+
+def of_axis():
+    u = staircase(2, 4.0)
+    model = models.axis(mass=2.0, gain=3.0, viscous=4.0, coulomb=2.0, dead_zone=0.3, load=0.5,
+                        saturation=2.0, reads="speed")  # fmt: skip
+
+    def force(x, v, u):
+        acts = np.sign(u) * min(max(abs(u) - 0.3, 0.0), 2.0)
+        return 3.0 * acts - 4.0 * v - 0.5
+
+    return model, {"command": u}, with_friction(
+        force, lambda v, sign: 2.0 * sign, 2.0, (0.1, 0.2), u)[:, 1]  # fmt: skip
+
+
+def of_pendulum():
+    u = staircase(3, 3.0)
+    model = models.pendulum(length=0.5, viscous=0.3, coulomb=0.4, quadratic=0.1, stiffness=2.0)
+
+    def force(x, v, u):
+        return -9.81 / 0.5 * np.sin(x) - u / 0.5 * np.cos(x) - 0.3 * v - 2.0 * x
+
+    return model, {"pivot": u}, with_friction(
+        force, lambda v, sign: sign * (0.4 + 0.1 * v**2), 1.0, (0.1, 0.2), u)[:, 0]  # fmt: skip
+
+
+def of_oscillator():
+    u = staircase(4, 8.0)
+    model = models.oscillator(mass=0.5, stiffness=60.0, viscous=0.3, coulomb=0.5, quadratic=0.2,
+                              cubic_damping=0.1, quadratic_stiffness=40.0,
+                              cubic_stiffness=300.0)  # fmt: skip
+
+    def force(x, v, u):
+        return u - 60.0 * x - 40.0 * x**2 - 300.0 * x**3 - 0.3 * v - 0.1 * v**3
+
+    return model, {"force": u}, with_friction(
+        force, lambda v, sign: sign * (0.5 + 0.2 * v**2), 0.5, (0.1, 0.2), u)[:, 0]  # fmt: skip
+
+
+def of_heater():
+    u = np.abs(staircase(5, 90.0))
+    model = models.thermal(capacity=20.0, loss=2.0, ambient=20.0, loss_growth=0.05,
+                           heater_capacity=5.0, coupling=8.0)  # fmt: skip
+
+    def slope(z, u, _):
+        over = z[0] - 20.0
+        flow = 8.0 * (z[1] - z[0])
+        return [(flow - 2.0 * over - 0.05 * over * abs(over)) / 20.0, (u - flow) / 5.0]
+
+    return model, {"power": u}, integrated(slope, (20.0, 20.0), T, u)[:, 0]
+
+
+def of_backlash():
+    """Motor and load with the phases of sticking and of contact, each with its own equation."""
+    u, motor, load, gap = staircase(6, 3.0), 0.06, 0.04, 0.02
+    model = models.joint(inertia=0.1, load_share=0.4, viscous=0.2, coulomb=0.4, gravity=0.5,
+                         backlash=2 * gap, reads="load angle")  # fmt: skip
+
+    def hangs(z):
+        return 0.5 * np.sin(z[2])
+
+    def together(z, u, sign):
+        return (u - 0.2 * z[1] - 0.4 * sign - hangs(z)) / 0.1 if sign else 0.0
+
+    def pushes(z, u, state):
+        return load * together(z, u, state[0]) + hangs(z)
+
+    def slope(z, u, state):
+        sign, side = state
+        if side:
+            a = together(z, u, sign)
+            return [z[1] * abs(sign), a, z[3] * abs(sign), a]
+        a = (u - 0.2 * z[1] - 0.4 * sign) / motor if sign else 0.0
+        return [z[1] * abs(sign), a, z[3], -hangs(z) / load]
+
+    def settled(z, u, sign, side):
+        for _ in range(3):
+            pulls = u - hangs(z) * abs(side)
+            if sign == 0 and abs(pulls) > 0.4:
+                sign = np.sign(pulls)
+            if side * pushes(z, u, (sign, side)) < 0.0:
+                side = 0
+                if z[1] == 0.0:
+                    sign = np.sign(u) * (abs(u) > 0.4)
+        return z, (sign, side)
+
+    def switch(z, u, state, hit):
+        if state is None:
+            side = -1 if u < 0 else 1
+            return settled(np.array([z[0], z[1], z[0] - side * gap, z[1]]), u, np.sign(z[1]), side)
+        sign, side = state
+        z = z.copy()
+        if hit == 0:
+            z[1], sign = 0.0, 0
+            z[3] = 0.0 if side else z[3]
+        elif hit == 1 and side:
+            side = 0
+        elif hit == 1:
+            side = np.sign(z[0] - z[2])
+            z[1] = z[3] = (motor * z[1] + load * z[3]) / 0.1
+            z[2], sign = z[0] - side * gap, np.sign(z[1])
+        return settled(z, u, sign, side)
+
+    margins = [
+        lambda z, u, state: state[0] * z[1] if state[0] else 1.0,
+        lambda z, u, state: state[1] * pushes(z, u, state) if state[1] else gap - abs(z[0] - z[2]),
+    ]
+    return model, {"torque": u}, integrated(
+        slope, (0.1, 0.2, 0.1, 0.2), T, u, margins, switch)[:, 2]  # fmt: skip
+
+
+def of_spring():
+    """A motor that sticks, and its load on a spring behind a gap."""
+    u, gap = staircase(7, 3.0), 0.01
+    model = models.joint(inertia=0.1, load_share=0.4, viscous=0.2, coulomb=0.4, backlash=2 * gap,
+                         compliance=0.01, damping_ratio=0.1, reads="load angle")  # fmt: skip
+    damping = 2.0 * 0.1 * np.sqrt(100.0 * 0.04 * 0.06 / 0.1)
+
+    def twist(z, side):
+        return 100.0 * (z[0] - z[2] - side * gap) + damping * (z[1] - z[3]) if side else 0.0
+
+    def slope(z, u, state):
+        sign, side = state
+        moment = twist(z, side)
+        a = (u - 0.2 * z[1] - 0.4 * sign - moment) / 0.06 if sign else 0.0
+        return [z[1] * abs(sign), a, z[3], moment / 0.04]
+
+    def switch(z, u, state, hit):
+        z = z.copy()
+        if state is None:
+            state = np.sign(z[1]), -1 if u < 0 else 1
+            z[2] = z[0] - state[1] * gap
+        sign, side = state
+        if hit == 0:
+            z[1], sign = (0.0, 0) if sign else (0.0, np.sign(u - twist(z, side)))
+        elif hit == 1:
+            side = 0 if side else np.sign(z[0] - z[2])
+        if sign == 0 and abs(u - twist(z, side)) > 0.4:
+            sign = np.sign(u - twist(z, side))
+        return z, (sign, side)
+
+    margins = [
+        lambda z, u, s: s[0] * z[1] if s[0] else 0.4 - abs(u - twist(z, s[1])),
+        lambda z, u, s: (s[1] * (z[0] - z[2]) - gap) * (1 if s[1] else -1)
+        if s[1] else gap - abs(z[0] - z[2]),
+    ]  # fmt: skip
+    return model, {"torque": u}, integrated(
+        slope, (0.1, 0.2, 0.1, 0.2), T, u, margins, switch)[:, 2]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "case", [of_joint, of_axis, of_pendulum, of_oscillator, of_heater, of_backlash, of_spring]
+)
+def test_readings_are_those_of_another_integrator(case):
+    model, inputs, expected = case()
+    start = {"start_position": 0.1, "start_speed": 0.2}
+    if "power" in inputs:
+        start = {"start_temperature": 20.0}
+    found = model.simulate(T, inputs, **start)
+    assert np.ptp(expected) > 1e-2
+    assert found == pytest.approx(expected, abs=1e-6 * np.ptp(expected))
+
+
+def test_many_vectors_are_each_its_own_and_what_cannot_be_computed_is_nan():
+    torque = staircase(8, 2.0)
+    log = Series(T, 0.0 * T, {"torque": np.stack([torque, 0.5 * torque])[0]}, sd=1.0)
+    joint = models.joint(inertia=0.1)
+    rows = {"coulomb": [0.1, 0.4, 0.4], "backlash": [0.0, 0.0, 0.02], "gravity": [0.3, 0.0, 0.0]}
+    made = joint(log, {name: np.array(row)[:, None] for name, row in rows.items()})
+    for k, row in enumerate(made):
+        alone = {name: values[k] for name, values in rows.items()}
+        assert np.array_equal(row, joint.simulate(T, {"torque": torque}, **alone))
+    # Two vectors of an input, as where a cause acts on it.
+    seen = log.with_inputs({"torque": np.stack([torque, 0.5 * torque])})
+    assert np.array_equal(joint(seen, {})[1], joint.simulate(T, {"torque": 0.5 * torque}))
+    stiff = models.pendulum(length=1e-9).simulate(T, start_position=0.1)
+    assert np.isnan(stiff[1:]).all()
+    runaway = models.oscillator(mass=1.0, stiffness=1.0, cubic_stiffness=-5.0)
+    assert np.isnan(runaway.simulate(10.0 * T, start_position=3.0)[-1])
+
+
+def test_uneven_clocks_have_exact_steps():
+    t = np.sort(random(9).uniform(0.0, 2.0, 200))
+    start = 3.0 * np.exp(-0.5 * t[0])
+    for friction in (0.0, 0.05):
+        joint = models.joint(inertia=0.1, viscous=0.05, coulomb=friction)
+        found = joint.simulate(t, start_speed=start)
+        rest = 10.0 * friction / 0.5
+        moving = (start + rest) * np.exp(-0.5 * (t - t[0])) - rest
+        assert found == pytest.approx(np.maximum(moving, 0.0), abs=1e-12)
+
+
+# What is hidden is found, by the least that a user writes.
+
+LESS = ["stribeck", "quadratic", "viscous_asymmetry", "asymmetry", "compliance"]
+HIDDEN = {
+    "dead zone": (
+        models.axis(mass=2.0, gain=3.0, viscous=4.0, dead_zone=0.4, reads="speed"),
+        models.axis(mass=2.0, gain=(3.0, 0.1), viscous=(4.0, 0.5), reads="speed",
+                    without=[*LESS, "backlash"]),
+        {"command": staircase(1, 2.0, count=150)}, 0.02, 0.01, "dead_zone", {},
+    ),
+    "convection": (
+        models.thermal(capacity=200.0, loss=2.0, loss_growth=0.05),
+        models.thermal(capacity=(200.0, 10.0), loss=(2.0, 0.2), without=["heater_capacity"]),
+        {"power": np.abs(staircase(2, 90.0, count=100))}, 2.0, 0.1, "loss_growth",
+        {"start_temperature": 5.0},
+    ),
+    "backlash": (
+        models.joint(inertia=0.1, viscous=0.2, backlash=0.1, reads="angle"),
+        models.joint(inertia=(0.1, 0.002), viscous=(0.2, 0.05), reads="angle",
+                     without=[*LESS, "gravity"]),
+        {"torque": staircase(3, 1.0, count=150)}, 0.02, 0.003, "backlash", {},
+    ),
+    "drag": (
+        models.pendulum(length=0.5, viscous=0.1, quadratic=0.3),
+        models.pendulum(length=(0.5, 0.01), viscous=(0.1, 0.05), without=["slow sensor"]),
+        {}, 0.05, 0.01, "quadratic", {"start_position": 1.0},
+    ),
+    "hardening": (
+        models.oscillator(mass=1.0, stiffness=40.0, viscous=0.3, cubic_stiffness=300.0),
+        models.oscillator(mass=1.0, stiffness=(40.0, 2.0), viscous=(0.3, 0.1),
+                          without=["cubic_damping", "slow sensor"]),
+        {}, 0.03, 0.003, "cubic_stiffness", {"start_position": 0.2},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "hidden",
+    [
+        pytest.param(each, marks=[] if each == "convection" else [pytest.mark.nightly])
+        for each in HIDDEN
+    ],
+)
+def test_a_hidden_effect_is_named_with_its_size(hidden):
+    true, model, inputs, step, noise, name, start = HIDDEN[hidden]
+    t = step * np.arange(len(next(iter(inputs.values()), range(100))))
+    y = true.simulate(t, inputs, **start) + noise * random(9).standard_normal(len(t))
+    result = diagnose_model(model, Series(t, y, inputs, unit=true.unit))
+    assert (result.verdict.kind, result.verdict.causes) == ("named", (name,))
+    low, high = result.conf_int(0.998).loc[name, ["low", "high"]]
+    assert low < true.known[name] < high
+
+
+def test_a_model_takes_more_causes_and_less_and_is_kept_with_its_diagnosis():
+    t = 0.02 * np.arange(120)
+    torque = staircase(10, 1.0, count=120)
+    speed = models.joint(inertia=0.1, viscous=0.2).simulate(t, {"torque": torque})
+    noise = 0.01 * random(11).standard_normal(120)
+    log = Series(t, speed + 0.3 * (t > 1.1) + noise, {"torque": torque}, unit="rad/s")
+    every = models.joint(inertia=0.1).terms(log)[1]
+    less = [each.name for each in every if each.name not in ("coulomb", "viscous")]
+    joint = models.joint(inertia=(0.1, 0.002), viscous=(0.2, 0.05), without=less)
+    slips = events.step(0.3, 0.0, 2.4, unit="rad/s", name="slip")
+    result = diagnose_model(joint, log, causes=[slips])
+    assert [each.name for each in result.problem.causes if each.read or each.parameters] == [
+        "coulomb", "slip"]  # fmt: skip
+    assert result.verdict.causes == ("slip",)
+    again = pickle.loads(pickle.dumps(result))
+    assert np.array_equal(again.predict(log), result.predict(log))
+
+
+def test_what_is_stated_is_a_constant_and_what_is_not_is_a_cause():
+    log = Series(T, np.sin(T), {"torque": np.cos(T)})
+    joint = models.joint(inertia=Prior("log-normal", 0.1, 1.3), coulomb=(0.2, 0.1), viscous=0.3,
+                         stribeck=(0.1, 0.05), without=["gravity"])  # fmt: skip
+    uncertain, causes = joint.terms([log, log.named("other")])
+    assert [each.name for each in uncertain] == [
+        "inertia", "coulomb", "stribeck", "stribeck_speed", "start_speed"]  # fmt: skip
+    names = {each.name for each in causes}
+    assert {"late torque", "slow torque", "slow sensor", "backlash", "load"} <= names
+    assert not {"viscous", "coulomb", "stribeck", "gravity"} & names
+    # A free record has no torque that could be late, and gravity asks for a start angle.
+    free = models.joint(inertia=0.1).terms(Series(T, np.sin(T)))
+    assert "late torque" not in {each.name for each in free[1]}
+    assert {"start_position", "start_speed"} <= {each.name for each in free[0]}
+
+
+@pytest.mark.parametrize("name", FACTORIES)
+def test_every_term_is_in_the_docstring_and_acts(name):
+    make, least = FACTORIES[name], LEAST[name]
+    model = make(**least)
+    assert isinstance(model.kind, Kind)
+    text = inspect.getdoc(make)
+    rng = random(20)
+    inputs = {key: rng.uniform(-1.0, 1.0, len(T)) for key in model.kind.inputs}
+    states = {key: 0.3 for key, _ in model.kind.states}
+    dull = {"load_share", "damping_ratio", "stribeck_speed", "coupling", "ambient"}
+    base = model.simulate(T, inputs, **states)
+    for key, term in model.kind.every.items():
+        assert key in text
+        if key not in dull:
+            value = {"saturation": 0.5, "stribeck_speed": 1.0}.get(key, 0.11)
+            more = {"stribeck_speed": 1.0} if key == "stribeck" else {"coupling": 1.0}
+            more = more if term.shape else {}
+            changed = make(**least).simulate(T, inputs, **{**states, key: value, **more})
+            assert not np.array_equal(changed, base), key
+
+
+LOG = Series(T, T, {"torque": T}, unit="rad/s")
+BAD = {
+    "a constant that is missing": (lambda: models.joint(), "joint: inertia is missing.*kg m"),
+    "no such term": (lambda: models.joint(inertia=1, colomb=1), 'no colomb; did you mean'),
+    "a negative constant": (lambda: models.axis(mass=-1.0), "mass = -1.0: allowed is a value"),
+    "a negative size": (lambda: models.joint(inertia=1.0, viscous=-1.0), "viscous = -1.0.*from 0"),
+    "no number": (lambda: models.joint(inertia="1 kg"), 'joint: inertia = "1 kg": allowed is'),
+    "no error": (lambda: models.joint(inertia=(1.0, 0.0)), "joint: inertia: sd = 0"),
+    "no reading": (lambda: models.axis(mass=1.0, reads="angle"), "reads = .angle.*position or"),
+    "a text": (lambda: models.axis(mass=1.0, without="load"), "without = .load.: allowed is"),
+    "no such cause": (
+        lambda: models.joint(inertia=1.0, without=["wind"]).terms(LOG), "without = wind: allowed"),
+    "another unit": (
+        lambda: models.axis(mass=1.0).terms(LOG), "series: unit = .rad/s.: allowed is m"),
+    "another input": (
+        lambda: models.joint(inertia=1.0).terms(Series(T, T, {"torqe": T})),
+        'input torqe: a joint has torque .N m.; did you mean "torque"'),
+    "a table": (
+        lambda: models.joint(inertia=1.0).terms(Table({"t": T}, T)), "joint: data = .*a Series"),
+    "no value": (lambda: models.joint(inertia=1.0).simulate(T, lod=1.0), "no lod; did you mean"),
+    "no parameters": (lambda: diagnose_model(lambda table, p: T, LOG), "uncertain: allowed is"),
+    "no function": (lambda: models.vectorised(3), "vectorised = 3: allowed is a function"),
+    "an uneven clock": (lambda: models.low_pass(T**2, T, 1.0), "t: row 1 = .*even step"),
+    "a fast cutoff": (lambda: models.low_pass(T, T, 60.0), "cutoff = 60.0: .* below 50 Hz"),
+    "no derivative": (lambda: models.low_pass(T, T, 1.0, derivatives=3), "derivatives = 3"),
+    "a short row": (lambda: models.low_pass(T[:5], T[:5], 1.0), "t: 5 times; allowed are 12"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", BAD)
+def test_bad_input_is_refused_in_one_line(what):
+    call, text = BAD[what]
+    with pytest.raises(ScenarioError, match=text) as error:
+        call()
+    assert "\n" not in str(error.value)
+
+
+def test_a_model_of_one_vector_is_asked_for_one_after_another():
+    def one(record, p):
+        assert isinstance(p["rate"], float)
+        return p["start"] * np.exp(-p["rate"] * record.t) + record["u"]
+
+    log = Series(T, T, {"u": T}, sd=1.0)
+    seen = log.with_inputs({"u": np.stack([T, 2.0 * T])})
+    p = {"start": np.array([[1.0], [2.0]]), "rate": np.array([[0.5], [0.7]])}
+    found = models.vectorised(one)(seen, p)
+    assert np.array_equal(found, [np.exp(-0.5 * T) + T, 2.0 * np.exp(-0.7 * T) + 2.0 * T])
+
+
+def test_a_low_pass_comes_at_no_time_late_and_leaves_half_of_the_power_at_its_cutoff():
+    t = 0.001 * np.arange(4000)
+    for frequency, kept in ((0.5, 1.0), (10.0, np.sqrt(0.5)), (100.0, 0.0)):
+        wave = np.sin(2.0 * np.pi * frequency * t)
+        inner = slice(500, 3500)
+        assert models.low_pass(t, wave, 10.0)[inner] == pytest.approx(kept * wave[inner], abs=0.01)
+    slow = models.low_pass(t, np.sin(t), 10.0, derivatives=1)[500:3500]
+    assert slow == pytest.approx(np.cos(t[500:3500]), abs=1e-5)
+    faster = models.low_pass(t, np.sin(t), 10.0, derivatives=2)[500:3500]
+    assert faster == pytest.approx(-np.sin(t[500:3500]), abs=1e-4)
