@@ -520,6 +520,9 @@ BAD = {
         'input torqe: a joint has torque .N m.; did you mean "torque"'),
     "a table": (
         lambda: models.joint(inertia=1.0).terms(Table({"t": T}, T)), "joint: data = .*a Series"),
+    "no record": (
+        lambda: models.joint(inertia=1.0)(Table({"t": T}, T), {}), "joint: data = .*a Series"),
+    "no data": (lambda: models.joint(inertia=1.0).terms([]), "joint: data = .*a Series"),
     "no value": (lambda: models.joint(inertia=1.0).simulate(T, lod=1.0), "no lod; did you mean"),
     "no parameters": (lambda: diagnose_model(lambda table, p: T, LOG), "uncertain: allowed is"),
     "no function": (lambda: models.vectorised(3), "vectorised = 3: allowed is a function"),

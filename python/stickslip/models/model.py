@@ -194,6 +194,7 @@ class Model(OneLine):
     smooth: bool = False
 
     def __call__(self, record: Series, p: Mapping[str, Array]) -> Array:
+        self._check_record(record)
         given = {name: np.atleast_2d(record[name]) for name in self.kind.inputs
                  if name in record.inputs}  # fmt: skip
         vectors = max((len(each) for each in (*p.values(), *given.values())), default=1)
@@ -248,8 +249,8 @@ class Model(OneLine):
         """
         kind = self.kind
         records = data if isinstance(data, Sequence) else [data]
-        if not records or not all(isinstance(each, Series) for each in records):
-            raise ScenarioError(f"{kind.name}: data = {brief(data)}: allowed is a Series or a list")
+        if not records:
+            raise ScenarioError(f"{kind.name}: data = []: allowed is a Series or a list of them")
         for each in records:
             self._check_record(each)
         scales = self._scales(records)
@@ -321,8 +322,11 @@ class Model(OneLine):
         made["time"] = made["length"] / made["speed"]
         return made
 
-    def _check_record(self, record: Series) -> None:
+    def _check_record(self, record: Any) -> None:
         unit, known = self.unit, self.kind.inputs
+        if not isinstance(record, Series):
+            allowed = "a Series or a list of them"
+            raise ScenarioError(f"{self.kind.name}: data = {brief(record)}: allowed is {allowed}")
         if record.unit not in ("-", unit, *_SAME.get(unit, ())):
             refuse(f"{record.at}unit", record.unit, f"{unit}, which a {self.kind.name} reads")
         for name in record.inputs:
