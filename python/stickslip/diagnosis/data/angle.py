@@ -11,7 +11,7 @@ from stickslip import _core
 from stickslip._util.numbers import Array, Indices
 from stickslip.diagnosis.data.errors import of_readings
 from stickslip.diagnosis.data.simulated import SimulatedTable
-from stickslip.diagnosis.terms.instruments import of_angles, read_by
+from stickslip.diagnosis.terms.instruments import of_angles
 from stickslip.errors import ScenarioError
 from stickslip.measurement.outliers import far_from_their_neighbours, free_of_bends
 from stickslip.scenario.scenario import Scenario
@@ -74,13 +74,9 @@ class AngleTable(SimulatedTable):
     def setting_unit(self, name: str) -> str:
         return "T"
 
-    def predict(self, names: Sequence[str], values: Array) -> Array:
-        """Angles as they are read, rad; NaN where values make no scenario."""
-        return read_by(
-            self.suspects, names, values,
-            lambda keys, own: _core.static_tilts(self._base, list(keys), own, self.fields),
-            self,
-        )  # fmt: skip
+    def physics(self, names: Sequence[str], values: Array) -> Array:
+        """Angles, rad; NaN where values make no scenario."""
+        return _core.static_tilts(self._base, list(names), values, self.fields)
 
     def _sound(self, rows: Array) -> Array:
         """Rows of Bx, Bz and theta within half a turn."""

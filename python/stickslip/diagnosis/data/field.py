@@ -13,7 +13,7 @@ from stickslip._util.units import far_size
 from stickslip.diagnosis.data.angle import refuse_larger
 from stickslip.diagnosis.data.errors import FEWEST, of_readings
 from stickslip.diagnosis.data.simulated import SimulatedTable
-from stickslip.diagnosis.terms.instruments import of_fields, read_by
+from stickslip.diagnosis.terms.instruments import of_fields
 from stickslip.errors import ScenarioError
 from stickslip.measurement.outliers import far_from_a_fit
 from stickslip.scenario.keys import COIL_NAMES
@@ -86,19 +86,15 @@ class FieldTable(SimulatedTable):
     def setting_unit(self, name: str) -> str:
         return "m" if name in _PLACE else "A"
 
-    def predict(self, names: Sequence[str], values: Array) -> Array:
+    def physics(self, names: Sequence[str], values: Array) -> Array:
         """Bx, By, Bz of each condition one after another, T.
 
         NaN for a geometry that puts a wire on a probe.
         """
-
-        def physics(keys: Sequence[str], own: Array) -> Array:
-            seen = _core.probe_readings(self._base, list(keys), own, self.points, self.currents)
-            seen = seen.reshape(len(own), -1)
-            seen[np.isnan(seen).any(axis=1)] = np.nan
-            return seen
-
-        return read_by(self.suspects, names, values, physics, self)
+        seen = _core.probe_readings(self._base, list(names), values, self.points, self.currents)
+        seen = seen.reshape(len(values), -1)
+        seen[np.isnan(seen).any(axis=1)] = np.nan
+        return seen
 
     def _changes(self, y: Array) -> Iterator[tuple[Array, str, str]]:
         yield from super()._changes(y)

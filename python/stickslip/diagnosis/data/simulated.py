@@ -9,6 +9,7 @@ from stickslip._util.numbers import Array
 from stickslip._util.units import handy
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.instruments import read_by
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.scenario.keys import known_keys
 from stickslip.simulation.note import Note
@@ -42,6 +43,10 @@ class SimulatedTable(Table):
         `names` are scenario keys and parameters of `nuisance` and `suspects`; `values` have the
         shape (vectors, names).
         """
+        return read_by(self.suspects, names, values, self.physics, self)
+
+    def physics(self, names: Sequence[str], values: Array) -> Array:
+        """What a perfect instrument reads, for values of scenario keys."""
         raise NotImplementedError
 
     def low_fidelity(self, names: Sequence[str], values: Array) -> Array:

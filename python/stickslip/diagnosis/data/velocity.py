@@ -162,9 +162,9 @@ class VelocityTable(SimulatedTable):
         own = {k: v for k, v in self.conditions[condition].items() if k.startswith("drive.")}
         return [{**own, f"drive.{over}": place} for place in places.tolist()]
 
-    def predict(self, names: Sequence[str], values: Array) -> Array:
-        """Velocities as they are read, m/s; NaN where a run is refused."""
-        return self._read(self.conditions, names, values)
+    def physics(self, names: Sequence[str], values: Array) -> Array:
+        """Velocities, m/s; NaN where a run is refused."""
+        return self.velocities(self.conditions, names, values)
 
     def low_fidelity(self, names: Sequence[str], values: Array) -> Array:
         """By fewer pulses and a loose tolerance."""
@@ -172,7 +172,7 @@ class VelocityTable(SimulatedTable):
             {**each, "solver.rtol": TOLERANCES[0], "drive.pulses": min(count, _FEW_PULSES)}
             for each, count in zip(self.conditions, map(self._pulses, self.conditions), strict=True)
         ]
-        return self._read(loose, names, values)
+        return self.readings(loose, names, values)
 
     def velocities(self, conditions: Conditions, names: Sequence[str], values: Array) -> Array:
         """Mean velocities at any conditions, m/s, shape (vectors, conditions).
@@ -195,7 +195,8 @@ class VelocityTable(SimulatedTable):
         velocity = np.where(columns["status"] == 0, columns["mean_velocity"], np.nan)
         return np.asarray(velocity.reshape(vectors, count), dtype=float)
 
-    def _read(self, conditions: Conditions, names: Sequence[str], values: Array) -> Array:
+    def readings(self, conditions: Conditions, names: Sequence[str], values: Array) -> Array:
+        """The same as they are read; `names` may be parameters of `suspects` too."""
         return read_by(
             self.suspects, names, values,
             lambda keys, own: self.velocities(conditions, keys, own), self,

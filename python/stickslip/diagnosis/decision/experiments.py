@@ -320,20 +320,25 @@ def advice(names: Mapping[str, str], experiments: Sequence[Experiment]) -> list[
 
 
 # ---------------------------------------------------------------- tables of drives
-def setting_columns(measurement: Measurement) -> list[str]:
-    """Bare names of the settings of a table of drives to measure next.
-
-    Those that proposals vary, and those in which a measured drive differs from the scenario. What
-    is proposed after further trials has the same ones.
-    """
-    changed = {
+def changed_settings(measurement: Measurement) -> set[str]:
+    """Dotted keys in which a measured drive differs from the scenario."""
+    return {
         key
         for data in measurement.velocity
         for drive in data.conditions
         for key, value in drive.items()
         if value != measurement.scenario.get(key)
     }
-    return [key.removeprefix("drive.") for key in [*CHOICES, *sorted(changed.difference(CHOICES))]]
+
+
+def setting_columns(measurement: Measurement) -> list[str]:
+    """Bare names of the settings of a table of drives to measure next.
+
+    Those that proposals vary, and those in which a measured drive differs from the scenario. What
+    is proposed after further trials has the same ones.
+    """
+    changed = changed_settings(measurement).difference(CHOICES)
+    return [key.removeprefix("drive.") for key in [*CHOICES, *sorted(changed)]]
 
 
 def trial_table(

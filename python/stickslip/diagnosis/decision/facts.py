@@ -24,7 +24,6 @@ from stickslip.diagnosis.decision.verdict import Verdict
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.responses import Response
 from stickslip.diagnosis.fitting.search import Models
-from stickslip.diagnosis.terms.instruments import read_by
 from stickslip.diagnosis.terms.words import Words
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
@@ -72,18 +71,7 @@ class Findings(OneLine):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Facts:
-    """What was found in which data, and what follows from it.
-
-    Attributes
-    ----------
-    findings : Findings
-    measurement : Measurement, optional
-        What was diagnosed; none for a model of one's own.
-    notes : tuple of Note
-        What a reader should know beside the verdict.
-    forward : callable, optional
-        Of a model of one's own, to predict at new conditions; see `Forward`.
-    """
+    """What was found in which data, and what follows from it; see `Diagnosis`."""
 
     findings: Findings
     measurement: Measurement | None = None
@@ -417,10 +405,7 @@ class Facts:
         """Velocities of any drives as they are read, m/s."""
         table, names = self._velocity, self.problem.names
         at = table.own_columns(names)
-        return read_by(
-            table.suspects, [names[k] for k in at], values[:, at],
-            lambda keys, rest: table.velocities(drives, keys, rest), table,
-        )  # fmt: skip
+        return table.readings(drives, [names[k] for k in at], values[:, at])
 
     @cached_property
     def _rivals(self) -> tuple[list[Candidate], list[tuple[int, int]]]:

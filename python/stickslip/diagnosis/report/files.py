@@ -25,6 +25,7 @@ from stickslip._util.files import check_folder, sha256_of, text_writer, write_to
 from stickslip._util.html import page_text, svg
 from stickslip._util.palette import BLUE, DARK_GREY, VERMILION
 from stickslip._util.text import json_text
+from stickslip.diagnosis.decision.experiments import changed_settings
 from stickslip.diagnosis.decision.facts import Facts
 from stickslip.diagnosis.report.numbers import numbers_of
 from stickslip.diagnosis.report.pictures import Plots, drawing
@@ -144,15 +145,9 @@ def _comments(facts: Facts, measurement: Measurement, extended: Scenario) -> lis
         and extended.get(key) != measurement.scenario.get(key)
     ]
     drive = "[drive] is that of the scenario as it was given"
-    differs = {
-        key.removeprefix("drive.")
-        for each in measurement.velocity
-        for condition in each.conditions
-        for key, value in condition.items()
-        if value != measurement.scenario.get(key)
-    }
+    differs = [key.removeprefix("drive.") for key in sorted(changed_settings(measurement))]
     if differs:
-        drive += f"; the measurements set {', '.join(sorted(differs))}"
+        drive += f"; the measurements set {', '.join(differs)}"
     return [*lines, *(changed or ["nothing is changed"]), drive]
 
 

@@ -211,26 +211,31 @@ def _beside(facts: Facts) -> list[str]:
     return [facts.words.title(each) if each != "none" else "nothing else" for each in rest]
 
 
-def _sizes(facts: Facts, candidate: Candidate) -> dict[str, dict[str, dict[str, Any]]]:
-    """Parameters of each cause of a candidate with their errors, by full name."""
-    rows, ends = candidate.params.to_dict("index"), candidate.interval(0.95).to_dict("index")
-    constants = {each.name: each for each in facts.problem.constants}
+def _rows(facts: Facts, candidate: Candidate) -> dict[str, dict[str, Any]]:
+    """The parameters of a candidate by full name, with 95 % and their words."""
+    ends = candidate.interval(0.95).to_dict("index")
     known = {each.name: each for each in facts.problem.parameters}
-    found: dict[str, dict[str, dict[str, Any]]] = {}
-    for cause in candidate.fit.causes:
-        names = [each.name for each in cause.parameters]
-        if not names and cause.frees is not None:
-            names = [cause.frees]
-        found[cause.name] = {
-            k: {
-                **rows[k], **ends[k], "before": facts.words.before(known[k]),
-                "title": facts.words.parameter(k),
-            }
-            for k in names
-        }  # fmt: skip
-        for each in constants.keys() & set(names):
-            found[cause.name][each]["stated"] = float(constants[each].value(np.zeros(1))[0])
+    found: dict[str, dict[str, Any]] = {
+        name: {
+            **row, **ends[name], "before": facts.words.before(known[name]),
+            "title": facts.words.parameter(name),
+        }
+        for name, row in candidate.params.to_dict("index").items()
+    }  # fmt: skip
+    for each in facts.problem.constants:
+        middle = each.prior is not None and each.prior.has_middle
+        found[each.name]["stated"] = float(each.value(np.zeros(1))[0]) if middle else None
     return found
+
+
+def _sizes(facts: Facts, candidate: Candidate) -> dict[str, dict[str, dict[str, Any]]]:
+    """Parameters of each cause of a candidate, or the constant that it frees."""
+    rows = _rows(facts, candidate)
+    return {
+        cause.name: {name: rows[name] for name in names or [str(cause.frees)]}
+        for cause in candidate.fit.causes
+        for names in [[each.name for each in cause.parameters]]
+    }
 
 
 def _told(facts: Facts, candidate: Candidate) -> dict[str, Any]:
@@ -284,21 +289,12 @@ def _odds(facts: Facts, one: str, other: str) -> float:
 
 def _recalibrated(facts: Facts) -> dict[str, Any]:
     """Each constant in both models."""
-    rows = facts.recalibrated.params.to_dict("index")
-    ends = facts.recalibrated.interval(0.95).to_dict("index")
+    rows = _rows(facts, facts.recalibrated)
     extended = {} if facts.verdict.fit is None else facts.best.params.to_dict("index")
-    found = {}
-    for each in facts.problem.constants:
-        name = each.name
-        middle = each.prior is not None and each.prior.has_middle
-        found[name] = {
-            **rows[name], **ends[name],
-            "title": facts.words.parameter(name), "before": facts.words.before(each),
-            "stated": float(each.value(np.zeros(1))[0]) if middle else None,
-            "extended": extended.get(name, {}).get("value"),
-            "pull_extended": extended.get(name, {}).get("pull"),
-        }  # fmt: skip
-    return found
+    for name, row in rows.items():
+        own = extended.get(name, {})
+        row |= {"extended": own.get("value"), "pull_extended": own.get("pull")}
+    return rows
 
 
 def _moved(facts: Facts) -> dict[str, Any] | None:
