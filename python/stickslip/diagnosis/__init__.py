@@ -1,7 +1,7 @@
 """From measured data to a named cause, an extended model and a measured gain.
 
 `data` are tables with their errors, `terms` what may be in a model, `fitting` the problem, its
-discrepancy and the fits of models, `decision` the verdict; `report` shows it.
+discrepancy and the fits of models, `decision` the verdict and all `Facts`; `report` shows them.
 """
 
 from __future__ import annotations

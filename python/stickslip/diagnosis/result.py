@@ -12,7 +12,7 @@ from stickslip._util.html import ShownBySummary
 from stickslip._util.messages import refuse
 from stickslip._util.text import printable
 from stickslip.diagnosis.decision.facts import Facts
-from stickslip.diagnosis.report import files
+from stickslip.diagnosis.report.files import notebook, save, save_figures
 from stickslip.diagnosis.report.numbers import numbers_of, summary_text
 from stickslip.diagnosis.report.pictures import Plots
 
@@ -48,7 +48,7 @@ class Diagnosis(Facts, ShownBySummary):
         return summary_text(self.as_dict())
 
     def _repr_html_(self) -> str:
-        return files.notebook(self.as_dict())
+        return notebook(self.as_dict())
 
     @property
     def plot(self) -> Plots:
@@ -75,7 +75,7 @@ class Diagnosis(Facts, ShownBySummary):
         """
         if not isinstance(folder, str | PathLike):
             refuse("folder", folder, "a path")
-        files.save(self, folder, title)
+        save(self, folder, title)
 
     def save_figures(
         self, folder: str | PathLike[str], formats: Sequence[str] = ("svg", "pdf")
@@ -94,4 +94,4 @@ class Diagnosis(Facts, ShownBySummary):
         """
         if not isinstance(folder, str | PathLike):
             refuse("folder", folder, "a path")
-        return files.save_figures(self, Path(folder), formats)
+        return save_figures(self, Path(folder), formats)

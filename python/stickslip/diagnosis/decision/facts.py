@@ -151,6 +151,12 @@ class Facts:
         return self.recalibrated if fit is None else Candidate(fit, self.findings.models)
 
     @property
+    def candidates(self) -> dict[str, Candidate]:
+        """`recalibrated` and, where there is one, `extended`; none for the verdict data-problem."""
+        found = {"recalibrated": self.recalibrated} if self.fitted else {}
+        return found if self.verdict.fit is None else found | {"extended": self.best}
+
+    @property
     def params(self) -> DataFrame:
         """Parameters of the extended model, or the recalibrated one; see `Candidate.params`.
 
@@ -227,10 +233,7 @@ class Facts:
         """
         self._refuse_without_models("predict")
         at, settings = self._conditions(conditions)
-        models = {"recalibrated": self.recalibrated}
-        if self.verdict.fit is not None:
-            models["extended"] = self.best
-        for name, each in models.items():
+        for name, each in self.candidates.items():
             made = self._predicted(each, at)
             sd = np.sqrt(np.diag(spread_of(made)))
             settings |= {name: made[0].tolist(), f"{name}_sd": sd.tolist()}

@@ -527,15 +527,13 @@ def _experiments(facts: Facts) -> list[dict[str, Any]]:
 
 def predictions(facts: Facts) -> dict[str, Array]:
     """All readings as the stated, the recalibrated and the extended model have them, (n,)."""
-    found: dict[str, Array] = {}
-    if facts.fitted:
-        problem = facts.problem
-        stated = problem.residuals(np.zeros((1, problem.size)))[0]
-        found["stated"] = np.where(stated == LOST * problem.sd, np.nan, problem.y - stated)
-        found["recalibrated"] = problem.y - facts.recalibrated.fit.residual
-        if facts.verdict.fit is not None:
-            found["extended"] = problem.y - facts.verdict.fit.residual
-    return found
+    if not facts.fitted:
+        return {}
+    problem = facts.problem
+    left = problem.residuals(np.zeros((1, problem.size)))[0]
+    stated = np.where(left == LOST * problem.sd, np.nan, problem.y - left)
+    fitted = {name: problem.y - each.fit.residual for name, each in facts.candidates.items()}
+    return {"stated": stated, **fitted}
 
 
 def _conditions(facts: Facts) -> list[dict[str, Any]]:
@@ -561,14 +559,11 @@ def _conditions(facts: Facts) -> list[dict[str, Any]]:
 def _channels(facts: Facts) -> dict[str, Any]:
     """Each table: its readings, its errors, and how far both models miss it."""
     problem, found = facts.problem, {}
-    fits = {"recalibrated": facts.recalibrated.fit} if facts.fitted else {}
-    if facts.verdict.fit is not None:
-        fits["extended"] = facts.verdict.fit
     for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
         errors = problem.errors[k]
         chi2 = {
-            name: float(problem.chi2_of_tables(fit.residual[None, :])[k, 0]) / len(table.mean)
-            for name, fit in fits.items()
+            name: float(problem.chi2_of_tables(each.fit.residual[None, :])[k, 0]) / len(table.mean)
+            for name, each in facts.candidates.items()
         }  # fmt: skip
         found[problem.table_names[k]] = {
             "title": problem.titles[k], "readings": len(table.y),

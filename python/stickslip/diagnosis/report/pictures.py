@@ -25,7 +25,6 @@ from stickslip._util.units import handy, in_handy_units
 from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.data.settings import ROW
 from stickslip.diagnosis.data.table import Table
-from stickslip.diagnosis.decision.candidate import Candidate
 from stickslip.diagnosis.decision.facts import Facts
 from stickslip.diagnosis.report.numbers import law_of, predictions
 from stickslip.errors import ScenarioError
@@ -44,17 +43,9 @@ _BETWEEN, _SAME = 25, 0.3
 
 @dataclass(frozen=True)
 class Panel:
-    """Rows of a table in one picture: over which setting, and in which groups.
+    """Rows of a table in one picture over a setting, in groups by the others in words.
 
-    Attributes
-    ----------
-    title : str
-    over : str
-        Name of the setting.
-    groups : dict of ndarray
-        Rows of the problem, in the order of the setting, by the other settings in words.
-    markers : dict of str
-        Of the groups.
+    `groups` are rows of the problem in the order of the setting.
     """
 
     title: str
@@ -127,7 +118,7 @@ class Plots:
         names = self._facts.problem.names
         used = film.own_columns(names)
         traces = {}
-        for name, of in self._models.items():
+        for name, of in self._facts.candidates.items():
             seen = film.over_phase([names[k] for k in used], of.values()[0, used])
             if seen is None:
                 return None
@@ -192,21 +183,13 @@ class Plots:
 
     def main_table(self) -> int:
         """The table in which the cause improves the fit most, or most misfit is left."""
-        problem, models = self._facts.problem, list(self._models.values())
+        problem, models = self._facts.problem, list(self._facts.candidates.values())
         if not models:
             return 0
         chi2 = [problem.chi2_of_tables(each.fit.residual[None, :])[:, 0] for each in models]
         fall = chi2[0] - chi2[1] if len(chi2) > 1 else chi2[0]
         drawable = [each.drawable for each in self._tables]
         return int(np.argmax(np.where(drawable, fall, -np.inf))) if any(drawable) else 0
-
-    @cached_property
-    def _models(self) -> dict[str, Candidate]:
-        facts = self._facts
-        if not facts.fitted:
-            return {}
-        found = {"recalibrated": facts.recalibrated}
-        return found | ({} if facts.verdict.fit is None else {"extended": facts.best})
 
     @cached_property
     def _predicted(self) -> dict[str, Array]:
@@ -246,7 +229,7 @@ class Plots:
             return at, {}
         known = np.searchsorted(places, at)
         found = {}
-        for name in self._models:
+        for name in facts.candidates:
             level, sd = made[name].to_numpy(), made[f"{name}_sd"].to_numpy()
             apart = np.abs(level[known] - self._predicted[name][rows])
             if not np.all(apart <= _SAME * facts.problem.sd[rows]):
