@@ -92,7 +92,12 @@ def number_row(value: float, unit: str) -> Row:
 
 RUNS = ("run", "law", "laws", "curve", "plane", "program", "events", "swept", "alike")
 STEPS = ("stepped", "bare steps", "rolled out", "modes", "apart", "points", "replaced")
-SPEEDS = [*((name, rtol) for name in RUNS for rtol in (1e-6, 1e-8)), *((n, 1e-8) for n in STEPS)]
+BATCHES = ("batch of 8", "batch of 24", "batch of 190")
+SPEEDS = [
+    *((name, rtol) for name in RUNS for rtol in (1e-6, 1e-8)),
+    *((name, rtol) for name in BATCHES for rtol in (1e-4, 1e-6)),  # of a draft and of a fit
+    *((name, 1e-8) for name in STEPS),
+]
 
 
 def speed(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:

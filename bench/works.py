@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 import stickslip
-from stickslip import Contact, Drive, Scenario, Waveform
+from stickslip import Contact, Drive, Scenario, Waveform, _core
 
 REFERENCE = Scenario(
     drive=Drive(mode="IPP", frequency=100.0, peak=2.5e-3, base=0.5e-3, hold=1e-3, pulses=100)
@@ -32,6 +32,7 @@ FREQUENCIES, PEAKS = np.linspace(5.0, 200.0, 40), np.linspace(1e-3, 6e-3, 25)
 GRID = {"drive.frequency": FREQUENCIES, "drive.peak": PEAKS}
 ALIKE = np.linspace(2.4e-3, 2.6e-3, 400)  # T, peaks of runs that differ little
 STEP = 1e-3  # s
+CONSTANTS = ["robot.mass", "robot.magnetization", "contact.kinetic_friction", "drag.rotational"]
 ONE_LAW = {"effects.stribeck_friction.velocity": 5e-3}
 THREE_LAWS = {
     **ONE_LAW,
@@ -120,6 +121,20 @@ def _alike(rtol: float) -> Answer:
     return _answer(stickslip.simulate_batch(batch, threads=1))
 
 
+@functools.cache
+def _constants(count: int) -> np.ndarray:
+    """Of as many robots, about the usual one."""
+    usual = [SWEPT.get(key) for key in CONSTANTS]
+    return usual * np.random.default_rng(count).normal(1.0, 0.05, (count, len(usual)))
+
+
+def _asked(rtol: float, count: int, pulses: int) -> Answer:
+    """What a descent of the diagnosis asks the core for: summaries of one drive."""
+    drive = with_solver(SWEPT.replace({"drive.pulses": pulses}), rtol).to_core()
+    columns, _ = _core.sweep(drive, CONSTANTS, _constants(count), 1, None)
+    return float(columns["simulated_time"].sum()), columns["mean_velocity"].tolist()
+
+
 def rows(steps: int) -> np.ndarray:
     """Voltages of a robot that walks, V, a row each millisecond."""
     made = np.zeros((steps, 5))
@@ -174,6 +189,14 @@ WORKS = {
     "long": Work(_changed({"drive.pulses": 20_000}, LASTING), "the same with 20 000 pulses"),
     "alike": Work(_alike, "a batch of 400 runs with other peaks", 400),
     "swept": Work(_swept, "a sweep over 40 frequencies and 25 peaks", 1000),
+    **{
+        f"batch of {count}": Work(
+            functools.partial(_asked, count=count, pulses=pulses),
+            f"{count} robots in one drive of {pulses} pulses, as a diagnosis asks for",
+            count,
+        )
+        for count, pulses in ((8, 20), (24, 10), (190, 4))
+    },
     "modes": Work(modes_swept, "a sweep over 40 frequencies and both modes", 80),
     "apart": Work(_apart, "the same runs one by one", 80),
     "points": Work(_points, "a sweep over 100 000 points of 1 ms without field", 100_000),

@@ -70,7 +70,7 @@ MUTATIONS = (
         "lanes.cpp",
         "            lane.run.enter(phase, numbers);\n",
         "            lane.run.enter(phase, numbers);\n"
-        "            if constexpr (kEffects) numbers.named.effects.adhesion.ageing_rate = 0.0;\n",
+        "if constexpr (kEffects) numbers.named.effects.adhesion.ageing_rate = 0.0;\n",
     ),
     Mutation(
         "packs",
@@ -78,7 +78,7 @@ MUTATIONS = (
         "lanes.cpp",
         "            lane.run.enter(phase, numbers);\n",
         "            lane.run.enter(phase, numbers);\n"
-        "            if constexpr (kEffects) numbers.named.effects.friction.patch_amplitude = 0.0;\n",
+        "if constexpr (kEffects) numbers.named.effects.friction.patch_amplitude = 0.0;\n",
     ),
     Mutation(
         "stepped",
