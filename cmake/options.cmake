@@ -10,7 +10,8 @@ set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 add_library(stickslip_options INTERFACE)
 
 # No -ffast-math: results must not depend on how the compiler reorders sums. No contraction to
-# fused multiply-add for the same reason: two machines, and two inlinings, must agree.
+# fused multiply-add for the same reason: the source says where (`fma`). No link-time optimisation:
+# the kernels of several processors have to stay apart.
 target_compile_options(stickslip_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion
   -ffp-contract=off
@@ -30,10 +31,4 @@ if(STICKSLIP_SANITIZE)
   target_compile_options(stickslip_options INTERFACE
     -fsanitize=${STICKSLIP_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_link_options(stickslip_options INTERFACE -fsanitize=${STICKSLIP_SANITIZE})
-endif()
-
-if(STICKSLIP_LTO)
-  include(CheckIPOSupported)
-  check_ipo_supported()
-  set(CMAKE_INTERPROCEDURAL_OPTIMIZATION ON)
 endif()

@@ -1,4 +1,4 @@
-"""Which steps are made is read from the environment, and no result depends on it."""
+"""The environment says which kernels make the steps; those with fused multiply-add agree."""
 
 import json
 import os
@@ -43,7 +43,8 @@ def some_runs():
 def velocities(**variables):
     """The kernel of a process with these variables, and its velocities together and alone."""
     folder = os.path.dirname(os.path.abspath(__file__))
-    environment = {**os.environ, **variables, "PYTHONPATH": os.pathsep.join([folder, *sys.path])}
+    own = {name: text for name, text in os.environ.items() if not name.startswith("STICKSLIP_")}
+    environment = {**own, **variables, "PYTHONPATH": os.pathsep.join([folder, *sys.path])}
     done = subprocess.run(
         [sys.executable, "-c", VELOCITIES],
         capture_output=True,

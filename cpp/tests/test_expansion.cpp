@@ -148,7 +148,7 @@ TEST_CASE("local field: about a near centre two orders are left out") {
         const double near_z = z + random.between(-part, part);
         field.rebase({near_x, near_z});
         const double angle = random.between(0.0, 2.0 * std::numbers::pi);
-        const double offset = random.between(0.0, 2e-5);
+        const double offset = random.between(0.0, 0.5 * LocalField::kReach);  // of the longest step
         const double there_x = near_x + offset * std::cos(angle);
         const double there_z = near_z + offset * std::sin(angle);
         const PlanarField found = field.at(0.5)(there_x, there_z);

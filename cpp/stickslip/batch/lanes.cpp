@@ -31,7 +31,7 @@ public:
         for (std::size_t place = 0; place < size_; ++place) {
             if (!(round.flagged >> place & 1u) || places_[place] == nullptr) continue;
             Lane& lane = *places_[place];
-            const Attempt found = finish(lane, place, round.to_end >> place & 1u);
+            const Attempt found = finish(lane, place, round.of(place));
             if (found == Attempt::step || found == Attempt::far_step) continue;
             const bool same = stay && found == Attempt::segment;
             const bool over = same && !lane.run.next_phase();
@@ -77,12 +77,12 @@ private:
     }
 
     // What only one run can do: accepts the attempt or not, looks for events.
-    Attempt finish(Lane& lane, std::size_t place, bool to_end) {
+    Attempt finish(Lane& lane, std::size_t place, const StepRound& round) {
         Attempt found = Attempt::step;
         with_phase(lane, [&](Phase& phase) {
             Numbers numbers;
             kernel_.take_attempt(memory_.data(), place, numbers);
-            found = lane.run.finish(phase, numbers, to_end);
+            found = lane.run.finish(phase, numbers, round);
             if (found == Attempt::segment || found == Attempt::phase) return;
             kernel_.put_going_on(memory_.data(), place, numbers);
             if (found == Attempt::far_step) kernel_.put_around(memory_.data(), place, numbers);

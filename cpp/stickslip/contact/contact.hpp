@@ -149,7 +149,7 @@ template <class Real>
     const Real arm = fnma(coefficient, pose.height, pose.lever);
     const Real effective = painleve_inertia(robot, pose, coefficient);
     const Real rest = fnma(robot.mass * ww, pose.height - pose.bend, adhesion - load.fz);
-    const Real per_effective = 1.0 / effective;  // known before the load
+    const Real per_effective = 1.0 / effective;  // computed while the load is on its way
     const Real alpha = (load.torque + fnma(arm, rest, pose.lever * adhesion)) * per_effective;
     const Real normal = fma(robot.mass * pose.lever, alpha, rest);
     const Real ax = fnma(coefficient, normal, load.fx) * robot.per_mass;

@@ -16,10 +16,7 @@ public:
     explicit FaceBase(const Frame& frame)
         : Base(frame), face_(Base::model().face(Base::quadrant())) {}
 
-    void rebase(const auto& y) { frame_.field().rebase(frame_.centre(middle(y), face_.height)); }
-    void recentre(const auto& y) {
-        frame_.field().recentre(frame_.centre(middle(y), face_.height));
-    }
+    auto place_of(const auto& y) const { return frame_.centre(middle(y), face_.height); }
     double angle(const auto&) const { return 0.0; }
     double omega(const auto&) const { return 0.0; }
     Place contact(const auto& y) const { return frame_.of_face(middle(y), face_); }

@@ -21,8 +21,7 @@
 ///   speed(y)           bound on the speed of the centre of mass
 ///   kRests             of a body that lies still: no error tells how long its steps may be
 ///   longest_step(y, rates)     of a slip in the whole plane, s
-///   rebase(y)          moves the field's near centre for the next step
-///   recentre(y)        moves its far one
+///   place_of(y)        where the field's expansion is to be: at the centre of mass
 ///   centre(y, pose)    the centre of mass, of a phase that packs have
 ///   angle, omega, slip_place, slip_speed(y)   what the summary watches
 ///   contact(y), slip(y)        place and velocity of what slips, to go on with
@@ -49,6 +48,7 @@ public:
 
     explicit PhaseBase(const Frame& frame) : frame_(frame) {}
 
+    auto& field() const { return frame_.field(); }
     Field field_at(Real tau) const { return frame_.field_at(tau); }
     bool outside() const { return frame_.field().outside(); }
     double reach() const { return frame_.field().reach(); }
@@ -150,8 +150,7 @@ public:
     auto centre(const State&, const PoseOf<Real>& pose) const {
         return Base::centre_behind(contact_, pose);
     }
-    void rebase(const State& y) { frame_.field().rebase(centre(y, dynamics().pose(y[0]))); }
-    void recentre(const State& y) { frame_.field().recentre(centre(y, dynamics().pose(y[0]))); }
+    auto place_of(const State& y) const { return centre(y, dynamics().pose(y[0])); }
     State begin(const BodyState& body) const { return {body.angle, body.omega}; }
     BodyState body(double tau, const State& y) const {
         return Base::body_on(tau, contact_, y[0], {}, y[1]);
@@ -239,10 +238,7 @@ public:
     auto centre(const State& y, const PoseOf<Real>& pose) const {
         return Base::centre_behind(contact(y), pose);
     }
-    void rebase(const State& y) { frame_.field().rebase(centre(y, dynamics().pose(y[kAngle]))); }
-    void recentre(const State& y) {
-        frame_.field().recentre(centre(y, dynamics().pose(y[kAngle])));
-    }
+    auto place_of(const State& y) const { return centre(y, dynamics().pose(y[kAngle])); }
     State begin(const BodyState& body) const {
         return gather<State>(contact_, body.angle, slide_.begin(), body.omega);
     }
@@ -362,8 +358,7 @@ public:
     auto centre(const State& y, const PoseOf<Real>&) const {
         return frame_.centre(place(y), y[kZ]);
     }
-    void rebase(const State& y) { frame_.field().rebase(centre(y, {})); }
-    void recentre(const State& y) { frame_.field().recentre(centre(y, {})); }
+    auto place_of(const State& y) const { return centre(y, {}); }
     State begin(const BodyState& body) const {
         return gather<State>(frame_.place(body.x, body.y), body.z, body.angle,
                              frame_.place(body.vx, body.vy), body.vz, body.omega);

@@ -105,7 +105,7 @@ PerCoil Circuit::field_lag() const {
 }
 
 void Circuit::set_currents(const PerCoil& currents, const PerCoil& field_lag) {
-    // Those that the voltages of these currents keep up.
+    // In steady state the modes are those of the voltages R I.
     PerCoil voltages;
     for (std::size_t k = 0; k < kCoilCount; ++k) voltages[k] = resistance_[k] * currents[k];
     mode_ = product(to_modes_, Eigen::Map<const Vector>(voltages.data()));

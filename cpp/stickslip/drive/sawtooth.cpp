@@ -9,6 +9,7 @@
 namespace stickslip {
 
 SurfaceDirection surface_direction(double angle) {
+    if (angle == 0.0) return {1.0, 0.0};  // asked for several times a run
     constexpr double kQuarter = 0.5 * std::numbers::pi;
     const double quarters = std::round(angle / kQuarter);
     const double rest = angle - quarters * kQuarter;

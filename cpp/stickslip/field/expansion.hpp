@@ -174,7 +174,7 @@ struct FurtherExponential {
 
     [[gnu::always_inline]] constexpr auto members() { return std::tie(basis, far, rate); }
 
-    /// Where there is no such exponential the terms are minus zero, which leaves the bits of a sum.
+    /// Where there is no such exponential the terms are minus zero: adding it changes no bit.
     static constexpr double kNothing = -0.0;
 
     [[gnu::always_inline]] void add(Real tau, ExpansionOf<Real, D>& expansion) const {
@@ -215,9 +215,9 @@ struct CoilField {
 /// coefficients come from the analytic field and gradient at the centre and at points about it.
 /// Inside the reach of the centre the field is then within 1e-9 of the full sum of Eqs. (4)-(6)
 /// (cpp/tests/test_expansion.cpp), at a twentieth of its cost. Coils smaller than those of Table I
-/// have a smaller reach, in proportion; with a map it is in proportion to the map. In the plane the
-/// terms about a near centre, which goes with the robot, follow from it to third order, and have to
-/// be computed nine at each stage of a step. In space the two centres are the same.
+/// have a smaller reach, in proportion; with a map it is in proportion to the map. In the plane,
+/// terms about a near centre, which follows the robot, are derived from it to third order: nine
+/// instead of fourteen at each stage of a step. In space the two centres are the same.
 ///
 /// In space, a setting that is turned by 90 degrees about z has the same bits: every sum is ordered
 /// so that x and y may change places.
@@ -249,12 +249,12 @@ public:
     /// For a coil that gets its first current.
     void set_gain(const PerCoil& gain);
 
-    /// Moves the near centre to the robot where it has gone kNear of the reach, and the far one
-    /// where it has gone half.
+    /// Moves the near centre to the robot once it is more than kNear of the reach away, and the far
+    /// one once it is more than half.
     void rebase(const Centre& place);
     /// Moves both to the robot where it has gone half the reach from the far one; whether it has.
     bool recentre(const Centre& place);
-    /// What a kernel has made of the segment: its near centre has moved (run/step_kernel.cpp).
+    /// Takes over the near centre that a kernel has moved (run/step_kernel.cpp).
     void set_near(const FieldSegment<double, D>& near) { course_ = near; }
     void set_near(std::size_t j, const FurtherExponential<double, D>& near) {
         further_[j - 1].basis = near.basis;
@@ -262,6 +262,8 @@ public:
     const Centre& centre() const { return course_.centre; }
     /// How far from its centre an expansion holds, m.
     double reach() const { return reach_; }
+    /// Of the reach: five times as far, frozen runs differed by up to 3e-8 of their velocity; so by
+    /// up to 3e-9. Either takes the same time.
     static constexpr double kNear = 0.01;
 
     /// Half the time constant of the fastest exponential of the segment, s.
@@ -343,8 +345,8 @@ SpatialExpansion LocalFieldOf<3>::at(double tau) const;
 
 template <class Real>
 inline PlanarFieldOf<Real> Series<Real, 2>::at(const Terms& t, Real dx, Real dz) {
-    // The gradient there, and half way, which is its mean on the way. The displacement is known
-    // last.
+    // The gradient there, and half way, which is its mean on the way. In an order that leaves
+    // little to do once the displacement is known.
     const auto gradient = [&](std::size_t i, Real x, Real z) __attribute__((always_inline)) {
         return fma(z, dz, fma(x, dx, t[i]));
     };

@@ -6,7 +6,8 @@
 #include "stickslip/numbers/pack.hpp"
 
 /// Exponential, logarithm, sine and cosine of a number, or of each member of a pack, by operations
-/// that have the same bits on every machine. The C library's differ between machines.
+/// of IEEE 754 alone: all processors with fused multiply-add agree to the bit, and all without. The
+/// C library's functions differ between machines.
 namespace stickslip {
 
 /// Adding it rounds a number of less than 2^51 to whole ones, which then stand in its lowest bits.

@@ -20,7 +20,7 @@
 namespace stickslip {
 
 /// Processors that the steps of runs are compiled for (run/step_kernel.cpp). Packs carry theirs in
-/// their type: what is compiled for one never stands in for what is compiled for another.
+/// their type, so that the linker never takes the code for one for that for another.
 enum class Processor { baseline, x86_64_v3, x86_64_v4 };
 
 template <int N>
@@ -93,6 +93,14 @@ struct Pack {
     friend Pack fnma(Pack a, Pack b, Pack c) { return fused<true>(a, b, c); }
 
 private:
+#if defined(__AVX512F__)
+    static constexpr int kMostFused = 8;
+#elif defined(__FMA__)
+    static constexpr int kMostFused = 4;
+#else
+    static constexpr int kMostFused = 0;
+#endif
+    static_assert(P == Processor::baseline || N <= kMostFused, "compiled without its processor");
     template <bool kNegative>
     [[gnu::always_inline]] static Pack fused(Pack a, Pack b, Pack c) {
         if constexpr (P == Processor::baseline) {
@@ -117,7 +125,7 @@ private:
 };
 
 /// a b + c in one operation: packs that are compiled for a processor with fused multiply-add round
-/// it once. A double, whose formulas run on every processor, is rounded twice.
+/// it once. For a double, which every processor has to handle, the product is rounded too.
 inline double fma(double a, double b, double c) {
     return a * b + c;
 }
@@ -137,7 +145,7 @@ struct MaskType<Pack<N, P>> {
 /// The outcome of a comparison.
 template <class Real>
 using MaskOf = typename MaskType<Real>::Type;
-/// Whether it is of one run.
+/// Whether a Real holds one number.
 template <class Real>
 inline constexpr bool kIsOne = std::is_same_v<MaskOf<Real>, bool>;
 
@@ -277,7 +285,7 @@ template <int N, Processor P>
     }
 }
 
-/// Numbers of one run that stand side by side, as many as are quickest.
+/// Numbers of one run that stand side by side, in the width that is quickest.
 template <class Real>
 struct SideBySide {
     using Type = Pack<2>;
@@ -286,6 +294,13 @@ template <Processor P>
 struct SideBySide<Pack<1, P>> {
     using Type = Pack<P == Processor::baseline ? 2 : 4, P>;
 };
+
+template <class Some, class Real>
+[[gnu::always_inline]] inline Some side_by_side(const Real& first) {
+    Some numbers;
+    std::memcpy(&numbers.v, &first, sizeof numbers.v);
+    return numbers;
+}
 
 /// a + b x + c y of arrays of numbers.
 template <class Real, std::size_t N>
@@ -296,16 +311,12 @@ template <class Real, std::size_t N>
     std::size_t i = 0;
     if constexpr (kIsOne<Real>) {
         using Some = typename SideBySide<Real>::Type;
-        const auto at = [](const Real& from) __attribute__((always_inline)) {
-            Some numbers;
-            std::memcpy(&numbers.v, &from, sizeof numbers.v);
-            return numbers;
-        };
         const auto all = [](Real of) __attribute__((always_inline)) {
             return Some(std::bit_cast<double>(of));
         };
         for (; i + Some::kSize <= N; i += Some::kSize) {
-            const Some sum = fma(at(c[i]), all(y), fma(at(b[i]), all(x), at(a[i])));
+            const Some sum = fma(side_by_side<Some>(c[i]), all(y),
+                                 fma(side_by_side<Some>(b[i]), all(x), side_by_side<Some>(a[i])));
             std::memcpy(&result[i], &sum.v, sizeof sum.v);
         }
     }

@@ -117,27 +117,29 @@ void Run::play_in_kernel(Phase& phase, const StepKernel<Phase, kEffects>& kernel
     enter(phase, numbers);
     while (true) {
         if (tsit5_.is_stopped()) {
-            // A record may have seen it already.
+            // The last step may already be in the record.
             if (numbers.done > 0.0) numbers.progress.commit(phase, true, false);
+            phase.field().rebase(phase.place_of(numbers.progress.step.first));
             const auto end = tsit5_.leave(phase, numbers.progress, Status::interrupted);
             end_phase(phase, end, tsit5_.counts().accepted);
             return;
         }
         const StepRound round = kernel.run(numbers);
         if (round.flagged == 0) continue;
-        const Attempt found = finish(phase, numbers, round.to_end != 0);
+        const Attempt found = finish(phase, numbers, round);
         if (found == Attempt::segment || found == Attempt::phase) return;
     }
 }
 
 void Run::play_phase() {
     player_.with_phase([this](auto phase) {
-        if constexpr (requires { kernels_->plain.of(phase); }) {
+        if constexpr (requires { StepKernels().plain.of(phase); }) {
             if (fits_kernels_) {
+                const StepKernels& kernels = step_kernels();
                 if (is_plain()) {
-                    play_in_kernel(phase, kernels_->plain.of(phase));
+                    play_in_kernel(phase, kernels.plain.of(phase));
                 } else {
-                    play_in_kernel(phase, kernels_->extended.of(phase));
+                    play_in_kernel(phase, kernels.extended.of(phase));
                 }
                 return;
             }

@@ -65,18 +65,15 @@ public:
     enum class Attempt { step, far_step, segment, phase };
     /// Accepts an attempt or not, looks for events, and says in the numbers how to go on.
     template <class Phase, bool kEffects>
-    Attempt finish(Phase& phase, StepNumbers<Phase, kEffects>& numbers, bool to_end);
+    Attempt finish(Phase& phase, StepNumbers<Phase, kEffects>& numbers, const StepRound& round);
     /// Ends the run where it is.
     void give_up(Status status) {
         result_.status = status;
         end_here();
     }
-    /// Whether kernels make its steps: no effect but smooth ones.
-    bool fits_kernels() const { return fits_kernels_; }
-    /// Whether packs can have it: nothing to look for within the steps.
-    bool fits_packs() const { return fits_kernels() && !recorder_.on_grid() && !stop_; }
-    /// By which its steps are made from now on.
-    void set_kernels(const StepKernels& kernels) { kernels_ = &kernels; }
+    /// Whether packs can have it: a kernel makes its steps, and it has no stop condition and no
+    /// record on a grid.
+    bool fits_packs() const { return fits_kernels_ && !recorder_.on_grid() && !stop_; }
     /// Whether its phases have no named effect.
     bool is_plain() const {
         return player_.dynamics().is_plain() && player_.circuit().exponentials() == 1;
@@ -129,8 +126,7 @@ private:
     Measurement measurement_;
     Recorder recorder_;
     Tsit5 tsit5_;
-    const StepKernels* kernels_ = &step_kernels();
-    bool fits_kernels_;
+    bool fits_kernels_;  // no effect but smooth ones
 #ifdef STICKSLIP_WITH_ARKODE
     std::optional<Arkode> arkode_;  // where solver.method asks for it
 #endif
@@ -214,6 +210,7 @@ void Run::enter(Phase& phase, StepNumbers<Phase, kEffects>& numbers) {
     numbers.slip = player_.state().mode.slip;
     numbers.workspace = player_.dynamics().field().workspace();
     numbers.done = 0.0;
+    numbers.place = {};
     set_memory(numbers);
 }
 
@@ -237,7 +234,8 @@ void Run::set_memory(StepNumbers<Phase, kEffects>& numbers) {
 }
 
 template <class Phase, bool kEffects>
-Run::Attempt Run::finish(Phase& phase, StepNumbers<Phase, kEffects>& numbers, bool to_end) {
+Run::Attempt Run::finish(Phase& phase, StepNumbers<Phase, kEffects>& numbers,
+                         const StepRound& round) {
     PhaseMemory& memory = player_.memory();
     for (std::size_t i = 0; i < Phase::kEvents; ++i) memory.armed[i] = numbers.unarmed[i] == 0.0;
     LocalField& field = player_.dynamics().field();
@@ -251,7 +249,8 @@ Run::Attempt Run::finish(Phase& phase, StepNumbers<Phase, kEffects>& numbers, bo
     const auto far = field.far().centre;
     PhaseEnd<Phase> end;
     const Tsit5::Finish found =
-        tsit5_.finish(phase, memory, numbers.progress, to_end, observer(phase), end);
+        tsit5_.finish(phase, memory, numbers.progress, round.to_end != 0, round.may_fire != 0,
+                      numbers.place, observer(phase), end);
     if (found == Tsit5::Finish::phase) {
         const bool goes_on = end.status == Status::ok && end.event == Event::none;
         end_phase(phase, end, tsit5_.counts().accepted);

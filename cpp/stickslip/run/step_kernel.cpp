@@ -1,8 +1,8 @@
 #include "stickslip/run/step_numbers.hpp"
 
 // Steps of one run and of packs of runs. Compiled once for each kind of processor
-// (STICKSLIP_PROCESSOR) and the width of its registers (STICKSLIP_WIDTH), so nothing here may be
-// shared with other translation units: all is templates over packs of that processor.
+// (STICKSLIP_PROCESSOR) and the width of its registers (STICKSLIP_WIDTH), so no function here may
+// have the name of one in another file: all are templates over packs of that processor.
 namespace stickslip {
 
 /// The dynamics of a pack of robots without named effects or with them; see Dynamics for the
@@ -81,25 +81,55 @@ template <class Phase, bool kEffects>
     }
 }
 
-/// Moves the field's near centre to the robot where it has gone far from it.
+/// Moves the field's near centre to the robot where it has left its neighbourhood.
 template <class Phase, bool kEffects>
 [[gnu::always_inline]] inline void follow(StepNumbers<Phase, kEffects>& n,
                                           MaskOf<typename Phase::Real> done) {
     using Real = typename Phase::Real;
-    const auto far =
+    const auto left =
         done & is_far(n.place, n.field.centre, 2.0 * LocalField::kNear * n.progress.half_reach);
-    if (!any(far)) return;
+    if (!any(left)) return;
     FieldSegment<Real> near = n.field;
     n.far.move(n.place, near);
-    blend<Real>(far, n.field, near);
+    blend<Real>(left, n.field, near);
     if constexpr (kEffects) {
         for (FurtherExponential<Real>& each : n.named.further) {
-            const auto there = far & (each.rate > 0.0);
+            const auto there = left & (each.rate > 0.0);
             if (!any(there)) continue;
             auto moved = Series<Real, 2>::moved(each.far, n.far.distance_to(n.place));
             blend<Real>(there, each.basis, moved);
         }
     }
+}
+
+/// Where event functions have to be looked at, each as it is armed.
+template <std::size_t M, class Real>
+[[gnu::always_inline]] inline auto may_fire(const EventSamples<M, Real>& g,
+                                            const std::array<Real, M>& unarmed, std::size_t i) {
+    const auto not_yet = unarmed[i] > 0.0;
+    return ((!not_yet) & ((g.start[i] <= 0.0) | (g.end[i] <= 0.0) | g.may_dip(i))) |
+           (not_yet & !g.rises(i));
+}
+
+/// The same of all functions.
+template <std::size_t M, class Real>
+[[gnu::always_inline]] inline MaskOf<Real> may_fire(const EventSamples<M, Real>& g,
+                                                    const std::array<Real, M>& unarmed) {
+    using Some = typename SideBySide<Real>::Type;
+    constexpr std::size_t kSome = Some::kSize;
+    MaskOf<Real> result = {};
+    std::size_t i = 0;
+    if constexpr (kIsOne<Real> && kSome <= M) {
+        const auto some = [](const std::array<Real, M>& from) __attribute__((always_inline)) {
+            return std::array<Some, 1>{side_by_side<Some>(from[0])};
+        };
+        const EventSamples<1, Some> first = {some(g.start), some(g.end), some(g.early),
+                                             some(g.late), some(g.lowest)};
+        result = any(may_fire(first, some(unarmed), 0));
+        i = kSome;
+    }
+    for (; i < M; ++i) result = result | may_fire(g, unarmed, i);
+    return result;
 }
 
 /// Commits the last step where it is done, and makes the next attempt.
@@ -120,19 +150,14 @@ template <class Phase, bool kEffects>
     auto flagged = (!(p.error <= 1.0)) | to_end | (p.accepted + 1.0 >= p.most_steps) |
                    (!(p.tau + p.step.width > p.tau)) | (n.stalled > 0.0) |
                    (p.tau + p.step.width >= p.look);
-    for (std::size_t i = 0; i < p.samples.end.size(); ++i) {
-        const auto unarmed = n.unarmed[i] > 0.0;
-        flagged = flagged |
-                  ((!unarmed) & ((p.samples.start[i] <= 0.0) | (p.samples.end[i] <= 0.0) |
-                                 p.samples.may_dip(i))) |
-                  (unarmed & !p.samples.rises(i));
-    }
+    const auto fires = may_fire(p.samples, n.unarmed);
+    flagged = flagged | fires;
     n.place = phase.centre(p.step.last, dynamics.pose(phase.angle(p.step.last)));
     flagged = flagged | !n.workspace.holds(n.place) | is_far(n.place, n.far.centre, p.half_reach);
 
     n.done = select(flagged, Real(0.0), Real(1.0));
     for (Real& unarmed : n.unarmed) unarmed = select(flagged, unarmed, Real(0.0));
-    return {members(flagged), members(to_end)};
+    return {members(flagged), members(to_end), members(fires)};
 }
 
 template <template <class> class PhaseOf, class Real, bool kEffects>
@@ -162,7 +187,7 @@ struct StepsOf {
     }
     /// Of one run, whose numbers are those of its pack of one.
     static StepRound run(One& one) {
-        constexpr int kMany = 10'000;  // milliseconds
+        constexpr int kMany = 10'000;  // some ms of work: a stop is looked at that often
         Numbers& n = of(&one);
         PackDynamics<Real, kEffects> dynamics(n.robot, n.field, n.named);
         StepRound round;

@@ -10,7 +10,8 @@ namespace stickslip {
 namespace {
 
 constexpr std::array<const char*, 3> kProcessors = {"baseline", "x86-64-v3", "x86-64-v4"};
-constexpr std::array<const char*, 3> kWidths = {"1", "4", "8"};
+constexpr std::array<const char*, 3> kWidthNames = {"1", "4", "8"};
+constexpr std::array<int, 3> kWidths = {1, 4, 8};
 
 /// The place of an environment variable's value among those allowed; the last where it is not set.
 std::size_t chosen(const char* name, const std::array<const char*, 3>& allowed) {
@@ -29,32 +30,26 @@ const char* name_of(Processor processor) {
     return kProcessors[static_cast<std::size_t>(processor)];
 }
 
-const std::vector<StepKernels>& all_step_kernels() {
-    static const std::vector<StepKernels> all = [] {
-        std::vector<StepKernels> result = {step_kernels_of<Processor::baseline>()};
-#ifdef STICKSLIP_X86_KERNELS
-        const bool has_v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-        if (has_v3) result.push_back(step_kernels_of<Processor::x86_64_v3>());
-        if (has_v3 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-            __builtin_cpu_supports("avx512vl")) {
-            result.push_back(step_kernels_of<Processor::x86_64_v4>());
-        }
-#endif
-        return result;
-    }();
-    return all;
-}
-
 const StepKernels& step_kernels() {
     static const StepKernels found = [] {
-        const auto best = static_cast<Processor>(chosen("STICKSLIP_PROCESSOR", kProcessors));
-        const int widest = std::stoi(kWidths[chosen("STICKSLIP_LANES", kWidths)]);
-        StepKernels result = all_step_kernels().front();
-        for (const StepKernels& each : all_step_kernels()) {
-            // Narrower packs are those of an earlier processor.
-            if (each.processor <= best && (each.size <= widest || widest == 1)) result = each;
+        StepKernels result = step_kernels_of<Processor::baseline>();
+        [[maybe_unused]] const auto best =
+            static_cast<Processor>(chosen("STICKSLIP_PROCESSOR", kProcessors));
+        const int widest = kWidths[chosen("STICKSLIP_LANES", kWidthNames)];
+#ifdef STICKSLIP_X86_KERNELS
+        const bool has_v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+        const bool has_v4 = has_v3 && __builtin_cpu_supports("avx512f") &&
+                            __builtin_cpu_supports("avx512dq") &&
+                            __builtin_cpu_supports("avx512vl");
+        if (has_v3 && best >= Processor::x86_64_v3) {
+            result = step_kernels_of<Processor::x86_64_v3>();
         }
-        if (widest == 1) result.size = 1;
+        // Packs of four are those of v3.
+        if (has_v4 && best >= Processor::x86_64_v4 && widest != 4) {
+            result = step_kernels_of<Processor::x86_64_v4>();
+        }
+#endif
+        result.size = std::min(result.size, widest);
         return result;
     }();
     return found;

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <tuple>
 #include <type_traits>
-#include <vector>
 
 #include "stickslip/contact/phases.hpp"
 #include "stickslip/solver/tsit5.hpp"
@@ -40,7 +39,7 @@ struct StepNumbers {
     std::array<Real, Phase::kEvents> unarmed;  ///< 1 while a function has not been positive, else 0
     Real stalled;                              ///< PhaseMemory::stalled
     Real done;                                 ///< 1 where the last attempt is to be committed
-    PlaceOf<Real, 2> place;                    ///< m, of the centre of mass after it
+    PlaceOf<Real, 2> place;                    ///< m, of the centre of mass at its end
 
     // Lists of numbers that a run puts into its place of a pack, or takes from there.
 
@@ -60,18 +59,26 @@ struct StepNumbers {
     /// The field about the robot, and effects.
     [[gnu::always_inline]] auto around() { return std::tie(far, field, named); }
     /// The last attempt, and what is known from those before.
-    [[gnu::always_inline]] auto attempt() { return std::tie(progress, unarmed, field, named); }
+    [[gnu::always_inline]] auto attempt() {
+        return std::tie(progress, unarmed, field, named, place);
+    }
 };
 
 static_assert(kListsAll<Tsit5Progress<CornerStickPhase>> && kListsAll<PlainDynamics<double>> &&
               kListsAll<FieldSegment<double>> && kListsAll<FarField<double>> &&
               kListsAll<EffectNumbers<double>> && kListsAll<WorkspaceOf<double>>);
 
-/// What came of steps; bit i is of run i of a pack. Attempts that are not flagged are steps; of the
-/// others the caller has to decide.
+/// What came of steps; bit i is of run i of a pack. Attempts that are not flagged are steps; the
+/// caller decides about the others.
 struct StepRound {
     unsigned flagged = 0;
-    unsigned to_end = 0;  ///< the attempt goes to the end of its segment
+    unsigned to_end = 0;    ///< the attempt goes to the end of its segment
+    unsigned may_fire = 0;  ///< an event function may have fallen through zero in it
+
+    /// Of a member of a pack.
+    StepRound of(std::size_t i) const {
+        return {flagged >> i & 1u, to_end >> i & 1u, may_fire >> i & 1u};
+    }
 };
 
 /// What can be done with runs in phases of one kind.
@@ -116,12 +123,10 @@ StepKernels step_kernels_of<Processor::x86_64_v3>();
 template <>
 StepKernels step_kernels_of<Processor::x86_64_v4>();
 
-/// All kernels for this processor, the slowest first. Those with fused multiply-add, all but the
-/// baseline, give the same bits.
-const std::vector<StepKernels>& all_step_kernels();
-/// The quickest of them that the environment variables STICKSLIP_PROCESSOR and STICKSLIP_LANES,
-/// means of measurement that are read once, allow: baseline, x86-64-v3 or x86-64-v4, and packs of
-/// 1 (every run goes alone), 4 or 8 runs.
+/// The widest for this processor that the environment variables STICKSLIP_PROCESSOR and
+/// STICKSLIP_LANES, means of measurement that are read once, allow: baseline, x86-64-v3 or
+/// x86-64-v4, and packs of 1 (every run goes alone), 4 or 8 runs. Those with fused multiply-add,
+/// all but the baseline, give the same bits.
 const StepKernels& step_kernels();
 /// As in STICKSLIP_PROCESSOR.
 const char* name_of(Processor processor);

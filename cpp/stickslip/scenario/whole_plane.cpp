@@ -69,10 +69,12 @@ bool in_whole_plane(const Scenario& s) {
         (e.surface_tilt_angle != 0.0 && surface_direction(e.surface_tilt_azimuth).y != 0.0);
     if (s.whole_plane || pushed || start.y != 0.0 || start.vy != 0.0) return true;
     // In one plane a robot faces the drive's direction, and a state that it has left says so.
-    constexpr double kRounding = 1e-9;
-    const double faced = drive_direction(s).x < 0.0 ? std::numbers::pi : 0.0;
-    const double off = std::remainder(start.heading - faced, 2.0 * std::numbers::pi);
-    if (start.heading != 0.0 && std::abs(off) > kRounding) return true;
+    if (start.heading != 0.0) {
+        constexpr double kRounding = 1e-9;
+        const double faced = drive_direction(s).x < 0.0 ? std::numbers::pi : 0.0;
+        const double off = std::remainder(start.heading - faced, 2.0 * std::numbers::pi);
+        if (std::abs(off) > kRounding) return true;
+    }
     // A field that was measured has a part across everywhere; one that was measured in the plane of
     // motion alone says nothing of it.
     if (s.map && s.map->box().low.y() < s.map->box().high.y()) return true;

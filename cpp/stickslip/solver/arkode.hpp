@@ -64,7 +64,7 @@ struct ArkodeProgress {
     /// ARKODE's last call of the rates was elsewhere.
     void leave(Phase& phase, const State& y, StepCounts& counts) const {
         session->add_counts(counts);
-        phase.rebase(y);
+        phase.field().rebase(phase.place_of(y));
     }
 
 private:
@@ -72,7 +72,7 @@ private:
         const State y = step.dense(s);
         State unused;
         Values result;
-        phase.rebase(y);
+        phase.field().rebase(phase.place_of(y));
         phase.rates(phase.field_at(step.start + s * step.width), y, unused, result);
         return result;
     }
@@ -112,7 +112,7 @@ struct ArkodeMethod {
         problem.rates = [&phase](double t, const double* at, double* dydt) {
             State state, rates;
             std::copy_n(at, state.size(), state.begin());
-            phase.rebase(state);
+            phase.field().rebase(phase.place_of(state));
             typename Phase::Values unused;
             phase.rates(phase.field_at(t), state, rates, unused);
             std::copy_n(rates.begin(), rates.size(), dydt);

@@ -44,11 +44,12 @@ public:
         while (true) {
             if (is_stopped()) return leave(phase, progress, Status::interrupted);
             const bool to_end = progress.attempt(phase);
-            const Finish found = finish(phase, memory, progress, to_end, observe, end);
+            const auto place = phase.place_of(progress.step.last);
+            const Finish found = finish(phase, memory, progress, to_end, true, place, observe, end);
             if (found == Finish::phase) return end;
             if (found == Finish::rejected) continue;
             progress.commit(phase, true, false);
-            phase.rebase(progress.step.first);
+            phase.field().rebase(place);
         }
     }
 
@@ -68,7 +69,7 @@ public:
     void begin(Phase& phase, PhaseMemory& memory, double tau, double tau_end,
                const typename Phase::State& y, Progress<Phase>& progress) {
         typename Phase::State rates;
-        phase.rebase(y);
+        phase.field().rebase(phase.place_of(y));
         phase.rates(phase.field_at(tau), y, rates, progress.samples.start);
         ++counts_.evaluations;
         progress.tau = tau;
@@ -81,13 +82,13 @@ public:
         memory.begin(progress.samples.start, phase.event_rounding());
     }
 
-    /// What an attempt comes to: a step that is to be committed, none, or the end of the phase or
-    /// of the segment.
+    /// What an attempt comes to: an accepted step, still to be committed; a rejected one; the end
+    /// of the phase or of the segment.
     enum class Finish { accepted, rejected, phase };
-    /// Accepts an attempt or not and looks for events.
+    /// Accepts an attempt or not and looks for events, if it `may_fire` one. place: where it ends.
     template <class Phase, class Observer>
-    Finish finish(Phase& phase, PhaseMemory& memory, Progress<Phase>& p, bool to_end,
-                  Observer&& observe, PhaseEnd<Phase>& end) {
+    Finish finish(Phase& phase, PhaseMemory& memory, Progress<Phase>& p, bool to_end, bool may_fire,
+                  const auto& place, Observer&& observe, PhaseEnd<Phase>& end) {
         const auto& step = p.step;
         const auto ended = [&](Status status) {
             end = leave(phase, p, status);
@@ -102,8 +103,12 @@ public:
             ++counts_.evaluations;
             return p.event(phase, i, s);
         };
-        const EventHit hit =
-            EventFinder<Phase::kEvents>::find(p.samples, memory.armed, memory.stalled, value);
+        EventHit hit;
+        if (may_fire) {
+            hit = EventFinder<Phase::kEvents>::find(p.samples, memory.armed, memory.stalled, value);
+        } else {
+            memory.armed.fill(true);  // those that had not risen have
+        }
         memory.stalled = false;
         const double stop = observe(step, hit.s);
         const bool stops = hit ? stop < hit.s : stop <= 1.0;
@@ -118,7 +123,7 @@ public:
             p.leave(phase, last, counts_);
             return Finish::phase;
         }
-        phase.recentre(step.last);
+        phase.field().recentre(place);
         const bool is_spent = p.accepted + 1.0 >= p.most_steps;
         if (!phase.outside() && !to_end && !is_spent) return Finish::accepted;
         p.commit(phase, true, to_end);
