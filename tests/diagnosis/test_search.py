@@ -219,18 +219,20 @@ def test_a_pair_is_found_however_precise_the_readings():
     assert (found.verdict.kind, found.verdict.causes) == ("pair", ("bend", "wave"))
 
 
-def test_a_constant_that_is_far_off_is_found_behind_other_minima():
-    # In the sums of the squares of sin(w k) - sin(6.1 w) there are minima at other k.
+@pytest.mark.parametrize("far", [4.4, 6.1])
+def test_a_constant_that_is_far_off_is_found_behind_other_minima(far):
+    # sin(w k) is near sin(w far) at other k too. The model without a cause follows the constant, so
+    # that held-out readings give no proof of it.
     w = np.linspace(0.5, 3.0, 30)
 
     def model(table, p):
         return np.sin(table["w"] * p["k"]) + p["level"]
 
-    y = np.sin(6.1 * w) + 0.05 * np.random.default_rng(0).standard_normal(30)
+    y = np.sin(far * w) + 0.05 * np.random.default_rng(0).standard_normal(30)
     k = Parameter("k", Prior("normal", 0.0, 1.0))
     found = diagnose_model(model, Table({"w": w}, y, sd=0.05), [k, LEVEL])
     assert (found.verdict.kind, found.verdict.causes) == ("named", ("k",))
-    assert found.params.loc["k", "value"] == pytest.approx(6.1, abs=0.02)
+    assert found.params.loc["k", "value"] == pytest.approx(far, abs=0.03)
 
 
 @pytest.mark.nightly

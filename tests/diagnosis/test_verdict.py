@@ -6,10 +6,11 @@ from scipy.special import logsumexp
 
 from stickslip import Cause, Prior, diagnose_model
 from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.decision.gain import measured
 from stickslip.diagnosis.decision.posterior import posterior
 from stickslip.diagnosis.steps import run
 from stickslip.diagnosis.terms.parameter import Parameter
-from toys import BEND, STEP, TWIN, WAVE, data, problem, shapes
+from toys import BEND, LEVEL, SLOPE, STEP, TWIN, WAVE, data, problem, shapes
 
 X = np.linspace(1.0, 3.0, 30)
 ALONE = (WAVE, STEP, BEND)
@@ -134,3 +135,36 @@ def test_a_set_that_takes_little_of_the_error_explains_nothing():
         kinds[size] = result.verdict.kind
         assert set(result.verdict.probabilities) >= {"sine", "hump"}
     assert kinds == {0.02: "ambiguous", 0.3: "unexplained"}
+
+
+def late(table, p):
+    """A line, a wave, and what acts on its last two readings alone."""
+    x = table["x"]
+    last = p.get("late.size", 0.0) * (x > 2.88)
+    return p["slope"] * x + p["level"] + p.get("wave.height", 0.0) * np.sin(5.0 * x) + last
+
+
+LATE = Cause("late", Parameter("late.size", size=0.5, low=-5.0, high=5.0), "the last readings")
+
+
+def test_a_pair_without_which_nothing_explains_the_data_needs_no_other_proof():
+    # The second cause moves two of thirty readings, so that few held-out parts show it.
+    table = data(0.6 * np.sin(5.0 * X) + 1.2 * (X > 2.88))
+    result = diagnose_model(late, table, [SLOPE, LEVEL], [WAVE, LATE, BEND])
+    models = result.findings.models
+    second = measured(result.problem, models.get(["wave"]), models.get(["wave", "late"]))
+    assert second.interval[0] < 0.0
+    assert (result.verdict.kind, result.verdict.causes) == ("pair", ("late", "wave"))
+
+
+def test_sizes_are_known_as_well_as_the_likelier_form_of_the_errors_tells():
+    random = np.random.default_rng(4)
+    noise = [random.standard_normal()]
+    for _ in range(119):
+        noise.append(0.8 * noise[-1] + 0.6 * random.standard_normal())
+    x = np.linspace(1.0, 3.0, 120)
+    y = x + 0.5 * np.sin(5.0 * x) + 0.1 * np.array(noise)
+    table = Table({"x": x}, y, sd=0.1, run=np.zeros(120, dtype=int))
+    verdict = found(table).verdict
+    assert (verdict.kind, verdict.causes) == ("named", ("wave",))
+    assert verdict.fit.form == "ar1"

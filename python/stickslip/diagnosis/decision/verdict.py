@@ -28,6 +28,10 @@ named 10 right causes fewer of 144 and no wrong one less."""
 SECOND = 0.1
 """Part by which a second cause lowers the held-out error at least. Chosen with the prototype."""
 
+FAR = 1e-4
+"""p-value below which every model of fewer causes fails, so that a pair that explains the data
+needs no other proof of its second cause. Chosen: a hundredth of `ADEQUATE`."""
+
 CALM = 0.5
 """Scatter, in the stated errors, below which these are said to be stated too large. Chosen."""
 
@@ -107,8 +111,8 @@ def decide(models: Models, test: Test) -> Verdict:
         return _set(verdict, models, chance)
     most = next(each for each in chance.fits if each.names & set(sure))
     if len(most.causes) < 2:
-        return _claimed(verdict, models, most)
-    return _with_second(verdict, models, chance, most, sure)
+        return _claimed(verdict, models, test, most)
+    return _with_second(verdict, models, test, chance, most, sure)
 
 
 def _without_cause(verdict: Verdict, models: Models, test: Test, leader: Fit | None) -> Verdict:
@@ -130,32 +134,43 @@ def _without_cause(verdict: Verdict, models: Models, test: Test, leader: Fit | N
 
 
 def _with_second(
-    verdict: Verdict, models: Models, chance: Posterior, pair: Fit, sure: list[str]
+    verdict: Verdict, models: Models, test: Test, chance: Posterior, pair: Fit, sure: list[str]
 ) -> Verdict:
-    """Two causes, if the second one predicts held-out readings; else the better one alone.
+    """Two causes, if nothing less explains the data or the second one predicts held-out readings.
 
-    If only one of them is sure, what is beside it is left open.
+    Else the better one alone. If only one of them is sure, what is beside it is left open.
     """
     alone = [each for each in chance.fits if each.names < pair.names and each.names & set(sure)]
     if not alone:
-        return _claimed(verdict, models, pair)
+        return _claimed(verdict, models, test, pair)
     member = max(alone, key=models.log_posterior)
     if not pair.names <= set(sure) and pair.form == "none":
         # The stated errors ask for a second cause, but not for which one.
         explains = [adequacy(models.problem, each) >= ADEQUATE for each in (member, pair)]
         if explains == [False, True]:
             return _set(verdict, models, chance)
+    if pair.names <= set(sure) and _only_pair(models, pair):
+        return _claimed(verdict, models, test, pair)
     one, two = (models.get(each.names) or each for each in (member, pair))
     second = measured(models.problem, one, two)
     if second is None:  # too few parts to hold some out
         return _set(verdict, models, chance)
     if second.certain and second.after <= (1.0 - SECOND) * second.before:
         both = pair.names <= set(sure)
-        return _claimed(verdict, models, pair) if both else _set(verdict, models, chance)
+        return _claimed(verdict, models, test, pair) if both else _set(verdict, models, chance)
     reason = _refused(pair, member, second)
     if chance.among_small(member.name) >= SURE:
-        return _claimed(verdict, models, member, (reason,))
+        return _claimed(verdict, models, test, member, (reason,))
     return _set(verdict, models, chance, (reason,))
+
+
+def _only_pair(models: Models, pair: Fit) -> bool:
+    """Whether a pair explains the data without a discrepancy, and no smaller model comes near."""
+    plain = models.get(pair.names)
+    if plain is None or adequacy(models.problem, plain) < ADEQUATE:
+        return False
+    smaller = [each for each in models.best.values() if len(each.causes) < len(pair.causes)]
+    return all(adequacy(models.problem, each) < FAR for each in smaller)
 
 
 def _refused(pair: Fit, member: Fit, second: Gain) -> Note:
@@ -169,7 +184,9 @@ def _refused(pair: Fit, member: Fit, second: Gain) -> Note:
     )
 
 
-def _claimed(verdict: Verdict, models: Models, fit: Fit, reasons: tuple[Note, ...] = ()) -> Verdict:
+def _claimed(
+    verdict: Verdict, models: Models, test: Test, fit: Fit, reasons: tuple[Note, ...] = ()
+) -> Verdict:
     """A cause or a pair, named if it explains the data, dominant beside a discrepancy."""
     problem, names = models.problem, tuple(sorted(fit.names))
     plain = models.get(fit.names)
@@ -177,14 +194,11 @@ def _claimed(verdict: Verdict, models: Models, fit: Fit, reasons: tuple[Note, ..
     own_null = models.get((), fit.form) or models.null
     gains.append(measured(problem, own_null, fit, "own"))
     kind: Kind = "pair" if len(names) > 1 else "named"
-    if plain is not None and adequacy(problem, plain) >= ADEQUATE:
-        worse = any(each is not None and each.interval[1] < 0.0 for each in gains)
-        # What a model without a cause explains too needs a proof that the cause gains something,
-        # unless too few parts can be held out to give one.
-        spare = adequacy(problem, models.null) >= ADEQUATE
-        proven = not spare or gains[0] is None or gains[0].certain
-        if proven and not worse and not _at_end(models, plain):
-            return _with(verdict, kind, names, plain, reasons, models, plain, gains[0])
+    proven = _proven(models, test, fit, gains)
+    if plain and adequacy(problem, plain) >= ADEQUATE and proven and not _at_end(models, plain):
+        # Errors that are larger, or alike along a run, leave more of the sizes open.
+        likelier = fit if discrepancy(fit) > 0.0 else plain
+        return _with(verdict, kind, names, likelier, reasons, models, plain, gains[0])
     against = list(reasons)
     if fit.form == "none":
         fit = next((each for each in models.leaders() if each.names == fit.names
@@ -203,6 +217,22 @@ def _claimed(verdict: Verdict, models: Models, fit: Fit, reasons: tuple[Note, ..
         return _with(verdict, "unexplained", (), None, tuple(against), models, fit, gains[0])
     kind = "pair" if len(names) > 1 else "dominant"
     return _with(verdict, kind, names, fit, reasons, models, fit, gains[0])
+
+
+def _proven(models: Models, test: Test, fit: Fit, gains: Sequence[Gain | None]) -> bool:
+    """Whether held-out readings allow a name of what explains the data.
+
+    A proof that it gains something is needed where the model without a cause explains the data too,
+    unless too few parts can be held out to give one. A constant that is other than stated gives no
+    such proof, as it moves within its prior without a cause too: there the test decides.
+    """
+    problem = models.problem
+    if any(each is not None and each.interval[1] < 0.0 for each in gains):
+        return False
+    spare = adequacy(problem, models.null) >= ADEQUATE
+    if all(each.frees is not None and not each.parameters for each in fit.causes):
+        spare = spare and test.p_value >= ADEQUATE
+    return not spare or gains[0] is None or gains[0].certain
 
 
 def _takes_little(fit: Fit, part: float, gains: Sequence[Gain | None]) -> list[Note]:
