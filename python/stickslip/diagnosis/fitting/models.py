@@ -21,7 +21,7 @@ PRIOR_NONE, PRIOR_CAUSES, PRIOR_MORE = 0.6, 0.4, 0.1
 """Prior probability of no cause, of a single one (shared by all), and of each further one beside
 the first as a share of that. Chosen."""
 
-_ROUNDS = 4
+_ROUNDS = 8
 # g' A^-1 g below which a descent is at the minimum that the evidence takes: an evidence that is
 # promised too large by less does not matter.
 _AT_MINIMUM = 0.3
