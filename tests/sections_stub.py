@@ -41,6 +41,18 @@ BY_HAND = {
     def own_values(self) -> dict[str, float]: ...
 """
     + "".join(f"    @property\n    def {name}(self) -> OneCoil: ...\n" for name in COIL_NAMES),
+    "Robot": """\
+    @staticmethod
+    def of(
+        length: float,
+        width: float,
+        height: float,
+        *,
+        material: str | None = None,
+        density: float | None = None,
+        magnetization: float | None = None,
+    ) -> Robot: ...
+""",
     "State": """\
     @property
     def row(self) -> list[float]: ...

@@ -21,6 +21,8 @@ NONSENSE = [
     ({"robot.length": 25e-3}, "unit-length", 25e-3),
     ({"robot.height": 1e-6}, "density", 100.0 * 25.6e-9 / VOLUME),
     ({"robot.width": 0.13}, "unit-length", 0.13),
+    ({"robot.magnetization": 2.1e6}, "moment", 2.1e6),
+    ({"robot.magnetization": 1.9e6}, "moment", 1.9e6 * VOLUME),
     ({"effects.surface_tilt.angle": 0.7}, "steep-surface", 0.7),
     ({"effects.surface_tilt.angle": -1.5}, "steep-surface", 1.5),
     ({"contact.static_friction": 0.01, "contact.kinetic_friction": 0.01, "contact.adhesion": 0.0,

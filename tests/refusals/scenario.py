@@ -63,6 +63,17 @@ def of_class(_, given):
     getattr(stickslip, name)(**arguments)
 
 
+def of_robot(_, given):
+    """A robot of a size and a material."""
+    size = {"length": 250e-6, "width": 130e-6, "height": 100e-6}
+    stickslip.Robot.of(**{**size, **given})
+
+
+def of_fluid(_, given):
+    """What the robot of Table II is put into."""
+    Scenario().in_fluid(**given)
+
+
 def of_waveform(_, given):
     """A constructor of waveforms by its name, with its arguments."""
     name, *arguments = given
@@ -154,6 +165,8 @@ WAYS = {
     "file": of_file,
     "voltages": of_voltages,
     "class": of_class,
+    "robot": of_robot,
+    "fluid": of_fluid,
     "waveform": of_waveform,
     "pulses": of_pulses,
     "coils": of_coils,
@@ -414,6 +427,19 @@ REFUSALS = [
     ("key", "DRIVE.EDGE", 'did you mean "drive.edge"?'),
     ("key", 3, "key 3: allowed is a word"),
     ("changes", 3, "changes = 3: allowed is a Mapping, such as a dict"),
+    ("robot", {"material": "NdFeB N41"}, 'did you mean "NdFeB N42"?'),
+    ("robot", {"material": 42}, "known are"),
+    ("robot", {}, "density = None: allowed is a finite number of kg/m3"),
+    ("robot", {"density": 7500.0}, "magnetization = None: allowed is"),
+    ("robot", {"material": "SmCo5", "density": -1.0}, "density = -1.0"),
+    ("robot", {"material": "SmCo5", "length": 0.25}, "0.25 mm are 0.00025 m"),
+    ("fluid", {"fluid": "watr"}, 'did you mean "water"?'),
+    ("fluid", {}, "density = None"),
+    ("fluid", {"density": 1000.0}, "viscosity = None: allowed is a finite number of Pa s"),
+    ("fluid", {"fluid": "water", "viscosity": math.inf}, "viscosity = inf"),
+    ("fluid", {"fluid": "water", "wall": 0.0}, ["wall = 0.0", "true or false"]),
+    ("fluid", {"fluid": "water", "wall": "glass"}, ['wall = "glass"', "true or false"]),
+    ("fluid", {"density": 8e3, "viscosity": 1.0}, ["density = 8000.0", "it floats"]),
     ("coils", Drive(), ["scenario = Drive(", "a Scenario"]),
     ("coils", formula_map(count=(3, 3, 3)), ["scenario = ", "a Scenario"]),
     ("key", "drive.file", "drive.program takes a Waveform"),

@@ -21,6 +21,7 @@ from stickslip.scenario.keys import (
     is_of_one_coil,
     keys_of,
 )
+from stickslip.scenario.matter import magnet_of
 from stickslip.scenario.section import Section
 from stickslip.scenario.waveform import Waveform
 
@@ -128,6 +129,31 @@ for _name in COIL_NAMES:
 
 class Robot(Section, key="robot"):
     __slots__ = ()
+
+    @staticmethod
+    def of(length, width, height, *, material=None, density=None, magnetization=None):
+        """A robot from its size and what it is made of.
+
+        Parameters
+        ----------
+        length, width, height : float
+            m, the length along the magnetization.
+        material : str, optional
+            A magnet, such as ``"NdFeB N42"``; another word is refused with the names. It stands for
+            the density and the magnetization that are not given.
+        density, magnetization : float, optional
+            kg/m^3 and A/m. A small piece that was cut may have half of the material's
+            magnetization: measure it.
+
+        Raises
+        ------
+        ScenarioError
+            If the material is unknown or a number is not allowed.
+        """
+        robot = Robot(length=length, width=width, height=height)
+        density, magnetization = magnet_of(material, density, magnetization)
+        mass = density * robot.length * robot.width * robot.height
+        return Robot(**{**robot.as_dict(), "mass": mass, "magnetization": magnetization})
 
 
 class Contact(Section, key="contact"):

@@ -131,6 +131,16 @@ class Robot(Section, key="robot"):
     def mass(self) -> float: ...
     @property
     def magnetization(self) -> float: ...
+    @staticmethod
+    def of(
+        length: float,
+        width: float,
+        height: float,
+        *,
+        material: str | None = None,
+        density: float | None = None,
+        magnetization: float | None = None,
+    ) -> Robot: ...
 
 class Contact(Section, key="contact"):
     def __init__(

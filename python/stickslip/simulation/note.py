@@ -25,9 +25,11 @@ CODES = (
     "no-slip",
     # A motion whose mean velocity says less than it seems to.
     "field-change", "velocity-grows", "turning", "start-up", "window-short", "pulses-short",
+    "fluid",
     # Other values that are probably mistakes.
     "hidden-key",
-    "voltage", "density", "steep-surface", "adhesion", "tangential-restitution", "tolerance",
+    "voltage", "density", "moment", "steep-surface", "adhesion", "tangential-restitution",
+    "tolerance",
     # Facts, without a fault.
     "map",
 )  # fmt: skip

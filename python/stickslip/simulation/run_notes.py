@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from stickslip.scenario.matter import left_out
 from stickslip.simulation.note import Note, by_seriousness
 from stickslip.simulation.note_table import Facts, notes_of_table
 from stickslip.simulation.scenario_notes import scenario_notes
@@ -17,6 +18,10 @@ MUCH_TURNING = 0.05
 """Parts of the mean velocity above which `turning_speed` is noted. With a steady heading near the
 centre it is 0.5 % at most; walks whose heading turns or swings have 10 % and more, and there the
 rigid body with eight corners walks differently by as much (docs/theory/steering.md)."""
+
+MUCH_OF_FLUID = 0.1
+"""Parts of the drag above which what the model leaves out of a fluid is noted. Chosen: drag of the
+volume-equal sphere is no better for a block."""
 
 LEAST_TURNING = 5e-5
 """Below this `turning_speed` is never noted, m/s: with a steady heading the model is within it."""
@@ -31,6 +36,7 @@ def run_notes(
             *(_of_condition(scenario, summary) if condition_met else []),
             *notes_of_table(Facts(scenario, summary, status == "ok"), "run"),
             *_of_turning(summary),
+            *_of_fluid(scenario, summary),
             *scenario_notes(scenario),
         ]
     )
@@ -61,3 +67,23 @@ def _of_turning(summary: Mapping[str, Any]) -> list[Note]:
         f"{1e3 * speed:.3g} mm/s"
     )
     return [Note("turning", text, turning)]
+
+
+def _of_fluid(scenario: Scenario, summary: Mapping[str, Any]) -> list[Note]:
+    if scenario.fluid is None:
+        return []
+    pulsed = scenario.drive.mode != "program"
+    frequency = scenario.drive.frequency if pulsed else 0.0
+    speed = math.hypot(summary["mean_velocity"], summary["mean_velocity_y"])
+    beyond = left_out(scenario.fluid, scenario.robot, frequency, speed)
+    said = {
+        beyond.drag: f"swinging at {frequency:g} Hz adds {100 * beyond.drag:.0f} % to the drag and "
+        f"{100 * beyond.mass:.0f} % to the mass (Stokes, 1851)",
+        beyond.inertia: f"the mean speed adds {100 * beyond.inertia:.0f} % to the drag (Schiller "
+        "and Naumann, 1933)",
+        beyond.film: f"while it lies flat, a film as thick as the gap adds {beyond.film:.2g} times "
+        "the drag, Eq. (16)",
+    }
+    texts = [text for size, text in said.items() if size > MUCH_OF_FLUID]
+    head = "the fluid's inertia and film are not in the model; for a sphere of this volume "
+    return [Note("fluid", head + "; ".join(texts), max(said))] if texts else []

@@ -34,14 +34,17 @@ def scenario_notes(scenario: Scenario) -> list[Note]:
     """Notes on values of a scenario that are probably mistakes; none for most scenarios."""
     core = scenario.to_core()  # once for all notes
     units = unit_notes(scenario, core)
-    # A unit explains the density that it makes.
+    # A unit explains the density that it makes, and the moment of a mass.
     explained = any(note.code in ("unit-mass", "unit-length") for note in units)
     others = [
         *notes_of_table(Facts(scenario), "scenario"),
         *_of_drive(scenario, core),
         *_of_robot(scenario),
     ]
-    return [*units, *(note for note in others if not (explained and note.code == "density"))]
+    return [
+        *units,
+        *(note for note in others if not (explained and note.code in ("density", "moment"))),
+    ]
 
 
 def peak_voltages(scenario: Scenario) -> dict[str, float]:

@@ -1,0 +1,206 @@
+"""What robots are made of, what they lie in, and the force of a fluid on a body in it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from stickslip._util.messages import check_above_zero, refuse, suggestion
+from stickslip._util.text import is_number
+
+MU_0 = 4e-7 * math.pi
+"""Magnetic constant, T m/A, to 1e-9."""
+
+ROUGHNESS = 1.5e-6
+"""Gap below a body that lies on a surface, m: that of Eq. (16), a measured roughness."""
+
+
+class Material(NamedTuple):
+    """A permanent magnet.
+
+    Attributes
+    ----------
+    density : float
+        kg/m^3.
+    remanence : float
+        Middle of the range that makers give, T. Small pieces may have half of it: a laser or a saw
+        damages what it cuts, and the paper's robot has 0.63 T.
+    source : str
+        Where the numbers are from.
+    """
+
+    density: float
+    remanence: float
+    source: str
+
+    @property
+    def magnetization(self) -> float:
+        """A/m, without the loss in the magnet's own field, some 3 % with a recoil of 1.05."""
+        return self.remanence / MU_0
+
+
+MATERIALS: Mapping[str, Material] = {
+    "NdFeB N35": Material(7500.0, 1.195, "makers' tables: 1.17 to 1.22 T, sintered"),
+    "NdFeB N42": Material(7500.0, 1.30, "makers' tables: 1.28 to 1.32 T, sintered"),
+    "NdFeB N52": Material(7500.0, 1.45, "makers' tables: 1.42 to 1.48 T, sintered"),
+    "NdFeB bonded": Material(6000.0, 0.70, "makers' tables: 0.65 to 0.75 T, pressed with epoxy"),
+    "SmCo5": Material(8300.0, 0.90, "makers' tables: 0.85 to 0.95 T; IEC 60404-8-1: RECo5"),
+    "Sm2Co17": Material(8400.0, 1.06, "makers' tables: 1.02 to 1.10 T; IEC 60404-8-1: RE2Co17"),
+    "ferrite Y30": Material(4900.0, 0.385, "makers' tables: 0.37 to 0.40 T"),
+}
+
+
+class Liquid(NamedTuple):
+    """A liquid or gas: density, kg/m^3, viscosity, Pa s, and where they are from."""
+
+    density: float
+    viscosity: float
+    source: str
+
+
+def _silicone(stokes: float, density: float) -> Liquid:
+    source = "nominal viscosity and typical density of makers' tables, 25 degrees C"
+    return Liquid(density, 1e-6 * stokes * density, source)
+
+
+LIQUIDS: Mapping[str, Liquid] = {
+    "water": Liquid(998.2, 1.002e-3, "IAPWS, 20 degrees C; 2.4 % less viscous for each degree"),
+    "ethanol": Liquid(789.0, 1.20e-3, "CRC Handbook of Chemistry and Physics, 20 degrees C"),
+    "glycerol": Liquid(1261.0, 1.41, "Segur and Oberstar (1951), 20 degrees C, free of water"),
+    "air": Liquid(1.204, 1.82e-5, "CRC Handbook of Chemistry and Physics, 20 degrees C"),
+    **{
+        f"silicone oil {stokes} cSt": _silicone(stokes, density)
+        for stokes, density in ((5, 913), (10, 935), (20, 950), (50, 960), (100, 965))
+    },
+    **{f"silicone oil {stokes} cSt": _silicone(stokes, 970) for stokes in (350, 500, 1000)},
+}
+
+
+@dataclass(frozen=True)
+class Fluid:
+    """What a robot lies in.
+
+    Attributes
+    ----------
+    density : float
+        kg/m^3.
+    viscosity : float
+        Dynamic one, Pa s.
+    gap : float or None
+        Height of the fluid between the robot and the wall, m; None far from a wall.
+    """
+
+    density: float
+    viscosity: float
+    gap: float | None = None
+
+    def changes(self, robot: Any, gravity: float) -> dict[str, float]:
+        """The keys of a scenario for a robot in this fluid, where bodies fall with `gravity`."""
+        body = robot.mass / (robot.length * robot.width * robot.height)
+        if self.density >= body:
+            refuse("density", self.density, f"one below {body:.4g} kg/m3, of the robot: it floats")
+        radius = equal_radius(robot)
+        along, turning = wall_factors(self.gap / radius) if self.gap is not None else (1.0, 1.0)
+        return {
+            "drag.linear": 6.0 * math.pi * self.viscosity * radius * along,
+            "drag.rotational": 0.0,
+            "effects.rotational_drag.coefficient": (
+                8.0 * math.pi * self.viscosity * radius**3 * turning
+            ),
+            "environment.gravity": gravity * (1.0 - self.density / body),
+        }
+
+
+def magnet_of(
+    material: str | None, density: float | None, magnetization: float | None
+) -> tuple[float, float]:
+    """Density, kg/m^3, and magnetization, A/m, of a material, or those that are given."""
+    if material is not None:
+        found = _named("material", material, MATERIALS)
+        density = found.density if density is None else density
+        magnetization = found.magnetization if magnetization is None else magnetization
+    check_above_zero("density", density, "kg/m3; or name a material,")
+    if not (is_number(magnetization) and 0.0 <= magnetization < math.inf):
+        refuse("magnetization", magnetization, "a number of A/m from 0; or name a material")
+    return density, magnetization  # type: ignore[return-value]
+
+
+def fluid_of(
+    name: str | None, density: float | None, viscosity: float | None, wall: bool | float
+) -> Fluid:
+    """The fluid of these arguments of `Scenario.in_fluid`."""
+    if name is not None:
+        found = _named("fluid", name, LIQUIDS)
+        density = found.density if density is None else density
+        viscosity = found.viscosity if viscosity is None else viscosity
+    check_above_zero("density", density, "kg/m3; or name a fluid,")
+    check_above_zero("viscosity", viscosity, "Pa s; or name a fluid,")
+    if isinstance(wall, bool):
+        gap = ROUGHNESS if wall else None
+    else:
+        check_above_zero("wall", wall, "m, true or false;")
+        gap = float(wall)
+    return Fluid(density, viscosity, gap)  # type: ignore[arg-type]
+
+
+def _named(key: str, name: Any, table: Mapping[str, Any]) -> Any:
+    if name not in table:
+        refuse(key, name, f"a name of the table; {suggestion(str(name), table)}")
+    return table[name]
+
+
+def equal_radius(robot: Any) -> float:
+    """Radius of the sphere of the robot's volume, m."""
+    return math.cbrt(0.75 / math.pi * robot.length * robot.width * robot.height)
+
+
+def wall_factors(gap: float) -> tuple[float, float]:
+    """Drag and drag torque of a sphere above a wall over those far from it.
+
+    It moves along the wall, or turns about an axis along it, with a gap of `gap` radii. Near the
+    wall they are the formulas of Goldman, Cox and Brenner (1967), which grow with the logarithm of
+    1 / gap, and far from it Faxen's of the height of the centre, which is never negative there: the
+    larger one is within 5 % (drag) and 8 % (torque) of their exact numbers at every gap. Faxen's
+    series with the height of a block's centre, below the radius, would be negative.
+    """
+    near, u = math.log(1.0 / gap), 1.0 / (1.0 + gap)
+    faxen = 1.0 - 9 / 16 * u + 1 / 8 * u**3 - 45 / 256 * u**4 - 1 / 16 * u**5
+    along = max(8 / 15 * near + 0.9588, 1.0 / faxen)
+    return along, max(2 / 5 * near + 0.3817, 1.0 / (1.0 - 5 / 16 * u**3))
+
+
+class LeftOut(NamedTuple):
+    """What the model leaves out of a fluid's force on a robot, as parts.
+
+    Attributes
+    ----------
+    drag, mass : float
+        Of the unsteady fluid on a swinging sphere: more drag, over that of Stokes, and mass carried
+        along, over the robot's (Stokes, 1851).
+    inertia : float
+        Of steady motion: more drag, over that of Stokes (Schiller and Naumann, 1933).
+    film : float
+        Drag of the film below a robot that lies flat, Eq. (16), over its drag in the model.
+    """
+
+    drag: float = 0.0
+    mass: float = 0.0
+    inertia: float = 0.0
+    film: float = 0.0
+
+
+def left_out(fluid: Fluid, robot: Any, frequency: float, speed: float) -> LeftOut:
+    """What the model leaves out at a frequency, Hz, and a steady speed, m/s; zero for none."""
+    radius, volume = equal_radius(robot), robot.length * robot.width * robot.height
+    drag = mass = film = 0.0
+    if frequency > 0.0:
+        layer = math.sqrt(fluid.viscosity / (math.pi * frequency * fluid.density))
+        drag = radius / layer
+        mass = (0.5 + 2.25 / drag) * fluid.density * volume / robot.mass
+    if fluid.gap is not None:
+        face = robot.length * robot.width / fluid.gap
+        film = face / (6.0 * math.pi * radius * wall_factors(fluid.gap / radius)[0])
+    reynolds = 2.0 * radius * abs(speed) * fluid.density / fluid.viscosity
+    return LeftOut(drag, mass, 0.15 * reynolds**0.687, film)
