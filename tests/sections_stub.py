@@ -39,6 +39,17 @@ BY_HAND = {
     @property
     def map(self) -> FieldMap | None: ...
     def own_values(self) -> dict[str, float]: ...
+    @staticmethod
+    def of(
+        *,
+        field_per_ampere: float,
+        distance: float,
+        side: float | None = None,
+        radius: float | None = None,
+        resistance: float,
+        inductance: float | None = None,
+        rise_time: float | None = None,
+    ) -> Coil: ...
 """
     + "".join(f"    @property\n    def {name}(self) -> OneCoil: ...\n" for name in COIL_NAMES),
     "Robot": """\

@@ -69,6 +69,12 @@ def of_robot(_, given):
     stickslip.Robot.of(**{**size, **given})
 
 
+def of_measured_coil(_, given):
+    """Coils from what a laboratory measures."""
+    measured = {"field_per_ampere": 1e-3, "distance": 0.1, "resistance": 8.0}
+    Coil.of(**{**measured, **given})
+
+
 def of_fluid(_, given):
     """What the robot of Table II is put into."""
     Scenario().in_fluid(**given)
@@ -167,6 +173,7 @@ WAYS = {
     "class": of_class,
     "robot": of_robot,
     "fluid": of_fluid,
+    "measured coil": of_measured_coil,
     "waveform": of_waveform,
     "pulses": of_pulses,
     "coils": of_coils,
@@ -440,6 +447,10 @@ REFUSALS = [
     ("fluid", {"fluid": "water", "wall": 0.0}, ["wall = 0.0", "true or false"]),
     ("fluid", {"fluid": "water", "wall": "glass"}, ['wall = "glass"', "true or false"]),
     ("fluid", {"density": 8e3, "viscosity": 1.0}, ["density = 8000.0", "it floats"]),
+    ("measured coil", {"side": 0.1}, "inductance = None: allowed is a number where rise_time"),
+    ("measured coil", {"side": 0.1, "radius": 0.1, "inductance": 0.1}, "where radius has none"),
+    ("measured coil", {"side": 0.1, "rise_time": -1.0}, "rise_time = -1.0: allowed is a finite"),
+    ("measured coil", {"side": 500.0, "inductance": 0.1}, "coil.side = 500"),
     ("coils", Drive(), ["scenario = Drive(", "a Scenario"]),
     ("coils", formula_map(count=(3, 3, 3)), ["scenario = ", "a Scenario"]),
     ("key", "drive.file", "drive.program takes a Waveform"),

@@ -14,6 +14,7 @@ from stickslip.cli import BAD_INPUT, INTERRUPTED
 from stickslip.errors import ScenarioError
 
 COMMANDS = {
+    "coils": "Tell what the coils and amplifiers of a scenario can do.",
     "diagnose": "Find what in measured data the model does not explain.",
     "effects": "List or search the effects of the model.",
     "init": "Write a scenario with all keys and their defaults.",

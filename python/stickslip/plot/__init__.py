@@ -2,11 +2,12 @@
 
 `run` shows all of a run at once; `fields`, `angle_and_contact_velocity`, `trajectory`,
 `phase_portrait`, `path` (from above) and `filmstrip` one thing each, in given axes if wanted;
-`velocity` draws a sweep, `coils` the coils and their field; `animation` gives a moving picture. No
-module here may have the name of one of them.
+`velocity` draws a sweep, `coils` the coils and their field, `coil_lines` what single ones do;
+`animation` gives a moving picture. No module here may have the name of one of them.
 """
 
 from stickslip.plot.above import path
+from stickslip.plot.coil_axes import coil_lines
 from stickslip.plot.coil_map import coils
 from stickslip.plot.curves import (
     angle_and_contact_velocity,
@@ -25,6 +26,7 @@ __all__ = [
     "angle_and_contact_velocity",
     "animation",
     "check_format",
+    "coil_lines",
     "coils",
     "fields",
     "filmstrip",

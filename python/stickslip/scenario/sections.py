@@ -8,8 +8,9 @@ from collections import namedtuple
 from collections.abc import Mapping
 
 from stickslip import _core
-from stickslip._util.messages import refuse, shown
+from stickslip._util.messages import check_above_zero, refuse, shown
 from stickslip.errors import ScenarioError
+from stickslip.field.coils import Coils
 from stickslip.field.field_map import FieldMap
 from stickslip.scenario.keys import (
     COIL_MAP,
@@ -98,6 +99,60 @@ class Coil(
         if not isinstance(own, Mapping | None):
             refuse(f"coil.{field}", value, f"a table [coil.{field}]")
         return {f"coil.{field}.{name}": each for name, each in (own or {}).items()}
+
+    @staticmethod
+    def of(
+        *,
+        field_per_ampere,
+        distance,
+        side=None,
+        radius=None,
+        resistance,
+        inductance=None,
+        rise_time=None,
+    ):
+        """Five like coils from what a laboratory measures.
+
+        Parameters
+        ----------
+        field_per_ampere : float
+            Field at the centre per ampere in one coil, T/A; it gives the turns.
+        distance : float
+            From the centre to the middle of a winding, m.
+        side, radius : float
+            One of both: mean side of a square winding, or mean radius of a round one, which becomes
+            the square of the same area, m.
+        resistance : float
+            Of a coil with its leads, ohm.
+        inductance, rise_time : float
+            One of both: H, or the time that the current takes to 63 % after a step of the voltage,
+            s, which gives the inductance.
+
+        Raises
+        ------
+        ScenarioError
+            If both or none of a pair are given, or a number is not allowed.
+        """
+        given = {"field_per_ampere": field_per_ampere, "distance": distance}
+        given |= {"resistance": resistance}
+        for one, other in (
+            (("side", side), ("radius", radius)),
+            (("inductance", inductance), ("rise_time", rise_time)),
+        ):
+            if (one[1] is None) == (other[1] is None):
+                refuse(one[0], one[1], f"a number where {other[0]} has none; give one of both")
+            given |= dict([other if one[1] is None else one])
+        for name, value in given.items():
+            check_above_zero(name, value, "its SI unit")
+        side = side if radius is None else math.sqrt(math.pi) * radius
+        one_turn = Coils(side, distance, 1.0).centre_field_per_ampere
+        return Coil(
+            side=side,
+            distance=distance,
+            turns=field_per_ampere / one_turn,
+            resistance=resistance,
+            inductance=resistance * rise_time if inductance is None else inductance,
+        )
 
     @property
     def map(self):

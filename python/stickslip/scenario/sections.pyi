@@ -100,6 +100,17 @@ class Coil(Section, key="coil"):
     @property
     def map(self) -> FieldMap | None: ...
     def own_values(self) -> dict[str, float]: ...
+    @staticmethod
+    def of(
+        *,
+        field_per_ampere: float,
+        distance: float,
+        side: float | None = None,
+        radius: float | None = None,
+        resistance: float,
+        inductance: float | None = None,
+        rise_time: float | None = None,
+    ) -> Coil: ...
     @property
     def xp(self) -> OneCoil: ...
     @property

@@ -1,0 +1,137 @@
+"""What the coils of a scenario and their amplifiers can do."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from stickslip._util.messages import check_above_zero, check_kind
+from stickslip._util.numbers import Array
+from stickslip.field.coils import Coils
+from stickslip.scenario.keys import COIL_NAMES
+from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.scenario_notes import field_swing, peak_voltages
+
+ROOM = 5e-3
+"""Side of the cube around the centre in which the fringe is told, m: where such robots walk."""
+
+SHARE = 0.05
+"""By which a dimension is off where it is told what that changes. Chosen: a tape measure's error of
+the middle of a winding."""
+
+DIMENSIONS = ("side", "distance", "turns", "resistance", "inductance")
+
+_AXES = dict(zip(COIL_NAMES, (0, 0, 1, 1, 2), strict=True))
+_COPPER = 1.72e-8 * 8960.0 * 385.0  # ohm m kg/m^3 J/(kg K), of copper at 20 degrees C; CRC Handbook
+
+
+class CoilFacts(NamedTuple):
+    """Numbers of one coil; its scenario's drive is that of `current`. NaN: not known.
+
+    Attributes
+    ----------
+    field, gradient : float
+        At the centre along its axis per ampere, T/A and T/(m A), both without sign.
+    fringe : float
+        Largest field across the axis over that along it, in a cube of 5 mm.
+    rise_time : float
+        Inductance over resistance, s.
+    current, power, heating : float
+        Where the highest voltage of the drive is held: A, W, and the rise of the temperature at
+        first, of a winding of copper without cooling, K/s.
+    most_current, most_field : float
+        That the amplifier can hold, A and T.
+    most_swing : float
+        Of the field of a sawtooth from zero to that, at the drive's frequency, T.
+    """
+
+    field: float
+    gradient: float
+    fringe: float
+    rise_time: float
+    current: float
+    power: float
+    heating: float
+    most_current: float
+    most_field: float
+    most_swing: float
+
+
+UNITS = dict(
+    zip(CoilFacts._fields, ("T/A", "T/m/A", "1", "s", "A", "W", "K/s", "A", "T", "T"), strict=True)
+)
+
+
+def coil_facts(
+    scenario: Scenario, volts: float | None = None, amperes: float | None = None
+) -> dict[str, CoilFacts]:
+    """The numbers of each coil, by its name.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Its coils, and the drive that they play.
+    volts, amperes : float, optional
+        The most that the amplifier of a coil gives, V and A; without `volts` the scenario's
+        ``amplifier_limit``, if it has one.
+
+    Raises
+    ------
+    ScenarioError
+        If `scenario` is none, or a number is not allowed.
+    """
+    check_kind("scenario", scenario, Scenario)
+    for name, value, unit in (("volts", volts, "V"), ("amperes", amperes, "A")):
+        if value is not None:
+            check_above_zero(name, value, unit)
+    limit = float(scenario.get("effects.amplifier_limit.voltage")) or math.inf
+    volts = limit if volts is None else volts
+    asked, made = peak_voltages(scenario), Coils.of(scenario)
+    pulsed = scenario.drive.mode != "program"
+    found = {}
+    for name in COIL_NAMES:
+        own, one = getattr(scenario.coil, name), np.array(COIL_NAMES) == name
+        field, gradient, fringe = _of_field(made, one.astype(float), _AXES[name])
+        tau, current = own.inductance / own.resistance, asked[name] / own.resistance
+        power = current**2 * own.resistance
+        # A wire of length l and resistance R has the mass d r l^2 / R.
+        wire = 4.0 * own.side * own.turns if made.box is None else math.nan
+        heating = power * own.resistance / (_COPPER * wire**2)
+        most = min(volts / own.resistance, math.inf if amperes is None else amperes)
+        most = most if math.isfinite(most) else math.nan
+        swing = field_swing(scenario.drive.frequency, tau) if pulsed else math.nan
+        ends = (most, most * field, most * field * swing)
+        found[name] = CoilFacts(field, gradient, fringe, tau, current, power, heating, *ends)
+    return found
+
+
+def dimension_changes(scenario: Scenario, name: str) -> dict[str, dict[str, float]]:
+    """What 5 % more of a dimension of one coil changes in its numbers, as parts, by dimension."""
+    before = coil_facts(scenario)[name]
+    found = {}
+    for dimension in DIMENSIONS[3:] if scenario.coil.map is not None else DIMENSIONS:
+        key = f"coil.{name}.{dimension}"
+        after = coil_facts(scenario.replace({key: (1.0 + SHARE) * float(scenario.get(key))}))[name]
+        per_field = (after.gradient / after.field) / (before.gradient / before.field)
+        found[dimension] = {
+            "field": after.field / before.field - 1.0,
+            "gradient": after.gradient / before.gradient - 1.0,
+            "gradient_per_field": per_field - 1.0,
+            "rise_time": after.rise_time / before.rise_time - 1.0,
+        }
+    return found
+
+
+def _of_field(made: Coils, one: Array, axis: int) -> tuple[float, float, float]:
+    """Field and gradient at the centre along an axis, and the fringe, of one ampere."""
+    line = np.linspace(-0.5 * ROOM, 0.5 * ROOM, 5)
+    points = np.stack(np.meshgrid(line, line, line), axis=-1).reshape(-1, 3)
+    if made.box is not None:
+        low, high = made.box
+        points = points[np.all((points >= low) & (points <= high), axis=1)]
+    field = np.abs(made.field(points, one))
+    across = np.delete(field, axis, axis=1).max(axis=1)
+    centre = made.field(np.zeros(3), one)[axis], made.gradient(np.zeros(3), one)[axis, axis]
+    return abs(float(centre[0])), abs(float(centre[1])), float((across / field[:, axis]).max())
