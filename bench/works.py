@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 import stickslip
-from stickslip import Contact, Drive, Scenario, Waveform, _core
+from stickslip import Contact, Drive, Law, Scenario, Waveform, _core
 
 REFERENCE = Scenario(
     drive=Drive(mode="IPP", frequency=100.0, peak=2.5e-3, base=0.5e-3, hold=1e-3, pulses=100)
@@ -40,11 +40,14 @@ THREE_LAWS = {
     "effects.angle_drag.strength": 0.5,
 }
 CURVE = {
-    "effects.free_friction_speed.span": 0.02,
-    **{
-        f"effects.free_friction_speed.knot_{k}": y
-        for k, y in enumerate((0.1, -0.1, 0.1, -0.1, 0), 1)
-    },
+    "laws.curve": Law(
+        quantity="sliding_friction",
+        over="slip_speed",
+        form="curve",
+        fraction=1.0,
+        scale=0.02,
+        knots=(0.1, -0.1, 0.1, -0.1, 0.0),
+    ),
 }
 
 Answer = tuple[float, list[float]]

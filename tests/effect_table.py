@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from free_shapes import LAWS, SHAPES, shaped
 from measured_maps import formula_fields, grid
 from stickslip import (
     COIL_NAMES,
@@ -31,7 +32,6 @@ from stickslip import (
     register_effect,
     simulate_batch,
 )
-from stickslip.scenario.effects import is_free_shape
 from stickslip.scenario.keys import Key, known_keys, until_registration
 
 Keys = Mapping[str, Any]
@@ -72,6 +72,7 @@ ACROSS = {
 }
 # Of a free shape, neither symmetric nor monotonic, and not zero where the argument is.
 KNOTS = {"knot_1": 0.15, "knot_2": -0.1, "knot_3": 0.05, "knot_4": 0.2, "knot_5": -0.15}
+LONG = {"free_friction_age": 1.0}  # s, of the last knot
 OWN_COIL = 0.9  # values of one coil over those of all
 
 OWN = ("own_compiled", "own_python")
@@ -92,20 +93,23 @@ def size_of(key: Key) -> float | None:
 
 
 @until_registration
-def rows() -> dict[str, dict[str, float]]:
+def rows() -> dict[str, dict[str, Any]]:
     """Dotted keys and values of each effect, and of those that push the robot across."""
-    result: dict[str, dict[str, float]] = {}
-    own: dict[str, dict[str, float]] = {}
+    result: dict[str, dict[str, Any]] = {}
+    own: dict[str, dict[str, Any]] = {}
     others = set(_core.registered_effects()) - set(OWN)
     for effect in effects():
         if effect.name not in others:
             sizes = {key.name: size_of(key) for key in effect.parameters}
             acting = {name: size for name, size in sizes.items() if size is not None}
             (own if effect.name in OWN else result)[effect.name] = acting
-    free = {name: row for name, row in result.items() if is_free_shape(name)}
-    named = {name: row for name, row in result.items() if name not in free}
+    knots = tuple(KNOTS.values())
+    free = {
+        name: shaped(name, knots, LONG.get(name)) if name in LAWS else result.pop(name)
+        for name in SHAPES
+    }
     # Last, so that all else is the same in a process that does not know them.
-    return {**named, **_coils(), **free, **ACROSS, **own}
+    return {**result, **_coils(), **free, **ACROSS, **own}
 
 
 def _coils() -> dict[str, dict[str, float]]:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.signal import lfilter
 
-from free_shapes import SHAPES, curve
+from free_shapes import LAWS, curve
 from stickslip import Coils, Scenario, simulate_batch
 
 # Angle in rad that the fastest free swing goes through between two samples: wanted, and the most
@@ -141,10 +141,15 @@ class Record:
 
     def shape(self, name, argument):
         """Factor of a free shape."""
-        knots = [self.effect(f"{name}.knot_{i}") for i in range(1, 6)]
+        if name in LAWS:
+            law = self.scenario.laws.get(name)
+            knots, span = (law.knots, law.scale) if law else ((0.0,), None)
+        else:
+            knots = [self.effect(f"{name}.knot_{i}") for i in range(1, 6)]
+            span = self.effect(f"{name}.span")
         if not any(knots):
             return 1.0
-        return np.maximum(0.0, 1.0 + curve(name, knots, argument, self.effect(f"{name}.span")))
+        return np.maximum(0.0, 1.0 + curve(name, knots, argument, span))
 
     @property
     def tilt(self):
@@ -233,10 +238,10 @@ def _rates(run):
     fastest = swing + linear / robot.mass + rotational / inertia
     # Over a span that the motion crosses in less time, a shape changes faster than the motion.
     crossed = {"angle": turning, "rate": swing * turning, "speed": radius * swing**2}
-    for name in SHAPES:
+    for name in LAWS:
         of = name.rpartition("_")[2]
-        if of in crossed and any(s.get(f"effects.{name}.knot_{i}") for i in range(1, 6)):
-            fastest += crossed[of] / s.get(f"effects.{name}.span")
+        if of in crossed and name in s.laws:
+            fastest += crossed[of] / s.laws[name].scale
     # The currents' own rate is followed where there are samples enough: a faster change is a jump.
     of_currents = s.coil.resistance / s.coil.inductance
     wanted = (fastest + of_currents) / WANTED_PHASE

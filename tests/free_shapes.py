@@ -1,4 +1,4 @@
-"""The effects of a free shape for tests: their spans and knots, and their curves by scipy."""
+"""Effects and laws of a free shape for tests: their spans and knots, and their curves by scipy."""
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
@@ -20,13 +20,30 @@ SHAPES = {
     "free_field_frequency": (200.0, ZERO_UP),
     "free_field_amplitude": (2.5, ZERO_UP),
 }
+LAWS = {
+    "free_friction_speed": ("sliding_friction", "slip_speed"),
+    "free_friction_angle": ("friction", "tilt"),
+    "free_friction_load": ("friction", "load"),
+    "free_friction_age": ("friction", "time"),
+    "free_adhesion_angle": ("adhesion", "tilt"),
+    "free_adhesion_age": ("adhesion", "age"),
+    "free_drag_angle": ("drag", "tilt"),
+    "free_drag_speed": ("drag", "speed"),
+    "free_drag_rate": ("fluid", "rate"),
+}
 KNOTS = (0.1, -0.15, 0.2, -0.1, 0.15)
 
 
 def shaped(name, knots, span=None):
-    """Keys of an effect with these knots."""
-    given = {f"effects.{name}.knot_{i}": float(knot) for i, knot in enumerate(knots, 1)}
-    return {**given, f"effects.{name}.span": SHAPES[name][0] if span is None else span}
+    """Keys of an effect or a law with these knots."""
+    span = SHAPES[name][0] if span is None else span
+    section = f"laws.{name}" if name in LAWS else f"effects.{name}"
+    given = {f"{section}.knot_{i}": float(knot) for i, knot in enumerate(knots, 1)}
+    if name not in LAWS:
+        return {**given, f"{section}.span": span}
+    quantity, over = LAWS[name]
+    law = {"quantity": quantity, "over": over, "form": "curve", "fraction": 1.0, "scale": span}
+    return {**given, **{f"{section}.{key}": value for key, value in law.items()}}
 
 
 def curve(name, knots, arguments, span=None):

@@ -15,7 +15,7 @@ import math
 import numpy as np
 from hypothesis import strategies as st
 
-from free_shapes import SHAPES
+from free_shapes import SHAPES, shaped
 from stickslip import Robot, Scenario, ScenarioError, Waveform
 from stickslip.scenario.keys import known_keys
 
@@ -140,7 +140,8 @@ def wild(draw):
     if draw.chance(0.15):
         keys.update(wild_plane(draw, keys))
     for name in draw.of.permutation(list(EFFECTS))[: draw.whole(0, 3)]:
-        keys.update({f"effects.{name}.{key}": value for key, value in EFFECTS[name](draw).items()})
+        drawn = EFFECTS[name](draw)
+        keys.update(drawn if name in SHAPES else {f"effects.{name}.{k}": drawn[k] for k in drawn})
     keys = allowed_together(keys)
     return Scenario().replace(keys)
 
@@ -228,10 +229,9 @@ EFFECTS = {
     "surface_tilt": lambda d: {"angle": d.uniform(-0.5, 0.5)},
     "friction_patches": lambda d: {"amplitude": d.uniform(-1, 1), "period": d.decades(1e-5, 1e-3)},
     **{
-        name: lambda d, span=span: {
-            **{f"knot_{k}": d.uniform(-0.9, 2.0) for k in range(1, 6)},
-            "span": span * d.decades(0.1, 2.0),
-        }
+        name: lambda d, name=name, span=span: shaped(
+            name, [d.uniform(-0.9, 2.0) for _ in range(5)], span * d.decades(0.1, 2.0)
+        )
         for name, (span, _) in SHAPES.items()
         # A contact that rolls is in none of the laws; where friction depends on the load, a slip
         # may have several normal forces, or none.

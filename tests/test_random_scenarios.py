@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 
 import laws
 from fine_record import recorded
+from free_shapes import LAWS
 from populations import (
     EFFECTS,
     EXTREME,
@@ -74,8 +75,10 @@ MEANT = {
         ("drag.rotational", 0.0): 0.2,
         ("environment.gravity", 0.0): 0.2 * 0.2,
         **{  # none to three effects
-            (f"effects.{name}.{next(iter(drawn(Draw(0))))}", 0.0): 1.0 - 1.5 / len(EFFECTS)
+            (f"effects.{name}.{next(iter(drawn(Draw(0)))).rpartition('.')[2]}", 0.0): 1.0
+            - 1.5 / len(EFFECTS)
             for name, drawn in EFFECTS.items()
+            if name not in LAWS
         },
     },
 }

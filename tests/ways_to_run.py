@@ -140,7 +140,9 @@ def swept(table: Table) -> Iterator[str]:
 
     for _, group in itertools.groupby(sorted(table.to_the_bit, key=together), key=together):
         members = list(group)
-        base = members[0].scenario
+        laws = {name: law for case in members for name, law in case.scenario.laws.items()}
+        absent = {f"laws.{name}": {**vars(law), "fraction": 0.0} for name, law in laws.items()}
+        base = members[0].scenario.replace(absent)
         data = sweep(base, [_changes(base, case.scenario) for case in members], threads=2)
         for place, case in enumerate(members):
             run = table.alone[case]
@@ -163,6 +165,7 @@ def _changes(base: Scenario, scenario: Scenario) -> dict[str, Any]:
     made = base.replace({key: each for key, each in changed.items() if key.count(".") == 1})
     of_one = [key for key in keys if key.startswith("coil.") and key.count(".") == 2]
     own = {key: scenario.get(key) for key in of_one if scenario.get(key) != made.get(key)}
+    own |= {f"laws.{name}.fraction": law.fraction for name, law in scenario.laws.items()}
     return {key: each for key, each in changed.items() if key not in of_one} | own
 
 

@@ -46,16 +46,16 @@ MUTATIONS = (
     Mutation(
         "one plane",
         "friction_anisotropy",
-        "assembly.cpp",
-        ".anisotropy = e.friction_anisotropy_fraction,",
-        ".anisotropy = in_whole_plane(s) ? e.friction_anisotropy_fraction : 0.0,",
+        "named_laws.cpp",
+        "STICKSLIP_OF(e.friction_anisotropy_fraction)",
+        "STICKSLIP_OF(in_whole_plane(s) ? e.friction_anisotropy_fraction : 0.0)",
     ),
     Mutation(
         "one plane",
         "angle_adhesion",
-        "assembly.cpp",
-        ".smooth = {.angle_loss = e.angle_adhesion_strength,",
-        ".smooth = {.angle_loss = in_whole_plane(s) ? e.angle_adhesion_strength : 0.0,",
+        "named_laws.cpp",
+        "STICKSLIP_OF(-e.angle_adhesion_strength)",
+        "STICKSLIP_OF(in_whole_plane(s) ? -e.angle_adhesion_strength : 0.0)",
     ),
     Mutation(
         "whole plane",
@@ -68,17 +68,15 @@ MUTATIONS = (
         "packs",
         "adhesion_ageing",
         "lanes.cpp",
-        "            lane.run.enter(phase, numbers);\n",
-        "            lane.run.enter(phase, numbers);\n"
-        "if constexpr (kEffects) numbers.named.effects.adhesion.ageing_rate = 0.0;\n",
+        "if constexpr (kEffects) put_laws(place);",
+        "",
     ),
     Mutation(
         "packs",
         "friction_patches",
         "lanes.cpp",
-        "            lane.run.enter(phase, numbers);\n",
-        "            lane.run.enter(phase, numbers);\n"
-        "if constexpr (kEffects) numbers.named.effects.friction.patch_amplitude = 0.0;\n",
+        "laws_[i * size_ + place] = number;",
+        "laws_[i * size_ + place] = 0.5 * number;",
     ),
     Mutation(
         "stepped",
@@ -139,15 +137,15 @@ MUTATIONS = (
     Mutation(
         "towards -x",
         "friction_patches",
-        "assembly.cpp",
-        ".patch_amplitude = frame_sign(s) * e.friction_patches_amplitude,",
-        ".patch_amplitude = e.friction_patches_amplitude,",
+        "named_laws.cpp",
+        "if (frame.sign < 0.0) {\n        for (Law& law",
+        "if (false) {\n        for (Law& law",
     ),
     Mutation(
         "towards -x",
         "ambient_field",
         "assembly.cpp",
-        "frame_sign(scenario) * scenario.effects.ambient_field_bx,",
+        "frame.sign * scenario.effects.ambient_field_bx,",
         "scenario.effects.ambient_field_bx,",
     ),
     Mutation(

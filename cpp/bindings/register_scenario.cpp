@@ -15,6 +15,7 @@
 #include "stickslip/run/assembly.hpp"
 #include "stickslip/scenario/coils.hpp"
 #include "stickslip/scenario/free_shapes.hpp"
+#include "stickslip/scenario/own_laws.hpp"
 #include "stickslip/scenario/parameters.hpp"
 #include "tables.hpp"
 
@@ -34,6 +35,18 @@ Value value_of(const Parameter& row, const Scenario& scenario) {
     return number;
 }
 
+Value law_value(const Scenario& scenario, const LawPlace& place) {
+    const OwnLaw* law = find_law(scenario, place.law);
+    const std::string name = place.name();
+    if (law == nullptr) {
+        throw std::invalid_argument(name + ": there is no law laws." + place.law + " here");
+    }
+    const LawKey& key = *place.key;
+    if (key.words.empty() && law->numbers[key.place]) return *law->numbers[key.place];
+    if (!key.words.empty() && law->words[key.place]) return key.words[*law->words[key.place]];
+    throw std::invalid_argument(name + ": the law has none");
+}
+
 /// Throws std::invalid_argument if there is no such key.
 Value value_of(const Scenario& scenario, const std::string& key) {
     if (const Choice* choice = find_choice(key)) {
@@ -41,6 +54,7 @@ Value value_of(const Scenario& scenario, const std::string& key) {
         if (!word.empty()) return word;
     }
     if (const Parameter* row = find_parameter(key)) return value_of(*row, scenario);
+    if (const std::optional<LawPlace> law = find_law_key(key)) return law_value(scenario, *law);
     const std::optional<UserKey> own = find_user_key(key);
     if (!own) throw unknown_key(key);
     return get_parameter(scenario, *own);
@@ -50,12 +64,14 @@ void set_value(Scenario& scenario, const std::string& key, const py::handle& val
     if (PyUnicode_Check(value.ptr())) {
         const char* word = PyUnicode_AsUTF8(value.ptr());
         if (word == nullptr) throw py::error_already_set();  // it is not UTF-8
+        if (const auto law = find_law_key(key)) return set_law(scenario, *law, word);
         return set_choice(scenario, key, word);
     }
     const bool is_number = PyFloat_Check(value.ptr()) || PyLong_Check(value.ptr());
     if (!is_number || PyBool_Check(value.ptr())) throw py::type_error("a float, an int or a str");
     const double number = PyFloat_AsDouble(value.ptr());
     if (PyErr_Occurred() != nullptr) throw py::error_already_set();
+    if (const auto law = find_law_key(key)) return set_law(scenario, *law, number);
     set_parameter(scenario, key, number);
 }
 
@@ -92,6 +108,14 @@ py::dict changed_values(const Scenario& scenario) {
         for (std::size_t i = 0; i < each.values.size(); ++i) {
             if (each.values[i] == each.effect->parameters[i].absent) continue;
             result[py::str(each.effect->key(i))] = each.values[i];
+        }
+    }
+    for (const OwnLaw& law : scenario.laws) {
+        for (const LawKey& key : law_keys()) {
+            const LawPlace place{law.name, &key};
+            const bool is_given = key.words.empty() ? law.numbers[key.place].has_value()
+                                                    : law.words[key.place].has_value();
+            if (is_given) result[py::str(place.name())] = law_value(scenario, place);
         }
     }
     return result;
@@ -182,6 +206,29 @@ py::list describe_keys() {
     return py::cast(rows);
 }
 
+/// A key that laws of one's own can have; None for another.
+py::object describe_law_key(const std::string& name) {
+    const std::optional<LawPlace> place = find_law_key(name);
+    if (!place) return py::none();
+    const LawKey& key = *place->key;
+    const bool is_word = !key.words.empty();
+    if (is_word) {
+        py::dict row = describe(name, "word", key.meaning, std::string());
+        row["allowed"] = "one of " + quoted_words(key.words);
+        row["words"] = py::tuple(py::cast(key.words));
+        return row;
+    }
+    const Parameter number{.key = name.c_str(),
+                           .unit = "-",
+                           .low = key.low,
+                           .high = key.high,
+                           .low_allowed = key.low_allowed,
+                           .meaning = key.meaning};
+    py::dict row = describe(name, number, 0.0);
+    row["unit"] = key.unit;
+    return row;
+}
+
 /// Those of the model, then those of the user.
 py::list describe_effects() {
     py::list rows;
@@ -243,20 +290,20 @@ py::list blocks_of(const VoltageProgram& program) {
 
 /// The voltages as the coils get them, in the world's frame.
 VoltageProgram world_program(const Scenario& scenario) {
-    const VoltageProgram program = make_program(scenario);
-    return frame_sign(scenario) > 0.0 ? program : turned(program);
+    const RobotFrame frame = frame_of(scenario);
+    return frame.seen(make_program(scenario, frame));
 }
 
 /// The largest that the drive asks of each coil of the world's frame, V.
 PerCoil asked_voltages(const Scenario& scenario) {
-    const VoltageProgram program = asked_program(scenario);
-    return frame_sign(scenario) > 0.0 ? program.largest_voltage()
-                                      : turned(program).largest_voltage();
+    const RobotFrame frame = frame_of(scenario);
+    return frame.seen(asked_program(scenario, frame)).largest_voltage();
 }
 
-/// f of one of the effects with a free shape, as an array of the shape of `arguments`.
-Array free_curve_at(const Scenario& scenario, const std::string& effect, const Array& arguments) {
-    const FreeCurve curve(free_shape(scenario, effect));
+/// f of an effect with a free shape, or of a law that is a curve, as an array of the shape of
+/// `arguments`.
+Array free_curve_at(const Scenario& scenario, const std::string& name, const Array& arguments) {
+    const FreeCurve curve(free_shape(scenario, name));
     Array result(std::vector<py::ssize_t>(arguments.shape(), arguments.shape() + arguments.ndim()));
     for (py::ssize_t i = 0; i < arguments.size(); ++i) {
         result.mutable_data()[i] = curve.at(arguments.data()[i]);
@@ -268,8 +315,10 @@ Array free_curve_at(const Scenario& scenario, const std::string& effect, const A
 
 void register_scenario(py::module_& module) {
     module.def("key_table", &describe_keys);
+    module.def("law_key", &describe_law_key, py::arg("name"));
     module.def("effects", &describe_effects);
     module.attr("sections") = meanings_of(sections());
+    module.attr("law_keys") = names_of(law_keys());
 
     py::class_<SimulationState>(module, "State").def("get", &state_value, py::arg("key"));
 
@@ -284,6 +333,7 @@ void register_scenario(py::module_& module) {
         .def(
             "get", [](const Scenario& self, const std::string& key) { return value_of(self, key); },
             py::arg("key"))
+        .def("remove_law", &remove_law, py::arg("name"))
         .def("changed", &changed_values)
         .def("take", &take_section, py::arg("other"), py::arg("section"))
         .def("take", [](Scenario& self, const SimulationState& state,
@@ -314,14 +364,16 @@ void register_scenario(py::module_& module) {
         .def("asked_voltages", &asked_voltages)
         .def(
             "rocking_rate",
-            [](const Scenario& self, double tesla) { return make_model(self).rocking_rate(tesla); },
+            [](const Scenario& self, double tesla) {
+                return make_model(self, frame_of(self)).rocking_rate(tesla);
+            },
             py::arg("tesla"))
-        .def("free_curve", &free_curve_at, py::arg("effect"), py::arg("arguments"))
+        .def("free_curve", &free_curve_at, py::arg("name"), py::arg("arguments"))
         .def_property_readonly(
             "in_plane_coil",
             [](const Scenario& self) { return name(in_plane_coil(drive_direction(self))); })
         .def_property_readonly("whole_plane",
-                               [](const Scenario& self) { return in_whole_plane(self); })
+                               [](const Scenario& self) { return frame_of(self).whole_plane; })
         .def_property_readonly("duration", &duration)
         .def_property_readonly("window", [](const Scenario& self) {
             const Window window = measuring_window(self);

@@ -20,7 +20,7 @@ inline const CoilSet& paper_coils() {
 
 /// Tables I and II.
 inline Model paper_model() {
-    return make_model(Scenario{});
+    return make_model(Scenario{}, {});
 }
 
 /// Draws with a fixed seed: every run of a test sees the same numbers.

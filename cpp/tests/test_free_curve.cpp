@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "stickslip/numbers/free_curve.hpp"
 #include "support.hpp"
@@ -65,19 +64,10 @@ TEST_CASE("free curve: 1 + f is cut off at zero, and exactly one where all knots
     const FreeCurve deep({FreeReach::from_zero, 1.0, {0.0, -1.0, -1.0, 2.0, 2.0}});
     CHECK(deep.at(0.4) < -1.0);  // the cubic dips below its knots
     CHECK(deep.factor(0.4) == 0.0);
-    CHECK(deep.factor_slope(0.4) == 0.0);
     CHECK(deep.factor(0.0) == 1.0);
-    CHECK(deep.least_factor() == 0.0);
     const FreeCurve none({FreeReach::both_ways, 0.3});
     CHECK(none.absent());
     CHECK_FALSE(deep.absent());
     CHECK(none.factor(0.1) == 1.0);
-    CHECK(none.factor_at_angle(0.6, 0.8) == 1.0);
-    CHECK(none.factor_slope(0.1) == 0.0);
-    CHECK(none.least_factor() == 1.0);
     CHECK(FreeCurve().factor(7.0) == 1.0);
-    const FreeCurve angle({FreeReach::both_ways, 1.0, {0.1, 0.2, 0.3, 0.4, 0.5}});
-    CHECK(angle.factor_at_angle(std::sin(-0.7), std::cos(-0.7)) ==
-          doctest::Approx(angle.factor(-0.7)).epsilon(1e-14));
-    CHECK(angle.factor_at_angle(0.0, -1.0) == angle.factor(std::numbers::pi));
 }

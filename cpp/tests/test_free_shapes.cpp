@@ -17,16 +17,8 @@ using stickslip::test::Random;
 
 namespace {
 
-FreeCurve random_curve(Random& random, FreeReach reach, double span) {
-    FreeShape shape{reach, span};
-    for (double& knot : shape.knots) knot = random.between(-0.8, 2.0);
-    return FreeCurve(shape);
-}
-
-FreeCurve constant_curve(FreeReach reach, double value) {
-    FreeShape shape{reach, 1.0};
-    shape.knots.fill(value);
-    return FreeCurve(shape);
+Law law_of(Quantity quantity, Argument argument, const FreeShape& shape) {
+    return {.kind = {quantity, Acts::multiplies, argument, Form::curve}, .curve = shape};
 }
 
 struct Motion {
@@ -59,10 +51,11 @@ TEST_CASE("free friction of the load: a corner that slips presses with the force
     Random random(3);
     int pressed = 0;
     for (int n = 0; n < 500; ++n) {
-        FrictionExtensions e;
-        e.load = random_curve(random, FreeReach::from_zero, 1e-6);
+        FreeShape shape{FreeReach::from_zero, 1e-6};
+        for (double& knot : shape.knots) knot = random.between(-0.8, 2.0);
         Model model = paper_model();
-        model.friction = {0.4, random.between(0.05, 0.4), e};
+        model.friction = {0.4, random.between(0.05, 0.4)};
+        model.laws = LawSet({law_of(Quantity::friction_by_load, Argument::load, shape)});
         Dynamics dynamics = in_uniform_field(model, random.between(-1e-3, 1e-3), -1e-3);
         const Motion m = random_motion(random);
         const Load load = load_at(dynamics, m);
@@ -73,7 +66,7 @@ TEST_CASE("free friction of the load: a corner that slips presses with the force
         const CornerSlip motion =
             corner_slip(dynamics.robot(), pose, m.omega, load, slip * coefficient);
         if (motion.effective_inertia <= 0.0) continue;
-        // The Newton step at the end is within some roundings of the normal force.
+        // The last secant is within some roundings of the normal force.
         CHECK(coefficient ==
               doctest::Approx(dynamics.kinetic(slip, 0.01, m.x, pose, motion.normal, 0.0))
                   .epsilon(1e-12));
@@ -83,12 +76,14 @@ TEST_CASE("free friction of the load: a corner that slips presses with the force
 }
 
 TEST_CASE("free friction in an impact: that of the load's last knot and of the time") {
-    FrictionExtensions e;
-    e.load = FreeCurve({FreeReach::from_zero, 1e-6, {0.0, 0.0, 0.0, 0.0, 0.5}});
-    e.time = FreeCurve({FreeReach::from_zero, 4.0, {0.0, 1.0, 2.0, 3.0, 4.0}});
-    e.speed = constant_curve(FreeReach::anchored, 3.0);
     Model shaped = paper_model(), same = paper_model();
-    shaped.friction = {0.02, 0.01, e};
+    shaped.friction = {0.02, 0.01};
+    shaped.laws = LawSet({law_of(Quantity::friction_by_load, Argument::load,
+                                 {FreeReach::from_zero, 1e-6, {0.0, 0.0, 0.0, 0.0, 0.5}}),
+                          law_of(Quantity::friction, Argument::time,
+                                 {FreeReach::from_zero, 4.0, {0.0, 1.0, 2.0, 3.0, 4.0}}),
+                          law_of(Quantity::sliding_friction, Argument::slip_speed,
+                                 {FreeReach::anchored, 1.0, {3.0, 3.0, 3.0, 3.0, 3.0}})});
     same.friction = {0.02 * 1.5 * 3.0, 0.01 * 1.5 * 3.0};
     const Pose pose = shaped.shape.pose(0, std::cos(0.4), std::sin(0.4));
     const BodyState before = {0.0, pose.height, 0.4, 0.05, -0.02, 3.0, 0};

@@ -73,7 +73,8 @@ TEST_CASE("flat robot, rear lands: the slip that is left, with the coefficients 
 
     // A front that was slipping has mu_k too, here another one each way: T = -way (1 + 0.3 way)
     // mu_k S.
-    model.friction = {mu_s, mu_k, {.smooth = {.anisotropy = 0.3}}};
+    model.laws =
+        LawSet({{{Quantity::friction_by_way, Acts::multiplies, Argument::way, Form::line}, 0.3}});
     for (const double way : {-1.0, 1.0}) {
         const double slip = way * 0.1, friction = -way * (1.0 + 0.3 * way) * mu_k * b;
         const ImpactResult sliding =

@@ -43,8 +43,8 @@ public:
 private:
     static Model model() {
         Model model = paper_model();
-        model.friction = {1e3, 1e3};     // nothing slips
-        model.adhesion.strength = 1e-3;  // and nothing leaves
+        model.friction = {1e3, 1e3};  // nothing slips
+        model.adhesion = 1e-3;        // and nothing leaves
         // Omega |omega| has no second derivative where the swing turns: no order would be seen.
         model.rotational_drag_quadratic = 0.0;
         model.rotational_drag_linear = 1e-14;
@@ -175,7 +175,7 @@ TEST_CASE("tsit5: a slide that comes near the point without solution ends before
     // the slip or turns the robot so fast that it lifts off. A fast enough slip reaches neither
     // stop, and turns nose-down all the way to lift-off.
     Model model = paper_model();
-    model.adhesion.strength = 1e-6;
+    model.adhesion = 1e-6;
     for (const double mu : {1.34, 1.4, 1.5}) {
         model.friction = {mu, mu};
         for (const double slip : {0.05, 5.0}) {

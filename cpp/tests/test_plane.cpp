@@ -152,13 +152,13 @@ TEST_CASE("plane: an impact with a velocity across keeps the laws of impacts") {
 
 TEST_CASE("plane: a start that does not face the drive's direction is one in the whole plane") {
     Scenario scenario;
-    CHECK_FALSE(in_whole_plane(scenario));
+    CHECK_FALSE(frame_of(scenario).whole_plane);
     scenario.initial.heading = 0.5;
-    CHECK(in_whole_plane(scenario));
+    CHECK(frame_of(scenario).whole_plane);
     scenario.initial.heading = std::numbers::pi;
-    CHECK(in_whole_plane(scenario));
+    CHECK(frame_of(scenario).whole_plane);
     scenario.drive.direction = Direction::minus_x;
-    CHECK_FALSE(in_whole_plane(scenario));
+    CHECK_FALSE(frame_of(scenario).whole_plane);
     scenario.initial.heading = 0.0;
-    CHECK_FALSE(in_whole_plane(scenario));
+    CHECK_FALSE(frame_of(scenario).whole_plane);
 }

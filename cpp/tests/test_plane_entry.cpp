@@ -31,7 +31,7 @@ TEST_CASE("plane: before a program has a field along the surface, its direction 
     scenario.drive.direction = Direction::minus_x;
     const SimulationState planar = simulate(scenario).final_state;
     scenario.initial.y = 1e-12;
-    REQUIRE(in_whole_plane(scenario));
+    REQUIRE(frame_of(scenario).whole_plane);
     const SimulationState turning = simulate(scenario).final_state;
     CHECK(planar.x < -1e-5);
     CHECK(turning.x == doctest::Approx(planar.x).epsilon(1e-6));
@@ -63,7 +63,7 @@ TEST_CASE("plane: coils of y that are unlike turn a stepped robot by voltages th
     // So do currents that are there as the run begins.
     scenario.whole_plane = false;
     scenario.initial.current = {0.0, 0.0, 1.0, -1.0, 0.0};
-    CHECK(in_whole_plane(scenario));
+    CHECK(frame_of(scenario).whole_plane);
 }
 
 TEST_CASE("plane: a run takes no snapshot of the other kind of run") {

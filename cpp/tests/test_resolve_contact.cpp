@@ -50,7 +50,7 @@ struct Draw {
     Draw(Random& random, Touch touch, double most_friction) {
         const double mu = random.between(0.0, most_friction);
         model.friction = {mu, mu * (random.coin() ? 1.0 : random.between(0.0, 1.0))};
-        model.adhesion.strength = random.coin() ? 0.0 : random.between(0.0, 0.5e-6);
+        model.adhesion = random.coin() ? 0.0 : random.between(0.0, 0.5e-6);
         model.gravity_x = random.between(-10.0, 10.0);
         model.gravity_z = random.between(-10.0, 8.0);
         // Torques from far below to far above those of the weight.
@@ -87,8 +87,8 @@ struct Draw {
     }
     double force_scale(const Load& load) const {
         const double r = model.shape.radius();
-        return std::abs(load.fx) + std::abs(load.fz) + std::abs(load.torque) / r +
-               model.adhesion.strength + model.mass * body.omega * body.omega * r;
+        return std::abs(load.fx) + std::abs(load.fz) + std::abs(load.torque) / r + model.adhesion +
+               model.mass * body.omega * body.omega * r;
     }
 };
 
@@ -112,7 +112,7 @@ void check_consistent(const Draw& draw, Dynamics& dynamics, Touch touch, const R
     const Pose pose = dynamics.pose(angle);
     const Load load =
         dynamics.load(dynamics.field_at(0.0), body.x, body.z, pose, body.vx, body.vz, body.omega);
-    const double adhesion = model.adhesion.strength;
+    const double adhesion = model.adhesion;
     // A dozen operations on forces of this size; divided by the effective inertia where it is used.
     double tolerance = 1e-14 * draw.force_scale(load);
     const double per_mass = 1.0 / model.mass;

@@ -22,7 +22,7 @@ TEST_CASE("rest: after a jump of the voltage the event lies in the first time co
     const FieldAndGradient unit = paper_coils().unit_field(Coil::clamp, {0.0, 0.0, rise});
     const double tipping = (rise * unit.gradient(0, 0) - unit.field.z()) / (2.0 * base);
     const double lost = model.moment * (0.5 * unit.gradient(2, 0) + tipping);
-    const double carried = 0.5 * (model.adhesion.strength - model.mass * model.gravity_z);
+    const double carried = 0.5 * (model.adhesion - model.mass * model.gravity_z);
     const double expected = -kTimeConstant * std::log1p(-carried / lost / (kVolts / kResistance));
     REQUIRE(expected < 1e-3);
 

@@ -114,7 +114,7 @@ TEST_CASE("simulator: a coil that the drive does not use may be stepped") {
 TEST_CASE("initial state: what is not given is at rest on the lowest corner") {
     Scenario s;
     s.initial.theta = 0.3;
-    const Model model = make_model(s);
+    const Model model = make_model(s, frame_of(s));
     const Start start = initial_state(s, model);
     CHECK(start.state.mode == ContactMode{Touch::corner, 0});
     CHECK(start.state.body.z == model.shape.pose(0, std::cos(0.3), std::sin(0.3)).height);
@@ -126,7 +126,7 @@ TEST_CASE("initial state: what is not given is at rest on the lowest corner") {
 
 TEST_CASE("initial state: the motion says what touches") {
     Scenario s;
-    const Model model = make_model(s);
+    const Model model = make_model(s, frame_of(s));
     const double base = model.shape.half_base(0), height = model.shape.half_rise(0);
     const auto start = [&](double vx, double vz, double omega) {
         s.initial.vx = vx;

@@ -44,9 +44,9 @@ TEST_CASE("user effect: a force that breaks a long rest for a moment is not over
     set_parameter(scenario, "effects.own.strength", 0.2);
     const RunResult result = simulate(scenario);
     // Sliding begins where the push equals the friction of weight and adhesion.
-    const Model model = make_model(scenario);
-    const double limit = model.friction.static_coefficient *
-                         (model.adhesion.strength - model.mass * model.gravity_z);
+    const Model model = make_model(scenario, frame_of(scenario));
+    const double limit =
+        model.friction.static_coefficient * (model.adhesion - model.mass * model.gravity_z);
     const double expected = kMiddle - kWidth * std::sqrt(std::log(0.2e-6 / limit));
     REQUIRE(!result.recording.t.empty());
     CHECK(result.recording.t.front() == doctest::Approx(expected).epsilon(1e-9));

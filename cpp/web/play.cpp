@@ -43,8 +43,8 @@ val object_of(const RunResult& run) {
 /// between voltage and field.
 void add_magnetic_force(const Scenario& scenario, const Recording& record, val& out) {
     const CoilSet coils = world_coil_set(scenario);
-    const Model model = make_model(scenario);
-    const double sign = model.frame_sign;
+    const Model model = make_model(scenario, frame_of(scenario));
+    const double sign = model.frame.sign;
     const Coil driven = sign > 0.0 ? Coil::xp : Coil::xm;
     const Coil behind = sign > 0.0 ? Coil::xm : Coil::xp;
     // Of a pair, both coils make the same field at the centre.

@@ -31,6 +31,7 @@ _NAMES = {
     "stickslip.reproduction.study": "reproduce",
     "stickslip.scenario.effects": "EffectParameter effects register_effect",
     "stickslip.scenario.keys": "COIL_NAMES",
+    "stickslip.scenario.law": "Law",
     "stickslip.scenario.scenario": "Scenario load",
     "stickslip.scenario.sections": "STATE_COLUMNS Coil Contact Drag Drive Environment Record Robot "
     "Solver State",

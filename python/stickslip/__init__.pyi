@@ -27,6 +27,7 @@ from stickslip.scenario.effects import EffectParameter as EffectParameter
 from stickslip.scenario.effects import effects as effects
 from stickslip.scenario.effects import register_effect as register_effect
 from stickslip.scenario.keys import COIL_NAMES as COIL_NAMES
+from stickslip.scenario.law import Law as Law
 from stickslip.scenario.scenario import Scenario as Scenario
 from stickslip.scenario.scenario import load as load
 from stickslip.scenario.sections import STATE_COLUMNS as STATE_COLUMNS

@@ -5,15 +5,15 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 from scipy.stats import multivariate_normal
 
+from free_shapes import SHAPES
 from stickslip import Drive, Prior, Scenario, simulate
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.curve import LENGTHS, SIZES
 from stickslip.diagnosis.terms.laws import Curves, beside_constants, find_spans, free_law, laws
 from stickslip.diagnosis.terms.parameter import Parameter
-from stickslip.scenario.effects import effects, is_free_shape
 
 BASE = Scenario(drive=Drive(base=0.5e-3, pulses=8)).replace({"solver.rtol": 1e-6})
-FREE = {each.name for each in effects() if is_free_shape(each.name)}
+FREE = set(SHAPES)
 FRICTION = {"contact.kinetic_friction": Prior("normal", 0.145, 0.01)}
 
 

@@ -89,7 +89,9 @@ def _effects(draw: Draw, count: int) -> Keys:
     keys: Keys = {}
     for name in draw.some(names, count):
         share = draw.uniform(0.3, 1.0)
-        keys |= {key: share * value for key, value in effect_table.rows()[name].items()}
+        for key, value in effect_table.rows()[name].items():
+            is_size = not key.startswith("laws.") or ".knot_" in key
+            keys[key] = share * value if is_size else value
     return keys
 
 

@@ -16,18 +16,25 @@ namespace {
 template <class Phase, bool kEffects>
 class PhasePack {
 public:
-    PhasePack(int size, const StepKernel<Phase, kEffects>& kernel)
-        : size_(static_cast<std::size_t>(size)), kernel_(kernel) {}
+    /// table: of the laws of all runs that it has.
+    PhasePack(int size, const StepKernel<Phase, kEffects>& kernel, const LawTable& table)
+        : size_(static_cast<std::size_t>(size)), kernel_(kernel), table_(&table) {}
 
     std::size_t count() const { return filled_ + waiting_.size(); }
     void add(Lane& lane) { waiting_.push_back(&lane); }
+    /// The table has become another.
+    void put_laws() {
+        for (std::size_t place = 0; place < size_; ++place) {
+            if (places_[place] != nullptr) put_laws(place);
+        }
+    }
 
     /// One step of all runs of the pack. `leave(lane)` is called for a run whose phase has ended,
     /// `end(lane)` for one that is over. With `stay`, a run keeps its place where only the segment
     /// of voltage has ended.
     void step(const auto& leave, const auto& end, bool stay) {
         fill();
-        const StepRound round = kernel_.step(memory_.data());
+        const StepRound round = kernel_.step(memory_.data(), *table_, laws_.data());
         for (std::size_t place = 0; place < size_; ++place) {
             if (!(round.flagged >> place & 1u) || places_[place] == nullptr) continue;
             Lane& lane = *places_[place];
@@ -56,8 +63,13 @@ private:
             places_[place] = waiting_.front();
             waiting_.pop_front();
             ++filled_;
+            if constexpr (kEffects) put_laws(place);
             enter(*places_[place], place);
         }
+    }
+    void put_laws(std::size_t place) {
+        const auto put = [&](std::size_t i, double number) { laws_[i * size_ + place] = number; };
+        places_[place]->run.player().model().laws.spread(*table_, put);
     }
 
     // Calls `use` with the phase of a run in this pack.
@@ -92,21 +104,23 @@ private:
 
     std::size_t size_;
     StepKernel<Phase, kEffects> kernel_;
+    const LawTable* table_;
     std::array<Lane*, kMostPlaces> places_ = {};
     std::size_t filled_ = 0;
     std::deque<Lane*> waiting_;
     // Zero where nothing was written yet: an empty place computes too, and nobody looks.
     alignas(64) std::array<std::byte, kMostPlaces * sizeof(Numbers)> memory_ = {};
+    alignas(64) std::array<double, kEffects ? kMostPlaces* kMostPackedLawNumbers : 0> laws_ = {};
 };
 
 /// The packs of runs with named effects, or of those without.
 template <bool kEffects>
 class PhasePacks {
 public:
-    PhasePacks(int size, const StepKernels::Phases<kEffects>& kernels)
-        : stick_(size, kernels.corner_stick),
-          slip_(size, kernels.corner_slip),
-          flight_(size, kernels.flight) {}
+    PhasePacks(int size, const StepKernels::Phases<kEffects>& kernels, const LawTable& table)
+        : stick_(size, kernels.corner_stick, table),
+          slip_(size, kernels.corner_slip, table),
+          flight_(size, kernels.flight, table) {}
 
     auto& of(const CornerStickPhase&) { return stick_; }
     auto& of(const CornerSlipPhase&) { return slip_; }
@@ -129,15 +143,15 @@ public:
     LaneGroup(const StepKernels& kernels, std::size_t most, const std::function<void(Lane&)>& done)
         : done_(done),
           has_packs_(kernels.size > 1 && most >= kLeast),
-          plain_(kernels.size, kernels.plain),
-          extended_(kernels.size, kernels.extended) {}
+          plain_(kernels.size, kernels.plain, table_),
+          extended_(kernels.size, kernels.extended, table_) {}
 
     std::size_t size() const { return lanes_.size(); }
     /// No run will follow those that are here.
     void set_last() { is_last_ = true; }
 
     void start(Lane& lane) {
-        if (!has_packs_ || !lane.run.fits_packs()) {
+        if (!has_packs_ || !lane.run.fits_packs() || !take_laws(lane)) {
             lane.run.go();
             done_(lane);
             return;
@@ -174,6 +188,15 @@ public:
     }
 
 private:
+    // Whether the packs have room for the laws of a run, which they then have.
+    bool take_laws(const Lane& lane) {
+        const LawTable& table = lane.run.player().model().laws.table();
+        if (table_.holds(table)) return true;
+        if (!table_.merge(table, kMostPackedLawNumbers)) return false;
+        extended_.each([](auto& pack) { pack.put_laws(); });
+        return true;
+    }
+
     // Plays a run up to its next phase that a pack can have, or to its end.
     void play(Lane& lane) {
         while (lane.run.next_phase()) {
@@ -207,6 +230,7 @@ private:
     bool has_packs_;
     bool is_last_ = false;
     std::vector<Lane*> lanes_;
+    LawTable table_;  // of all runs that are here or were
     PhasePacks<false> plain_;
     PhasePacks<true> extended_;
 };

@@ -24,6 +24,11 @@ std::uint64_t fingerprint(const Scenario& scenario) {
         hash.add(each.effect->name);
         for (const double value : each.values) hash.add(value);
     }
+    for (const OwnLaw& law : scenario.laws) {
+        hash.add(law.name);
+        for (const auto& word : law.words) hash.add(static_cast<double>(word.value_or(0)));
+        for (const auto& number : law.numbers) hash.add(number.value_or(0.0));
+    }
     for (const VoltageBlock& block : scenario.program.blocks()) {
         hash.add(static_cast<double>(block.repeats));
         for (const VoltagePoint& point : block.points) {

@@ -5,24 +5,19 @@
 #include <limits>
 #include <vector>
 
-#include "stickslip/body/adhesion.hpp"
 #include "stickslip/body/contact_place.hpp"
-#include "stickslip/body/friction.hpp"
+#include "stickslip/body/laws.hpp"
 #include "stickslip/body/rectangle.hpp"
+#include "stickslip/body/robot_frame.hpp"
 #include "stickslip/body/user_effect.hpp"
 #include "stickslip/field/coil_set.hpp"
 #include "stickslip/field/field_shape.hpp"
-#include "stickslip/numbers/free_curve.hpp"
 
 namespace stickslip {
 
-/// What multiplies the fluid's drag.
-struct DragShape {
-    FreeCurve angle;  ///< of the tilt, effect `free_drag_angle`: of the force
-    FreeCurve speed;  ///< of the centre of mass, effect `free_drag_speed`: of the force
-    FreeCurve rate;   ///< of the tilt, effect `free_drag_rate`: of the force and of the torque
-
-    bool absent() const { return angle.absent() && speed.absent() && rate.absent(); }
+/// Coulomb's coefficients.
+struct Friction {
+    double static_coefficient = 0.0, kinetic_coefficient = 0.0;
 };
 
 /// A face that lies on the surface, from the centre of mass.
@@ -32,8 +27,9 @@ struct Face {
     double height = 0.0;     ///< m, of the centre of mass above it
     double roll = 0.0;       ///< m, as of the pose of its end
 
-    /// m, of its end ahead, to +x of the centre of mass.
+    /// m, of its end ahead, to +x of the centre of mass, and of what stays there while it sticks.
     double end() const { return half_base + shift; }
+    double place() const { return end() - roll; }
 };
 
 /// The mechanical constants of one simulation, in the robot's own frame (its x axis points the way
@@ -48,39 +44,35 @@ struct Model {
     double misalignment = 0.0;  ///< rad, from the body's x axis to the moment, nose-down positive
     double gravity_x = 0.0;     ///< m/s^2, along the surface
     double gravity_z = 0.0;     ///< m/s^2, negative
-    double gradient_excess = 0.0;     ///< -, part by which the magnetic force is larger
-    double translational_drag = 0.0;  ///< N s/m, Eq. (18)
-    double angle_drag = 0.0;          ///< -, the drag grows by this factor times cos^2 theta
-    double translational_drag_quadratic = 0.0;  ///< N s^2/m^2
-    double rotational_drag_linear = 0.0;        ///< N m s, linear
-    double rotational_drag_quadratic = 0.0;     ///< N m s^2, Eq. (19)
-    DragShape drag_shape;
+    double gradient_excess = 0.0;            ///< -, part by which the magnetic force is larger
+    double translational_drag = 0.0;         ///< N s/m, Eq. (18)
+    double rotational_drag_linear = 0.0;     ///< N m s, linear
+    double rotational_drag_quadratic = 0.0;  ///< N m s^2, Eq. (19)
     FieldShape field_shape;
-    FrictionLaw friction;
-    Adhesion adhesion;
+    Friction friction;
+    /// N, of the surface to what touches it: the corners share it equally.
+    double adhesion = 0.0;
+    LawSet laws;  ///< how friction, adhesion and drag depend on the motion
     double restitution = 0.0;
     double tangential_restitution = 0.0;
-    double frame_sign = 1.0;                ///< world x = frame sign times the robot's x
+    RobotFrame frame;
     std::vector<UserSetting> user_effects;  ///< that are not absent
 
-    /// Whether a named effect acts on the forces between events.
-    bool has_force_effects() const {
-        return gradient_excess != 0.0 || angle_drag != 0.0 || translational_drag_quadratic != 0.0 ||
-               !drag_shape.absent() || !adhesion.is_constant() || !user_effects.empty();
+    /// Whether the formulas of a PlainDynamics and laws are all there is to it, as kernels ask.
+    bool fits_kernels() const {
+        return !laws.has(Quantity::friction_by_load) && field_shape.absent() && place.absent() &&
+               user_effects.empty();
     }
 
-    /// Whether the named effects between events are all among the SmoothEffects.
-    bool is_smooth() const {
-        return !adhesion.has_free_shape() && !friction.has_free_shape() && drag_shape.absent() &&
-               field_shape.absent() && place.absent() && user_effects.empty();
-    }
-
-    /// Shortest time (s) over which a free shape may change the forces while nothing moves.
+    /// Shortest time (s) over which laws and free shapes may change the forces while nothing moves.
     double least_time() const {
         const double field = field_shape.time.absent() ? std::numeric_limits<double>::infinity()
                                                        : field_shape.time.spacing();
-        return std::min({friction.least_time(), adhesion.least_time(), field});
+        return std::min(laws.least_time(), field);
     }
+
+    /// N, by which the body presses on the surface at rest without field.
+    double pressing() const { return -mass * gravity_z + adhesion; }
 
     /// Angular frequency (rad/s) at which the body, touching nothing, rocks in a field of `tesla`.
     double rocking_rate(double tesla) const { return std::sqrt(moment * tesla / inertia); }

@@ -18,6 +18,10 @@ struct PoseOf {
     Real roll = 0.0;   ///< m, of the pivot from the point that stays where it is while it sticks
     Real bend = 0.0;   ///< m, radius of curvature of what touches
     Real angle = 0.0;  ///< rad, within the quadrant
+
+    /// m, from the centre of mass along the surface to the point that stays where it is while the
+    /// pivot sticks, ahead positive.
+    [[gnu::always_inline]] Real place() const { return lever - roll; }
 };
 using Pose = PoseOf<double>;
 

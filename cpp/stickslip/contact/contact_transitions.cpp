@@ -56,7 +56,7 @@ void ContactTransitions::enter_heading(double tau) {
         state_.contact_x = body.x;
         state_.contact_y = body.y;
         const Face face = model().face(body.quadrant);
-        move_contact(face.end() - face.roll);
+        move_contact(face.place());
     }
 }
 
@@ -186,7 +186,7 @@ void ContactTransitions::touch_down(int offset, double tau) {
     const Pose there = pose();
     state_.contact_x = body.x;
     state_.contact_y = body.y;
-    move_contact(there.lever - there.roll);
+    move_contact(there.place());
     place_by_contact();
     settle(impact.touch, {impact.slip_velocity, impact.slip_across}, 0, tau);
 }
@@ -196,8 +196,8 @@ void ContactTransitions::place_by_contact() {
     BodyState& body = state_.body;
     dynamics_.set_quadrant(body.quadrant);
     const Pose now = pose();
-    body.x = state_.contact_x - (now.lever - now.roll) * heading_.cosine;
-    body.y = state_.contact_y - (now.lever - now.roll) * heading_.sine;
+    body.x = state_.contact_x - now.place() * heading_.cosine;
+    body.y = state_.contact_y - now.place() * heading_.sine;
     body.z = now.height;
 }
 

@@ -28,16 +28,18 @@ struct LoadOf {
     Real fx = 0.0, fz = 0.0;      ///< N
     Real torque = 0.0;            ///< N m about +y
     Real contact_adhesion = 0.0;  ///< N, adhesion of whatever touches
+    Real drag = 0.0;              ///< N s/m, force of the fluid over the velocity
 };
 using Load = LoadOf<double>;
 
-/// The constants of a robot in one quadrant, without named effects.
+/// The constants of a robot in one quadrant, without laws.
 template <class Real>
 struct PlainDynamics {
     Real mass, per_mass;                        ///< kg, 1/kg
     Real inertia, per_inertia;                  ///< kg m^2, 1/(kg m^2)
     Real per_corner_inertia;                    ///< 1/(kg m^2), of J + m r^2
     Real weight_x, weight_z;                    ///< N
+    Real pull;                                  ///< -, what multiplies the magnetic force
     Real drag;                                  ///< N s/m, Eq. (18)
     Real turning_drag, turning_drag_quadratic;  ///< N m s, N m s^2, Eq. (19)
     Real adhesion;                              ///< N
@@ -49,7 +51,7 @@ struct PlainDynamics {
 
     [[gnu::always_inline]] constexpr auto members() {
         return std::tie(mass, per_mass, inertia, per_inertia, per_corner_inertia, weight_x,
-                        weight_z, drag, turning_drag, turning_drag_quadratic, adhesion,
+                        weight_z, pull, drag, turning_drag, turning_drag_quadratic, adhesion,
                         static_friction, kinetic_friction, radius, half_base, half_rise,
                         middle_lever, middle_height, moment_cosine, moment_sine);
     }
@@ -59,21 +61,41 @@ struct PlainDynamics {
     [[gnu::always_inline]] PoseOf<Real> pose(Real angle) const {
         constexpr double kEighthTurn = 0.5 * kQuarterTurn, kCosineEighth = 0.7071067811865475;
         const CosineAndSine<Real> on = cosine_and_sine(angle - kEighthTurn);
-        return {kCosineEighth * (on.cosine - on.sine), kCosineEighth * (on.cosine + on.sine),
+        return {kCosineEighth * (on.cosine - on.sine),
+                kCosineEighth * (on.cosine + on.sine),
                 fnma(middle_height, on.sine, middle_lever * on.cosine),
-                fma(middle_lever, on.sine, middle_height * on.cosine)};
+                fma(middle_lever, on.sine, middle_height * on.cosine),
+                0.0,
+                0.0,
+                angle};
     }
 
-    /// Magnet, weight and drag, Eqs. (8)-(12), (18), (19).
-    [[gnu::always_inline]] LoadOf<Real> load(const PlanarFieldOf<Real>& field, Real mx, Real mz,
-                                             Real vx, Real vz, Real omega) const {
+    /// Magnet, weight and drag, Eqs. (8)-(12), (18), (19). across: m/s, of the centre of mass
+    /// across the plane of motion. laws: a Laws, or nothing, which stands for a pull of one too.
+    template <class... Some>
+    [[gnu::always_inline]] LoadOf<Real> load(const PlanarFieldOf<Real>& field,
+                                             [[maybe_unused]] Real tau, const PoseOf<Real>& pose,
+                                             Real vx, Real vz, Real omega,
+                                             [[maybe_unused]] Real across,
+                                             const Some&... laws) const {
         // The field at the robot's place is known last.
-        const Real turning = fma(turning_drag_quadratic, magnitude(omega), turning_drag) * omega;
+        const Real mx = moment_x(pose), mz = moment_z(pose);
+        typename Laws<Real>::Forces forces = {
+            adhesion, drag, fma(turning_drag_quadratic, magnitude(omega), turning_drag)};
+        ((forces =
+              laws.forces(forces, pose, tau, fma(vx, vx, fma(vz, vz, across * across)), omega)),
+         ...);
+        Real px = mx, pz = mz;
+        if constexpr (sizeof...(laws) > 0) {
+            px = pull * mx;
+            pz = pull * mz;
+        }
         LoadOf<Real> load;
-        load.fx = fma(mx, field.dbx_dx, fma(mz, field.dbx_dz, fnma(drag, vx, weight_x)));
-        load.fz = fma(mx, field.dbx_dz, fma(mz, field.dbz_dz, fnma(drag, vz, weight_z)));
-        load.torque = fnma(mx, field.bz, fma(mz, field.bx, -turning));
-        load.contact_adhesion = adhesion;
+        load.fx = fma(px, field.dbx_dx, fma(pz, field.dbx_dz, fnma(forces.drag, vx, weight_x)));
+        load.fz = fma(px, field.dbx_dz, fma(pz, field.dbz_dz, fnma(forces.drag, vz, weight_z)));
+        load.torque = fnma(mx, field.bz, fma(mz, field.bx, -(forces.rotational_drag * omega)));
+        load.contact_adhesion = forces.adhesion;
+        load.drag = forces.drag;
         return load;
     }
     [[gnu::always_inline]] Real moment_x(const PoseOf<Real>& pose) const {
@@ -105,30 +127,23 @@ public:
     /// Begins a segment of voltage with the centre of mass at (x, z) m. The field is computed
     /// there; nothing is kept of the segment before.
     void begin_segment(const CurrentSegment& segment, double x, double z) {
-        start_ = segment.start;
+        now_.start = segment.start;
         field_.begin_segment(segment, {x, z});
     }
 
     void rebase_field(double x, double z) { field_.rebase({x, z}); }
 
     /// Whether the formulas of a PlainDynamics are all there is to it.
-    bool is_plain() const {
-        return !extended_ && model_->friction.is_plain() && model_->is_smooth();
-    }
-    /// The effects of a model that `is_smooth`.
-    SmoothEffects<double> smooth_effects() const {
-        return {
-            forces_, model_->adhesion.smooth, model_->friction.smooth(), turn_.sine, turn_.cosine,
-            age_};
-    }
+    bool is_plain() const { return has_plain_load_ && model_->fits_kernels(); }
+    const LawMoment<double>& law_moment() const { return now_; }
 
     /// Time (s) since the start of the run at which the segment begins.
-    void set_start(double time) { start_ = time; }
-    double start() const { return start_; }
+    void set_start(double time) { now_.start = time; }
+    double start() const { return now_.start; }
 
     /// Age of the contact at the start of the segment, s; negative for one that is made later.
-    void set_contact_age(double age) { age_ = age; }
-    double contact_age() const { return age_; }
+    void set_contact_age(double age) { now_.contact_age = age; }
+    double contact_age() const { return now_.contact_age; }
 
     [[gnu::always_inline]] Pose pose(double angle) const {
         Pose result = robot_.pose(angle);
@@ -138,25 +153,31 @@ public:
 
     /// Coefficient up to which a contact sticks that presses with `normal` N at x (m); `tau`: s,
     /// in the segment.
-    double static_limit(double slip, double x, const Pose& pose, double normal, double tau) const {
-        const FrictionLaw& law = model_->friction;
-        if (law.is_plain()) return law.static_coefficient;
-        return extended_static_limit(slip, x, pose, normal, tau);
+    double static_limit(double way, double x, const Pose& pose, double normal, double tau) const {
+        return leaning(sticking(x, pose, normal, tau), way);
+    }
+    /// The same in two parts, of which the first is for both ways.
+    double sticking(double x, const Pose& pose, double normal, double tau) const {
+        if (has_no_law_) return robot_.static_friction;
+        return lawful_sticking(x, pose, normal, tau);
+    }
+    double leaning(double coefficient, double way) const {
+        return has_no_law_ ? coefficient : laws().leaning(coefficient, way);
     }
     /// The same of one that slips at `slip_velocity` (m/s).
-    double kinetic(double slip, double slip_velocity, double x, const Pose& pose, double normal,
+    double kinetic(double way, double slip_velocity, double x, const Pose& pose, double normal,
                    double tau) const {
-        const FrictionLaw& law = model_->friction;
-        if (law.is_plain()) return law.kinetic_coefficient;
-        return extended_kinetic(slip, slip_velocity, x, pose, normal, tau);
+        if (has_no_law_) return robot_.kinetic_friction;
+        return laws().pressed(slipping(way, slip_velocity, x, pose, tau), normal);
     }
     /// The same of a corner that slips under `load`, whose normal force follows from the
     /// coefficient itself.
-    double corner_kinetic(double slip, double slip_velocity, double x, const Pose& pose,
+    double corner_kinetic(double way, double slip_velocity, double x, const Pose& pose,
                           double omega, const Load& load, double tau) const {
-        const FrictionLaw& law = model_->friction;
-        if (law.is_plain()) return law.kinetic_coefficient;
-        return extended_corner_kinetic(slip, slip_velocity, x, pose, omega, load, tau);
+        if (has_no_law_) return robot_.kinetic_friction;
+        const double coefficient = slipping(way, slip_velocity, x, pose, tau);
+        if (!model_->laws.has(Quantity::friction_by_load)) return coefficient;
+        return pressed_kinetic(coefficient, way, pose, omega, load);
     }
 
     /// Forces of everything but the reaction of touching corners.
@@ -164,64 +185,36 @@ public:
                                      double vx, double vz, double omega) const {
         return load(field(x, z), field.tau, x, z, pose, vx, vz, omega);
     }
-    /// tau: s, in the segment.
-    [[gnu::always_inline]] inline Load load(const PlanarField& field, double tau, double x,
-                                            double z, const Pose& pose, double vx, double vz,
-                                            double omega) const;
-
-    /// Drag force over the velocity, N s/m, of a body that moves at `speed` m/s.
-    double drag_coefficient(const Pose& pose, double speed, double omega) const;
+    /// tau: s, in the segment. across: m/s, of the centre of mass.
+    [[gnu::always_inline]] Load load(const PlanarField& field, double tau, double x, double z,
+                                     const Pose& pose, double vx, double vz, double omega,
+                                     double across = 0.0) const {
+        if (has_plain_load_) [[likely]]
+            return robot_.load(field, tau, pose, vx, vz, omega, across);
+        return extended_load(field, tau, x, z, pose, vx, vz, omega, across);
+    }
 
 private:
-    /// What named effects add; apart, so that a model without them pays one test.
-    void extend(double tau, const PlanarField& field, double mx, double mz, const Pose& pose,
-                double vx, double vz, double omega, Load& load) const;
-    void shape_drag(double sine, double cosine, double vx, double vz, double omega, double drag,
-                    Load& load) const;
-    /// The same of a user's effects; throws WrenchNotFinite.
+    Laws<double> laws() const { return {model_->laws.table(), model_->laws.numbers(), now_}; }
+    // Apart, so that a model without laws pays one test.
+    double lawful_sticking(double x, const Pose& pose, double normal, double tau) const;
+    double slipping(double way, double slip_velocity, double x, const Pose& pose, double tau) const;
+    double pressed_kinetic(double coefficient, double way, const Pose& pose, double omega,
+                           const Load& load) const;
+    Load extended_load(const PlanarField& field, double tau, double x, double z, const Pose& pose,
+                       double vx, double vz, double omega, double across) const;
+    // What a user's effects add; throws WrenchNotFinite.
     void add_user_effects(double tau, const PlanarField& field, double x, double z,
                           const Pose& pose, double vx, double vz, double omega, Load& load) const;
-    // Of friction that is not plain; apart for the same reason.
-    double extended_static_limit(double slip, double x, const Pose& pose, double normal,
-                                 double tau) const;
-    double extended_kinetic(double slip, double slip_velocity, double x, const Pose& pose,
-                            double normal, double tau) const;
-    double extended_corner_kinetic(double slip, double slip_velocity, double x, const Pose& pose,
-                                   double omega, const Load& load, double tau) const;
-    double sine_of_tilt(const Pose& pose) const {
-        return turn_.sine * pose.cosine + turn_.cosine * pose.sine;
-    }
-    double cosine_of_tilt(const Pose& pose) const {
-        return turn_.cosine * pose.cosine - turn_.sine * pose.sine;
-    }
-    ContactPoint contact_point(double x, const Pose& pose, double normal, double tau) const {
-        return {x, sine_of_tilt(pose), cosine_of_tilt(pose), normal, start_ + tau};
-    }
 
     const Model* model_;
     LocalField field_;
-    SmoothForces<double> forces_;
-    bool extended_;
+    bool has_no_law_, has_plain_load_;
     static constexpr int kNoQuadrant = 1 << 30;
 
     int quadrant_ = kNoQuadrant;
-    QuarterTurns turn_{0};
-    double age_ = 0.0;
-    double start_ = 0.0;
+    LawMoment<double> now_;
     PlainDynamics<double> robot_;
 };
-
-inline Load Dynamics::load(const PlanarField& field, double tau, double x, double z,
-                           const Pose& pose, double vx, double vz, double omega) const {
-    const double mx = robot_.moment_x(pose), mz = robot_.moment_z(pose);
-    Load load = robot_.load(field, mx, mz, vx, vz, omega);
-    if (extended_) {
-        extend(tau, field, mx, mz, pose, vx, vz, omega, load);
-        if (!model_->user_effects.empty()) {
-            add_user_effects(tau, field, x, z, pose, vx, vz, omega, load);
-        }
-    }
-    return load;
-}
 
 }  // namespace stickslip

@@ -104,7 +104,7 @@ public:
 
     D& dynamics() const { return *dynamics_; }
     auto& field() const { return dynamics_->field(); }
-    Field field_at(Real tau) const { return dynamics_->field_at(tau); }
+    [[gnu::always_inline]] Field field_at(Real tau) const { return dynamics_->field_at(tau); }
 
     [[gnu::always_inline]] static Place part(const auto& y, std::size_t i) { return {y[i]}; }
     static Place place(double x, double) { return {x}; }
@@ -129,7 +129,7 @@ public:
     [[gnu::always_inline]] static Seen seen_at_corner(const Field& field, const Place& corner,
                                                       const PoseOf<Real>& pose) {
         // The corner's own distance from the middle of the field does not wait for the pose.
-        const Real back = pose.lever - pose.roll;
+        const Real back = pose.place();
         return {{},
                 corner[0] - back,
                 pose.height,
@@ -160,7 +160,7 @@ public:
     [[gnu::always_inline]] static Real along_front(const Place& v) { return v[0]; }
     /// What a face's slip is watched at: its end.
     static Place of_face(const Place& middle, const Face& face) {
-        return {middle[0] + (face.end() - face.roll)};
+        return {middle[0] + face.place()};
     }
     void with_slide(const HybridState& state, auto&& use) const;
 

@@ -11,12 +11,8 @@ constexpr double kSpinArm = 0.25;
 // Largest angle (rad) between heading and field that counts as none: two degrees.
 constexpr double kMostLag = 2.0 * std::numbers::pi / 180.0;
 
-double usual_load(const Model& model) {
-    return -model.mass * model.gravity_z + model.adhesion.strength;
-}
-
 double weak_field(const Model& model) {
-    const double load = usual_load(model);
+    const double load = model.pressing();
     const double spin = kSpinArm * model.width * model.friction.static_coefficient * load;
     return model.moment > 0.0 ? spin / (model.moment * std::sin(kMostLag)) : 0.0;
 }

@@ -21,7 +21,7 @@ struct ImpactContact {
 
     double friction(int slip) const { return slip > 0 ? forward : backward; }
     // Of a slip whose unit vector has the part `along` in the plane of motion: what depends on the
-    // way is linear in it (`FrictionLaw`).
+    // way is linear in it (`Quantity::friction_by_way`).
     double friction_along(double along) const {
         return 0.5 * (forward + backward) + 0.5 * along * (forward - backward);
     }
@@ -39,20 +39,19 @@ public:
     // x, time: where and when friction is taken, m and s.
     ImpactProblem(const Model& model, double height, double x, double time, const BodyState& before)
         : model_(model), height_(height), before_(before) {
-        at_.x = x;
-        at_.time = time;
-        at_.normal = std::numeric_limits<double>::infinity();
-        if (model.friction.is_plain()) return;
-        at_.sine = std::sin(before.theta());
-        at_.cosine = std::cos(before.theta());
+        if (model.laws.empty()) return;
+        at_.tau = time;
+        at_.place = x;
+        at_.load = std::numeric_limits<double>::infinity();
+        at_.pose.angle = before.theta();
+        at_.pose.sine = std::sin(before.theta());
+        at_.pose.cosine = std::cos(before.theta());
     }
 
     // stuck: the corner touched before and did not slip.
     void add(double lever, bool arriving, bool stuck) {
-        const FrictionLaw& law = model_.friction;
-        ImpactContact contact{
-            lever, law.impulsive(-1, stuck, at_),      law.impulsive(1, stuck, at_),
-            0.0,   before_.vz - before_.omega * lever, arriving};
+        ImpactContact contact{lever, coefficient(-1.0, stuck),           coefficient(1.0, stuck),
+                              0.0,   before_.vz - before_.omega * lever, arriving};
         contact.arriving = arriving && contact.approach < 0.0;
         if (contact.arriving && -contact.approach * model_.restitution > kCaptureSpeed) {
             contact.restitution = model_.restitution;
@@ -89,6 +88,18 @@ public:
     double slip_across() const { return slip_.across; }
 
 private:
+    // Of an impulse at a contact that stuck before it, or did not.
+    double coefficient(double way, bool stuck) {
+        const Friction& friction = model_.friction;
+        const double alone = stuck ? friction.static_coefficient : friction.kinetic_coefficient;
+        if (model_.laws.empty()) return alone;
+        at_.way = way;
+        const Laws<double> laws(model_.laws.table(), model_.laws.numbers(), kFromStart);
+        std::array<double, 1> value = {alone};
+        laws.apply<Quantity::friction, Quantity::friction_by_load>(at_, value);
+        return value[0];
+    }
+
     // Tries the sets of acting corners, all first, then those that arrive; the complementarity
     // problem has one solution but for ties, where the larger set keeps what touches touching.
     bool solve_newton(double part) {
@@ -253,7 +264,9 @@ private:
 
     const Model& model_;
     double height_;
-    ContactPoint at_;
+    // Angle and time are counted from the first quadrant and the start of the run.
+    static constexpr LawMoment<double> kFromStart = {};
+    LawInput<double> at_;
     BodyState before_;
     std::array<ImpactContact, 2> contacts_ = {};
     std::size_t count_ = 0;

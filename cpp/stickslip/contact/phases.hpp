@@ -49,7 +49,7 @@ public:
     explicit PhaseBase(const Frame& frame) : frame_(frame) {}
 
     auto& field() const { return frame_.field(); }
-    Field field_at(Real tau) const { return frame_.field_at(tau); }
+    [[gnu::always_inline]] Field field_at(Real tau) const { return frame_.field_at(tau); }
     bool outside() const { return frame_.field().outside(); }
     double reach() const { return frame_.field().reach(); }
     double min_time_constant() const { return frame_.field().min_time_constant(); }
@@ -90,7 +90,7 @@ protected:
     using typename Base::Place, typename Base::Real;
 
     auto centre_behind(const Place& corner, const PoseOf<Real>& pose) const {
-        return frame_.centre(frame_.moved(corner, frame_.last_heading(), -(pose.lever - pose.roll)),
+        return frame_.centre(frame_.moved(corner, frame_.last_heading(), -pose.place()),
                              pose.height);
     }
     /// A body whose pivot corner is on the surface and slips.
@@ -98,8 +98,8 @@ protected:
                       double omega) const {
         const Pose pose = dynamics().pose(angle);
         const auto heading = frame_.heading_at_corner(tau, corner, pose);
-        return frame_.body(heading, frame_.moved(corner, heading, -(pose.lever - pose.roll)),
-                           pose.height, angle, frame_.moved(slip, heading, omega * pose.height),
+        return frame_.body(heading, frame_.moved(corner, heading, -pose.place()), pose.height,
+                           angle, frame_.moved(slip, heading, omega * pose.height),
                            omega * pose.lever, omega);
     }
 };
@@ -130,8 +130,9 @@ public:
         const Motion motion = solve(seen, field.tau, pose, y);
         const Real normal = motion.stick.reaction.normal;
         const Real touch_x = frame_.moved(contact_, seen.heading, pose.roll)[0];
+        const Real most = dynamics().sticking(touch_x, pose, normal, field.tau);
         const auto limit = [&](double way) __attribute__((always_inline)) {
-            return dynamics().static_limit(way, touch_x, pose, normal, field.tau) * normal;
+            return dynamics().leaning(most, way) * normal;
         };
         dydt = {y[1], motion.stick.angular_acceleration};
         put(g, normal, frame_.left_to_break(motion.friction, limit), y[0], kQuarterTurn - y[0],

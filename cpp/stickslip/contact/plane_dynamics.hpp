@@ -70,7 +70,7 @@ public:
         const bool is_held = watch_.state().is_weak || !(horizontal > watch_.weak_field());
         const Heading near =
             is_held ? watch_.state().heading : near_heading(field, 1.0 / horizontal, x, y);
-        const double behind = pose.lever - pose.roll;
+        const double behind = pose.place();
         return headed(field, x - behind * near.cosine, y - behind * near.sine, pose.height);
     }
 
@@ -78,9 +78,15 @@ public:
     PlaneLoad load(const HeadedField& field, double tau, const Pose& pose, const Slip& velocity,
                    double vz, double omega) const {
         // Effects of a user, which alone ask for the place, do not come here.
-        const Load along =
-            upright_->load(field.along, tau, 0.0, 0.0, pose, velocity.along, vz, omega);
-        return complete(along, field, pose, velocity, vz, omega);
+        PlaneLoad result = {upright_->load(field.along, tau, 0.0, 0.0, pose, velocity.along, vz,
+                                           omega, velocity.across)};
+        const PlainDynamics<double>& robot = upright_->robot();
+        const Slip weight = field.heading.seen(weight_[0], weight_[1]);
+        result.fx += weight.along;
+        const double pull =
+            robot.moment_x(pose) * field.across_s + robot.moment_z(pose) * field.across_z;
+        result.across = robot.pull * pull + weight.across - result.drag * velocity.across;
+        return result;
     }
 
     /// The way of the field at a place.
@@ -116,29 +122,9 @@ private:
         if (watch_.state().is_weak || !(horizontal > 0.0)) return watch_.state().heading;
         return {b.bx / horizontal, b.by / horizontal};
     }
-    /// What a load in the upright plane lacks.
-    PlaneLoad complete(const Load& along, const HeadedField& field, const Pose& pose,
-                       const Slip& velocity, double vz, double omega) const {
-        const PlainDynamics<double>& robot = upright_->robot();
-        PlaneLoad result = {along};
-        double drag = robot.drag;
-        if (extended_) drag = correct_drag(pose, velocity, vz, omega, result);
-        const Slip weight = field.heading.seen(weight_[0], weight_[1]);
-        result.fx += weight.along;
-        const double pull =
-            robot.moment_x(pose) * field.across_s + robot.moment_z(pose) * field.across_z;
-        result.across = gradient_scale_ * pull + weight.across - drag * velocity.across;
-        return result;
-    }
-    /// Of a load whose drag knows nothing of the velocity across; the drag over the velocity.
-    double correct_drag(const Pose& pose, const Slip& velocity, double vz, double omega,
-                        Load& load) const;
-
     Dynamics* upright_;
     SpatialField field_;
     std::array<double, 2> weight_;
-    double gradient_scale_;
-    bool extended_;
     HeadingWatch watch_;
 };
 

@@ -111,8 +111,7 @@ bool SegmentStream::next(VoltageSegment& segment) {
     } else if (!hold_.next([&](VoltageSegment& asked) { return cursor_.next(asked); }, segment)) {
         return false;
     }
-    // Boundaries of segments carry rounding: a mark that is as near as that is one of them.
-    const double slack = 1e-9 * duration_;
+    const double slack = boundary_slack(duration_);
     for (const double mark : marks_) {
         if (mark <= segment.start + slack || mark >= segment.end - slack) continue;
         const PerCoil volts = voltage_at(segment, mark);

@@ -16,7 +16,7 @@ struct VoltagePoint {
     PerCoil voltage = {};  ///< V
 };
 
-/// A piecewise-segments that is played `repeats` times. Two points at one time
+/// Linear pieces of voltage that are played `repeats` times. Two points at one time
 /// are a jump. The last point's time is the block's duration.
 struct VoltageBlock {
     std::vector<VoltagePoint> points;
@@ -32,6 +32,11 @@ struct VoltageSegment {
     PerCoil first = {};  ///< V at `start`
     PerCoil last = {};   ///< V at `end`
 };
+
+/// Rounding of the boundaries of segments in a span of time, s.
+inline double boundary_slack(double span) {
+    return 1e-9 * span;
+}
 
 /// Voltages of the five coils as a sequence of repeated blocks, so that a run of any number of
 /// pulses needs the memory of one.
@@ -102,7 +107,7 @@ public:
             // but for that, and then holds what follows.
             constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
             const double instant = static_cast<double>(memory_.held) * period_;
-            const double slack = std::max(1e-9 * period_, kRounding * instant);
+            const double slack = std::max(boundary_slack(period_), kRounding * instant);
             if (instant < asked_.end - slack) {
                 if (instant > time_ + slack) return hold_until(instant);
                 memory_.voltage = voltage_at(asked_, std::max(instant, asked_.start));

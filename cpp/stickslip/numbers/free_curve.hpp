@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "stickslip/numbers/pack.hpp"
+
 namespace stickslip {
 
 /// Where the knots of a free shape lie.
@@ -23,6 +25,35 @@ struct FreeShape {
     std::array<double, kKnots> knots = {};  ///< f there
 };
 
+/// What a curve is evaluated from: by how much its first knot lies below zero and the number of its
+/// last, both in spacings, then its values at six knots and its slopes there, a spacing.
+inline constexpr std::size_t kCurveValues = kKnots + 1, kCurveNumbers = 2 + 2 * kCurveValues;
+
+/// The curve with these numbers, at an argument in spacings.
+template <class Real>
+[[gnu::always_inline]] inline Real curve_at(const Real* curve, Real argument) {
+    // In this order what is not a number is taken as the first end.
+    const Real position = lesser(greater(Real(0.0), argument + curve[0]), curve[1]);
+    const Real* values = curve + 2;
+    const Real* slopes = values + kCurveValues;
+    Real start = 0.0, low = values[0], high = values[1], first = slopes[0], last = slopes[1];
+    for (std::size_t i = 1; i < kKnots; ++i) {
+        const Real knot = static_cast<double>(i);
+        const auto beyond = position > knot;
+        if (!any(beyond)) break;
+        start = select(beyond, knot, start);
+        low = select(beyond, values[i], low);
+        high = select(beyond, values[i + 1], high);
+        first = select(beyond, slopes[i], first);
+        last = select(beyond, slopes[i + 1], last);
+    }
+    const Real s = position - start, t = 1.0 - s;
+    // Hermite's basis in factors, which are exact at both ends.
+    const Real rising = fma(s, first, fma(2.0 * s, low, low));
+    const Real falling = fnma(t, last, fma(2.0 * t, high, high));
+    return fma(t * t, rising, s * s * falling);
+}
+
 /// A function f of one argument with a free shape, by which an effect multiplies a quantity of the
 /// model by 1 + f: the cubic Hermite interpolant (in the form of Fritsch and Carlson, 1980) of its
 /// knots, whose slopes are the central differences, so that f is linear in the knots and once
@@ -36,39 +67,38 @@ public:
     explicit FreeCurve(const FreeShape& shape) {
         const bool anchored = shape.reach == FreeReach::anchored;
         const bool both_ways = shape.reach == FreeReach::both_ways;
-        first_ = both_ways ? -shape.span : 0.0;
         const double width = both_ways ? 2.0 * shape.span : shape.span;
-        last_ = kKnots - (anchored ? 0 : 1);
-        per_spacing_ = static_cast<double>(last_) / width;
-        std::copy(shape.knots.begin(), shape.knots.end(), values_.begin() + (anchored ? 1 : 0));
-        for (std::size_t i = 1; i < last_; ++i) {
-            slopes_[i] = 0.5 * (values_[i + 1] - values_[i - 1]);
-        }
-        if (!both_ways) slopes_[0] = values_[1] - values_[0];
+        const std::size_t last = kKnots - (anchored ? 0 : 1);  // with the value of an anchor
+        numbers_[1] = static_cast<double>(last);
+        numbers_[0] = both_ways ? 0.5 * numbers_[1] : 0.0;
+        per_spacing_ = numbers_[1] / width;
+        double* values = numbers_.data() + 2;
+        double* slopes = values + kCurveValues;
+        std::copy(shape.knots.begin(), shape.knots.end(), values + (anchored ? 1 : 0));
+        for (std::size_t i = 1; i < last; ++i) slopes[i] = 0.5 * (values[i + 1] - values[i - 1]);
+        if (!both_ways) slopes[0] = values[1] - values[0];
         absent_ = std::all_of(shape.knots.begin(), shape.knots.end(),
                               [](double knot) { return knot == 0.0; });
     }
 
     bool absent() const { return absent_; }
 
-    double at(double argument) const {
-        const Place place = find(argument);
-        const double s = place.part, t = 1.0 - s;
-        const std::size_t i = place.interval;
-        // Hermite's basis in factors, which are exact at both ends.
-        return t * t * ((1.0 + 2.0 * s) * values_[i] + s * slopes_[i]) +
-               s * s * ((1.0 + 2.0 * t) * values_[i + 1] - t * slopes_[i + 1]);
-    }
+    double at(double argument) const { return curve_at(numbers_.data(), argument * per_spacing_); }
+
+    /// As `curve_at` asks for them, and what its argument is to be multiplied by.
+    const std::array<double, kCurveNumbers>& numbers() const { return numbers_; }
+    double per_spacing() const { return per_spacing_; }
 
     /// df/d(argument), from the right at an end where it jumps.
     double slope(double argument) const {
-        const double position = (argument - first_) * per_spacing_;
-        if (position < 0.0 || position >= static_cast<double>(last_)) return 0.0;
-        const Place place = find(argument);
-        const double s = place.part, t = 1.0 - s;
-        const std::size_t i = place.interval;
-        const double rise = 6.0 * s * t * (values_[i + 1] - values_[i]);
-        const double own = t * (1.0 - 3.0 * s) * slopes_[i] + s * (1.0 - 3.0 * t) * slopes_[i + 1];
+        const double position = argument * per_spacing_ + numbers_[0];
+        if (position < 0.0 || position >= numbers_[1]) return 0.0;
+        const auto i = static_cast<std::size_t>(position);
+        const double* value = numbers_.data() + 2 + i;
+        const double* slope = value + kCurveValues;
+        const double s = position - static_cast<double>(i), t = 1.0 - s;
+        const double rise = 6.0 * s * t * (value[1] - value[0]);
+        const double own = t * (1.0 - 3.0 * s) * slope[0] + s * (1.0 - 3.0 * t) * slope[1];
         return (rise + own) * per_spacing_;
     }
 
@@ -76,42 +106,13 @@ public:
     double factor(double argument) const {
         return absent_ ? 1.0 : std::max(1.0 + at(argument), 0.0);
     }
-    /// The same at the angle of a direction (rad, from -pi to pi), which is only computed if asked
-    /// for.
-    double factor_at_angle(double sine, double cosine) const {
-        return absent_ ? 1.0 : factor(std::atan2(sine, cosine));
-    }
-    /// d(1 + f)/d(argument), zero where 1 + f is cut off.
-    double factor_slope(double argument) const {
-        return absent_ || 1.0 + at(argument) <= 0.0 ? 0.0 : slope(argument);
-    }
-
-    /// The least factor at a knot, and at most 1.
-    double least_factor() const {
-        return std::clamp(1.0 + *std::min_element(values_.begin(), values_.end()), 0.0, 1.0);
-    }
     /// Distance of two knots, in the argument's unit.
     double spacing() const { return 1.0 / per_spacing_; }
 
 private:
-    struct Place {
-        std::size_t interval;
-        double part;  // of the interval
-    };
-    Place find(double argument) const {
-        const double end = static_cast<double>(last_);
-        // In this order what is not a number is taken as the first end.
-        const double along = std::max(0.0, (argument - first_) * per_spacing_);
-        const double position = std::min(along, end);
-        const auto interval = std::min(static_cast<std::size_t>(position), last_ - 1);
-        return {interval, position - static_cast<double>(interval)};
-    }
-
     bool absent_ = true;
-    double first_ = 0.0, per_spacing_ = 1.0;
-    std::size_t last_ = kKnots - 1;               // index of the last value
-    std::array<double, kKnots + 1> values_ = {};  // with that of an anchor
-    std::array<double, kKnots + 1> slopes_ = {};  // a spacing
+    double per_spacing_ = 1.0;
+    std::array<double, kCurveNumbers> numbers_ = {};
 };
 
 }  // namespace stickslip

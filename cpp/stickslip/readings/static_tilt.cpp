@@ -109,9 +109,9 @@ std::vector<double> static_tilts(const Scenario& base, const std::vector<std::st
         } catch (const std::invalid_argument&) {
             continue;
         }
-        const Model model = make_model(scenario);
+        const Model model = make_model(scenario, frame_of(scenario));
         const Effects& effects = scenario.effects;
-        const double sign = frame_sign(scenario);
+        const double sign = model.frame.sign;
         for (std::size_t j = 0; j < count; ++j) {
             const double bx = sign * (fields[2 * j] + effects.ambient_field_bx);
             const double bz = fields[2 * j + 1] + effects.ambient_field_bz;

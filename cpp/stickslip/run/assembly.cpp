@@ -10,6 +10,7 @@
 #include "stickslip/numbers/number_text.hpp"
 #include "stickslip/run/initial_state.hpp"
 #include "stickslip/scenario/coils.hpp"
+#include "stickslip/scenario/named_laws.hpp"
 #include "stickslip/scenario/parameters.hpp"
 
 namespace stickslip {
@@ -113,7 +114,9 @@ void check(const Scenario& s) {
                     "a kinetic friction that is not above the static one");
     }
     check_coils(s);
-    check_plane(s);
+    const RobotFrame frame = frame_of(s);
+    check_plane(s, frame);
+    check_own_laws(s);
     if (s.solver.max_step > 0.0 && s.solver.max_step < kLeastMaxStep) {
         refuse("solver.max_step", s.solver.max_step, "0 (no limit) or at least 1e-9 s");
     }
@@ -134,8 +137,9 @@ void check(const Scenario& s) {
                         "less than one period, 1/drive.frequency");
         }
     }
-    if (!(s.initial == SimulationState{})) initial_state(s, make_model(s));
-    const double longest = make_program(s).duration();  // refuses voltages that are not finite
+    if (!(s.initial == SimulationState{})) initial_state(s, make_model(s, frame));
+    const double longest =
+        make_program(s, frame).duration();  // refuses voltages that are not finite
     check_work(s, longest);
     const double highest_rate = kMostSamples / longest;
     if (s.record.kind == RecordKind::uniform && !(s.record.rate > 0.0)) {
@@ -157,7 +161,7 @@ double duration(const Scenario& scenario) {
     return drive.ramp + pulsing_time(drive) + drive.ramp_down;
 }
 
-Model make_model(const Scenario& s) {
+Model make_model(const Scenario& s, const RobotFrame& frame) {
     const RobotParameters& robot = s.robot;
     const Effects& e = s.effects;
     Model model;
@@ -170,51 +174,30 @@ Model make_model(const Scenario& s) {
     model.gradient_excess = e.gradient_scale_fraction;
     // In the whole plane what acts along the surface has any direction, see `surface_weight`.
     const double downhill = surface_direction(e.surface_tilt_azimuth).x;
-    const double tilt = frame_sign(s) * (downhill < 0.0 ? -1.0 : 1.0) * e.surface_tilt_angle;
-    model.gravity_x = in_whole_plane(s) ? 0.0 : s.gravity * std::sin(tilt);
+    const double tilt = frame.sign * (downhill < 0.0 ? -1.0 : 1.0) * e.surface_tilt_angle;
+    model.gravity_x = frame.whole_plane ? 0.0 : s.gravity * std::sin(tilt);
     model.gravity_z = -s.gravity * std::cos(tilt);
     model.translational_drag = s.drag.linear;
-    model.angle_drag = e.angle_drag_strength;
-    model.translational_drag_quadratic = e.quadratic_drag_coefficient;
     model.rotational_drag_linear = e.rotational_drag_coefficient;
     model.rotational_drag_quadratic = s.drag.rotational;
-    model.friction = {
-        s.contact.static_friction,
-        s.contact.kinetic_friction,
-        {.smooth = {.stribeck_velocity = e.stribeck_friction_velocity,
-                    .viscous = e.viscous_friction_coefficient,
-                    .anisotropy = e.friction_anisotropy_fraction,
-                    // A sine in the world's x is its negative in the turned robot's.
-                    .patch_amplitude = frame_sign(s) * e.friction_patches_amplitude,
-                    .patch_wavenumber = 2.0 * std::numbers::pi / e.friction_patches_period},
-         .speed = FreeCurve(e.free_friction_speed),
-         .angle = FreeCurve(e.free_friction_angle),
-         .load = FreeCurve(e.free_friction_load),
-         .time = FreeCurve(e.free_friction_age)}};
-    model.adhesion = {.strength = s.contact.adhesion,
-                      .smooth = {.angle_loss = e.angle_adhesion_strength,
-                                 .ageing_rate = e.adhesion_ageing_rate,
-                                 .ageing_time = e.adhesion_ageing_time},
-                      .angle = FreeCurve(e.free_adhesion_angle),
-                      .age = FreeCurve(e.free_adhesion_age)};
+    model.friction = {s.contact.static_friction, s.contact.kinetic_friction};
+    model.adhesion = s.contact.adhesion;
+    model.laws = LawSet(all_laws(s, frame));
     model.place = ContactPlace(e.free_contact_place, model.shape.half_base(0));
-    model.drag_shape = {.angle = FreeCurve(e.free_drag_angle),
-                        .speed = FreeCurve(e.free_drag_speed),
-                        .rate = FreeCurve(e.free_drag_rate)};
     model.field_shape = make_field_shape(e);
     model.restitution = s.contact.restitution;
     model.tangential_restitution = s.contact.tangential_restitution;
-    model.frame_sign = frame_sign(s);
+    model.frame = frame;
     for (const UserSetting& each : s.user_effects) {
         if (!each.absent()) model.user_effects.push_back(each);
     }
     return model;
 }
 
-Circuit make_circuit(const Scenario& s, const VoltageProgram& program) {
+Circuit make_circuit(const Scenario& s, const RobotFrame& frame, const VoltageProgram& program) {
     const Effects& e = s.effects;
     CircuitParameters parameters;
-    const PerCoilOf<CoilParameters> coils = robot_coils(s);
+    const PerCoilOf<CoilParameters> coils = robot_coils(s, frame);
     for (std::size_t k = 0; k < kCoilCount; ++k) {
         parameters.resistance[k] = coils[k].resistance;
         parameters.inductance[k] = coils[k].inductance;
@@ -226,14 +209,9 @@ Circuit make_circuit(const Scenario& s, const VoltageProgram& program) {
     }
     Circuit circuit(parameters);
     if (!(s.initial == SimulationState{})) {
-        const PerCoil& lag = s.initial.field_lag;
-        circuit.set_currents(initial_currents(s), frame_sign(s) > 0.0 ? lag : turned(lag));
+        circuit.set_currents(frame.seen(s.initial.current), frame.seen(s.initial.field_lag));
     }
     return circuit;
-}
-
-PerCoil initial_currents(const Scenario& s) {
-    return frame_sign(s) > 0.0 ? s.initial.current : turned(s.initial.current);
 }
 
 PerCoil field_gain(const Scenario& s) {
@@ -247,36 +225,34 @@ PerCoil held_field_gain(const Scenario& s, const PerCoil& currents) {
     return field_gain_at(s, still * make_field_shape(s.effects).factor(0.0, currents));
 }
 
-VoltageProgram asked_program(const Scenario& s) {
-    if (s.drive.mode == DriveMode::program) {
-        return frame_sign(s) > 0.0 ? s.program : turned(s.program);
-    }
-    const PerCoilOf<CoilParameters> coils = robot_coils(s);
-    const CoilSet windings = robot_coil_set(s);
+VoltageProgram asked_program(const Scenario& s, const RobotFrame& frame) {
+    if (s.drive.mode == DriveMode::program) return frame.seen(s.program);
+    const PerCoilOf<CoilParameters> coils = robot_coils(s, frame);
+    const CoilSet windings = robot_coil_set(s, frame);
     PerCoil volts_per_tesla;
     for (const Coil coil : kAllCoils) {
         const auto k = static_cast<std::size_t>(coil);
         volts_per_tesla[k] = coils[k].resistance / windings.centre_field_per_ampere(coil);
     }
     // The frame of a robot that stays in one plane is its own.
-    const SurfaceDirection towards = in_whole_plane(s) ? drive_direction(s) : SurfaceDirection{};
+    const SurfaceDirection towards = frame.whole_plane ? drive_direction(s) : SurfaceDirection{};
     return sawtooth_program(s.drive, towards, volts_per_tesla);
 }
 
-VoltageProgram make_program(const Scenario& s) {
+VoltageProgram make_program(const Scenario& s, const RobotFrame& frame) {
     const double limit = s.effects.amplifier_limit_voltage;
-    const VoltageProgram program = asked_program(s);
+    const VoltageProgram program = asked_program(s, frame);
     return limit > 0.0 ? clipped(program, limit) : program;
 }
 
 namespace {
 
 // Of the coils that have current in a run.
-PerCoil driven_gain(const Scenario& scenario, const VoltageProgram& program) {
+PerCoil driven_gain(const Scenario& scenario, const RobotFrame& frame,
+                    const VoltageProgram& program) {
     PerCoil gain = field_gain(scenario);
-    const PerCoil current = initial_currents(scenario);
-    const PerCoil& world = scenario.initial.field_lag;
-    const PerCoil lag = frame_sign(scenario) > 0.0 ? world : turned(world);
+    const PerCoil current = frame.seen(scenario.initial.current);
+    const PerCoil lag = frame.seen(scenario.initial.field_lag);
     // Coupled coils all have current.
     for (std::size_t k = 0; k < kCoilCount; ++k) {
         const bool driven = program.largest_voltage()[k] > 0.0 || current[k] != 0.0 ||
@@ -289,12 +265,12 @@ PerCoil driven_gain(const Scenario& scenario, const VoltageProgram& program) {
 }  // namespace
 
 // In the whole plane the field is that of the PlaneDynamics.
-LocalField make_local_field(const Scenario& scenario, const VoltageProgram& program,
-                            const CoilSet& coils) {
-    const PerCoil gain = in_whole_plane(scenario) ? PerCoil{} : driven_gain(scenario, program);
-    return LocalField(coils, gain,
-                      {frame_sign(scenario) * scenario.effects.ambient_field_bx,
-                       scenario.effects.ambient_field_bz});
+LocalField make_local_field(const Scenario& scenario, const RobotFrame& frame,
+                            const VoltageProgram& program, const CoilSet& coils) {
+    const PerCoil gain = frame.whole_plane ? PerCoil{} : driven_gain(scenario, frame, program);
+    return LocalField(
+        coils, gain,
+        {frame.sign * scenario.effects.ambient_field_bx, scenario.effects.ambient_field_bz});
 }
 
 PlaneDynamics make_plane_dynamics(const Scenario& s, const VoltageProgram& program,
@@ -303,7 +279,7 @@ PlaneDynamics make_plane_dynamics(const Scenario& s, const VoltageProgram& progr
     const SurfaceDirection downhill = surface_direction(e.surface_tilt_azimuth);
     const double weight = s.robot.mass * s.gravity * std::sin(e.surface_tilt_angle);
     PlaneDynamics plane(upright,
-                        SpatialField(coils, driven_gain(s, program),
+                        SpatialField(coils, driven_gain(s, upright.model().frame, program),
                                      {e.ambient_field_bx, e.ambient_field_by, e.ambient_field_bz}),
                         {weight * downhill.x, weight * downhill.y});
     plane.watch().set_state({.heading = start_heading(s)});
@@ -317,8 +293,8 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
     const Effects& e = scenario.effects;
     double field =
         std::hypot(std::hypot(e.ambient_field_bx, e.ambient_field_by), e.ambient_field_bz);
-    const PerCoil current = initial_currents(scenario);
-    const PerCoilOf<CoilParameters> own = robot_coils(scenario);
+    const PerCoil current = model.frame.seen(scenario.initial.current);
+    const PerCoilOf<CoilParameters> own = robot_coils(scenario, model.frame);
     for (const Coil coil : kAllCoils) {
         const auto k = static_cast<std::size_t>(coil);
         const double held = program.largest_voltage()[k] / own[k].resistance;
@@ -326,7 +302,7 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
             std::max(held, std::abs(current[k])) * std::abs(coils.centre_field_per_ampere(coil));
     }
     const double radius = model.shape.radius();
-    const double weight = model.mass * scenario.gravity + model.adhesion.strength;
+    const double weight = model.mass * scenario.gravity + model.adhesion;
     const double torque = model.moment * field + weight * radius;
     StepperOptions result;
     result.max_step = scenario.solver.max_step;
@@ -344,10 +320,9 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
     // proportion to the damping, the error of a run goes with rtol whatever the drag.
     constexpr double kForgetting = 0.1;  // damping over swing rate, near the paper's
     constexpr double kLeastPart = 1e-3, kLeastTolerance = 1e-13;
-    const DragShape& shape = model.drag_shape;
-    const double least_drag = model.translational_drag * std::min(1.0, 1.0 + model.angle_drag) *
-                              shape.angle.least_factor() * shape.speed.least_factor() *
-                              shape.rate.least_factor();
+    const double drag = model.laws.lowest(Quantity::drag, Quantity::drag, model.translational_drag);
+    const double least_drag =
+        model.laws.lowest(Quantity::fluid, Quantity::fluid, std::max(drag, 0.0));
     const double damping = least_drag / model.mass / result.swing_rate;
     const double rtol = scenario.solver.rtol;
     result.tolerance = std::max(rtol * std::clamp(damping / kForgetting, kLeastPart, 1.0),
@@ -356,35 +331,46 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
     return result;
 }
 
-Decay fastest_decay(const Scenario& s, const Model& model, double swing_rate) {
-    const Effects& e = s.effects;
-    const double load = model.mass * s.gravity + model.adhesion.strength;
+Decay fastest_decay(const Model& model, double swing_rate) {
+    const double load = model.mass * std::hypot(model.gravity_x, model.gravity_z) + model.adhesion;
     const double speed = model.shape.radius() * swing_rate;
-    const FreeShape& friction = e.free_friction_speed;
-    double steepest = 0.0, last = 0.0;  // between two knots, over a span of one
-    for (const double knot : friction.knots) {
-        steepest = std::max(steepest, std::abs(knot - last) * static_cast<double>(kKnots));
-        last = knot;
-    }
-    const double friction_slope =
-        friction.span > 0.0 ? steepest * model.friction.kinetic_coefficient / friction.span : 0.0;
-    const Decay decays[] = {
-        {"drag.linear", s.drag.linear, s.drag.linear / model.mass},
-        {"drag.rotational", s.drag.rotational, s.drag.rotational * swing_rate / model.inertia},
-        // Of a body that lies; a negative strength takes from the drag.
-        {"effects.angle_drag.strength", e.angle_drag_strength,
-         e.angle_drag_strength * s.drag.linear / model.mass},
-        {"effects.rotational_drag.coefficient", e.rotational_drag_coefficient,
-         e.rotational_drag_coefficient / model.inertia},
-        {"effects.quadratic_drag.coefficient", e.quadratic_drag_coefficient,
-         e.quadratic_drag_coefficient * speed / model.mass},
-        {"effects.viscous_friction.coefficient", e.viscous_friction_coefficient,
-         e.viscous_friction_coefficient * load / model.mass},
-        {"effects.free_friction_speed.span", friction.span, friction_slope * load / model.mass},
-    };
     Decay fastest;
-    for (const Decay& each : decays) {
-        if (each.rate > fastest.rate) fastest = each;
+    const auto see = [&](const std::string& key, double value, double rate) {
+        if (rate > fastest.rate) fastest = {key, value, rate};
+    };
+    see("drag.linear", model.translational_drag, model.translational_drag / model.mass);
+    see("drag.rotational", model.rotational_drag_quadratic,
+        model.rotational_drag_quadratic * swing_rate / model.inertia);
+    see("effects.rotational_drag.coefficient", model.rotational_drag_linear,
+        model.rotational_drag_linear / model.inertia);
+    for (const Law& law : model.laws.laws()) {
+        const auto of = [&](double plain) {
+            return law.kind.acts == Acts::multiplies ? plain : 1.0;
+        };
+        const bool counts_time =
+            law.kind.argument == Argument::time || law.kind.argument == Argument::age;
+        const double reached = law.kind.argument == Argument::speed  ? speed
+                               : law.kind.argument == Argument::rate ? swing_rate
+                               : counts_time                         ? 1.0 / swing_rate
+                                                                     : law.scale;
+        switch (law.kind.quantity) {
+            case Quantity::sliding_friction:
+                see(law.key, law.amplitude,
+                    of(model.friction.kinetic_coefficient) * law.steepest(speed) * load /
+                        model.mass);
+                break;
+            case Quantity::drag:
+            case Quantity::fluid:
+                see(law.key, law.amplitude,
+                    of(model.translational_drag) * law.largest(reached) / model.mass);
+                break;
+            case Quantity::rotational_drag:
+                see(law.key, law.amplitude,
+                    of(model.rotational_drag_linear) * law.largest(reached) / model.inertia);
+                break;
+            default:
+                break;
+        }
     }
     return fastest;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <string>
 
 #include "stickslip/body/model.hpp"
 #include "stickslip/contact/plane_dynamics.hpp"
@@ -18,13 +19,11 @@ namespace stickslip {
 void check(const Scenario& scenario);
 
 /// Constants of motion in the robot's own frame.
-Model make_model(const Scenario& scenario);
-
-/// Currents at the start in the robot's own frame, A.
-PerCoil initial_currents(const Scenario& scenario);
+Model make_model(const Scenario& scenario, const RobotFrame& frame);
 
 /// The coils' circuits for `program` (which heats them, if they do).
-Circuit make_circuit(const Scenario& scenario, const VoltageProgram& program);
+Circuit make_circuit(const Scenario& scenario, const RobotFrame& frame,
+                     const VoltageProgram& program);
 
 /// Constant factor on the field of each coil by Eqs. (4)-(6); `Model::field_shape` varies within
 /// the run.
@@ -34,14 +33,14 @@ PerCoil field_gain(const Scenario& scenario);
 PerCoil held_field_gain(const Scenario& scenario, const PerCoil& currents);
 
 /// Voltages that the drive asks for, in the robot's own frame.
-VoltageProgram asked_program(const Scenario& scenario);
+VoltageProgram asked_program(const Scenario& scenario, const RobotFrame& frame);
 
 /// The same as the amplifiers give them.
-VoltageProgram make_program(const Scenario& scenario);
+VoltageProgram make_program(const Scenario& scenario, const RobotFrame& frame);
 
 /// The field near the robot, of the coils that have current. `coils` have to outlive it.
-LocalField make_local_field(const Scenario& scenario, const VoltageProgram& program,
-                            const CoilSet& coils);
+LocalField make_local_field(const Scenario& scenario, const RobotFrame& frame,
+                            const VoltageProgram& program, const CoilSet& coils);
 
 /// What turns the robot and what is across, where it moves in the whole plane. `upright` and
 /// `coils` have to outlive it.
@@ -56,12 +55,12 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
 /// The key that damps a motion fastest: steps have to be about as short, even where all of it has
 /// died away.
 struct Decay {
-    const char* key = nullptr;  ///< nullptr: nothing damps
+    std::string key = {};  ///< "": nothing damps
     double value = 0.0;
     double rate = 0.0;  ///< 1/s
 };
 /// swing_rate: rad/s, of the free swing.
-Decay fastest_decay(const Scenario& scenario, const Model& model, double swing_rate);
+Decay fastest_decay(const Model& model, double swing_rate);
 
 /// Simulated time from start to end, s.
 double duration(const Scenario& scenario);

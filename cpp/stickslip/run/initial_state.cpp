@@ -28,8 +28,8 @@ public:
           word_(find_choice("initial.contact")->get(scenario)),
           model_(model),
           shape_(model.shape),
-          sign_(model.frame_sign),
-          whole_plane_(in_whole_plane(scenario)),
+          sign_(model.frame.sign),
+          whole_plane_(model.frame.whole_plane),
           heading_(whole_plane_ ? start_heading(scenario) : Heading{}) {}
 
     Start start() {
@@ -75,8 +75,8 @@ public:
             start_.state.slip_y = heading_.y(slip);
         }
         const Pose placed = pose();
-        start_.state.contact_x = body.x + (placed.lever - placed.roll) * heading_.cosine;
-        start_.state.contact_y = body.y + (placed.lever - placed.roll) * heading_.sine;
+        start_.state.contact_x = body.x + placed.place() * heading_.cosine;
+        start_.state.contact_y = body.y + placed.place() * heading_.sine;
         return start_;
     }
 

@@ -12,7 +12,7 @@ constexpr double kUsualSpeed = 0.1;
 }  // namespace
 
 void Measurement::watch_window(double time) {
-    const double slack = 1e-9 * player_.duration();
+    const double slack = boundary_slack(player_.duration());
     if (!has_opened_ && time >= window_.start - slack) {
         observer_.open(time, window_.end, player_.body());
         has_opened_ = true;
@@ -85,9 +85,7 @@ void Measurement::write(Summary& summary) const {
     drive_.write(summary);
     if (!player_.has_begun()) return;
     const Model& model = player_.model();
-    const double held =
-        model.friction.static_coefficient *
-        (player_.dynamics().robot().adhesion + model.mass * std::abs(model.gravity_z));
+    const double held = model.friction.static_coefficient * model.pressing();
     const double moment = std::abs(model.moment * (1.0 + model.gradient_excess));
     summary.pull_ratio = held > 0.0 ? moment * drive_.slope_max() / held : 0.0;
     const std::array<double, 3> before = drive_.steady_field(start_fields_),

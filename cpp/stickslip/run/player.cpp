@@ -10,21 +10,20 @@ namespace stickslip {
 
 Player::Player(const Scenario& scenario, const std::vector<double>& marks,
                const std::atomic<bool>* stop)
-    : sign_(frame_sign(scenario)),
-      program_(make_program(scenario)),
+    : model_(make_model(scenario, frame_of(scenario))),
+      program_(make_program(scenario, model_.frame)),
       hold_period_(scenario.effects.sample_hold_period),
       amplifier_limit_(scenario.effects.amplifier_limit_voltage),
       field_gain_(stickslip::field_gain(scenario)),
-      coils_(robot_coil_set(scenario)),
-      model_(make_model(scenario)),
-      circuit_(make_circuit(scenario, program_)),
-      dynamics_(model_, make_local_field(scenario, program_, coils_)),
+      coils_(robot_coil_set(scenario, model_.frame)),
+      circuit_(make_circuit(scenario, model_.frame, program_)),
+      dynamics_(model_, make_local_field(scenario, model_.frame, program_, coils_)),
       options_(make_stepper_options(scenario, model_, program_, coils_, stop)),
       source_(program_, hold_period_, marks),
       transitions_(dynamics_, state_),
       // Fifty free swings.
       watch_(50.0 * 2.0 * std::numbers::pi / options_.swing_rate) {
-    if (stickslip::in_whole_plane(scenario)) {
+    if (model_.frame.whole_plane) {
         plane_ = make_plane_dynamics(scenario, program_, coils_, dynamics_);
         transitions_.set_plane(*plane_);
     }

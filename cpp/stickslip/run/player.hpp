@@ -35,14 +35,14 @@ public:
     /// Plays the steps of `steps()` from now on, and not the drive of the scenario, which says only
     /// how strong the fields are. `on_step` is called at the end of each step.
     void play_steps(std::function<void()> on_step) {
-        source_.play_steps({hold_period_, amplifier_limit_, sign_ < 0.0}, std::move(on_step));
+        source_.play_steps({hold_period_, amplifier_limit_, sign() < 0.0}, std::move(on_step));
     }
     bool is_stepped() const { return source_.is_stepped(); }
     ControlSteps& steps() { return source_.steps(); }
     const ControlSteps& steps() const { return source_.steps(); }
 
     bool in_whole_plane() const { return plane_.has_value(); }
-    double sign() const { return sign_; }
+    double sign() const { return model_.frame.sign; }
     double duration() const { return program_.duration(); }  ///< s, of the scenario's drive
     const Model& model() const { return model_; }
     const Circuit& circuit() const { return circuit_; }
@@ -121,7 +121,7 @@ public:
 
     /// As others see it, without currents.
     SimulationState motion() const {
-        return world_state(state_, dynamics_.contact_age() + tau_, sign_, in_whole_plane());
+        return world_state(state_, dynamics_.contact_age() + tau_, sign(), in_whole_plane());
     }
     SimulationState world() const;
     /// Between two steps, or where one has failed; without what a Run knows of its end.
@@ -132,18 +132,15 @@ public:
 private:
     static Place place(const BodyState& body) { return {body.x, body.y, body.z}; }
     // In the robot's own frame, or back.
-    PerCoil own(const PerCoil& world) const {
-        return sign_ > 0.0 ? world : stickslip::turned(world);
-    }
+    PerCoil own(const PerCoil& world) const { return model_.frame.seen(world); }
     void drive_further_coils();
 
-    const double sign_;
+    const Model model_;
     const VoltageProgram program_;
     const double hold_period_;      // s, effect `sample_hold`
     const double amplifier_limit_;  // V, effect of that name
     const PerCoil field_gain_;
     const CoilSet coils_;
-    const Model model_;
     Circuit circuit_;
     Dynamics dynamics_;
     const StepperOptions options_;

@@ -34,12 +34,11 @@ Run::Run(const Scenario& scenario, RunControl* control, std::optional<StopCondit
         throw std::invalid_argument(stickslip::message(result_));
 #endif
     }
-    fits_kernels_ = is_tsit5() && !player_.in_whole_plane() && player_.model().is_smooth() &&
+    fits_kernels_ = is_tsit5() && !player_.in_whole_plane() && player_.model().fits_kernels() &&
                     player_.circuit().exponentials() <= kMostPackedExponentials;
     result_.most_steps = scenario.solver.max_steps;
     result_.map = scenario.map;
     result_.swing_rate = player_.options().swing_rate;
-    result_.decay = fastest_decay(scenario, player_.model(), player_.options().swing_rate);
 }
 
 void Run::go() {
@@ -90,7 +89,7 @@ bool Run::next_segment() {
         const double time = player_.voltages().start;
         measurement_.watch_window(time);
         if (stop_ && stop_->quantity == StopCondition::Quantity::time) {
-            const double slack = 1e-9 * player_.duration();  // boundaries carry rounding
+            const double slack = boundary_slack(player_.duration());
             result_.stopped = distance(time + slack, player_.body()) <= 0.0;
         }
         if (result_.stopped) return false;
@@ -113,6 +112,7 @@ void Run::begin() {
 
 template <class Phase, bool kEffects>
 void Run::play_in_kernel(Phase& phase, const StepKernel<Phase, kEffects>& kernel) {
+    const LawSet& laws = player_.model().laws;
     StepNumbers<Phase, kEffects> numbers;
     enter(phase, numbers);
     while (true) {
@@ -124,7 +124,7 @@ void Run::play_in_kernel(Phase& phase, const StepKernel<Phase, kEffects>& kernel
             end_phase(phase, end, tsit5_.counts().accepted);
             return;
         }
-        const StepRound round = kernel.run(numbers);
+        const StepRound round = kernel.run(numbers, laws.table(), laws.numbers());
         if (round.flagged == 0) continue;
         const Attempt found = finish(phase, numbers, round);
         if (found == Attempt::segment || found == Attempt::phase) return;
@@ -236,12 +236,14 @@ RunResult Run::take_result() {
     result_.recording = recorder_.take();
     result_.final_body = player_.body();
     result_.final_state = player_.world();
+    if (result_.status != Status::ok) result_.decay = decay();
     return std::move(result_);
 }
 
 std::string Run::message() const {
     RunResult now = result_;  // a stepped run has no record
     now.steps = tsit5_.counts();
+    now.decay = decay();
     return stickslip::message(now);
 }
 

@@ -121,6 +121,9 @@ private:
     }
     double find_stop(auto& phase, const auto& step, double s) const;
     void fail(const WrenchNotFinite& failure);
+    Decay decay() const {
+        return fastest_decay(player_.model(), player_.options().swing_rate);
+    }
 
     Player player_;
     Measurement measurement_;
@@ -220,7 +223,7 @@ void Run::set_around(StepNumbers<Phase, kEffects>& numbers) const {
     numbers.far = field.far();
     numbers.field = field.segment();
     if constexpr (kEffects) {
-        numbers.named = {{field.further(1), field.further(2)}, player_.dynamics().smooth_effects()};
+        numbers.named = {{field.further(1), field.further(2)}, player_.dynamics().law_moment()};
     }
 }
 

@@ -30,7 +30,7 @@ std::string times(const RunResult& result) {
     }
     text += joined("a free swing takes ", 2.0 * std::numbers::pi / result.swing_rate, " s");
     const Decay& decay = result.decay;
-    if (decay.key != nullptr) {
+    if (!decay.key.empty()) {
         text += joined(", ", decay.key, " = ", decay.value, " damps a motion in ", 1.0 / decay.rate,
                        " s");
     }

@@ -5,7 +5,7 @@
 // have the name of one in another file: all are templates over packs of that processor.
 namespace stickslip {
 
-/// The dynamics of a pack of robots without named effects or with them; see Dynamics for the
+/// The dynamics of a pack of robots without laws or with them; see Dynamics for the
 /// meaning.
 template <class R, bool kEffects>
 class PackDynamics {
@@ -13,9 +13,10 @@ public:
     using Real = R;
     using Named = std::conditional_t<kEffects, EffectNumbers<Real>, NoEffectNumbers>;
 
+    /// numbers: of the laws of the table, of each law for all robots.
     PackDynamics(const PlainDynamics<Real>& robot, const FieldSegment<Real>& field,
-                 const Named& named)
-        : robot_(&robot), field_(&field), named_(&named) {}
+                 const Named& named, const LawTable& table, const double* numbers)
+        : robot_(&robot), field_(&field), named_(&named), table_(&table), numbers_(numbers) {}
 
     const PlainDynamics<Real>& robot() const { return *robot_; }
     [[gnu::always_inline]] ExpansionOf<Real> field_at(Real tau) const {
@@ -28,43 +29,41 @@ public:
         return result;
     }
     [[gnu::always_inline]] PoseOf<Real> pose(Real angle) const { return robot_->pose(angle); }
-    [[gnu::always_inline]] Real static_limit(double slip, Real x, const PoseOf<Real>&, Real,
-                                             Real) const {
-        if constexpr (kEffects) return robot_->static_friction * friction().place(slip, x);
-        return robot_->static_friction;
+    [[gnu::always_inline]] Real sticking(Real x, const PoseOf<Real>& pose, Real, Real tau) const {
+        const Real coefficient = robot_->static_friction;
+        if constexpr (kEffects) return laws().sticking(coefficient, x, pose, tau);
+        return coefficient;
     }
-    [[gnu::always_inline]] Real corner_kinetic(Real slip, Real slip_velocity, Real x,
-                                               const PoseOf<Real>&, Real, const LoadOf<Real>&,
-                                               Real) const {
+    [[gnu::always_inline]] Real leaning(Real coefficient, Real way) const {
+        if constexpr (kEffects) return laws().leaning(coefficient, way);
+        return coefficient;
+    }
+    [[gnu::always_inline]] Real corner_kinetic(Real way, Real slip_velocity, Real x,
+                                               const PoseOf<Real>& pose, Real, const LoadOf<Real>&,
+                                               Real tau) const {
+        const Real coefficient = robot_->kinetic_friction;
         if constexpr (kEffects) {
-            return friction().kinetic(robot_->static_friction, robot_->kinetic_friction,
-                                      slip_velocity) *
-                   friction().place(slip, x);
+            return laws().slipping(coefficient, way, slip_velocity, x, pose, tau);
         }
-        return robot_->kinetic_friction;
+        return coefficient;
     }
     [[gnu::always_inline]] LoadOf<Real> load(const PlanarFieldOf<Real>& field, Real tau, Real, Real,
                                              const PoseOf<Real>& pose, Real vx, Real vz,
                                              Real omega) const {
-        const Real mx = robot_->moment_x(pose), mz = robot_->moment_z(pose);
-        LoadOf<Real> load = robot_->load(field, mx, mz, vx, vz, omega);
-        if constexpr (kEffects) {
-            const SmoothEffects<Real>& e = named_->effects;
-            const Real cosine = e.turn_cosine * pose.cosine - e.turn_sine * pose.sine;
-            const Real sine = e.turn_sine * pose.cosine + e.turn_cosine * pose.sine;
-            e.forces.add(field, mx, mz, cosine, vx, vz, load);
-            load.contact_adhesion =
-                robot_->adhesion * e.adhesion.at_angle(sine) * e.adhesion.aged(e.contact_age + tau);
-        }
-        return load;
+        if constexpr (kEffects) return robot_->load(field, tau, pose, vx, vz, omega, 0.0, laws());
+        return robot_->load(field, tau, pose, vx, vz, omega, 0.0);
     }
 
 private:
-    const SmoothFriction<Real>& friction() const { return named_->effects.friction; }
+    [[gnu::always_inline]] Laws<Real> laws() const {
+        return {*table_, reinterpret_cast<const Real*>(numbers_), named_->now};
+    }
 
     const PlainDynamics<Real>* robot_;
     const FieldSegment<Real>* field_;
     const Named* named_;
+    const LawTable* table_;
+    const double* numbers_;
 };
 
 /// The phase of these numbers.
@@ -181,15 +180,16 @@ struct StepsOf {
         };
         visit_numbers(copy, one.attempt(), of(pack).attempt());
     }
-    static StepRound step(void* pack) {
+    static StepRound step(void* pack, const LawTable& table, const double* laws) {
         Numbers& n = of(pack);
-        return next_attempt(n, PackDynamics<Real, kEffects>(n.robot, n.field, n.named));
+        return next_attempt(n,
+                            PackDynamics<Real, kEffects>(n.robot, n.field, n.named, table, laws));
     }
     /// Of one run, whose numbers are those of its pack of one.
-    static StepRound run(One& one) {
+    static StepRound run(One& one, const LawTable& table, const double* laws) {
         constexpr int kMany = 10'000;  // some ms of work: a stop is looked at that often
         Numbers& n = of(&one);
-        PackDynamics<Real, kEffects> dynamics(n.robot, n.field, n.named);
+        PackDynamics<Real, kEffects> dynamics(n.robot, n.field, n.named, table, laws);
         StepRound round;
         for (int i = 0; i < kMany && round.flagged == 0; ++i) round = next_attempt(n, dynamics);
         return round;

@@ -14,9 +14,9 @@ namespace stickslip {
 template <class Real>
 struct EffectNumbers {
     std::array<FurtherExponential<Real>, kMostPackedExponentials - 1> further;
-    SmoothEffects<Real> effects;
+    LawMoment<Real> now;
 
-    [[gnu::always_inline]] constexpr auto members() { return std::tie(further, effects); }
+    [[gnu::always_inline]] constexpr auto members() { return std::tie(further, now); }
 };
 struct NoEffectNumbers {
     [[gnu::always_inline]] constexpr auto members() { return std::tuple<>(); }
@@ -81,16 +81,20 @@ struct StepRound {
     }
 };
 
+/// Of all laws of the runs in a pack.
+inline constexpr std::size_t kMostPackedLawNumbers = 96;
+
 /// What can be done with runs in phases of one kind.
 template <class Phase, bool kEffects>
 struct StepKernel {
     using Numbers = StepNumbers<Phase, kEffects>;
     using Copy = void (*)(void* pack, std::size_t place, Numbers& one);
-    /// Steps of one run, until an attempt is flagged or many are done.
-    StepRound (*run)(Numbers& one) = nullptr;
+    /// Steps of one run, until an attempt is flagged or many are done. laws: numbers of the laws of
+    /// the table; of a pack, of each law for all its runs.
+    StepRound (*run)(Numbers& one, const LawTable& table, const double* laws) = nullptr;
     /// A step of a pack. `pack`: memory for the numbers of all its runs, aligned to 64 bytes, which
     /// only this looks into.
-    StepRound (*step)(void* pack) = nullptr;
+    StepRound (*step)(void* pack, const LawTable& table, const double* laws) = nullptr;
     Copy put_beginning = nullptr, put_going_on = nullptr, put_around = nullptr;
     Copy take_attempt = nullptr;
 };

@@ -102,9 +102,9 @@ bool is_of_one_coil(std::string_view key) {
     return key.starts_with("coil.") && key.find('.') != key.rfind('.');
 }
 
-PerCoilOf<CoilParameters> robot_coils(const Scenario& scenario) {
+PerCoilOf<CoilParameters> robot_coils(const Scenario& scenario, const RobotFrame& frame) {
     PerCoilOf<CoilParameters> coils = scenario.coils;
-    if (frame_sign(scenario) < 0.0) {
+    if (frame.sign < 0.0) {
         std::swap(coils[0], coils[1]);
         std::swap(coils[2], coils[3]);
     }
@@ -115,9 +115,9 @@ CoilSet world_coil_set(const Scenario& scenario) {
     return CoilSet(geometry_of(scenario.coils), scenario.map);
 }
 
-CoilSet robot_coil_set(const Scenario& scenario) {
-    return CoilSet(geometry_of(robot_coils(scenario)),
-                   scenario.map && frame_sign(scenario) < 0.0
+CoilSet robot_coil_set(const Scenario& scenario, const RobotFrame& frame) {
+    return CoilSet(geometry_of(robot_coils(scenario, frame)),
+                   scenario.map && frame.sign < 0.0
                        ? std::make_shared<const FieldMap>(scenario.map->turned())
                        : scenario.map);
 }

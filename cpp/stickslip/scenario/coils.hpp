@@ -3,6 +3,7 @@
 #include <string_view>
 #include <vector>
 
+#include "stickslip/body/robot_frame.hpp"
 #include "stickslip/scenario/parameters.hpp"
 
 /// The coils of a scenario: keys of all five, such as `coil.turns`, and of each, such as
@@ -16,11 +17,11 @@ std::vector<Parameter> coil_rows();
 bool is_of_one_coil(std::string_view key);
 
 /// The coils in the frame of the robot, which may be turned.
-PerCoilOf<CoilParameters> robot_coils(const Scenario& scenario);
+PerCoilOf<CoilParameters> robot_coils(const Scenario& scenario, const RobotFrame& frame);
 
 /// What makes the field: the windings of such coils, or the scenario's map.
 CoilSet world_coil_set(const Scenario& scenario);
-CoilSet robot_coil_set(const Scenario& scenario);
+CoilSet robot_coil_set(const Scenario& scenario, const RobotFrame& frame);
 
 /// Throws std::invalid_argument beside a map for the geometry of a coil, which would have no
 /// effect.

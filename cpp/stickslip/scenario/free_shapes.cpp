@@ -10,7 +10,7 @@
 namespace stickslip {
 namespace {
 
-// Of f at a knot: below -1 the quantity would change its sign.
+// Of f at a knot: below -1 a field would change its sign.
 constexpr double kLowest = -1.0, kHighest = 100.0;
 constexpr double kWidestAngle = 3.2;  // rad
 
@@ -36,40 +36,10 @@ constexpr const char* kSource =
 
 // clang-format off
 constexpr Hook kHooks[] = {
-    {STICKSLIP_HOOK(friction_speed,
-        "the kinetic friction coefficient times 1 + f(slip velocity), f(0) = 0; 1 + f is cut off "
-        "at 0"),
-     .unit = "m/s", .low = 1e-6, .high = 100, .span = "slip velocity of the last knot"},
-    {STICKSLIP_HOOK(friction_angle,
-        "both friction coefficients times 1 + f(tilt); 1 + f is cut off at 0"),
-     .unit = "rad", .low = 1e-3, .high = kWidestAngle, .span = "tilt of the last knot"},
-    {STICKSLIP_HOOK(friction_load,
-        "both friction coefficients times 1 + f(normal force), in an impact f of the last knot; "
-        "1 + f is cut off at 0"),
-     .unit = "N", .low = 1e-12, .high = 10, .span = "normal force of the last knot"},
-    {STICKSLIP_HOOK(friction_age,
-        "both friction coefficients times 1 + f(time since the run began), as surfaces wear; "
-        "1 + f is cut off at 0"),
-     .unit = "s", .low = 1e-4, .high = 1e6, .span = "time of the last knot"},
-    {STICKSLIP_HOOK(adhesion_angle, "adhesion times 1 + f(tilt); 1 + f is cut off at 0"),
-     .unit = "rad", .low = 1e-3, .high = kWidestAngle, .span = "tilt of the last knot"},
-    {STICKSLIP_HOOK(adhesion_age,
-        "adhesion times 1 + f(time since touch-down); 1 + f is cut off at 0"),
-     .unit = "s", .low = 1e-6, .high = 1e6, .span = "time of the last knot"},
     {STICKSLIP_HOOK(contact_place,
         "the contact lies f(tilt) half lengths farther to the front of the robot: its lever is "
         "longer by that times the cosine of the tilt"),
      .unit = "rad", .low = 1e-2, .high = kWidestAngle, .span = "tilt of the last knot"},
-    {STICKSLIP_HOOK(drag_angle,
-        "the fluid's drag force times 1 + f(tilt); 1 + f is cut off at 0"),
-     .unit = "rad", .low = 1e-3, .high = kWidestAngle, .span = "tilt of the last knot"},
-    {STICKSLIP_HOOK(drag_speed,
-        "the fluid's drag force times 1 + f(speed of the centre of mass); 1 + f is cut off at 0"),
-     .unit = "m/s", .low = 1e-6, .high = 100, .span = "speed of the last knot"},
-    {STICKSLIP_HOOK(drag_rate,
-        "the fluid's drag force and drag torque times 1 + f(|rate of the tilt|); 1 + f is cut off "
-        "at 0"),
-     .unit = "rad/s", .low = 1e-2, .high = 1e7, .span = "rate of the last knot"},
     {STICKSLIP_HOOK(field_time,
         "the field of all coils times 1 + f(time since the run began); 1 + f is cut off at 0"),
      .unit = "s", .low = 1e-4, .high = 1e6, .span = "time of the last knot"},
@@ -90,20 +60,9 @@ const char* place_of_knot(FreeReach reach, std::size_t knot) {
     using Places = std::array<const char*, kKnots>;
     constexpr Places kFromZero = {"f at 0", "f at 1/4 of the span", "f at 1/2 of the span",
                                   "f at 3/4 of the span", "f at the span and beyond"};
-    constexpr Places kAnchored = {"f at 1/5 of the span", "f at 2/5 of the span",
-                                  "f at 3/5 of the span", "f at 4/5 of the span",
-                                  "f at the span and beyond"};
     constexpr Places kBothWays = {"f at minus the span and beyond", "f at minus half the span",
                                   "f at 0", "f at half the span", "f at the span and beyond"};
-    switch (reach) {
-        case FreeReach::from_zero:
-            return kFromZero[knot];
-        case FreeReach::anchored:
-            return kAnchored[knot];
-        case FreeReach::both_ways:
-            break;
-    }
-    return kBothWays[knot];
+    return reach == FreeReach::both_ways ? kBothWays[knot] : kFromZero[knot];
 }
 
 // A row's accessors are functions without state, so each hook and knot has its own.
@@ -155,11 +114,12 @@ std::vector<EffectDescription> with_free_shapes(std::vector<EffectDescription> r
     return rows;
 }
 
-const FreeShape& free_shape(const Scenario& scenario, std::string_view effect) {
+FreeShape free_shape(const Scenario& scenario, std::string_view name) {
     for (const Hook& hook : kHooks) {
-        if (effect == hook.description.name) return scenario.effects.*hook.shape;
+        if (name == hook.description.name) return scenario.effects.*hook.shape;
     }
-    throw std::invalid_argument(std::string(effect) + ": there is no free shape of this name");
+    if (const std::optional<FreeShape> shape = curve_of_law(scenario, name)) return *shape;
+    throw std::invalid_argument(std::string(name) + ": there is no curve of this name");
 }
 
 }  // namespace stickslip

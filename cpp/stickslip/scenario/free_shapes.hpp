@@ -13,8 +13,8 @@ namespace stickslip {
 std::vector<Parameter> with_free_shapes(std::vector<Parameter> rows);
 std::vector<EffectDescription> with_free_shapes(std::vector<EffectDescription> rows);
 
-/// The settings of the extension `effect` in a scenario. Throws std::invalid_argument for a name
-/// that is none of theirs.
-const FreeShape& free_shape(const Scenario& scenario, std::string_view effect);
+/// The curve of an extension, or of a law of the scenario's own. Throws std::invalid_argument for a
+/// name that is neither.
+FreeShape free_shape(const Scenario& scenario, std::string_view name);
 
 }  // namespace stickslip

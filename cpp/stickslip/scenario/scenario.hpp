@@ -10,6 +10,7 @@
 #include "stickslip/drive/sawtooth.hpp"
 #include "stickslip/field/coil_set.hpp"
 #include "stickslip/numbers/free_curve.hpp"
+#include "stickslip/scenario/own_laws.hpp"
 #include "stickslip/scenario/record_columns.hpp"
 #include "stickslip/scenario/state.hpp"
 
@@ -79,15 +80,6 @@ struct Effects {
     double friction_patches_amplitude = 0.0;
     double friction_patches_period = 1e-3;  ///< m, has no effect at amplitude zero
     // free shapes, each absent while its knots are zero; see free_shapes.cpp
-    FreeShape free_friction_speed{FreeReach::anchored, 0.02};     ///< of m/s
-    FreeShape free_friction_angle{FreeReach::both_ways, 1.5};     ///< of rad
-    FreeShape free_friction_load{FreeReach::from_zero, 1e-6};     ///< of N
-    FreeShape free_friction_age{FreeReach::from_zero, 1.0};       ///< of s
-    FreeShape free_adhesion_angle{FreeReach::both_ways, 1.5};     ///< of rad
-    FreeShape free_adhesion_age{FreeReach::from_zero, 0.1};       ///< of s
-    FreeShape free_drag_angle{FreeReach::both_ways, 1.5};         ///< of rad
-    FreeShape free_drag_speed{FreeReach::from_zero, 0.02};        ///< of m/s
-    FreeShape free_drag_rate{FreeReach::from_zero, 500.0};        ///< of rad/s
     FreeShape free_contact_place{FreeReach::both_ways, 1.5};      ///< of rad
     FreeShape free_field_time{FreeReach::from_zero, 1.0};         ///< of s
     FreeShape free_field_frequency{FreeReach::from_zero, 200.0};  ///< of Hz
@@ -131,6 +123,7 @@ struct Scenario {
     double gravity = 9.81;  ///< m/s^2
     Effects effects;
     std::vector<UserSetting> user_effects;  ///< by name; see set_parameter
+    std::vector<OwnLaw> laws;               ///< by name; see own_laws.hpp
     SimulationState initial;
     /// Whether the robot moves in the whole plane though nothing above asks for it: voltages of a
     /// run that is stepped may.

@@ -10,8 +10,9 @@ ScenarioRows::ScenarioRows(const Scenario& base, const std::vector<std::string>&
                            const std::vector<double>& values)
     : base_(base), values_(values), size_(keys.empty() ? 1 : values.size() / keys.size()) {
     for (const std::string& key : keys) {
-        Column column = {key, find_choice(key), std::nullopt, is_of_one_coil(key)};
-        if (column.choice == nullptr && find_parameter(key) == nullptr) {
+        Column column = {key, find_choice(key), find_law_key(key), std::nullopt,
+                         is_of_one_coil(key)};
+        if (column.choice == nullptr && !column.law && find_parameter(key) == nullptr) {
             column.own = find_user_key(key);
             if (!column.own) throw unknown_key(key);
         }
@@ -25,6 +26,11 @@ ScenarioRows::ScenarioRows(const Scenario& base, const std::vector<std::string>&
 void ScenarioRows::Column::set(Scenario& scenario, double value) const {
     if (own) {
         set_parameter(scenario, *own, value);
+        return;
+    }
+    if (law) {
+        law->key->words.empty() ? set_law(scenario, *law, value)
+                                : set_law_word(scenario, *law, value);
         return;
     }
     if (choice == nullptr) {

@@ -27,6 +27,7 @@ private:
     struct Column {
         std::string key;
         const Choice* choice = nullptr;
+        std::optional<LawPlace> law;
         std::optional<UserKey> own;
         bool of_one_coil = false;
 

@@ -26,16 +26,6 @@ auto find_in(std::vector<UserEffectHandle>& effects, std::string_view name) {
                         [name](const UserEffectHandle& each) { return each->name == name; });
 }
 
-bool is_word(std::string_view text) {
-    // Not std::isalpha, which depends on the locale: the word is a key of a file.
-    const auto letter = [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
-    };
-    const auto digit = [](char c) { return c >= '0' && c <= '9'; };
-    return !text.empty() && !digit(text.front()) &&
-           std::all_of(text.begin(), text.end(), [&](char c) { return letter(c) || digit(c); });
-}
-
 [[noreturn]] void refuse(const std::string& what, const std::string& why) {
     throw std::invalid_argument("effect " + what + ": " + why);
 }
@@ -66,6 +56,16 @@ void check(const UserEffect& effect) {
 }
 
 }  // namespace
+
+bool is_word(std::string_view text) {
+    // Not std::isalpha, which depends on the locale: the word is a key of a file.
+    const auto letter = [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+    };
+    const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+    return !text.empty() && !digit(text.front()) &&
+           std::all_of(text.begin(), text.end(), [&](char c) { return letter(c) || digit(c); });
+}
 
 void register_user_effect(UserEffect effect) {
     check(effect);

@@ -14,6 +14,9 @@ namespace stickslip {
 /// parameter, or a range that does not hold its absent value.
 void register_user_effect(UserEffect effect);
 
+/// Whether a name can be part of a key: letters, digits and _, no digit first.
+bool is_word(std::string_view text);
+
 /// Throws std::invalid_argument if there is none of that name.
 void unregister_user_effect(std::string_view name);
 

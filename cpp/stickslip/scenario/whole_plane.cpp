@@ -15,10 +15,38 @@ bool has_equal_coils_of_y(const Scenario& s) {
     return s.coils[2] == s.coils[3];
 }
 
+bool in_whole_plane(const Scenario& s) {
+    const Effects& e = s.effects;
+    const SimulationState& start = s.initial;
+    const bool pushed =
+        e.ambient_field_by != 0.0 ||
+        (e.surface_tilt_angle != 0.0 && surface_direction(e.surface_tilt_azimuth).y != 0.0);
+    if (s.whole_plane || pushed || start.y != 0.0 || start.vy != 0.0) return true;
+    // In one plane a robot faces the drive's direction, and a state that it has left says so.
+    if (start.heading != 0.0) {
+        constexpr double kRounding = 1e-9;
+        const double faced = drive_direction(s).x < 0.0 ? std::numbers::pi : 0.0;
+        const double off = std::remainder(start.heading - faced, 2.0 * std::numbers::pi);
+        if (std::abs(off) > kRounding) return true;
+    }
+    // A field that was measured has a part across everywhere; one that was measured in the plane of
+    // motion alone says nothing of it.
+    if (s.map && s.map->box().low.y() < s.map->box().high.y()) return true;
+    if (in_whole_plane(s, start.current) || in_whole_plane(s, start.field_lag)) return true;
+    if (!has_equal_coils_of_y(s) && e.mutual_inductance_coupling != 0.0) return true;
+    if (s.drive.mode != DriveMode::program) return drive_direction(s).y != 0.0;
+    for (const VoltageBlock& block : s.program.blocks()) {
+        for (const VoltagePoint& point : block.points) {
+            if (in_whole_plane(s, point.voltage)) return true;
+        }
+    }
+    return false;
+}
+
 }  // namespace
 
-void check_plane(const Scenario& s) {
-    if (!in_whole_plane(s)) return;
+void check_plane(const Scenario& s, const RobotFrame& frame) {
+    if (!frame.whole_plane) return;
     for (const UserSetting& each : s.user_effects) {
         if (each.absent()) continue;
         throw std::invalid_argument("effects." + each.effect->name +
@@ -57,36 +85,9 @@ void check_planar_step(const Scenario& scenario, const PerCoil& voltages) {
         "start, or yp = -ym of equal coils");
 }
 
-double frame_sign(const Scenario& s) {
-    return !in_whole_plane(s) && drive_direction(s).x < 0.0 ? -1.0 : 1.0;
-}
-
-bool in_whole_plane(const Scenario& s) {
-    const Effects& e = s.effects;
-    const SimulationState& start = s.initial;
-    const bool pushed =
-        e.ambient_field_by != 0.0 ||
-        (e.surface_tilt_angle != 0.0 && surface_direction(e.surface_tilt_azimuth).y != 0.0);
-    if (s.whole_plane || pushed || start.y != 0.0 || start.vy != 0.0) return true;
-    // In one plane a robot faces the drive's direction, and a state that it has left says so.
-    if (start.heading != 0.0) {
-        constexpr double kRounding = 1e-9;
-        const double faced = drive_direction(s).x < 0.0 ? std::numbers::pi : 0.0;
-        const double off = std::remainder(start.heading - faced, 2.0 * std::numbers::pi);
-        if (std::abs(off) > kRounding) return true;
-    }
-    // A field that was measured has a part across everywhere; one that was measured in the plane of
-    // motion alone says nothing of it.
-    if (s.map && s.map->box().low.y() < s.map->box().high.y()) return true;
-    if (in_whole_plane(s, start.current) || in_whole_plane(s, start.field_lag)) return true;
-    if (!has_equal_coils_of_y(s) && e.mutual_inductance_coupling != 0.0) return true;
-    if (s.drive.mode != DriveMode::program) return drive_direction(s).y != 0.0;
-    for (const VoltageBlock& block : s.program.blocks()) {
-        for (const VoltagePoint& point : block.points) {
-            if (in_whole_plane(s, point.voltage)) return true;
-        }
-    }
-    return false;
+RobotFrame frame_of(const Scenario& s) {
+    const bool whole_plane = in_whole_plane(s);
+    return {whole_plane, !whole_plane && drive_direction(s).x < 0.0 ? -1.0 : 1.0};
 }
 
 }  // namespace stickslip

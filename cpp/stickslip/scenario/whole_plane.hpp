@@ -1,5 +1,6 @@
 #pragma once
 
+#include "stickslip/body/robot_frame.hpp"
 #include "stickslip/drive/sawtooth.hpp"
 #include "stickslip/field/heading.hpp"
 #include "stickslip/scenario/scenario.hpp"
@@ -7,20 +8,14 @@
 /// Whether the robot of a scenario moves in the whole plane of the surface, and which way.
 namespace stickslip {
 
-/// +1, or -1 for a robot that is turned to face -x and stays in the plane y = 0: world x = frame
-/// sign times the robot's x.
-double frame_sign(const Scenario& scenario);
+RobotFrame frame_of(const Scenario& scenario);
 
 /// Throws std::invalid_argument for what has no meaning in the whole plane.
-void check_plane(const Scenario& scenario);
+void check_plane(const Scenario& scenario, const RobotFrame& frame);
 
 /// Where the drive sends the robot. A program, whose voltages do that themselves, has a direction
 /// alone: where the robot faces before.
 SurfaceDirection drive_direction(const Scenario& scenario);
-
-/// Whether the robot moves in the whole plane of the surface, and not along x alone: something
-/// turns it, or pushes it across.
-bool in_whole_plane(const Scenario& scenario);
 
 /// Whether held voltages, or currents, turn the scenario's robot, or push it across.
 bool in_whole_plane(const Scenario& scenario, const PerCoil& of_coils);

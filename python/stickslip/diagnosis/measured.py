@@ -114,7 +114,7 @@ def _laws(
     spans = find_spans([scenario.replace(each) for each in table.conditions], table.threads)
     stated = {key.split(".")[1] for key in constants if key.startswith("effects.")}
     spans = {name: span for name, span in spans.items()
-             if name not in {*scenario.effects, *stated}}  # fmt: skip
+             if name not in {*scenario.effects, *scenario.laws, *stated}}  # fmt: skip
     return laws(scenario, measurement.uncertain, spans)
 
 
@@ -143,8 +143,13 @@ def model_of(
     names = [*(each.name for each in constants), *amplitudes]
     names += [each.name for cause in suspects for each in cause.parameters]
     knots = [each.name for cause in beside for each in cause.parameters]
-    # How far laws reach is no parameter, but has to be set where they act.
-    reach = {key: each for law in beside if law.curve for key, each in law.curve.fixed.items()}
+    # What laws have beside their knots is no parameter, but has to be set where they act.
+    reach = {
+        key: known_keys()[key].words.index(each) if isinstance(each, str) else each
+        for law in beside
+        if law.curve
+        for key, each in law.curve.fixed.items()
+    }
     names += [*knots, *reach]
     columns = [table.own_columns(names) for table in tables]
     full, cheap = list[Model](), list[Model]()

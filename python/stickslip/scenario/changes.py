@@ -7,7 +7,7 @@ from typing import Any
 
 from stickslip import _core
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import check_word, full_name, is_of_one_coil, set_value
+from stickslip.scenario.keys import LAWS, check_word, full_name, is_of_one_coil, set_value
 
 
 class Changes(dict[str, Any]):
@@ -34,8 +34,8 @@ class Changes(dict[str, Any]):
     def in_order(self) -> list[tuple[str, Any]]:
         """Keys and values in the order in which they act, whatever the order given.
 
-        A mode comes first, as it resets what another one has, and a key of all coils before those
-        of single ones.
+        A mode comes first, as it resets what another one has, a key of all coils before those of
+        single ones, and a law before its keys.
         """
         return sorted(self.items(), key=lambda item: _rank(item[0]))
 
@@ -46,4 +46,6 @@ class Changes(dict[str, Any]):
 
 
 def _rank(key: str) -> int:
+    if key.startswith(LAWS):
+        return key.count(".")
     return 0 if key == "drive.mode" else 1 + is_of_one_coil(key)

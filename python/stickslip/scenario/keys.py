@@ -23,6 +23,8 @@ RECORD_RATE = "record.rate"
 
 PREFIX = "effects."
 
+LAWS = "laws."
+
 FIELDS = ("drive.peak", "drive.base", "drive.hold")
 """The fields of a pulsed drive."""
 
@@ -125,10 +127,29 @@ class Key:
         return f"{name}_" if keyword.iskeyword(name) else name
 
 
+class KnownKeys(dict[str, Key]):
+    """The keys that every scenario has, by name; those of laws, whatever theirs, are found too."""
+
+    def __missing__(self, name: str) -> Key:
+        key = _law_key(name)
+        if key is None:
+            raise KeyError(name)
+        return key
+
+    def __contains__(self, name: object) -> bool:
+        return super().__contains__(name) or (isinstance(name, str) and _law_key(name) is not None)
+
+
+@functools.lru_cache(maxsize=256)
+def _law_key(name: str) -> Key | None:
+    row = _core.law_key(name) if name.startswith(LAWS) else None
+    return None if row is None else Key(**row)
+
+
 @until_registration
-def known_keys() -> dict[str, Key]:
+def known_keys() -> KnownKeys:
     """All keys by name, section by section."""
-    return {row["name"]: Key(**row) for row in _core.key_table()}
+    return KnownKeys((row["name"], Key(**row)) for row in _core.key_table())
 
 
 @until_registration
@@ -169,6 +190,8 @@ def key_hint(name: str, others: Iterable[str] = ()) -> str:
     if of_round_coil(name):
         return ROUND_HINT
     section = name.rpartition(".")[0]
+    if name.startswith(LAWS):
+        return suggestion(name, [f"{section}.{each}" for each in _core.law_keys])
     siblings = [key.name for key in keys_of(section)]
     siblings += [key for key in PATHS if siblings and key.startswith(f"{section}.") and key != name]
     if siblings:

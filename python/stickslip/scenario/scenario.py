@@ -22,6 +22,7 @@ from stickslip.scenario.changes import Changes
 from stickslip.scenario.effects import flat_effects
 from stickslip.scenario.keys import (
     COIL_MAP,
+    LAWS,
     OBJECTS,
     PREFIX,
     PROGRAM,
@@ -33,6 +34,7 @@ from stickslip.scenario.keys import (
     known_keys,
     set_value,
 )
+from stickslip.scenario.law import Law, flat_laws, is_law, laws_of, set_law
 from stickslip.scenario.matter import Fluid, fluid_of
 from stickslip.scenario.section import Section
 from stickslip.scenario.sections import (
@@ -90,6 +92,8 @@ class Scenario:
         the numbers and durations of its pulses and ramps, and everything that is zero.
     effects : mapping
         Effects: ``{name: {parameter: value}}``; see `stickslip.effects`.
+    laws : mapping
+        Laws of your own: ``{name: Law(...)}``; see `Law`.
     uncertain : JointPrior, optional
         Priors of the uncertain parameters, also as the tables of ``[uncertain]``. `simulate` and
         `sweep` take the values of the keys; `draws` draws.
@@ -132,6 +136,7 @@ class Scenario:
         solver: Solver | None = None,
         record: Record | None = None,
         effects: Mapping[str, Mapping[str, float]] | None = None,
+        laws: Mapping[str, Law | Mapping[str, Any]] | None = None,
         uncertain: JointPrior | Mapping[str, Any] | None = None,
     ) -> None:
         self._core = _core.Scenario()
@@ -151,6 +156,8 @@ class Scenario:
             self._map, self._hidden = coil.map, coil._hidden
         if effects is not None:
             Changes(flat_effects(effects)).apply(self._core)
+        if laws is not None:
+            Changes(flat_laws(laws)).apply(self._core)
         self._uncertain = None if uncertain is None else as_joint_prior(uncertain)
         self._check()
 
@@ -179,6 +186,11 @@ class Scenario:
                 _, name, parameter = key.split(".")
                 found.setdefault(name, {})[parameter] = float(value)
         return MappingProxyType({name: MappingProxyType(own) for name, own in found.items()})
+
+    @property
+    def laws(self) -> Mapping[str, Law]:
+        """Laws of the user's own by name."""
+        return MappingProxyType(dict(laws_of(self._core)))
 
     @property
     def uncertain(self) -> JointPrior | None:
@@ -243,7 +255,8 @@ class Scenario:
         ScenarioError
             If there is no such key.
         """
-        return self._core.get(find_key(full_name(key)).name)
+        with prefixed("", ValueError):
+            return self._core.get(find_key(full_name(key)).name)
 
     def replace(self, changes: Mapping[str, Any] | None = None, /, **more: Any) -> Scenario:
         """A copy with other values.
@@ -252,9 +265,9 @@ class Scenario:
         ----------
         changes : mapping
             New values by dotted key, of effects also by short name. ``"coil.turns"`` sets all five
-            coils, ``"coil.xp.turns"`` one. ``"drive.program"`` takes a
-            `Waveform` or None, and ``"coil.map"`` a `FieldMap` or None. With a change of
-            ``"drive.mode"`` to ``"program"`` the keys of the sawtooth get their defaults.
+            coils, ``"coil.xp.turns"`` one. ``"drive.program"`` takes a `Waveform`,
+            ``"coil.map"`` a `FieldMap` and ``"laws.NAME"`` a `Law`, each also None. With a change
+            of ``"drive.mode"`` to ``"program"`` the keys of the sawtooth get their defaults.
         **more
             The same, as ``**{"drive.frequency": 30.0}``.
 
@@ -280,6 +293,8 @@ class Scenario:
                 Coil(map=value)
                 made._map = value
                 made._core.set_map(None if value is None else value.to_core())
+            elif is_law(key):
+                set_law(made._core, key, value)
             else:
                 set_value(made._core, key, value)
         made._hidden = hidden_keys(made._core, {**self._hidden, **given})
@@ -437,9 +452,10 @@ class Scenario:
         return _made, self._state()
 
     def __repr__(self) -> str:
-        names = (*SECTIONS, "effects", "uncertain")
+        names = (*SECTIONS, "effects", "laws", "uncertain")
         values = {name: getattr(self, name) for name in names}
         values["effects"] = {name: dict(own) for name, own in self.effects.items()}
+        values["laws"] = dict(self.laws)
         return f"Scenario({', '.join(f'{name}={value!r}' for name, value in values.items())})"
 
     def _repr_html_(self) -> str:
@@ -451,6 +467,7 @@ class Scenario:
         for key in known_keys().values():
             if key.name in changed or (key.section == "drive" and self._program is None):
                 rows.append((key.name, _shown(key, self._core.get(key.name))))
+        rows += [(f"{LAWS}{name}", law.text) for name, law in self.laws.items()]
         if self._uncertain is not None:
             rows.append(("uncertain", ", ".join(self._uncertain.names)))
         rows.append(("duration", f"{self.duration:.6g} s"))

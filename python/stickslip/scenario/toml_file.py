@@ -26,6 +26,7 @@ from stickslip.scenario.keys import (
     is_of_one_coil,
     known_keys,
 )
+from stickslip.scenario.law import flat_laws, law_lines
 from stickslip.scenario.sections import SECTIONS
 from stickslip.scenario.waveform import Waveform
 
@@ -78,7 +79,7 @@ def changes_of(document: Mapping[str, Any], folder: Path | None) -> tuple[dict[s
     Files that the document names are relative to `folder`; without it they are not read.
     """
     _check_version(document)
-    known = [*SECTIONS, "effects", "uncertain"]
+    known = [*SECTIONS, "effects", "laws", "uncertain"]
     changes: dict[str, Any] = {}
     for name, content in document.items():
         if name == "stickslip":
@@ -91,6 +92,8 @@ def changes_of(document: Mapping[str, Any], folder: Path | None) -> tuple[dict[s
             raise ScenarioError(f"{name} = {shown(content)}: allowed is a section [{name}]")
         if name == "effects":
             changes |= flat_effects(content)
+        elif name == "laws":
+            changes |= flat_laws(content)
         elif name != "uncertain":
             _flatten(name, content, changes)
     if "drive" not in document:
@@ -213,6 +216,8 @@ def scenario_text(
             lines.append(f"file = {quoted(voltages)}")
         if section == "coil" and scenario.coil.map is not None:
             lines.append(f"map = {quoted(field_map)}")
+    for name, law in scenario.laws.items():
+        lines += law_lines(name, law)
     if scenario.uncertain is not None:
         lines += _uncertain_lines(scenario.uncertain)
     return "\n".join(lines) + "\n"

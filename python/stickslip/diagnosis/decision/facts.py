@@ -347,7 +347,7 @@ class Facts:
         ScenarioError
             If the fitted values are none that a scenario can have together.
         """
-        values: dict[str, float] = {}
+        values: dict[str, Any] = {}
         if self.fitted:
             values = self.best.params["value"].to_dict()
             for each in self.best.fit.causes:

@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip._util.numbers import Array
 from stickslip._util.text import OneLine
+from stickslip.scenario.keys import Value
 
 SIZES, LENGTHS = (0.5, 1.0, 2.0, 4.0), (0.35, 0.8)
 """Sizes, in a knot's usual size, and lengths, in the curve's range, of the process that is the
@@ -59,7 +60,7 @@ class Curve(OneLine):
     constant: str | None
     stated: float
     relative: bool
-    fixed: dict[str, float]
+    fixed: dict[str, Value]
 
     @property
     def name(self) -> str:

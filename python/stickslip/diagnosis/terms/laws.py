@@ -18,7 +18,8 @@ from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.curve import Curve
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import PREFIX, known_keys
+from stickslip.scenario.keys import PREFIX, Value, known_keys
+from stickslip.scenario.law import Law, flat_laws
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.uncertain import Prior
 from stickslip.simulation.simulate import simulate_batch
@@ -206,10 +207,35 @@ _PLACES = {
     "free_field_amplitude": ("field", "in-plane current"),
 }
 
+_OWN = {
+    "free_friction_speed": ("sliding_friction", "slip_speed"),
+    "free_friction_angle": ("friction", "tilt"),
+    "free_friction_load": ("friction", "load"),
+    "free_friction_age": ("friction", "time"),
+    "free_adhesion_angle": ("adhesion", "tilt"),
+    "free_adhesion_age": ("adhesion", "age"),
+    "free_drag_angle": ("drag", "tilt"),
+    "free_drag_speed": ("drag", "speed"),
+    "free_drag_rate": ("fluid", "rate"),
+}
+"""Quantity and argument of those that are stated as ``[laws.NAME]``; the others are effects."""
+
 _CONSTANTS = {
     "friction": "contact.kinetic_friction",
     "adhesion": "contact.adhesion",
     "drag": "drag.linear",
+}
+
+_UNITS = {
+    "slip speed": "m/s",
+    "tilt": "rad",
+    "normal force": "N",
+    "time": "s",
+    "age of the contact": "s",
+    "speed": "m/s",
+    "rate of the tilt": "rad/s",
+    "frequency": "Hz",
+    "in-plane current": "A",
 }
 
 _FACTOR_SIZE, _PLACE_SIZE = (0.3, 3.0), (0.2, 1.0)
@@ -222,6 +248,9 @@ _SAMPLES = 400.0
 _WITHIN = 0.98
 """Share of an argument's sum over the samples up to which there are knots. Chosen: with all, an
 instant of an impact would stretch the curve."""
+
+_LEAST_TILT, _MOST_TILT = 1e-2, 3.2
+"""Of the last knot over the tilt, rad: what the core allows."""
 
 _POINTS = 61
 """Points among which a knot's place is sought: a multiple of the knots' spacings."""
@@ -246,18 +275,19 @@ def laws(
 
 def _own_law(scenario: Scenario, uncertain: Mapping[str, Prior], effect: str, span: float) -> Cause:
     law, argument = _PLACES[effect]
-    span_key = f"{PREFIX}{effect}.span"
-    keys = [key for key in known_keys() if key.startswith(f"{PREFIX}{effect}.knot_")]
+    fixed = _fixed(effect, span)
+    section = next(iter(fixed)).rpartition(".")[0]
+    keys = [f"{section}.knot_{k}" for k in range(1, 6)]
     is_place = law == "contact place"
     constant = _CONSTANTS.get(law)
     low = -span if argument == "tilt" else 0.0
     points = np.linspace(low, span, _POINTS)
-    design = partial(_design, scenario.replace({span_key: span}), effect, keys)
+    design = partial(_design, scenario.replace(fixed | dict.fromkeys(keys, 0.0)), effect, keys)
     own_unit = "of the model's" if constant is None else known_keys()[constant].unit
     curve = Curve(
         law=law,
         argument=argument,
-        unit=known_keys()[span_key].unit,
+        unit=_UNITS[argument],
         law_unit="half lengths" if is_place else own_unit,
         low=low,
         high=span,
@@ -266,10 +296,19 @@ def _own_law(scenario: Scenario, uncertain: Mapping[str, Prior], effect: str, sp
         constant=constant if constant in uncertain else None,
         stated=float(not is_place) if constant is None else float(scenario.get(constant)),
         relative=not is_place,
-        fixed={span_key: span},
+        fixed=fixed,
     )
     size, largest = _PLACE_SIZE if is_place else _FACTOR_SIZE
     return _law(curve.name, curve, keys, "-", size, -1.0, largest)
+
+
+def _fixed(effect: str, span: float) -> dict[str, Value]:
+    """What a law has beside its knots, by dotted key."""
+    if effect not in _OWN:
+        return {f"{PREFIX}{effect}.span": span}
+    quantity, over = _OWN[effect]
+    law = Law(quantity=quantity, over=over, form="curve", fraction=1.0, scale=span)
+    return flat_laws({effect: law})
 
 
 def _design(scenario: Scenario, effect: str, keys: Sequence[str], argument: Array) -> Array:
@@ -316,7 +355,8 @@ def find_spans(scenarios: Sequence[Scenario], threads: int) -> dict[str, float]:
         if len(values) and (law != "adhesion" or scenarios[0].contact.adhesion > 0.0):
             # A robot that mostly creeps does most of its way, and of its turning, fast.
             part = np.cumsum(values) / np.sum(values)
-            known = known_keys()[f"{PREFIX}{effect}.span"]
             reach = float(values[np.searchsorted(part, _WITHIN)])
-            spans[effect] = float(np.clip(reach, known.low, known.high))
+            spans[effect] = (
+                min(max(reach, _LEAST_TILT), _MOST_TILT) if argument == "tilt" else reach
+            )
     return spans

@@ -1,0 +1,144 @@
+"""Laws of the user's own: how friction, adhesion and drag depend on the motion."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any
+
+from stickslip import _core
+from stickslip._util.messages import refuse, shown
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import LAWS, Value, find_key, set_value
+
+_KNOTS = 5
+
+
+@dataclass(frozen=True, kw_only=True)
+class Law:
+    """How a quantity of the contact or the fluid depends on the motion.
+
+    With the form f and u = argument / scale the quantity becomes ``quantity + amount f(u)`` or
+    ``quantity max(0, 1 + fraction f(u))``. Laws that add act before those that multiply.
+
+    Parameters
+    ----------
+    quantity : str
+        ``"friction"`` (both coefficients), ``"sliding_friction"`` (the kinetic one),
+        ``"adhesion"`` (N), ``"drag"`` (force over velocity, N s/m), ``"rotational_drag"`` (torque
+        over rate, N m s) or ``"fluid"`` (both drags, only by a fraction).
+    over : str
+        The argument. Of friction: ``"way"`` (+1 for slip to the robot's front, -1 to its rear),
+        ``"place"`` (m, of the contact, in the world), ``"tilt"`` (rad, -pi to pi, nose-down
+        positive), ``"load"`` (N, the normal force) or ``"time"`` (s, since the start of the run).
+        Of sliding friction: ``"slip_speed"`` (m/s). Of adhesion and drag: ``"tilt"``, ``"time"``,
+        ``"age"`` (s, of the contact since touch-down), ``"speed"`` (m/s, of the centre of mass) or
+        ``"rate"`` (rad/s, size of that of the tilt).
+    form : str
+        f: ``"line"`` u, ``"square"`` u^2, ``"sine_squared"`` and ``"cosine_squared"`` of the tilt,
+        ``"gaussian"`` exp(-u^2), ``"exponential"`` exp(-abs(u)), ``"logarithm"`` ln(1 + abs(u)),
+        ``"saturation"`` u^2/(1 + u^2), ``"wave"`` sin u, or ``"curve"`` through `knots`.
+    fraction, amount : float
+        One of them: of the quantity, without a unit, or in its unit.
+    scale : float
+        Above 0, in the unit of the argument; of a curve, the argument of the last knot. Not over
+        the way or with a squared sine or cosine.
+    knots : sequence of float
+        Of a curve: five values of f. They lie evenly from minus the scale to the scale over the
+        tilt and the place, from 0 to the scale else; over the slip speed the first lies at a fifth
+        of the scale, and f(0) = 0. Between them f is a cubic Hermite interpolant, beyond them
+        constant.
+
+    Examples
+    --------
+    >>> wear = Law(quantity="friction", over="time", form="exponential", scale=0.05, fraction=0.5)
+    >>> scenario = Scenario(laws={"wear": wear})
+    >>> scenario.replace({"laws.wear.fraction": 0.2}).laws["wear"].fraction
+    0.2
+    """
+
+    quantity: str
+    over: str
+    form: str
+    fraction: float | None = None
+    amount: float | None = None
+    scale: float | None = None
+    knots: Sequence[float] | None = None
+
+    @property
+    def text(self) -> str:
+        """In a line."""
+        given = {name: value for name, value in vars(self).items() if value is not None}
+        return ", ".join(f"{name} = {value}" for name, value in given.items())
+
+
+_FIELDS = tuple(each.name for each in fields(Law))
+
+
+def is_law(key: str) -> bool:
+    """Whether a key stands for a whole law: ``laws.NAME``."""
+    return key.startswith(LAWS) and key.count(".") == 1
+
+
+def flat_laws(settings: object) -> dict[str, Value]:
+    """Values by dotted key of ``{name: law}``, where a law is a `Law` or a mapping of its keys."""
+    if not isinstance(settings, Mapping):
+        refuse("laws", settings, "a table [laws.<name>] for each law")
+    values: dict[str, Value] = {}
+    for name, law in settings.items():
+        given = vars(law) if isinstance(law, Law) else law
+        if not isinstance(given, Mapping):
+            refuse(f"laws.{name}", law, f"a Law, or a table [laws.{name}]")
+        for key, value in given.items():
+            if value is None:
+                continue
+            if key == "knots":
+                values |= _knots(f"{LAWS}{name}", value)
+            else:
+                values[find_key(f"{LAWS}{name}.{key}", value).name] = value
+    return values
+
+
+def set_law(core: _core.Scenario, key: str, law: object) -> None:
+    """Put a `Law`, or a mapping of its keys, in the place of ``laws.NAME``; None removes it."""
+    name = key.removeprefix(LAWS)
+    values = {} if law is None else flat_laws({name: law})
+    core.remove_law(name)
+    for each, value in values.items():
+        set_value(core, each, value)
+
+
+def _knots(law: str, knots: object) -> dict[str, Value]:
+    if isinstance(knots, str) or not isinstance(knots, Sequence) or len(knots) != _KNOTS:
+        raise ScenarioError(f"{law}.knots = {shown(knots)}: allowed is a list of five numbers")
+    return {f"{law}.knot_{k}": each for k, each in enumerate(knots, 1)}
+
+
+def laws_of(core: _core.Scenario) -> Iterator[tuple[str, Law]]:
+    """The laws of a scenario of the core, by name."""
+    found: dict[str, dict[str, Any]] = {}
+    for key, value in core.changed().items():
+        if key.startswith(LAWS):
+            _, name, part = key.split(".")
+            law = found.setdefault(name, {})
+            if part.startswith("knot_"):
+                law.setdefault("knots", [0.0] * _KNOTS)[int(part[-1]) - 1] = value
+            else:
+                law[part] = value
+    for name, law in found.items():
+        law["knots"] = tuple(law["knots"]) if "knots" in law else None
+        yield name, Law(**law)
+
+
+def law_lines(name: str, law: Law) -> list[str]:
+    """Those of its section in a scenario's file."""
+    lines = ["", f"[{LAWS}{name}]"]
+    for field in _FIELDS:
+        value = getattr(law, field)
+        if isinstance(value, str):
+            lines.append(f'{field} = "{value}"')
+        elif field == "knots" and value is not None:
+            lines.append(f"{field} = {list(value)!r}")
+        elif value is not None:
+            lines.append(f"{field} = {value!r}")
+    return lines
