@@ -13,6 +13,9 @@ MEASURED = {
     "velocity.csv": "velocity\n1e-3\n",
 }
 NEXT = "mode,direction,frequency,peak,hold,edge,trial,velocity\n"
+LOG = ["t (s),speed (rad/s),torque (N m)", *(f"0.{k},0.0{k},1.0" for k in range(10))]
+MODELS = "from stickslip import models\nsteel = models.joint(inertia=1)\nnone = print\n"
+JOINT = "--model joint --set inertia=1"
 SWEEP = "sweep s.toml --vary drive.peak=0"
 HOPS = (
     "--set drive.mode=OPP --set drive.frequency=400 --set robot.length=0.4e-3 "
@@ -43,6 +46,17 @@ def by_command(folder, bad):
     return done.stderr
 
 
+def by_log(folder, bad):
+    """Lines of a log by their numbers, or the options of a sound one."""
+    lines, options = dict(enumerate(LOG, 1)), JOINT
+    if isinstance(bad, str):
+        options = bad
+    else:
+        lines |= bad
+    files = {"log.csv": "\n".join(lines.values()), "m.py": MODELS, "wrong.py": "a = 1\nb = 1 / 0\n"}
+    return by_command(folder, (f"diagnose log.csv {options} --out found", files))
+
+
 def by_set(folder, bad):
     """A value of ``--set``."""
     return by_command(folder, f"run s.toml --out a.nc --set {bad}")
@@ -67,6 +81,7 @@ def by_optimise(folder, bad):
 
 WAYS = {
     "command": by_command,
+    "log": by_log,
     "--set": by_set,
     "--vary": by_vary,
     "--next": by_next,
@@ -257,4 +272,36 @@ REFUSALS = [
     ("command", f"{SWEEP} --threads 2 --dask tcp://127.0.0.1:1", ["--threads", "--dask"]),
     ("command", ("predict m.toml", MEASURED), "m.toml: is a measurement and no scenario"),
     ("command", "predict s.toml --uncertain s.toml", "there is no section [uncertain]"),
+    ("log", {5: "0.3,0.03,"}, ['log.csv: line 5, column torque = "": allowed', "two files"]),
+    ("log", {5: "0.3,0.03"}, "line 5 has 2 cells, and the header 3 names: write all of them"),
+    ("log", {5: "noon,0.03,1.0"}, 'line 5, column t = "noon": allowed is a finite number'),
+    (
+        "log",
+        {5: "0.15,0.03,1.0"},
+        ["line 5, column t = 0.15 s: allowed is a time after 0.2", "sort"],
+    ),
+    ("log", {11: "3.1,0.03,1.0"}, ["line 11, column t = 3.1 s", "jumps by 2.3 s", "two files"]),
+    ("log", {1: "t,speed (mph),torque"}, ['column "speed (mph)": the unit', "allowed are rad/s"]),
+    ("log", {1: "t,v,torque"}, ['column "speed" is missing', '"v"', 'call one "speed (rad/s)"']),
+    ("log", {1: "t,a (rad/s),b (rad/s)"}, ['column "speed" is missing', "a (rad/s)"]),
+    ("log", {1: "t,speed,a (N m),b (N m)"}, ['"torque" is missing', 'call one "torque (N m)"']),
+    ("log", dict.fromkeys(range(1, 12), ""), "log.csv: is empty"),
+    ("log", "--model jont", ["--model jont: allowed is joint", 'did you mean "joint"?']),
+    (
+        "log",
+        "--model joint",
+        ["joint: inertia is missing", "kg m^2", "--set", "init --model joint"],
+    ),
+    ("log", f"{JOINT} --set coulomb=strong", 'joint: coulomb = "strong": allowed is a number'),
+    ("log", f"{JOINT} --set inertai=1", ["no inertai", 'did you mean "inertia"?']),
+    ("log", f"{JOINT} --set reads=position", ['reads = "position"', "speed or angle"]),
+    ("log", f"{JOINT} --next 1", "--next: allowed without --model only"),
+    ("log", "--set inertia=1", "--set: allowed with --model only"),
+    ("log", "log.csv", "log.csv: allowed with --model only"),
+    ("log", "", "a log of another system needs --model"),
+    ("log", "--model no.py:steel", "--model: no.py: there is no such file"),
+    ("log", "--model m.py:none", "m.py: there is no model none; allowed is steel"),
+    ("log", "--model m.py:steel --set inertia=1", "--set: m.py says what is known"),
+    ("log", "--model wrong.py:b", "wrong.py: line 2: ZeroDivisionError"),
+    ("command", "init --model jiont", ["--model", "jiont", "joint"]),
 ]

@@ -10,9 +10,16 @@ _PREFIXES = {"k": 1e-3, "m": 1e3, "u": 1e6, "µ": 1e6, "μ": 1e6, "n": 1e9}
 """How many of the prefixed unit are one; both signs of micro."""
 
 _OTHERS = {
+    "s": {"min": 1.0 / 60.0, "h": 1.0 / 3600.0},
     "m": {"cm": 1e2},
     "m/s": {"cm/s": 1e2},
     "rad": dict.fromkeys(("deg", "degree", "degrees", "°"), math.degrees(1.0)),
+    "rad/s": {
+        **dict.fromkeys(("deg/s", "°/s"), math.degrees(1.0)),
+        **dict.fromkeys(("rpm", "1/min"), 30.0 / math.pi),
+    },
+    "N m": {**dict.fromkeys(("Nm", "N·m"), 1.0), "mNm": 1e3, **dict.fromkeys(("N cm", "Ncm"), 1e2)},
+    "K": dict.fromkeys(("C", "degC", "°C"), 1.0),
     "T": dict.fromkeys(("G", "gauss"), 1e4),
     "T/A": {"G/A": 1e4},
     "kg": {"g": 1e3, "mg": 1e6, "ug": 1e9, "µg": 1e9},
@@ -21,7 +28,7 @@ _OTHERS = {
     "kg m^2": {"kg m²": 1.0},
     "ohm": {"Ω": 1.0},
 }
-"""How many of a unit that is no prefixed one are the SI unit."""
+"""How many of a unit that is no prefixed one are the SI unit; of temperatures, differences."""
 
 _SHOWN = {
     "T": "mT",
@@ -72,6 +79,11 @@ def per_si(unit: str, si: str) -> float:
     if unit not in known:
         raise ValueError("allowed is no unit" if _is_pure(si) else f"allowed are {_listed(known)}")
     return known[unit]
+
+
+def same_unit(unit: str, si: str) -> bool:
+    """Whether a unit is an SI unit under any of its names."""
+    return _known(si).get(unit) == 1.0
 
 
 def to_si(value: float, per: float) -> float:

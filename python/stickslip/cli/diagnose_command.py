@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import click
 
 import stickslip
 from stickslip._util.files import check_folder
-from stickslip.cli.options import FOLDER, JSON, PATH, SEED, THREADS
+from stickslip.cli.options import FOLDER, JSON, PATH, SEED, THREADS, pairs, stated
 from stickslip.cli.output import print_json, say, write_new
 from stickslip.cli.progress import progress_bar
 from stickslip.diagnosis.report.files import report_files
 from stickslip.diagnosis.report.next_table import TABLES, with_measured
+from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.rounds import BUDGET
 from stickslip.errors import prefixed
 from stickslip.measurement.first_lines import TableGiven
@@ -23,18 +26,34 @@ _SAID_FIRST = 3
 
 @click.command(
     "diagnose",
-    help="""Find what in a MEASUREMENT (a TOML file) the model does not explain.
+    help="""Find what in a MEASUREMENT (a TOML file), or in LOGs (CSV), a model does not explain.
 
-    Of a table of data (CSV) it prints the lines of the measurement that fit its columns.
+    A log has columns of time, of a reading and of inputs, and --model names its model. Of a table
+    of data without --model it prints the lines of the measurement that fit its columns.
 
     Recalibrates the uncertain parameters, tests for a misfit, and gives a verdict: named, dominant,
     pair, ambiguous, unexplained, none or data-problem.
     """,
     epilog="\b\nExample:\n"
     "  stickslip diagnose measurement.toml --out found\n"
-    "  stickslip diagnose measurement.toml --out found --next 1",
+    "  stickslip diagnose measurement.toml --out found --next 1\n"
+    "  stickslip diagnose log.csv --model joint --set inertia=0.1,0.002 --set viscous=0.2,0.05",
 )
-@click.argument("measurement", type=PATH)
+@click.argument("files", type=PATH, nargs=-1, required=True, metavar="MEASUREMENT | LOG...")
+@click.option(
+    "--model",
+    metavar="NAME",
+    help="Of logs: joint, axis, pendulum, oscillator, thermal, or FILE.py:NAME. Each log is a "
+    "record of its own.",
+)
+@pairs(
+    "--set",
+    stated,
+    "NAME=VALUE or NAME=VALUE,ERROR, such as inertia=0.1,0.002",
+    "What is known of a ready-made model: a value, or a value and its standard deviation, in SI "
+    "units; also reads, smooth and without",
+    metavar="NAME=VALUE",
+)
 @click.option(
     "--out",
     type=FOLDER,
@@ -63,7 +82,9 @@ _SAID_FIRST = 3
 @SEED
 @THREADS
 def command(
-    measurement: Path,
+    files: tuple[Path, ...],
+    model: str | None,
+    set: dict[str, Any],
     out: Path | None,
     as_json: bool,
     seed: int,
@@ -74,6 +95,16 @@ def command(
 ) -> None:
     if budget is not None and most is None:
         raise click.UsageError("--budget: allowed with --next only")
+    if model is not None:
+        others = {"--next": most, "--threads": threads, "--write": write or None}
+        for option, value in others.items():
+            if value is not None:
+                raise click.UsageError(f"{option}: allowed without --model only")
+        _diagnose_logs(files, model, set, out, as_json, seed)
+        return
+    measurement, *more = files
+    if more or set:
+        raise click.UsageError(f"{more[0] if more else '--set'}: allowed with --model only")
     try:
         data = stickslip.read_measurement(measurement)
     except TableGiven as error:
@@ -92,10 +123,10 @@ def command(
     if out is None and (most is not None or not as_json):
         out = Path("diagnosis")
     rounds = None
-    files = report_files(data.scenario)
+    written = report_files(data.scenario)
     if out is not None:
         with prefixed("--out", OSError):
-            check_folder(out, files if most is None else [*files, *TABLES])
+            check_folder(out, written if most is None else [*written, *TABLES])
         if most is not None:
             data, rounds = with_measured(data, out, most, BUDGET if budget is None else budget)
         elif (out / TABLES[0]).exists():
@@ -104,16 +135,52 @@ def command(
         result = stickslip.diagnose(data, seed=seed, threads=threads, progress=bar)
         bar(1.0, "next experiment")
         result.propose_experiments()
-    # The verdict is printed even if a disk is full.
-    if as_json:
-        next_ = {} if rounds is None else {"next": rounds.as_dict(result)}
-        print_json({**result.as_dict(), **next_})
-    else:
-        for line in [*result.summary().splitlines(), *(rounds.lines(result) if rounds else [])]:
-            say(line)
+    next_ = {} if rounds is None else {"next": rounds.as_dict(result)}
+    _print(result, as_json, next_, rounds.lines(result) if rounds else [])
     if out is not None:
         result.save_report(out)
         if rounds is not None:
             rounds.write(result)
         if not as_json:
-            say(f"  in {out}: {', '.join(files)}")
+            say(f"  in {out}: {', '.join(written)}")
+
+
+def _diagnose_logs(
+    files: Sequence[Path],
+    model: str,
+    given: Mapping[str, Any],
+    out: Path | None,
+    as_json: bool,
+    seed: int,
+) -> None:
+    from stickslip.cli.log_models import load_model
+    from stickslip.models import read_log
+
+    if out is None and not as_json:
+        out = Path("diagnosis")
+    if out is not None:
+        with prefixed("--out", OSError):
+            check_folder(out, report_files(None))
+    made = load_model(model, given, files)
+    logs = [read_log(each, made) for each in files]
+    for log in logs:
+        for note in log.own_notes:
+            say(f"stickslip: {log.name}: {note}", err=True)
+    with progress_bar() as bar:
+        result = stickslip.diagnose_model(made, logs, seed=seed, progress=bar)
+    _print(result, as_json)
+    if out is not None:
+        result.save_report(out, title=", ".join(each.name for each in files))
+        if not as_json:
+            say(f"  in {out}: {', '.join(report_files(None))}")
+
+
+def _print(
+    result: Diagnosis, as_json: bool, more: Mapping[str, Any] = {}, lines: Sequence[str] = ()
+) -> None:
+    """Print what was found. That comes before files, as a disk may be full."""
+    if as_json:
+        print_json({**result.as_dict(), **more})
+    else:
+        for line in [*result.summary().splitlines(), *lines]:
+            say(line)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from stickslip._util.extras import check_extras
 from stickslip._util.text import json_text
 from stickslip.cli.keys_command import FILES
 from stickslip.cli.options import PATH
@@ -45,13 +46,26 @@ _WIDTH = 100  # as the help of the commands
     "init",
     help="""Write a scenario that walks, with all keys and what they mean, to FILE.
 
-    FILE is scenario.toml where none is given; one that is there is not overwritten.
+    With --model it is a Python file with a model of a log, to change and to give to "stickslip
+    diagnose". FILE is scenario.toml, or NAME.py; one that is there is not overwritten.
     """,
-    epilog="\b\nExample:\n  stickslip init scenario.toml",
+    epilog="\b\nExample:\n  stickslip init scenario.toml\n  stickslip init --model joint joint.py",
 )
-@click.argument("file", type=PATH, default=Path("scenario.toml"))
-def command(file: Path) -> None:
-    write_new("FILE", file, _commented_scenario())
+@click.argument("file", type=PATH, required=False)
+@click.option(
+    "--model",
+    type=click.Choice(["joint", "axis", "pendulum", "oscillator", "thermal"]),
+    help="A ready-made model of a log.",
+)
+def command(file: Path | None, model: str | None) -> None:
+    if model is None:
+        write_new("FILE", file or Path("scenario.toml"), _commented_scenario())
+        return
+    check_extras("--model", "models")
+    from stickslip.cli.log_models import model_file
+
+    file = file or Path(f"{model}.py")
+    write_new("FILE", file, model_file(model, file))
 
 
 def _commented_scenario() -> str:

@@ -66,6 +66,16 @@ def number(key: str, text: str) -> float:
     return float(found)
 
 
+def stated(key: str, text: str) -> Any:
+    """What ``--set`` says of a term of a model: a value, a value and its error, words."""
+    found = [number_or_word(each.strip()) for each in text.split(",")]
+    if key == "without":
+        return [str(each) for each in found]
+    if found[0] in ("true", "false"):
+        return found[0] == "true"
+    return tuple(found) if len(found) > 1 else found[0]
+
+
 def range_or_words(key: str, text: str) -> list[Value]:
     """The ends of ``low:high``, or the words of ``a,b``."""
     found = _list(text, ":" if ":" in text else ",")

@@ -68,7 +68,8 @@ def refuse_table(path: Path, required: Mapping[str, Collection[str]]) -> None:
         found = ", ".join(there[:_FEW]) + (", ..." if len(there) > _FEW else "")
         raise ScenarioError(
             f"is a table of data with the columns {printable(found)}: allowed are {wanted}; "
-            f"{INSTRUMENTS_PAGE} makes them of others, velocity_of_track a velocity of t and x"
+            f"{INSTRUMENTS_PAGE} makes them of others, velocity_of_track a velocity of t and x; "
+            "a log of another system needs --model"
         )
 
 

@@ -9,9 +9,20 @@ it is said; each other effect of the model's table is a cause::
 
 from __future__ import annotations
 
-from stickslip.models.heat import thermal
-from stickslip.models.mechanical import axis, joint, oscillator, pendulum
+from stickslip.models.kinds import axis, joint, oscillator, pendulum, thermal
+from stickslip.models.log import read_log
 from stickslip.models.model import Model
-from stickslip.models.scalar import low_pass, vectorised
+from stickslip.models.scalar import low_pass, own, vectorised
 
-__all__ = ["Model", "axis", "joint", "low_pass", "oscillator", "pendulum", "thermal", "vectorised"]
+__all__ = [
+    "Model",
+    "axis",
+    "joint",
+    "low_pass",
+    "oscillator",
+    "own",
+    "pendulum",
+    "read_log",
+    "thermal",
+    "vectorised",
+]

@@ -14,11 +14,13 @@ from stickslip._util.arrays import row
 from stickslip._util.messages import meant, refuse
 from stickslip._util.numbers import Array, root_mean_square
 from stickslip._util.text import OneLine, brief, is_number
+from stickslip._util.units import same_unit
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.terms import instruments
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import LARGEST_ERROR, Parameter
 from stickslip.errors import ScenarioError, prefixed
+from stickslip.models.log import Columns
 from stickslip.scenario.uncertain import Prior
 
 Known = float | tuple[float, float] | Prior
@@ -33,8 +35,6 @@ _KNOWN = "a number, (value, error) or a Prior"
 _COARSE = 100
 """Parts of a record between whose ends slopes are taken for the usual size of a derivative. Chosen:
 noise of a dense log counts little there, and what is faster is rarely asked."""
-
-_SAME = {"K": ("C", "degC", "°C")}  # units of readings that do as well
 
 _LEAST = 1e-3  # of its middle: a constant above zero; chosen, a wrong unit
 _ABOVE, _BELOW = 1.2, 0.1  # where limits act: of the largest input; chosen, as for `clipping`
@@ -60,6 +60,8 @@ class Term:
         Of a constant that need not be stated.
     shape : Term, optional
         What an effect has beside its size.
+    more : str
+        What a reader of its reference should know besides.
     """
 
     name: str
@@ -71,6 +73,7 @@ class Term:
     falls: bool = False
     value: float | None = None
     shape: Term | None = None
+    more: str = ""
 
     @property
     def absent(self) -> float | None:
@@ -164,7 +167,11 @@ class Kind:
     def every(self) -> dict[str, Term]:
         """All terms, with shapes and start states, by name."""
         shapes = (each.shape for each in self.terms if each.shape is not None)
-        starts = (Term(name, unit, "start", signed=True, value=0.0) for name, unit in self.states)
+        more = "one for each record is found, if not stated"
+        starts = (
+            Term(name, unit, "at the first reading", signed=True, value=0.0, more=more)
+            for name, unit in self.states
+        )
         return {each.name: each for each in (*self.terms, *shapes, *starts)}
 
 
@@ -216,6 +223,12 @@ class Model(OneLine):
     def unit(self) -> str:
         """Unit of the readings."""
         return self.kind.states[self.kind.reads[self.reads][1]][1]
+
+    @property
+    def columns(self) -> Columns:
+        """What it takes of a log, for `read_log`."""
+        inputs = {name: tuple(unit.split(" or ")) for name, unit in self.kind.inputs.items()}
+        return Columns(self.reads, self.unit, inputs)
 
     def simulate(
         self, t: ArrayLike, inputs: Mapping[str, ArrayLike] | None = None, **values: float
@@ -327,7 +340,7 @@ class Model(OneLine):
         if not isinstance(record, Series):
             allowed = "a Series or a list of them"
             raise ScenarioError(f"{self.kind.name}: data = {brief(record)}: allowed is {allowed}")
-        if record.unit not in ("-", unit, *_SAME.get(unit, ())):
+        if record.unit != "-" and not same_unit(record.unit, unit):
             refuse(f"{record.at}unit", record.unit, f"{unit}, which a {self.kind.name} reads")
         for name in record.inputs:
             if name not in known:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,12 +11,15 @@ from numpy.typing import ArrayLike
 from scipy.signal import butter, sosfiltfilt
 
 from stickslip._util.arrays import row
-from stickslip._util.messages import refuse
+from stickslip._util.messages import check_kind, refuse
 from stickslip._util.numbers import Array
 from stickslip._util.text import OneLine, is_number
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
+from stickslip.models.log import Columns
 
 _ORDER = 4  # of the filter, half of it each way; common in the identification of robots
 _UNEVEN = 0.01  # of a step: how even steps have to be; chosen
@@ -58,6 +61,55 @@ def vectorised(function: Callable[[Any, dict[str, float]], ArrayLike]) -> Callab
     if not callable(function):
         refuse("vectorised", function, "a function of (table, p)")
     return _OneByOne(function)
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Own(OneLine):
+    """A model of one's own with its terms and the columns of its logs; see `own`."""
+
+    predict: Callable[..., Array]
+    uncertain: tuple[Parameter, ...]
+    causes: tuple[Cause, ...]
+    columns: Columns
+
+    def __call__(self, table: Table, p: Mapping[str, Array], *curves: Any) -> Array:
+        return self.predict(table, p, *curves)
+
+    def terms(self, data: object) -> tuple[tuple[Parameter, ...], tuple[Cause, ...]]:
+        """Uncertain parameters and causes, whatever the data."""
+        return self.uncertain, self.causes
+
+
+def own(
+    predict: Callable[..., Array],
+    uncertain: Sequence[Parameter],
+    causes: Sequence[Cause],
+    *,
+    reads: Mapping[str, str],
+    inputs: Mapping[str, str] | None = None,
+) -> Own:
+    """A model of one's own that ``stickslip diagnose LOG.csv --model FILE.py:NAME`` takes.
+
+    Parameters
+    ----------
+    predict, uncertain, causes
+        As for `diagnose_model`; a model of one vector is wrapped by `vectorised`.
+    reads : dict
+        The column that is read, and its SI unit: ``{"level": "V"}``.
+    inputs : dict, optional
+        Columns of inputs and their SI units. All of them have to be there.
+
+    Raises
+    ------
+    ScenarioError
+        If something is given that is not allowed.
+    """
+    check_kind("own: inputs", inputs or {}, Mapping)
+    if not isinstance(reads, Mapping) or len(reads) != 1:
+        refuse("own: reads", reads, 'one column and its unit, such as {"speed": "m/s"}')
+    ((name, unit),) = reads.items()
+    named = {key: (each,) for key, each in (inputs or {}).items()}
+    return Own(predict, tuple(uncertain), tuple(causes), Columns(name, unit, named, needed=True))
 
 
 def low_pass(t: ArrayLike, y: ArrayLike, cutoff: float, *, derivatives: int = 0) -> Array:

@@ -254,7 +254,7 @@ def exponential(matrices: Array) -> Array:
     for k in range(2, _SERIES):
         term = term @ part / k
         result = result + term
-        if np.max(np.abs(term)) < 1e-18:
+        if np.max(np.abs(term), initial=0.0) < 1e-18:
             break
     for _ in range(halvings):
         result = result @ result

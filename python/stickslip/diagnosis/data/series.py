@@ -149,6 +149,13 @@ class Series(Table):
         made.name = name
         return made
 
+    def noted(self, notes: Sequence[Note]) -> Series:
+        """The same with notes on how it was read."""
+        made = copy.copy(self)
+        made.own_notes = (*notes, *self.own_notes)
+        made.notes = [*made.own_notes, *made.errors.notes]
+        return made
+
     def without(self, gone: Mask, why: str) -> Series:
         """The same without some readings, and a note on their rows that ends with `why`."""
         inputs = {key: each[~gone] for key, each in self.inputs.items()}

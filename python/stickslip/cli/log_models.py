@@ -1,0 +1,123 @@
+"""The models of logs that ``--model`` names, and the files that ``init --model`` writes."""
+
+from __future__ import annotations
+
+import runpy
+import sys
+import traceback
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from stickslip import models
+from stickslip._util.messages import meant
+from stickslip._util.units import split_unit
+from stickslip.errors import ScenarioError
+from stickslip.models.kinds import KINDS
+from stickslip.models.log import headings
+from stickslip.models.model import Kind, Model
+from stickslip.models.scalar import Own
+
+_ALLOWED = f"allowed is {', '.join(KINDS)} or FILE.py:NAME"
+
+
+def load_model(text: str, given: Mapping[str, Any], logs: Sequence[Path]) -> Any:
+    """The model that ``--model`` names, with what ``--set`` says of it.
+
+    A ready-made one reads the first of its columns that the first log has, where that is not set.
+    """
+    if text in KINDS:
+        make = getattr(models, text)
+        reads = _read(KINDS[text], logs[0]) if "reads" not in given else None
+        try:
+            return make(**({} if reads is None else {"reads": reads}), **given)
+        except ScenarioError as error:
+            raise ScenarioError(
+                f"{error}; --set NAME=VALUE or --set NAME=VALUE,ERROR states it, and "
+                f'"stickslip init --model {text}" writes a file with all of them'
+            ) from None
+    file, colon, name = text.rpartition(":")
+    if not colon or not file.endswith(".py"):
+        raise ScenarioError(f"--model {text}: {_ALLOWED}{meant(text, KINDS)}")
+    if given:
+        raise ScenarioError(f"--set: {file} says what is known of its model: change it there")
+    return _of_file(Path(file), name)
+
+
+def _read(kind: Kind, log: Path) -> str | None:
+    """The first of what a kind of model may read that is a column of a log."""
+    there = {split_unit(each)[0].replace("_", " ") for each in headings(log, kind.reads)}
+    return next((each for each in kind.reads if len(kind.reads) > 1 and each in there), None)
+
+
+def _of_file(path: Path, name: str) -> Any:
+    """What a Python file calls by a name."""
+    if not path.is_file():
+        raise ScenarioError(f"--model: {path}: there is no such file")
+    sys.path.insert(0, str(path.resolve().parent))  # as of a script
+    try:
+        found = runpy.run_path(str(path))
+    except Exception as error:  # whatever a file of a user does
+        own = isinstance(error, ScenarioError)
+        said = str(error) if own else f"{type(error).__name__}: {error}"
+        raise ScenarioError(f"{path}{_line_of(str(path), error)}: {said}") from None
+    finally:
+        del sys.path[0]
+    there = [key for key, each in found.items() if isinstance(each, Model | Own)]
+    if name not in there:
+        allowed = ", ".join(there) or "a model of stickslip.models, such as own(...) makes"
+        raise ScenarioError(f"{path}: there is no model {name}; allowed is {allowed}")
+    return found[name]
+
+
+def _line_of(path: str, error: Exception) -> str:
+    """The last line of a file that led to an error."""
+    frames = [each.lineno for each in traceback.extract_tb(error.__traceback__)
+              if each.filename == path]  # fmt: skip
+    if isinstance(error, SyntaxError) and error.filename == path:
+        frames = [error.lineno]
+    return f": line {frames[-1]}" if frames else ""
+
+
+def model_file(name: str, file: Path) -> str:
+    """The text of a file with a ready-made model, whose numbers are to be changed."""
+    kind = KINDS[name]
+    terms = list(kind.every.values())
+    constants = [each for each in terms if each.absent is None]
+    model = getattr(models, name)(**{each.name: (1.0, 0.1) for each in constants})
+    effects = [each for each in terms if each.size]
+    others = [each for each in terms if each not in constants and each not in effects]
+    sensors = ", ".join(each.name for each in kind.sensors)
+    reads = " or ".join(f'"{each}"' for each in kind.reads if each != model.reads)
+    about = str(getattr(models, name).__doc__).split("\n", 1)[0]
+    lines = [
+        f'"""{about}',
+        "",
+        "What is known of it stands below, in SI units and radians.",
+        "",
+        f"    stickslip diagnose LOG.csv --model {file}:model",
+        "",
+        f"takes the columns {model.columns} of LOG.csv.",
+        '"""',
+        "",
+        "from stickslip import models",
+        "",
+        f"model = models.{name}(",
+        "    # Constants: a value, or (value, standard deviation). Change these numbers.",
+        *(_term(each.name, "(1.0, 0.1)", each.unit, each.meaning) for each in constants),
+        "    # Effects. One that is stated is known; the others are causes that may be named.",
+        *(f"    # {_term(each.name, '(0.1, 0.01)', each.unit, each.meaning).strip()}"
+          for each in effects),
+        "    # What has a usual value, or is found where it is not stated.",
+        *(f"    # {_term(each.name, repr(each.absent or 0.1), each.unit, each.meaning).strip()}"
+          for each in others),
+        *([f'    reads="{model.reads}",  # or {reads}'] if len(kind.reads) > 1 else []),
+        "    smooth=False,  # whether inputs change evenly between two readings, or are held",
+        f"    without=[],  # causes that are left out: effects above; {sensors}",
+        ")",
+    ]  # fmt: skip
+    return "\n".join(lines) + "\n"
+
+
+def _term(name: str, value: str, unit: str, meaning: str) -> str:
+    return f"    {name}={value},  # {'' if unit == '-' else f'{unit}: '}{meaning}"

@@ -1,0 +1,312 @@
+"""All ready-made models: the table of their terms, columns and usual causes, and their functions.
+
+The table is the one place of what each term is; docstrings and files of ``init --model`` are made
+of it.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Callable, Sequence
+
+from stickslip.models.heat import heater_states
+from stickslip.models.mechanical import (
+    axis_states,
+    joint_states,
+    oscillator_states,
+    pendulum_states,
+)
+from stickslip.models.model import Kind, Known, Model, Sensor, Term, made
+
+
+def _friction(force: str, of: str) -> tuple[Term, ...]:
+    """Rows of friction, in units of a force and of a length."""
+    return (
+        Term("viscous", f"{force} s/{of}", "viscous friction", 0.1, "force / speed"),
+        Term("coulomb", force, "dry friction", 0.1, "force", more="at rest it holds what is less"),
+    )
+
+
+def _transmission(force: str, of: str, compliance: str) -> tuple[Term, ...]:
+    """Rows of a motor and its load, in units of a force and of a length."""
+    speed = Term("stribeck_speed", f"{of}/s", "speed of the Stribeck effect", 1.0, "speed")
+    either = "added in positive direction, and taken off in the other"
+    return (
+        *_friction(force, of),
+        Term("viscous_asymmetry", f"{force} s/{of}", "viscous friction that differs by direction",
+             0.05, "force / speed", signed=True, more=either),
+        Term("asymmetry", force, "dry friction that differs by direction", 0.05, "force",
+             signed=True, more=either),
+        Term("stribeck", force, "friction that falls with speed", 0.1, "force", shape=speed,
+             more="stribeck exp(-(v / stribeck_speed)^2) is added to dry friction"),
+        Term("quadratic", f"{force} s^2/{of}^2", "quadratic drag", 0.1, "force / speed speed"),
+        Term("load", force, "a constant load", 0.1, "force", signed=True),
+        Term("backlash", of, "backlash", 0.02, "length",
+             more="free way between motor and load, which meet without rebound"),
+        Term("compliance", compliance, "an elastic transmission", 1.0, "deflection",
+             more="rigid where its period is below 4 readings"),
+        Term("load_share", "-", "the load's share of the inertia", value=0.5),
+        Term("damping_ratio", "-", "damping ratio of the elastic transmission", value=0.05),
+    )  # fmt: skip
+
+
+def _sensors(name: str, *, slow: str = "", zero: bool = False, size: float = 0.05,
+             meter: str = "sensor") -> tuple[Sensor, ...]:  # fmt: skip
+    """Usual errors of instruments, and of the input of that name; `slow` is what lags there."""
+    return (
+        *([Sensor("zero", "offset", 0.05, "reading")] if zero else []),
+        Sensor(f"late {name}", "delay", size, "time", name),
+        *([Sensor(f"slow {slow}", "lag", size, "time", name)] if slow else []),
+        Sensor(f"slow {meter}", "lag", size, "time"),
+    )
+
+
+_COUPLING = Term("coupling", "W/K", "coupling of the heater", 20.0, "loss")
+
+KINDS = {
+    each.name: each
+    for each in (
+        Kind(
+            "joint", joint_states,
+            (
+                Term("inertia", "kg m^2", "inertia", more="of motor and load"),
+                *_transmission("N m", "rad", "rad/(N m)"),
+                Term("gravity", "N m", "a load that hangs", 0.1, "force", signed=True),
+            ),
+            (("start_position", "rad"), ("start_speed", "rad/s")),
+            {"speed": (1, 1), "angle": (0, 0), "load speed": (3, 1), "load angle": (2, 0)},
+            {"torque": "N m"}, _sensors("torque", slow="torque"),
+            inertia="inertia", placed=frozenset({"gravity"}),
+        ),
+        Kind(
+            "axis", axis_states,
+            (
+                Term("mass", "kg", "mass", more="of all that moves"),
+                Term("gain", "N", "force of the motor", value=1.0,
+                     more="at rest, for a unit of the command"),
+                *_transmission("N", "m", "m/N"),
+                Term("gain_asymmetry", "-", "gain that differs by direction", 0.05, "1",
+                     signed=True,
+                     more="part that a positive command has more, and a negative one less"),
+                Term("dead_zone", "-", "a dead zone", 0.05, "input",
+                     more="in the unit of the command, all of which is less by it"),
+                Term("saturation", "-", "a limit of the motor", 1.0, "peak", falls=True,
+                     more="of the command less the dead zone"),
+            ),
+            (("start_position", "m"), ("start_speed", "m/s")),
+            {"position": (0, 0), "speed": (1, 1), "load position": (2, 0), "load speed": (3, 1)},
+            {"command": "V or N or -"}, _sensors("command", slow="motor"),
+            inertia="mass", gain="gain",
+        ),
+        Kind(
+            "pendulum", pendulum_states,
+            (
+                Term("length", "m", "effective length",
+                     more="inertia over mass times distance of the centre from the pivot"),
+                Term("gravity_acceleration", "m/s^2", "acceleration of gravity", value=9.81),
+                Term("viscous", "1/s", "viscous damping", 0.1, "force / speed"),
+                Term("coulomb", "1/s^2", "dry friction of the pivot", 0.1, "force"),
+                Term("quadratic", "-", "drag of the air", 0.1, "force / speed speed",
+                     more="of the square of the speed"),
+                Term("stiffness", "1/s^2", "a restoring spring", 0.1, "force / length",
+                     signed=True, more="about 0"),
+            ),
+            (("start_position", "rad"), ("start_speed", "rad/s")),
+            {"angle": (0, 0), "speed": (1, 1)},
+            {"pivot": "m/s^2"}, _sensors("pivot", zero=True), placed=frozenset({"length"}),
+        ),
+        Kind(
+            "oscillator", oscillator_states,
+            (
+                Term("mass", "kg", "mass"),
+                Term("stiffness", "N/m", "stiffness"),
+                *_friction("N", "m"),
+                Term("quadratic", "N s^2/m^2", "quadratic drag", 0.1, "force / speed speed"),
+                Term("cubic_damping", "N s^3/m^3", "cubic damping", 0.1,
+                     "force / speed speed speed"),
+                Term("quadratic_stiffness", "N/m^2", "a spring that differs by side", 0.1,
+                     "force / length length", signed=True),
+                Term("cubic_stiffness", "N/m^3", "a spring that hardens or softens", 0.1,
+                     "force / length length length", signed=True),
+            ),
+            (("start_position", "m"), ("start_speed", "m/s")),
+            {"displacement": (0, 0), "speed": (1, 1)},
+            {"force": "N"}, _sensors("force", zero=True),
+            inertia="mass", placed=frozenset({"stiffness"}),
+        ),
+        Kind(
+            "thermal", heater_states,
+            (
+                Term("capacity", "J/K", "heat capacity", more="of the body"),
+                Term("loss", "W/K", "loss to the ambient"),
+                Term("ambient", "K", "temperature of the ambient", signed=True, value=0.0,
+                     more="where it is no input, in the unit of the readings"),
+                Term("loss_growth", "W/K^2", "a loss that grows with the temperature", 0.1,
+                     "force / reading reading", more="by convection or radiation"),
+                Term("heater_capacity", "J/K", "a second heat store", 0.2, "capacity",
+                     shape=_COUPLING,
+                     more="the power warms it first; it begins at the same temperature"),
+                Term("power_error", "-", "another power than asked for", 0.05, "1", signed=True,
+                     more="it is 1 + this times what the log says"),
+            ),
+            (("start_temperature", "K"),),
+            {"temperature": (0, 0)},
+            {"power": "W", "ambient": "K"},
+            _sensors("power", zero=True, size=0.02, meter="thermometer"), inertia="capacity",
+        ),
+    )
+}  # fmt: skip
+"""The table, by name."""
+
+_ARGUMENTS = """\
+    Parameters
+    ----------
+{reads}    smooth : bool
+        Whether inputs change evenly between two readings. They are held otherwise, as by a digital
+        drive.
+    without : list of str
+        Names of causes that are left out. More of them are given to `diagnose_model`.
+{terms}
+
+    Returns
+    -------
+    Model
+
+    Raises
+    ------
+    ScenarioError
+        If a name is unknown, a value is not allowed, or a constant is missing."""
+
+
+def _documented(make: Callable[..., Model]) -> Callable[..., Model]:
+    """The function of a kind, whose docstring has the rows of the table."""
+    kind = KINDS[make.__name__]
+    rows = []
+    for name, term in kind.every.items():
+        needed = "float, (float, float) or Prior" if term.absent is None else "optional"
+        unit = "" if term.unit == "-" else f", {term.unit}"
+        text = f"{term.meaning[0].upper()}{term.meaning[1:]}{unit}"
+        text += f"; {term.value:g}, if not stated." if term.value else "."
+        text += f" {term.more[0].upper()}{term.more[1:]}." if term.more else ""
+        rows.append(f"    {name} : {needed}\n" + textwrap.indent(textwrap.fill(text, 92), " " * 8))
+    reads = " or ".join(f'"{each}"' for each in kind.reads)
+    units = " or ".join(dict.fromkeys(unit for _, unit in kind.states))
+    what = f"    reads : {{{reads.replace(' or', ',')}}}\n        What the log reads, {units}.\n"
+    arguments = _ARGUMENTS.format(reads=what if len(kind.reads) > 1 else "", terms="\n".join(rows))
+    make.__doc__ = (make.__doc__ or "").replace("    ARGUMENTS", arguments)
+    return make
+
+
+@_documented
+def joint(
+    *, reads: str = "speed", smooth: bool = False, without: Sequence[str] = (), **known: Known
+) -> Model:
+    """A joint or motor: its inertia is driven by a torque.
+
+    ``inertia a = torque - viscous v - friction - load - gravity sin(angle)``, for a `Series` with
+    the input ``torque``, N m. What is stated is a constant: ``coulomb=0.2``, or with its standard
+    deviation ``coulomb=(0.2, 0.05)``, or ``coulomb=Prior(...)``. Each effect that is not stated is
+    a cause, and so are a late and a slow torque and a slow sensor. A log tells the inertia only as
+    its ratio to torque and friction. Friction is the motor's, load and gravity are the load's.
+
+    ARGUMENTS
+
+    Notes
+    -----
+    Stops, reversals and contacts are events, found to 1e-11 of how far a step goes beyond them.
+    Between them steps are exact where the terms are linear, and of order 5 with `stribeck`,
+    `quadratic` or `gravity`. 25 000 readings of one vector take 0.03 s without friction, 0.1 s with
+    dry friction, and 0.2 to 0.4 s with backlash, a spring behind friction or terms of order 5.
+    Friction as in Armstrong-Helouvry et al., Automatica 30 (1994) 1083.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stickslip import models
+    >>> joint = models.joint(inertia=0.1, viscous=0.2, coulomb=0.15)
+    >>> t = np.array([0.0, 0.5, 1.0, 1.5])
+    >>> joint.simulate(t, {"torque": np.array([0.2, 0.2, 0.0, 0.0])}).round(3).tolist()
+    [0.0, 0.158, 0.216, 0.0]
+    """
+    return made(KINDS["joint"], reads, smooth, without, known)
+
+
+@_documented
+def axis(
+    *, reads: str = "position", smooth: bool = False, without: Sequence[str] = (), **known: Known
+) -> Model:
+    """An axis or a cart: its mass is driven by a motor that is commanded.
+
+    ``mass a = gain command - viscous v - friction - load``, for a `Series` with the input
+    ``command``, in V or, with a gain of 1, in N. Each effect that is not stated is a cause, as for
+    a `joint`, and so are a late command, a slow motor and a slow sensor. Only the ratios of the
+    mass to the gain and to friction act. The motor's own braking belongs to `viscous`, and a slope
+    is a load.
+
+    ARGUMENTS
+
+    Notes
+    -----
+    Exact as far as a `joint` is.
+    """
+    return made(KINDS["axis"], reads, smooth, without, known)
+
+
+@_documented
+def pendulum(
+    *, reads: str = "angle", smooth: bool = False, without: Sequence[str] = (), **known: Known
+) -> Model:
+    """A pendulum that swings freely, or whose pivot is moved sideways.
+
+    ``length a = -gravity_acceleration sin(angle) - pivot cos(angle)`` and damping, for a `Series`
+    without input or with the acceleration ``pivot``, m/s^2. An angle of 0 hangs. Each effect, per
+    unit of inertia, that is not stated is a cause, and so are a wrong zero of the angle, a slow
+    sensor and a late pivot.
+
+    ARGUMENTS
+
+    Notes
+    -----
+    Steps are of order 5 (Dormand and Prince) between reversals, which are events.
+    """
+    return made(KINDS["pendulum"], reads, smooth, without, known)
+
+
+@_documented
+def oscillator(
+    *, reads: str = "displacement", smooth: bool = False, without: Sequence[str] = (),
+    **known: Known,
+) -> Model:  # fmt: skip
+    """A mass on a spring, free or driven by a force.
+
+    ``mass a = force - stiffness x - quadratic_stiffness x^2 - cubic_stiffness x^3 - viscous v -
+    quadratic v |v| - cubic_damping v^3 - friction``, for a `Series` without input or with
+    ``force``, N. Each effect that is not stated is a cause, and so are a wrong zero, a slow
+    sensor and a late force. Of a free oscillator only ratios act: state a mass of 1.
+
+    ARGUMENTS
+
+    Notes
+    -----
+    Exact as far as a `joint` is; of order 5 with the square and cubic terms (Duffing, Erzwungene
+    Schwingungen, 1918).
+    """
+    return made(KINDS["oscillator"], reads, smooth, without, known)
+
+
+@_documented
+def thermal(*, smooth: bool = False, without: Sequence[str] = (), **known: Known) -> Model:
+    """A body that is heated: one heat store, or two.
+
+    ``capacity T' = power - loss (T - ambient) - loss_growth (T - ambient) |T - ambient|``, for a
+    `Series` with the input ``power``, W, and perhaps ``ambient``. With a `heater_capacity` the
+    power warms the heater first, which warms the body by `coupling`. Each effect that is not stated
+    is a cause, and so are a wrong zero, a slow thermometer and a late power.
+
+    ARGUMENTS
+
+    Notes
+    -----
+    Steps are exact, and of order 5 with `loss_growth`.
+    """
+    return made(KINDS["thermal"], "temperature", smooth, without, known)

@@ -1,0 +1,167 @@
+"""Logs in CSV files and ``stickslip diagnose LOG.csv --model``, from headings to a verdict."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+from command_line import stickslip
+from report_page import without_pictures
+from stickslip import Cause, Parameter, Prior, ScenarioError, models
+
+T = 0.02 * np.arange(150)
+TORQUE = np.where(np.sin(3.0 * T) + np.sin(7.0 * T) > 0.0, 1.0, -1.0)
+JOINT = models.joint(inertia=0.1)
+
+
+def write(path, columns, separator=","):
+    rows = zip(*columns.values(), strict=True)
+    lines = [separator.join(columns)]
+    lines += [separator.join(each if isinstance(each, str) else f"{each:.9g}" for each in row)
+              for row in rows]  # fmt: skip
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+SAME = {
+    "SI": {"t (s)": 1.0, "speed (rad/s)": 1.0, "torque (N m)": 1.0},
+    "names alone": {"t": 1.0, "speed": 1.0, "torque": 1.0},
+    "other units": {"Time [ms]": 1e3, "Speed (rpm)": 30.0 / np.pi, "TORQUE (Ncm)": 100.0},
+    "units alone": {"seconds (s)": 1.0, "omega_m (deg/s)": 180.0 / np.pi, "M (mNm)": 1e3},
+    "another order": {"torque": 1.0, "speed": 1.0, "time (min)": 1.0 / 60.0},
+}
+
+
+@pytest.mark.parametrize("headings", SAME)
+def test_a_column_is_known_by_its_name_or_its_unit(headings, tmp_path):
+    quantities = {"t": T, "s": np.cos(T), "o": np.cos(T), "m": TORQUE}
+    columns = {
+        heading: per * quantities["m" if heading[0] == "M" else
+                                  "m" if heading.lower().startswith("torque") else
+                                  "t" if heading[0] in "tT" or heading.startswith("sec") else "s"]
+        for heading, per in SAME[headings].items()
+    }  # fmt: skip
+    log = models.read_log(write(tmp_path / "a.csv", columns, ";"), JOINT)
+    assert log.t == pytest.approx(T, abs=1e-8)
+    assert log.y == pytest.approx(np.cos(T), rel=1e-6, abs=1e-8)
+    assert log["torque"] == pytest.approx(TORQUE)
+    assert (log.name, log.unit) == ("a", "rad/s")
+    told = [each.code for each in log.own_notes]
+    assert told == (["column-by-unit"] * 3 if headings == "units alone" else [])
+
+
+def test_what_a_log_lacks_or_has_besides_is_told(tmp_path):
+    speed = [f"{each:.4f}" for each in np.cos(T)]
+    speed[7] = "nan"
+    write(
+        tmp_path / "a.csv", {"t": T, "speed": speed, "board (degC)": 0.0 * T, "sd": 0.0 * T + 0.1}
+    )
+    with (tmp_path / "a.csv").open("a") as file:
+        file.write("3.00,0.")
+    log = models.read_log(tmp_path / "a.csv", JOINT)
+    assert {each.code for each in log.own_notes} == {
+        "cut-off", "columns-not-used", "no-input", "gaps"}  # fmt: skip
+    assert len(log) == 149
+    assert 7 not in log.rows
+    assert np.all(log.errors.sd == 0.1)
+    assert not log.inputs
+    # A temperature keeps its own name of the unit: the readings are no kelvins.
+    write(tmp_path / "b.csv", {"t": T, "body (degC)": T, "power (kW)": T})
+    heater = models.thermal(capacity=1.0, loss=1.0)
+    warm = models.read_log(tmp_path / "b.csv", heater)
+    assert warm.unit == "degC"
+    assert warm["power"] == pytest.approx(1e3 * T)
+    assert heater.terms(warm)[1]
+
+
+HIDDEN = {
+    "joint": ("coulomb", {"coulomb": 0.8}, {"torque": 3.0 * TORQUE}, 1.0),
+    "axis": ("dead_zone", {"dead_zone": 0.5}, {"command": 3.0 * TORQUE * (T % 1.0)}, 2.0),
+    "pendulum": ("quadratic", {"quadratic": 0.5, "start_position": 1.5}, {}, 2.0),
+    "oscillator": ("cubic_stiffness", {"cubic_stiffness": 0.5, "start_position": 1.0}, {}, 3.0),
+    "thermal": ("loss_growth", {"loss_growth": 0.5}, {"power": 3.0 + 3.0 * TORQUE}, 2.0),
+}
+FEW = {"zero", "viscous", "load", "power_error"}  # beside what is hidden, as all take a minute
+
+
+@pytest.mark.parametrize(
+    "name", ["thermal", *(pytest.param(k, marks=pytest.mark.nightly) for k in list(HIDDEN)[:-1])]
+)
+def test_the_file_of_init_finds_a_hidden_cause(name, tmp_path):
+    done = stickslip("init", "--model", name, cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (0, f"wrote {name}.py\n")
+    text = (tmp_path / f"{name}.py").read_text()
+    constants = dict.fromkeys(re.findall(r"^    (\w+)=\(1\.0, 0\.1\)", text, re.M), 1.0)
+    cause, true, inputs, slower = HIDDEN[name]
+    model = getattr(models, name)(**constants)
+    t = slower * T
+    y = model.simulate(t, inputs, **true)
+    y += 0.005 * np.std(y) * np.random.default_rng(5).standard_normal(len(t))
+    log = models.read_log(write(tmp_path / "log.csv", {"t": t, model.reads: y, **inputs}), model)
+    less = [each.name for each in model.terms(log)[1] if each.name not in {*FEW, cause}]
+    (tmp_path / f"{name}.py").write_text(text.replace("without=[]", f"without={less}"))
+    done = stickslip(
+        "diagnose", "log.csv", "--model", f"{name}.py:model", "--json", "--out", "found",
+        cwd=tmp_path,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    said = json.loads(done.stdout)
+    assert (said["verdict"], said["cause"]) == ("named", cause)
+    found = said["parameters"][cause]
+    assert abs(found["value"] - true[cause]) < 4.0 * found["sd"]
+    report = json.loads((tmp_path / "found" / "report.json").read_text())
+    assert report["name"] == "log.csv"
+    page = without_pictures(tmp_path / "found" / "report.html").casefold()
+    assert model.kind.every[cause].meaning.casefold() in page
+
+
+OWN = """
+import numpy as np
+from stickslip import Cause, Parameter, Prior, models
+from beside import SIZE
+
+def fall(record, p):
+    return p["gravity"] * record.t + p["push"] * np.ones(len(record))
+
+fall = models.own(
+    fall, [Parameter("gravity", Prior("normal", 9.81, 0.01), "m/s^2")],
+    [Cause("push", Parameter("push", unit="m/s", low=-9.0, high=9.0, size=SIZE))],
+    reads={"speed": "m/s"},
+)
+"""
+
+
+def test_a_model_of_ones_own_takes_several_logs(tmp_path):
+    (tmp_path / "model").mkdir()
+    (tmp_path / "model" / "fall.py").write_text(OWN)
+    (tmp_path / "model" / "beside.py").write_text("SIZE = 0.3\n")
+    random = np.random.default_rng(2)
+    for name in "ab":
+        noise = 0.05 * random.standard_normal(40)
+        write(tmp_path / f"{name}.csv", {"t": T[:40], "speed (mm/s)": 1e3 * (
+            9.81 * T[:40] + 1.0 + noise)})  # fmt: skip
+    done = stickslip("diagnose", "a.csv", "b.csv", "--model", "model/fall.py:fall", "--json",
+                     cwd=tmp_path)  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    said = json.loads(done.stdout)
+    assert (said["verdict"], said["cause"]) == ("named", "push")
+    assert said["parameters"]["push"]["value"] == pytest.approx(1.0, abs=0.05)
+    assert {each["table"] for each in said["conditions"]} == {"a", "b"}
+
+
+def test_the_columns_of_a_model_of_ones_own_are_checked(tmp_path):
+    rate = Parameter("rate", Prior("normal", 1.0, 0.1))
+    push = Cause("push", Parameter("push", size=1.0, low=-1.0, high=1.0))
+    for more, said in (
+        ({"reads": "speed"}, 'own: reads = "speed": allowed is one column'),
+        ({"reads": {"speed": "m/s"}, "inputs": ["u"]}, "own: inputs = "),
+    ):
+        with pytest.raises(ScenarioError, match=said):
+            models.own(print, [rate], [push], **more)
+    model = models.own(print, [rate], [push], reads={"speed": "m/s"}, inputs={"u": "V", "w": "-"})
+    path = write(tmp_path / "a.csv", {"t": T, "speed": T, "u": T})
+    with pytest.raises(ScenarioError, match='column "w" is missing'):
+        models.read_log(path, model)
+    with pytest.raises(ScenarioError, match="allowed is a model of stickslip"):
+        models.read_log(path, print)
