@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import shutil
 import sys
 from pathlib import Path
@@ -55,15 +54,7 @@ html_show_sphinx = False
 pygments_style = "friendly"
 
 
-def _add_navigation(app: Sphinx, name: str, source: list[str]) -> None:
-    """The pages that the list of recipes links to stand below it; GitHub would show a toctree."""
-    if name == "howto/index":
-        pages = re.findall(r"\]\(([\w-]+)\.md\)", source[0])
-        source[0] += "\n".join(["\n```{toctree}", ":hidden:", "", *pages, "```", ""])
-
-
 def setup(app: Sphinx) -> None:
-    app.connect("source-read", _add_navigation)
     app.add_lexer("csv", TextLexer)
     app.connect(
         "build-finished",

@@ -1,8 +1,9 @@
 """Make the pictures of the README and of the pages, into docs/images/.
 
-``python docs/pictures.py`` makes all of them, ``python docs/pictures.py gallery readme`` those of
+``python docs/pictures.py`` makes all of them, ``python docs/pictures.py pictures readme`` those of
 some sources: a page by its path in docs/ without suffix, or ``readme``. The pictures of a page are
-those that its own code saves, and those of the README what its commands write in examples.
+those that its own code saves, those of the README what its commands write in examples, and those
+of the page on real cases what the cases write.
 ``diagnosis.png`` needs the browser chromium; without it the stored one stays.
 """
 
@@ -30,7 +31,7 @@ from documentation_blocks import EXAMPLES, pages, play  # noqa: E402
 from play.browser import PROGRAM as BROWSER  # noqa: E402
 
 _LINK = re.compile(r"!\[[^\]]*\]\(([^)\s]*images/[^)\s]+)\)")
-_COMMAND = re.compile(r"\*\*: `((?:stickslip|python) [^`]+)`")
+_COMMAND = re.compile(r"(?:\*\*:|comes from) `((?:stickslip|python) [^`]+)`")
 _SCREEN, _ZOOM = "900,790", "1.5"  # px; chosen so that it can be read at half the width of a page
 
 
@@ -60,6 +61,16 @@ def run_commands(commands: list[str], folder: Path) -> None:
         words = shlex.split(command)
         start = ["-m", "stickslip"] if words[0] == "stickslip" else []
         subprocess.run([sys.executable, *start, *words[1:]], cwd=folder, check=True)
+
+
+def make_cases(page: Path) -> None:
+    """Keep what the cases draw of what their page shows."""
+    for picture in linked(page):
+        for case in sorted((EXAMPLES / "cases").iterdir()):
+            if f'"{picture.name}"' in (case / "case.py").read_text(encoding="utf-8"):
+                with tempfile.TemporaryDirectory() as folder:
+                    subprocess.run([sys.executable, case / "case.py"], cwd=folder, check=True)
+                    _keep(Path(folder) / picture.name, picture)
 
 
 def make_readme() -> None:
@@ -102,7 +113,8 @@ def sources() -> dict[str, Callable[[], None]]:
     for page in pages(DOCS):
         if any("drawings" not in picture.parts for picture in linked(page)):
             name = page.relative_to(DOCS).with_suffix("").as_posix()
-            found[name] = functools.partial(make_page, page)
+            make = make_cases if page.stem == "real-cases" else make_page
+            found[name] = functools.partial(make, page)
     return found
 
 

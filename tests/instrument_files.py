@@ -1,6 +1,6 @@
-"""Files as instruments and trackers write them, for the recipes of docs/howto/instruments.md.
+"""Files as instruments and trackers write them, for examples/read_instruments.py.
 
-Each writer follows the public description that the page names. The numbers are seeded.
+Each writer follows the public description that is named there. The numbers are seeded.
 """
 
 import functools

@@ -1,4 +1,4 @@
-"""The roller's velocities as the documentation shows them: a row a bin of 6 Hz, a column a run.
+"""The velocities of rollers as their case has them: a row a bin of 6 Hz, a column a run.
 
 python tests/roller_table.py tests/data/roller_velocity.csv
 """

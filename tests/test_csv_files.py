@@ -339,7 +339,7 @@ REFUSED = {
     "both marks": (b"frequency;velocity\n20,5;0.001\n", 'line 2: "0.001" has a decimal point'),
     "thousands": (b'frequency,velocity\n"1,234.5",1e-3\n', "without separators of thousands"),
     "python's number": (b"frequency,velocity\n20,1_0e-4\n", '"1_0e-4" is not a number'),
-    "workbook": (b"PK\x03\x04\x14\x00", r"an Excel workbook .*docs/howto/instruments\.md"),
+    "workbook": (b"PK\x03\x04\x14\x00", r"an Excel workbook .*examples/read_instruments\.py"),
     "old workbook": (b"\xd0\xcf\x11\xe0\xa1\xb1", "an Excel workbook"),
     "MATLAB": (b"MATLAB 5.0 MAT-file, Platform: GLNXA64", "a MATLAB file"),
     "MATLAB 7.3": (b"\x89HDF\r\n\x1a\n\x00", "MATLAB 7.3"),

@@ -55,18 +55,22 @@ def test_names_and_links_of_the_tutorial_are_there():
     assert list(missing("\n\n".join(words), DOCS)) == []
 
 
-def test_the_list_of_recipes_has_the_titles_of_the_pages():
-    listed = re.findall(
-        r"^- \[(.+?)\]\((\S+)\)", (DOCS / "howto/index.md").read_text(), re.MULTILINE
-    )
-    titles = [(DOCS / "howto" / page).read_text().partition("\n")[0] for _, page in listed]
-    assert titles == [f"# {title}" for title, _ in listed]
-    assert {page for _, page in listed} == {
-        path.name for path in (DOCS / "howto").glob("*.md") if path.name != "index.md"
-    }
+def test_every_page_is_two_clicks_from_the_index():
+    reached = {DOCS / "index.md"}
+    for _ in range(2):
+        reached |= {
+            (page.parent / link).resolve()
+            for page in reached
+            if page.suffix == ".md"
+            for link in LINK.findall(page.read_text(encoding="utf-8"))
+        }
+    assert {each for each in PAGES if DOCS in each.parents} <= reached
 
 
-@pytest.mark.parametrize("page", [DOCS / "develop.md", ROOT / "CONTRIBUTING.md"], ids=by_name)
+OF_SOURCES = [DOCS / "develop.md", DOCS / "layout.md", ROOT / "CONTRIBUTING.md"]
+
+
+@pytest.mark.parametrize("page", OF_SOURCES, ids=by_name)
 def test_places_of_sources_are_there(page):
     for place, names in PLACE.findall(prose(page)):
         files = [path for path in SOURCES if path.match(place.rstrip("/"))]

@@ -1,22 +1,24 @@
-"""The recipes of docs/howto/instruments.md, by what the product reads from their results."""
+"""The recipes of examples/read_instruments.py, by what the product reads from their results."""
 
 import math
-from pathlib import Path
+import runpy
 
 import numpy as np
 import pytest
 
 import instrument_files as given
-from documentation_blocks import play
+from documentation_blocks import EXAMPLES
 from stickslip import COIL_NAMES, Coil, Coils, FieldMap, Scenario, Waveform, read_measurement
-
-PAGE = Path(__file__).parents[1] / "docs" / "howto" / "instruments.md"
 
 
 @pytest.fixture(scope="module")
-def results():
-    with play(PAGE) as folder:
-        yield folder
+def results(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("instruments")
+    given.write_all(folder)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        runpy.run_path(str(EXAMPLES / "read_instruments.py"))
+    return folder
 
 
 def measured(folder, entry):

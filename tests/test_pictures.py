@@ -15,7 +15,7 @@ FILM = IMAGES / "walk.webp"
 PAGES = [README, *pages(DOCS)]
 ON_GITHUB = [
     README,
-    *(DOCS / f"{name}.md" for name in ("start", "gallery", "limits", "faq")),
+    *(DOCS / f"{name}.md" for name in ("start", "pictures", "limits", "faq")),
     *sorted((DOCS / "howto").glob("*.md")),
 ]
 
@@ -63,7 +63,7 @@ def test_the_code_of_a_page_saves_the_pictures_that_are_its_own(page):
 @pytest.mark.nightly
 def test_the_commands_of_the_readme_make_its_pictures(maker, tmp_path):
     names = {picture.name for _, picture in shown(README) if picture.parent.name == "readme"}
-    assert {"run.png", "sweep.png", "path.png", "diagnosis.png"} == names
+    assert {"run.png", "sweep.png", "path.png", "diagnosis.png", "joint.png"} == names
     commands = maker.readme_commands()
     assert len(commands) == len(names)
     slow = "stickslip diagnose measurement.toml --out found"  # some 15 s

@@ -1,8 +1,8 @@
-"""Measured micro-robots as their pages of the documentation have them: rollers and a tumbler."""
+"""Measured micro-robots: rollers and a tumbler."""
 
 from __future__ import annotations
 
-import re
+import shutil
 import tempfile
 from collections.abc import Collection
 from pathlib import Path
@@ -14,8 +14,7 @@ from stickslip import Cause, Diagnosis, Parameter, Prior, Table, diagnose_model,
 
 from .score import Truth, with_absent
 
-PAGE = Path(__file__).parents[2] / "docs" / "howto" / "tumbler.md"
-_FILES = ("tumbler.csv", "nominal.toml", "measurement.toml")
+CASE = Path(__file__).parents[2] / "examples" / "cases" / "tumbler"
 
 TUMBLER = Truth(("misalignment",), ("angle_offset", "surface_tilt", "ambient_field"), certain=False)
 """A moment along the body cannot rest near 55 degrees."""
@@ -28,21 +27,16 @@ _STEP_OUT = Cause("step_out", Parameter("step_out.period", unit="s", low=0.0, hi
 _COIL_LAG = Cause("coil_lag", Parameter("coil_lag.time", unit="s", low=0.0, high=0.05, size=1e-3))
 
 
-def diagnose_tumbler(without: Collection[str] = (), page: Path = PAGE) -> Diagnosis:
-    """The diagnosis of the page's measurement with the simulator and its library of causes.
+def diagnose_tumbler(without: Collection[str] = ()) -> Diagnosis:
+    """The diagnosis of the case's measurement with the simulator and its library of causes.
 
     An extension that is part of the scenario is no cause: so one of a nanoradian is left out.
     """
-    text = page.read_text(encoding="utf-8")
     with tempfile.TemporaryDirectory() as folder:
-        for name in _FILES:
-            found = re.search(rf"^```\w+\n# {re.escape(name)}\n(.*?)^```", text, re.M | re.S)
-            if found is None:
-                raise ValueError(f"{page}: there is no block {name}")
-            block = found[1]
-            if name == "nominal.toml":
-                block += "".join(f"\n[effects.{each}]\nangle = 1e-9\n" for each in without)
-            (Path(folder) / name).write_text(block, encoding="utf-8")
+        for path in CASE.iterdir():
+            shutil.copy(path, folder)
+        with (Path(folder) / "nominal.toml").open("a", encoding="utf-8") as scenario:
+            scenario.writelines(f"\n[effects.{each}]\nangle = 1e-9\n" for each in without)
         measured = stickslip.read_measurement(Path(folder) / "measurement.toml")
         return stickslip.diagnose(measured, threads=1)
 

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 import roller_table
-from documentation_blocks import blocks
+from documentation_blocks import EXAMPLES
 from stickslip import Cause, Parameter, Prior, Series, Table, diagnose_model, events, instruments
 from stickslip.diagnosis.own_model import overflows, pose_own, without_effect
 from toys import BEND, LEVEL, SLOPE, STEP, WAVE, data, line, problem
@@ -226,9 +226,7 @@ def test_a_model_may_take_the_curves_though_no_cause_is_a_law():
         assert result.predict({"x": [1.0]})["recalibrated"].notna().all()
 
 
-def test_the_page_on_a_roller_has_its_data():
-    root = Path(__file__).parents[2]
-    page = blocks(root / "docs" / "howto" / "roller.md")
-    (shown,) = (each.text for each in page if each.text.startswith("# roller.csv"))
-    data = root / "tests" / "data" / "roller_velocity.csv"
-    assert shown == "# roller.csv\n" + roller_table.table(data)
+def test_the_case_of_rollers_has_their_medians():
+    stored = (EXAMPLES / "cases" / "rollers" / "roller.csv").read_text()
+    data = Path(__file__).parents[1] / "data" / "roller_velocity.csv"
+    assert stored == roller_table.table(data)

@@ -16,7 +16,7 @@ from collections.abc import Collection, Iterable, Iterator
 from stickslip._util.units import split_unit
 from stickslip.errors import ScenarioError
 
-INSTRUMENTS_PAGE = '"From your instruments" (docs/howto/instruments.md)'
+INSTRUMENTS_PAGE = "examples/read_instruments.py"
 """The page on tables from other programs."""
 
 DECIMAL_COMMAS = (
