@@ -11,6 +11,7 @@ from stickslip import (
     Scenario,
     ScenarioError,
     Simulator,
+    _core,
     load,
     simulate,
     simulate_batch,
@@ -99,6 +100,10 @@ LAWS = [drawn(np.random.default_rng(seed)) for seed in range(300)]
 
 def with_laws(keys, *laws):
     return scenario(keys).replace({f"laws.own_{k}": law for k, law in enumerate(laws)})
+
+
+def test_these_are_all_named_laws():
+    assert {key.split(".")[1] for keys, _ in NAMED.values() for key in keys} == {*_core.named_laws}
 
 
 @pytest.mark.parametrize("direction", ["+x", "-x"])

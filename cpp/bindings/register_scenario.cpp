@@ -15,6 +15,7 @@
 #include "stickslip/run/assembly.hpp"
 #include "stickslip/scenario/coils.hpp"
 #include "stickslip/scenario/free_shapes.hpp"
+#include "stickslip/scenario/named_laws.hpp"
 #include "stickslip/scenario/own_laws.hpp"
 #include "stickslip/scenario/parameters.hpp"
 #include "tables.hpp"
@@ -319,6 +320,7 @@ void register_scenario(py::module_& module) {
     module.def("effects", &describe_effects);
     module.attr("sections") = meanings_of(sections());
     module.attr("law_keys") = names_of(law_keys());
+    module.attr("named_laws") = names_of(with_named_laws(std::vector<EffectDescription>()));
 
     py::class_<SimulationState>(module, "State").def("get", &state_value, py::arg("key"));
 

@@ -7,6 +7,7 @@
 #include "stickslip/contact/impact.hpp"
 #include "stickslip/run/assembly.hpp"
 #include "stickslip/run/simulation.hpp"
+#include "stickslip/scenario/parameters.hpp"
 #include "support.hpp"
 
 using namespace stickslip;
@@ -31,8 +32,8 @@ double braking(const Scenario& s) {
 TEST_CASE("plane: friction patches lie along x, whichever way the robot faces") {
     Scenario scenario = walking(0.5 * std::numbers::pi);
     const double smooth = simulate(scenario).summary.mean_velocity_y;
-    scenario.effects.friction_patches_amplitude = 0.5;
-    scenario.effects.friction_patches_period = 4e-4;
+    set_parameter(scenario, "effects.friction_patches.amplitude", 0.5);
+    set_parameter(scenario, "effects.friction_patches.period", 4e-4);
     CHECK(simulate(scenario).summary.mean_velocity_y == doctest::Approx(smooth).epsilon(1e-9));
     scenario.drive.heading = 0.0;
     scenario.drive.direction = Direction::minus_x;
@@ -96,7 +97,7 @@ TEST_CASE("plane: on a slope a face holds within the cone of friction, and slide
 TEST_CASE("plane: with a mode of friction that differs to the front and to the rear") {
     // Across, friction is that without the difference.
     Scenario scenario = alone(0.05);
-    scenario.effects.friction_anisotropy_fraction = 0.3;
+    set_parameter(scenario, "effects.friction_anisotropy.fraction", 0.3);
     scenario.initial.vy = 0.02;
     const double distance = 0.02 * 0.02 / (2.0 * braking(scenario));
     CHECK(simulate(scenario).final_state.y == doctest::Approx(distance).epsilon(1e-6));

@@ -11,6 +11,7 @@
 
 #include "stickslip/batch/rollout.hpp"
 #include "stickslip/run/assembly.hpp"
+#include "stickslip/scenario/parameters.hpp"
 #include "support.hpp"
 
 using namespace stickslip;
@@ -46,7 +47,7 @@ Scenario random_scenario(Random& random) {
     s.contact.restitution = random.coin() ? 0.0 : random.between(0.0, 0.8);
     s.initial.theta = random.coin() ? 0.0 : random.between(-7.0, 7.0);
     if (random.integer(0, 4) == 0) s.effects.eddy_lag_time = 3e-4;
-    if (random.integer(0, 4) == 0) s.effects.adhesion_ageing_rate = 0.2;
+    if (random.integer(0, 4) == 0) set_parameter(s, "effects.adhesion_ageing.rate", 0.2);
     if (random.integer(0, 4) == 0) s.effects.amplifier_limit_voltage = 9.0;
     if (random.integer(0, 4) == 0) s.effects.mutual_inductance_coupling = 0.1;
     if (random.integer(0, 4) == 0) {

@@ -23,6 +23,7 @@ events: dict[str, str]
 statuses: dict[str, tuple[str, str]]
 sections: dict[str, str]
 law_keys: tuple[str, ...]
+named_laws: tuple[str, ...]
 
 class _Effect(TypedDict):
     name: str

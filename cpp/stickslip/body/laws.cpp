@@ -212,18 +212,18 @@ double Law::largest(double argument) const {
 }
 
 double Law::steepest(double argument) const {
-    double slope = 1.0;  // over u; of the bounded ones at most that
-    if (kind.form == Form::square) slope = 2.0 * argument / std::abs(scale);
+    const bool falls = kind.form == Form::gaussian || kind.form == Form::exponential;
+    if (falls && amplitude > 0.0) return 0.0;
     if (kind.form == Form::curve) {
-        const auto& knots = curve.knots;
-        double last = curve.reach == FreeReach::anchored ? 0.0 : knots[0];
-        slope = 0.0;
-        for (const double knot : knots) {
-            slope = std::max(slope, std::abs(knot - last));
+        double last = curve.reach == FreeReach::anchored ? 0.0 : curve.knots[0], rise = 0.0;
+        for (const double knot : curve.knots) {
+            rise = std::max(rise, std::abs(knot - last));
             last = knot;
         }
-        return std::abs(amplitude) * slope / FreeCurve(curve).spacing();
+        return std::abs(amplitude) * rise / FreeCurve(curve).spacing();
     }
+    // Over the argument in scales, that of the bounded forms is at most about one.
+    const double slope = kind.form == Form::square ? 2.0 * argument / std::abs(scale) : 1.0;
     return std::abs(amplitude) * slope / std::abs(scale);
 }
 

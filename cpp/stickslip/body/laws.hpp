@@ -79,14 +79,15 @@ struct Law {
     double amplitude = 1.0;
     double scale = 1.0;    ///< of the argument; a curve has its own
     FreeShape curve = {};  ///< of the form curve
-    std::string key = {};  ///< of its amplitude in a scenario, for messages
+    std::string key = {};  ///< of its size in a scenario, for messages
+    double stated = 0.0;   ///< value of that key
 
     /// A bound from below on amplitude times form; minus infinity where there is none.
     double lowest() const;
     /// Its value where the argument is zero, and a bound on its size up to a size of the argument.
     double at_zero() const;
     double largest(double argument) const;
-    /// A bound on the size of its derivative up to there, over the argument.
+    /// A bound on its slope up to there, over the argument; zero where it only falls.
     double steepest(double argument) const;
     /// Of an argument that changes its sign.
     void turn();

@@ -355,17 +355,17 @@ Decay fastest_decay(const Model& model, double swing_rate) {
                                                                      : law.scale;
         switch (law.kind.quantity) {
             case Quantity::sliding_friction:
-                see(law.key, law.amplitude,
+                see(law.key, law.stated,
                     of(model.friction.kinetic_coefficient) * law.steepest(speed) * load /
                         model.mass);
                 break;
             case Quantity::drag:
             case Quantity::fluid:
-                see(law.key, law.amplitude,
+                see(law.key, law.stated,
                     of(model.translational_drag) * law.largest(reached) / model.mass);
                 break;
             case Quantity::rotational_drag:
-                see(law.key, law.amplitude,
+                see(law.key, law.stated,
                     of(model.rotational_drag_linear) * law.largest(reached) / model.inertia);
                 break;
             default:

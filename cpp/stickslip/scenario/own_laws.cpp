@@ -211,6 +211,7 @@ Law made(const OwnLaw& own) {
     law.kind.form = form.form;
     law.amplitude = *size_of(own);
     law.scale = own.numbers[kScale].value_or(1.0);
+    law.stated = law.amplitude;
     law.key = key_of(own, own.numbers[kFraction] ? "fraction" : "amount");
     if (form.form == Form::curve) {
         const bool both_ways = over == Argument::tilt || over == Argument::place;

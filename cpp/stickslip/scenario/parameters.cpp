@@ -9,6 +9,7 @@
 
 #include "stickslip/scenario/coils.hpp"
 #include "stickslip/scenario/free_shapes.hpp"
+#include "stickslip/scenario/named_laws.hpp"
 
 namespace stickslip {
 namespace {
@@ -157,29 +158,6 @@ std::vector<Parameter> make_effect_parameters() {
         {.key = "effects.ambient_field.By", .unit = "T", .low = -0.1, .high = 0.1,
          .meaning = "uniform field along +y of the world",
          STICKSLIP_MEMBER(effects.ambient_field_by)},
-        {.key = "effects.stribeck_friction.velocity", .unit = "m/s", .low = 0, .high = 100,
-         .meaning = "v_s in: mu(v) = mu_k + (mu_s - mu_k) exp(-(v/v_s)^2) while slipping",
-         STICKSLIP_MEMBER(effects.stribeck_friction_velocity)},
-        {.key = "effects.viscous_friction.coefficient", .unit = "s/m", .low = 0, .high = 1e4,
-         .meaning = "growth of the kinetic coefficient by slip velocity",
-         STICKSLIP_MEMBER(effects.viscous_friction_coefficient)},
-        {.key = "effects.friction_anisotropy.fraction", .unit = "-", .low = -1, .high = 1,
-         .meaning = "part by which friction is higher for slip to the robot's front, and lower to "
-                    "its rear", STICKSLIP_MEMBER(effects.friction_anisotropy_fraction)},
-        {.key = "effects.angle_adhesion.strength", .unit = "-", .low = -10, .high = 1,
-         .meaning = "k in: adhesion times (1 - k sin^2 theta)",
-         STICKSLIP_MEMBER(effects.angle_adhesion_strength)},
-        {.key = "effects.adhesion_ageing.rate", .unit = "-", .low = 0, .high = 100,
-         .meaning = "k in: adhesion times (1 + k ln(1 + age/time)), age since touch-down",
-         STICKSLIP_MEMBER(effects.adhesion_ageing_rate)},
-        {.key = "effects.adhesion_ageing.time", .unit = "s", .low = 1e-9, .high = 1e4,
-         .meaning = "time in the same", STICKSLIP_MEMBER(effects.adhesion_ageing_time)},
-        {.key = "effects.angle_drag.strength", .unit = "-", .low = -0.99, .high = 1000,
-         .meaning = "k in: linear drag times (1 + k cos^2 theta)",
-         STICKSLIP_MEMBER(effects.angle_drag_strength)},
-        {.key = "effects.quadratic_drag.coefficient", .unit = "N s^2/m^2", .low = 0, .high = 1000,
-         .meaning = "drag force by the square of the velocity",
-         STICKSLIP_MEMBER(effects.quadratic_drag_coefficient)},
         {.key = "effects.rotational_drag.coefficient", .unit = "N m s", .low = 0, .high = 1,
          .meaning = "drag torque by angular rate",
          STICKSLIP_MEMBER(effects.rotational_drag_coefficient)},
@@ -190,12 +168,6 @@ std::vector<Parameter> make_effect_parameters() {
         {.key = "effects.surface_tilt.azimuth", .unit = "rad", .low = -6.3, .high = 6.3,
          .meaning = "from +x of the world to the way that is downhill",
          STICKSLIP_MEMBER(effects.surface_tilt_azimuth)},
-        {.key = "effects.friction_patches.amplitude", .unit = "-", .low = -1, .high = 1,
-         .meaning = "a in: friction times (1 + a sin(2 pi x / period)), x in the world of the "
-                    "touching corner, or of the middle of a face",
-         STICKSLIP_MEMBER(effects.friction_patches_amplitude)},
-        {.key = "effects.friction_patches.period", .unit = "m", .low = 1e-6, .high = 1,
-         .meaning = "period in the same", STICKSLIP_MEMBER(effects.friction_patches_period)},
     };
 }
 
@@ -358,30 +330,11 @@ std::vector<EffectDescription> make_effects() {
         {.name = "ambient_field",
          .meaning = "a uniform field that no coil makes, such as the Earth's",
          .source = "superposition in Eqs. (8)-(9)"},
-        {.name = "stribeck_friction",
-         .meaning = "friction falls from the static to the kinetic coefficient over a range of "
-                    "slip velocities",
-         .source = "Stribeck curve in the Gaussian form of Bo and Pavelescu (1982)"},
-        {.name = "viscous_friction", .meaning = "friction grows with slip velocity",
-         .source = "Coulomb-viscous friction"},
-        {.name = "friction_anisotropy",
-         .meaning = "friction differs between slip to the front and to the rear",
-         .source = "direction-dependent Coulomb friction"},
-        {.name = "angle_adhesion", .meaning = "adhesion falls as the robot stands up on an edge",
-         .source = "contact area of a tilted face"},
-        {.name = "adhesion_ageing", .meaning = "adhesion grows while a contact lasts",
-         .source = "logarithmic ageing of capillary bridges"},
-        {.name = "angle_drag", .meaning = "the fluid's drag depends on the angle of the body",
-         .source = "suspected in section VI-C"},
-        {.name = "quadratic_drag", .meaning = "drag grows with the square of the velocity",
-         .source = "form drag"},
         {.name = "rotational_drag", .meaning = "drag torque proportional to the angular rate",
          .source = "Stokes drag, Eq. (19) in the limit of slow flow"},
         {.name = "surface_tilt",
          .meaning = "the surface is not level: a part of the weight acts along it",
          .source = "rigid-body statics; cf. the tilted wafer of Eq. (15)"},
-        {.name = "friction_patches", .meaning = "friction varies along the surface",
-         .source = "periodic Coulomb coefficient"},
     };
 }
 
@@ -397,7 +350,7 @@ const std::vector<Parameter>& parameters() {
             return std::string_view(row.key).starts_with("robot.");
         });
         rows.insert(robot, coils.begin(), coils.end());
-        return with_free_shapes(std::move(rows));
+        return with_free_shapes(with_named_laws(std::move(rows)));
     }();
     return table;
 }
@@ -413,7 +366,8 @@ const std::vector<Choice>& choices() {
 }
 
 const std::vector<EffectDescription>& effects() {
-    static const std::vector<EffectDescription> table = with_free_shapes(make_effects());
+    static const std::vector<EffectDescription> table =
+        with_free_shapes(with_named_laws(make_effects()));
     return table;
 }
 

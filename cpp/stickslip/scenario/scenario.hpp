@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <bitset>
 #include <functional>
 #include <memory>
@@ -46,6 +47,11 @@ struct DragParameters {
     double rotational = 9.0e-17;  ///< N m s^2, Eq. (19)
 };
 
+/// The numbers of the named laws, two of each at most, in the order of the rows of named_laws.cpp.
+using NamedLawNumbers = std::array<std::array<double, 2>, 12>;
+/// Those with which none of them acts.
+const NamedLawNumbers& absent_laws();
+
 /// Parameters of the named extensions. Each is absent at zero; see parameters.cpp for their
 /// meaning.
 struct Effects {
@@ -63,22 +69,12 @@ struct Effects {
     double ambient_field_bx = 0.0;    ///< T
     double ambient_field_bz = 0.0;    ///< T
     double ambient_field_by = 0.0;    ///< T
-    // contact
-    double stribeck_friction_velocity = 0.0;    ///< m/s
-    double viscous_friction_coefficient = 0.0;  ///< s/m
-    double friction_anisotropy_fraction = 0.0;
-    double angle_adhesion_strength = 0.0;
-    double adhesion_ageing_rate = 0.0;
-    double adhesion_ageing_time = 1e-3;  ///< s, has no effect at rate zero
     // fluid
-    double angle_drag_strength = 0.0;
-    double quadratic_drag_coefficient = 0.0;   ///< N s^2/m^2
     double rotational_drag_coefficient = 0.0;  ///< N m s
     // surface
     double surface_tilt_angle = 0.0;    ///< rad
     double surface_tilt_azimuth = 0.0;  ///< rad, has no effect at angle zero
-    double friction_patches_amplitude = 0.0;
-    double friction_patches_period = 1e-3;  ///< m, has no effect at amplitude zero
+    NamedLawNumbers laws = absent_laws();
     // free shapes, each absent while its knots are zero; see free_shapes.cpp
     FreeShape free_contact_place{FreeReach::both_ways, 1.5};      ///< of rad
     FreeShape free_field_time{FreeReach::from_zero, 1.0};         ///< of s
