@@ -47,15 +47,17 @@ MUTATIONS = (
         "one plane",
         "friction_anisotropy",
         "named_laws.cpp",
-        "STICKSLIP_OF(e.friction_anisotropy_fraction)",
-        "STICKSLIP_OF(in_whole_plane(s) ? e.friction_anisotropy_fraction : 0.0)",
+        "if (amplitude == 0.0) continue;\n        result",
+        "if (amplitude == 0.0 || (row.kind.argument == way && !frame.whole_plane)) continue;\n"
+        "        result",
     ),
     Mutation(
         "one plane",
         "angle_adhesion",
         "named_laws.cpp",
-        "STICKSLIP_OF(-e.angle_adhesion_strength)",
-        "STICKSLIP_OF(in_whole_plane(s) ? -e.angle_adhesion_strength : 0.0)",
+        "if (amplitude == 0.0) continue;\n        result",
+        "if (amplitude == 0.0 || (row.kind.argument == sine && !frame.whole_plane)) continue;\n"
+        "        result",
     ),
     Mutation(
         "whole plane",
