@@ -267,8 +267,7 @@ def diagnosed(path: Path) -> Row:
 def _effect(law: Cause) -> str:
     """The effect of the simulator that a law of a free shape is."""
     assert law.curve is not None
-    (span,) = law.curve.fixed
-    return span.split(".")[1]
+    return next(iter(law.curve.fixed)).split(".")[1]
 
 
 def _law(result: Diagnosis) -> Row | None:
