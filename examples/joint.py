@@ -10,25 +10,24 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from stickslip import Series, diagnose_model, models
+from stickslip import diagnose_model, models
 
 BLUE, VERMILION = "#0072B2", "#D55E00"
 
-data = pd.read_csv(Path(__file__).with_name("joint.csv"))
-log = Series(data["t"], data["speed"], {"torque": data["torque"]}, unit="rad/s")
 joint = models.joint(
     inertia=(0.012, 0.0005), viscous=(0.02, 0.01), without=["backlash", "compliance"]
 )
+log = models.read_log(Path(__file__).with_name("joint.csv"), joint)
 result = diagnose_model(joint, log)
 print(result.summary())
 
 figure = Figure(figsize=(6.4, 6.0), layout="constrained")
 above, below = (part.subplots() for part in figure.subfigures(2, 1))
-above.plot(data["t"], data["speed"], ".", color="black", ms=4, label="the log")
+above.plot(log.t, log.y, ".", color="black", ms=4, label="the log")
 fits = {"none": ("the model, refitted", BLUE), "coulomb": ("and with dry friction", VERMILION)}
 for name, (label, colour) in fits.items():
     fitted = result.candidate(name).prediction["predicted"]
-    above.plot(data["t"], fitted, color=colour, label=label)
+    above.plot(log.t, fitted, color=colour, label=label)
 above.set(xlabel="time (s)", ylabel="speed (rad/s)", ylim=(-2.4, 1.9))
 above.legend(frameon=False, ncols=3, loc="lower center", columnspacing=1.2)
 

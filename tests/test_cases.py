@@ -16,13 +16,13 @@ CASES = EXAMPLES / "cases"
 
 def joint():
     """Hidden: dry friction."""
-    t = 0.02 * np.arange(200)
+    t = 0.04 * np.arange(100)
     torque = np.round(0.08 * np.sin(2.5 * t) + 0.06 * np.sin(6.9 * t + 1.0), 4)
     true = models.joint(inertia=0.0118, viscous=0.025, coulomb=0.03)
     noise = 0.03 * np.random.default_rng(0).standard_normal(len(t))
     speed = true.simulate(t, {"torque": torque}) + noise
-    rows = zip(t, torque, speed, strict=True)
-    return ["t,torque,speed", *("{:.2f},{:.4f},{:.3f}".format(*row) for row in rows)]
+    rows = ("{:.2f},{:.4f},{:.3f}".format(*row) for row in zip(t, torque, speed, strict=True))
+    return ["t (s),torque (N m),speed (rad/s)", *rows]
 
 
 def heater():

@@ -30,9 +30,7 @@ def modules():
 
 
 def _is_slow(page):
-    # Whole diagnoses, and films; the one of the two entrances takes 3 s.
-    if page in (ROOT / "README.md", DOCS / "howto" / "diagnose.md"):
-        return False
+    # Whole diagnoses, and films.
     code = [block.text for block in blocks(page) if block.language != "text"]
     return any(word in text for text in code for word in ("diagnose", "animation("))
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,7 @@ from sphinx.util.docutils import SphinxDirective
 from stickslip import _core, effects
 from stickslip.cli.commands import loaded, stickslip
 from stickslip.scenario.keys import Key, known_keys
+from stickslip.simulation.note_table import TABLE, tomllib
 
 MEASURED = Path(__file__).parents[1] / "measured"
 
@@ -93,6 +96,34 @@ class ResultTable(SphinxDirective):
             for each, row in table.items()
         ]
         return self.parse_text_to_nodes(_markdown_table(["name", *header], rows))
+
+
+class RunNotes(SphinxDirective):
+    """A table of the notes that `notes.toml` defines, with what their texts say of any run."""
+
+    def run(self) -> list[nodes.Node]:
+        texts = {note["code"]: note["text"] for note in reversed(TABLE["notes"])}
+        rows = []
+        for code, text in reversed(texts.items()):
+            words = re.sub(
+                r"\{(?!tried)(\w+\.\w+)[^}]*\}", r"\1", text
+            )  # keys by name, numbers as dots
+            rows.append([_code(code), _plain(re.sub(r"\{[^}]*\}", "…", words))])
+        return self.parse_text_to_nodes(_markdown_table(["code", "what it says"], rows))
+
+
+class ReportKeys(SphinxDirective):
+    """A table of the keys of a report's JSON object."""
+
+    def run(self) -> list[nodes.Node]:
+        text = (
+            resources.files("stickslip").joinpath("diagnosis/report/keys.toml").read_text("utf-8")
+        )
+        rows = [
+            [", ".join(map(_code, names.split(", "))), meaning]
+            for names, meaning in tomllib.loads(text)["keys"].items()
+        ]
+        return self.parse_text_to_nodes(_markdown_table(["key", "value"], rows))
 
 
 class CommandHelp(SphinxDirective):
@@ -250,6 +281,8 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.add_directive("scenario-keys", ScenarioKeys)
     app.add_directive("effects-table", EffectsTable)
     app.add_directive("command-help", CommandHelp)
+    app.add_directive("run-notes", RunNotes)
+    app.add_directive("report-keys", ReportKeys)
     app.add_directive("result-table", ResultTable)
     app.add_directive("bench-results", BenchResults)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}
