@@ -71,3 +71,17 @@ def test_headings_about_half_a_turn_are_averaged_as_directions():
     for time, heading in ((1e-3, 3.1), (2e-3, -3.1)):
         pose, _ = film.watch(time, np.array([0.0, 0.0, 0.0, heading]), random)
     assert math.cos(pose[3]) == pytest.approx(-1.0, abs=1e-12)
+
+
+def test_a_film_of_many_robots_is_a_film_of_each():
+    camera = Camera(frame_rate=60.0, exposure=4e-3, latency=0.02, pixel=1e-6)
+    random = np.random.default_rng(0)
+    poses = random.normal(0.0, 1e-5, (200, 3, 2)).cumsum(axis=0)
+    together = Film(camera, 1e-3, np.zeros((3, 2)))
+    each = [Film(camera, 1e-3, np.zeros(2)) for _ in range(3)]
+    for k, pose in enumerate(poses, start=1):
+        seen, age = together.watch(1e-3 * k, pose, random)
+        for film, own, shown in zip(each, pose, seen, strict=True):
+            alone, own_age = film.watch(1e-3 * k, own, random)
+            assert np.array_equal(alone, shown)
+            assert own_age == age

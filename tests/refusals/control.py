@@ -9,7 +9,7 @@ import gymnasium
 import numpy as np
 
 from stickslip import Drive, Scenario, ScenarioError, optimise, simulate
-from stickslip.control import Camera, Film, Path, heading_voltages
+from stickslip.control import Camera, Film, Path, Placer, follow, heading_voltages
 from stickslip.control.environments import RobotEnv, RobotVectorEnv
 from stickslip.design.space import drive_waveform
 from stickslip.scenario.uncertain import Prior
@@ -110,6 +110,13 @@ ROWS = [
     ("along", lambda _: heading_voltages(0.0, math.inf, -10.0), "along = inf"),
     ("clamp", lambda _: heading_voltages(0.0, 26.0, None), "clamp = None"),
     ("shapes", lambda _: heading_voltages(np.zeros(3), np.zeros(2), 0.0), "(3,), (2,), ()"),
+    # controllers of a scenario
+    ("placer's scenario", lambda _: Placer("x.toml"), 'scenario = "x.toml"'),
+    ("placer's camera", lambda _: Placer(START, camera=30), "camera = 30"),
+    ("placer's tolerance", lambda _: Placer(START, tolerance=0), "tolerance = 0"),
+    ("placer's draws", lambda _: Placer(UNCERTAIN, draws=0), "draws = 0"),
+    ("follower's path", lambda _: follow(START, [(0, 0), (1, 0)]), "path = [(0, 0), (1, 0)]"),
+    ("follower's time", lambda _: follow(START, Path([(0, 0), (1e-3, 0)]), limit=0), "limit = 0"),
     # environments
     ("task", env(task="raech"), 'did you mean "reach"'),
     ("env's camera", lambda _: gymnasium.make("stickslip/Walk-v0", camera=30), "camera = 30"),

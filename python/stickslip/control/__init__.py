@@ -6,7 +6,21 @@
 from __future__ import annotations
 
 from stickslip.control.camera import Camera, Film
+from stickslip.control.follower import Followed, Follower, follow
 from stickslip.control.path import Path
-from stickslip.control.steering import heading_voltages
+from stickslip.control.placer import Placed, Placer, Placing
+from stickslip.control.steering import field_voltages, heading_voltages
 
-__all__ = ["Camera", "Film", "Path", "heading_voltages"]
+__all__ = [
+    "Camera",
+    "Film",
+    "Followed",
+    "Follower",
+    "Path",
+    "Placed",
+    "Placer",
+    "Placing",
+    "field_voltages",
+    "follow",
+    "heading_voltages",
+]

@@ -7,8 +7,11 @@ from numpy.typing import ArrayLike
 
 from stickslip import _core
 from stickslip._util.arrays import numbers
+from stickslip._util.messages import refuse
 from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
+from stickslip.field.coils import Coils
+from stickslip.scenario.scenario import Scenario
 
 
 def heading_voltages(heading: ArrayLike, along: ArrayLike, clamp: ArrayLike) -> Array:
@@ -55,3 +58,45 @@ def heading_voltages(heading: ArrayLike, along: ArrayLike, clamp: ArrayLike) -> 
     x, y = strength * towards_x, strength * towards_y
     parts = [np.maximum(x, 0.0), np.minimum(x, 0.0), np.maximum(y, 0.0), np.minimum(y, 0.0), held]
     return np.stack(parts, axis=-1)
+
+
+def field_voltages(
+    scenario: Scenario, heading: ArrayLike, along: ArrayLike, clamp: ArrayLike
+) -> Array:
+    """Voltages of a scenario's own coils for steady fields at the centre, V, shape (..., 5).
+
+    Of each axis the coil that lies ahead makes its part, or with ``drive.coils = "pairs"`` both
+    alike.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Its coils, and the choice of `drive`.
+    heading : array_like
+        From +x to the left, rad.
+    along : array_like
+        Field along the surface, T.
+    clamp : array_like
+        Field of the clamp coil, T, along +z.
+
+    Raises
+    ------
+    ScenarioError
+        As of `heading_voltages`.
+    """
+    fields = heading_voltages(heading, along, clamp)
+    if scenario.drive.coils == "pairs":
+        fields[..., [0, 1]] = 0.5 * fields[..., [0, 1]].sum(axis=-1, keepdims=True)
+        fields[..., [2, 3]] = 0.5 * fields[..., [2, 3]].sum(axis=-1, keepdims=True)
+    ohms = scenario.to_core().resistances()
+    return np.asarray(fields * ohms / Coils.of(scenario).centre_field_per_ampere)
+
+
+def pulse_fields(scenario: Scenario) -> tuple[float, float]:
+    """Peak and clamp field of the drive of a scenario, T, with which a controller gives pulses."""
+    drive = scenario.drive
+    if drive.mode != "IPP":
+        refuse("drive.mode", drive.mode, '"IPP", whose pulses lie along the heading')
+    if drive.peak == 0.0 or drive.hold == 0.0:
+        refuse("drive.peak" if drive.peak == 0.0 else "drive.hold", 0.0, "a field, which tilts it")
+    return drive.peak, -drive.hold if drive.clamp == "down" else drive.hold
