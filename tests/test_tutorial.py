@@ -2,23 +2,19 @@
 
 import ast
 import json
-import math
 import re
 
 import pytest
 
-from documentation_blocks import DOCS, prints
+from documentation_blocks import ANY_FIT, DOCS, NUMBER, is_near, prints
 from notebook_cells import code_cells, run, text
 
 PATH = DOCS / "tutorial.ipynb"
 CELLS = code_cells(json.loads(PATH.read_text(encoding="utf-8")))
 DIAGNOSIS = next(k for k, cell in enumerate(CELLS) if "diagnose(" in text(cell))
 
-NUMBER = re.compile(r"\d+(?:\.(\d+))?(?:e([+-]\d+))?")
 PICTURE = r"[A-Za-z0-9+/=]{99,}"
-# Relative differences of numbers: rounding of the last digits; and the end of a fit, whose steps
-# differ in the last bits from machine to machine.
-ANY_MACHINE, ANY_FIT = 1e-4, 0.05
+ANY_MACHINE = 1e-4  # relative difference of numbers, by rounding
 
 
 def printed(outputs):
@@ -39,13 +35,7 @@ def same(stored, got, tolerance):
     """Whether words are equal, and numbers within a tolerance and one of the last digit."""
     numbers = zip(NUMBER.finditer(stored), NUMBER.finditer(got), strict=False)
     return NUMBER.split(stored)[::3] == NUMBER.split(got)[::3] and all(
-        math.isclose(
-            float(one[0]),
-            float(other[0]),
-            rel_tol=tolerance,
-            abs_tol=1.01 * 10.0 ** (int(one[2] or 0) - len(one[1] or "")),
-        )
-        for one, other in numbers
+        is_near(one, other, tolerance) for one, other in numbers
     )
 
 
