@@ -1,5 +1,7 @@
 """Verdicts on models of which the answer is known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.special import logsumexp
@@ -8,6 +10,8 @@ from stickslip import Cause, Prior, diagnose_model
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.gain import measured
 from stickslip.diagnosis.decision.posterior import posterior
+from stickslip.diagnosis.decision.test import ADEQUATE, adequacy
+from stickslip.diagnosis.fitting.scatter import with_scatter
 from stickslip.diagnosis.steps import run
 from stickslip.diagnosis.terms.parameter import Parameter
 from toys import BEND, LEVEL, SLOPE, STEP, TWIN, WAVE, data, problem, shapes
@@ -138,18 +142,18 @@ def test_a_set_that_takes_little_of_the_error_explains_nothing():
 
 
 def late(table, p):
-    """A line, a wave, and what acts on its last two readings alone."""
+    """A line, a wave, and what acts on its last reading alone."""
     x = table["x"]
-    last = p.get("late.size", 0.0) * (x > 2.88)
+    last = p.get("late.size", 0.0) * (x > 2.95)
     return p["slope"] * x + p["level"] + p.get("wave.height", 0.0) * np.sin(5.0 * x) + last
 
 
-LATE = Cause("late", Parameter("late.size", size=0.5, low=-5.0, high=5.0), "the last readings")
+LATE = Cause("late", Parameter("late.size", size=0.5, low=-5.0, high=5.0), "the last reading")
 
 
 def test_a_pair_without_which_nothing_explains_the_data_needs_no_other_proof():
-    # The second cause moves two of thirty readings, so that few held-out parts show it.
-    table = data(0.6 * np.sin(5.0 * X) + 1.2 * (X > 2.88))
+    # The second cause moves one of thirty readings, so that no other part tells its size.
+    table = data(0.6 * np.sin(5.0 * X) + 1.2 * (X > 2.95))
     result = diagnose_model(late, table, [SLOPE, LEVEL], [WAVE, LATE, BEND])
     models = result.findings.models
     second = measured(result.problem, models.get(["wave"]), models.get(["wave", "late"]))
@@ -168,3 +172,25 @@ def test_sizes_are_known_as_well_as_the_likelier_form_of_the_errors_tells():
     verdict = found(table).verdict
     assert (verdict.kind, verdict.causes) == ("named", ("wave",))
     assert verdict.fit.form == "ar1"
+
+
+def test_a_constant_other_than_stated_is_named_by_the_test():
+    # Five stated errors off: it follows the data within its prior too, so that nothing held out
+    # tells the two apart.
+    x = np.linspace(1.0, 3.0, 60)
+    uncertain = [replace(SLOPE, suspect=True), LEVEL]
+    result = run(problem(data(0.5 * x, n=60), (WAVE, BEND), uncertain), 0)
+    assert adequacy(result.problem, result.models.null) >= ADEQUATE
+    assert not result.verdict.gain.certain
+    assert (result.verdict.kind, result.verdict.causes) == ("named", ("slope",))
+
+
+def test_errors_of_the_fit_of_all_suspects_prove_no_name():
+    # A wave that nobody lists counts as noise; the step beside it hardly lowers what is left.
+    x = np.linspace(1.0, 3.0, 60)
+    noise = 0.05 * np.random.default_rng(1).standard_normal(60)
+    y = 1.05 * x + 0.2 + 0.9 * (x > 2.0) + 0.5 * np.sin(4.0 * x + 1.0) + noise
+    table = Table({"x": x, "z": np.random.default_rng(9).permutation(60) / 60}, y)
+    result = run(with_scatter(problem(table, (STEP, BEND, WAVE)), 0), 0)
+    assert [each.of_fit for each in result.problem.errors] == [True]
+    assert result.verdict.kind == "unexplained"

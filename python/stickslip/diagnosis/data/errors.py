@@ -88,6 +88,8 @@ class Errors(OneLine):
         What is reported of them: ``s0`` in the unit of the readings, ``rho``, ``phi``, and
         ``shift`` and ``gain`` in errors of a reading.
     notes : tuple of Note
+    of_fit : bool
+        Whether they are what the fit of all suspects leaves.
     """
 
     sd: Array
@@ -96,6 +98,7 @@ class Errors(OneLine):
     told: dict[str, float] = field(default_factory=dict)
     notes: tuple[Note, ...] = ()
     _of_level: Callable[[Array], Array] | None = field(default=None, repr=False)
+    of_fit: bool = False
 
     @property
     def known(self) -> bool:

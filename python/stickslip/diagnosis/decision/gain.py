@@ -11,6 +11,7 @@ from scipy.stats import t as t_law
 
 from stickslip._util.numbers import Array, Indices
 from stickslip._util.text import OneLine
+from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.fitting.forms import Correlated, Form, forms
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import Problem
@@ -20,6 +21,7 @@ MOST_PARTS = 12
 """Parts that are held out in turn. Chosen: more cost more and tell little more."""
 
 _FEWEST = 3  # parts for an interval
+_LARGEST_SHARE = 0.5  # of an effect, in one part; chosen
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -61,7 +63,33 @@ def parts_of(problem: Problem) -> list[Indices]:
     """Rows that are held out in turn: neighbouring groups together."""
     groups = problem.group
     number = int(groups.max()) + 1
-    part = groups * min(MOST_PARTS, number) // number
+    return _numbered(groups * min(MOST_PARTS, number) // number)
+
+
+def _finer(problem: Problem, effect: Array, parts: list[Indices]) -> list[Indices]:
+    """Parts of equal shares of an effect, (n,), if one of `parts` has more than half of it.
+
+    What no other part tells cannot be predicted. Readings of a record are parted from each other,
+    conditions of a group are not. Without parts enough there are none.
+    """
+    whole = float(np.sum(effect**2))
+    if max(float(np.sum(effect[rows] ** 2)) for rows in parts) <= _LARGEST_SHARE * whole:
+        return []
+    alone = np.zeros(len(effect), dtype=bool)
+    for table, rows in zip(problem.tables, problem.rows, strict=True):
+        alone[rows] = isinstance(table, Series)
+    order = np.argsort(problem.group, kind="stable")
+    begins = np.diff(problem.group[order], prepend=-1) != 0
+    unit = np.empty(len(effect), dtype=np.int64)
+    unit[order] = np.cumsum(begins | alone[order]) - 1
+    shares = np.bincount(unit, effect**2) / whole
+    place = np.floor(MOST_PARTS * (np.cumsum(shares) - 0.5 * shares))
+    found = _numbered(place.astype(np.int64)[unit])
+    return found if len(found) >= _FEWEST else []
+
+
+def _numbered(part: Indices) -> list[Indices]:
+    """Rows of each part."""
     return [np.flatnonzero(part == k) for k in np.unique(part)]
 
 
@@ -79,8 +107,10 @@ def measured(problem: Problem, before: Fit, after: Fit, form: str = "none") -> G
     parts = parts_of(problem)
     if len(parts) < _FEWEST:
         return None
+    finer = _finer(problem, (before.residual - after.residual) / problem.sd, parts)
+    parts = finer or parts
     errors = [
-        held_out(problem, each, each.form if form == "own" else "none", parts)
+        held_out(problem, each, each.form if form == "own" else "none", parts, not finer)
         for each in (before, after)
     ]
     size = [np.abs(each) / problem.sd for each in errors]
@@ -104,17 +134,28 @@ def measured(problem: Problem, before: Fit, after: Fit, form: str = "none") -> G
     )
 
 
-def held_out(problem: Problem, fit: Fit, form: str, parts: list[Indices]) -> Array:
-    """Errors of predictions of each part by a fit of the others, shape (n,), in their units."""
+def held_out(
+    problem: Problem, fit: Fit, form: str, parts: list[Indices], shapes: bool = True
+) -> Array:
+    """Errors of predictions of each part by a fit of the others, shape (n,), in their units.
+
+    Without `shapes` these stay as the whole fit has them: where an event begins is told by the
+    reading there alone.
+    """
     errors = np.empty(len(problem.y))
     whole = forms(problem, [form])[form]
     columns = np.column_stack([fit.slopes, fit.residual])
+    room = problem.limits[:, fit.free] - fit.x[fit.free]
+    if not shapes:
+        own = fit.free[len(problem.constants) :].tolist()
+        still = [not problem.parameters[k].is_amplitude for k in own]
+        room[:, len(problem.constants) :][:, still] = 0.0
     for rows in parts:
         kept = np.setdiff1d(np.arange(len(problem.y)), rows)
         gram = _gram(problem, whole, fit, columns, kept)
         curvature = gram[:-1, :-1] + fit.precision
         downhill = gram[:-1, -1] - fit.precision @ fit.x[fit.free]
-        move = _within(curvature, downhill, *(problem.limits[:, fit.free] - fit.x[fit.free]))
+        move = _within(curvature, downhill, *room)
         errors[rows] = fit.residual[rows] - fit.slopes[rows] @ move
     return errors
 

@@ -195,28 +195,38 @@ def _claimed(
     gains.append(measured(problem, own_null, fit, "own"))
     kind: Kind = "pair" if len(names) > 1 else "named"
     proven = _proven(models, test, fit, gains)
-    if plain and adequacy(problem, plain) >= ADEQUATE and proven and not _at_end(models, plain):
+    explains = plain and adequacy(problem, plain) >= ADEQUATE and not _at_end(models, plain)
+    beside = fit
+    if fit.form == "none":
+        beside = next((each for each in models.leaders() if each.names == fit.names
+                       and each.form != "none"), fit)  # fmt: skip
+    # Errors that were taken from the fit of all suspects explain what it leaves by themselves.
+    by_itself = any(each.of_fit for each in problem.errors)
+    against = [] if explains and proven and not by_itself else _against(models, beside, gains)
+    if against:
+        told = (*reasons, *against)
+        return _with(verdict, "unexplained", (), None, told, models, beside, gains[0])
+    if plain and explains and proven:
         # Errors that are larger, or alike along a run, leave more of the sizes open.
         likelier = fit if discrepancy(fit) > 0.0 else plain
         return _with(verdict, kind, names, likelier, reasons, models, plain, gains[0])
-    against = list(reasons)
-    if fit.form == "none":
-        fit = next((each for each in models.leaders() if each.names == fit.names
-                    and each.form != "none"), fit)  # fmt: skip
-    against += _takes_little(fit, share(models, fit) if fit.form != "none" else 0.0, gains)
+    kind = "pair" if len(names) > 1 else "dominant"
+    return _with(verdict, kind, names, beside, reasons, models, beside, gains[0])
+
+
+def _against(models: Models, fit: Fit, gains: Sequence[Gain | None]) -> list[Note]:
+    """What speaks against causes beside a discrepancy."""
+    found = _takes_little(fit, share(models, fit) if fit.form != "none" else 0.0, gains)
     if _long_correlation(models, fit):
         text = "The discrepancy beside it has the longest correlation time that is allowed."
-        against.append(Note("long-correlation", text, fit.sizes["tau"]))
-    if fit.form == "white" and follows_settings(problem, fit):
+        found.append(Note("long-correlation", text, fit.sizes["tau"]))
+    if fit.form == "white" and follows_settings(models.problem, fit):
         text = f"What {fit.name} leaves follows the settings: it is no scatter."
-        against.append(Note("pattern-left", text))
+        found.append(Note("pattern-left", text))
     if _at_end(models, fit):
         text = f"A size of {fit.name} is at the end of its range."
-        against.append(Note("size-at-end", text))
-    if against[len(reasons) :]:
-        return _with(verdict, "unexplained", (), None, tuple(against), models, fit, gains[0])
-    kind = "pair" if len(names) > 1 else "dominant"
-    return _with(verdict, kind, names, fit, reasons, models, fit, gains[0])
+        found.append(Note("size-at-end", text))
+    return found
 
 
 def _proven(models: Models, test: Test, fit: Fit, gains: Sequence[Gain | None]) -> bool:

@@ -91,6 +91,7 @@ def _scattered(problem: Problem, unknown: Sequence[int], residual: Array, spent:
         )
         told = {"s0": size, "rho": 0.0}
         weight = np.sqrt(np.bincount(table.condition))
-        errors = Errors(size / weight, None, free, told, (Note("noise-fit", text, size),))
+        note = Note("noise-fit", text, size)
+        errors = Errors(size / weight, None, free, told, (note,), of_fit=True)
         tables[k] = table.with_errors(errors)
     return replace(problem, tables=tuple(tables), errors=())
