@@ -7,7 +7,6 @@ import pytest
 
 import made_findings as made
 from stickslip import Parameter, Prior, diagnose_model
-from stickslip.diagnosis.decision.limits import upper_limits
 from stickslip.diagnosis.decision.posterior import discrepancy
 from stickslip.diagnosis.terms.words import suspect
 from toys import LEVEL, SLOPE, WAVE, data, line
@@ -101,7 +100,7 @@ def test_models_are_separated_where_they_differ(rough, none):
 
 def test_upper_limits_are_those_of_linear_least_squares(none):
     found = none.findings
-    limits = upper_limits(found.problem, found.models.null, found.responses)
+    limits = none.cannot_tell.limits
     x, y = found.problem.tables[0]["x"], found.problem.y
     prior = np.eye(2, 5) / 0.3
     whole = np.vstack([columns(x, 5) / made.SD, prior])

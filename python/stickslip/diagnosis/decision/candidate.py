@@ -77,7 +77,7 @@ class Candidate(OneLine):
         The pull is the coordinate: standard deviations of the prior from its middle. The sd is
         that of the curvature, times `widening`.
         """
-        x, root = self.fit.x[self.fit.free], np.abs(self._slopes) * self._spread
+        x, root = self.fit.x[self.fit.free], np.abs(self.rates) * self._spread
         rows = [
             (float(each.value(x[k : k + 1])[0]), float(root[k]), each.unit, each.prior_in_words,
              float(x[k]))
@@ -183,7 +183,7 @@ class Candidate(OneLine):
         return np.sqrt(np.where(variance > 0.0, variance, 1.0 / alone)) * self.widening
 
     @cached_property
-    def _slopes(self) -> Array:
+    def rates(self) -> Array:
         """Change of each parameter by its coordinate."""
         slopes = np.empty(len(self.fit.free))
         for k, each in enumerate(self._parameters):
@@ -194,7 +194,7 @@ class Candidate(OneLine):
 
     @property
     def _covariance(self) -> Array:
-        slopes = self._slopes
+        slopes = self.rates
         return np.asarray(slopes[:, None] * self.fit.covariance * slopes * self.widening**2)
 
 

@@ -17,6 +17,7 @@ from stickslip._util.text import OneLine, is_number, printable
 from stickslip.diagnosis.data.velocity import VelocityTable
 from stickslip.diagnosis.decision import experiments as design
 from stickslip.diagnosis.decision.candidate import Candidate, frame, spread_of
+from stickslip.diagnosis.decision.cannot_tell import CannotTell, cannot_tell
 from stickslip.diagnosis.decision.gain import Gain
 from stickslip.diagnosis.decision.posterior import Posterior, posterior, share
 from stickslip.diagnosis.decision.test import Test, adequacy
@@ -149,6 +150,18 @@ class Facts:
         """The extended model, or the recalibrated one if there is none."""
         fit = self.verdict.fit
         return self.recalibrated if fit is None else Candidate(fit, self.findings.models)
+
+    @property
+    def told(self) -> Candidate:
+        """The model that is told, or what comes nearest; the recalibrated one if there is none."""
+        fit = self.verdict.told
+        return self.recalibrated if fit is None else Candidate(fit, self.findings.models)
+
+    @cached_property
+    def cannot_tell(self) -> CannotTell:
+        """What these data cannot tell beside the model that is told."""
+        self._refuse_without_models("cannot_tell")
+        return cannot_tell(self.told, self.recalibrated, self.findings.responses, self.chance.fits)
 
     @property
     def candidates(self) -> dict[str, Candidate]:

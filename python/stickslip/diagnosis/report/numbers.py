@@ -15,13 +15,13 @@ from stickslip import _core
 from stickslip._util import amounts
 from stickslip._util.html import page_text
 from stickslip._util.numbers import Array, Mask
+from stickslip._util.units import unit_label
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.diagnosis.decision.candidate import Candidate, spread_of
+from stickslip.diagnosis.decision.cannot_tell import Combination
 from stickslip.diagnosis.decision.experiments import advice
 from stickslip.diagnosis.decision.facts import Facts
 from stickslip.diagnosis.decision.formulas import formula
-from stickslip.diagnosis.decision.limits import upper_limits
-from stickslip.diagnosis.decision.posterior import ALIKE, cosine
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import LOST
 from stickslip.diagnosis.terms.words import Words, suspect
@@ -33,10 +33,13 @@ ROUTINE = (
 """Codes of notes that nearly every measurement has: the page has them last, the command never."""
 
 # What there is only of fitted models, or of a kind of verdict.
-_NULL = ("p_value", "discrepancy", "law", "moved", "leader", "runner_up", "odds", "pattern")
+_NULL = (
+    "p_value", "discrepancy", "law", "moved", "leader", "runner_up", "odds", "pattern",
+    "cannot_tell",
+)  # fmt: skip
 _LISTS = (
-    "deciding_readings", "next_experiments", "ranking", "claimed", "alike", "cosines", "misfit",
-    "suspect", "advice",
+    "deciding_readings", "next_experiments", "ranking", "claimed", "cosines", "misfit", "suspect",
+    "advice",
 )  # fmt: skip
 _TABLES = "parameters", "bounds", "recalibrated"
 
@@ -139,8 +142,7 @@ def _of_models(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any
     """What there is where models were fitted; `rows` are the conditions."""
     verdict, models = facts.verdict, facts.findings.models
     table, fits = facts.compare(), facts.chance.fits
-    told = verdict.told
-    best = facts.recalibrated if told is None else Candidate(told, models)
+    told, best = verdict.told, facts.told
     ranking = [
         {
             "candidate": name, "title": facts.words.title(name), "causes": sorted(fit.names), **row,
@@ -169,7 +171,8 @@ def _of_models(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any
         "misfit": _misfit(facts, rows),
         "pattern": _pattern(facts) if verdict.kind == "unexplained" else None,
         "cosines": _cosines(facts),
-        "bounds": _bounds(facts) if verdict.kind == "none" else {},
+        "bounds": _bounds(facts),
+        "cannot_tell": _cannot_tell(facts, rows),
         **({} if told is None else _of_told(facts, best, rows)),
     }
 
@@ -200,7 +203,6 @@ def _of_told(
             "odds": _odds(facts, told.name, other.name),
         },
         "deciding_readings": _all_deciding(facts, told, other, rows),
-        "alike": _alike(facts, told),
     }  # fmt: skip
 
 
@@ -405,42 +407,89 @@ def _deciding(
     ]  # fmt: skip
 
 
-def _alike(facts: Facts, told: Fit) -> list[dict[str, Any]]:
-    """Single causes whose projected effect is like that of the told one."""
-    models = facts.findings.models
-    null, own = models.null, models.get(told.names) or told
-    found = []
-    for each in facts.chance.fits:
-        fit = models.get(each.names)
-        if fit is None or len(each.names) != 1 or each.names <= told.names:
-            continue
-        value = abs(cosine(facts.problem, null, null.residual - own.residual,
-                           null.residual - fit.residual))  # fmt: skip
-        if value > ALIKE:
-            title = facts.words.title(each.name)
-            found.append({"cause": each.name, "title": title, "cosine": value})
-    return found
+def _cannot_tell(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """What the data cannot tell, in the names of the user."""
+    found, words, told = facts.cannot_tell, facts.words, facts.told.fit.names
+    alike = [
+        {
+            "cause": cause, "title": words.title(cause), "told": cause in told,
+            "others": [
+                {
+                    "cause": each.other, "title": words.title(each.other), "cosine": each.cosine,
+                    "lead": each.lead, "parted": each.parted, "apart": each.apart,
+                    "more": None if math.isinf(each.more) else each.more,
+                    **{key: rows[each.row][key] for key in ("table", "number", "where")},
+                }
+                for each in found.alike if each.cause == cause
+            ],
+        }
+        for cause in dict.fromkeys(each.cause for each in found.alike)
+    ]  # fmt: skip
+    groups = [
+        {"parameters": list(each.names), "titles": [words.parameter(n) for n in each.names],
+         "known": [_combination(facts, one) for one in each.known]}
+        for each in found.groups
+    ]  # fmt: skip
+    hidden = [
+        {"cause": name, "title": words.title(name), "constants": list(constants),
+         "titles": [words.parameter(each) for each in constants]}
+        for name, constants in found.hidden.items()
+    ]  # fmt: skip
+    silent = [{"parameter": each, "title": words.parameter(each)} for each in found.silent]
+    return {"alike": alike, "combinations": groups, "hidden": hidden, "silent": silent}
+
+
+def _combination(facts: Facts, known: Combination) -> dict[str, Any]:
+    """A combination of parameters as an expression of their names."""
+    units = {each.name: each.unit for each in facts.problem.parameters}
+    names = {each: facts.words.parameter(each) for each in known.weights}
+    if known.product:
+        expression = _product(names, known.weights)
+        unit = _product({each: unit_label(units[each]) for each in names}, known.weights)
+        kind = "ratio" if sorted(known.weights.values()) == [-1.0, 1.0] else "product"
+    else:
+        terms = [
+            f"{'-' if w < 0.0 else '+'} {amounts.number(abs(w)) + ' ' if abs(w) != 1.0 else ''}"
+            f"{names[name]}" for name, w in known.weights.items()
+        ]  # fmt: skip
+        expression = " ".join(terms).removeprefix("+ ")
+        unit = unit_label(next((units[n] for n, w in known.weights.items() if w == 1.0), ""))
+        kind = "sum" if set(known.weights.values()) == {1.0} else "combination"
+    return {
+        "kind": kind, "expression": expression, "weights": known.weights, "value": known.value,
+        "sd": known.sd, "unit": unit, "text": amounts.amount(known.value, known.sd, unit),
+    }  # fmt: skip
+
+
+def _product(names: Mapping[str, str], powers: Mapping[str, float]) -> str:
+    """``a² · b / c / d``, of names that are not empty."""
+    text = ""
+    for each, power in sorted(powers.items(), key=lambda each: each[1] < 0.0):
+        if names[each]:
+            raised = "" if abs(power) == 1.0 else "⁰¹²³⁴"[int(abs(power))]
+            by = (" · " if text else "") if power > 0.0 else " / " if text else "1 / "
+            base = (
+                f"({names[each]})"
+                if re.search("[ /]", names[each]) and len(powers) > 1
+                else names[each]
+            )
+            text += f"{by}{base}{raised}"
+    return text
 
 
 def _cosines(facts: Facts) -> list[dict[str, Any]]:
     """How alike the effects of the leading causes are on these data: one with all before it."""
-    effects: dict[str, Array] = {}
-    for each in facts.findings.responses:
-        if np.any(each.gaps) and len(effects) < _COMPARED:
-            effects.setdefault(each.cause.name, each.gaps[0])
-    null, gaps = facts.findings.models.null, list(effects.values())
+    found = facts.cannot_tell
+    names = found.causes[:_COMPARED] if len(found.causes) > 1 else []
     return [
-        {
-            "cause": name, "title": facts.words.title(name),
-            "cosines": [abs(cosine(facts.problem, null, gaps[k], each)) for each in gaps[:k]],
-        }
-        for k, name in enumerate(effects) if len(gaps) > 1
-    ]  # fmt: skip
+        {"cause": name, "title": facts.words.title(name), "cosines": found.cosines[k, :k].tolist()}
+        for k, name in enumerate(names)
+    ]
 
 
 def _bounds(facts: Facts) -> dict[str, Any]:
-    found, parameters = facts.findings, {each.name: each for each in facts.problem.parameters}
-    limits = upper_limits(facts.problem, found.models.null, found.responses)
+    limits = facts.cannot_tell.limits
+    parameters = {each.name: each for each in facts.problem.parameters}
     causes = ((each, facts.words.title(each.name)) for each in facts.problem.causes)
     owners = {each.name: title for cause, title in causes for each in cause.parameters}
     return {

@@ -78,7 +78,7 @@ class Words:
         names = sorted(map(re.escape, self._known), key=len, reverse=True)
         if not names:
             return text
-        found = rf"(?<![\w.])(?:{'|'.join(names)})(?![\w.])"
+        found = rf"(?<![\w.'])(?:{'|'.join(names)})(?![\w.])"
         text = re.sub(rf"({found}) \+ (?={found})", r"\1 and ", text)
         return re.sub(found, lambda each: self.title(each[0]), text)
 

@@ -1,0 +1,504 @@
+"""What data cannot tell: causes that act alike, constants that trade, causes too small to see.
+
+All of it is of the linear model about a fit, from what was computed for the verdict: the slopes and
+the covariance of the fit, the effects of the causes beside it, and the inner product of its errors.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import qr
+from scipy.sparse.csgraph import connected_components
+from scipy.stats import t as t_law
+
+from stickslip._util.numbers import Array, Indices
+from stickslip._util.text import OneLine
+from stickslip.diagnosis.decision.candidate import Candidate
+from stickslip.diagnosis.decision.posterior import ALIKE, SURE, cosine_of_swap
+from stickslip.diagnosis.fitting.models import Fit
+from stickslip.diagnosis.fitting.problem import FREED, Problem
+from stickslip.diagnosis.fitting.responses import Response
+from stickslip.diagnosis.fitting.search import Models
+from stickslip.diagnosis.terms.parameter import Parameter
+
+BOUND = 0.95
+"""Confidence of an upper limit."""
+
+PARTS = 4.0 * math.log(SURE / (1.0 - SURE))
+"""Chi-square that tells two causes alike apart: half of their lead counts, and is to reach 95 %."""
+
+_MOST = 1e3
+"""Multiple of the data beyond which no number of them is said to help. Chosen."""
+
+# A response is trusted up to this multiple of its size and down to its inverse; one with a smaller
+# signal than the other, in errors, or than that part of itself without the constants, says nothing.
+# Chosen.
+_TRUSTED, _UNSEEN, _ROUNDING = 3.0, 1e-3, 1e-10
+# Constants are named that do so much of the largest part in undoing an effect. Chosen.
+_TAKES_PART = 0.3
+
+# Idle are directions of which the data say less than the priors: their share of a prior's variance
+# is larger than this, as is their share of the variance of a parameter in them. Parameters belong
+# together whose projections on these directions have such a cosine, and a combination of them is
+# known whose error falls by such a factor. Chosen.
+_IDLE, _TOGETHER, _KNOWN = 0.5, 0.05, 1.0 / 3.0
+# Powers are rounded to whole ones up to a largest, after multiplying by up to three, where they are
+# that near, or where rounding widens the error by less than this. Chosen.
+_POWER, _NEAR, _WIDER = 4, 0.02, 1.5
+
+
+class Limit(NamedTuple):
+    """An upper limit, in the unit of its amplitude, and whether these data show it.
+
+    Else it is the end of the range that was searched.
+    """
+
+    value: float
+    seen: bool
+
+
+class Alike(NamedTuple):
+    """Two causes with a similar effect beyond what the constants can undo.
+
+    `lead` is the chi-square by which the data tell them apart, at the size that was found or else
+    the usual size of the first; `more` how many times these readings would, inf if none would;
+    `row` the reading at which they differ most, by `apart` of its errors.
+    """
+
+    cause: str
+    other: str
+    cosine: float
+    lead: float
+    more: float
+    row: int
+    apart: float
+
+    @property
+    def parted(self) -> bool:
+        """Whether the data tell them apart."""
+        return self.lead > PARTS
+
+
+class Combination(NamedTuple):
+    """A combination of parameters that the data determine, with its value and error.
+
+    ``product`` of powers or else a sum with factors, which `weights` are by name.
+    """
+
+    weights: dict[str, float]
+    product: bool
+    value: float
+    sd: float
+
+
+class Group(NamedTuple):
+    """Parameters of which the data determine no more than some combinations."""
+
+    names: tuple[str, ...]
+    known: tuple[Combination, ...]
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class CannotTell(OneLine):
+    """What the data cannot tell beside a model.
+
+    Attributes
+    ----------
+    alike : list of Alike
+        Of the causes of the model with others; then of others that are not told apart.
+    hidden : dict of tuple of str
+        Causes whose usual size some constants undo within their priors, and these constants.
+    groups : list of Group
+    silent : list of str
+        Parameters of which the data say less than their priors.
+    limits : dict of Limit
+        Of the amplitudes of all causes that are not in the model.
+    causes : list of str
+        That were compared, the one of the largest gain first.
+    cosines : ndarray, shape (causes, causes)
+    """
+
+    alike: list[Alike]
+    hidden: dict[str, tuple[str, ...]]
+    groups: list[Group]
+    silent: list[str]
+    limits: dict[str, Limit]
+    causes: list[str]
+    cosines: Array
+
+
+def cannot_tell(
+    told: Candidate, null: Candidate, found: Sequence[Response], fits: Sequence[Fit]
+) -> CannotTell:
+    """What the data cannot tell beside the model that is told.
+
+    Where its causes take little, that is beside the recalibrated model.
+
+    Parameters
+    ----------
+    told, null : Candidate
+        The second is the recalibrated model.
+    found : sequence of Response
+        Of the causes about the recalibrated model, that of the largest gain first.
+    fits : sequence of Fit
+        The best one of each set of causes.
+    """
+    models = told.models
+    candidate = told if _lead(models, told.fit, null.fit) > PARTS else null
+    groups, silent = combinations(candidate)
+    beside = _Beside(models, candidate.fit, found)
+    causes, cosines = beside.cosines()
+    hidden = beside.hidden()
+    alike = _exchanged(models, candidate.fit, fits)
+    alike += beside.alike([each for each in causes if each not in hidden])
+
+    def said(*names: str) -> bool:
+        """Whether a group says as much of constants that are other than stated."""
+        return any(set(names) <= set(each.names) for each in groups)
+
+    alike = [each for each in alike if not said(each.cause, each.other)]
+    hidden = {name: others for name, others in hidden.items() if not said(name, *others)}
+    return CannotTell(alike, hidden, groups, silent, beside.limits(), causes, cosines)
+
+
+# ------------------------------------------------------------------------------- causes that differ
+def _exchanged(models: Models, fit: Fit, fits: Sequence[Fit]) -> list[Alike]:
+    """Causes of a fit beside those that act alike in their place, each refitted."""
+    problem, form, found = models.problem, models.forms[fit.form], []
+    for each in fits:
+        other = models.get(each.names, fit.form) or each
+        swapped = fit.names ^ other.names
+        if len(swapped) != 2 or len(other.names) != len(fit.names):
+            continue
+        cosine = abs(cosine_of_swap(models, fit, other))
+        if cosine <= ALIKE:
+            continue
+        gap = fit.residual - other.residual
+        lead = _lead(models, fit, other)
+        apart = float(form.gram(form.prepared(gap[:, None]), fit.h)[0, 0])
+        (cause,), (exchanged,) = fit.names - other.names, other.names - fit.names
+        found.append(_alike(problem, (cause, exchanged), cosine, lead, apart, gap))
+    return found
+
+
+def _lead(models: Models, fit: Fit, other: Fit) -> float:
+    """Chi-square by which a fit is better than another, in its inner product.
+
+    What was stated of the constants is a datum too; the usual size of a cause is none.
+    """
+    own = slice(0, len(models.problem.constants))
+    costs = models.forms[fit.form].cost(np.stack([fit.residual, other.residual]), fit.h)
+    pulls = [each.x[own] @ each.precision[own, own] @ each.x[own] for each in (fit, other)]
+    return float(costs[1] - costs[0] + pulls[1] - pulls[0])
+
+
+def _alike(
+    problem: Problem, names: tuple[str, str], cosine: float, lead: float, apart: float, gap: Array
+) -> Alike:
+    more = math.ceil(PARTS / apart) if apart > PARTS / _MOST else math.inf
+    errors = np.abs(gap) / problem.sd
+    row = int(np.argmax(errors))
+    return Alike(*names, cosine, lead, more, row, float(errors[row]))
+
+
+class _Effect(NamedTuple):
+    """Change of the predictions by an amplitude at the coordinate `u`; -1 is a freed constant.
+
+    `usual` is the factor to its usual size.
+    """
+
+    cause: str
+    amplitude: int
+    u: float
+    shape: tuple[float, ...]
+    response: int
+    usual: float
+    gap: Array
+
+
+class _Beside:
+    """Effects of causes beside a fit, in its inner product, beyond what its parameters undo."""
+
+    def __init__(self, models: Models, fit: Fit, found: Sequence[Response]) -> None:
+        self.models, self.fit, problem = models, fit, models.problem
+        self.effects = [
+            effect
+            for place, each in enumerate(found)
+            if each.cause.curve is None and each.cause.name not in fit.names
+            for effect in _effects(problem, fit, each, place)
+        ]
+        p, gaps = len(fit.free), [each.gap for each in self.effects]
+        columns = np.column_stack([fit.slopes, *gaps, fit.residual])
+        form = models.forms[fit.form]
+        gram = form.weighted(form.prepared(columns), fit.residual, fit.h)
+        self.constants = gram[:p, :p]
+        curvature, across = self.constants + fit.precision, gram[:p, p:-1]
+        self.undo = np.linalg.solve(curvature, across)  # shape (free, effects)
+        self.raw = np.diag(gram)[p:-1]
+        self.own = gram[p:-1, p:-1] - across.T @ self.undo
+        downhill = gram[:p, -1] - fit.precision @ fit.x[fit.free]
+        self.along = gram[p:-1, -1] - self.undo.T @ downhill
+        size2 = np.diag(self.own)
+        self.seen = (size2 > _UNSEEN**2) & (size2 > _ROUNDING * self.raw)
+        # Of each cause the effects that are seen, a list for each response.
+        self.rows: dict[str, list[list[int]]] = {}
+        for _, same in itertools.groupby(range(len(self.effects)), self._response):
+            rows = list(same)
+            own = self.rows.setdefault(self.effects[rows[0]].cause, [])
+            own.append([k for k in rows if self.seen[k]])
+
+    def limits(self) -> dict[str, Limit]:
+        """95 % upper limit of the magnitude of every amplitude by name.
+
+        That of one that acts as it falls, such as a limit of an amplifier, is the lowest value that
+        it could have. Of the responses of a sign and a shape the one counts whose size is nearest
+        to its limit, as if it grew with the amplitude; of signs and shapes the one that is seen
+        least. An amplitude that these data cannot see is bounded by its range.
+        """
+        problem = self.models.problem
+        sds = float(t_law.ppf(0.5 + 0.5 * BOUND, min(problem.freedom, 1e6)))
+        # By amplitude, sign and shape: how far the limit is from the response's size, and it.
+        nearest: dict[tuple[int, float, tuple[float, ...]], tuple[float, float]] = {}
+        for k, each in enumerate(self.effects):
+            if each.amplitude < 0:
+                continue
+            multiple = math.inf
+            if self.seen[k]:
+                size2 = float(self.own[k, k])
+                multiple = max(float(self.along[k]) / size2, 0.0) + sds / math.sqrt(size2)
+            reach = math.inf
+            if multiple < _TRUSTED:
+                size = _distance(problem.parameters[each.amplitude], each.u)
+                reach = size * max(multiple, 1.0 / _TRUSTED)
+            key = each.amplitude, math.copysign(1.0, each.u), each.shape
+            old = nearest.get(key, (math.inf, math.inf))
+            nearest[key] = min(old, (abs(math.log(multiple)), reach))
+        limits: dict[str, Limit] = {}
+        for (k, sign, _), (_, reach) in nearest.items():
+            name, end = problem.parameters[k].name, problem.limits[int(sign > 0.0), k]
+            end = _distance(problem.parameters[k], end)
+            own = Limit(min(reach, end), reach < end)
+            limits[name] = max(limits.get(name, own), own)
+        falling = {each.name: each.high for each in problem.parameters if each.falls}
+        return {name: Limit(falling[name] - each.value, each.seen) if name in falling else each
+                for name, each in limits.items()}  # fmt: skip
+
+    def cosines(self) -> tuple[list[str], Array]:
+        """Causes, and how alike the first response of each is to the likest of every other."""
+        names = list(self.rows)
+        found = np.eye(len(names))
+        for a, one in enumerate(names):
+            for b, other in enumerate(names):
+                if a != b and self.rows[one][0]:
+                    found[a, b] = min(self._likest(k, other)[0] for k in self.rows[one][0])
+        return names, np.sqrt(np.maximum(found, found.T))
+
+    def hidden(self) -> dict[str, tuple[str, ...]]:
+        """Causes that would be seen but for constants that undo them, and these constants."""
+        found, problem = {}, self.models.problem
+        size2 = np.array([each.usual**2 for each in self.effects])
+        left, raw = np.diag(self.own) * size2, self.raw * size2
+        undone = (left < PARTS) & (raw > PARTS) & (left < (1.0 - ALIKE**2) * raw)
+        for name in self.rows:
+            rows = [k for k, each in enumerate(self.effects) if each.cause == name]
+            if not np.all(undone[rows]):
+                continue
+            part = np.abs(self.undo[:, rows[0]]) * np.sqrt(np.diag(self.constants))
+            moved = np.flatnonzero(part > _TAKES_PART * part.max())
+            found[name] = tuple(
+                problem.parameters[self.fit.free[k]].name for k in moved[np.argsort(-part[moved])]
+            )
+        return found
+
+    def alike(self, names: Sequence[str]) -> list[Alike]:
+        """Pairs of causes that these data would not tell apart at the usual size of the first."""
+        found: dict[frozenset[str], Alike] = {}
+        for one, other in itertools.permutations(names, 2):
+            # Of a cause with several amplitudes there is no usual effect.
+            if len(self.rows[one][0]) != 1 or frozenset((one, other)) in found:
+                continue
+            (k,) = self.rows[one][0]
+            like, columns = self._likest(k, other)
+            size2 = float(self.own[k, k]) * self.effects[k].usual ** 2
+            lead = size2 * (1.0 - like)
+            if like > ALIKE**2 and size2 > PARTS > lead:
+                gap = self._left(k, columns) * self.effects[k].usual
+                pair = one, other
+                found[frozenset(pair)] = _alike(
+                    self.models.problem, pair, math.sqrt(like), lead, lead, gap
+                )
+        return list(found.values())
+
+    def _response(self, k: int) -> int:
+        return self.effects[k].response
+
+    def _likest(self, k: int, other: str) -> tuple[float, list[int]]:
+        """Share of an effect that one response of a cause can have, and the columns of that."""
+        best: tuple[float, list[int]] = 0.0, []
+        for rows in self.rows[other]:
+            if not rows:
+                continue
+            across = self.own[rows, k]
+            if len(rows) == 1:
+                part = float(across[0] ** 2 / self.own[rows[0], rows[0]])
+            else:
+                part = float(across @ np.linalg.solve(self.own[np.ix_(rows, rows)], across))
+            best = max(best, (min(part / float(self.own[k, k]), 1.0), rows))
+        return best
+
+    def _left(self, k: int, columns: list[int]) -> Array:
+        """What is left of an effect without what others and the constants can have of it, (n,)."""
+        factors = np.linalg.solve(self.own[np.ix_(columns, columns)], self.own[columns, k])
+        gaps = np.stack([self.effects[i].gap for i in columns], axis=1)
+        moved = self.undo[:, k] - self.undo[:, columns] @ factors
+        return np.asarray(self.effects[k].gap - gaps @ factors - self.fit.slopes @ moved)
+
+
+def _effects(problem: Problem, fit: Fit, response: Response, place: int) -> list[_Effect]:
+    cause = response.cause
+    if not cause.parameters:
+        # A freed constant is moved by its wider prior.
+        names = [each.name for each in problem.constants]
+        gap = FREED[0] * fit.slopes[:, names.index(str(cause.frees))]
+        return [_Effect(cause.name, -1, FREED[0], (), place, 1.0, gap)]
+    columns, free = problem.columns([cause]).tolist(), problem.free([cause]).tolist()
+    amplitudes = [k for k in columns if problem.parameters[k].is_amplitude]
+    shape = tuple(response.x[[k for k in columns if k not in amplitudes]].tolist())
+    found = []
+    for k, gap in zip(amplitudes, response.gaps, strict=True):
+        slope = float(gap @ response.slopes[:, free.index(k)])
+        # The amplitude at which a response was taken makes its gap of its slope.
+        u = float(gap @ gap) / slope if slope else 0.0
+        own = problem.parameters[k]
+        usual = _distance(own, math.copysign(1.0, u)) / (_distance(own, u) or 1.0)
+        found.append(_Effect(cause.name, k, u, shape, place, usual, gap))
+    return found
+
+
+def _distance(parameter: Parameter, u: float) -> float:
+    """Distance of an amplitude at a coordinate from where it does nothing, in its unit."""
+    start = parameter.high if parameter.falls else parameter.absent
+    return abs(float(parameter.smooth_value(np.array([u]))[0]) - start)
+
+
+# ------------------------------------------------------------------- parameters that are determined
+def combinations(candidate: Candidate) -> tuple[list[Group], list[str]]:
+    """Groups of parameters of which only combinations are determined, and those that are not.
+
+    Directions are idle of which the data say less than the priors (likelihood-informed subspaces:
+    Cui et al., Inverse Problems 30, 114015, 2014).
+    """
+    fit, problem = candidate.fit, candidate.models.problem
+    curves = problem.columns([each for each in fit.causes if each.curve is not None])
+    inner = np.flatnonzero((np.diag(fit.covariance) > 0.0) & ~np.isin(fit.free, curves))
+    if not len(inner):
+        return [], []
+    width = 1.0 / np.sqrt(np.diag(fit.precision)[inner])
+    scaled = fit.covariance[np.ix_(inner, inner)] / np.outer(width, width)
+    share, vectors = np.linalg.eigh(scaled)
+    idle = share > _IDLE
+    left = (vectors[:, idle] ** 2) @ share[idle]
+    open_ = np.flatnonzero(left > _IDLE * np.diag(scaled))
+    project = (vectors[:, idle] @ vectors[:, idle].T)[np.ix_(open_, open_)]
+    size = np.sqrt(np.diag(project))
+    count, label = connected_components(np.abs(project) > _TOGETHER * np.outer(size, size))
+    groups, silent = [], []
+    for each in range(count):
+        own = np.flatnonzero(label == each)
+        known = _known(candidate, inner[open_[own]], width[open_[own]], project[np.ix_(own, own)])
+        names = [problem.parameters[k].name for k in fit.free[inner[open_[own]]]]
+        if known:
+            groups.append(Group(tuple(names), tuple(known)))
+        else:
+            silent += names
+    return groups, silent
+
+
+def _known(
+    candidate: Candidate, places: Indices, width: Array, project: Array
+) -> list[Combination]:
+    """The combinations of some parameters that the data determine.
+
+    `places` are among the free ones, `width` those of their priors, `project` their projection on
+    the idle directions.
+    """
+    _, axes = np.linalg.eigh(project)
+    idle = round(float(np.trace(project)))
+    if not 0 < idle < len(places):
+        return []
+    fit, parameters = candidate.fit, candidate.models.problem.parameters
+    own = [parameters[k] for k in fit.free[places]]
+    value = np.array([
+        each.smooth_value(fit.x[k : k + 1])[0]
+        for each, k in zip(own, fit.free[places], strict=True)
+    ])  # fmt: skip
+    rates, names = candidate.rates[places], [each.name for each in own]
+    covariance = candidate.covariance.to_numpy()[np.ix_(places, places)]
+    moves, prior = (rates * width)[:, None] * axes[:, -idle:], np.abs(rates * width)
+
+    def told(product: bool) -> tuple[list[Combination], bool]:
+        """Combinations that are known, and whether all their weights are whole."""
+        scale = 1.0 / value if product else np.ones(len(value))
+        spread, found, whole = covariance * np.outer(scale, scale), [], True
+        for row in _determined(scale[:, None] * moves, np.abs(scale) * prior):
+            weights, factor, is_whole = _rounded(row, spread, product)
+            whole &= is_whole
+            sd = factor * math.sqrt(max(float(row @ spread @ row), 0.0))
+            if sd > _KNOWN * factor * float(np.linalg.norm(row * scale * prior)):
+                continue
+            level = float(np.prod(value**weights) if product else weights @ value)
+            said = {n: float(w) for n, w in zip(names, weights, strict=True) if w}
+            found.append(Combination(said, product, level, sd * (level if product else 1.0)))
+        return found, whole
+
+    as_sum, whole_sum = told(False)
+    if any(float(each.smooth_value(np.array([-1.0]))[0]) <= 0.0 for each in own):
+        return as_sum
+    as_product, whole_product = told(True)
+    # Of quantities of one named unit a sum is likelier meant than a product.
+    units = {each.unit for each in own}
+    added = whole_sum and all(set(each.weights.values()) == {1.0} for each in as_sum)
+    if not whole_product or (added and len(units) == 1 and units != {"-"}):
+        return as_sum
+    return as_product
+
+
+def _determined(moves: Array, width: Array) -> Array:
+    """Weights of combinations, a row each, that idle moves, shape (parameters, idle), leave alone.
+
+    Each has one parameter, of the weight 1, besides those that move most in the `width` of their
+    priors, of which there are as many as idle moves.
+    """
+    count, idle = moves.shape
+    order = qr((moves / width[:, None]).T, pivoting=True)[2]
+    first, rest = order[:idle], order[idle:]
+    rows = np.zeros((len(rest), count))
+    rows[np.arange(len(rest)), rest] = 1.0
+    rows[:, first] = -moves[rest] @ np.linalg.inv(moves[first])
+    part = np.abs(rows * width)
+    rows[part < _NEAR * np.max(part, axis=1, keepdims=True)] = 0.0
+    return rows
+
+
+def _rounded(row: Array, spread: Array, product: bool) -> tuple[Array, float, bool]:
+    """Weights as whole numbers where they are, as near as their spread tells; else to 3 digits.
+
+    The first is positive, and of a sum 1. And the factor between them and the row, and whether they
+    are whole.
+    """
+    sd, used = math.sqrt(max(float(row @ spread @ row), 0.0)), row[row != 0.0]
+    first = math.copysign(float(np.min(np.abs(used))), used[0]) if product else float(used[0])
+    for multiple in (1.0, 2.0, 3.0) if product else (1.0,):
+        factor = multiple / first
+        whole = np.round(factor * row)
+        near = float(np.max(np.abs(whole - factor * row))) < _NEAR
+        near |= math.sqrt(max(float(whole @ spread @ whole), 0.0)) < _WIDER * abs(factor) * sd
+        if near and np.max(np.abs(whole)) <= _POWER and np.all((whole != 0.0) == (row != 0.0)):
+            return whole, abs(factor), True
+    return np.array([float(f"{each / first:.3g}") for each in row]), abs(1.0 / first), False
