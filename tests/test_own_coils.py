@@ -140,5 +140,5 @@ def test_single_coils_in_a_file(tmp_path):
     assert load(path).replace({"coil.ym.turns": 9.0}) == scenario.replace({"coil.ym.turns": 9.0})
 
 
-def test_measured_windings_are_no_suspects():
+def test_measured_windings_are_no_causes():
     assert not any("coil_x" in cause.name for cause in library(Scenario(), {}, 70.0))

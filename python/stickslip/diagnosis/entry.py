@@ -99,8 +99,8 @@ def diagnose_model(
     data : Table, Series, or sequence of them
     uncertain : sequence of Parameter
         Constants that are known by their priors; not given with a model of
-        `stickslip.models`. For each whose prior has a middle, unless it is no suspect, "other than
-        stated" is a cause, too.
+        `stickslip.models`. For each whose prior has a middle, unless `suspect` is False,
+        "other than stated" is a cause, too.
     causes : sequence of Cause
         Effects, instruments (see `instruments`) and free laws, beside those of the model.
     seed : int

@@ -77,8 +77,8 @@ def pose(measurement: Measurement, threads: int = 1, seed: int = 0) -> Problem:
     if any(each.drive.edge_time != scenario.drive.edge_time for each in driven):
         settled.add("drive.edge_time")
     effects = library(scenario, settled, volts)
-    # Tables of one kind share suspects: that of the widest readings stands for all, as a limit may
-    # lie anywhere below them.
+    # Tables of one kind share instruments: that of the widest readings stands for all, as a limit
+    # may lie anywhere below them.
     every = [each for table in tables for each in table.suspects]
     every.sort(key=lambda each: each.parameters[0].high)
     suspects = {each.name: each for each in every}
@@ -119,7 +119,7 @@ def _laws(
 
 
 def freed(constants: Sequence[Parameter]) -> list[Cause]:
-    """A suspect for each constant that is stated with a middle: it is other than stated."""
+    """A cause for each constant that is stated with a middle: it is other than stated."""
     return [
         Cause(each.name, (), f"{each.name} is other than stated", frees=each.name)
         for each in constants

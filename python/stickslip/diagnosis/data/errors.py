@@ -1,6 +1,6 @@
 """The errors of readings: one model, estimated by restricted likelihood.
 
-A reading i of the condition k in the set-up q is
+A reading i of the condition k in the block q is
 
     y_i = level_k + s_k (shift_q + sign(level_k) gain_q + e_i),  s_k^2 = s0^2 + (rho level_k)^2,
 
@@ -47,7 +47,7 @@ errors of a reading, and that of what a film's periods share in errors of a peri
 weak, with equal parts of s0 and rho, and with periods that seldom differ."""
 
 _SHARED = ("shift", "gain")
-"""What readings of a set-up share."""
+"""What readings of a block share."""
 
 _FARTHEST = 8.0
 """Standard deviations of the priors beyond which the likelihood is not followed. Chosen: far out,
@@ -89,7 +89,7 @@ class Errors(OneLine):
         ``shift`` and ``gain`` in errors of a reading.
     notes : tuple of Note
     of_fit : bool
-        Whether they are what the fit of all suspects leaves.
+        Whether they are what the fit of all causes leaves.
     """
 
     sd: Array
@@ -143,7 +143,7 @@ def estimate(
         Condition of each reading, 0 to m - 1, none missing.
     sd : ndarray, shape (n,), optional
         Standard deviation of each reading, if stated. Repeats then tell only what readings of a run
-        or of a set-up share.
+        or of a block share.
     relative : float
         Stated relative standard deviation of a reading, used where repeats are too few.
     run : ndarray of int, shape (n,), optional
@@ -286,11 +286,11 @@ def _crossed(
     setup = np.unique(numbers, return_inverse=True)[1].astype(np.int64)
     most = max(len(np.unique(condition[known])), len(np.unique(setup[known])) + 1)
     if np.max(setup) == 0:
-        text = "All readings are of one set-up: what they share is not known."
+        text = "All readings are of one block: what they share is not known."
         notes.append(Note("one-set-up", text))
         return None
     if len(np.unique(condition[known] * len(setup) + setup[known])) <= most:
-        text = "No condition was repeated in another set-up: what readings of one share is unknown."
+        text = "No condition was repeated in another block: what readings of one share is unknown."
         notes.append(Note("set-ups-not-crossed", text))
         return None
     return setup
@@ -378,7 +378,7 @@ class _Scatter(OneLine):
 
     @cached_property
     def shares(self) -> Array:
-        """Set-up of each reading as columns of 0 and 1, shape (n, set-ups)."""
+        """Block of each reading as columns of 0 and 1, shape (n, blocks)."""
         if self.setup is None:
             return np.zeros((len(self.away), 0))
         return np.eye(int(self.setup.max()) + 1)[self.setup]
@@ -406,7 +406,7 @@ class _Scatter(OneLine):
         told |= {name: math.sqrt(weight @ np.exp(2.0 * p[name])) for name in _SHARED if name in p}
         if "shift" in p:
             text = (
-                f"Set-ups differ by a shift of {told['shift']:.2g} and a gain of "
+                f"Blocks differ by a shift of {told['shift']:.2g} and a gain of "
                 f"{told.get('gain', 0.0):.2g} errors of a reading."
             )
             notes.append(Note("set-ups", text, told["shift"]))
@@ -451,7 +451,7 @@ class _Scatter(OneLine):
         """By Henderson's mixed-model equations, linear in the number of readings.
 
         Divided by their errors, readings have the covariance R + W W' with R of the runs, whose
-        inverse has three diagonals, and W of the set-ups.
+        inverse has three diagonals, and W of the blocks.
         """
         rows, c, m = self.order, self.condition[self.order], len(self.mean)
         link = min(float(phi), _STRONGEST) ** self.gap

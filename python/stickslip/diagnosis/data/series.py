@@ -49,7 +49,7 @@ class Series(Table):
         What acts on the system, by name, each of shape (n,).
     sd : float or array_like, shape (n,), optional
         Standard deviation of each reading. If not given, it is estimated: from repeats; else from
-        the scatter about a smooth curve; else from what the fit of all suspects leaves.
+        the scatter about a smooth curve; else from what the fit of all causes leaves.
     name : str
         Of the record.
     repeat_of : str or Series, optional

@@ -60,8 +60,8 @@ class Table:
     sd : float or array_like, shape (n,), optional
         Standard deviation of each reading; estimated from repeats, if not given.
     block : array_like, shape (n,), optional
-        Set-up of each reading: readings of one set-up share an error. One without a label is a
-        set-up of its own.
+        Block of each reading: readings of one block share an error. One without a label is a
+        block of its own.
     run : array_like, shape (n,), optional
         Run of each reading: errors of neighbours in a run may be correlated, in the order of the
         rows.
@@ -284,7 +284,7 @@ class Table:
             )
             return Note("no-noise", text)
         if 0.0 < errors.dof < math.inf and 3 < len(mean) < len(self.y):  # from repeats
-            # What set-ups share is no error of one condition beside another.
+            # What blocks share is no error of one condition beside another.
             own = errors.of_reading(mean) ** 2 / np.bincount(self.condition)
             ratio = float(np.var(mean) / np.mean(own))
             if ratio < _SPREAD:

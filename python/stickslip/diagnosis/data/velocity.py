@@ -73,7 +73,7 @@ class VelocityTable(SimulatedTable):
     """All [[velocity]] tables of a measurement, pooled: trials at equal drives are repeats.
 
     The order of conditions does not depend on that of the rows. A run is a curve, whose conditions
-    differ only in frequency, in one sweep of one set-up of one table; where a table has a column
+    differ only in frequency, in one sweep of one block of one table; where a table has a column
     order, it is the curve with all its sweeps.
 
     Parameters
@@ -135,7 +135,7 @@ class VelocityTable(SimulatedTable):
         )  # fmt: skip
         self.notes = list(self.errors.notes)
         if np.all(self.block < 0):
-            text = "There is no column block: what trials of a set-up share is not known."
+            text = "There is no column block: what trials of a block share is not known."
             self.notes.append(Note("no-block-column", text))
         self.suspects = of_velocities(self.mean)
         self.places = _places(self.conditions)
@@ -359,12 +359,12 @@ class VelocityTable(SimulatedTable):
         return None
 
     def _drift(self) -> Note | None:
-        """Velocities that change with time; what differs between set-ups is no drift."""
+        """Velocities that change with time; what differs between blocks is no drift."""
         told = self.errors.told
         moves = np.bincount(self.condition, self.y != 0.0) > 0
         used = np.isfinite(self.sequence) & moves[self.condition]
         if "shift" in told:
-            used &= self.block >= 0  # a trial of no known set-up has an error of its own
+            used &= self.block >= 0  # a trial of no known block has an error of its own
         if np.sum(used) < _FEWEST_ORDERED:
             return None
         rows, gap = along_runs(self.curve, self.sequence, used, used)
@@ -432,8 +432,8 @@ def settings_of(conditions: Conditions) -> Settings:
 def _pooled(tables: Sequence[VelocityData]) -> tuple[list[dict[str, Value]], Array]:
     """Conditions of all tables, and a row for each trial, condition by condition.
 
-    With its condition, set-up, run, velocity, m/s, order, and place in its run in usual steps. A
-    set-up is -1 and an order NaN where a table does not tell it.
+    With its condition, block, run, velocity, m/s, order, and place in its run in usual steps. A
+    block is -1 and an order NaN where a table does not tell it.
     """
     trials = []
     runs: dict[object, int] = {}

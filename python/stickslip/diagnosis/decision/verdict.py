@@ -200,7 +200,7 @@ def _claimed(
     if fit.form == "none":
         beside = next((each for each in models.leaders() if each.names == fit.names
                        and each.form != "none"), fit)  # fmt: skip
-    # Errors that were taken from the fit of all suspects explain what it leaves by themselves.
+    # Errors that were taken from the fit of all causes explain what it leaves by themselves.
     by_itself = any(each.of_fit for each in problem.errors)
     against = [] if explains and proven and not by_itself else _against(models, beside, gains)
     if against:

@@ -1,4 +1,4 @@
-"""Errors that neither repeats nor a smooth curve tell: what the fit of all suspects leaves."""
+"""Errors that neither repeats nor a smooth curve tell: what the fit of all causes leaves."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ no smooth curve. Chosen: sixty readings tell it from chance."""
 def with_scatter(problem: Problem, seed: int) -> Problem:
     """The problem where each table has errors, if enough readings tell them.
 
-    A cause that is no suspect counts as noise. Readings that follow an input of many jumps scatter
+    A cause that is not listed counts as noise. Readings that follow an input of many jumps scatter
     about each smooth curve; if the fit leaves less than that, it tells their error too.
     """
     unknown = [k for k, each in enumerate(problem.errors) if each.dof == 0.0]
@@ -86,7 +86,7 @@ def _scattered(problem: Problem, unknown: Sequence[int], residual: Array, spent:
         if free < FEWEST:
             continue
         text = (
-            f"A reading scatters by {size:.2g} {table.unit} about the fit of all suspects "
+            f"A reading scatters by {size:.2g} {table.unit} about the fit of all causes "
             f"({free:.0f} degrees of freedom): a cause that is none of them counts as noise."
         )
         told = {"s0": size, "rho": 0.0}

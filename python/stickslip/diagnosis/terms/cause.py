@@ -32,7 +32,7 @@ class Cause(OneLine):
         Amplitudes and shapes. None for a constant that is other than stated.
     frees : str, optional
         Name of a constant whose prior is widened to ten times its standard deviation: of the
-        constant that is the suspect itself, or of the one that a law of a free shape replaces.
+        constant that is the cause itself, or of the one that a law of a free shape replaces.
     read : callable, optional
         Of an instrument: how it changes the readings of `table`, or the input of a `Series`.
     table : str, optional

@@ -53,7 +53,7 @@ class Parameter:
         Whether a constant may be named itself, as other than stated.
     each_record : bool
         Whether a constant has a value of its own in each `Series`, such as a start state. It is no
-        suspect.
+        cause.
     negligible : float
         Distance from `absent` below which an amplitude does nothing, in the unit.
     fineness : float
@@ -139,7 +139,7 @@ class Parameter:
             low, high = np.arcsinh(span * math.sinh(1.0) / self.size).tolist()
             return low, high
         assert self.prior is not None
-        # A shape, which is no suspect, stays near its middle; a stated constant may be far off.
+        # A shape, which is no cause, stays near its middle; a stated constant may be far off.
         end = math.inf
         if not self.prior.has_middle or not self.suspect:
             end = _FARTHEST
