@@ -11,7 +11,7 @@ from unittest import mock
 
 import numpy as np
 from measure import ROOT
-from real import axis
+from real.study import axis
 
 from stickslip import (
     Cause,
@@ -60,9 +60,7 @@ CASES: dict[str, Callable[[], Diagnosis]] = {
     "README's example": _example,
     "nothing explains, 8 conditions": lambda: _unexplained(8),
     "nothing explains, 12 conditions": lambda: _unexplained(12),
-    "own model, a record of 495 readings": lambda: axis.diagnose_in_time(
-        ROOT / "tests" / "data" / "axis_friction.csv.gz"
-    ),
+    "own model, a record of 495 readings": lambda: axis.diagnose_in_time(),
 }
 
 

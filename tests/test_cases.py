@@ -1,11 +1,13 @@
 """The logs and cases of `examples`: made as they say, and with the answers that are stored."""
 
 import csv
+import runpy
 import shutil
 import subprocess
 import sys
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from documentation_blocks import EXAMPLES, prints
@@ -63,3 +65,12 @@ def test_a_case_prints_what_is_stored(case, tmp_path):
     got = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True).stdout
     expected = (case / "expected.txt").read_text(encoding="utf-8")
     assert prints(expected, got), got
+
+
+@pytest.mark.parametrize("case", sorted(each.parent.name for each in CASES.glob("*/make.py")))
+def test_a_made_case_is_made_as_it_says(case, tmp_path):
+    shutil.copy(CASES / case / "make.py", tmp_path)
+    runpy.run_path(str(tmp_path / "make.py"))
+    made, kept = (pd.read_csv(folder / "log.csv") for folder in (tmp_path, CASES / case))
+    assert list(made) == list(kept)
+    np.testing.assert_allclose(made, kept, atol=2e-5)

@@ -11,7 +11,7 @@ from stickslip import Series
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 
-from real import axis, study, tanks
+from real import study
 from real.flights import read_drops
 from real.impacts import (
     HEIGHTS,
@@ -26,9 +26,8 @@ from real.score import Measured, Truth, judged, row
 
 @pytest.fixture(scope="module")
 def segments():
-    path = study.DATA / "axis_friction.csv.gz"
     return {
-        listed: axis.diagnose_segments(path, () if listed else axis.TRUTH.present)
+        listed: study.axis.diagnosed(() if listed else study.AXIS.present)
         for listed in (True, False)
     }
 
@@ -38,7 +37,7 @@ def test_the_smallest_set_with_a_known_size_is_judged_right(segments):
     def diagnosed(without):
         return segments[not without]
 
-    measured = Measured("axis", (1e3, "mN"), axis.TRUTH, diagnosed)
+    measured = Measured("axis", (1e3, "mN"), study.AXIS, diagnosed)
     with_it, without = row(measured), row(measured, listed=False)
     assert (with_it.found, with_it.judgement) == ("viscous_asymmetry", "right")
     assert with_it.size.endswith("N s/m (known: 36.9)")
@@ -65,11 +64,11 @@ def test_each_judgement_is_given(segments):
     found, missed = segments[True], segments[False]
     name = "viscous_asymmetry.half"
     value, sd = found.params.loc[name, ["value", "sd"]]
-    assert judged(found, replace(axis.TRUTH, certain=False)) == "not contradicted"
+    assert judged(found, replace(study.AXIS, certain=False)) == "not contradicted"
     assert judged(found, Truth(("ripple",))) == "wrong: viscous_asymmetry"
-    assert judged(found, Truth(("ripple",), axis.TRUTH.present)) == "possible"
+    assert judged(found, Truth(("ripple",), study.AXIS.present)) == "possible"
     for far, said in ((2.9, "right"), (3.1, f"wrong: {name} = {value:.4g}")):
-        known = replace(axis.TRUTH, values={name: (value + far * sd, 0.0)})
+        known = replace(study.AXIS, values={name: (value + far * sd, 0.0)})
         assert judged(found, known) == said
     (nearest,) = missed.verdict.leader.names
     assert judged(missed, Truth((nearest,))) == "silent, the truth nearest"
@@ -82,7 +81,7 @@ def record(pump):
 
 def levels(pump, **values):
     p = {"k1": 0.05, "k2": 0.05, "k3": 0.0, "k4": 0.04, "level1": 4.0, "level2": 0.0}
-    return tanks.lower_level(
+    return study.tanks.lower_level(
         record(pump), {name: np.full((2, 1), value) for name, value in {**p, **values}.items()}
     )
 

@@ -15,15 +15,20 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from cases.axis import case as axis
+from cases.tanks import case as tanks
 from measure import MEASURED, saved
 
-from . import axis, impacts, robots, slider, tanks
+from . import impacts, robots, slider
 from .flights import read_drops
-from .score import Measured, Row, row
+from .score import Measured, Row, Truth, row
 
 DATA = Path(__file__).parents[2] / "tests" / "data"
 DROPS = DATA / "square_drops.csv.gz"
 NAMES = ("tumbler", "rollers", "axis", "tanks", "slider", "drops")
+
+AXIS = Truth(("viscous_asymmetry",), values={"viscous_asymmetry.half": (36.86, 0.87)})
+TANKS = Truth(("upper_overflow", "lower_overflow", "sensor_end"))
 
 
 def measured_sets(name: str, drops: Path = DROPS) -> list[Measured]:
@@ -35,18 +40,16 @@ def measured_sets(name: str, drops: Path = DROPS) -> list[Measured]:
         rolled = partial(robots.diagnose_rollers, path)
         return [Measured("rollers", (1e6, "um/s"), robots.ROLLERS, rolled)]
     if name == "axis":
-        path = DATA / "axis_friction.csv.gz"
         return [
-            Measured(f"axis, {how}", (1.0, "N"), axis.TRUTH, partial(diagnosed, path))
+            Measured(f"axis, {how}", (1.0, "N"), AXIS, diagnosed)
             for how, diagnosed in (
-                ("ten segments", axis.diagnose_segments),
+                ("ten segments", axis.diagnosed),
                 ("20 Hz", axis.diagnose_in_time),
                 ("four repeats", axis.diagnose_repeats),
             )
         ]
     if name == "tanks":
-        filled = partial(tanks.diagnose_tanks, DATA / "tanks.csv")
-        return [Measured("tanks", (1.0, "V"), tanks.TRUTH, filled)]
+        return [Measured("tanks", (1.0, "V"), TANKS, tanks.diagnosed)]
     if name == "slider":
         slid = partial(slider.diagnose_slider, DATA / "slider_events.csv")
         return [Measured("slider", (1e3, "mN/N"), slider.TRUTH, slid)]

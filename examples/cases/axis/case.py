@@ -11,17 +11,13 @@ from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from stickslip import Cause, Diagnosis, Parameter, Prior, Series, Table, diagnose_model, instruments
 
-from .score import Truth, with_absent
-
 Values = dict[str, np.ndarray]
 
-TRUTH = Truth(
-    ("viscous_asymmetry",),
-    values={"viscous_asymmetry.half": (36.86, 0.87)},
-)
+DATA = Path(__file__).parent / "axis.csv.gz"
 
 _PERIOD = 6.24
 """s, after which the reference motion is repeated."""
@@ -107,6 +103,8 @@ _CAUSES = (
 )
 
 
+# Of a cause that is not listed.
+_ABSENT = {each.name: np.zeros((1, 1)) for cause in _CAUSES for each in cause.parameters}
 _METERS = (
     instruments.lag(2e-3, input="velocity", name="velocity_lag"),
     instruments.delay(size=2e-3, name="force_delay"),
@@ -115,7 +113,7 @@ _METERS = (
 
 def force(p: Values, v: np.ndarray, a: np.ndarray, x: np.ndarray, t: np.ndarray) -> np.ndarray:
     """Force of the motor, N, at velocities, accelerations, places and times, SI."""
-    p = with_absent(p, _CAUSES)
+    p = _ABSENT | p
     way, off = np.sign(v), x - _MIDDLE
     viscous = p["viscous"] * (1.0 + p["warming.rate"] * t) - p["viscous_asymmetry.half"] * way
     slow = np.exp(-np.abs(v) / np.maximum(p["stribeck.velocity"], 1e-6))
@@ -139,15 +137,13 @@ def force(p: Values, v: np.ndarray, a: np.ndarray, x: np.ndarray, t: np.ndarray)
     )
 
 
-def _readings(path: Path) -> dict[str, np.ndarray]:
-    import pandas as pd
-
-    return {name: column.to_numpy() for name, column in pd.read_csv(path).items()}
+def _readings() -> dict[str, np.ndarray]:
+    return {str(name): column.to_numpy() for name, column in pd.read_csv(DATA).items()}
 
 
-def diagnose_segments(path: Path, without: Collection[str] = ()) -> Diagnosis:
+def diagnosed(without: Collection[str] = ()) -> Diagnosis:
     """Mean forces at the velocities of ten segments of the record; whole segments are held out."""
-    read = _readings(path)
+    read = _readings()
     since = read["t"] - read["t"][0]
     segment = np.minimum((since / since[-1] * _SEGMENTS).astype(int), _SEGMENTS - 1)
     cells = segment * 1000 + np.floor(read["velocity"] / _BIN).astype(int)
@@ -172,9 +168,9 @@ def diagnose_segments(path: Path, without: Collection[str] = ()) -> Diagnosis:
     return diagnose_model(model, data, _CONSTANTS, listed)
 
 
-def diagnose_in_time(path: Path, without: Collection[str] = ()) -> Diagnosis:
+def diagnose_in_time(without: Collection[str] = ()) -> Diagnosis:
     """The whole record at 20 Hz, as one series."""
-    read = _readings(path)
+    read = _readings()
     count = len(read["t"]) // _MEAN_OF * _MEAN_OF
     slow = {name: each[:count].reshape(-1, _MEAN_OF).mean(axis=1) for name, each in read.items()}
     motion = {name: slow[name] for name in ("velocity", "acceleration", "position")}
@@ -187,12 +183,12 @@ def diagnose_in_time(path: Path, without: Collection[str] = ()) -> Diagnosis:
     return diagnose_model(model, record, _CONSTANTS, listed)
 
 
-def diagnose_repeats(path: Path, without: Collection[str] = ()) -> Diagnosis:
+def diagnose_repeats(without: Collection[str] = ()) -> Diagnosis:
     """The record at 20 Hz, as four repeats of the first 6 s of one motion; the last one ends there.
 
     All runs follow the reference to 1 um, so that the mean motion is that of each.
     """
-    read = _readings(path)
+    read = _readings()
     begin = {f"run {k}": k * _PERIOD for k in range(4)}
 
     def runs(name: str) -> np.ndarray:
@@ -213,3 +209,10 @@ def diagnose_repeats(path: Path, without: Collection[str] = ()) -> Diagnosis:
 
     listed = [each for each in (*_CAUSES, *_METERS) if each.name not in without]
     return diagnose_model(model, records, _CONSTANTS, listed)
+
+
+if __name__ == "__main__":
+    result = diagnosed()
+    print(result.verdict.kind, *sorted(result.verdict.causes))
+    value, sd, unit = result.params.loc["viscous_asymmetry.half", ["value", "sd", "unit"]]
+    print(f"half the difference: {value:.0f} ± {sd:.0f} {unit}")

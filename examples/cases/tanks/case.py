@@ -13,14 +13,11 @@ from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from stickslip import Cause, Diagnosis, Parameter, Prior, Series, diagnose_model, instruments
 
-from .score import Truth, with_absent
-
 Values = dict[str, np.ndarray]
-
-TRUTH = Truth(("upper_overflow", "lower_overflow", "sensor_end"))
 
 _NOISE = 0.01
 """Error of a reading over its root mean square: the document's ratio of 40 dB."""
@@ -99,13 +96,17 @@ _CAUSES = (
 )
 
 
+# Of a cause that is not listed.
+_ABSENT = {each.name: np.zeros((1, 1)) for cause in _CAUSES for each in cause.parameters}
+
+
 def lower_level(record: Series, p: Values) -> np.ndarray:
     """Level of the lower tank, V, at the times of a record.
 
     Classical Runge-Kutta steps of the time between two readings, a tenth of the time in which a
     level changes; what would stand above a rim does not press, and runs over at the end of each.
     """
-    p = with_absent(p, _CAUSES)
+    p = _ABSENT | p
     t = record.t
     u = np.maximum(record["pump"] - p["dead_pump.voltage"], 0.0)
     u = u * (1.0 + p["pump_curve.bend"] * (u - 2.8)) * (1.0 + p["pump_drift.change"] * t / t[-1])
@@ -146,12 +147,10 @@ def lower_level(record: Series, p: Values) -> np.ndarray:
     return levels.T
 
 
-def diagnose_tanks(path: Path, without: Collection[str] = ()) -> Diagnosis:
+def diagnosed(without: Collection[str] = ()) -> Diagnosis:
     """Both records, each with start levels of its own."""
-    import pandas as pd
-
     records = []
-    for name, rows in pd.read_csv(path).groupby("record"):
+    for name, rows in pd.read_csv(Path(__file__).with_name("tanks.csv")).groupby("record"):
         level = rows["level"].to_numpy()
         error = _NOISE * float(np.sqrt(np.mean(level**2)))
         records.append(
@@ -162,3 +161,9 @@ def diagnose_tanks(path: Path, without: Collection[str] = ()) -> Diagnosis:
         )  # fmt: skip
     listed = [each for each in _CAUSES if each.name not in without]
     return diagnose_model(lower_level, records, _CONSTANTS, listed)
+
+
+if __name__ == "__main__":
+    result = diagnosed()
+    print(result.verdict.kind, *sorted(result.verdict.causes))
+    print("nearest:", result.verdict.leader.name)
