@@ -9,7 +9,7 @@ CORE = Path(__file__).parents[1] / "cpp" / "stickslip"
 
 ORDER = (
     *("numbers", "drive", "field", "body", "solver"),
-    *("contact", "scenario", "run", "batch", "readings"),
+    *("contact", "scenario", "run", "batch", "readings", "models"),
 )
 
 

@@ -1,0 +1,98 @@
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "register.hpp"
+#include "stickslip/models/heat.hpp"
+#include "stickslip/models/motion.hpp"
+#include "stickslip/models/path.hpp"
+#include "tables.hpp"
+
+namespace py = pybind11;
+
+namespace stickslip::bindings {
+namespace {
+
+using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+void require(bool fits, const char* what) {
+    if (!fits) throw std::invalid_argument(what);
+}
+
+/// States x, v, y, w at the readings, shape (vectors, readings, 4). terms: (vectors, terms);
+/// start: (vectors, 2); times: (readings,); inputs: (vectors, readings).
+Array moved(const Array& terms, const Array& start, const Array& times, const Array& inputs) {
+    const py::ssize_t vectors = terms.shape(0), readings = times.shape(0);
+    require(terms.ndim() == 2 && terms.shape(1) == py::ssize_t{kMotionTerms.size()} &&
+                start.ndim() == 2 && start.shape(0) == vectors && start.shape(1) == 2 &&
+                inputs.ndim() == 2 && inputs.shape(0) == vectors && inputs.shape(1) == readings,
+            "moved: the shapes do not fit");
+    Array result({vectors, readings, py::ssize_t{4}});
+    const std::vector<double> t(times.data(), times.data() + readings);
+    const py::gil_scoped_release release;
+    for (py::ssize_t k = 0; k < vectors; ++k) {
+        MotionTerms own;
+        for (std::size_t i = 0; i < kMotionTerms.size(); ++i) {
+            own.*kMotionTerms[i].value = terms.at(k, i);
+        }
+        const double x = start.at(k, 0), v = start.at(k, 1);
+        double* out = result.mutable_data(k);
+        const auto input = [&](std::size_t reading) {
+            return OneMass::Input{inputs.at(k, reading)};
+        };
+        if (own.gap != 0.0 || own.spring != 0.0) {
+            follow(TwoMasses(own), {x, v, x, v}, t, input, [&](std::size_t n, const auto& z) {
+                std::copy(z.begin(), z.end(), out + 4 * n);
+            });
+        } else {
+            follow(OneMass(own), {x, v}, t, input, [&](std::size_t n, const auto& z) {
+                for (std::size_t i = 0; i < 4; ++i) out[4 * n + i] = z[i % 2];
+            });
+        }
+    }
+    return result;
+}
+
+/// Temperatures of the body at the readings, shape (vectors, readings). terms: (vectors, 5);
+/// start: (vectors,); times: (readings,); inputs: (vectors, readings, 2).
+Array heated(const Array& terms, const Array& start, const Array& times, const Array& inputs) {
+    const py::ssize_t vectors = terms.shape(0), readings = times.shape(0);
+    require(terms.ndim() == 2 && terms.shape(1) == 5 && start.shape(0) == vectors &&
+                inputs.ndim() == 3 && inputs.shape(0) == vectors && inputs.shape(1) == readings &&
+                inputs.shape(2) == 2,
+            "heated: the shapes do not fit");
+    Array result({vectors, readings});
+    const std::vector<double> t(times.data(), times.data() + readings);
+    const py::gil_scoped_release release;
+    for (py::ssize_t k = 0; k < vectors; ++k) {
+        const double* own = terms.data(k);
+        const HeatTerms c{own[0], own[1], own[2], own[3], own[4]};
+        const double begin = start.at(k);
+        double* out = result.mutable_data(k);
+        const auto input = [&](std::size_t reading) {
+            return HeatStores<1>::Input{inputs.at(k, reading, 0), inputs.at(k, reading, 1)};
+        };
+        const auto write = [&](std::size_t n, const auto& z) { out[n] = z[0]; };
+        if (c.heater > 0.0) {
+            follow(HeatStores<2>(c), {begin, begin}, t, input, write);
+        } else {
+            follow(HeatStores<1>(c), {begin}, t, input, write);
+        }
+    }
+    return result;
+}
+
+}  // namespace
+
+void register_models(py::module_& module) {
+    module.attr("motion_terms") = names_of(kMotionTerms);
+    module.def("moved", &moved, py::arg("terms"), py::arg("start"), py::arg("times"),
+               py::arg("inputs"));
+    module.def("heated", &heated, py::arg("terms"), py::arg("start"), py::arg("times"),
+               py::arg("inputs"));
+}
+
+}  // namespace stickslip::bindings

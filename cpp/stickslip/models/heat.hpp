@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
+
+namespace stickslip {
+
+/// Heat stores: a body, and with a second one its heater. Inputs: power (W) and the temperature
+/// around (K). See Path.
+struct HeatTerms {
+    double capacity = 1.0;                ///< J/K
+    double loss = 0.0, growth = 0.0;      ///< W/K, and its growth, W/K^2
+    double heater = 0.0, coupling = 0.0;  ///< J/K, W/K; no heater of its own at 0
+};
+
+template <std::size_t N>
+class HeatStores {
+public:
+    static constexpr std::size_t kStates = N, kInputs = 2, kPhases = 0;
+    using State = std::array<double, kStates>;
+    using Input = std::array<double, kInputs>;
+    using Mode = std::array<int, kPhases>;
+    using Point = std::pair<State, Mode>;
+
+    explicit HeatStores(const HeatTerms& terms)
+        : linear(terms.growth == 0.0), fastest(terms.loss / terms.capacity), c(terms) {
+        if constexpr (N == 2) fastest += c.coupling * (1.0 / c.capacity + 1.0 / c.heater);
+    }
+
+    bool linear;
+    double fastest;
+
+    State rate(const State& z, const Input& u, const Mode&) const {
+        const double over = z[0] - u[1], lost = (c.loss + c.growth * std::abs(over)) * over;
+        if constexpr (N == 1) {
+            return {(u[0] - lost) / c.capacity};
+        } else {
+            const double flow = c.coupling * (z[1] - z[0]);
+            return {(flow - lost) / c.capacity, (u[0] - flow) / c.heater};
+        }
+    }
+    std::array<double, 1> margins(const State&, const Input&, const Mode&) const {
+        return {std::numeric_limits<double>::infinity()};
+    }
+    Point begun(const State& z, const Input&) const { return {z, {}}; }
+    Point driven(const State& z, const Input&, const Mode&) const { return {z, {}}; }
+    Point after(const State& z, const Input&, const Mode&, std::size_t) const { return {z, {}}; }
+
+private:
+    HeatTerms c;
+};
+
+}  // namespace stickslip

@@ -1,0 +1,290 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+/// Steps in time of models of machines and heaters, from event to event. An input is held from one
+/// reading to the next. Where the motion is linear between events its steps are exact, by
+/// exponentials of matrices.
+namespace stickslip {
+
+/// A square matrix of a few rows.
+template <std::size_t N>
+using SquareMatrix = std::array<std::array<double, N>, N>;
+
+template <std::size_t N>
+SquareMatrix<N> product(const SquareMatrix<N>& a, const SquareMatrix<N>& b) {
+    SquareMatrix<N> result = {};
+    for (std::size_t i = 0; i < N; ++i) {
+        for (std::size_t k = 0; k < N; ++k) {
+            for (std::size_t j = 0; j < N; ++j) result[i][j] += a[i][k] * b[k][j];
+        }
+    }
+    return result;
+}
+
+/// Its exponential, by a series of the halved matrix that is squared again.
+template <std::size_t N>
+SquareMatrix<N> exponential_of(const SquareMatrix<N>& matrix) {
+    constexpr int kMost = 20;  // terms; with a norm up to a half, 14 do
+    double largest = 1e-300;
+    for (const auto& row : matrix) {
+        double sum = 0.0;
+        for (const double each : row) sum += std::abs(each);
+        largest = std::max(largest, sum);
+    }
+    const int halvings = std::max(0, static_cast<int>(std::ceil(std::log2(largest / 0.5))));
+    SquareMatrix<N> part = matrix, result = {};
+    for (std::size_t i = 0; i < N; ++i) {
+        for (double& each : part[i]) each = std::ldexp(each, -halvings);
+        result[i][i] = 1.0;
+    }
+    SquareMatrix<N> term = part;
+    for (int k = 2; k <= kMost; ++k) {
+        double size = 0.0;
+        for (std::size_t i = 0; i < N; ++i) {
+            for (std::size_t j = 0; j < N; ++j) {
+                result[i][j] += term[i][j];
+                size = std::max(size, std::abs(term[i][j]));
+            }
+        }
+        if (size < 1e-18) break;
+        term = product(term, part);
+        for (auto& row : term) {
+            for (double& each : row) each /= k;
+        }
+    }
+    for (int k = 0; k < halvings; ++k) result = product(result, result);
+    return result;
+}
+
+/// The path of one system, which has
+///
+///     kStates, kInputs, kPhases   numbers of them
+///     State, Input, Mode          arrays of so many doubles, doubles and signs
+///     linear                      whether the derivative is linear in state and inputs while the
+///                                 phases last
+///     fastest                     the largest rate of change, 1/s
+///     rate(z, u, mode)            derivative of the state
+///     margins(z, u, mode)         what is below zero where a phase has ended
+///     begun(z, u)                 state and phases at the first reading
+///     driven(z, u, mode)          the same where the input has changed
+///     after(z, u, mode, hit)      the same where the margin `hit` has become zero
+template <class System>
+class Path {
+public:
+    using State = typename System::State;
+    using Input = typename System::Input;
+    using Mode = typename System::Mode;
+    using Point = std::pair<State, Mode>;
+
+    /// step: s, the usual one between two readings.
+    Path(const System& system, double step) : system_(system) {
+        const double parts = std::ceil(std::max(1.0, step * system.fastest / kFine));
+        parts_ = system.linear ? 1 : parts <= kMostParts ? static_cast<int>(parts) : 0;
+    }
+
+    /// Whether the readings follow the motion; else nothing is known between them.
+    bool is_seen() const { return parts_ > 0; }
+
+    /// From a reading to the next, `gap` s later.
+    Point advanced(Point from, const Input& u, double gap) {
+        Point now = system_.driven(from.first, u, from.second);
+        for (int part = 0; part < parts_; ++part) now = step(now, u, gap / parts_);
+        return now;
+    }
+
+private:
+    static constexpr std::size_t kStates = System::kStates, kInputs = System::kInputs;
+    static constexpr std::size_t kWhole = kStates + 1 + kInputs;
+    using Rows = std::array<std::array<double, kWhole>, kStates>;
+
+    // Longest step of the method in units of the shortest time constant. Chosen: an oscillation is
+    // followed with an error of 3e-10 of its phase a step.
+    static constexpr double kFine = 0.1;
+    // Most parts of the time between two readings. Chosen: where more are needed, a log does not
+    // show what goes on between its readings.
+    static constexpr double kMostParts = 16;
+    static constexpr int kEvents = 24, kTries = 60;  // of a step, and of one event; never met
+    static constexpr double kExact = 1e-11;  // of its value after the step, the margin at an event
+
+    static double least(const auto& margins) {
+        return *std::min_element(margins.begin(), margins.end());
+    }
+
+    /// What takes state, one and inputs to the state after h s.
+    Rows rows(const Mode& mode, double h) const {
+        SquareMatrix<kWhole> generator = {};
+        const auto of = [&](std::size_t unit) {
+            State z = {};
+            Input u = {};
+            if (unit < kStates) z[unit] = 1.0;
+            if (unit > kStates && unit < kWhole) u[unit - kStates - 1] = 1.0;
+            return system_.rate(z, u, mode);
+        };
+        const State none = of(kWhole);
+        for (std::size_t column = 0; column < kWhole; ++column) {
+            const State made = of(column);
+            for (std::size_t i = 0; i < kStates; ++i) {
+                const double own = column == kStates ? none[i] : made[i] - none[i];
+                generator[i][column] = own * h;
+            }
+        }
+        const SquareMatrix<kWhole> whole = exponential_of(generator);
+        Rows result;
+        std::copy_n(whole.begin(), kStates, result.begin());
+        return result;
+    }
+
+    const Rows& whole_rows(const Mode& mode, double h) {
+        for (const Known& each : known_) {
+            if (each.mode == mode && std::abs(h - each.step) < 1e-9 * h) return each.rows;
+        }
+        if (known_.size() == kMostKnown) known_.clear();
+        return known_.emplace_back(Known{mode, h, rows(mode, h)}).rows;
+    }
+
+    static State by(const Rows& rows, const State& z, const Input& u) {
+        State result;
+        for (std::size_t i = 0; i < kStates; ++i) {
+            double sum = rows[i][kStates];
+            for (std::size_t j = 0; j < kStates; ++j) sum += rows[i][j] * z[j];
+            for (std::size_t j = 0; j < kInputs; ++j) sum += rows[i][kStates + 1 + j] * u[j];
+            result[i] = sum;
+        }
+        return result;
+    }
+
+    // A step without an event, or a part of one.
+    State whole(const State& z, const Input& u, const Mode& mode, double h) {
+        return system_.linear ? by(whole_rows(mode, h), z, u) : runge_kutta(z, u, mode, h);
+    }
+    State part(const State& z, const Input& u, const Mode& mode, double h) const {
+        if (system_.linear && h * system_.fastest > kFine) return by(rows(mode, h), z, u);
+        return runge_kutta(z, u, mode, h);
+    }
+
+    // The method of Dormand and Prince of order 5, J. Comput. Appl. Math. 6 (1980) 19.
+    State runge_kutta(const State& z, const Input& u, const Mode& mode, double h) const {
+        constexpr std::array<std::array<double, 5>, 5> kA = {{
+            {1.0 / 5.0},
+            {3.0 / 40.0, 9.0 / 40.0},
+            {44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0},
+            {19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0},
+            {9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0},
+        }};
+        constexpr std::array<double, 6> kB = {
+            35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0};
+        std::array<State, 6> k;
+        k[0] = system_.rate(z, u, mode);
+        const auto moved = [&](const auto& weights, std::size_t count) {
+            State y = z;
+            for (std::size_t stage = 0; stage < count; ++stage) {
+                for (std::size_t i = 0; i < kStates; ++i) y[i] += h * weights[stage] * k[stage][i];
+            }
+            return y;
+        };
+        for (std::size_t stage = 1; stage < k.size(); ++stage) {
+            k[stage] = system_.rate(moved(kA[stage - 1], stage), u, mode);
+        }
+        return moved(kB, k.size());
+    }
+
+    // A step through all events on the way.
+    Point step(Point now, const Input& u, double h) {
+        State end = whole(now.first, u, now.second, h);
+        for (int event = 0; event < kEvents; ++event) {
+            const double below = least(system_.margins(end, u, now.second));
+            if (!(below < 0.0)) break;
+            const auto [time, met] = find_event(now, u, h, below);
+            const auto margins = system_.margins(met, u, now.second);
+            const auto hit = std::min_element(margins.begin(), margins.end()) - margins.begin();
+            now = system_.after(met, u, now.second, static_cast<std::size_t>(hit));
+            h -= time;
+            if (h <= 0.0) return now;
+            end = part(now.first, u, now.second, h);
+        }
+        return {end, now.second};
+    }
+
+    // When the first margin becomes zero, s, and where, by false position (Illinois).
+    std::pair<double, State> find_event(const Point& from, const Input& u, double h,
+                                        double below) const {
+        const auto& [z, mode] = from;
+        double low = 0.0, high = h, time = 0.0, above = least(system_.margins(z, u, mode));
+        const double small = -kExact * below;
+        State met = z;
+        int last = -1;
+        for (int k = 0; k < kTries; ++k) {
+            time = 0.5 * (low + high);
+            // An event that has just been left has a margin of nearly zero: only halves lead away.
+            if (k % 3 != 2 && above > small) time = low + (high - low) * above / (above - below);
+            met = part(z, u, mode, time);
+            const double value = least(system_.margins(met, u, mode));
+            if (std::abs(value) <= small) break;
+            const int inside = value > 0.0;
+            if (inside) {
+                low = time;
+                above = value;
+                if (last == 1) below *= 0.5;
+            } else {
+                high = time;
+                below = value;
+                if (last == 0) above *= 0.5;
+            }
+            last = inside;
+        }
+        return {time, met};
+    }
+
+    // Of whole steps, whose lengths are mostly one.
+    struct Known {
+        Mode mode;
+        double step;
+        Rows rows;
+    };
+    static constexpr std::size_t kMostKnown = 32;
+
+    const System& system_;
+    int parts_ = 0;
+    std::vector<Known> known_;
+};
+
+/// States at readings: calls `write(reading, state)`, with NaN where they are not known.
+///
+/// times: s, of the readings. input(reading): what acts from it on.
+template <class System>
+void follow(const System& system, const typename System::State& start,
+            const std::vector<double>& times, auto&& input, auto&& write) {
+    if (times.empty()) return;
+    std::vector<double> gaps;
+    for (std::size_t k = 1; k < times.size(); ++k) gaps.push_back(times[k] - times[k - 1]);
+    std::vector<double> sorted = gaps;
+    std::sort(sorted.begin(), sorted.end());
+    const std::size_t half = sorted.size() / 2;
+    const double usual = sorted.empty()          ? 1.0
+                         : sorted.size() % 2 > 0 ? sorted[half]
+                                                 : 0.5 * (sorted[half - 1] + sorted[half]);
+    Path<System> path(system, usual);
+    typename System::State unknown;
+    unknown.fill(std::numeric_limits<double>::quiet_NaN());
+    const auto is_known = [](const auto& state) {
+        return std::all_of(state.begin(), state.end(), [](double x) { return std::isfinite(x); });
+    };
+    auto now = system.begun(start, input(0));
+    bool known = path.is_seen() && is_known(now.first);
+    write(0, known ? now.first : unknown);
+    for (std::size_t k = 0; k < gaps.size(); ++k) {
+        if (known) now = path.advanced(now, input(k), gaps[k]);
+        known = known && is_known(now.first);
+        write(k + 1, known ? now.first : unknown);
+    }
+}
+
+}  // namespace stickslip
