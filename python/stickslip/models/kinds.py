@@ -215,9 +215,8 @@ def joint(
     -----
     Stops, reversals and contacts are events, found to 1e-11 of how far a step goes beyond them.
     Between them steps are exact where the terms are linear, and of order 5 with `stribeck`,
-    `quadratic` or `gravity`. 25 000 readings of one vector take 0.03 s without friction, 0.1 s with
-    dry friction, and 0.2 to 0.4 s with backlash, a spring behind friction or terms of order 5.
-    Friction as in Armstrong-Helouvry et al., Automatica 30 (1994) 1083.
+    `quadratic` or `gravity`. 25 000 readings of one vector take 2 to 4 ms, and 7 to 13 ms with
+    terms of order 5. Friction as in Armstrong-Helouvry et al., Automatica 30 (1994) 1083.
 
     Examples
     --------
