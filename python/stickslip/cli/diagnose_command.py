@@ -13,11 +13,12 @@ from stickslip._util.files import check_folder
 from stickslip.cli.options import FOLDER, JSON, PATH, SEED, THREADS, pairs, stated
 from stickslip.cli.output import print_json, say, write_new
 from stickslip.cli.progress import progress_bar
+from stickslip.diagnosis.planning import FILES, NOISE, plan
 from stickslip.diagnosis.report.files import report_files
 from stickslip.diagnosis.report.next_table import TABLES, with_measured
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.rounds import BUDGET
-from stickslip.errors import prefixed
+from stickslip.errors import ScenarioError, prefixed
 from stickslip.measurement.first_lines import TableGiven
 
 # Lines about left-out data that are printed before the work; the report has all.
@@ -28,6 +29,9 @@ _SAID_FIRST = 3
     "diagnose",
     help="""Find what in a MEASUREMENT (a TOML file), or in LOGs (CSV), a model does not explain.
 
+    With --plan the file is a scenario, of which nothing was measured yet: the drives that would
+    tell most causes apart, as a table to fill in, a measurement that names it, and a page on how.
+
     A log has columns of time, of a reading and of inputs, and --model names its model. Of a table
     of data without --model it prints the lines of the measurement that fit its columns.
 
@@ -37,6 +41,7 @@ _SAID_FIRST = 3
     epilog="\b\nExample:\n"
     "  stickslip diagnose measurement.toml --out found\n"
     "  stickslip diagnose measurement.toml --out found --next 1\n"
+    "  stickslip diagnose --plan 12 scenario.toml --out plan\n"
     "  stickslip diagnose log.csv --model joint --set inertia=0.1,0.002 --set viscous=0.2,0.05",
 )
 @click.argument("files", type=PATH, nargs=-1, required=True, metavar="MEASUREMENT | LOG...")
@@ -74,6 +79,18 @@ _SAID_FIRST = 3
     help=f"With --next: experiments that may be measured in all.  [default: {BUDGET}]",
 )
 @click.option(
+    "--plan",
+    "planned",
+    type=click.IntRange(2),
+    metavar="N",
+    help="Of a scenario: write a plan of N drives, each measured three times, into --out.",
+)
+@click.option(
+    "--noise",
+    type=float,
+    help=f"With --plan: relative standard deviation of one trial.  [default: {NOISE:g}]",
+)
+@click.option(
     "--write",
     is_flag=True,
     help="Of a table of data: write the measurement file that names it beside it, and no more.",
@@ -91,8 +108,20 @@ def command(
     threads: int | None,
     most: int | None,
     budget: int | None,
+    planned: int | None,
+    noise: float | None,
     write: bool,
 ) -> None:
+    if planned is not None:
+        others = {"--model": model, "--set": set, "--next": most, "--budget": budget}
+        others |= {"--write": write, "--json": as_json}
+        for option, value in others.items():
+            if value:
+                raise click.UsageError(f"{option}: allowed without --plan only")
+        _plan(files, planned, NOISE if noise is None else noise, out or Path("plan"), seed, threads)
+        return
+    if noise is not None:
+        raise click.UsageError("--noise: allowed with --plan only")
     if budget is not None and most is None:
         raise click.UsageError("--budget: allowed with --next only")
     if model is not None:
@@ -143,6 +172,29 @@ def command(
             rounds.write(result)
         if not as_json:
             say(f"  in {out}: {', '.join(written)}")
+
+
+def _plan(
+    files: Sequence[Path], count: int, noise: float, out: Path, seed: int, threads: int | None
+) -> None:
+    if len(files) > 1:
+        raise click.UsageError(f"{files[1]}: allowed with --plan is one scenario")
+    scenario = stickslip.load(files[0])
+    with prefixed("--out", OSError):
+        check_folder(out, FILES)
+    if any((out / name).exists() for name in FILES):
+        raise ScenarioError(f"--out: {out} holds a plan or a measurement: choose another folder")
+    found = plan(scenario, count, noise=noise, seed=seed, threads=threads)
+    if scenario.uncertain is None:
+        say(
+            "stickslip: note: nothing is uncertain in the scenario, so that its constants count as "
+            "exact; state what you know of them in [uncertain]",
+            err=True,
+        )
+    say(f"{int(found.seen.sum())} of {len(found.causes)} causes would be seen at their usual sizes")
+    say(f"{len(found.alike)} pairs of these would not be told apart")
+    found.save(out)
+    say(f"in {out}: {', '.join(FILES)}; fill in the velocities, as protocol.md says")
 
 
 def _diagnose_logs(

@@ -1,0 +1,313 @@
+"""What to measure first, before there are data: the drives that tell most causes apart."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip._util.files import text_writer, write_together
+from stickslip._util.messages import check_above_zero, check_kind, check_whole
+from stickslip._util.numbers import Array, Mask, worker_count
+from stickslip.diagnosis.data.velocity import VelocityTable, settings_of
+from stickslip.diagnosis.decision.experiments import (
+    CHOICES,
+    DECISIVE,
+    TRIALS,
+    Drive,
+    advice,
+    proposals,
+)
+from stickslip.diagnosis.fitting.problem import Problem
+from stickslip.diagnosis.measured import pose
+from stickslip.diagnosis.terms.words import Words
+from stickslip.errors import ScenarioError
+from stickslip.measurement.reading import Measurement
+from stickslip.scenario.scenario import Scenario
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+FILES = "measurement.toml", "scenario.toml", "velocity.csv", "protocol.md"
+"""What `Plan.save` writes."""
+
+NOISE = 0.05
+"""Relative standard deviation of one trial if nothing is said; as in the measured tables."""
+
+_PULSES = 12  # of a prediction at most; chosen: the mean of nine
+_FLOOR = 0.5  # of the median speed, below which the noise falls no more; chosen: a slow robot too
+_ROUGH, _DRAWS = (
+    0.1,
+    12,
+)  # errors of the constants, and draws, that show how rough a drive is; chosen
+_OFF = 3.0  # stated errors by which a constant is off as a cause; chosen: it surprises
+_PASSES = 3  # of exchanging one drive for a better one; chosen: the second changes little
+
+
+@dataclass(frozen=True, repr=False)
+class Plan:
+    """Drives to measure, and which causes they would tell apart.
+
+    Attributes
+    ----------
+    scenario : Scenario
+    drives : list of dict
+        Settings of ``[drive]`` by dotted key.
+    expected : ndarray, shape (drives,)
+        Velocity of the scenario as it is stated, m/s.
+    noise : float
+        Relative standard deviation of one trial.
+    trials, seed : int
+        Trials of each drive, one in each block, and seed of their order.
+    causes : list of str
+    seen : ndarray of bool, shape (causes,)
+        Whether a cause of its usual size would be told from none.
+    apart : ndarray of bool, shape (causes, causes)
+        Whether two would be told from each other, whatever their sizes.
+    words : dict
+        How each cause is said.
+    """
+
+    scenario: Scenario
+    drives: list[Drive]
+    expected: Array
+    noise: float
+    trials: int
+    seed: int
+    causes: list[str]
+    seen: Mask
+    apart: Mask
+    words: Mapping[str, str]
+
+    @property
+    def alike(self) -> list[tuple[str, str]]:
+        """Pairs of causes that would be seen, but not told from each other."""
+        pairs = itertools.combinations(np.flatnonzero(self.seen).tolist(), 2)
+        return [(self.causes[i], self.causes[j]) for i, j in pairs if not self.apart[i, j]]
+
+    def table(self) -> DataFrame:
+        """A row for each trial, in the order in which they are to be measured; `velocity` is empty.
+
+        Each block has every drive once, in an order of its own.
+        """
+        import pandas as pd
+
+        random, names = np.random.default_rng(self.seed), [key.partition(".")[2] for key in CHOICES]
+        rows: list[dict[str, Any]] = []
+        for block in range(1, self.trials + 1):
+            for at in random.permutation(len(self.drives)):
+                settings = {name: self.drives[at][f"drive.{name}"] for name in names}
+                place = {"trial": block, "block": f"block-{block}", "order": len(rows) + 1}
+                rows.append({**settings, **place, "velocity": np.nan})
+        return pd.DataFrame(rows)
+
+    def protocol(self) -> str:
+        """What to do, on a page."""
+        words = settings_of(self.drives).words
+        seen = [self.words[each] for each, can in zip(self.causes, self.seen, strict=True) if can]
+        unseen = [self.words[each] for each in self.causes if self.words[each] not in seen]
+        alike = [f"- {self.words[one]} and {self.words[other]}" for one, other in self.alike]
+        pairs = [advice({each: self.words[each] for each in pair}, []) for pair in self.alike]
+        beside = [f"- {note}" for note in dict.fromkeys(itertools.chain(*pairs))]
+        trial = f"{100.0 * self.noise:g} % for one trial"
+        lines = [
+            "# What to measure",
+            "",
+            f"{len(self.drives)} drives, each once in each of {self.trials} blocks.",
+            "",
+            "1. Before a block: put the robot down anew, and do to the surface what you always do.",
+            "2. Go through the rows of `velocity.csv` by `order`. What a row does not say is as in "
+            "`scenario.toml`.",
+            f"3. Let the robot walk for {self.scenario.drive.pulses} pulses. Measure x from the "
+            "end of the third to the end of the last, and write the velocity in m/s, with its "
+            "sign, +x of the world positive, into `velocity`.",
+            "4. What went wrong stays empty. Do not drop what only looks wrong.",
+            "5. `stickslip diagnose measurement.toml --next 3`",
+            "",
+            f"| | drive | the stated model, with {trial} (mm/s) |",
+            "| --- | --- | --- |",
+            *(
+                f"| {k} | {each} | {1e3 * v:+.2f} |"
+                for k, (each, v) in enumerate(zip(words, self.expected, strict=True), start=1)
+            ),
+            "",
+            "## What it would tell",
+            "",
+            f"At their usual sizes these would be seen ({len(seen)} of {len(self.causes)}): "
+            f"{', '.join(seen) or 'none'}.",
+        ]
+        if unseen:
+            lines += ["", f"Too small to be seen, or without effect: {', '.join(unseen)}."]
+        if alike:
+            lines += ["", "Not told from each other:", "", *alike]
+        if beside:
+            lines += ["", "Beside the drive:", "", *beside]
+        return "\n".join([*lines, ""])
+
+    def save(self, folder: Path) -> None:
+        """Write `FILES`, and the map of the scenario's coils if it has one."""
+        folder.mkdir(parents=True, exist_ok=True)
+        self.scenario.to_toml(folder / FILES[1])
+        texts = {
+            FILES[0]: 'stickslip_measurement = 1\nscenario = "scenario.toml"\n\n[[velocity]]\n'
+            'file = "velocity.csv"\n',
+            FILES[2]: self.table().to_csv(index=False),
+            FILES[3]: self.protocol(),
+        }
+        write_together({folder / name: text_writer(text) for name, text in texts.items()})
+
+
+def plan(
+    scenario: Scenario,
+    count: int = 12,
+    *,
+    noise: float = NOISE,
+    trials: int = TRIALS,
+    seed: int = 0,
+    threads: int | None = None,
+) -> Plan:
+    """The drives that tell most causes apart, to first order in what is uncertain.
+
+    Of a proposal and a cause of its usual size the change of the velocity is simulated. Two causes
+    are told apart if no size of the one makes the changes of the other, within noise and the
+    scenario's uncertain parameters: two standard errors. Drives are added one by one, each where it
+    tells most pairs apart, and then exchanged while that is better.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The robot as it is believed, a drive near which it can be driven, and what is uncertain.
+    count : int
+        Drives, from 2.
+    noise : float
+        Relative standard deviation of one trial.
+    trials, seed : int
+        Of each drive; of the order in which they are measured.
+    threads : int, optional
+        Simulations at a time.
+
+    Raises
+    ------
+    ScenarioError
+        If an argument is not allowed, the scenario has a program of voltages or no walk along x, or
+        there are fewer proposals.
+    """
+    check_kind("scenario", scenario, Scenario)
+    check_whole("count", count, 2)
+    check_whole("trials", trials, 1)
+    check_whole("seed", seed)
+    check_above_zero("noise", noise, "relative error")
+    if scenario.drive.mode == "program":
+        raise ScenarioError('drive.mode = "program": allowed are IPP and OPP, whose settings vary')
+    problem, table, base = _posed(scenario, noise, worker_count(threads, "threads"))
+    drives = [base, *proposals([base])]
+    if count > len(drives):
+        raise ScenarioError(f"count = {count}: allowed are at most {len(drives)} drives")
+    level, slopes, gaps, rough = _predicted(problem, table, drives)
+    sound = np.flatnonzero(np.isfinite(np.vstack([level, slopes, gaps, rough])).all(axis=0))
+    speed = np.abs(level)
+    if not len(sound) or not speed[sound].max() > 0.0:
+        raise ScenarioError("the stated scenario does not move at any proposed drive")
+    floor = _FLOOR * float(np.median(speed[sound]))
+    variance = (noise * np.maximum(speed, floor)) ** 2 / trials + rough**2
+    chosen = _chosen(slopes, gaps, variance, sound.tolist(), count)
+    apart, seen = _told(*(each[..., chosen] for each in (slopes, gaps, variance)))
+    names, words = [each.name for each in problem.causes], Words(False, problem.causes)
+    return Plan(
+        scenario, [drives[k] for k in chosen], level[chosen], noise, trials, seed, names,
+        seen > DECISIVE, apart > DECISIVE, {name: words.title(name) for name in names},
+    )  # fmt: skip
+
+
+def _posed(
+    scenario: Scenario, noise: float, threads: int
+) -> tuple[Problem, VelocityTable, dict[str, Any]]:
+    """The problem that measured velocities of this scenario pose, and its drive."""
+    import pandas as pd
+
+    drive = scenario.drive
+    short = scenario.replace({"drive.pulses": min(drive.pulses, _PULSES)})
+    frequencies = [0.5 * drive.frequency, drive.frequency, 1.5 * drive.frequency]
+    rows = {"frequency": frequencies, "velocity": [1e-3] * 3}  # of which nothing is used
+    data = Measurement.from_dataframe(pd.DataFrame(rows), short, velocity_sd=noise)
+    problem = pose(data, threads)
+    table = problem.tables[0]
+    assert isinstance(table, VelocityTable)
+    at = [each["drive.frequency"] for each in table.conditions]
+    if drive.frequency not in at:
+        raise ScenarioError("the scenario's own drive cannot be simulated")
+    base = table.conditions[at.index(drive.frequency)]
+    return problem, table, {key: base[key] for key in base if key.startswith("drive.")}
+
+
+def _predicted(
+    problem: Problem, table: VelocityTable, drives: Sequence[Drive]
+) -> tuple[Array, Array, Array, Array]:
+    """Velocities as stated, changes by one error of each constant and by each cause, roughness.
+
+    Shapes (drives,), (constants, drives), (causes, drives) and (drives,), m/s; NaN where there is
+    none. The roughness is how far velocities are from a plane, for one error of the constants.
+    """
+    constants = len(problem.constants)
+    low, high = problem.limits
+    random = np.random.default_rng(0)
+    points = np.zeros((1 + 2 * constants + len(problem.causes) + _DRAWS, problem.size))
+    points[-_DRAWS:, :constants] = _ROUGH * random.standard_normal((_DRAWS, constants))
+    for k in range(constants):
+        points[1 + 2 * k, k], points[2 + 2 * k, k] = -0.5, 0.5
+    for at, cause in enumerate(problem.causes, start=1 + 2 * constants):
+        if cause.frees is not None:
+            points[at, [each.name for each in problem.constants].index(cause.frees)] = _OFF
+        for k in problem.columns([cause]).tolist():
+            if problem.parameters[k].is_amplitude:
+                points[at, k] = 1.0 if high[k] > 0.0 else max(-1.0, low[k])
+    names = problem.names
+    own = table.own_columns(names)
+    values = problem.physical(points)[:, own]
+    found = table.readings(drives, [names[k] for k in own], values)
+    ends = found[1 : 1 + 2 * constants]
+    slopes, gaps = ends[1::2] - ends[::2], found[1 + 2 * constants : -_DRAWS] - found[0]
+    missed = found[-_DRAWS:] - found[0] - points[-_DRAWS:, :constants] @ slopes
+    return found[0], slopes, gaps, np.sqrt(np.mean(missed**2, axis=0)) / _ROUGH
+
+
+def _told(slopes: Array, gaps: Array, variance: Array) -> tuple[Array, Array]:
+    """Squared standard errors between any two causes, and of each from none.
+
+    The other cause has the size that is nearest, and the constants move within their priors.
+    """
+    errors = slopes.T @ slopes + np.diag(variance)
+    inner = gaps @ np.linalg.solve(errors, gaps.T)
+    own = np.maximum(np.diag(inner), 1e-300)
+    left = own[:, None] - inner**2 / own
+    return np.minimum(left, left.T), own
+
+
+def _chosen(
+    slopes: Array, gaps: Array, variance: Array, sound: Sequence[int], count: int
+) -> list[int]:
+    """Drives that tell most pairs apart, and of equally many those that do so best."""
+    pairs = np.triu_indices(len(gaps), 1)
+
+    def worth(rows: list[int]) -> float:
+        apart, seen = _told(slopes[:, rows], gaps[:, rows], variance[rows])
+        chi2 = np.concatenate([seen, apart[pairs]])
+        return float(np.sum(chi2 > DECISIVE) + np.mean(np.minimum(chi2 / DECISIVE, 1.0)))
+
+    chosen: list[int] = []
+    while len(chosen) < min(count, len(sound)):
+        chosen.append(max((k for k in sound if k not in chosen), key=lambda k: worth([*chosen, k])))
+    for _ in range(_PASSES):
+        before = worth(chosen)
+        for place in range(len(chosen)):
+            others = chosen[:place] + chosen[place + 1 :]
+            best = max((k for k in sound if k not in others), key=lambda k: worth([*others, k]))
+            if worth([*others, best]) > worth(chosen):
+                chosen = [*others, best]
+        if worth(chosen) <= before:
+            break
+    return chosen
