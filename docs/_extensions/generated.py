@@ -126,6 +126,24 @@ class ReportKeys(SphinxDirective):
         return self.parse_text_to_nodes(_markdown_table(["key", "value"], rows))
 
 
+class EquationPlaces(SphinxDirective):
+    """A table of the paper's equations and the headers of the core whose comments name them."""
+
+    def run(self) -> list[nodes.Node]:
+        core = Path(__file__).parents[2] / "cpp" / "stickslip"
+        places: dict[int, list[str]] = {}
+        for path in sorted(core.rglob("*.hpp")):
+            text = path.read_text("utf-8")
+            named = set[int]()
+            for words in re.findall(r"Eqs?\. ([()\d, -]*\d\))", text):
+                for first, last in re.findall(r"\((\d+)\)(?:-\((\d+)\))?", words):
+                    named |= {*range(int(first), int(last or first) + 1)}
+            for number in named:
+                places.setdefault(number, []).append(_code(str(path.relative_to(core))))
+        rows = [[f"({number})", ", ".join(places[number])] for number in sorted(places)]
+        return self.parse_text_to_nodes(_markdown_table(["equation", "headers"], rows))
+
+
 class CommandHelp(SphinxDirective):
     """What ``--help`` prints, of ``stickslip`` and of each of its commands."""
 
@@ -281,6 +299,7 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.add_directive("scenario-keys", ScenarioKeys)
     app.add_directive("effects-table", EffectsTable)
     app.add_directive("command-help", CommandHelp)
+    app.add_directive("equation-places", EquationPlaces)
     app.add_directive("run-notes", RunNotes)
     app.add_directive("report-keys", ReportKeys)
     app.add_directive("result-table", ResultTable)
