@@ -96,6 +96,14 @@ def test_a_robot_that_cannot_be_placed_is_refused_with_the_reason(robot, drive, 
         assert abs(simulate(scenario).mean_velocity) < 1e-5
 
 
+def test_a_robot_whose_simulation_fails_is_never_there(placer):
+    ice = {"contact.static_friction": 0.0, "contact.kinetic_friction": 0.0, "drag.linear": 0.0}
+    sound = placer.scenario.with_uncertain(None)
+    done = placer.put([sound, sound.replace(ice)], goal=0.5e-3, limit=3.0)
+    assert np.isfinite(done.time).tolist() == [True, False]
+    assert done.within(TOLERANCE) == 0.5
+
+
 def test_a_tolerance_below_every_step_is_refused():
     with pytest.raises(ValueError, match="for a tolerance of"):
         Placer(Scenario(drive=Drive(base=0.5e-3)), tolerance=1e-10)
