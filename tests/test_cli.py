@@ -16,7 +16,7 @@ from PIL import Image
 from command_line import COMMAND, check, stickslip, stickslip_process
 from recorded_runs import flat_columns
 from refusals.cli import REFUSALS, contents, lay_out
-from stickslip import Scenario, effects, load, simulate
+from stickslip import Scenario, _core, effects, load, simulate
 from stickslip.cli.commands import COMMANDS
 from stickslip.simulation.quantities import NUMBERS
 
@@ -181,7 +181,12 @@ def test_a_robot_that_stays_has_no_velocity_in_print(scenario):
 
 def test_keys_lists_all_or_those_that_have_a_word():
     listed = printed("keys")["keys"]
-    assert [each["key"] for each in listed] == list(Scenario.keys())
+    laws = [f"laws.NAME.{each}" for each in _core.law_keys]
+    assert [each["key"] for each in listed] == [*Scenario.keys(), *laws]
+    assert printed("keys", "LAWS")["keys"] == listed[-len(laws) :]
+    assert {each["default"] for each in listed[-len(laws) :]} == {None}
+    assert [each["key"] for each in printed("keys", "laws.own.scale")["keys"]] == ["laws.own.scale"]
+    listed = listed[: -len(laws)]
     for each in listed:
         assert each["default"] == Scenario().get(each["key"])
         assert each["meaning"]
@@ -194,7 +199,7 @@ def test_keys_lists_all_or_those_that_have_a_word():
         assert re.findall(r"^\[(.*)\]$", text, re.MULTILINE) == list(sections)
         assert len(re.findall(r"^    \w+ = ", text, re.MULTILINE)) == len(wanted)
     # No name has it.
-    assert all("pulses a second" in each["meaning"] for each in printed("keys", "second")["keys"])
+    assert all("pulses a second" in each["meaning"] for each in printed("keys", "a second")["keys"])
     text = stickslip("keys", "drive").stdout
     assert "frequency = 100.0 Hz" in text
     assert 'file = "voltages.csv"' in text

@@ -198,6 +198,7 @@ def test_a_scenario_keeps_its_laws(tmp_path):
     assert by_keys == Scenario(laws={"wear": WEAR}) != made
     assert made.replace({"laws.bend": None}) == by_keys
     assert made.replace({"laws.bend.knot_3": 0.3}).laws["bend"].knots[2] == 0.3
+    assert eval(repr(made.laws["bend"])) == made.laws["bend"] == BEND
     assert "laws.wear" in made._repr_html_()
     other = by_keys.replace({"laws.wear.scale": 0.1})
     assert Simulator(other).snapshot().to_bytes() != Simulator(by_keys).snapshot().to_bytes()
@@ -213,6 +214,23 @@ def test_the_numbers_of_a_law_are_keys():
     assert base.get("laws.wear.scale") == 0.05
     prior = base.with_uncertain({"laws.wear.fraction": {"mean": 0.5, "sd": 0.1}})
     assert len({each.get("laws.wear.fraction") for each in prior.draws(3)}) == 3
+
+
+def test_knots_are_any_five_numbers():
+    knots = np.array(BEND.knots, dtype=np.float32)
+    for given in (knots, list(knots), iter(knots)):
+        law = Law(**{**vars(BEND), "knots": given})
+        assert hash(law) == hash(Scenario(laws={"own": law}).laws["own"])
+        assert Scenario(laws={"own": {**vars(BEND), "knots": knots}}).laws["own"] == law
+    with pytest.raises(ScenarioError, match="allowed is a list of five numbers"):
+        Law(**{**vars(BEND), "knots": 0.1})
+
+
+def test_a_sweep_may_make_a_law():
+    keys = {f"laws.own.{key}": value for key, value in vars(WEAR).items() if value is not None}
+    alone = simulate(scenario(IPP, {"laws.own": WEAR})).mean_velocity
+    for vary in ({key: [value] for key, value in keys.items()}, [keys]):
+        assert sweep(scenario(IPP), vary)["mean_velocity"].values.ravel().tolist() == [alone]
 
 
 def test_what_is_absent_leaves_the_bits():
@@ -250,6 +268,12 @@ REFUSED = [
     ({"form": "curve"}, "laws.own.knots are missing"),
     ({"knots": [0.0] * 5}, 'only with form = "curve"'),
     ({"form": "curve", "knots": [0.0] * 4}, "a list of five numbers"),
+    ({"form": "curve", "knots": "01234"}, "a list of five numbers"),
+    ({"form": "curve", "knots": [0.0, 0.0, "x", 0.0, 0.0]}, 'laws.own.knot_3 = "x"'),
+    ({"form": "curve", "knots": [10**400] * 5}, "laws.own.knot_1 = 1000"),
+    ({"form": "curve", "knots": [0.0] * 5, "knot_2": 1.0}, "laws.own.knot_2 beside laws.own.knots"),
+    ({"form": "curve", "knot_2": 1.0, "knots": [0.0] * 5}, "laws.own.knot_2 beside laws.own.knots"),
+    (dict.fromkeys(vars(WEAR)), "a law with quantity, over, form and their numbers"),
     ({"fractoin": 0.5}, 'did you mean "laws.own.fraction"'),
     ({"quantity": 1.0}, "laws.own.quantity = 1"),
     ({"scale": "long"}, "laws.own.scale"),
@@ -264,11 +288,45 @@ def test_what_has_no_meaning_is_refused_in_one_line(change, said):
     assert "\n" not in str(error.value)
 
 
-def test_names_are_words_and_not_those_of_effects():
-    for name, said in (("2nd", "laws.2nd"), ("eddy_lag", "the effect effects.eddy_lag")):
-        with pytest.raises(ScenarioError, match=said):
-            Scenario(laws={name: WEAR})
-    with pytest.raises(ScenarioError, match=r"there is no law laws\.wear here"):
-        Scenario().get("laws.wear.fraction")
-    with pytest.raises(ScenarioError, match=r"laws\.wear\.quantity is missing"):
-        Scenario().replace({"laws.wear.fraction": 0.1})
+NAMES = {
+    **dict.fromkeys(["2nd", "a-b", "", "gr\xf6\xdfe", "a\n"], "the name of a law has letters"),
+    "eddy_lag": "the effect effects.eddy_lag",
+    1: "whose name is a word",
+}
+
+
+@pytest.mark.parametrize(("name", "said"), NAMES.items())
+def test_names_are_words_and_not_those_of_effects(name, said):
+    with pytest.raises(ScenarioError, match=said) as error:
+        Scenario(laws={name: WEAR})
+    assert "\n" not in str(error.value)
+
+
+HERE = Scenario(laws={"wear": WEAR})
+SPREAD = {"mean": 0.5, "sd": 0.1}
+ABSENT = [
+    (lambda: Scenario().get("laws.wear.fraction"), "there is no law laws.wear here"),
+    (lambda: HERE.get("laws.wear.amount"), "laws.wear.amount: the law has none"),
+    (lambda: HERE.get("laws.wear"), 'known are "laws.wear.quantity"'),
+    (lambda: Scenario().replace({"laws.wear.fraction": 0.1}), "laws.wear.quantity is missing"),
+    (lambda: HERE.replace({"laws.waer.fraction": 0.1}), 'did you mean "laws.wear"?'),
+    (lambda: HERE.replace({"laws.wear.knots": BEND.knots}), "laws.wear.knot_1 to laws.wear.knot_5"),
+    (lambda: HERE.replace({"laws.a.b.fraction": 0.1}), "the name of a law has letters"),
+    (lambda: HERE.replace({"law.wear.fraction": 0.1}), '"effects", "laws"'),
+    (lambda: Scenario(laws=vars(WEAR)), "a table [laws.NAME] for each law"),
+    (lambda: sweep(Scenario(), {"laws.wear.fraction": [0.1]}), "laws.wear.quantity is missing"),
+    (lambda: sweep(HERE, {"laws.waer.fraction": [0.1]}), 'did you mean "laws.wear"?'),
+    (lambda: sweep(HERE, [{"laws.waer.fraction": 0.1}]), 'did you mean "laws.wear"?'),
+    (lambda: HERE.with_uncertain({"laws.waer.fraction": SPREAD}), "[uncertain]: laws.waer"),
+    (lambda: HERE.with_uncertain({"laws.wear.amount": SPREAD}), "the law has none"),
+    (lambda: HERE.with_uncertain({"laws.wear.fraction": SPREAD}).replace({"laws.wear": None}),
+     "[uncertain]: laws.wear.fraction: there is no law laws.wear here"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("made", "said"), ABSENT)
+def test_a_key_of_a_law_that_is_not_there_is_refused_in_one_line(made, said):
+    with pytest.raises(ScenarioError) as error:
+        made()
+    assert said in str(error.value)
+    assert "\n" not in str(error.value)

@@ -6,11 +6,12 @@ import textwrap
 
 import click
 
+from stickslip import _core
 from stickslip._util.messages import shown
 from stickslip.cli.options import JSON, key_names
 from stickslip.cli.output import print_json
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import Key, key_hint, known_keys
+from stickslip.scenario.keys import LAWS, Key, key_hint, known_keys
 
 FILES = {
     "drive": 'file = "voltages.csv": voltages, with mode = "program" and of the others direction '
@@ -37,10 +38,13 @@ FILES = {
 @click.argument("word", required=False, default="", shell_complete=key_names)
 @JSON
 def command(word: str, as_json: bool) -> None:
-    keys = [
-        known_keys()[name]
-        for name in having(word, {k.name: k.meaning for k in known_keys().values()})
+    known = [
+        *known_keys().values(),
+        *(known_keys()[f"{LAWS}NAME.{each}"] for each in _core.law_keys),
     ]
+    keys = [known_keys()[name] for name in having(word, {k.name: k.meaning for k in known})]
+    if not keys and word in known_keys():  # of a law by its own name
+        keys = [known_keys()[word]]
     if not keys:
         raise ScenarioError(f"{word}: no key has this word; {key_hint(word)}")
     if as_json:
@@ -65,7 +69,8 @@ def having(word: str, meanings: dict[str, str]) -> list[str]:
 def as_dict(key: Key) -> dict[str, object]:
     """A key as an object of JSON."""
     fields = ("unit", "low", "high", "allowed", "default", "meaning")
-    return {"key": key.name, **{name: getattr(key, name) for name in fields}}
+    found = {"key": key.name, **{name: getattr(key, name) for name in fields}}
+    return found | {"default": None} if key.name.startswith(LAWS) else found
 
 
 def indented(text: str) -> str:
@@ -77,4 +82,5 @@ def indented(text: str) -> str:
 def _line(key: Key) -> str:
     unit = "" if key.unit == "-" or isinstance(key.default, str) else f" {key.unit}"
     name = key.name.rpartition(".")[2]
-    return indented(f"{name} = {shown(key.default)}{unit}: {key.meaning}; {key.allowed}")
+    default = "" if key.name.startswith(LAWS) else f" = {shown(key.default)}{unit}"
+    return indented(f"{name}{default}: {key.meaning}; {key.allowed}")

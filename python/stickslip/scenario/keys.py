@@ -191,7 +191,7 @@ def key_hint(name: str, others: Iterable[str] = ()) -> str:
         return ROUND_HINT
     section = name.rpartition(".")[0]
     if name.startswith(LAWS):
-        return suggestion(name, [f"{section}.{each}" for each in _core.law_keys])
+        return _law_hint(name)
     siblings = [key.name for key in keys_of(section)]
     siblings += [key for key in PATHS if siblings and key.startswith(f"{section}.") and key != name]
     if siblings:
@@ -200,8 +200,19 @@ def key_hint(name: str, others: Iterable[str] = ()) -> str:
     near = nearest(name, [*keys, *last, *others])
     if near is not None:
         return f'did you mean "{last.get(near, near)}"?'
-    sections = dict.fromkeys(key.section for key in keys.values())
+    sections = dict.fromkeys([*(key.section for key in keys.values()), LAWS[:-1]])
     return suggestion(section, sections, dict.fromkeys(each.partition(".")[0] for each in sections))
+
+
+def _law_hint(name: str) -> str:
+    law, _, last = name.rpartition(".")
+    if law == LAWS[:-1]:  # without a key
+        law, last = name, ""
+    if not re.fullmatch(r"[A-Za-z_]\w*", law.removeprefix(LAWS), re.ASCII):
+        return 'the name of a law has letters, digits and "_", and no digit first'
+    if last == "knots":
+        return f"knots are one by one here, {law}.knot_1 to {law}.knot_5"
+    return suggestion(name if last else "", [f"{law}.{each}" for each in _core.law_keys])
 
 
 def of_round_coil(key: str) -> bool:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
 from stickslip import _core
-from stickslip._util.messages import refuse, shown
+from stickslip._util.messages import as_list, refuse, suggestion
+from stickslip._util.text import is_number
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import LAWS, Value, find_key, set_value
 
 _KNOTS = 5
+
+_TABLES = "a table [laws.NAME] for each law"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,6 +68,10 @@ class Law:
     scale: float | None = None
     knots: Sequence[float] | None = None
 
+    def __post_init__(self) -> None:
+        if self.knots is not None:
+            object.__setattr__(self, "knots", _five("knots", self.knots))
+
     @property
     def text(self) -> str:
         """In a line."""
@@ -83,20 +90,69 @@ def is_law(key: str) -> bool:
 def flat_laws(settings: object) -> dict[str, Value]:
     """Values by dotted key of ``{name: law}``, where a law is a `Law` or a mapping of its keys."""
     if not isinstance(settings, Mapping):
-        refuse("laws", settings, "a table [laws.<name>] for each law")
+        refuse("laws", settings, _TABLES)
     values: dict[str, Value] = {}
     for name, law in settings.items():
+        if not isinstance(name, str):
+            refuse("laws", settings, f"{_TABLES}, whose name is a word")
         given = vars(law) if isinstance(law, Law) else law
         if not isinstance(given, Mapping):
-            refuse(f"laws.{name}", law, f"a Law, or a table [laws.{name}]")
-        for key, value in given.items():
-            if value is None:
-                continue
-            if key == "knots":
-                values |= _knots(f"{LAWS}{name}", value)
-            else:
-                values[find_key(f"{LAWS}{name}.{key}", value).name] = value
+            allowed = _TABLES if name in _FIELDS else f"a Law, or a table [laws.{name}]"
+            refuse(f"{LAWS}{name}", law, allowed)
+        flat = _flat(f"{LAWS}{name}", given)
+        if not flat:
+            refuse(f"{LAWS}{name}", law, "a law with quantity, over, form and their numbers")
+        values |= flat
     return values
+
+
+def _flat(law: str, given: Mapping[str, Any]) -> dict[str, Value]:
+    values: dict[str, Value] = {}
+    for key, value in given.items():
+        if value is None:
+            continue
+        if key == "knots":
+            knots = enumerate(_five(f"{law}.knots", value), 1)
+            found = {f"{law}.knot_{k}": each for k, each in knots}
+        else:
+            found = {find_key(f"{law}.{key}", value).name: value}
+        twice = next((each for each in found if each in values), None)
+        if twice is not None:
+            raise ScenarioError(f"{twice} beside {law}.knots: allowed is one of both")
+        values |= found
+    return values
+
+
+def _five(name: str, knots: object) -> tuple[Any, ...]:
+    allowed = "a list of five numbers"
+    values = as_list(name, knots, allowed)
+    if len(values) != _KNOTS:
+        refuse(name, knots, allowed)
+    # A whole number may be too long for a float.
+    return tuple(
+        float(each) if is_number(each) and not isinstance(each, int) else each for each in values
+    )
+
+
+def refuse_unknown_laws(core: _core.Scenario, keys: Collection[str]) -> None:
+    """Refuse a key of a law that a scenario of the core has not and that no other key makes."""
+    for key in keys:
+        if not key.startswith(LAWS) or is_law(key):
+            continue
+        law = key.rpartition(".")[0]
+        quantity = f"{law}.quantity"
+        if law in keys or quantity in keys:
+            continue
+        try:
+            core.get(quantity)
+        except ValueError:
+            find_key(key)
+            known = [f"{LAWS}{name}" for name, _ in laws_of(core)]
+            if not known:
+                allowed = find_key(quantity).allowed
+                raise ScenarioError(f"{quantity} is missing: allowed is {allowed}") from None
+            hint = suggestion(law, known)
+            raise ScenarioError(f"{key}: there is no law {law} here; {hint}") from None
 
 
 def set_law(core: _core.Scenario, key: str, law: object) -> None:
@@ -106,12 +162,6 @@ def set_law(core: _core.Scenario, key: str, law: object) -> None:
     core.remove_law(name)
     for each, value in values.items():
         set_value(core, each, value)
-
-
-def _knots(law: str, knots: object) -> dict[str, Value]:
-    if isinstance(knots, str) or not isinstance(knots, Sequence) or len(knots) != _KNOTS:
-        raise ScenarioError(f"{law}.knots = {shown(knots)}: allowed is a list of five numbers")
-    return {f"{law}.knot_{k}": each for k, each in enumerate(knots, 1)}
 
 
 def laws_of(core: _core.Scenario) -> Iterator[tuple[str, Law]]:

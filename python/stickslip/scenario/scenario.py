@@ -34,7 +34,7 @@ from stickslip.scenario.keys import (
     known_keys,
     set_value,
 )
-from stickslip.scenario.law import Law, flat_laws, is_law, laws_of, set_law
+from stickslip.scenario.law import Law, flat_laws, is_law, laws_of, refuse_unknown_laws, set_law
 from stickslip.scenario.matter import Fluid, fluid_of
 from stickslip.scenario.section import Section
 from stickslip.scenario.sections import (
@@ -173,6 +173,10 @@ class Scenario:
             refuse_geometry_beside_a_map(self._uncertain.names)
         with prefixed("", ValueError):
             self._core.check()
+        if self._uncertain is not None:
+            with prefixed("[uncertain]", ValueError):
+                for key in self._uncertain.names:  # a law may not be there
+                    self._core.get(key)
 
     @property
     def effects(self) -> Mapping[str, Mapping[str, float]]:
@@ -284,6 +288,7 @@ class Scenario:
         if changes is not None:
             check_kind("changes", changes, Mapping)
         given = Changes(changes or {}, more)
+        refuse_unknown_laws(made._core, given)
         for key, value in given.in_order():
             if key == PROGRAM:
                 Drive(program=value)

@@ -28,6 +28,7 @@ from stickslip.scenario.keys import (
     known_keys,
     refuse_sawtooth,
 )
+from stickslip.scenario.law import refuse_unknown_laws
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.record_file import origin
 
@@ -156,6 +157,7 @@ def grid(scenario: Scenario, vary: Mapping[str, Iterable[Value]]) -> Points:
     if "drive.mode" not in vary:
         refuse_sawtooth(scenario.drive.mode, vary)
     columns = {}
+    refuse_unknown_laws(scenario.to_core(), vary)
     for key, values in vary.items():
         _check_key(key)
         axis = [checked(key, value) for value in as_list(key, values, "a list of values")]
@@ -169,7 +171,9 @@ def from_changes(scenario: Scenario, rows: Sequence[Mapping[str, Value]]) -> Poi
     """One point for each of `rows`: the scenario with those values changed."""
     if not rows:
         raise ScenarioError("a sweep needs a point: the list is empty")
-    for key in {key: None for row in rows for key in row}:
+    given = {key: None for row in rows for key in row}
+    refuse_unknown_laws(scenario.to_core(), given)
+    for key in given:
         _check_key(key)
     if scenario.coil.own_values() or any(is_of_one_coil(key) for row in rows for key in row):
         rows = [_by_single_coils(row) for row in rows]
@@ -179,8 +183,7 @@ def from_changes(scenario: Scenario, rows: Sequence[Mapping[str, Value]]) -> Poi
     columns = {}
     # A list may change nothing, but the core needs a value for each point.
     for key in {key: None for row in rows for key in row} or ["drive.frequency"]:
-        own = scenario.get(key)
-        values = [checked(key, row[key]) if key in row else own for row in rows]
+        values = [checked(key, row[key]) if key in row else scenario.get(key) for row in rows]
         columns[key] = (POINT, np.array(values))
     return Points(scenario, {POINT: len(rows)}, columns)
 
