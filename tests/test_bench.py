@@ -13,6 +13,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 import diagnoses
 import limit
 import lines
+import made
 import measure
 import now
 import pytest
@@ -123,6 +124,14 @@ def test_sound_tables_have_nothing_to_find():
     assert sum(kind == "none" for kind, *_ in found) >= 10
     assert len({p_value for _, p_value, _ in found}) == len(found)
     assert all(0.0 < p_value <= 1.0 and seconds > 0.0 for _, p_value, seconds in found)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("seed", [made.TRIED, made.TRIED + 1])
+@pytest.mark.parametrize("kind", made.KINDS)
+def test_what_is_hidden_in_made_data_is_found(kind, seed):
+    right, said = made.judged(kind, seed)
+    assert right, said
 
 
 def test_shares_have_their_interval():

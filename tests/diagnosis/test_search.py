@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sliding_block import FRICTION, HIDDEN, measured, push, result
-from stickslip import Cause, Parameter, Prior, Series, Table, diagnose_model, events
+from stickslip import Cause, Parameter, Prior, Table, diagnose_model
 from stickslip.diagnosis.fitting.descent import End, derivatives, finished
 from stickslip.diagnosis.fitting.forms import forms
 from stickslip.diagnosis.fitting.models import fit
@@ -233,45 +233,6 @@ def test_a_constant_that_is_far_off_is_found_behind_other_minima(far):
     found = diagnose_model(model, Table({"w": w}, y, sd=0.05), [k, LEVEL])
     assert (found.verdict.kind, found.verdict.causes) == ("named", ("k",))
     assert found.params.loc["k", "value"] == pytest.approx(far, abs=0.03)
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("seed", [3, 11])
-def test_pulses_are_found_that_move_a_constant_far_without_them(seed):
-    # The velocity answers pulses of 5 V: without them its factor ends 268 stated errors off.
-    draw, t = np.random.default_rng(seed), np.arange(300) * 0.02
-    since = (t - 0.33) % 1.0
-    on, off = since < 0.5, np.exp(-(since - 0.5) / 0.1)
-    error = 1e-4 * (np.sin(2.1 * t) + 0.4 * np.sin(5.3 * t + 1.0))
-    rate = 0.02 * np.cos(2.1 * t) + 0.002 * draw.standard_normal(300)
-    rate += 0.1 * np.where(on, 1.0 - np.exp(-since / 0.1), off)
-    volts = 243.0 * (160.0 * error - rate) + 5.0 * on + 0.03 * draw.standard_normal(300)
-
-    def command(record, p):
-        begins = [p["pulses.start"] + k for k in range(-1, 7)]
-        on = sum(
-            events.edge(record, each) - events.edge(record, each + p["pulses.width"])
-            for each in begins
-        )
-        return p["kv"] * (p["kp"] * record["e"] - record["rate"]) + p["pulses.height"] * on
-
-    constants = [
-        Parameter("kp", Prior("normal", 160.0, 0.5), "1/s"),
-        Parameter("kv", Prior("normal", 243.0, 0.8), "V s/m"),
-    ]
-    start = {"low": 0.0, "high": 1.0, "fineness": 0.05}
-    width = {"low": 0.02, "high": 0.98, "fineness": 0.1}
-    pulses = Cause("pulses", (
-        Parameter("pulses.height", unit="V", low=-10.0, high=10.0, size=2.0),
-        Parameter("pulses.start", Prior("normal", 0.5, 0.4), "s", suspect=False, **start),
-        Parameter("pulses.width", Prior("normal", 0.5, 0.25), "s", suspect=False, **width),
-    ))  # fmt: skip
-    record = Series(t, volts, {"e": error, "rate": rate}, sd=0.03, unit="V")
-    found = diagnose_model(command, record, constants, [pulses])
-    assert (found.verdict.kind, found.verdict.causes) == ("named", ("pulses",))
-    sizes = found.params["value"]
-    assert sizes["pulses.height"] == pytest.approx(5.0, abs=0.05)
-    assert sizes["pulses.start"] == pytest.approx(0.33, abs=0.02)
 
 
 # ------------------------------------------------------------------------------------------ laws
