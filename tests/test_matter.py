@@ -55,11 +55,28 @@ def test_a_robot_has_the_mass_and_moment_of_its_material(material):
 def test_a_fluid_is_plain_keys_and_may_be_set_again(tmp_path):
     oil = Scenario().in_fluid(OIL)
     oil.to_toml(tmp_path / "oil.toml")
-    assert load(tmp_path / "oil.toml") == oil
+    again = load(tmp_path / "oil.toml")
+    assert (again, again.fluid) == (oil, oil.fluid)
+    far = Scenario().in_fluid(OIL, wall=False)
+    far.to_toml(tmp_path / "far.toml")
+    assert load(tmp_path / "far.toml").fluid == far.fluid
     assert oil.in_fluid("water") == Scenario().in_fluid("water")
     assert oil.in_fluid("water", viscosity=2e-3).drag.linear == pytest.approx(
         2e-3 / LIQUIDS["water"].viscosity * Scenario().in_fluid("water").drag.linear
     )
+
+
+def test_a_file_may_name_a_fluid_and_has_the_last_word(tmp_path):
+    head = 'stickslip = 1\n[drive]\n[fluid]\nname = "water"\n'
+    (tmp_path / "s.toml").write_text(head + "wall = 1e-5\n[robot]\nwidth = 2e-4\n")
+    expected = Scenario(robot=Robot(width=2e-4)).in_fluid("water", wall=1e-5)
+    found = load(tmp_path / "s.toml")
+    assert (found, found.fluid) == (expected, expected.fluid)
+    (tmp_path / "s.toml").write_text(head + "[drag]\nlinear = 1e-6\n")
+    own = load(tmp_path / "s.toml")
+    assert own.drag.linear == 1e-6
+    assert own.environment == Scenario().in_fluid("water").environment
+    assert any(note.code == "fluid" for note in simulate(own.replace({"drive.pulses": 5})).notes)
 
 
 def in_flight(wall):

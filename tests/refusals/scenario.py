@@ -214,6 +214,11 @@ def covariance(matrix, keys=TWO):
 
 REFUSALS = [
     ("file", "", ["is empty", "[drive]"]),
+    ("file", HEAD + '[fluid]\nname = "watr"\n', 'did you mean "water"?'),
+    ("file", HEAD + '[fluid]\nnam = "water"\n', 'fluid.nam = "water": there is no such key'),
+    ("file", HEAD + "fluid = 3\n", "drive.fluid = 3"),
+    ("file", 'stickslip = 1\nfluid = "water"\n[drive]\n', "allowed is a section [fluid]"),
+    ("file", HEAD + "[fluid]\ndensity = 9e3\nviscosity = 1.0\n", "it floats"),
     ("file", "\n \n", "is empty"),
     ("file", HEAD + "frequency = = 3\n", ["not valid TOML", "line 3"]),
     ("file", HEAD + "peak = 1\npeak = 2\n", ["not valid TOML", "line 4"]),
@@ -436,6 +441,7 @@ REFUSALS = [
     ("changes", 3, "changes = 3: allowed is a Mapping, such as a dict"),
     ("robot", {"material": "NdFeB N41"}, 'did you mean "NdFeB N42"?'),
     ("robot", {"material": 42}, "known are"),
+    ("robot", {"material": ["SmCo5"]}, 'did you mean "SmCo5"?'),
     ("robot", {}, "density = None: allowed is a finite number of kg/m3"),
     ("robot", {"density": 7500.0}, "magnetization = None: allowed is"),
     ("robot", {"material": "SmCo5", "density": -1.0}, "density = -1.0"),

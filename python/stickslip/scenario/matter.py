@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from stickslip._util.messages import check_above_zero, refuse, suggestion
+from stickslip._util.messages import check_above_zero, refuse, shown, suggestion
 from stickslip._util.text import is_number
+from stickslip.errors import ScenarioError
 
 MU_0 = 4e-7 * math.pi
 """Magnetic constant, T m/A, to 1e-9."""
@@ -142,11 +143,23 @@ def fluid_of(
     else:
         check_above_zero("wall", wall, "m, true or false;")
         gap = float(wall)
-    return Fluid(density, viscosity, gap)  # type: ignore[arg-type]
+    return Fluid(float(density), float(viscosity), gap)  # type: ignore[arg-type]
+
+
+def fluid_of_table(table: Any) -> Fluid:
+    """The fluid of a section ``[fluid]``: the arguments of `Scenario.in_fluid`, `name` first."""
+    known = ("name", "density", "viscosity", "wall")
+    for key, value in table.items():
+        if key not in known:
+            raise ScenarioError(
+                f"fluid.{key} = {shown(value)}: there is no such key; {suggestion(key, known)}"
+            )
+    name, density, viscosity = (table.get(key) for key in known[:3])
+    return fluid_of(name, density, viscosity, table.get("wall", True))
 
 
 def _named(key: str, name: Any, table: Mapping[str, Any]) -> Any:
-    if name not in table:
+    if not isinstance(name, str) or name not in table:
         refuse(key, name, f"a name of the table; {suggestion(str(name), table)}")
     return table[name]
 

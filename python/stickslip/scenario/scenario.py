@@ -221,8 +221,7 @@ class Scenario:
             allowed.
         """
         with prefixed(path):
-            changes, uncertain = changes_of(read_document(Path(path)), Path(path).parent)
-            return _DEFAULT.replace(changes).with_uncertain(uncertain)
+            return _of_changes(*changes_of(read_document(Path(path)), Path(path).parent))
 
     def to_toml(self, path: str | PathLike[str] | None = None) -> str:
         """The scenario as the text of a TOML file, with every key.
@@ -356,7 +355,7 @@ class Scenario:
 
     @property
     def fluid(self) -> Fluid | None:
-        """What `in_fluid` put the robot into; None of a scenario that was pickled or read."""
+        """What `in_fluid`, or ``[fluid]`` of a file, put the robot into; None when pickled."""
         return self._fluid
 
     def with_state(self, state: State) -> Scenario:
@@ -493,6 +492,16 @@ def _made(
     return _DEFAULT.replace({**changed, **objects}).with_uncertain(uncertain)
 
 
+def _of_changes(changes: Mapping[str, Any], uncertain: Any, fluid: Fluid | None) -> Scenario:
+    """The scenario of a file; what stands there counts, and not what its fluid would set."""
+    made = _DEFAULT.replace(changes)
+    if fluid is not None:
+        if not {"drag.linear", "environment.gravity"} <= changes.keys():
+            made = made.replace({**fluid.changes(made.robot, 9.81), **changes})
+        made._fluid = fluid
+    return made.with_uncertain(uncertain)
+
+
 def _shown(key: Key, value: Value) -> str:
     if isinstance(value, str):
         return value
@@ -507,8 +516,9 @@ def load(path: str | PathLike[str]) -> Scenario:
 
 def scenario_of(text: str, program: Waveform | None, field_map: FieldMap | None) -> Scenario:
     """The scenario of a text from `to_toml`, with its voltages and map."""
-    changes, uncertain = changes_of(parse_toml(text), None)
-    return _made(changes, program, field_map, uncertain)
+    changes, uncertain, fluid = changes_of(parse_toml(text), None)
+    objects = {key: each for key, each in zip(OBJECTS, (program, field_map), strict=True) if each}
+    return _of_changes({**changes, **objects}, uncertain, fluid)
 
 
 def with_uncertain_of(scenario: Scenario, path: str | PathLike[str]) -> Scenario:

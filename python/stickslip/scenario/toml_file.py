@@ -27,6 +27,7 @@ from stickslip.scenario.keys import (
     known_keys,
 )
 from stickslip.scenario.law import flat_laws, law_lines
+from stickslip.scenario.matter import Fluid, fluid_of_table
 from stickslip.scenario.sections import SECTIONS
 from stickslip.scenario.waveform import Waveform
 
@@ -73,13 +74,15 @@ def read_document(
     return parse_toml(text)
 
 
-def changes_of(document: Mapping[str, Any], folder: Path | None) -> tuple[dict[str, Any], Any]:
-    """Values by dotted key, as `Scenario.replace` takes them, and the table ``[uncertain]``.
+def changes_of(
+    document: Mapping[str, Any], folder: Path | None
+) -> tuple[dict[str, Any], Any, Fluid | None]:
+    """Values by dotted key, as `Scenario.replace` takes them, ``[uncertain]``, and the fluid.
 
     Files that the document names are relative to `folder`; without it they are not read.
     """
     _check_version(document)
-    known = [*SECTIONS, "effects", "laws", "uncertain"]
+    known = [*SECTIONS, "effects", "laws", "fluid", "uncertain"]
     changes: dict[str, Any] = {}
     for name, content in document.items():
         if name == "stickslip":
@@ -94,7 +97,7 @@ def changes_of(document: Mapping[str, Any], folder: Path | None) -> tuple[dict[s
             changes |= flat_effects(content)
         elif name == "laws":
             changes |= flat_laws(content)
-        elif name != "uncertain":
+        elif name not in ("fluid", "uncertain"):
             _flatten(name, content, changes)
     if "drive" not in document:
         raise ScenarioError("[drive] is missing: it is required, if only as an empty section")
@@ -107,7 +110,8 @@ def changes_of(document: Mapping[str, Any], folder: Path | None) -> tuple[dict[s
         changes[PROGRAM] = _read(FILE, changes.pop(FILE), folder, Waveform.from_csv)
     if folder is not None and COIL_MAP in changes:
         changes[COIL_MAP] = _read(COIL_MAP, changes[COIL_MAP], folder, FieldMap.from_file)
-    return changes, document.get("uncertain")
+    fluid = fluid_of_table(document["fluid"]) if "fluid" in document else None
+    return changes, document.get("uncertain"), fluid
 
 
 def _flatten(section: str, table: Mapping[str, Any], changes: dict[str, Any]) -> None:
@@ -218,6 +222,12 @@ def scenario_text(
             lines.append(f"map = {quoted(field_map)}")
     for name, law in scenario.laws.items():
         lines += law_lines(name, law)
+    if scenario.fluid is not None:
+        fluid = scenario.fluid
+        wall = "false" if fluid.gap is None else repr(fluid.gap)
+        lines += ["", "[fluid]  # for its note: what it sets stands above"]
+        lines += [f"density = {fluid.density!r}  # kg/m^3"]
+        lines += [f"viscosity = {fluid.viscosity!r}  # Pa s", f"wall = {wall}  # m"]
     if scenario.uncertain is not None:
         lines += _uncertain_lines(scenario.uncertain)
     return "\n".join(lines) + "\n"
