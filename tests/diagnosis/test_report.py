@@ -29,7 +29,7 @@ from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.steps import run
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
-from stickslip.diagnosis.terms.words import _WORDS, suspect
+from stickslip.diagnosis.terms.words import _WORDS, Words, suspect
 from stickslip.scenario.scenario import load
 from stickslip.simulation.note import Note
 from stickslip.simulation.note_table import tomllib
@@ -284,6 +284,13 @@ def wave_of(cause, **names):
     (name,) = (each.name for each in cause.parameters)
     predict = lambda t, p: p["slope"] * t["x"] + p[name] * np.sin(5.0 * t["x"])  # noqa: E731
     return diagnose_model(predict, Table({"x": x}, y, sd=0.1, **names), [SLOPE], [cause])
+
+
+def test_a_cause_of_one_letter_is_no_part_of_a_word():
+    words = Words(True, [Cause("s", frees="s")])
+    assert words.in_titles("s takes the model's error") == (
+        "another s than stated takes the model's error"
+    )
 
 
 @pytest.mark.parametrize(

@@ -49,8 +49,9 @@ _TAKES_PART = 0.3
 # known whose error falls by such a factor. Chosen.
 _IDLE, _TOGETHER, _KNOWN = 0.5, 0.05, 1.0 / 3.0
 # Powers are rounded to whole ones up to a largest, after multiplying by up to three, where they are
-# that near, or where rounding widens the error by less than this. Chosen.
-_POWER, _NEAR, _WIDER = 4, 0.02, 1.5
+# that near, or not so far and rounding widens the error by less than this. Chosen: slopes of a
+# simulation have errors of a tenth.
+_POWER, _NEAR, _FAR, _WIDER = 6, 0.02, 0.15, 1.5
 
 
 class Limit(NamedTuple):
@@ -116,7 +117,7 @@ class CannotTell(OneLine):
         Causes whose usual size some constants undo within their priors, and these constants.
     groups : list of Group
     silent : list of str
-        Parameters of which the data say less than their priors.
+        Parameters that may be suspect, of which the data say less than their priors.
     limits : dict of Limit
         Of the amplitudes of all causes that are not in the model.
     causes : list of str
@@ -412,11 +413,11 @@ def combinations(candidate: Candidate) -> tuple[list[Group], list[str]]:
     for each in range(count):
         own = np.flatnonzero(label == each)
         known = _known(candidate, inner[open_[own]], width[open_[own]], project[np.ix_(own, own)])
-        names = [problem.parameters[k].name for k in fit.free[inner[open_[own]]]]
+        parameters = [problem.parameters[k] for k in fit.free[inner[open_[own]]]]
         if known:
-            groups.append(Group(tuple(names), tuple(known)))
+            groups.append(Group(tuple(each.name for each in parameters), tuple(known)))
         else:
-            silent += names
+            silent += [each.name for each in parameters if each.suspect]
     return groups, silent
 
 
@@ -464,9 +465,11 @@ def _known(
     # Of quantities of one named unit a sum is likelier meant than a product.
     units = {each.unit for each in own}
     added = whole_sum and all(set(each.weights.values()) == {1.0} for each in as_sum)
-    if not whole_product or (added and len(units) == 1 and units != {"-"}):
+    if added and len(units) == 1 and units != {"-"}:
         return as_sum
-    return as_product
+    # What is known by its order of magnitude is a factor.
+    factors = all(each.prior is not None and each.prior.kind != "normal" for each in own)
+    return as_product if whole_product or factors else as_sum
 
 
 def _determined(moves: Array, width: Array) -> Array:
@@ -497,8 +500,9 @@ def _rounded(row: Array, spread: Array, product: bool) -> tuple[Array, float, bo
     for multiple in (1.0, 2.0, 3.0) if product else (1.0,):
         factor = multiple / first
         whole = np.round(factor * row)
-        near = float(np.max(np.abs(whole - factor * row))) < _NEAR
-        near |= math.sqrt(max(float(whole @ spread @ whole), 0.0)) < _WIDER * abs(factor) * sd
+        off = float(np.max(np.abs(whole - factor * row)))
+        wider = math.sqrt(max(float(whole @ spread @ whole), 0.0)) / max(abs(factor) * sd, 1e-300)
+        near = off < _NEAR or (off < _FAR and wider < _WIDER)
         if near and np.max(np.abs(whole)) <= _POWER and np.all((whole != 0.0) == (row != 0.0)):
             return whole, abs(factor), True
     return np.array([float(f"{each / first:.3g}") for each in row]), abs(1.0 / first), False

@@ -466,7 +466,8 @@ def _product(names: Mapping[str, str], powers: Mapping[str, float]) -> str:
     text = ""
     for each, power in sorted(powers.items(), key=lambda each: each[1] < 0.0):
         if names[each]:
-            raised = "" if abs(power) == 1.0 else "⁰¹²³⁴"[int(abs(power))]
+            size = abs(power)
+            raised = f"^{size:g}" if size % 1.0 else "⁰ ²³⁴⁵⁶"[int(size)].strip()
             by = (" · " if text else "") if power > 0.0 else " / " if text else "1 / "
             base = (
                 f"({names[each]})"
