@@ -300,3 +300,31 @@ def test_laws_are_looked_for_where_no_cause_explains_the_data(extra, kind, cause
     assert asked or fractions == sorted(fractions)
     assert [stage for _, stage in told][:2] == ["recalibrating", "testing"]
     assert ("comparing models" in dict(map(reversed, told))) == (kind == "named")
+
+
+def test_a_limit_that_binds_far_is_found_though_the_way_there_leads_uphill():
+    # A mass under a force that is cut off: a limit that hardly binds fits worse than none.
+    step, top = 0.02, 2.0
+    t = step * np.arange(200)
+    force = 3.0 * np.sin(3.5 * t + 0.3) + 2.2 * np.sin(5.7 * t + 1.0)
+
+    def moved(table, p):
+        cut = np.clip(force, -p["limit.level"], p["limit.level"])
+        v = x = np.zeros((len(cut), 1))
+        places = []
+        for k in range(len(t)):
+            places.append(x)
+            v = v + step * (cut[:, k : k + 1] - p["drag"] * v) / p["mass"]
+            x = x + step * v
+        return np.hstack(places)
+
+    true = {"limit.level": [[top]], "mass": [[1.02]], "drag": [[1.6]]}
+    y = moved(None, {name: np.array(each) for name, each in true.items()})[0]
+    y += 0.005 * np.random.default_rng(0).standard_normal(len(t))
+    level = Parameter("limit.level", size=0.5, low=0.5, high=6.0, absent=np.inf, falls=True)
+    mass = Parameter("mass", Prior("log-normal", 1.0, 1.05))
+    drag = Parameter("drag", Prior("log-normal", 1.5, 1.35))
+    table = Table({"t": t}, y, sd=0.005)
+    found = diagnose_model(moved, table, [mass, drag], [Cause("limit", level)])
+    assert (found.verdict.kind, found.verdict.causes) == ("named", ("limit",))
+    assert found.params["value"]["limit.level"] == pytest.approx(top, abs=0.02)

@@ -16,9 +16,11 @@ from stickslip.diagnosis.fitting.forms import Form
 from stickslip.diagnosis.fitting.problem import LOST, Problem
 from stickslip.diagnosis.terms.cause import Cause
 
-AMPLITUDES = (0.15, 0.6, 2.0)
+USUAL = 0.6
+AMPLITUDES = (0.15, USUAL, 2.0, 6.0)
 """Coordinates of amplitudes at which responses are taken, as piecewise smooth models have causes
-without a slope at zero. Chosen: a factor of about four apart."""
+without a slope at zero, and the way to a limit that binds may lead uphill. Chosen: a factor of
+three to four apart, up to a size that surprises."""
 
 FINE = 0.2
 """Part of its unit over which predictions change with a shape that is fine, such as the time of an
@@ -30,6 +32,8 @@ _SHAPES, _SCANNED = (-1.5, 0.0, 1.5), 64
 # Multiple of a response up to which it is trusted, and largest move of a constant that makes up for
 # one. Chosen: a response says little of amplitudes far beyond its own.
 _MULTIPLE, _FAR = 1.8, 6.0
+# Largest coordinate of an amplitude that does not surprise, and how far apart probes are. Chosen.
+_UNSURPRISING, _STEP = 2.0, 3.0
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -115,7 +119,9 @@ def _probes(problem: Problem, cause: Cause, sizes: Sequence[float]) -> list[_Pro
     signs = (1.0,) if all(0.0 in (low[k], high[k]) for k in moved) else (1.0, -1.0)
     places = [_SHAPES if problem.fineness[k] > FINE else _scanned(problem, k) for k in shapes]
     if any(each is not _SHAPES for each in places):
-        sizes = sizes[len(sizes) // 2 :][:1]
+        sizes = (USUAL,)
+    if len(moved) > 1:
+        sizes = [each for each in sizes if each <= _UNSURPRISING]
     return [
         _Probe(
             cause,
@@ -165,7 +171,9 @@ def _best(
     downhill = along - precision @ np.concatenate([here, np.zeros(len(rows))])
     step = np.linalg.solve(curvature, downhill)
     low, high = problem.limits[:, probe.columns]
-    ends = np.sort(np.stack([np.zeros(len(rows)), _MULTIPLE * values]), axis=0)
+    # A single amplitude that surprises is looked for there; smaller ones have their own probes.
+    least = values / _STEP if len(rows) == 1 and abs(values[0]) > _UNSURPRISING else 0.0 * values
+    ends = np.sort(np.stack([least, _MULTIPLE * values]), axis=0)
     amplitudes = np.clip(np.clip(step[p:], *ends), low, high)
     # The constants again for the amplitudes as they are.
     rest = np.linalg.solve(curvature[:p, :p], downhill[:p] - curvature[:p, p:] @ amplitudes)

@@ -31,7 +31,7 @@ from stickslip.diagnosis.fitting.draws import FEWEST, drawn
 from stickslip.diagnosis.fitting.forms import Form, Softened, forms
 from stickslip.diagnosis.fitting.models import Fit, fit, linear, log_prior, sharpened
 from stickslip.diagnosis.fitting.problem import Problem, lack_of_fit
-from stickslip.diagnosis.fitting.responses import AMPLITUDES, FINE, Response, responses
+from stickslip.diagnosis.fitting.responses import FINE, USUAL, Response, responses
 from stickslip.diagnosis.terms.cause import Cause
 
 _Item = TypeVar("_Item")
@@ -488,7 +488,7 @@ def _look_beside(models: Models, leader: Fit) -> None:
         offered = [each for each in models.offered if each not in (*rest, *leader.causes)]
         least = _WORTH if rest == leader.causes else -math.inf
         tried: dict[str, int] = {}
-        for each in responses(problem, end, rest, offered, metric, h, AMPLITUDES[1:2], draft=True):
+        for each in responses(problem, end, rest, offered, metric, h, (USUAL,), draft=True):
             name = each.cause.name
             if each.gain < least or (name not in tried and len(tried) == _MORE):
                 continue
