@@ -21,7 +21,7 @@ log = models.read_log(Path(__file__).with_name("joint.csv"), joint)
 result = diagnose_model(joint, log)
 print(result.summary())
 
-figure = Figure(figsize=(6.4, 6.0), layout="constrained")
+figure = Figure(figsize=(6.4, 5.2), layout="constrained")
 above, below = (part.subplots() for part in figure.subfigures(2, 1))
 above.plot(log.t, log.y, ".", color="black", ms=4, label="the log")
 fits = {"none": ("the model, refitted", BLUE), "coulomb": ("and with dry friction", VERMILION)}
@@ -39,6 +39,7 @@ off = {
 }
 left = pd.Series(off).sort_values(ascending=False)
 chance = {words[name]: part for name, part in result.verdict.probabilities.items()}
+below.tick_params(axis="y", labelsize="small")
 below.barh(left.index, left, color=["0.6" if chance[k] < 0.95 else VERMILION for k in left.index])
 best = left.index[-1]
 below.annotate("named", (left[best], best), (6, -3), textcoords="offset points")
