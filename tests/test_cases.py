@@ -74,3 +74,11 @@ def test_a_made_case_is_made_as_it_says(case, tmp_path):
     made, kept = (pd.read_csv(folder / "log.csv") for folder in (tmp_path, CASES / case))
     assert list(made) == list(kept)
     np.testing.assert_allclose(made, kept, atol=2e-5)
+
+
+@pytest.mark.nightly
+def test_a_compiled_loop_is_a_model():
+    pytest.importorskip("numba")
+    command = [sys.executable, str(EXAMPLES / "compiled_joint.py")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stdout == "named 0.030 N m\n"
