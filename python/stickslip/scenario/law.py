@@ -42,15 +42,15 @@ class Law:
         ``"gaussian"`` exp(-u^2), ``"exponential"`` exp(-abs(u)), ``"logarithm"`` ln(1 + abs(u)),
         ``"saturation"`` u^2/(1 + u^2), ``"wave"`` sin u, or ``"curve"`` through `knots`.
     fraction, amount : float
-        One of them: of the quantity, without a unit, or in its unit.
+        One of them: a part of the quantity, or a value in the quantity's unit.
     scale : float
         Above 0, in the unit of the argument; of a curve, the argument of the last knot. Not over
         the way or with a squared sine or cosine.
     knots : sequence of float
-        Of a curve: five values of f. They lie evenly from minus the scale to the scale over the
-        tilt and the place, from 0 to the scale else; over the slip speed the first lies at a fifth
-        of the scale, and f(0) = 0. Between them f is a cubic Hermite interpolant, beyond them
-        constant.
+        Of a curve: five values of f, in a file and as keys also ``knot_1`` to ``knot_5``. They lie
+        evenly from minus the scale to the scale over the tilt and the place, from 0 to the scale
+        else; over the slip speed the first lies at a fifth of the scale, and f(0) = 0. Between
+        them f is a cubic Hermite interpolant, beyond them constant.
 
     Examples
     --------
@@ -74,7 +74,7 @@ class Law:
 
     @property
     def text(self) -> str:
-        """In a line."""
+        """The law in one line."""
         given = {name: value for name, value in vars(self).items() if value is not None}
         return ", ".join(f"{name} = {value}" for name, value in given.items())
 
@@ -165,7 +165,7 @@ def set_law(core: _core.Scenario, key: str, law: object) -> None:
 
 
 def laws_of(core: _core.Scenario) -> Iterator[tuple[str, Law]]:
-    """The laws of a scenario of the core, by name."""
+    """Name and law of each that a scenario of the core has."""
     found: dict[str, dict[str, Any]] = {}
     for key, value in core.changed().items():
         if key.startswith(LAWS):
@@ -181,7 +181,7 @@ def laws_of(core: _core.Scenario) -> Iterator[tuple[str, Law]]:
 
 
 def law_lines(name: str, law: Law) -> list[str]:
-    """Those of its section in a scenario's file."""
+    """The lines of its section in a scenario's file."""
     lines = ["", f"[{LAWS}{name}]"]
     for field in _FIELDS:
         value = getattr(law, field)
