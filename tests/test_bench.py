@@ -4,6 +4,7 @@ import importlib.util
 import runpy
 import shutil
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,8 @@ from mutations.cpp import MUTATIONS
 from works import REFERENCE, WORKS, with_solver
 
 import stickslip
+from stickslip.diagnosis.fitting.scatter import with_scatter
+from stickslip.diagnosis.own_model import pose_own
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -132,6 +135,17 @@ def test_sound_tables_have_nothing_to_find():
 def test_what_is_hidden_in_made_data_is_found(kind, seed):
     right, said = made.judged(kind, seed)
     assert right, said
+
+
+@pytest.mark.nightly
+def test_errors_that_a_fit_of_all_suspects_tells_are_those_of_the_best_one():
+    # From the recalibrated model and single causes alone it ends at twenty times the error.
+    case = made.oscillator(made.TRIED)
+    (record,) = case.data
+    unknown = replace(record.errors, sd=np.full(len(record), np.std(record.y)), dof=0.0)
+    tables = [record.with_errors(unknown)]
+    found = with_scatter(pose_own(case.predict, tables, case.uncertain, case.causes), 0)
+    assert found.sd[0] == pytest.approx(float(record.errors.sd[0]), rel=0.25)
 
 
 def test_shares_have_their_interval():

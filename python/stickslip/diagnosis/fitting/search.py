@@ -28,7 +28,7 @@ from stickslip.diagnosis.fitting.descent import (
     in_step,
 )
 from stickslip.diagnosis.fitting.draws import FEWEST, drawn
-from stickslip.diagnosis.fitting.forms import Form, Softened, forms
+from stickslip.diagnosis.fitting.forms import PRIOR, Form, Softened, forms
 from stickslip.diagnosis.fitting.models import Fit, fit, linear, log_prior, sharpened
 from stickslip.diagnosis.fitting.problem import Problem, lack_of_fit
 from stickslip.diagnosis.fitting.responses import FINE, USUAL, Response, responses
@@ -98,9 +98,11 @@ class Start:
 class Models:
     """The best fit of each model, by the names of its causes and its form."""
 
-    def __init__(self, problem: Problem, offered: Sequence[Cause]) -> None:
+    def __init__(
+        self, problem: Problem, offered: Sequence[Cause], wanted: Sequence[str] = tuple(PRIOR)
+    ) -> None:
         self.problem, self.offered = problem, tuple(offered)
-        self.forms: dict[str, Form] = forms(problem)
+        self.forms: dict[str, Form] = forms(problem, wanted)
         self.best: dict[tuple[frozenset[str], str], Fit] = {}
         self.begun = 0  # fits so far
         # Of sets of causes that were drawn, what Laplace's rule misses of their evidence.
