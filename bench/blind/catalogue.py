@@ -201,19 +201,19 @@ def parameters(name: str, base: Mapping[str, Value], amount: float) -> dict[str,
     }
 
 
-_BELL = ("a (1 - exp(-(u / b)^2))", "a exp(-(u / b)^2)")
-_LEVELLING = ("a (1 - exp(-|u| / b))", "a exp(-|u| / b)", "a u / (b + |u|)")
-FORMULAS = {
-    "power": ("a sqrt(|u|)",),
+_BELL, _LEVELLING = ("gaussian", "saturation"), ("exponential", "logarithm")
+FORMS = {
+    "power": _LEVELLING,
     "rise": _LEVELLING,
-    "saturation": (*_BELL, *_LEVELLING),
+    "saturation": _BELL,
     "gaussian": _BELL,
     "rational": _BELL,
-    "hump": ("a (u / b) exp(1 - |u| / b)", "a exp(-((|u| - b) / c)^2)"),
+    # No form peaks.
+    "hump": ("curve",),
     # Of the size of a sine, which begins with a corner: no square of one does.
-    "sine": ("a |sin(u)|", *_LEVELLING),
+    "sine": _LEVELLING,
 }
-"""Formulas that a diagnosis may propose and that are a law's form, or bend as it does.
+"""Forms that a diagnosis may say and that are a law's, or bend as it does.
 
 The free constant of a law makes up for a level, so that what rises to 0 is what falls from it.
 """

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from blind.catalogue import CAUSES, FORMULAS, HOOK_OF, INSTRUMENT_NAMES, LAWS, entry, law_change
+from blind.catalogue import CAUSES, FORMS, HOOK_OF, INSTRUMENT_NAMES, LAWS, entry, law_change
 from blind.kinds import ALIKE, KINDS
 
 Row = dict[str, Any]
@@ -21,6 +21,7 @@ Row = dict[str, Any]
 # Share of the wanted signal to noise below which a data set is not counted: with its constants the
 # cause cannot be as strong as the kind asks for.
 _REACHED = 0.9
+_SET = 0.95  # probability of a set of forms
 _FEW = 6  # members of a set that are still an answer
 _LEFT_OVER = "second-cause-predicts-nothing"
 """Code of a verdict's reason that says that a cause was named and something is left over."""
@@ -166,11 +167,15 @@ class Case:
     right_shape = property(lambda self: self.shape is not None and self.hook_right)
 
     def form_among(self, others: bool) -> bool:
-        """Whether its formula, or one that is nearly as likely, is the truth's or bends as it."""
-        if self.shape is None or self.shape["formula"] is None:
+        """Whether its form, or one of those that have 95 % together, is or bends as the truth's."""
+        if self.shape is None:
             return False
-        said = [self.shape["formula"], *(self.shape["others"] if others else ())]
-        return bool(set(FORMULAS[str(LAWS[self.hook].fixed["form"])]) & set(said))
+        said, total = set[str](), 0.0
+        for form, chance in self.shape["forms"].items():
+            if not said or (others and total < _SET):
+                said.add(form)
+            total += chance
+        return bool(set(FORMS[str(LAWS[self.hook].fixed["form"])]) & said)
 
     @cached_property
     def inside(self) -> float:
@@ -287,9 +292,8 @@ FAMILIES: dict[str, tuple[str, tuple[Demand, ...]]] = {
     "law": ("a law outside the library", (
         _least("hook right", lambda c: c.hook_right, 0.70),
         _most("false terms", lambda c: c.claimed and not c.hook_right, 0.05),
-        _least("its formula has the right form", lambda c: c.form_among(False), None,
-               lambda c: c.right_shape),
-        _least("this formula or one nearly as likely has it", lambda c: c.form_among(True), None,
+        _least("its form is right", lambda c: c.form_among(False), None, lambda c: c.right_shape),
+        _least("among those that have 95 %", lambda c: c.form_among(True), 0.60,
                lambda c: c.right_shape),
         _least("the band holds the truth on 80 % of its range", lambda c: c.inside >= 0.8, None,
                lambda c: c.right_shape),

@@ -28,8 +28,7 @@ from blind.truth import Truth
 from blind.writing import KEYS, write_case, write_more
 from stickslip import Cause, Diagnosis, Drive, Scenario, diagnose, read_measurement, simulate_batch
 from stickslip.diagnosis.data.velocity import VelocityTable
-from stickslip.diagnosis.decision.candidate import spread_of
-from stickslip.diagnosis.decision.formulas import Formula, formula
+from stickslip.diagnosis.report.numbers import law_of
 
 Row = dict[str, Any]
 Array = NDArray[np.float64]
@@ -38,7 +37,6 @@ HERE = Path(__file__).resolve().parent
 SETS, ANSWERS, SAID, RECORD = "sets.jsonl.xz", "answers.jsonl.xz", "said.jsonl", "record.jsonl"
 # Packages that decide about a verdict.
 _ENGINE = ("diagnosis", "measurement", "scenario")
-_POINTS = 13  # of a law's curve
 
 
 def sets(path: Path) -> Iterator[Row]:
@@ -242,7 +240,7 @@ def diagnosed(path: Path) -> Row:
     laws = {
         each.name: _effect(each)
         for each in result.problem.causes
-        if each.curve is not None and each.name in result.verdict.causes
+        if each.has_knots and each.name in result.verdict.causes
     }
     # By the normal law the error that is left has a mean of 0.80 errors.
     middle, sd = np.sqrt(2.0 / np.pi), np.sqrt((1.0 - 2.0 / np.pi) / len(result.problem.y))
@@ -254,7 +252,7 @@ def diagnosed(path: Path) -> Row:
     return {
         "said": {
             **{key: whole[key] for key in ("verdict", "cause", "p_value", "gain")},
-            "laws": laws, "open_set": _law(result), "parameters": parameters,
+            "laws": laws, "open_set": _law(result, laws), "parameters": parameters,
             "probabilities": dict(likely),
         },
         "reasons": [each.code for each in result.verdict.reasons],
@@ -265,39 +263,18 @@ def diagnosed(path: Path) -> Row:
 
 
 def _effect(law: Cause) -> str:
-    """The effect of the simulator that a law of a free shape is."""
+    """Where a law of the simulator acts."""
     assert law.curve is not None
     return next(iter(law.curve.fixed)).split(".")[1]
 
 
-def _law(result: Diagnosis) -> Row | None:
-    """The claimed law of a free shape: its curve with the ends of 95 %, and its formula."""
-    causes = result.best.fit.causes if result.verdict.claims else ()
-    for cause in causes:
-        if cause.curve is not None:
-            at = np.linspace(cause.curve.low, cause.curve.high, _POINTS)
-            low, high, found = drawn(result, cause, at)
-            return {
-                "effect": _effect(cause),
-                "curve": {"argument": at.tolist(), "low": low.tolist(), "high": high.tolist()},
-                "formula": None if found is None else found.text,
-                "others": [] if found is None else list(found.others),
-            }  # fmt: skip
-    return None
-
-
-def drawn(result: Diagnosis, law: Cause, argument: Array) -> tuple[Array, Array, Formula | None]:
-    """Ends of 95 % of a law of the extended model, shape (points,) each, and its formula."""
-    curve, problem, values = law.curve, result.problem, result.best.values()
-    assert curve is not None
-    f = values[:, [problem.names.index(each.name) for each in law.parameters]]
-    f = f @ curve.design(argument).T
-    told, base, constant = f, np.full((1, 1), curve.stated), None
-    if curve.constant is not None:
-        k = problem.names.index(curve.constant)
-        base, constant = values[:, [k]], problem.parameters[k]
-        told = np.hstack([f, base])
-    found = formula(argument, told[0], spread_of(told), curve, constant)
-    whole = base * (1.0 + f) if curve.relative else f
-    half = norm.ppf(0.975) * np.sqrt(np.diag(spread_of(whole)))
-    return whole[0] - half, whole[0] + half, found
+def _law(result: Diagnosis, laws: dict[str, str]) -> Row | None:
+    """The claimed law of another shape: its curve with the ends of 95 %, and its forms."""
+    law = law_of(result.best) if result.verdict.claims else None
+    if law is None:
+        return None
+    return {
+        "effect": laws[law["name"]],
+        "curve": {"argument": law["at"], "low": law["low"], "high": law["high"]},
+        "form": law["form"], "forms": law["forms"],
+    }  # fmt: skip

@@ -1,16 +1,38 @@
 """Laws of a free shape as causes."""
 
+import sys
+
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.interpolate import CubicHermiteSpline
 from scipy.stats import multivariate_normal
 
 from free_shapes import SHAPES
-from stickslip import Drive, Prior, Scenario, simulate
+from stickslip import Drive, Law, Measurement, Prior, Scenario, simulate
+from stickslip.diagnosis.decision.candidate import Candidate
+from stickslip.diagnosis.fitting.law_forms import with_forms
+from stickslip.diagnosis.fitting.models import log_prior
+from stickslip.diagnosis.fitting.search import Models, Start
+from stickslip.diagnosis.measured import pose
+from stickslip.diagnosis.report.numbers import law_of
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.curve import LENGTHS, SIZES
-from stickslip.diagnosis.terms.laws import Curves, beside_constants, find_spans, free_law, laws
+from stickslip.diagnosis.terms.curve import SHAPES as SHAPES_OF
+from stickslip.diagnosis.terms.laws import (
+    Curves,
+    beside_constants,
+    find_spans,
+    forms,
+    free_law,
+    laws,
+)
 from stickslip.diagnosis.terms.parameter import Parameter
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 BASE = Scenario(drive=Drive(base=0.5e-3, pulses=8)).replace({"solver.rtol": 1e-6})
 FREE = set(SHAPES)
@@ -177,3 +199,69 @@ def test_spans_are_what_the_runs_reach():
     alone = find_spans([slow.replace({"contact.adhesion": 0.0})], threads=1)
     absent = {"free_field_frequency", "free_adhesion_angle", "free_adhesion_age"}
     assert FREE - set(alone) == absent
+
+
+def test_forms_of_the_simulator_compete_with_the_curve_that_is_fitted():
+    # Adhesion that grows with the age of a contact, beside the curve that was fitted to it.
+    hidden = Law(quantity="adhesion", over="age", form="saturation", scale=4e-3, fraction=2.0)
+    base = BASE.replace({"contact.adhesion": 1e-7})
+    drives = [{"drive.frequency": f, "drive.mode": mode} for mode in ("IPP", "OPP")
+              for f in (15.0, 25.0, 40.0, 60.0, 80.0, 100.0, 130.0, 160.0)]  # fmt: skip
+    truth = [simulate(base.replace({**each, "laws.age": hidden})).mean_velocity for each in drives]
+    random = np.random.default_rng(1)
+    rows = [{"frequency": each["drive.frequency"], "mode": each["drive.mode"], "velocity": v}
+            for each, at in zip(drives, truth, strict=True)
+            for v in at + 2e-5 * random.standard_normal(4)]  # fmt: skip
+    uncertain = {"contact.adhesion": Prior("log-normal", 1e-7, 1.1)}
+    measurement = Measurement.from_dataframe(pd.DataFrame(rows), base, uncertain)
+    problem = pose(measurement)
+    models = Models(problem, problem.causes)
+    models.fit([Start("none", (), np.zeros(problem.size))])
+    wider = problem.laws(problem, models.null.x)
+    (law,) = [each for each in wider.causes if each.name == "adhesion over age of the contact"]
+    models = models.widened(wider, wider.causes)
+    models.fit([Start("none", (law,), models.null.x)])
+    models = with_forms(models)
+    told = Candidate(models.get([law.name]), models)
+    shape = law_of(told)
+    assert (shape["form"], shape["lines"][0]) == ("saturation", "[laws.adhesion_age_saturation]")
+    assert shape["forms"]["saturation"] > 0.3
+    assert sum(shape["forms"].values()) == pytest.approx(1.0)
+    # What the law has besides the stated level is seen through it.
+    section = "laws.adhesion_age_saturation"
+    for key, true in {"fraction": 2.0, "scale": 4e-3}.items():
+        found = told.params.loc[f"{section}.{key}"]
+        assert abs(found["value"] - true) < 4.0 * found["sd"]
+        assert found["sd"] < 0.5 * true
+    # The scenario of these numbers, and of the lines as they are printed, is the model.
+    (curve,) = [each.curve for each in told.fit.causes]
+    stated = base.replace({**told.params["value"].to_dict(), **curve.fixed})
+    own = Law(**tomllib.loads("\n".join(shape["lines"]))["laws"]["adhesion_age_saturation"])
+    for scenario in (stated, stated.replace({section: own})):
+        made = [simulate(scenario.replace(each)).mean_velocity for each in drives]
+        assert np.sort(made) == pytest.approx(np.sort(problem.y - told.fit.residual), abs=4e-6)
+
+
+def test_forms_act_as_the_core_has_them():
+    # Drag over the speed by a curve and by each form: alike where the curve goes through the form.
+    (law,) = laws(BASE, {}, {"free_drag_speed": 0.02})
+    assert {each.curve.form for each in forms(law)} == set(SHAPES_OF)
+    for each in forms(law):
+        numbers = dict(zip([p.name for p in each.parameters], (0.2, 0.02), strict=False))
+        f = each.curve.at(law.curve.places[None, :], np.array([[*numbers.values()]]))[0]
+        knots = dict(zip([p.name for p in law.parameters], f, strict=True))
+        stated = {**numbers, **each.curve.fixed}, {**knots, **law.curve.fixed}, {}
+        runs = [simulate(BASE.replace(values)).mean_velocity for values in stated]
+        assert abs(runs[0] - runs[1]) < 0.05 * abs(runs[0] - runs[2])
+    assert forms(laws(BASE, {}, {"free_field_time": 0.1})[0]) == []
+    (load,) = laws(BASE, {}, {"free_friction_load": 1e-6})
+    assert {each.curve.form for each in forms(load)} == {"gaussian", "exponential", "saturation"}
+
+
+def test_laws_have_the_odds_of_one_cause_together():
+    causes = laws(BASE, FRICTION, dict.fromkeys(FREE, 0.5))
+    assert sum(each.odds for each in causes) == pytest.approx(1.0)
+    assert log_prior(causes[:1], "none", 5.0) == pytest.approx(
+        log_prior([Cause("wind", Parameter("wind", size=1.0, low=-5, high=5))], "none", 5.0)
+        - np.log(len(causes))
+    )

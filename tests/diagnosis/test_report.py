@@ -227,17 +227,25 @@ def test_figures_are_files(rough, tmp_path):
 
 
 @pytest.mark.nightly
-def test_a_law_is_told_by_its_curve_and_a_formula():
+def test_a_law_is_told_by_its_form_and_its_lines():
     result = made.friction()
     assert result.verdict.causes == ("friction over speed",)
     numbers = result.as_dict()
     law = numbers["law"]
     at, value = np.array(law["at"]), np.array(law["value"])
     true = 0.3 * (1.0 - 0.4 * (1.0 - np.exp(-at / 0.2)))
-    inside = (at > 0.05) & (at < 0.95)
-    # Five knots cannot bend as sharply as the truth does at first.
-    assert np.max(np.abs(value - true)[inside]) < 0.03
+    assert np.max(np.abs(value - true)) < 0.01
     assert np.all(np.array(law["low"]) < value)
+    # 0.3 (1 - 0.4 (1 - exp(-u/0.2))) is 0.18 (1 + 0.67 exp(-u/0.2)).
+    assert (law["form"], next(iter(law["forms"]))) == ("exponential", "exponential")
+    sizes = result.params["value"]
+    assert sizes["mu"] == pytest.approx(0.18, abs=0.01)
+    assert sizes["friction over speed.exponential.scale"] == pytest.approx(0.2, rel=0.1)
+    assert law["lines"][0].startswith("friction = 0.1")
+    assert law["lines"][0] in result.summary()
+    # At new conditions too the law is in its form.
+    predicted = result.predict({"u": at[1:]})["extended"]
+    assert np.array(predicted) == pytest.approx(value[1:], abs=1e-6)
     assert "friction" in page({**numbers, "origin": []}, figures_of(result))
 
 

@@ -143,6 +143,7 @@ def diagnose_model(
     findings = run(problem, int(seed), progress or _silent, suspect_of(problem))
     notes += moved_constants(findings)
 
+    problem = findings.problem  # with the forms of its laws
     model, names = OwnModel(predict, tuple(uncertain), problem.causes), problem.names
     return Diagnosis(findings, None, tuple(notes), partial(model.of_new, names))
 

@@ -17,7 +17,7 @@ from stickslip.diagnosis.data.simulated import SimulatedTable
 from stickslip.diagnosis.data.velocity import VelocityTable
 from stickslip.diagnosis.fitting.problem import Cached, Model, Problem
 from stickslip.diagnosis.terms.cause import Cause
-from stickslip.diagnosis.terms.laws import find_spans, laws
+from stickslip.diagnosis.terms.laws import find_spans, fixed_numbers, laws
 from stickslip.diagnosis.terms.library import library
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
@@ -94,8 +94,17 @@ def _with_laws(
 ) -> Problem:
     tables, _, effects, _ = parts
     found = _laws(measurement, tables[0], problem, x) if effects else ()
-    model, draft = model_of(*parts, beside=found)
-    return replace(problem, model=model, draft=draft, causes=(*problem.causes, *found))
+    return _beside(parts, (), problem, found)
+
+
+def _beside(
+    parts: tuple[Any, Any, Any, Any], laws: Sequence[Cause], problem: Problem, more: Sequence[Cause]
+) -> Problem:
+    """The problem with further laws, or further forms of them, beside those that it has."""
+    every = (*laws, *more)
+    model, draft = model_of(*parts, beside=every)
+    causes, forms = (*problem.causes, *more), partial(_beside, parts, every)
+    return replace(problem, model=model, draft=draft, causes=causes, forms=forms)
 
 
 def _laws(
@@ -113,6 +122,8 @@ def _laws(
     scenario = measurement.scenario.replace(constants)
     spans = find_spans([scenario.replace(each) for each in table.conditions], table.threads)
     stated = {key.split(".")[1] for key in constants if key.startswith("effects.")}
+    # What a diagnosis has found before may be stated, in whichever form.
+    stated |= {f"free_{name.rpartition('_')[0]}" for name in scenario.laws}
     spans = {name: span for name, span in spans.items()
              if name not in {*scenario.effects, *scenario.laws, *stated}}  # fmt: skip
     return laws(scenario, measurement.uncertain, spans)
@@ -137,19 +148,13 @@ def model_of(
     """The model of all rows and its draft, in which velocities have fewer pulses.
 
     Their columns are the constants, the parameters of the effects, of the suspects, and of the laws
-    of a free shape, `beside`.
+    of another shape, `beside`.
     """
     amplitudes = [each.name for cause in effects for each in cause.parameters]
     names = [*(each.name for each in constants), *amplitudes]
     names += [each.name for cause in suspects for each in cause.parameters]
     knots = [each.name for cause in beside for each in cause.parameters]
-    # What laws have beside their knots is no parameter, but has to be set where they act.
-    reach = {
-        key: known_keys()[key].words.index(each) if isinstance(each, str) else each
-        for law in beside
-        if law.curve
-        for key, each in law.curve.fixed.items()
-    }
+    reach = fixed_numbers(beside)
     names += [*knots, *reach]
     columns = [table.own_columns(names) for table in tables]
     full, cheap = list[Model](), list[Model]()
@@ -159,7 +164,7 @@ def model_of(
         # What has no cheaper model is predicted once for both.
         same = type(table).low_fidelity is SimulatedTable.low_fidelity
         cheap.append(full[-1] if same else Cached(partial(table.low_fidelity, mine)))
-    fixed = np.array(list(reach.values()))
+    fixed = np.array(list(reach.values()), dtype=float)
     return partial(_rows, columns, fixed, full), partial(_rows, columns, fixed, cheap)
 
 

@@ -92,9 +92,19 @@ def pose_own(
     names = [*(each.name for each in constants), *(p.name for c in every for p in c.parameters)]
 
     rows = partial(_of_tables, model, tuple(tables), names)
-    problem = Problem(tuple(tables), Cached(rows), constants, every)
+    forms = partial(_with_forms, model)
+    problem = Problem(tuple(tables), Cached(rows), constants, every, forms=forms)
     _check_rows(problem)
     return problem
+
+
+def _with_forms(model: OwnModel, problem: Problem, more: Sequence[Cause]) -> Problem:
+    """The problem with further forms of the free laws of its model."""
+    wider = replace(model, causes=(*model.causes, *more))
+    names = [*problem.names, *(one.name for each in more for one in each.parameters)]
+    rows = Cached(partial(_of_tables, wider, problem.tables, names))
+    causes, forms = (*problem.causes, *more), partial(_with_forms, wider)
+    return replace(problem, model=rows, causes=causes, forms=forms)
 
 
 def _of_tables(

@@ -12,6 +12,7 @@ from stickslip.diagnosis.decision.posterior import posterior
 from stickslip.diagnosis.decision.test import ADEQUATE, adequacy, tested
 from stickslip.diagnosis.decision.verdict import Verdict, decide
 from stickslip.diagnosis.fitting.descent import finished
+from stickslip.diagnosis.fitting.law_forms import with_forms
 from stickslip.diagnosis.fitting.models import Fit, fit, sharpened
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.responses import responses
@@ -49,8 +50,10 @@ def run(
         if problem.laws is not None and models.reaches and not _explained(models):
             say(0.8, "laws of a free shape")
             known = len(problem.causes)
-            models = models.widened(problem.laws(problem, models.null.x))
-            search(models, [], models.problem.causes[known:], say, seed)
+            wider = problem.laws(problem, models.null.x)
+            models = models.widened(wider, wider.causes)
+            search(models, [], wider.causes[known:], say, seed)
+        models = with_forms(models)
     say(0.9, "deciding")
     if models.null.cost < null.cost - _BETTER:
         # The search has led to a better recalibrated model, which is what is tested.

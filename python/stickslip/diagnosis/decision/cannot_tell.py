@@ -396,7 +396,7 @@ def combinations(candidate: Candidate) -> tuple[list[Group], list[str]]:
     Cui et al., Inverse Problems 30, 114015, 2014).
     """
     fit, problem = candidate.fit, candidate.models.problem
-    curves = problem.columns([each for each in fit.causes if each.curve is not None])
+    curves = problem.columns([each for each in fit.causes if each.has_knots])
     inner = np.flatnonzero((np.diag(fit.covariance) > 0.0) & ~np.isin(fit.free, curves))
     if not len(inner):
         return [], []

@@ -25,6 +25,7 @@ from stickslip.diagnosis.decision.verdict import Verdict
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.responses import Response
 from stickslip.diagnosis.fitting.search import Models
+from stickslip.diagnosis.terms.laws import fixed_numbers
 from stickslip.diagnosis.terms.words import Words
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
@@ -420,8 +421,10 @@ class Facts:
     def _velocities(self, drives: Sequence[Mapping[str, Value]], values: Array) -> Array:
         """Velocities of any drives as they are read, m/s."""
         table, names = self._velocity, self.problem.names
-        at = table.own_columns(names)
-        return table.readings(drives, [names[k] for k in at], values[:, at])
+        at, fixed = table.own_columns(names), fixed_numbers(self.problem.causes)
+        beside = np.tile(list(fixed.values()), (len(values), 1))
+        values = np.hstack([values[:, at], beside])
+        return table.readings(drives, [*(names[k] for k in at), *fixed], values)
 
     @cached_property
     def _rivals(self) -> tuple[list[Candidate], list[tuple[int, int]]]:

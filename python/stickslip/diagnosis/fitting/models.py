@@ -87,14 +87,12 @@ class Fit(OneLine):
         return End(self.x, self.residual, self.slopes, math.nan)
 
 
-def log_prior(causes: Sequence[Cause], form: str, count: int) -> float:
-    """Log prior probability of a model where there are `count` causes in all."""
-    k = len(causes)
-    if not k:
+def log_prior(causes: Sequence[Cause], form: str, odds: float) -> float:
+    """Log prior probability of a model where all causes have these odds together."""
+    if not causes:
         return math.log(PRIOR_NONE * PRIOR[form])
-    return (
-        k * math.log(PRIOR_CAUSES / count) + (k - 1) * math.log(PRIOR_MORE) + math.log(PRIOR[form])
-    )
+    own = sum(math.log(PRIOR_CAUSES * each.odds / odds) for each in causes)
+    return own + (len(causes) - 1) * math.log(PRIOR_MORE) + math.log(PRIOR[form])
 
 
 def fit(

@@ -57,6 +57,9 @@ class Problem(OneLine):
     laws : callable, optional
         ``laws(problem, x)`` is the problem with laws of a free shape as further, last causes, for
         constants at the coordinates `x`: where no listed cause explains the data.
+    forms : callable, optional
+        ``forms(problem, causes)`` is the problem with other forms of its laws as further, last
+        causes.
     errors : tuple of Errors
         Of the tables.
     roughness : ndarray, shape (n,)
@@ -69,6 +72,7 @@ class Problem(OneLine):
     causes: tuple[Cause, ...] = ()
     draft: Model | None = None
     laws: Callable[[Problem, Array], Problem] | None = field(default=None, repr=False)
+    forms: Callable[[Problem, Sequence[Cause]], Problem] | None = field(default=None, repr=False)
     errors: tuple[Errors, ...] = ()
     roughness: Array | None = None
 
@@ -104,13 +108,9 @@ class Problem(OneLine):
 
     def columns(self, causes: Sequence[Cause]) -> Indices:
         """Coordinates of the parameters of some causes."""
-        chosen, at = {each.name for each in causes}, len(self.constants)
-        result: list[int] = []
-        for cause in self.causes:
-            if cause.name in chosen:
-                result += range(at, at + len(cause.parameters))
-            at += len(cause.parameters)
-        return np.array(result, dtype=np.int64)
+        chosen = {each.name for cause in causes for each in cause.parameters}
+        places = enumerate(self.names[len(self.constants) :], len(self.constants))
+        return np.array([k for k, name in places if name in chosen], dtype=np.int64)
 
     def free(self, causes: Sequence[Cause]) -> Indices:
         """Coordinates that a model with these causes fits: the constants, and the causes' own."""
@@ -132,7 +132,7 @@ class Problem(OneLine):
                          for each in found for width in widths]  # fmt: skip
         for cause in sorted(causes, key=lambda each: self.causes.index(each)):
             end = at + len(cause.parameters)
-            if cause.curve is not None:
+            if cause.curve is not None and cause.has_knots:
                 blocks = cause.curve.precisions()
                 found = [_with_block(each, slice(at, end), one) for each in found for one in blocks]
             at = end

@@ -114,7 +114,7 @@ def responses(
 def _probes(problem: Problem, cause: Cause, sizes: Sequence[float]) -> list[_Probe]:
     low, high = problem.limits
     columns = problem.columns([cause]).tolist()
-    shapes = [k for k in columns if not problem.parameters[k].is_amplitude and cause.curve is None]
+    shapes = [k for k in columns if not problem.parameters[k].is_amplitude and not cause.has_knots]
     moved = [k for k in columns if k not in shapes]
     signs = (1.0,) if all(0.0 in (low[k], high[k]) for k in moved) else (1.0, -1.0)
     places = [_SHAPES if problem.fineness[k] > FINE else _scanned(problem, k) for k in shapes]

@@ -107,6 +107,8 @@ class Models:
         self.begun = 0  # fits so far
         # Of sets of causes that were drawn, what Laplace's rule misses of their evidence.
         self.corrections: dict[frozenset[str], float] = {}
+        # Of sets of causes with a law, the probabilities of its forms.
+        self.of_forms: dict[frozenset[str], dict[str, float]] = {}
 
     def add(self, new: Fit) -> Fit:
         """Keep a fit if it is the best of its model."""
@@ -116,13 +118,13 @@ class Models:
             self.best[key] = new
         return self.best[key]
 
-    def widened(self, problem: Problem) -> Models:
+    def widened(self, problem: Problem, offered: Sequence[Cause]) -> Models:
         """The same fits where the problem has further causes, whose coordinates come last."""
-        wider = Models(problem, problem.causes)
+        wider = Models(problem, offered)
         for key, each in self.best.items():
             x = np.concatenate([each.x, np.zeros(problem.size - len(each.x))])
             wider.best[key] = replace(each, x=x)
-        wider.corrections = dict(self.corrections)
+        wider.corrections, wider.of_forms = dict(self.corrections), dict(self.of_forms)
         return wider
 
     def get(self, causes: Iterable[str] = (), form: str = "none") -> Fit | None:
@@ -142,7 +144,7 @@ class Models:
 
     def log_posterior(self, one: Fit) -> float:
         """Log-evidence and log prior probability of a model, up to what all have."""
-        prior = log_prior(one.causes, one.form, len(self.offered))
+        prior = log_prior(one.causes, one.form, sum(each.odds for each in self.offered))
         return one.log_evidence + self.corrections.get(one.names, 0.0) + prior
 
     def leaders(self, count: int | None = None, form: str | None = None) -> list[Fit]:

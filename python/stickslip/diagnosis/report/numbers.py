@@ -21,10 +21,12 @@ from stickslip.diagnosis.decision.candidate import Candidate, spread_of
 from stickslip.diagnosis.decision.cannot_tell import Combination
 from stickslip.diagnosis.decision.experiments import advice
 from stickslip.diagnosis.decision.facts import Facts
-from stickslip.diagnosis.decision.formulas import formula
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import LOST
+from stickslip.diagnosis.terms.curve import CURVE, SHAPES, Curve
 from stickslip.diagnosis.terms.words import Words, suspect
+from stickslip.scenario.keys import LAWS
+from stickslip.scenario.law import Law, law_lines
 
 ROUTINE = (
     "no-block-column", "errors-correlated", "noise-repeats", "noise-free-fit", "frame-noise",
@@ -76,7 +78,7 @@ def numbers_of(facts: Facts, title: str | None = None) -> dict[str, Any]:
         "common": [facts.words.title(each) for each in verdict.common],
         "beside": _beside(facts),
         "partial": verdict.partial,
-        "offered": len(facts.problem.causes),
+        "offered": len(found.models.offered),
         "tests": {"lack_of_fit": found.test.lack_of_fit, "score": found.test.score},
         "seed": found.seed,
         "version": _core.__version__,
@@ -247,7 +249,8 @@ def _told(facts: Facts, candidate: Candidate) -> dict[str, Any]:
         said: dict[str, Any] = facts.words.told(each, sizes[each.name])
         if each.curve is not None:
             # Drawings have the names of the laws.
-            said |= {"finding": f"The law of {each.curve.name} has another shape.",
+            form = "" if each.has_knots else f", a {each.curve.form}"
+            said |= {"finding": f"The law of {each.curve.name} has another shape{form}.",
                      "drawing": each.curve.law, "interval": ""}  # fmt: skip
         causes.append(said)
     chance = facts.chance.models[candidate.name]
@@ -507,33 +510,53 @@ def _bounds(facts: Facts) -> dict[str, Any]:
 
 
 def law_of(candidate: Candidate) -> dict[str, Any] | None:
-    """The curve of a law of a free shape with its 95 % band, and a formula that follows it."""
+    """A law of another shape with its 95 % band, the probabilities of its forms, and its lines."""
     problem = candidate.models.problem
     for cause in candidate.fit.causes:
         curve = cause.curve
         if curve is None:
             continue
         at, values = np.linspace(curve.low, curve.high, _POINTS), candidate.values()
-        knots = [problem.names.index(each.name) for each in cause.parameters]
-        f = values[:, knots] @ curve.design(at).T
-        law, constant, rows = f, None, f
+        own = values[:, [problem.names.index(each.name) for each in cause.parameters]]
+        law = f = curve.at(at[None, :], own)
+        base = np.full(len(values), curve.stated)
         if curve.relative:
-            base = np.full(len(values), curve.stated)
             if curve.constant is not None:
-                column = problem.names.index(curve.constant)
-                base, constant = values[:, column], problem.parameters[column]
-                rows = np.column_stack([f, base])
+                base = values[:, problem.names.index(curve.constant)]
             law = base[:, None] * (1.0 + f)
         half = 1.96 * np.sqrt(np.diag(spread_of(law)))
-        found = formula(at, rows[0], spread_of(rows), curve, constant)
+        numbers = dict(zip([each.name for each in cause.parameters], own[0].tolist(), strict=True))
         return {
             "name": curve.name, "law": curve.law if curve.relative else f"change of {curve.law}",
             "law_unit": curve.law_unit, "argument": curve.argument, "unit": curve.unit,
             "at": at.tolist(), "value": law[0].tolist(), "low": (law[0] - half).tolist(),
-            "high": (law[0] + half).tolist(),
-            "formula": None if found is None else found.in_words(curve),
+            "high": (law[0] + half).tolist(), "form": curve.form,
+            "forms": candidate.models.of_forms.get(candidate.fit.names, {curve.form: 1.0}),
+            "lines": _lines(curve, float(base[0]), numbers),
         }  # fmt: skip
     return None
+
+
+def _lines(curve: Curve, base: float, numbers: Mapping[str, float]) -> list[str]:
+    """A law as a scenario states it; that of a model of one's own as a formula, if it has one."""
+    if not curve.fixed:
+        if curve.form == CURVE:
+            return []
+        own = "" if curve.law_unit == "-" else f" {curve.law_unit}"
+        a, scale = [*numbers.values(), curve.reach][:2]
+        text = f"{amounts.number(a)} {SHAPES[curve.form].text}"
+        said = f"{amounts.number(base)}{own} (1 + {text})" if curve.relative else f"{text}{own}"
+        less = f"({curve.argument} - {amounts.number(curve.origin)})"
+        argument = less if curve.origin else curve.argument
+        unit = "" if curve.unit == "-" else f" {curve.unit}"
+        return [f"{curve.law} = {said}, u = {argument} / {amounts.number(scale)}{unit}"]
+    rounded = {key: float(f"{value:.4g}") for key, value in numbers.items()}
+    section = next(iter(rounded)).rpartition(".")[0]
+    given = {key.rpartition(".")[2]: each for key, each in {**curve.fixed, **rounded}.items()}
+    if not section.startswith(LAWS):
+        return [f"[{section}]", *(f"{key} = {each}" for key, each in given.items())]
+    knots = [given.pop(key) for key in list(given) if key.startswith("knot_")]
+    return law_lines(section.removeprefix(LAWS), Law(**given, knots=knots or None))[1:]  # type: ignore[arg-type]
 
 
 def _gain(facts: Facts) -> dict[str, Any] | None:

@@ -97,7 +97,7 @@ class Plots:
         axes = figure.subplots()
         axes.spines[["top", "right"]].set_visible(False)
         axes.fill_between(law["at"], law["low"], law["high"], color=LIGHT_GREY, label="95 %")
-        axes.plot(law["at"], law["value"], color=VERMILION, label="curve of free shape")
+        axes.plot(law["at"], law["value"], color=VERMILION, label=law["form"])
         own = "" if law["law_unit"] == "-" else f" ({law['law_unit']})"
         axes.set(xlabel=f"{law['argument']} ({law['unit']})", ylabel=law["law"] + own)
         axes.legend(frameon=False)

@@ -11,7 +11,7 @@ from stickslip._util.messages import refuse
 from stickslip._util.numbers import Array
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.data.table import Table
-from stickslip.diagnosis.terms.curve import Curve
+from stickslip.diagnosis.terms.curve import CURVE, Curve
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
 
@@ -40,7 +40,10 @@ class Cause(OneLine):
     input : str, optional
         Name of the input that `read` changes; the readings, if not given.
     curve : Curve, optional
-        Of a law of a free shape, whose values at the knots are the parameters.
+        Of a law of another shape, whose values at the knots, or amplitude and scale, are the
+        parameters. Forms of one law have one name.
+    odds : float
+        Prior probability beside that of a listed cause.
     between : (float, float), optional
         Of an event: the times between which it happens, s.
 
@@ -59,6 +62,7 @@ class Cause(OneLine):
     input: str | None = None
     curve: Curve | None = None
     between: tuple[float, float] | None = None
+    odds: float = 1.0
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or self.name in ("", "none") or "+" in self.name:
@@ -71,6 +75,11 @@ class Cause(OneLine):
         object.__setattr__(self, "parameters", tuple(given))
         if not self.parameters and self.frees is None:
             raise ScenarioError(f"cause {self.name} has no Parameter: allowed are one or more")
+
+    @property
+    def has_knots(self) -> bool:
+        """Whether its parameters are values of a curve at knots."""
+        return self.curve is not None and self.curve.form == CURVE
 
 
 _P = ParamSpec("_P")

@@ -1,9 +1,10 @@
-"""Curves through knots: a law of a free shape."""
+"""Laws of one argument: curves through knots, and the forms that compete with them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,9 +21,36 @@ _NUGGET = 1e-4
 """Variance of a knot by itself, in that of the process: a covariance that can be inverted."""
 
 
+class Shape(NamedTuple):
+    """A form of a law: its values over u = argument / scale, in words, and its largest scale.
+
+    That is in ranges of the argument. A form without one has the range itself, as its amplitude
+    says all.
+    """
+
+    at: Callable[[Array], Array]
+    text: str
+    farthest: float = 2.0
+
+
+CURVE, NEAREST = "curve", 1.0 / 64.0
+"""The form through knots, and the least scale of the others in ranges of the argument. Chosen: most
+contacts are far younger than the oldest; and what lies beyond the largest is another form."""
+
+SHAPES = {
+    "line": Shape(lambda u: u, "u", 0.0),
+    "square": Shape(np.square, "u^2", 0.0),
+    "gaussian": Shape(lambda u: np.exp(-(u**2)), "exp(-u^2)"),
+    "exponential": Shape(lambda u: np.exp(-np.abs(u)), "exp(-|u|)"),
+    "logarithm": Shape(lambda u: np.log1p(np.abs(u)), "ln(1 + |u|)"),
+    "saturation": Shape(lambda u: u**2 / (1.0 + u**2), "u^2 / (1 + u^2)"),
+    "wave": Shape(np.sin, "sin(u)", 0.5),
+}
+
+
 @dataclass(frozen=True, repr=False, eq=False)
 class Curve(OneLine):
-    """A law f of one argument by its values at knots, in which it is linear.
+    """A law f of one argument by its values at knots, in which it is linear, or by a form.
 
     The knots' prior is a squared-exponential process, averaged over a grid of its size and length.
     Their coordinates are linear, so that the process is one in f and not in a bent scale of it.
@@ -46,7 +74,10 @@ class Curve(OneLine):
     relative : bool
         Whether the law is `stated` times 1 + f; else it is their sum.
     fixed : dict
-        Values that the extended model has besides the knots, by name.
+        Values that the extended model has besides its parameters, by name.
+    form : str
+        ``curve``, or one of `SHAPES`: then the parameters are its amplitude and, unless that is the
+        range, its scale.
     """
 
     law: str
@@ -61,6 +92,7 @@ class Curve(OneLine):
     stated: float
     relative: bool
     fixed: dict[str, Value]
+    form: str = CURVE
 
     @property
     def name(self) -> str:
@@ -69,11 +101,28 @@ class Curve(OneLine):
 
     @property
     def origin(self) -> float:
-        """From where formulas count the argument, in its unit.
+        """From where forms count the argument, in its unit.
 
         Zero, or the lower end where zero is farther from it than the range is wide.
         """
         return self.low if self.low > self.high - self.low else 0.0
+
+    @property
+    def reach(self) -> float:
+        """How far the range goes from the origin, in the argument's unit."""
+        return max(abs(self.low - self.origin), abs(self.high - self.origin))
+
+    def at(self, argument: Array, values: Array) -> Array:
+        """f, shape (vectors, ...), for values of its parameters, (vectors, parameters).
+
+        The argument has the shape (1, ...) or (vectors, ...).
+        """
+        if self.form == CURVE:
+            return np.asarray(np.einsum("v...k,vk->v...", self.design(argument), values))
+        wide = (len(values), *(1,) * (argument.ndim - 1))
+        amplitude = values[:, 0].reshape(wide)
+        scale = values[:, 1].reshape(wide) if values.shape[1] > 1 else self.reach
+        return np.asarray(amplitude * SHAPES[self.form].at((argument - self.origin) / scale))
 
     def without(self, values: Mapping[str, float]) -> float:
         """The law without f, where the model's parameters have these values by name."""

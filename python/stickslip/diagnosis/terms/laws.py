@@ -1,4 +1,4 @@
-"""Laws of a free shape as causes: those of the simulator, and those of a model of one's own."""
+"""Laws of another shape as causes: those of the simulator, and those of a model of one's own."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from stickslip._util.messages import check_whole, meant, refuse, shown
 from stickslip._util.numbers import Array
 from stickslip._util.text import is_number
 from stickslip.diagnosis.terms.cause import Cause
-from stickslip.diagnosis.terms.curve import Curve
+from stickslip.diagnosis.terms.curve import CURVE, NEAREST, SHAPES, Curve
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import PREFIX, Value, known_keys
+from stickslip.scenario.keys import LAWS, PREFIX, Value, known_keys
 from stickslip.scenario.law import Law, flat_laws
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.uncertain import Prior
@@ -49,6 +49,8 @@ def free_law(
     Between them f is the cubic Hermite interpolant with slopes by central differences (at the ends
     those of the parabola through three knots), beyond them it is constant. What f does, such as a
     factor 1 + f or a force f, is up to the model, which finds it in `Curves` under the law's name.
+    Where the law explains the data, its forms, such as a line or a saturation, compete with the
+    curve.
 
     Parameters
     ----------
@@ -117,12 +119,59 @@ def free_law(
 
 
 def _law(
-    name: str, curve: Curve, keys: Sequence[str], unit: str, size: float, low: float, high: float
-) -> Cause:
+    name: str, curve: Curve, keys: Sequence[str], unit: str, size: float, low: float, high: float,
+    odds: float = 1.0,
+) -> Cause:  # fmt: skip
     # No shapes, which would end at a few sizes: a law may be far from what was expected.
     knots = [Parameter(key, Prior("normal", 0.0, size), unit, low, high) for key in keys]
     said = f"{curve.name} has another shape"
-    return Cause(name, tuple(knots), said, frees=curve.constant, curve=curve)
+    return Cause(name, tuple(knots), said, frees=curve.constant, curve=curve, odds=odds)
+
+
+def forms(law: Cause) -> list[Cause]:
+    """The law in each of its other forms, by an amplitude and a scale in place of its knots.
+
+    The simulator's laws that are effects have none.
+    """
+    curve, knot = law.curve, law.parameters[0]
+    assert curve is not None
+    assert knot.prior is not None
+    words = {key.rpartition(".")[2]: value for key, value in curve.fixed.items()}
+    allowed = SHAPES if not curve.fixed else _FORMS.get(str(words.get("over")), ())
+    found = []
+    for form in allowed:
+        section, fixed = f"{law.name}.{form}", dict[str, Value]()
+        if curve.fixed:
+            name = f"{next(iter(curve.fixed)).split('.')[1].removeprefix('free_')}_{form}"
+            section, fixed = f"{LAWS}{name}", {f"{LAWS}{name}.form": form}
+            fixed |= {f"{LAWS}{name}.{key}": words[key] for key in ("quantity", "over")}
+        amplitude = "fraction" if curve.relative else "amount"
+        numbers = [
+            Parameter(f"{section}.{amplitude}", unit=knot.unit, size=knot.prior.second,
+                      low=knot.low, high=knot.high)
+        ]  # fmt: skip
+        farthest = SHAPES[form].farthest
+        if farthest:
+            prior = Prior("log-uniform", NEAREST * curve.reach, farthest * curve.reach)
+            numbers.append(Parameter(f"{section}.scale", prior, curve.unit, suspect=False))
+        elif curve.fixed:
+            fixed[f"{section}.scale"] = curve.reach
+        own = replace(curve, form=form, fixed=fixed)
+        found.append(replace(law, parameters=tuple(numbers), curve=own))
+    return found
+
+
+def fixed_numbers(causes: Iterable[Cause]) -> dict[str, float]:
+    """What the simulator's laws have beside their parameters, by dotted key, words by their place.
+
+    It has to be set wherever one of their parameters is.
+    """
+    return {
+        key: float(known_keys()[key].words.index(each) if isinstance(each, str) else each)
+        for law in causes
+        if law.curve is not None
+        for key, each in law.curve.fixed.items()
+    }
 
 
 def beside_constants(causes: Iterable[Cause], constants: Sequence[Parameter]) -> list[Cause]:
@@ -168,11 +217,14 @@ class Curves(dict[str, Callable[[ArrayLike], Array]]):
     def __init__(self, causes: Iterable[Cause], values: Mapping[str, ArrayLike]) -> None:
         super().__init__()
         vectors = max((np.size(each) for each in values.values()), default=1)
+        own: dict[str, list[tuple[Curve, Array]]] = {}
         for cause in causes:
             if cause.curve is not None:
-                knots = [np.ravel(values.get(each.name, 0.0)) for each in cause.parameters]
-                columns = [np.broadcast_to(each, (vectors,)) for each in knots]
-                self[cause.name] = partial(_curve_at, cause.curve, np.stack(columns, axis=1))
+                said = [np.ravel(values.get(each.name, 0.0)) for each in cause.parameters]
+                columns = [np.broadcast_to(each, (vectors,)) for each in said]
+                pair = cause.curve, np.stack(columns, axis=1)
+                own.setdefault(cause.name, []).append(pair)
+        self |= {name: partial(_law_at, each) for name, each in own.items()}
 
     def __missing__(self, name: str) -> NoReturn:
         raise ScenarioError(f"curves: there is no free law {shown(name)}{meant(name, self)}")
@@ -183,11 +235,15 @@ def _within(columns: CubicHermiteSpline, low: float, high: float, u: Array) -> A
     return np.asarray(columns(np.clip(u, low, high)), dtype=float)
 
 
-def _curve_at(curve: Curve, knots: Array, argument: ArrayLike) -> Array:
+def _law_at(forms: Sequence[tuple[Curve, Array]], argument: ArrayLike) -> Array:
+    """A law in whichever of its forms it is."""
     u = np.atleast_2d(np.asarray(argument, dtype=float))
-    if not knots.any():
-        return np.where(np.isnan(u), np.nan, np.zeros((len(knots), *u.shape[1:])))
-    return np.asarray(np.einsum("v...k,vk->v...", curve.design(u), knots))
+    f = np.where(np.isnan(u), np.nan, np.zeros((len(forms[0][1]), *u.shape[1:])))
+    for curve, values in forms:
+        # Without its amplitude a form is absent, whatever its scale.
+        if (values if curve.form == CURVE else values[:, 0]).any():
+            f = f + curve.at(u, values)
+    return f
 
 
 # The simulator's own laws: what they are is the core's, see the page on named effects.
@@ -219,6 +275,10 @@ _OWN = {
     "free_drag_rate": ("fluid", "rate"),
 }
 """Quantity and argument of those that are stated as ``[laws.NAME]``; the others are effects."""
+
+# Of a quantity that depends on an argument; the load of an impact has no bound.
+_FORMS = dict.fromkeys({over for _, over in _OWN.values()}, tuple(SHAPES))
+_FORMS["load"] = ("gaussian", "exponential", "saturation")
 
 _CONSTANTS = {
     "friction": "contact.kinetic_friction",
@@ -261,6 +321,8 @@ def laws(
 ) -> tuple[Cause, ...]:
     """The simulator's laws of a free shape whose arguments reach as far as these spans.
 
+    Together they have the prior odds of one cause.
+
     Parameters
     ----------
     scenario : Scenario
@@ -270,10 +332,13 @@ def laws(
     spans : mapping of float
         Of `find_spans`: by effect, in the argument's unit.
     """
-    return tuple(_own_law(scenario, uncertain, name, span) for name, span in spans.items())
+    odds = 1.0 / max(len(spans), 1)
+    return tuple(_own_law(scenario, uncertain, *each, odds) for each in spans.items())
 
 
-def _own_law(scenario: Scenario, uncertain: Mapping[str, Prior], effect: str, span: float) -> Cause:
+def _own_law(
+    scenario: Scenario, uncertain: Mapping[str, Prior], effect: str, span: float, odds: float
+) -> Cause:
     law, argument = _PLACES[effect]
     fixed = _fixed(effect, span)
     section = next(iter(fixed)).rpartition(".")[0]
@@ -299,7 +364,7 @@ def _own_law(scenario: Scenario, uncertain: Mapping[str, Prior], effect: str, sp
         fixed=fixed,
     )
     size, largest = _PLACE_SIZE if is_place else _FACTOR_SIZE
-    return _law(curve.name, curve, keys, "-", size, -1.0, largest)
+    return _law(curve.name, curve, keys, "-", size, -1.0, largest, odds)
 
 
 def _fixed(effect: str, span: float) -> dict[str, Value]:

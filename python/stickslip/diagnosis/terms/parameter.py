@@ -135,9 +135,7 @@ class Parameter:
         if self.size is not None:
             if self.falls:
                 return 0.0, (self.high - self.low) / self.size
-            span = np.array([self.low, self.high]) - self.absent
-            low, high = np.arcsinh(span * math.sinh(1.0) / self.size).tolist()
-            return low, high
+            return self.coordinate(self.low), self.coordinate(self.high)
         assert self.prior is not None
         # A shape, which is no cause, stays near its middle; a stated constant may be far off.
         end = math.inf
@@ -147,12 +145,15 @@ class Parameter:
             end = math.log(_LARGEST_FACTOR) / math.log(self.prior.second)
         ends = [-end, end]
         if math.isfinite(self.low):
-            ends[0] = max(ends[0], self._coordinate(self.low))
+            ends[0] = max(ends[0], self.coordinate(self.low))
         if math.isfinite(self.high):
-            ends[1] = min(ends[1], self._coordinate(self.high))
+            ends[1] = min(ends[1], self.coordinate(self.high))
         return ends[0], ends[1]
 
-    def _coordinate(self, value: float) -> float:
+    def coordinate(self, value: float) -> float:
+        """Coordinate of a value; of an amplitude, of one that does not fall."""
+        if self.size is not None:
+            return math.asinh((value - self.absent) * math.sinh(1.0) / self.size)
         assert self.prior is not None
         if self.prior.kind != "normal" and value <= 0.0:
             return -math.inf

@@ -1,0 +1,150 @@
+"""Forms of a law, such as a line or a saturation, as rivals of its curve through knots."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from scipy.special import logsumexp
+
+from stickslip._util.numbers import Array
+from stickslip.diagnosis.fitting.descent import Asking, in_step
+from stickslip.diagnosis.fitting.forms import PRIOR
+from stickslip.diagnosis.fitting.models import Fit, fit, sharpened
+from stickslip.diagnosis.fitting.problem import FREED
+from stickslip.diagnosis.fitting.search import NEAR, Models
+from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.curve import SHAPES
+from stickslip.diagnosis.terms.laws import forms
+
+_SCANNED = 15  # scales that are looked at, evenly in their logarithm: the fit begins at the best
+_HOPELESS = 100.0  # growth of the cost over that of the curve after which no form comes back
+_OUTER = 2.0  # coordinate of a scale beyond which it is at the end of its range, and no form's own
+_FLOOR = 1e-3  # least standard deviation of a knot, in its usual size, where a form begins
+_LEAST = 0.1  # part of a stated constant that is left where a form begins
+
+
+def with_forms(models: Models) -> Models:
+    """The same where the laws of the leader were fitted in their other forms too.
+
+    A law has the mean evidence of its forms, of which none is preferred beforehand, and the fit of
+    the most probable one. Curves that are behind stand for their forms.
+    """
+    if not models.reaches:
+        return models
+    leader = models.leaders(1)[0]
+    for law in leader.causes:
+        if law.curve is not None:
+            models = _compared(models, leader.names, law)
+    return models
+
+
+def _compared(models: Models, names: frozenset[str], law: Cause) -> Models:
+    """The same with the best form of the law in the models of these causes."""
+    others = forms(law)
+    if models.problem.forms is None or not others:
+        return models
+    models = models.widened(models.problem.forms(models.problem, others), models.offered)
+    problem, least = models.problem, models.log_posterior(models.leaders(1)[0]) - NEAR
+    evidence: dict[str, dict[str, Fit]] = {}
+    for name in models.forms:
+        old = models.get(names, name)
+        # A form may explain what no curve through knots does.
+        if old is None or (name != "none" and models.log_posterior(old) < least):
+            continue
+        found = in_step(problem, [_fitted(models, old, law, each) for each in others])
+        correction = models.corrections.get(names, 0.0)
+        own = {"curve": replace(old, log_evidence=old.log_evidence + correction)}
+        own |= {form: each for form, each in zip(map(_form, others), found, strict=True) if each}
+        evidence[name] = own
+    weight = {
+        form: float(logsumexp([
+            math.log(PRIOR[name]) + each[form].log_evidence
+            for name, each in evidence.items() if form in each
+        ]))
+        for form in dict.fromkeys(form for each in evidence.values() for form in each)
+    }  # fmt: skip
+    total = float(logsumexp(list(weight.values())))
+    chance = {form: math.exp(each - total) for form, each in weight.items()}
+    order = sorted(chance, key=lambda form: -chance[form])
+    for name, fits in evidence.items():
+        mean = logsumexp([each.log_evidence for each in fits.values()]) - math.log(1 + len(others))
+        best = next(fits[form] for form in order if form in fits)
+        models.best[names, name] = replace(best, log_evidence=float(mean))
+    models.corrections[names] = 0.0
+    models.of_forms[names] = {form: chance[form] for form in order}
+    return models
+
+
+def _form(law: Cause) -> str:
+    assert law.curve is not None
+    return law.curve.form
+
+
+def _fitted(models: Models, old: Fit, law: Cause, other: Cause) -> Asking[Fit | None]:
+    """A fit of a model with another form of its law; None where it is none, or comes not near."""
+    problem, form = models.problem, models.forms[old.form]
+    causes = [each for each in old.causes if each is not law] + [other]
+    try:
+        own = yield from fit(
+            problem, form, causes, _begun(models, old, law, other), h=old.h,
+            hopeless=old.cost + _HOPELESS,
+        )  # fmt: skip
+        if own.cost > old.cost + _HOPELESS or _at_end(models, own, other):
+            return None
+        return (yield from sharpened(problem, form, own))
+    except np.linalg.LinAlgError:
+        return None
+
+
+def _at_end(models: Models, own: Fit, law: Cause) -> bool:
+    """Whether the amplitude is at its end, or the scale near one, where it is another form."""
+    at = own.x[models.problem.columns([law])]
+    low, high = law.parameters[0].limits
+    return bool(not low + 1e-3 < at[0] < high - 1e-3 or np.any(np.abs(at[1:]) > _OUTER))
+
+
+def _begun(models: Models, old: Fit, law: Cause, other: Cause) -> Array:
+    """Coordinates where a form is nearest to the fitted law at its knots, by their errors.
+
+    Of a law that is a factor of a constant c, c (1 + f), data often tell no more than the product:
+    c is fitted with the amplitude.
+    """
+    problem, curve, at = models.problem, other.curve, models.problem.columns([law])
+    assert curve is not None
+    x, f = old.x.copy(), problem.physical(old.x[None, :])[0, at]
+    target, slopes = f, float(law.parameters[0].value(np.ones(1))[0]) * np.eye(len(at))
+    level, stated = np.zeros((len(at), 0)), list[float]()
+    if curve.constant is not None:
+        k = problem.names.index(curve.constant)
+        low, c, high = problem.constants[k].value(x[k] + np.array([-0.5, 0.0, 0.5])).tolist()
+        target, slopes = c * (1.0 + f), np.column_stack([c * slopes, (high - low) * (1.0 + f)])
+        at_null = problem.constants[k].value(np.array([0.0]))
+        level, stated = np.ones((len(at), 1)), [float(at_null[0]), FREED[0] * (high - low)]
+        at = np.append(at, k)
+    places = np.searchsorted(old.free, at)
+    covariance = old.covariance[np.ix_(places, places)] + _FLOOR**2 * np.eye(len(at))
+    whiten = np.linalg.inv(np.linalg.cholesky(slopes @ covariance @ slopes.T))
+    amplitude, *scales = other.parameters
+    grid = np.linspace(-_OUTER, _OUTER, _SCANNED) if scales else np.zeros(1)
+    least, parts, z = math.inf, np.zeros(2), 0.0
+    for each in grid.tolist():
+        scale = float(scales[0].value(np.array([each]))[0]) if scales else curve.reach
+        column = SHAPES[curve.form].at((curve.places - curve.origin) / scale)
+        rows, wanted = whiten @ np.column_stack([column, level]), whiten @ target
+        if stated:
+            rows = np.vstack([rows, [0.0, 1.0 / stated[1]]])
+            wanted = np.append(wanted, stated[0] / stated[1])
+        found = np.linalg.lstsq(rows, wanted, rcond=None)[0]
+        left = float(np.sum((wanted - rows @ found) ** 2))
+        if left < least:
+            least, parts, z = left, found, each
+    x[problem.columns([law])] = 0.0
+    a = float(parts[0])
+    if stated:
+        base = max(float(parts[1]), _LEAST * stated[0])
+        x[k], a = problem.constants[k].coordinate(base), a / base
+    inside = float(np.clip(a, 0.99 * amplitude.low, 0.99 * amplitude.high))
+    x[problem.columns([other])] = [amplitude.coordinate(inside), *(z for _ in scales)]
+    return np.asarray(np.clip(x, *problem.limits))
