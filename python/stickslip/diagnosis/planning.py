@@ -149,7 +149,7 @@ class Plan:
         return "\n".join([*lines, ""])
 
     def save(self, folder: Path) -> None:
-        """Write measurement, scenario, table and protocol, and the map of the coils if there is one."""
+        """Write measurement, scenario, table and protocol, and the coils' map if there is one."""
         folder.mkdir(parents=True, exist_ok=True)
         self.scenario.to_toml(folder / FILES[1])
         texts = {
