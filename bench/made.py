@@ -104,7 +104,7 @@ def oscillator(seed: int) -> Made:
 
 def swing(seed: int) -> Made:
     """A swing with two kinds of damping, whose error is not stated."""
-    draw, t = np.random.default_rng([2, seed]), np.linspace(0.0, 12.0, 241)
+    draw, t = np.random.default_rng([2, seed]), np.linspace(0.0, 20.0, 501)
     drag, dry = 0.1 * draw.uniform(0.5, 1.5), 0.05 * draw.uniform(0.5, 1.5)
     w, c = 4.0 * (1.0 + 0.01 * draw.standard_normal()), 0.03 * (1.0 + 0.2 * draw.standard_normal())
     y = _solved(_swing({"w": w, "c": c, "swings": 1.0, "drag": drag, "dry": dry}), 1.2, 0.0, t)

@@ -130,10 +130,9 @@ def test_sound_tables_have_nothing_to_find():
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("seed", [made.TRIED, made.TRIED + 1])
 @pytest.mark.parametrize("kind", made.KINDS)
-def test_what_is_hidden_in_made_data_is_found(kind, seed):
-    right, said = made.judged(kind, seed)
+def test_what_is_hidden_in_made_data_is_found(kind):
+    right, said = made.judged(kind, made.TRIED)
     assert right, said
 
 
