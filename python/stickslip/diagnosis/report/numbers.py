@@ -249,7 +249,8 @@ def _told(facts: Facts, candidate: Candidate) -> dict[str, Any]:
         said: dict[str, Any] = facts.words.told(each, sizes[each.name])
         if each.curve is not None:
             # Drawings have the names of the laws.
-            form = "" if each.has_knots else f", a {each.curve.form}"
+            article = "an" if each.curve.form.startswith("e") else "a"
+            form = "" if each.has_knots else f", {article} {each.curve.form}"
             said |= {"finding": f"The law of {each.curve.name} has another shape{form}.",
                      "drawing": each.curve.law, "interval": ""}  # fmt: skip
         causes.append(said)
