@@ -21,6 +21,7 @@ PROGRAMS = {
     "peers": ("peers", "SciPy, heyoka, MuJoCo and magpylib at equal accuracy"),
     "blind": ("blind", "the blind study of the diagnosis: make, diagnose, judge, tables ..."),
     "made": ("made", "five kinds of made data with a known answer, diagnosed and judged"),
+    "causes": ("causes", "a benchmark for any tool that names causes: make, run, score"),
     "real": ("real.study", "measured sets with a known cause, diagnosed and judged"),
     "drops": ("real.drops", "drops of a real square beside the core"),
     "mutations": ("mutations", "whether the tests see a change of the C++ or Python sources"),

@@ -45,7 +45,7 @@ Value law_value(const Scenario& scenario, const LawPlace& place) {
     const LawKey& key = *place.key;
     if (key.words.empty() && law->numbers[key.place]) return *law->numbers[key.place];
     if (!key.words.empty() && law->words[key.place]) return key.words[*law->words[key.place]];
-    throw std::invalid_argument(name + ": the law has none");
+    throw std::invalid_argument(name + ": the law has no " + key.name);
 }
 
 /// Throws std::invalid_argument if there is no such key.

@@ -14,39 +14,8 @@ static_assert(std::size(LawTable().place_of_named) == kNamedKinds.size());
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 
-constexpr std::array<const char*, kQuantities> kQuantityNames = {
-    "sliding friction", "friction", "friction",        "friction",
-    "adhesion",         "drag",     "rotational drag", "all drag"};
-constexpr std::array<const char*, kArguments> kArgumentNames = {
-    "way",  "slip speed", "place", "tilt", "sine of the tilt", "cosine of the tilt", "load",
-    "time", "age",        "speed", "rate"};
-
 std::size_t numbers_of(Form form) {
     return form == Form::curve ? 2 + kCurveNumbers : 2;
-}
-
-bool has_argument(Quantity quantity, Argument argument) {
-    switch (argument) {
-        case Argument::way:
-            return quantity == Quantity::friction_by_way;
-        case Argument::load:
-            return quantity == Quantity::friction_by_load;
-        // Friction that sticks has none; over all else static friction changes too.
-        case Argument::slip_speed:
-            return quantity == Quantity::sliding_friction;
-        case Argument::place:
-            return quantity == Quantity::friction;
-        case Argument::age:
-        case Argument::speed:
-        case Argument::rate:
-            return quantity >= Quantity::adhesion;
-        case Argument::tilt:
-        case Argument::sine:
-        case Argument::cosine:
-        case Argument::time:
-            break;
-    }
-    return quantity == Quantity::friction || quantity >= Quantity::adhesion;
 }
 
 double largest_of(Argument argument) {
@@ -108,32 +77,46 @@ Range range_of(const Law& law) {
     return {0.0, 1.0};
 }
 
-void check(const LawKind& kind) {
-    const auto name = [](const auto& names, auto value) {
-        return std::string(names[static_cast<std::size_t>(value)]);
-    };
-    const std::string over =
-        name(kQuantityNames, kind.quantity) + " over " + name(kArgumentNames, kind.argument);
-    if (!has_argument(kind.quantity, kind.argument)) {
-        throw std::invalid_argument(over + ": there is no such law");
-    }
-    if (kind.quantity == Quantity::fluid && kind.acts == Acts::adds) {
-        throw std::invalid_argument(over + ": allowed is a law that multiplies");
-    }
+bool exists(const LawKind& kind) {
+    if (!has_argument(kind.quantity, kind.argument)) return false;
+    // Force and torque have two units.
+    if (kind.quantity == Quantity::fluid && kind.acts == Acts::adds) return false;
     // Impacts and slip along a vector interpolate between the two ways.
-    if (kind.argument == Argument::way && kind.form != Form::line) {
-        throw std::invalid_argument(over + ": allowed is the form line");
-    }
+    if (kind.argument == Argument::way && kind.form != Form::line) return false;
     // In an impact it is infinite.
-    const bool is_bounded = kind.form == Form::gaussian || kind.form == Form::exponential ||
-                            kind.form == Form::saturation || kind.form == Form::curve;
-    if (kind.argument == Argument::load && !is_bounded) {
-        throw std::invalid_argument(
-            over + ": allowed is a form that is bounded: gaussian, exponential, saturation, curve");
-    }
+    return kind.argument != Argument::load || is_bounded(kind.form);
 }
 
 }  // namespace
+
+bool has_argument(Quantity quantity, Argument argument) {
+    switch (argument) {
+        case Argument::way:
+            return quantity == Quantity::friction_by_way;
+        case Argument::load:
+            return quantity == Quantity::friction_by_load;
+        // Friction that sticks has none; over all else static friction changes too.
+        case Argument::slip_speed:
+            return quantity == Quantity::sliding_friction;
+        case Argument::place:
+            return quantity == Quantity::friction;
+        case Argument::age:
+        case Argument::speed:
+        case Argument::rate:
+            return quantity >= Quantity::adhesion;
+        case Argument::tilt:
+        case Argument::sine:
+        case Argument::cosine:
+        case Argument::time:
+            break;
+    }
+    return quantity == Quantity::friction || quantity >= Quantity::adhesion;
+}
+
+bool is_bounded(Form form) {
+    return form == Form::gaussian || form == Form::exponential || form == Form::saturation ||
+           form == Form::curve;
+}
 
 bool LawTable::merge(const LawTable& other, std::size_t most_numbers) {
     std::vector<LawKind> all;
@@ -162,14 +145,16 @@ bool LawTable::merge(const LawTable& other, std::size_t most_numbers) {
 
 LawSet::LawSet(std::vector<Law> laws) : laws_(std::move(laws)) {
     if (laws_.size() > LawTable::kMost) {
-        throw std::invalid_argument(std::to_string(laws_.size()) + " laws: allowed are at most " +
+        throw std::invalid_argument(std::to_string(laws_.size()) +
+                                    " laws, those of effects too: allowed "
+                                    "are at most " +
                                     std::to_string(LawTable::kMost));
     }
     std::stable_sort(laws_.begin(), laws_.end(),
                      [](const Law& a, const Law& b) { return a.kind < b.kind; });
     for (std::size_t i = 0; i < laws_.size(); ++i) {
         Law& law = laws_[i];
-        check(law.kind);
+        if (!exists(law.kind)) throw std::invalid_argument("there is no such law");
         if (i > 0) {
             LawKind next = laws_[i - 1].kind;
             next.copy = law.kind.copy;

@@ -63,6 +63,11 @@ enum class Form : unsigned char {
 
 enum class Acts : unsigned char { adds, multiplies };
 
+/// Whether laws of a quantity may depend on an argument.
+bool has_argument(Quantity quantity, Argument argument);
+/// Whether a form stays finite however large its argument is.
+bool is_bounded(Form form);
+
 /// What a pack has once for all its runs.
 struct LawKind {
     Quantity quantity;
@@ -79,8 +84,8 @@ struct Law {
     double amplitude = 1.0;
     double scale = 1.0;    ///< of the argument; a curve has its own
     FreeShape curve = {};  ///< of the form curve
-    std::string key = {};  ///< of its size in a scenario, for messages
-    double stated = 0.0;   ///< value of that key
+    std::string key = {};  ///< of the amplitude, for messages
+    double stated = 0.0;   ///< its value in the scenario
 
     /// A bound from below on amplitude times form; minus infinity where there is none.
     double lowest() const;

@@ -28,7 +28,7 @@ double one(const Numbers&) {
     return 1.0;
 }
 
-/// A named effect. It is absent where its amplitude is zero.
+/// A named effect, absent where its amplitude is zero.
 struct Row {
     EffectDescription description;
     LawKind kind;  // one of kNamedKinds costs no more than its formula

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <stdexcept>
 
 #include "stickslip/numbers/number_text.hpp"
@@ -16,18 +15,20 @@ enum Word : std::size_t { kQuantity, kOver, kForm };
 enum Number : std::size_t { kFraction, kAmount, kScale, kKnot };
 
 constexpr double kMost = 1e9;
+constexpr double kShortest = 1e-9;  // s, of a scale in time: steps are as short
 
 struct QuantityWord {
     const char* word;
     Quantity quantity;
+    double most;  // of an amount, as of the key of the constant
 };
 constexpr QuantityWord kQuantityWords[] = {
-    {"friction", Quantity::friction},
-    {"sliding_friction", Quantity::sliding_friction},
-    {"adhesion", Quantity::adhesion},
-    {"drag", Quantity::drag},
-    {"rotational_drag", Quantity::rotational_drag},
-    {"fluid", Quantity::fluid},
+    {"friction", Quantity::friction, 100.0},
+    {"sliding_friction", Quantity::sliding_friction, 100.0},
+    {"adhesion", Quantity::adhesion, 1.0},
+    {"drag", Quantity::drag, 1e3},
+    {"rotational_drag", Quantity::rotational_drag, 1.0},
+    {"fluid", Quantity::fluid, 0.0},
 };
 
 struct ArgumentWord {
@@ -102,37 +103,31 @@ bool has_scale(const OwnLaw& law) {
     return argument_of(law).argument != Argument::way && form_of(law).of_tilt == Argument::tilt;
 }
 
-bool is_bounded(Form form) {
-    return form == Form::gaussian || form == Form::exponential || form == Form::saturation ||
-           form == Form::curve;
+// Laws of the way and of the load stand apart.
+Quantity quantity_over(Quantity quantity, Argument over) {
+    if (quantity != Quantity::friction) return quantity;
+    if (over == Argument::way) return Quantity::friction_by_way;
+    return over == Argument::load ? Quantity::friction_by_load : quantity;
 }
 
-// Over what a quantity may depend, and why over nothing else.
+// Which arguments a quantity may have, and why no others.
 void check_argument(const OwnLaw& law) {
-    const auto require = [&](const std::vector<Argument>& allowed, const char* reason) {
-        if (std::find(allowed.begin(), allowed.end(), argument_of(law).argument) != allowed.end()) {
-            return;
-        }
-        std::vector<std::string> words;
-        for (const ArgumentWord& row : kArgumentWords) {
-            const bool fits =
-                std::find(allowed.begin(), allowed.end(), row.argument) != allowed.end();
-            if (fits) words.emplace_back(row.word);
-        }
-        refuse(given(law, kOver) + " with quantity = \"" + quantity_of(law).word + "\"",
-               listed(words) + ", as " + reason);
+    const Quantity quantity = quantity_of(law).quantity;
+    const auto fits = [&](Argument over) {
+        return has_argument(quantity_over(quantity, over), over);
     };
-    using enum Argument;
-    switch (quantity_of(law).quantity) {
-        case Quantity::sliding_friction:
-            return require({slip_speed},
-                           "over all else static friction changes too (\"friction\")");
-        case Quantity::friction:
-            return require({way, place, tilt, load, time},
-                           "a contact that sticks has no slip speed");
-        default:
-            return require({tilt, time, age, speed, rate}, "it has no slip and no load");
+    if (fits(argument_of(law).argument)) return;
+    std::vector<std::string> words;
+    for (const ArgumentWord& row : kArgumentWords) {
+        if (fits(row.argument)) words.emplace_back(row.word);
     }
+    const char* reason = quantity == Quantity::sliding_friction
+                             ? "over all else static friction changes too (\"friction\")"
+                         : quantity == Quantity::friction
+                             ? "a contact that sticks has no slip speed"
+                             : "it has no slip and no load";
+    refuse(given(law, kOver) + " with quantity = \"" + quantity_of(law).word + "\"",
+           listed(words) + ", as " + reason);
 }
 
 void check_words(const OwnLaw& law) {
@@ -161,10 +156,10 @@ void check_numbers(const OwnLaw& law) {
     const bool has_fraction = law.numbers[kFraction].has_value();
     if (has_fraction && law.numbers[kAmount]) {
         refuse(given(law, kAmount) + " beside fraction = " + digits(*law.numbers[kFraction]),
-               "one of both");
+               "one of fraction and amount");
     }
     if (!has_fraction && !law.numbers[kAmount]) {
-        refuse(key_of(law, "fraction") + " is missing", "a fraction or an amount");
+        refuse("laws." + law.name + ": fraction or amount is missing", "one of them");
     }
     if (!has_fraction && quantity_of(law).quantity == Quantity::fluid) {
         refuse(given(law, kAmount) + " of quantity = \"fluid\"",
@@ -176,10 +171,21 @@ void check_numbers(const OwnLaw& law) {
     if (!has_scale(law) && law.numbers[kScale]) {
         refuse(given(law, kScale), "no scale over the way or with a squared sine or cosine");
     }
+    const Argument over = argument_of(law).argument;
+    const bool counts_time = over == Argument::time || over == Argument::age;
+    if (counts_time && *law.numbers[kScale] < kShortest) {
+        refuse(given(law, kScale), "at least " + digits(kShortest) + " s");
+    }
+    const double most = quantity_of(law).most;
+    if (law.numbers[kAmount] && std::abs(*law.numbers[kAmount]) > most) {
+        refuse(given(law, kAmount), "from " + digits(-most) + " to " + digits(most));
+    }
     const bool has_knots = std::any_of(law.numbers.begin() + kKnot, law.numbers.end(),
                                        [](const auto& each) { return each.has_value(); });
     const bool is_curve = form_of(law).form == Form::curve;
-    if (has_knots && !is_curve) refuse(key_of(law, "knots"), "only with form = \"curve\"");
+    if (has_knots && !is_curve) {
+        refuse(key_of(law, "knots") + " with " + given(law, kForm), "form = \"curve\"");
+    }
     if (is_curve && !has_knots) refuse(key_of(law, "knots") + " are missing", "five numbers");
 }
 
@@ -203,9 +209,7 @@ Law made(const OwnLaw& own) {
     const FormWord& form = form_of(own);
     const Argument over = argument_of(own).argument;
     Law law;
-    law.kind.quantity = quantity_of(own).quantity;
-    if (over == Argument::way) law.kind.quantity = Quantity::friction_by_way;
-    if (over == Argument::load) law.kind.quantity = Quantity::friction_by_load;
+    law.kind.quantity = quantity_over(quantity_of(own).quantity, over);
     law.kind.acts = own.numbers[kFraction] ? Acts::multiplies : Acts::adds;
     law.kind.argument = over == Argument::tilt ? form.of_tilt : over;
     law.kind.form = form.form;
@@ -232,7 +236,7 @@ void check_name(const OwnLaw& law) {
     for (const EffectDescription& each : effects()) is_effect |= is_this(each.name);
     for (const UserEffectHandle& each : user_effects()) is_effect |= is_this(each->name);
     if (!is_effect) return;
-    refuse("laws." + law.name + " has the name of the effect effects." + law.name, "another name");
+    refuse("laws." + law.name + ": there is an effect of this name", "another name");
 }
 
 // A quantity below zero would drive what it is to brake, and kinetic friction above the static one
@@ -246,7 +250,7 @@ void check_signs(const Scenario& s) {
         if (law.kind.acts == Acts::multiplies) {
             if (std::isfinite(law.lowest()) && 1.0 + law.lowest() < 0.0) {
                 refuse(given(own, kFraction),
-                       "one with which 1 + fraction times form is not below 0");
+                       "one that leaves 1 + fraction * form at least 0 everywhere");
             }
         } else if (law.lowest() < 0.0) {
             const bool is_friction = quantity <= Quantity::friction_by_load;
@@ -262,7 +266,7 @@ void check_signs(const Scenario& s) {
                 refuse(given(own, kAmount),
                        std::string("one that leaves ") + quantity_of(own).word + ", " +
                            digits(base) +
-                           " without laws, above 0 everywhere; a fraction ends there by itself");
+                           " without laws, at least 0 everywhere; a fraction ends there by itself");
             }
         }
         if (quantity != Quantity::sliding_friction) continue;
@@ -300,18 +304,18 @@ OwnLaw& law_of(Scenario& scenario, const std::string& name) {
 const std::vector<LawKey>& law_keys() {
     constexpr double kLow = -kMost;
     static const std::vector<LawKey> table = {
-        {"quantity", "on which it acts", kQuantity, words_of(kQuantityWords)},
-        {"over", "on which that depends", kOver, words_of(kArgumentWords)},
-        {"form", "of the dependence, over u = argument / scale", kForm, words_of(kFormWords)},
+        {"quantity", "what the law changes", kQuantity, words_of(kQuantityWords)},
+        {"over", "the argument, on which it depends", kOver, words_of(kArgumentWords)},
+        {"form", "f, the shape over u = argument / scale", kForm, words_of(kFormWords)},
         {"fraction",
-         "a in: the quantity times (1 + a form), zero where that is negative",
+         "a in: the quantity times max(0, 1 + a f(u))",
          kFraction,
          {},
          kLow,
          kMost,
          "-"},
         {"amount",
-         "a in: the quantity plus a form, in the quantity's unit",
+         "a in: the quantity plus a f(u), in the quantity's unit",
          kAmount,
          {},
          kLow,

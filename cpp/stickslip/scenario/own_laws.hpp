@@ -14,8 +14,8 @@ namespace stickslip {
 
 struct Scenario;
 
-/// A law of the user's own, the section [laws.NAME], as far as it is given: its keys may be set in
-/// any order, and `check_own_laws` says what is missing or does not go together.
+/// A law of the user's own, the section [laws.NAME]. Its keys come in any order; `check_own_laws`
+/// says what is missing or does not go together.
 struct OwnLaw {
     static constexpr std::size_t kWords = 3, kNumbers = 3 + kKnots;
 

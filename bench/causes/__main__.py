@@ -1,0 +1,53 @@
+"""A benchmark for any tool that says what is wrong with a model; see README.md beside.
+
+`make` writes the sets anew, `run` answers them by one of the tools here, `score` counts the answers
+of a file beside the truth.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from causes.make import TRUTH, make
+from causes.score import table
+from causes.tools import TOOLS, Answer, run
+
+ANSWERS = TRUTH.parent / "answers"
+
+
+def main() -> None:
+    """Do one step."""
+    parser = argparse.ArgumentParser(
+        prog="python -m bench causes",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    steps = parser.add_subparsers(dest="step", required=True)
+    steps.add_parser("make", help="write the sets")
+    told = steps.add_parser("run", help="answer the sets")
+    told.add_argument("tool", choices=TOOLS)
+    told.add_argument("--minutes", type=float, default=15.0, help="begin none after this time")
+    counted = steps.add_parser("score", help="count answers")
+    counted.add_argument("answers", type=Path, nargs="*", help="JSON; by default those kept here")
+    options = parser.parse_args()
+    if options.step == "make":
+        make()
+    elif options.step == "run":
+        path = ANSWERS / f"{options.tool.replace(' ', '-')}.json"
+        path.parent.mkdir(exist_ok=True)
+        have = json.loads(path.read_text()) if path.exists() else {}
+
+        def write(answers: Answer) -> None:
+            path.write_text(json.dumps(answers, indent=1) + "\n")
+
+        run(options.tool, options.minutes, write, have)
+    else:
+        truths = json.loads(TRUTH.read_text())
+        for path in options.answers or sorted(ANSWERS.glob("*.json")):
+            print(f"**{path.stem}**\n\n{table(json.loads(path.read_text()), truths)}\n")
+
+
+if __name__ == "__main__":
+    main()
