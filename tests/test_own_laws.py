@@ -292,7 +292,7 @@ def test_what_has_no_meaning_is_refused_in_one_line(change, said):
 
 NAMES = {
     **dict.fromkeys(["2nd", "a-b", "", "gr\xf6\xdfe", "a\n"], "the name of a law has letters"),
-    "eddy_lag": "the effect effects.eddy_lag",
+    "eddy_lag": "there is an effect of this name",
     1: "whose name is a word",
 }
 
