@@ -80,6 +80,7 @@ struct PlainDynamics {
                                              const Some&... laws) const {
         // The field at the robot's place is known last.
         const Real mx = moment_x(pose), mz = moment_z(pose);
+        // NOLINTNEXTLINE(misc-const-correctness): laws change them.
         typename Laws<Real>::Forces forces = {
             adhesion, drag, fma(turning_drag_quadratic, magnitude(omega), turning_drag)};
         ((forces =
