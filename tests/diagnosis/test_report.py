@@ -299,6 +299,7 @@ def test_a_cause_of_one_letter_is_no_part_of_a_word():
     assert words.in_titles("s takes the model's error") == (
         "another s than stated takes the model's error"
     )
+    assert words.in_titles("left (p = 0)") == "left (p < 10⁻¹²)"
 
 
 @pytest.mark.parametrize(

@@ -74,7 +74,7 @@ class Words:
 
     def in_titles(self, text: str) -> str:
         """A sentence with causes in plain words in place of their names, and p as elsewhere."""
-        text = re.sub(r"\bp = (\d\S*\d)", lambda each: p_text(float(each[1])), text)
+        text = re.sub(r"\bp = (\d(?:\S*\d)?)", lambda each: p_text(float(each[1])), text)
         names = sorted(map(re.escape, self._known), key=len, reverse=True)
         if not names:
             return text
