@@ -11,7 +11,7 @@ import sys
 import warnings
 from unittest import mock
 
-from stickslip.cli import main
+from stickslip.__main__ import main
 
 COMMAND = [sys.executable, "-m", "stickslip"]
 

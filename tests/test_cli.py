@@ -271,7 +271,7 @@ def test_every_column_of_a_table_has_its_unit(scenario, tmp_path):
 
 def test_an_interrupt_of_the_imports_is_one_line():
     code = (
-        "import importlib, sys\nbefore = set(sys.modules)\nfrom stickslip.cli import main\n"
+        "import importlib, sys\nbefore = set(sys.modules)\nfrom stickslip.__main__ import main\n"
         "print(*(m for m in sys.modules if m not in before))\n"
         "class Interrupt:\n"
         "    def find_spec(name, *_): raise KeyboardInterrupt\n"
@@ -285,6 +285,7 @@ def test_an_interrupt_of_the_imports_is_one_line():
         "signal",
         "enum",
         "stickslip",
+        "stickslip.__main__",
         "stickslip.cli",
     }
 
@@ -330,7 +331,7 @@ def test_the_command_starts_quickly(arguments):
     # The modules that would break the promise of a quick start; a clock would measure the machine.
     heavy = "{'scipy', 'pandas', 'xarray', 'matplotlib', 'h5py', 'numpy'}"
     code = (
-        "import sys\nfrom stickslip.cli import main\n"
+        "import sys\nfrom stickslip.__main__ import main\n"
         f"try: main({arguments})\nexcept SystemExit: pass\n"
         f"print(sorted({heavy} & set(sys.modules)), file=sys.stderr)"
     )

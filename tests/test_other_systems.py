@@ -42,7 +42,7 @@ data = sweep(scenario, {"drive.frequency": [50.0, 100.0]}, out="sweep.nc")
 assert float(data["mean_velocity"][1]) == run.mean_velocity
 with open("s.toml", "w", encoding="utf-8") as file:
     file.write(scenario.to_toml())
-from stickslip.cli import main
+from stickslip.__main__ import main
 
 main(["run", "s.toml", "--out", "again.csv", "--plot", "run.png"])
 """

@@ -235,7 +235,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         robots = np.flatnonzero(mask).tolist()
         for i in robots:
             if self.uncertain is not None:
-                self._robots[i] = self.uncertain.draw(self.scenario, self._random[i])
+                self._robots[i] = self.scenario.drawn(self.uncertain, self._random[i])[0]
             self._batch.reset(i, self._robots[i].to_core())
         self._batch.states(self._states)
         for i in robots:

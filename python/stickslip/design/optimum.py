@@ -248,7 +248,7 @@ class Optimum(OneLine):
         that one cannot be written.
         """
         folder, program = Path(out), self.scenario.drive.program
-        text = scenario_text(self.scenario, VOLTAGES, MAP)
+        text = scenario_text(self.scenario.content, VOLTAGES, MAP)
         writers: dict[Path, Callable[[Path], object]] = {
             folder / BEST: text_writer((f"# {self.beyond}\n" if self.beyond else "") + text),
             folder / FIGURE: functools.partial(self.figure().savefig, dpi=150),

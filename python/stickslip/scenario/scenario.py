@@ -12,9 +12,11 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Generic, TypeVar
 
+import numpy as np
+
 from stickslip import _core
 from stickslip._util.html import html_table
-from stickslip._util.messages import check_kind
+from stickslip._util.messages import check_kind, check_whole
 from stickslip._util.units import handy
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.field.field_map import FieldMap
@@ -50,6 +52,7 @@ from stickslip.scenario.sections import (
     State,
 )
 from stickslip.scenario.toml_file import (
+    Content,
     changes_of,
     parse_toml,
     read_document,
@@ -59,12 +62,15 @@ from stickslip.scenario.toml_file import (
 from stickslip.scenario.uncertain import (
     JointPrior,
     as_joint_prior,
-    counted_draws,
     refuse_geometry_beside_a_map,
 )
 from stickslip.scenario.waveform import Waveform
 
 _S = TypeVar("_S", bound=Section)
+
+# Draws in succession that may make no scenario. Chosen: where one in twenty makes one, a hundred
+# fail once in 170 times; a prior of which less is allowed is a mistake.
+_MOST_DRAWS = 100
 
 
 class _View(Generic[_S]):
@@ -241,7 +247,14 @@ class Scenario:
         OSError
             If a file cannot be written; nothing is left half-written.
         """
-        return scenario_text(self) if path is None else write_scenario(self, Path(path))
+        if path is None:
+            return scenario_text(self.content)
+        return write_scenario(self.content, Path(path))
+
+    @property
+    def content(self) -> Content:
+        """What its file states."""
+        return Content(self._core, self._program, self._map, self._fluid, self._uncertain)
 
     @staticmethod
     def keys() -> tuple[str, ...]:
@@ -403,7 +416,31 @@ class Scenario:
             If nothing is uncertain, a number is not allowed, or a hundred draws in succession make
             no scenario.
         """
-        return counted_draws(self, n, seed)[0]
+        return self.counted_draws(n, seed)[0]
+
+    def counted_draws(self, n: int, seed: int) -> tuple[list[Scenario], int]:
+        """See `draws`; and how many draws besides made no scenario."""
+        check_whole("n", n, 1)
+        check_whole("seed", seed)
+        prior = self._uncertain
+        if prior is None:
+            raise ScenarioError("uncertain: the scenario has no uncertain parameter to draw")
+        known = self.with_uncertain(None)
+        found = [known.drawn(prior, np.random.default_rng([int(seed), i])) for i in range(n)]
+        return [each for each, _ in found], sum(refused for _, refused in found)
+
+    def drawn(self, prior: JointPrior, random: np.random.Generator) -> tuple[Scenario, int]:
+        """A scenario with values drawn from a prior; and how many draws before it made none."""
+        middle = {key: float(self.get(key)) for key in prior.keys}
+        for refused in range(_MOST_DRAWS):
+            try:
+                return self.replace(prior.draw(middle, random)), refused
+            except ScenarioError as error:
+                last = error
+        raise ScenarioError(
+            f"[uncertain]: {_MOST_DRAWS} draws in succession make no scenario, so hardly any is "
+            f"allowed; the last: {last}"
+        )
 
     @property
     def duration(self) -> float:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
+from stickslip import _core
 from stickslip._util.files import read_bytes, text_writer, write_together
 from stickslip._util.messages import refuse, shown, suggestion
 from stickslip._util.text import printable, quoted
@@ -26,9 +27,10 @@ from stickslip.scenario.keys import (
     is_of_one_coil,
     known_keys,
 )
-from stickslip.scenario.law import flat_laws, law_lines
+from stickslip.scenario.law import flat_laws, law_lines, laws_of
 from stickslip.scenario.matter import Fluid, fluid_of_table
 from stickslip.scenario.sections import SECTIONS
+from stickslip.scenario.uncertain import JointPrior
 from stickslip.scenario.waveform import Waveform
 
 if sys.version_info >= (3, 11):
@@ -36,16 +38,22 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-if TYPE_CHECKING:
-    from stickslip.scenario.scenario import Scenario
-    from stickslip.scenario.uncertain import JointPrior
-
 FORMAT_VERSION = 1
 
 # Chosen: a scenario is a page of text; what is longer is another file, or a device without end.
 _MOST_BYTES = 1 << 20
 
 _T = TypeVar("_T", Waveform, FieldMap)
+
+
+class Content(NamedTuple):
+    """What the file of a scenario states."""
+
+    core: _core.Scenario
+    program: Waveform | None
+    field_map: FieldMap | None
+    fluid: Fluid | None
+    uncertain: JointPrior | None
 
 
 def parse_toml(text: str) -> dict[str, Any]:
@@ -174,39 +182,39 @@ def files_beside(path: Path) -> tuple[Path, Path]:
     return path.with_name(f"{path.stem}.voltages.csv"), path.with_name(f"{path.stem}.map.json")
 
 
-def write_scenario(scenario: Scenario, path: Path, comments: Sequence[str] = ()) -> str:
+def write_scenario(content: Content, path: Path, comments: Sequence[str] = ()) -> str:
     """Write the scenario's file, and its voltages and map beside it; return the text.
 
     `comments` are lines at its top, without their ``#``.
     """
-    text, writers = scenario_writers(scenario, path, comments)
+    text, writers = scenario_writers(content, path, comments)
     write_together(writers)
     return text
 
 
 def scenario_writers(
-    scenario: Scenario, path: Path, comments: Sequence[str] = ()
+    content: Content, path: Path, comments: Sequence[str] = ()
 ) -> tuple[str, dict[Path, Callable[[Path], object]]]:
     """The text of a scenario's file, and what `write_together` needs for all its files."""
     voltages, field_map = files_beside(path)
     text = "".join(f"# {printable(line)}\n" for line in comments)
-    text += scenario_text(scenario, voltages.name, field_map.name)
+    text += scenario_text(content, voltages.name, field_map.name)
     writers = {path: text_writer(text)}
-    if scenario.drive.program is not None:
-        writers[voltages] = scenario.drive.program.write
-    if scenario.coil.map is not None:
-        writers[field_map] = text_writer(scenario.coil.map.to_json())
+    if content.program is not None:
+        writers[voltages] = content.program.write
+    if content.field_map is not None:
+        writers[field_map] = text_writer(content.field_map.to_json())
     return text, writers
 
 
 def scenario_text(
-    scenario: Scenario, voltages: str = "voltages.csv", field_map: str = "map.json"
+    content: Content, voltages: str = "voltages.csv", field_map: str = "map.json"
 ) -> str:
     """The TOML text, with the files that a program's voltages and the coils' map are in."""
-    values = {key: scenario.get(key) for key in known_keys()}
-    changed = scenario.to_core().changed()
+    core, fluid = content.core, content.fluid
+    changed = core.changed()
     left_out = ["initial"] if not any(key.startswith("initial.") for key in changed) else []
-    idle = SAWTOOTH if scenario.drive.mode == "program" else ()
+    idle = SAWTOOTH if core.get("drive.mode") == "program" else ()
     lines = [f"stickslip = {FORMAT_VERSION}"]
     for section in dict.fromkeys(key.section for key in known_keys().values()):
         keys = [key for key in known_keys().values() if key.section == section]
@@ -215,21 +223,20 @@ def scenario_text(
         if section in left_out or not keys:
             continue
         lines += ["", f"[{section}]"]
-        lines += [_line(key, values[key.name]) for key in keys if key.name not in idle]
-        if section == "drive" and scenario.drive.program is not None:
+        lines += [_line(key, core.get(key.name)) for key in keys if key.name not in idle]
+        if section == "drive" and content.program is not None:
             lines.append(f"file = {quoted(voltages)}")
-        if section == "coil" and scenario.coil.map is not None:
+        if section == "coil" and content.field_map is not None:
             lines.append(f"map = {quoted(field_map)}")
-    for name, law in scenario.laws.items():
+    for name, law in laws_of(core):
         lines += law_lines(name, law)
-    if scenario.fluid is not None:
-        fluid = scenario.fluid
+    if fluid is not None:
         wall = "false" if fluid.gap is None else repr(fluid.gap)
         lines += ["", "[fluid]  # for its note: what it sets stands above"]
         lines += [f"density = {fluid.density!r}  # kg/m^3"]
         lines += [f"viscosity = {fluid.viscosity!r}  # Pa s", f"wall = {wall}  # m"]
-    if scenario.uncertain is not None:
-        lines += _uncertain_lines(scenario.uncertain)
+    if content.uncertain is not None:
+        lines += _uncertain_lines(content.uncertain)
     return "\n".join(lines) + "\n"
 
 

@@ -7,19 +7,16 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from statistics import NormalDist
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip._util.messages import check_whole, shown
+from stickslip._util.messages import shown
 from stickslip._util.numbers import Array
 from stickslip._util.text import is_number
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import COIL_MAP, checked, find_key, full_name, known_keys
-
-if TYPE_CHECKING:
-    from stickslip.scenario.scenario import Scenario
 
 _FORMS = "{ mean, sd }, { median, factor } or { low, high }"
 _EDGE = 5.0
@@ -127,10 +124,6 @@ Matrix = tuple[tuple[float, ...], ...]
 COVARIANCE = "covariance"
 """The section of ``[uncertain]`` that is no key."""
 
-MOST_DRAWS = 100
-"""Draws in succession that may make no scenario. Chosen: where one in twenty makes one, a hundred
-fail once in 170 times; a prior of which less is allowed is a mistake."""
-
 # Chosen: a covariance in a file may be rounded to ten digits.
 _ROUNDING = 1e-9
 
@@ -201,34 +194,17 @@ class JointPrior:
         root = (vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T
         return np.asarray(np.sqrt(np.diag(covariance))[:, None] * root)
 
-    def draw(self, scenario: Scenario, random: np.random.Generator) -> Scenario:
-        """The scenario with drawn values of the uncertain parameters.
+    def draw(self, middle: Mapping[str, float], random: np.random.Generator) -> dict[str, float]:
+        """Drawn values of the uncertain parameters by key.
 
-        Values that make no scenario are drawn again, which truncates the distribution.
-
-        Raises
-        ------
-        ScenarioError
-            If a hundred draws in succession make none.
+        `middle` has the values about which those of the covariance lie.
         """
-        return self.counted_draw(scenario, random)[0]
-
-    def counted_draw(self, scenario: Scenario, random: np.random.Generator) -> tuple[Scenario, int]:
-        """See `draw`; and how many draws before it made no scenario."""
-        middle = np.array([scenario.get(key) for key in self.keys])
-        for refused in range(MOST_DRAWS):
-            z = random.standard_normal(len(self.names))
-            single, joint = z[: len(self.priors)], z[len(self.priors) :]
-            drawn = [prior.value(u) for prior, u in zip(self.priors.values(), single, strict=True)]
-            values = map(float, [*drawn, *(middle + self._root @ joint)])
-            try:
-                return scenario.replace(dict(zip(self.names, values, strict=True))), refused
-            except ScenarioError as error:
-                last = error
-        raise ScenarioError(
-            f"[uncertain]: {MOST_DRAWS} draws in succession make no scenario, so hardly any is "
-            f"allowed; the last: {last}"
-        )
+        z = random.standard_normal(len(self.names))
+        single, joint = z[: len(self.priors)], z[len(self.priors) :]
+        drawn = [prior.value(u) for prior, u in zip(self.priors.values(), single, strict=True)]
+        centre = np.array([middle[key] for key in self.keys])
+        values = [*drawn, *(centre + self._root @ joint)]
+        return dict(zip(self.names, map(float, values), strict=True))
 
 
 def as_joint_prior(given: object) -> JointPrior:
@@ -278,20 +254,6 @@ def refuse_geometry_beside_a_map(keys: Iterable[str]) -> None:
                 f"{key}: cannot be uncertain beside {COIL_MAP}, which has the field of the coils; "
                 "effects.field_gain.in_plane and effects.field_gain.clamp can"
             )
-
-
-def counted_draws(scenario: Scenario, count: int, seed: int) -> tuple[list[Scenario], int]:
-    """See `Scenario.draws`; and how many draws besides made no scenario."""
-    check_whole("n", count, 1)
-    check_whole("seed", seed)
-    if scenario.uncertain is None:
-        raise ScenarioError("uncertain: the scenario has no uncertain parameter to draw")
-    known = scenario.with_uncertain(None)
-    found = [
-        scenario.uncertain.counted_draw(known, np.random.default_rng([int(seed), number]))
-        for number in range(count)
-    ]
-    return [each for each, _ in found], sum(refused for _, refused in found)
 
 
 def _constant(name: str, *entry: object) -> str:

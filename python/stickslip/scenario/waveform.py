@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,9 +22,7 @@ from stickslip._util.text import counted, highest, is_number
 from stickslip.errors import prefixed
 from stickslip.scenario.changes import Changes
 from stickslip.scenario.keys import COIL_NAMES
-
-if TYPE_CHECKING:
-    from stickslip.scenario.sections import Coil
+from stickslip.scenario.section import Section
 
 _Block = tuple[Array, Array, int]
 
@@ -40,7 +38,7 @@ _MOST_BLOCKS = 100_000  # of repeats within repeats; chosen: some MB of memory
 _MOST_ROWS = 2_000_000  # of a file; chosen: a minute of voltages at 30 kHz
 
 
-def volts_per_tesla(coil: Coil | None = None) -> float:
+def volts_per_tesla(coil: Section | None = None) -> float:
     """Voltage of one coil for a steady-state field of 1 T at the centre, V/T.
 
     Resistance over field per ampere, Eqs. (1)-(7); of coils without own values, or a map's +x coil.
@@ -49,9 +47,11 @@ def volts_per_tesla(coil: Coil | None = None) -> float:
     return float(core.get("coil.resistance")) / core.coils().centre_field_per_ampere[0]
 
 
-def _with_coil(coil: Coil | None) -> _core.Scenario:
+def _with_coil(coil: Section | None) -> _core.Scenario:
     core = _core.Scenario()
     if coil is not None:
+        if not isinstance(coil, Section) or coil._name != "coil":
+            refuse("coil", coil, "a Coil")
         core.take(coil._core, "coil")
     return core
 
@@ -156,7 +156,7 @@ class Waveform:
         return cls.from_points([0.0, top_time, period], [bottom, _five(high), bottom])
 
     @classmethod
-    def ipp(cls, *, coil: Coil | None = None, **drive: Any) -> Waveform:
+    def ipp(cls, *, coil: Section | None = None, **drive: Any) -> Waveform:
         """In-plane pulsing, section V-A: the voltages of ``Drive(mode="IPP", **drive)``.
 
         Parameters
@@ -174,7 +174,7 @@ class Waveform:
         return cls._pulsed("IPP", coil, drive)
 
     @classmethod
-    def opp(cls, *, coil: Coil | None = None, **drive: Any) -> Waveform:
+    def opp(cls, *, coil: Section | None = None, **drive: Any) -> Waveform:
         """Out-of-plane pulsing, section V-B: the voltages of ``Drive(mode="OPP", **drive)``.
 
         Parameters are those of `ipp`.
@@ -182,7 +182,7 @@ class Waveform:
         return cls._pulsed("OPP", coil, drive)
 
     @classmethod
-    def _pulsed(cls, mode: str, coil: Coil | None, fields: dict[str, Any]) -> Waveform:
+    def _pulsed(cls, mode: str, coil: Section | None, fields: dict[str, Any]) -> Waveform:
         if "mode" in fields:
             refuse("mode", fields["mode"], f"none, as the voltages are those of {mode}")
         core = _with_coil(coil)

@@ -26,18 +26,14 @@ from stickslip._util.files import beside, check_writable, replacing
 from stickslip._util.messages import refuse
 from stickslip.errors import NotWritten, ScenarioError, prefixed
 from stickslip.field.field_map import FieldMap
-from stickslip.scenario.scenario import scenario_of
+from stickslip.scenario.scenario import Scenario, scenario_of
 from stickslip.scenario.sections import State
 from stickslip.scenario.waveform import Waveform
-from stickslip.simulation.note import notes_json
 from stickslip.simulation.quantities import COLUMNS, WORDS, recorded_names
 
 if TYPE_CHECKING:
     import xarray
     from numpy.typing import NDArray
-
-    from stickslip.scenario.scenario import Scenario
-    from stickslip.simulation.run import Run
 
     Block = Mapping[str, NDArray[Any]]
 
@@ -74,37 +70,13 @@ def origin(scenario: Scenario) -> dict[str, str]:
     return about
 
 
-def attributes(run: Run) -> dict[str, Any]:
-    """The attributes of a run's file, which with its record make it a `Run` again."""
-    summary = run.summary()
-    about = {
-        "title": "stick-slip motion of a magnetic micro-robot",
-        "source": f"stickslip {_core.__version__}",
-        **origin(run.scenario),
-        **{name: value for name, value in summary.items() if not isinstance(value, dict | list)},
-        "notes": notes_json(run.notes),
-        "events": json.dumps(summary["events"]),
-        "steps": json.dumps(summary["steps"]),
-        "condition_met": int(run.condition_met),
-        "condition": run.condition,
-        "complete": int(run.complete),
-        "recorded_until": run.recorded_until,
-    }
-    if run.complete or run.numbers["simulated_time"]:  # else nobody knows where it is
-        about["final_state"] = json.dumps(run.final_state.as_dict())
-    return about
-
-
-def dataset(run: Run) -> xarray.Dataset:
-    """See `Run.to_xarray`."""
+def dataset(arrays: Block, about: Mapping[str, Any]) -> xarray.Dataset:
+    """See `Run.to_xarray`; `about` has the attributes."""
     with naming_the_extra("Run.to_xarray"):
         import xarray
-    variables = {
-        name: (_dimensions(name), getattr(run, name), _about(name))
-        for name in recorded_names(run.scenario) or ("t",)  # whose absence is the error
-    }
+    variables = {name: (_dimensions(name), array, _about(name)) for name, array in arrays.items()}
     coil = ("coil", list(_core.coil_names), {"long_name": "coil"})
-    return xarray.Dataset(variables, {"t": variables.pop("t"), "coil": coil}, attributes(run))
+    return xarray.Dataset(variables, {"t": variables.pop("t"), "coil": coil}, about)
 
 
 def _dimensions(name: str) -> tuple[str, ...]:
@@ -130,8 +102,9 @@ class RecordFile:
     Parameters
     ----------
     path : path-like
-    run : Run
-        What is known before the run; with it the file is made.
+    scenario : Scenario
+    about : mapping
+        `Run.attributes` as they are before the run; with them the file is made.
 
     Attributes
     ----------
@@ -146,18 +119,20 @@ class RecordFile:
         If the file cannot be made, and by `write` and `finish` where there is no room.
     """
 
-    def __init__(self, path: str | PathLike[str], run: Run) -> None:
+    def __init__(
+        self, path: str | PathLike[str], scenario: Scenario, about: Mapping[str, Any]
+    ) -> None:
         with naming_the_extra("a netCDF file"):
             import h5netcdf
             import h5py
 
         self.path, self.part = Path(path), beside(Path(path), "", PART)
         self.samples, self.recorded_until = 0, math.nan
-        self._scenario = run.scenario
-        record = run.scenario.record
+        self._scenario = scenario
+        record = scenario.record
         chunk = 1024  # events; chosen: a run has some thousand
         if isinstance(record.rate, float):
-            span = run.scenario.duration - record.from_
+            span = scenario.duration - record.from_
             chunk = max(1, min(BLOCK, math.ceil(record.rate * span) + 1))
         image = io.BytesIO()
         with h5netcdf.File(image, "w", **FORMAT) as file:
@@ -165,7 +140,7 @@ class RecordFile:
             coil = file.create_variable("coil", ("coil",), h5py.string_dtype())
             coil[:] = np.array(_core.coil_names, dtype=object)
             coil.attrs["long_name"] = "coil"
-            for name in recorded_names(run.scenario):
+            for name in recorded_names(scenario):
                 file.create_variable(
                     name,
                     _dimensions(name),
@@ -174,7 +149,7 @@ class RecordFile:
                     chunks=(chunk, 1) if name == "current" else (chunk,),
                     **_STORED,
                 ).attrs.update(_about(name))
-            _set_attributes(file, run, complete=False)
+            _set_attributes(file, {**about, "complete": 0})
         check_writable(path)
         with replacing(self.part) as temporary:
             temporary.write_bytes(image.getbuffer())
@@ -199,27 +174,27 @@ class RecordFile:
         if end > self.samples:
             self.samples, self.recorded_until = end, float(block["t"][-1])
 
-    def describe(self, run: Run, path: Path | None = None) -> None:
+    def describe(self, about: Mapping[str, Any], path: Path | None = None) -> None:
         """Add the attributes of a run that ended, and checksums."""
         import h5netcdf
 
         self._try(0, path)
         path = path or self.part
         with h5netcdf.File(str(path), "r+", locking=False, **FORMAT) as file:
-            _set_attributes(file, run, run.complete)
+            _set_attributes(file, about)
         with path.open("r+b") as sealed:
             seal(sealed)
 
-    def finish(self, run: Run) -> None:
+    def finish(self, about: Mapping[str, Any]) -> None:
         """The same for a run that came to its end, and give the file its name."""
         self._try(0)
         try:
             with replacing(self.path) as temporary:  # a kill within this leaves NAME.part
                 shutil.copyfile(self.part, temporary)
-                self.describe(run, temporary)
+                self.describe(about, temporary)
             self.part.unlink()
         except OSError:  # there is no room for a copy
-            self.describe(run)
+            self.describe(about)
             os.replace(self.part, self.path)
 
     def discard(self) -> None:
@@ -258,21 +233,22 @@ class RecordFile:
             raise NotWritten(f"{text}; {self.extent}" if self.samples else text) from None
 
 
-def _set_attributes(file: Any, run: Run, complete: bool) -> None:
-    for name, value in {**attributes(run), "complete": int(complete)}.items():
+def _set_attributes(file: Any, about: Mapping[str, Any]) -> None:
+    for name, value in about.items():
         file.attrs[name] = value if isinstance(value, str) else np.atleast_1d(value)
 
 
-def write_run(run: Run, path: str | PathLike[str]) -> None:
+def write_run(
+    path: str | PathLike[str], scenario: Scenario, about: Mapping[str, Any], arrays: Block
+) -> None:
     """Write a run whose arrays are at hand, whole or not at all."""
-    arrays = {name: getattr(run, name) for name in recorded_names(run.scenario) or ("t",)}
     with replacing(path) as temporary:  # and NAME.part, which may be what is saved, stays
         part = beside(temporary, "", PART)
         try:
-            file = RecordFile(temporary, run)
+            file = RecordFile(temporary, scenario, about)
             for start in range(0, len(arrays["t"]), BLOCK):
                 file.write({name: array[start : start + BLOCK] for name, array in arrays.items()})
-            file.describe(run)
+            file.describe(about)
             part.replace(temporary)
         except NotWritten as error:
             reason: Any = error.__context__ or error

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import csv
 import functools
+import json
+import math
 from collections.abc import Iterable, Mapping
+from html import escape
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,20 +17,30 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.extras import naming_the_extra
 from stickslip._util.files import NETCDF_SUFFIXES, check_suffix, replacing
+from stickslip._util.text import printable
+from stickslip._util.units import handy
 from stickslip.scenario.sections import State
-from stickslip.simulation.display import headline, run_html
-from stickslip.simulation.note import Note, by_seriousness
+from stickslip.simulation.note import Note, by_seriousness, notes_json, shown_lines
 from stickslip.simulation.quantities import (
+    NUMBERS,
     PLANE_COLUMNS,
     WORDS,
     column_units,
     headings,
     recorded_names,
 )
-from stickslip.simulation.record_file import dataset, stored, write_run
+from stickslip.simulation.record_file import dataset, origin, stored, write_run
 from stickslip.simulation.recorded import Recorded
 from stickslip.simulation.run_notes import run_notes
-from stickslip.simulation.seen_from_drive import ACROSS, ALONG, seen_from_drive
+from stickslip.simulation.seen_from_drive import (
+    ACROSS,
+    ALONG,
+    FROM_AXES,
+    FROM_DRIVE,
+    IN_ONE_PLANE,
+    VELOCITIES,
+    seen_from_drive,
+)
 
 if TYPE_CHECKING:
     import xarray
@@ -150,10 +163,41 @@ class Run(Recorded):
         return [*super().__dir__(), *self._record]
 
     def __repr__(self) -> str:
-        return f"<Run: {headline(self)}>"
+        return f"<Run: {self._headline()}>"
+
+    def _headline(self) -> str:
+        """Status, mean velocities in mm/s and number of samples, in one line."""
+        words = IN_ONE_PLANE
+        if self.scenario.whole_plane:
+            words = FROM_AXES if self.scenario.drive.mode == "program" else FROM_DRIVE
+        # Along x there is one, which `velocity` sees from the drive.
+        velocities = self.velocity if self.scenario.whole_plane else (self.mean_velocity,)
+        factor, unit = handy("m/s")
+        velocity = ", ".join(
+            f"{value * factor:.6g} {unit} {direction}".rstrip()
+            for direction, value in zip(words.values(), velocities, strict=True)
+        )
+        samples = f"{self.samples} samples" if self.recorded else "no record"
+        return f"{self.status}, {velocity}, {samples}"
 
     def _repr_html_(self) -> str:
-        return run_html(self)
+        """The headline and notes, and with pandas a table of the numbers."""
+        lines = [self._headline(), *([] if self.ok else [self.message]), *shown_lines(self.notes)]
+        texts = "".join(f"<p>{escape(printable(line))}</p>\n" for line in lines)
+        try:
+            import pandas as pd
+        except ModuleNotFoundError:
+            return texts
+        summary = self.summary()
+        rows = [
+            (name, f"{summary[name]:.6g}", "" if unit == "1" else unit, meaning)
+            for name, (unit, meaning) in {**VELOCITIES, **NUMBERS}.items()
+            if math.isfinite(summary.get(name, math.nan))
+        ]
+        events = ", ".join(f"{count} {kind}" for kind, count in summary["events"].items() if count)
+        rows.append(("events", events or "none", "", ""))
+        table = pd.DataFrame(rows, columns=["", "value", "unit", "is"])
+        return texts + str(table.to_html(index=False, border=0))
 
     @property
     def ok(self) -> bool:
@@ -243,6 +287,30 @@ class Run(Recorded):
             **of_the_plane,
         }
 
+    def attributes(self) -> dict[str, Any]:
+        """The attributes of its netCDF file, which with the arrays make it a `Run` again."""
+        summary = self.summary()
+        about = {
+            "title": "stick-slip motion of a magnetic micro-robot",
+            "source": f"stickslip {_core.__version__}",
+            **origin(self.scenario),
+            **{key: each for key, each in summary.items() if not isinstance(each, dict | list)},
+            "notes": notes_json(self.notes),
+            "events": json.dumps(summary["events"]),
+            "steps": json.dumps(summary["steps"]),
+            "condition_met": int(self.condition_met),
+            "condition": self.condition,
+            "complete": int(self.complete),
+            "recorded_until": self.recorded_until,
+        }
+        if self.complete or self.numbers["simulated_time"]:  # else nobody knows where it is
+            about["final_state"] = json.dumps(self.final_state.as_dict())
+        return about
+
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        """The recorded quantities by name; an AttributeError without a record."""
+        return {name: getattr(self, name) for name in recorded_names(self.scenario) or ("t",)}
+
     def to_xarray(self) -> xarray.Dataset:
         """The recorded motion, with units, meanings, the summary and the scenario as attributes.
 
@@ -256,7 +324,7 @@ class Run(Recorded):
         AttributeError
             If the run has no record.
         """
-        return dataset(self)
+        return dataset(self._arrays(), self.attributes())
 
     def to_dataframe(self) -> DataFrame:
         """The recorded motion as a table, a row for each sample.
@@ -277,8 +345,7 @@ class Run(Recorded):
             import pandas as pd
         columns: dict[str, Any] = {}
         units: dict[str, str] = {}
-        for name in recorded_names(self.scenario) or ("t",):  # whose absence is the error
-            values = getattr(self, name)
+        for name, values in self._arrays().items():
             units |= column_units(name)
             if name in WORDS:
                 columns[name] = pd.Categorical.from_codes(values, list(WORDS[name]))
@@ -291,7 +358,7 @@ class Run(Recorded):
 
     def to_netcdf(self, path: str | PathLike[str]) -> None:
         """Write `to_xarray` to a netCDF file, whole or not at all; errors are those of `save`."""
-        write_run(self, path)
+        write_run(path, self.scenario, self.attributes(), self._arrays())
 
     def to_csv(self, path: str | PathLike[str]) -> None:
         """Write the record to a CSV file, whole or not at all, for other programs.
@@ -301,8 +368,7 @@ class Run(Recorded):
         """
         titles: list[str] = []
         columns: list[list[Any]] = []
-        for name in recorded_names(self.scenario) or ("t",):  # whose absence is the error
-            values = getattr(self, name)
+        for name, values in self._arrays().items():
             titles += headings(name)
             if name in WORDS:
                 columns.append([WORDS[name][code] for code in values])

@@ -168,7 +168,8 @@ def _simulated_into(
     condition = _parsed(until, [scenario])
     report = fraction_of(scenario.duration, progress)
     result = _core.RunResult()
-    file = RecordFile(out, Run.of(scenario, result, until, complete=False))
+    start = Run.of(scenario, result, until, complete=False)
+    file = RecordFile(out, scenario, start.attributes())
 
     def ended(complete: bool, record: StoredRecord | None = None) -> Run:
         about: dict[str, Any] = {"samples": file.samples, "recorded_until": file.recorded_until}
@@ -181,11 +182,11 @@ def _simulated_into(
             file.discard()
             raise
         if not isinstance(error, OSError):  # for which there may be no room
-            file.describe(ended(complete=False))
+            file.describe(ended(complete=False).attributes())
         if isinstance(error, KeyboardInterrupt):
             raise KeyboardInterrupt(file.extent) from None
         raise
-    file.finish(ended(complete=True))
+    file.finish(ended(complete=True).attributes())
     return ended(True, StoredRecord(out, recorded_names(scenario)))
 
 

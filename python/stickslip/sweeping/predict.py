@@ -13,7 +13,7 @@ from stickslip._util.messages import as_list, check_kind, check_whole, shown
 from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.uncertain import JointPrior, counted_draws
+from stickslip.scenario.uncertain import JointPrior
 from stickslip.simulation.simulate import Progress
 from stickslip.sweeping.dataset import OK
 from stickslip.sweeping.points import Points, Vary, check_count, points_of
@@ -117,7 +117,7 @@ def predict(
         if key in prior.names:
             raise ScenarioError(f"{key}: allowed is either varied or uncertain, not both")
     check_count(points.count * draws)
-    scenarios, redrawn = counted_draws(scenario, draws, seed)
+    scenarios, redrawn = scenario.counted_draws(draws, seed)
     values = np.array([[each.get(key) for key in prior.names] for each in scenarios])
     drawn = points.with_draws(prior.names, values)
     data = sweep_points(drawn, threads, executor, out, resume, progress)

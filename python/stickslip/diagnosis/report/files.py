@@ -70,7 +70,7 @@ def save(facts: Facts, out: str | PathLike[str], title: str | None) -> None:
         extended = facts.extended
         assert isinstance(extended, Scenario)
         lines = _comments(facts, source, extended)
-        writers |= scenario_writers(extended, folder / EXTENDED, lines)[1]
+        writers |= scenario_writers(extended.content, folder / EXTENDED, lines)[1]
     folder.mkdir(parents=True, exist_ok=True)
     write_together(writers)
 
