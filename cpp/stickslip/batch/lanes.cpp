@@ -20,8 +20,12 @@ public:
     PhasePack(int size, const StepKernel<Phase, kEffects>& kernel, const LawTable& table)
         : size_(static_cast<std::size_t>(size)), kernel_(kernel), table_(&table) {}
 
-    std::size_t count() const { return filled_ + waiting_.size(); }
-    void add(Lane& lane) { waiting_.push_back(&lane); }
+    /// Runs that are here or wait.
+    std::size_t count() const { return count_; }
+    void add(Lane& lane) {
+        waiting_.push_back(&lane);
+        ++count_;
+    }
     /// The table has become another.
     void put_laws() {
         for (std::size_t place = 0; place < size_; ++place) {
@@ -47,7 +51,7 @@ public:
                 continue;
             }
             places_[place] = nullptr;
-            --filled_;
+            --count_;
             over ? end(lane) : leave(lane);
         }
     }
@@ -62,7 +66,6 @@ private:
             if (places_[place] != nullptr) continue;
             places_[place] = waiting_.front();
             waiting_.pop_front();
-            ++filled_;
             if constexpr (kEffects) put_laws(place);
             enter(*places_[place], place);
         }
@@ -106,7 +109,7 @@ private:
     StepKernel<Phase, kEffects> kernel_;
     const LawTable* table_;
     std::array<Lane*, kMostPlaces> places_ = {};
-    std::size_t filled_ = 0;
+    std::size_t count_ = 0;
     std::deque<Lane*> waiting_;
     // Zero where nothing was written yet: an empty place computes too, and nobody looks.
     alignas(64) std::array<std::byte, kMostPlaces * sizeof(Numbers)> memory_ = {};
@@ -171,23 +174,28 @@ public:
 
     /// One step of the fullest pack.
     void step() {
-        const auto leave = [this](Lane& lane) { play(lane); };
-        const auto end = [this](Lane& lane) { this->end(lane); };
         std::size_t most = 0;
         const auto each_pack = [this](const auto& use) {
             plain_.each(use);
             extended_.each(use);
         };
-        each_pack([&](auto& pack) { most = std::max(most, pack.count()); });
+        each_pack([&](const auto& pack) { most = std::max(most, pack.count()); });
         bool found = false;
         each_pack([&](auto& pack) {
             if (found || pack.count() < most) return;
             found = true;
-            pack.step(leave, end, !is_few());
+            step(pack);
         });
     }
 
 private:
+    // Not inlined: it needs a large frame, and most packs are only asked for their count.
+    [[gnu::noinline]] void step(auto& pack) {
+        const auto leave = [this](Lane& lane) { play(lane); };
+        const auto end = [this](Lane& lane) { this->end(lane); };
+        pack.step(leave, end, !is_few());
+    }
+
     // Whether the packs have room for the laws of a run, which they then have.
     bool take_laws(const Lane& lane) {
         const LawTable& table = lane.run.player().model().laws.table();
