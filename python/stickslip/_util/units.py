@@ -151,9 +151,11 @@ def unit_meant(
 
     With the factor of numbers in it, which is `least` or more; None where no such unit is near.
     """
+    if not ratio > 1.0:
+        return None
     names = {per_si(name, unit): name for name in _SMALLER.get(unit, ())}
     units = {factor: name for factor, name in names.items() if factor >= least}
-    factor = unit_factor(ratio, within, units) if units and ratio > 1.0 else None
+    factor = unit_factor(ratio, within, units) if units else None
     return None if factor is None else (units[factor], factor)
 
 

@@ -271,8 +271,11 @@ class Scenario:
         ScenarioError
             If there is no such key.
         """
-        with prefixed("", ValueError):
-            return self._core.get(find_key(full_name(key)).name)
+        try:
+            return self._core.get(key)
+        except (TypeError, ValueError):  # a short name, or none
+            with prefixed("", ValueError):
+                return self._core.get(find_key(full_name(key)).name)
 
     def replace(self, changes: Mapping[str, Any] | None = None, /, **more: Any) -> Scenario:
         """A copy with other values.

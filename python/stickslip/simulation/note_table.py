@@ -11,8 +11,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from importlib import resources
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from stickslip import _core
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import FIELDS, known_keys
@@ -84,7 +82,8 @@ class Facts:
             return self._numbers[name]
         if name.startswith("default."):
             return DEFAULTS[name.removeprefix("default.")]
-        return self.scenario.get(name)
+        self._numbers[name] = self.scenario.get(name)
+        return self._numbers[name]
 
 
 def _of_scenario(scenario: Scenario) -> dict[str, Any]:
@@ -141,23 +140,39 @@ def _of_run(facts: Facts, summary: Mapping[str, Any], ok: bool) -> dict[str, Any
     }
 
 
+@functools.cache
+def _factors(text: str) -> tuple[str | float, ...]:
+    return tuple(each if each[0].isalpha() else float(each) for each in text.split())
+
+
 def product(text: str, facts: Any) -> Any:
     """Numbers and names, multiplied."""
-    return math.prod((facts[each] if each[0].isalpha() else float(each)) for each in text.split())
+    return math.prod(facts[each] if isinstance(each, str) else each for each in _factors(text))
 
 
 def holds(conditions: Iterable[str], facts: Any) -> Any:
     """Whether all conditions hold; of facts that are arrays, at each place."""
-    return functools.reduce(np.logical_and, (_holds(each, facts) for each in conditions), True)
+    result: Any = True
+    for each in conditions:
+        result = result & _holds(each, facts)
+        if result is False:  # what follows is not asked: each run asks a hundred times
+            break
+    return result
+
+
+@functools.cache
+def _words(condition: str) -> tuple[str, str, str]:
+    first, _, rest = condition.partition(" ")
+    how, _, other = rest.partition(" ")
+    return (first, rest, "") if first == "not" else (first, how, other)
 
 
 def _holds(condition: str, facts: Any) -> Any:
-    first, _, rest = condition.partition(" ")
+    first, how, other = _words(condition)
     if first == "not":
-        return np.logical_not(_holds(rest, facts))
-    if not rest:
+        return True ^ _holds(how, facts)
+    if not how:
         return holds(TABLE["lists"][first], facts)
-    how, _, other = rest.partition(" ")
     right = other if how == "is" else product(other, facts)
     return _COMPARISONS[how](facts[first], right)
 
