@@ -6,7 +6,9 @@ import shutil
 import sys
 from pathlib import Path
 
+from docutils import nodes
 from pygments.lexers.special import TextLexer
+from sphinx import addnodes
 from sphinx.application import Sphinx
 
 import stickslip
@@ -54,8 +56,18 @@ html_show_sphinx = False
 pygments_style = "friendly"
 
 
+def _public_targets(_: Sphinx, page: nodes.document) -> None:
+    # The pages of `viewcode` link back by the module under which they first met a name of their
+    # file: `stickslip`, also for the names beside it that stand in a module of their own.
+    for each in page.findall(addnodes.desc_signature):
+        target = f"stickslip.{each.get('fullname')}"
+        if each.get("module") and target not in page.ids:
+            each["ids"].append(target)
+
+
 def setup(app: Sphinx) -> None:
     app.add_lexer("csv", TextLexer)
+    app.connect("doctree-read", _public_targets)
     app.connect(
         "build-finished",
         lambda *_: shutil.copytree(HERE / "play", Path(app.outdir) / "play", dirs_exist_ok=True),

@@ -177,6 +177,21 @@ def test_the_speeds_of_the_readme_are_those_of_the_film():
     assert f"stick-slip alone gives {pairs:.2g} mm/s" in said
 
 
+def test_the_answers_of_the_exercises_are_what_is_simulated():
+    first = Scenario(drive=Drive(mode="IPP", frequency=100, peak=2.5e-3, base=0.5e-3, pulses=12))
+    back = {"drive.frequency": 30, "drive.edge": "fall"}
+    said = " ".join((DOCS / "teach.md").read_text().split())
+    for words, changes in (
+        ("walks at {:.2f} mm/s", {}),
+        ("*{:.2f} mm/s: at 100 Hz the coils", {"drive.frequency": 30}),
+        ("slides back, at {:.2f} mm/s", back),
+        ('(`drive.coils = "pairs"`) at {:.2f} mm/s', back | {"drive.coils": "pairs"}),
+        ("walk at {:.1f} mm/s", {"contact.static_friction": 0, "contact.kinetic_friction": 0}),
+    ):
+        velocity = simulate(first.replace(changes)).mean_velocity
+        assert words.format(1e3 * velocity) in said, (words, velocity)
+
+
 def test_the_citation_is_of_this_version():
     text = (ROOT / "CITATION.cff").read_text()
     assert f"\nversion: {stickslip.__version__}\n" in text
