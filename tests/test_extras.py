@@ -141,7 +141,8 @@ def test_a_missing_extra_is_named_in_one_line(blocked, arguments, module, extra,
     result = without(blocked, ["-m", *arguments.split()], tmp_path)
     assert (result.returncode, result.stdout) == (2, "")
     assert re.fullmatch(
-        rf'stickslip: .* needs {module}: pip install "stickslip\[{extra}\]"\n', result.stderr
+        rf'stickslip: .* needs {module}: pip install "\.\[{extra}\]" in the folder .*\n',
+        result.stderr,
     )
     assert {each.name for each in tmp_path.iterdir()} <= {
         *("sitecustomize.py", "scenario.toml", "__pycache__")
@@ -178,7 +179,7 @@ def test_every_public_name_is_there_or_names_its_extra(tmp_path):
 def test_a_run_names_the_extra_of_its_tables(method, tmp_path):
     code = f"import stickslip\nstickslip.simulate(stickslip.load('scenario.toml')).{method}"
     result = without(OPTIONAL, ["-c", code], tmp_path)
-    assert result.stderr.endswith('pip install "stickslip[netcdf]"\n')
+    assert result.stderr.endswith('pip install ".[netcdf]" in the folder of stickslip\n')
     assert "MissingExtra" in result.stderr
 
 

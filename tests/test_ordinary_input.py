@@ -34,6 +34,7 @@ from stickslip import (
     velocity_of_track,
 )
 from stickslip.diagnosis.data.camera import record
+from stickslip.diagnosis.own_model import OwnModel, _of_conditions
 
 V = np.arange(1.0, 13.0)
 ROW = np.arange(12.0)
@@ -185,6 +186,49 @@ def test_rows_with_gaps_are_named():
     (said,) = table.notes
     assert (said.code, said.value) == ("gaps", 2)
     assert "rows 2, 5: 2 of 12 rows" in said.text
+
+
+def filled(table, p):
+    """How far a tank is filled, by all that ran in since the record began."""
+    steps = np.diff(table.t, prepend=table.t[0])
+    return p["slope"] * np.cumsum(table["inflow"] * steps)
+
+
+@pytest.mark.parametrize("gap", [np.nan, None])
+@pytest.mark.parametrize("named", [False, True])
+def test_what_was_put_in_while_nothing_was_read_counts(gap, named):
+    """And of what is left out afterwards, a model is still asked for all from the first on."""
+    t, random = np.arange(40.0), np.random.default_rng(2)
+    inflow = random.uniform(0.0, 2.0, 40)
+    whole = Series(t, np.cumsum(inflow * np.diff(t, prepend=0.0)), {"inflow": inflow}, 0.01)
+    expected = filled(whole, {"slope": np.ones((1, 1))})[0]
+    read = [gap if 10 <= k < 20 else value for k, value in enumerate(expected)]
+    tank = Series(t, read, {"inflow": inflow}, 0.01)
+    if named:
+        tank = tank.named("tank")
+        assert tank.whole.name == "tank"
+    model = OwnModel(filled, (Parameter("slope", Prior("normal", 1.0, 0.1)),), ())
+    for table in (
+        tank,
+        tank.without(np.arange(30) == 3, "lost."),
+        tank.without(np.arange(30) == 3, "lost.").without(np.arange(29) < 5, "lost."),
+    ):
+        found = _of_conditions(model, table, ["slope"], np.ones((1, 1)))[0]
+        assert found == pytest.approx(table.y, rel=1e-12)
+
+
+def test_a_table_without_more_and_more_rows_is_predicted_as_the_first():
+    """A model may be one of the whole table: here the place in it counts."""
+
+    def place(table, p):
+        return p["slope"] * np.arange(len(table["x"]), dtype=float)
+
+    table = Table({"x": V}, np.arange(12.0), sd=1.0)
+    fewer = table.without(np.arange(12) == 2, "lost.").without(np.arange(11) == 0, "lost.")
+    model = OwnModel(place, (Parameter("slope", Prior("normal", 1.0, 0.1)),), ())
+    found = _of_conditions(model, fewer, ["slope"], np.ones((1, 1)))[0]
+    assert found.tolist() == [1.0, *map(float, range(3, 12))] == fewer.y.tolist()
+    assert fewer.rows.tolist() == [1, *range(3, 12)]
 
 
 def test_truths_beside_a_gap_stay_truths():

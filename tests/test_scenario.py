@@ -1,6 +1,7 @@
 """Scenarios: defaults, equality, TOML, dotted keys."""
 
 import ast
+import copy
 import inspect
 import pickle
 import re
@@ -189,6 +190,21 @@ def test_scenarios_pickle():
     scenario = every_key_changed()
     assert pickle.loads(pickle.dumps(scenario)) == scenario
     assert pickle.loads(pickle.dumps(scenario)).effects == scenario.effects
+
+
+def test_what_is_no_key_is_kept_when_a_scenario_is_copied(tmp_path):
+    """Its notes depend on it: the fluid, and a key of all coils that has no effect."""
+    one = {f"coil.{name}.turns": 500.0 for name in ("xp", "xm", "yp", "ym", "clamp")}
+    scenario = Scenario().in_fluid("water").replace({**one, "coil.turns": 200.0, **one})
+    assert scenario.hidden
+    assert scenario.fluid
+    again = [
+        pickle.loads(pickle.dumps(scenario)), copy.copy(scenario), copy.deepcopy(scenario),
+        scenario.replace({}), scenario.with_uncertain({"robot.mass": {"mean": 1e-8, "sd": 1e-9}}),
+    ]  # fmt: skip
+    for each in again:
+        assert (each.fluid, each.hidden) == (scenario.fluid, scenario.hidden)
+        assert each.fluid is not None
 
 
 ONE_OF_EACH_KIND = {

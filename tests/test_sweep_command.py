@@ -108,6 +108,9 @@ def test_a_failed_point_is_counted_and_the_command_succeeds(scenario):
     done = stickslip("sweep", scenario, "--vary=contact.static_friction=0.1,0.2", "--json")
     assert done.returncode == 0
     assert done.stderr.startswith("stickslip: 1 of 2 points failed; the first: contact.")
+    done = stickslip("sweep", scenario, "--vary=contact.static_friction=0.1,0.11", "--json")
+    assert done.returncode == 1
+    assert done.stderr.startswith("stickslip: 2 of 2 points failed; the first: contact.")
     assert done.stderr.count("\n") == 1
     found = json.loads(done.stdout, parse_constant=pytest.fail)
     assert found["status"] == {"refused": 1, "ok": 1}

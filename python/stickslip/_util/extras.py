@@ -47,7 +47,8 @@ class MissingExtra(ImportError):
 
     def __init__(self, what: str, module: str, *extras: str) -> None:
         wanted = ",".join(extras)
-        super().__init__(f'{what} needs {module}: pip install "stickslip[{wanted}]"', name=module)
+        how = f'pip install ".[{wanted}]" in the folder of stickslip'
+        super().__init__(f"{what} needs {module}: {how}", name=module)
 
 
 def check_extras(what: str, name: str) -> None:

@@ -46,7 +46,8 @@ _SHOWN = ("theta_min", "theta_max", "slip_up", "slip_down", "airborne_fraction")
 
     A netCDF --out is written every second or more rarely, and on Ctrl-C, so that --resume can go on
     with it after whatever stopped the sweep, without simulating a finished point again.
-    The exit status is 1 if --plot had nothing to draw, as no point has a velocity.
+    The exit status is 1 if all points failed, or if --plot had nothing to draw, as no point has a
+    velocity.
     """,
     epilog="\b\nExample:\n"
     "  stickslip sweep scenario.toml --vary drive.frequency=5:200:40 --vary drive.mode=IPP,OPP \\\n"
@@ -110,7 +111,8 @@ def command(
     if failed := int(data.attrs["failed_points"]):
         first = next(filter(None, table["message"]))
         output.say(f"stickslip: {failed} of {count} points failed; the first: {first}", err=True)
-    return 0 if output.drawn("--plot", plot, output.save_plot("velocity", data)) else 1
+    done = failed < count and output.drawn("--plot", plot, output.save_plot("velocity", data))
+    return 0 if done else 1
 
 
 @contextlib.contextmanager

@@ -371,7 +371,7 @@ class Scenario:
 
     @property
     def fluid(self) -> Fluid | None:
-        """What `in_fluid`, or ``[fluid]`` of a file, put the robot into; None when pickled."""
+        """What `in_fluid`, or ``[fluid]`` of a file, put the robot into."""
         return self._fluid
 
     def with_state(self, state: State) -> Scenario:
@@ -493,7 +493,7 @@ class Scenario:
         return hash((tuple(changed.items()), *others))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _made, self._state()
+        return _made, (*self._state(), self._fluid, self._hidden)
 
     def __repr__(self) -> str:
         names = (*SECTIONS, "effects", "laws", "uncertain")
@@ -526,10 +526,14 @@ def _made(
     program: Waveform | None,
     field_map: FieldMap | None,
     uncertain: JointPrior | None,
+    fluid: Fluid | None,
+    hidden: Mapping[str, Value],
 ) -> Scenario:
     """The scenario of these parts."""
     objects = {key: each for key, each in zip(OBJECTS, (program, field_map), strict=True) if each}
-    return _DEFAULT.replace({**changed, **objects}).with_uncertain(uncertain)
+    made = _DEFAULT.replace({**changed, **objects}).with_uncertain(uncertain)
+    made._fluid, made._hidden = fluid, hidden
+    return made
 
 
 def _of_changes(changes: Mapping[str, Any], uncertain: Any, fluid: Fluid | None) -> Scenario:

@@ -44,7 +44,8 @@ class Series(Table):
     t : array_like, shape (n,)
         Time of each reading, s, increasing; steps may differ. Dates are read as s from the first.
     y : array_like, shape (n,)
-        Readings. A row with a gap (masked, None, NaN) is left out, and a note says so.
+        Readings. A row with a gap (masked, None, NaN) is left out, and a note says so; its inputs
+        act all the same.
     inputs : mapping, optional
         What acts on the system, by name, each of shape (n,).
     sd : float or array_like, shape (n,), optional
@@ -99,6 +100,10 @@ class Series(Table):
         stated = None if sd is None else stated_errors(f"{self.at}sd", sd, count, unit)
         gap = gap if stated is None else gap | np.isnan(stated)
         self.own_notes = tuple(without_gaps(self.at, gap))
+        if gap.any():
+            read = np.interp(times, times[~gap], readings[~gap])
+            whole = Series(times, read, acting, 1.0, self.name, self.repeat_of, unit=unit)
+            self._take_of(whole, np.flatnonzero(~gap))
         self.t, self.y = locked(times[~gap]), locked(readings[~gap])
         self.inputs = {key: locked(each[~gap]) for key, each in acting.items()}
         count = len(self.t)
@@ -147,6 +152,8 @@ class Series(Table):
         """The same record under a name."""
         made = copy.copy(self)
         made.name = name
+        if isinstance(self.whole, Series):
+            made.whole = self.whole.named(name)
         return made
 
     def noted(self, notes: Sequence[Note]) -> Series:

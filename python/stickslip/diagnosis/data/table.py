@@ -189,12 +189,17 @@ class Table:
 
     def _less(self, whole: Table, kept: Mask, why: str) -> Table:
         """This table with the notes and the numbers of the rows of the whole one."""
-        self.whole, self.kept = whole, np.flatnonzero(kept)
+        self._take_of(whole, np.flatnonzero(kept))
         self.rows, lost = whole.rows[kept], whole.rows[~kept]
         text = f"{whole.at}{rows_in_words(lost)}: {why}"
         self.own_notes = (*whole.own_notes, Note("rows-not-computed", text, len(lost)))
         self.notes = [*self.own_notes, *self.errors.notes]
         return self
+
+    def _take_of(self, whole: Table, kept: Indices) -> None:
+        """A model predicts the whole one, or what that is a part of, of which these rows count."""
+        self.whole = whole if whole.whole is None else whole.whole
+        self.kept = kept if whole.whole is None else whole.kept[kept]
 
     @property
     def at(self) -> str:
