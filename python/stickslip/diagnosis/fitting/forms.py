@@ -163,15 +163,15 @@ class Softened(Form):
 
     def __init__(self, problem: Problem, factor: float, outlier: float = math.inf) -> None:
         super().__init__(problem)
-        self._factor, self._outlier = factor, outlier
+        self.factor, self._outlier = factor, outlier
 
     @property
     def is_soft(self) -> bool:
         """Whether the errors are so large that a draft of the model will do."""
-        return self._factor > 1.0
+        return self.factor > 1.0
 
     def prepared(self, columns: Array) -> Any:
-        return self.problem.whitened(columns) / self._factor
+        return self.problem.whitened(columns) / self.factor
 
     def gram(self, prepared: Any, h: Array) -> Array:
         return np.asarray(prepared.T @ prepared)

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import minimize
 from scipy.special import log_ndtr, logsumexp
 
 from stickslip._util.numbers import Array, Indices
@@ -25,7 +24,10 @@ _ROUNDS = 8
 # g' A^-1 g below which a descent is at the minimum that the evidence takes: an evidence that is
 # promised too large by less does not matter.
 _AT_MINIMUM = 0.3
-_STEP_H = 0.05  # of the second differences of the hyperparameters
+# Of the hyperparameters: step of their differences; most of Newton's steps, how long one may be,
+# and the promised fall of the loss that ends them; the least curvature that is believed; and the
+# loss where the likelihood is none. Chosen: far below what a lead counts.
+_STEP_H, _NEWTON, _LONGEST_H, _SETTLED_H, _FLAT, _IMPOSSIBLE = 0.05, 12, 2.0, 0.01, 0.05, 1e12
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -175,7 +177,9 @@ def laplace(problem: Problem, form: Form, of: Fit) -> float:
     gram = form.weighted(prepared, of.residual, of.h)
     misfit = float(form.cost(of.residual[None, :], of.h)[0])
     beside = form.log_det(of.h) + form.n * math.log(2.0 * math.pi)
-    return _At(problem, of.causes, of.end).integral(gram, misfit, beside, of.precision)[0]
+    at_end = _At(problem, of.causes, of.end)
+    own = np.array([misfit]), np.array([beside])
+    return float(at_end.integrals(gram[None], *own, of.precision)[0][0])
 
 
 def evidence(
@@ -190,56 +194,76 @@ def evidence(
     every = problem.precisions(causes)
     at_end = _At(problem, causes, end)
 
-    def value(h: Array, precision: Array) -> tuple[float, Array, float]:
-        gram = form.weighted(prepared, end.residual, h)
-        # A normal form has its misfit in the last column, that of the residual.
-        normal = bool(form.names)
-        misfit = gram[-1, -1] if normal else form.cost(end.residual[None, :], h)[0]
-        beside = form.log_det(h) + form.n * math.log(2.0 * math.pi)
-        return at_end.integral(gram, float(misfit), beside, precision)
+    def values(points: Array, precision: Array) -> tuple[Array, Array, Array]:
+        grams, misfits, beside = [], [], []
+        for each in points:
+            grams.append(form.weighted(prepared, end.residual, each))
+            # A normal form has its misfit in the last column, that of the residual.
+            normal = bool(form.names)
+            misfit = grams[-1][-1, -1] if normal else form.cost(end.residual[None, :], each)[0]
+            misfits.append(float(misfit))
+            beside.append(form.log_det(each) + form.n * math.log(2.0 * math.pi))
+        return at_end.integrals(np.stack(grams), np.array(misfits), np.array(beside), precision)
 
+    total = 0.0
     if form.names:
         middle, sd, low, high = form.limits()
         first = every[len(every) // 2]
 
-        def loss(h: Array, precision: Array = first) -> float:
+        def loss(points: Array) -> Array:
+            price = 0.5 * np.sum(((points - middle) / sd) ** 2, axis=1)
             try:
-                own = value(h, precision)[0]
+                own = price - values(points, first)[0]
             except np.linalg.LinAlgError:
-                return 1e12
-            price = 0.5 * float(np.sum(((h - middle) / sd) ** 2))
-            return price - own if math.isfinite(own) else 1e12
+                if len(points) == 1:
+                    return np.array([_IMPOSSIBLE])
+                return np.concatenate([loss(each[None]) for each in points])
+            return np.where(np.isfinite(own), own, _IMPOSSIBLE)
 
-        options = {"maxiter": 15, "ftol": 1e-9, "gtol": 2e-2, "eps": 1e-3}
-        limits = list(zip(low, high, strict=True))
-        found = minimize(
-            loss, np.clip(h, low, high), method="L-BFGS-B", bounds=limits, options=options
-        )
-        h = np.asarray(found.x)
-        spread = -0.5 * _log_curvature(loss, h, sd) - float(np.sum(np.log(sd)))
-        total = spread - 0.5 * float(np.sum(((h - middle) / sd) ** 2))
-    else:
-        total = 0.0
-    each = [value(h, precision) for precision in every]
+        h, second = _minimum(loss, np.clip(h, low, high), low, high)
+        # At the edge of a range the curvature says little: no more than the prior is left open.
+        scale = np.maximum(np.linalg.eigvalsh(second), 1.0 / np.max(sd) ** 2)
+        total -= 0.5 * float(np.sum(np.log(scale))) + float(np.sum(np.log(sd)))
+        total -= 0.5 * float(np.sum(((h - middle) / sd) ** 2))
+    each = [[part[0] for part in values(h[None], precision)] for precision in every]
     best = int(np.argmax([one[0] for one in each]))
     total += float(logsumexp([one[0] for one in each])) - math.log(len(every))
-    return h, total, every[best], each[best][1], each[best][2]
+    return h, total, every[best], each[best][1], float(each[best][2])
 
 
-def _log_curvature(loss, h: Array, sd: Array) -> float:  # type: ignore[no-untyped-def]
-    """Log-determinant of the second differences of a loss at its minimum."""
-    d, e = len(h), _STEP_H
-    steps = e * np.eye(d)
-    here = loss(h)
-    up, down = [loss(h + each) for each in steps], [loss(h - each) for each in steps]
-    second = np.empty((d, d))
-    for i in range(d):
-        second[i, i] = (up[i] + down[i] - 2.0 * here) / e**2
-        for j in range(i):
-            both = loss(h + steps[i] + steps[j])
-            second[i, j] = second[j, i] = (both - up[i] - up[j] + here) / e**2
-    # At the edge of a range the curvature says little: no more than the prior is left open.
-    return float(np.sum(np.log(np.maximum(np.linalg.eigvalsh(second), 1.0 / np.max(sd) ** 2))))
+def _minimum(
+    loss: Callable[[Array], Array], h: Array, low: Array, high: Array
+) -> tuple[Array, Array]:
+    """Where a loss, of points of shape (count, d), is least within limits, and its curvature.
+
+    By Newton's steps; each takes slopes and curvature from one batch of points.
+    """
+    d = len(h)
+    steps, (one, other) = _STEP_H * np.eye(d), np.tril_indices(d, -1)
+    around = np.vstack([np.zeros((1, d)), steps, -steps, steps[one] + steps[other]])
+    least, last, longest = math.inf, h, _LONGEST_H
+    for _ in range(_NEWTON):
+        here, *rest = loss(h + around)
+        if here < least:
+            up, down, both = np.split(np.array(rest), [d, 2 * d])
+            second = np.diag((up + down - 2.0 * here) / _STEP_H**2)
+            second[one, other] = (both - up[one] - up[other] + here) / _STEP_H**2
+            second[other, one] = second[one, other]
+            downhill = (down - up) / (2.0 * _STEP_H)
+            free = np.where(downhill > 0.0, h < high, h > low)
+            scale, axes = np.linalg.eigh(np.where(np.outer(free, free), second, np.eye(d)))
+            scale = np.maximum(np.abs(scale), _FLAT)
+            move = axes @ (axes.T @ np.where(free, downhill, 0.0) / scale)
+            least, last, longest = here, h, min(2.0 * longest, _LONGEST_H)
+        else:
+            longest *= 0.25
+        own = move * min(1.0, longest / max(float(np.max(np.abs(move))), 1e-300))
+        h = np.clip(last + own, low, high)
+        if downhill @ (h - last) < _SETTLED_H:
+            break
+    else:
+        h = last
+    return h, second
 
 
 class _At:
@@ -257,40 +281,44 @@ class _At:
         ]
         self._sides = np.array(sides)[free]
 
-    def integral(
-        self, gram: Array, misfit: float, beside: float, precision: Array
-    ) -> tuple[float, Array, float]:
-        """Log of the integral, the covariance, and the promised fall of the cost.
+    def integrals(
+        self, gram: Array, misfit: Array, beside: Array, precision: Array
+    ) -> tuple[Array, Array, Array]:
+        """Logs of integrals, covariances, and promised falls of the cost, of several `gram`.
 
         Half-normal priors have twice the density on their side. A coordinate that is pushed
         against an end of its range falls off exponentially there.
         """
         x = self._x
-        curvature = gram[:-1, :-1] + precision
-        downhill = gram[:-1, -1] - precision @ x
+        curvature = gram[:, :-1, :-1] + precision
+        downhill = gram[:, :-1, -1] - precision @ x
         pushed = (self._low & (downhill < 0.0)) | (self._high & (downhill > 0.0))
-        inner = np.flatnonzero(~pushed)
-        lower = np.linalg.cholesky(curvature[np.ix_(inner, inner)])
-        inverse = np.linalg.inv(lower)
-        inverse = inverse.T @ inverse
-        fall = float(downhill[inner] @ inverse @ downhill[inner])
-        total = -0.5 * (misfit + float(x @ precision @ x) - fall + beside)
-        total += 0.5 * float(np.linalg.slogdet(precision)[1]) - float(
-            np.sum(np.log(np.diag(lower)))
-        )
-        total += math.log(2.0) * int(np.sum(self._sides != 0.0))
-        move = np.zeros(len(x))
-        move[inner] = inverse @ downhill[inner]
-        for k in np.flatnonzero(pushed).tolist():
-            # With the others where they are best for it.
-            across = curvature[k, inner] @ inverse
-            bend = float(curvature[k, k] - across @ curvature[inner, k])
-            score = -abs(float(downhill[k] - across @ downhill[inner])) / math.sqrt(bend)
-            total += 0.5 * score**2 + float(log_ndtr(score)) - 0.5 * math.log(bend)
-        for place, k in enumerate(inner.tolist()):
-            if self._sides[k]:
-                inside = self._sides[k] * (x[k] + move[k]) / math.sqrt(inverse[place, place])
-                total += float(log_ndtr(max(inside, -5.0)))
-        covariance = np.zeros_like(precision)
-        covariance[np.ix_(inner, inner)] = inverse
+        total = 0.5 * float(np.linalg.slogdet(precision)[1]) - 0.5 * (misfit + beside)
+        total += math.log(2.0) * int(np.sum(self._sides != 0.0)) - 0.5 * float(x @ precision @ x)
+        covariance, fall = np.zeros_like(curvature), np.zeros(len(gram))
+        for mask in np.unique(pushed, axis=0) if pushed.any() else pushed[:1]:
+            rows = np.flatnonzero(np.all(pushed == mask, axis=1))
+            inner = np.flatnonzero(~mask)
+            mine = np.ix_(rows, inner, inner)
+            lower = np.linalg.cholesky(curvature[mine])
+            inverse = np.linalg.inv(lower)
+            inverse = np.swapaxes(inverse, 1, 2) @ inverse
+            down = downhill[np.ix_(rows, inner)]
+            move = np.einsum("rij,rj->ri", inverse, down)
+            fall[rows] = np.sum(down * move, axis=1)
+            own = 0.5 * fall[rows] - np.sum(np.log(np.diagonal(lower, 0, 1, 2)), axis=1)
+            for k in np.flatnonzero(mask).tolist():
+                # With the others where they are best for it.
+                beyond = curvature[rows, k][:, inner]
+                across = np.einsum("rj,rji->ri", beyond, inverse)
+                bend = curvature[rows, k, k] - np.sum(across * beyond, axis=1)
+                score = -np.abs(downhill[rows, k] - np.sum(across * down, axis=1)) / np.sqrt(bend)
+                own += 0.5 * score**2 + log_ndtr(score) - 0.5 * np.log(bend)
+            for place, k in enumerate(inner.tolist()):
+                if self._sides[k]:
+                    inside = self._sides[k] * (x[k] + move[:, place])
+                    inside /= np.sqrt(inverse[:, place, place])
+                    own += log_ndtr(np.maximum(inside, -5.0))
+            total[rows] += own
+            covariance[mine] = inverse
         return total, covariance, fall

@@ -102,9 +102,12 @@ class Models:
         self, problem: Problem, offered: Sequence[Cause], wanted: Sequence[str] = tuple(PRIOR)
     ) -> None:
         self.problem, self.offered = problem, tuple(offered)
+        self._odds = sum(each.odds for each in offered)
         self.forms: dict[str, Form] = forms(problem, wanted)
         self.best: dict[tuple[frozenset[str], str], Fit] = {}
         self.begun = 0  # fits so far
+        # The linear model of another form about a fit, None where there is none.
+        self._linear: dict[tuple[Fit, str], Fit | None] = {}
         # Of sets of causes that were drawn, what Laplace's rule misses of their evidence.
         self.corrections: dict[frozenset[str], float] = {}
         # Of sets of causes with a law, the probabilities of its forms.
@@ -144,8 +147,18 @@ class Models:
 
     def log_posterior(self, one: Fit) -> float:
         """Log-evidence and log prior probability of a model, up to what all have."""
-        prior = log_prior(one.causes, one.form, sum(each.odds for each in self.offered))
+        prior = log_prior(one.causes, one.form, self._odds)
         return one.log_evidence + self.corrections.get(one.names, 0.0) + prior
+
+    def linear(self, about: Fit, form: str) -> Fit | None:
+        """The model with another form of the discrepancy as it is about a fit; it is kept."""
+        if (about, form) not in self._linear:
+            try:
+                found = linear(self.problem, self.forms[form], about.causes, about.end)
+            except np.linalg.LinAlgError:
+                found = None
+            self._linear[about, form] = found
+        return self._linear[about, form]
 
     def leaders(self, count: int | None = None, form: str | None = None) -> list[Fit]:
         """Models by their posterior, the best first."""
@@ -354,8 +367,13 @@ def _worth_a_look(models: Models) -> list[Fit]:
 def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -> None:
     """A fit of each cause by itself, begun where first looks promise most."""
     problem = models.problem
-    searches = [_looked(problem, *each) for each in _first_looks(models, ends, causes)]
-    looks = sorted(in_step(problem, searches), key=lambda each: each[0].cost)
+    long, short = list[_Look](), list[_Look]()
+    for each in _first_looks(models, ends, causes):
+        (long if each[-1] == _LONGER_LOOK else short).append(each)
+    looks = in_step(problem, [_looked(problem, *each) for each in short])
+    rival = min((end for end, _ in looks), key=lambda end: end.cost, default=None)
+    looks += in_step(problem, [_looked(problem, *each, rival) for each in long])
+    looks.sort(key=lambda each: each[0].cost)
     first = {cause.name: (end, cause) for end, cause in reversed(looks)}
     hopeful = [each for each in looks if each[0].cost < looks[0][0].cost + _HOPELESS]
     hopeful += [each for each in first.values() if each not in hopeful]
@@ -449,13 +467,18 @@ def _along(problem: Problem, cause: Cause, null: Fit) -> Asking[list[Array]]:
 
 def _looked(
     problem: Problem, cause: Cause, x: Array, slopes: Array | None, stages: Sequence[Softened],
-    steps: int,
+    steps: int, rival: End | None = None,
 ) -> Asking[tuple[End, Cause]]:  # fmt: skip
-    """A first look at a cause by itself."""
+    """A first look at a cause by itself, which ends early where it is far behind a rival."""
     for form in stages:
+        hopeless = math.inf
+        if rival is not None:
+            left = rival.residual[None, :]
+            hopeless = float(form.cost(left, np.zeros(0))[0]) + _HOPELESS / form.factor**2
         end = yield from descend(
-            problem, form, np.zeros(0), (cause,), x, steps=steps, slopes=slopes, draft=True
-        )
+            problem, form, np.zeros(0), (cause,), x, steps=steps, slopes=slopes,
+            hopeless=hopeless, draft=True,
+        )  # fmt: skip
         x, slopes = end.x, end.slopes
     return end, cause
 
@@ -510,20 +533,16 @@ def _look_beside(models: Models, leader: Fit) -> None:
 
 def _fit_other_forms(models: Models) -> None:
     """Fit the most promising models with each further form of the discrepancy."""
-    for name, form in models.forms.items():
-        if name == "none":
-            continue
+    for name in [each for each in models.forms if each != "none"]:
         hopes = []
         for place, old in enumerate(models.leaders(form="none")):
             known = hope = models.get(old.names, name)
             # A fit beside a large discrepancy may have stayed where the cause does nothing.
             stuck = known is not None and known.chi2 > old.chi2 + _HOPELESS and place < _OTHER_FORMS
             if known is None or stuck:
-                try:
-                    hope = linear(models.problem, form, old.causes, old.end)
-                except np.linalg.LinAlgError:
-                    continue
-            assert hope is not None
+                hope = models.linear(old, name)
+            if hope is None:
+                continue
             better = known is None or hope.log_evidence > known.log_evidence + _BETTER
             hopes.append((models.log_posterior(hope), old, hope, better))
         hopes.sort(key=lambda each: -each[0])
