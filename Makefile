@@ -24,7 +24,7 @@ export CMAKE_CXX_COMPILER_LAUNCHER ?= $(shell command -v ccache 2>/dev/null)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help system tools install test demo pictures play docs lint format bench nightly wheel clean
+.PHONY: help system tools install test coverage demo pictures play docs lint format bench nightly wheel clean
 
 help: ## show this list
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 10
@@ -69,6 +69,19 @@ test: install ## all tests but those of `make nightly`
 	@cmake --build $(BUILD) --target stickslip_tests
 	@ctest --test-dir $(BUILD) --output-on-failure -j $(JOBS)
 	@$(RUN) -m pytest -n $(JOBS) --dist worksteal --durations=10 $(PYTEST_ARGS)
+
+# A package of its own, whose core counts its lines; .venv keeps the fast one.
+COVERAGE := build/coverage
+coverage: install ## lines of both languages that the Python tests reach (PYTEST_ARGS chooses tests)
+	@$(RUN) -m pip install --quiet --group coverage
+	@rm -rf $(COVERAGE)/package && $(RUN) -m pip install --quiet --no-build-isolation --no-deps \
+	    -C build-dir=$(COVERAGE)/core -C cmake.build-type=Debug -C install.strip=false \
+	    -C cmake.define.CMAKE_CXX_FLAGS="-O1 --coverage" --target $(COVERAGE)/package .
+	@PYTHONPATH=$(COVERAGE)/package $(RUN) -m pytest -n $(JOBS) --cov=stickslip \
+	    --cov-report=term --cov-report=markdown-append:$(COVERAGE)/report.md $(PYTEST_ARGS)
+	@gcovr --root . --filter cpp/ --exclude cpp/tests/ --print-summary \
+	    --markdown-summary $(COVERAGE)/core.md $(COVERAGE)/core
+	@cat $(COVERAGE)/core.md >> $(COVERAGE)/report.md
 
 demo: install ## a short tour: a film, four runs as a table, pictures
 	@$(RUN) -m stickslip.demo
