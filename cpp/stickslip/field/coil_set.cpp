@@ -117,4 +117,14 @@ double CoilSet::centre_field_per_ampere(Coil coil) const {
     return unit_field(coil, Eigen::Vector3d::Zero()).field[placement.axis[0]];
 }
 
+PerCoil CoilSet::centre_fields_per_ampere() const {
+    PerCoil result;
+    for (const Coil coil : kAllCoils) {
+        const auto k = static_cast<std::size_t>(coil);
+        const bool as_before = k > 0 && map_ == nullptr && geometry_[k] == geometry_[k - 1];
+        result[k] = as_before ? result[k - 1] : centre_field_per_ampere(coil);
+    }
+    return result;
+}
+
 }  // namespace stickslip

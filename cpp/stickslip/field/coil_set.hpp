@@ -56,6 +56,8 @@ public:
 
     /// Field at the origin, along the coil's positive axis, per ampere in one coil, T/A.
     double centre_field_per_ampere(Coil coil = Coil::xp) const;
+    /// The same of all coils; equal ones are asked once.
+    PerCoil centre_fields_per_ampere() const;
 
 private:
     PerCoilOf<CoilGeometry> geometry_;

@@ -228,11 +228,9 @@ PerCoil held_field_gain(const Scenario& s, const PerCoil& currents) {
 VoltageProgram asked_program(const Scenario& s, const RobotFrame& frame) {
     if (s.drive.mode == DriveMode::program) return frame.seen(s.program);
     const PerCoilOf<CoilParameters> coils = robot_coils(s, frame);
-    const CoilSet windings = robot_coil_set(s, frame);
-    PerCoil volts_per_tesla;
-    for (const Coil coil : kAllCoils) {
-        const auto k = static_cast<std::size_t>(coil);
-        volts_per_tesla[k] = coils[k].resistance / windings.centre_field_per_ampere(coil);
+    PerCoil volts_per_tesla = robot_coil_set(s, frame).centre_fields_per_ampere();
+    for (std::size_t k = 0; k < kCoilCount; ++k) {
+        volts_per_tesla[k] = coils[k].resistance / volts_per_tesla[k];
     }
     // The frame of a robot that stays in one plane is its own.
     const SurfaceDirection towards = frame.whole_plane ? drive_direction(s) : SurfaceDirection{};
@@ -295,11 +293,10 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
         std::hypot(std::hypot(e.ambient_field_bx, e.ambient_field_by), e.ambient_field_bz);
     const PerCoil current = model.frame.seen(scenario.initial.current);
     const PerCoilOf<CoilParameters> own = robot_coils(scenario, model.frame);
-    for (const Coil coil : kAllCoils) {
-        const auto k = static_cast<std::size_t>(coil);
+    const PerCoil centre = coils.centre_fields_per_ampere();
+    for (std::size_t k = 0; k < kCoilCount; ++k) {
         const double held = program.largest_voltage()[k] / own[k].resistance;
-        field +=
-            std::max(held, std::abs(current[k])) * std::abs(coils.centre_field_per_ampere(coil));
+        field += std::max(held, std::abs(current[k])) * std::abs(centre[k]);
     }
     const double radius = model.shape.radius();
     const double weight = model.mass * scenario.gravity + model.adhesion;
