@@ -51,14 +51,9 @@ _COMPARISONS: Mapping[str, Callable[[Any, Any], Any]] = {
 _PLACE = re.compile(r"\{([\w.-]+)(?:(=)([^}]*)|:([^}]*))?\}")
 
 
-def weight(scenario: Scenario) -> float:
-    """Weight of the robot, N."""
-    return scenario.robot.mass * scenario.environment.gravity
-
-
 def resting_force(scenario: Scenario) -> float:
     """Normal force on a body that lies still without field: weight and adhesion, N."""
-    return weight(scenario) + scenario.contact.adhesion
+    return scenario.robot.mass * scenario.environment.gravity + scenario.contact.adhesion
 
 
 def pulses_measured(pulses: Any) -> Any:
@@ -87,21 +82,22 @@ class Facts:
 
 
 def _of_scenario(scenario: Scenario) -> dict[str, Any]:
-    robot, drive, pull = scenario.robot, scenario.drive, weight(scenario)
+    robot, drive, contact = scenario.robot, scenario.drive, scenario.contact
+    pull = robot.mass * scenario.environment.gravity
     pulsed = drive.mode != "program"
     volume = robot.length * robot.width * robot.height
     tilt = abs(float(scenario.get("effects.surface_tilt.angle")))
-    pressed = pull * math.cos(tilt) + scenario.contact.adhesion
+    pressed, resting = pull * math.cos(tilt) + contact.adhesion, pull + contact.adhesion
     return {
         "weight": pull,
-        "resting_force": resting_force(scenario),
-        "friction_held": scenario.contact.static_friction * resting_force(scenario),
+        "resting_force": resting,
+        "friction_held": contact.static_friction * resting,
         "density": robot.mass / volume,
         "moment": abs(robot.magnetization) * volume,
         "slope": tilt,
         # Along the surface, and the largest friction against it.
         "slope_force": pull * math.sin(tilt),
-        "slope_hold": scenario.contact.static_friction * pressed,
+        "slope_hold": contact.static_friction * pressed,
         "swing": drive.peak - drive.base if pulsed else math.inf,
         "middle_field": 0.5 * (drive.base + drive.peak),
         "measured_pulses": pulses_measured(drive.pulses) if pulsed else 0,
@@ -141,40 +137,43 @@ def _of_run(facts: Facts, summary: Mapping[str, Any], ok: bool) -> dict[str, Any
 
 
 @functools.cache
-def _factors(text: str) -> tuple[str | float, ...]:
-    return tuple(each if each[0].isalpha() else float(each) for each in text.split())
+def _factors(text: str) -> tuple[float, tuple[str, ...]]:
+    words = text.split()
+    number = math.prod([float(each) for each in words if not each[0].isalpha()])
+    return number, tuple(each for each in words if each[0].isalpha())
 
 
 def product(text: str, facts: Any) -> Any:
     """Numbers and names, multiplied."""
-    return math.prod(facts[each] if isinstance(each, str) else each for each in _factors(text))
+    result, names = _factors(text)
+    for name in names:
+        result = result * facts[name]
+    return result
 
 
 def holds(conditions: Iterable[str], facts: Any) -> Any:
     """Whether all conditions hold; of facts that are arrays, at each place."""
     result: Any = True
     for each in conditions:
-        result = result & _holds(each, facts)
+        result = result & _condition(each)(facts)
         if result is False:  # what follows is not asked: each run asks a hundred times
             break
     return result
 
 
 @functools.cache
-def _words(condition: str) -> tuple[str, str, str]:
-    first, _, rest = condition.partition(" ")
-    how, _, other = rest.partition(" ")
-    return (first, rest, "") if first == "not" else (first, how, other)
-
-
-def _holds(condition: str, facts: Any) -> Any:
-    first, how, other = _words(condition)
+def _condition(text: str) -> Callable[[Any], Any]:
+    first, _, rest = text.partition(" ")
     if first == "not":
-        return True ^ _holds(how, facts)
-    if not how:
-        return holds(TABLE["lists"][first], facts)
-    right = other if how == "is" else product(other, facts)
-    return _COMPARISONS[how](facts[first], right)
+        turned = _condition(rest)
+        return lambda facts: True ^ turned(facts)
+    if not rest:
+        return lambda facts: holds(TABLE["lists"][first], facts)
+    how, _, other = rest.partition(" ")
+    compare = _COMPARISONS[how]
+    if how == "is":
+        return lambda facts: compare(facts[first], other)
+    return lambda facts: compare(facts[first], product(other, facts))
 
 
 def notes_of_table(facts: Facts, of: str) -> Iterator[Note]:

@@ -31,13 +31,14 @@ def run_notes(
     scenario: Scenario, status: str, summary: Mapping[str, Any], condition_met: bool
 ) -> list[Note]:
     """Notes of a run, the most serious first; none for most runs."""
+    facts = Facts(scenario, summary, status == "ok")
     return by_seriousness(
         [
             *(_of_condition(scenario, summary) if condition_met else []),
-            *notes_of_table(Facts(scenario, summary, status == "ok"), "run"),
+            *notes_of_table(facts, "run"),
             *_of_turning(summary),
             *_of_fluid(scenario, summary),
-            *scenario_notes(scenario),
+            *scenario_notes(scenario, facts),
         ]
     )
 

@@ -30,14 +30,17 @@ LEAST_SWING = 0.05
 sawtooth of more than 357 Hz, whose pulses last 0.4 L/R; the paper's 200 Hz give 9 %."""
 
 
-def scenario_notes(scenario: Scenario) -> list[Note]:
-    """Notes on values of a scenario that are probably mistakes; none for most scenarios."""
+def scenario_notes(scenario: Scenario, facts: Facts | None = None) -> list[Note]:
+    """Notes on values of a scenario that are probably mistakes; none for most scenarios.
+
+    `facts` are those of the scenario or of a run of it, if they are known.
+    """
     core = scenario.to_core()  # once for all notes
     units = unit_notes(scenario, core)
     # A unit explains the density that it makes, and the moment of a mass.
     explained = any(note.code in ("unit-mass", "unit-length") for note in units)
     others = [
-        *notes_of_table(Facts(scenario), "scenario"),
+        *notes_of_table(facts or Facts(scenario), "scenario"),
         *_of_drive(scenario, core),
         *_of_robot(scenario),
     ]

@@ -75,8 +75,8 @@ def empty(points: Points) -> xarray.Dataset:
 
 def flat(data: xarray.Dataset, name: str) -> NDArray[Any]:
     """A view of a variable with one entry, or one row, for each point."""
-    values = data[name].values
-    return values.reshape(data["status"].size, *values.shape[data["status"].ndim :])
+    values, status = data.variables[name].values, data.variables["status"]
+    return values.reshape(status.size, *values.shape[status.ndim :])
 
 
 def put(
