@@ -113,7 +113,7 @@ def sound_table(seed: int) -> tuple[str, float, float]:
     draw = np.random.default_rng(seed)
     x = np.repeat([1.0, 2.0, 3.0, 4.0], 3)
     table = Table({"x": x}, draw.normal(1.0, 0.1) * x + 0.1 * draw.standard_normal(len(x)))
-    slope = Parameter("slope", Prior("normal", 1.0, 0.1), suspect=False)
+    slope = Parameter("slope", Prior("normal", 1.0, 0.1), cause=False)
     started = time.process_time()
     found = diagnose_model(_line, table, [slope], [BEND, STEP])
     seconds = time.process_time() - started

@@ -90,8 +90,8 @@ def oscillator(seed: int) -> Made:
     uncertain = [
         Parameter("w", Prior("normal", 5.0, 0.1), "rad/s"),
         Parameter("c", Prior("normal", 0.1, 0.02), "1/s"),
-        Parameter("start", Prior("normal", 1.0, 0.05), "m", suspect=False),
-        Parameter("speed", Prior("normal", 0.0, 0.1), "m/s", suspect=False),
+        Parameter("start", Prior("normal", 1.0, 0.05), "m", cause=False),
+        Parameter("speed", Prior("normal", 0.0, 0.1), "m/s", cause=False),
     ]
     causes = [
         Cause("cubic", Parameter("cubic.size", unit="1/m2", low=-2.0, high=2.0, size=0.2)),
@@ -117,7 +117,7 @@ def swing(seed: int) -> Made:
     uncertain = [
         Parameter("w", Prior("normal", 4.0, 0.04), "rad/s"),
         Parameter("c", Prior("normal", 0.03, 0.006), "1/s"),
-        Parameter("start", Prior("normal", 1.2, 0.02), "rad", suspect=False),
+        Parameter("start", Prior("normal", 1.2, 0.02), "rad", cause=False),
     ]
     causes = [
         _cause("drag", 0.1, 2.0), _cause("dry", 0.05, 2.0, "1/s2"), instruments.offset("rad", 0.02),
@@ -192,7 +192,7 @@ def pulses(seed: int) -> Made:
         Parameter("kp", Prior("normal", 160.0, 0.5), "1/s"),
         Parameter("kv", Prior("normal", 243.0, 0.8), "V s/m"),
     ]
-    shapes = {"unit": "s", "suspect": False}
+    shapes = {"unit": "s", "cause": False}
     causes = [
         Cause("pulses", (
             Parameter("pulses.height", unit="V", low=-10.0, high=10.0, size=2.0),

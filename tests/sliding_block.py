@@ -13,8 +13,8 @@ SETTINGS = {"speed": SPEED, "load": LOAD, "temperature": WARMTH}
 SD = 0.02  # N
 
 UNCERTAIN = (
-    Parameter("friction", Prior("normal", 0.3, 0.02), suspect=False),
-    Parameter("drag", Prior("normal", 0.2, 0.03), "N s/m", suspect=False),
+    Parameter("friction", Prior("normal", 0.3, 0.02), cause=False),
+    Parameter("drag", Prior("normal", 0.2, 0.03), "N s/m", cause=False),
 )
 OVER_SPEED = free_law("friction", "speed", "m/s", 0.0, 2.0, factor_of="friction")
 OVER_LOAD = free_law("friction", "load", "N", 1.0, 6.0, factor_of="friction")

@@ -137,7 +137,7 @@ def test_what_is_hidden_in_made_data_is_found(kind):
 
 
 @pytest.mark.nightly
-def test_errors_that_a_fit_of_all_suspects_tells_are_those_of_the_best_one():
+def test_errors_that_a_fit_of_all_causes_tells_are_those_of_the_best_one():
     # From the recalibrated model and single causes alone it ends at twenty times the error.
     case = made.oscillator(made.TRIED)
     (record,) = case.data

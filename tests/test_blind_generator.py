@@ -68,11 +68,11 @@ CONSTANTS = {
 MEASURED = ("length_scale", "clock_scale", "angle_offset")  # in readings, not in the core
 
 
-def read(truth, name, true, suspects):
+def read(truth, name, true, causes):
     """What the diagnosis reads of true values, shape (n,), with the instrument of that name."""
     own = truth.parameters(name)
     keys, values = [f"{name}.{key}" for key in own], np.array([list(own.values())])
-    return read_by(suspects, keys, values, lambda *_: true[None], Table({}, true))[0]
+    return read_by(causes, keys, values, lambda *_: true[None], Table({}, true))[0]
 
 
 def core(truth, name, drive=None, **more):

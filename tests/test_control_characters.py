@@ -106,7 +106,7 @@ def test_a_scenario_that_is_written_is_read_back_whatever_it_is_called(tmp_path)
 
 
 def test_a_page_escapes_control_characters_and_markup(tmp_path):
-    slope = Parameter("slope", Prior("normal", 0.0, 1.0), suspect=False)
+    slope = Parameter("slope", Prior("normal", 0.0, 1.0), cause=False)
     x = np.linspace(0.2, 1.0, 12)
     table = Table({"x": x}, 0.3 * x, sd=0.1)
     found = diagnose_model(lambda at, p: p["slope"] * at["x"], table, [slope])

@@ -8,8 +8,8 @@ from stickslip.diagnosis.own_model import pose_own
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
 
-SLOPE = Parameter("slope", Prior("normal", 1.0, 0.1), suspect=False)
-LEVEL = Parameter("level", Prior("normal", 0.0, 0.5), suspect=False)
+SLOPE = Parameter("slope", Prior("normal", 1.0, 0.1), cause=False)
+LEVEL = Parameter("level", Prior("normal", 0.0, 0.5), cause=False)
 WAVE = Cause("wave", Parameter("wave.height", size=0.5, low=-5.0, high=5.0), "a wave")
 STEP = Cause("step", Parameter("step.height", size=0.5, low=0.0, high=5.0), "a step at 2")
 BEND = Cause("bend", Parameter("bend.size", size=0.2, low=-3.0, high=3.0), "a parabola")

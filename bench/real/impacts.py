@@ -1,7 +1,7 @@
 """First impacts of the drops as data for `stickslip.diagnose_model`, with models of one's own.
 
 Two kinds of data of the same impacts: how high the marker is at contact, and its velocity and the
-spin after it. What the camera and the body may hide from them is among the suspects.
+spin after it. What the camera and the body may hide from them is among the causes.
 """
 
 from __future__ import annotations
@@ -110,7 +110,7 @@ def predicted_heights(table: Table, p: Values) -> np.ndarray:
 
 
 def heights(impacts: Impacts, sd: np.ndarray) -> Posed:
-    """Heights at contact: which suspect makes them differ from those of a square on a plate?
+    """Heights at contact: which cause makes them differ from those of a square on a plate?
 
     `sd` has the error of a height, m, shape (1,).
     """
@@ -119,7 +119,7 @@ def heights(impacts: Impacts, sd: np.ndarray) -> Posed:
         instruments.marker_place(None, slice(None), 1e-3, angle=theta, largest=0.02),
         instruments.scale(0.01, name="length_scale"),
     )
-    plate = Parameter("plate", Prior("normal", 0.0, 5e-3), "m", suspect=False)
+    plate = Parameter("plate", Prior("normal", 0.0, 5e-3), "m", cause=False)
     table = Table({"x": x, "theta": theta}, z, sd=float(sd[0]), name="height", unit="m")
     return predicted_heights, [table], [plate], [_ANGLE, _ROUNDING, _SLOPE, *meters]
 
@@ -217,7 +217,7 @@ def _impulse(
 
 
 def velocities(impacts: Impacts, sd: np.ndarray) -> Posed:
-    """Velocities after impact: which suspect makes them differ from those of a rigid square?
+    """Velocities after impact: which cause makes them differ from those of a rigid square?
 
     `sd` has the errors of vx, vz and the spin times `GYRATION`, m/s, shape (3,).
     """
@@ -239,9 +239,9 @@ def velocities(impacts: Impacts, sd: np.ndarray) -> Posed:
 def diagnose_impacts(
     pose: Callable[[Impacts, np.ndarray], Posed], impacts: Impacts, without: Collection[str] = ()
 ) -> Diagnosis:
-    """The diagnosis, with errors that the fit of all suspects at once leaves.
+    """The diagnosis, with errors that the fit of all causes at once leaves.
 
-    No impact was repeated. What no suspect explains serves as the error of each kind of observable,
+    No impact was repeated. What no cause explains serves as the error of each kind of observable,
     by the normal law, after impacts that lie far beyond it by a robust fit were left out.
     """
 
@@ -262,7 +262,7 @@ def kept_impacts(
     kept = Impacts(impacts.drop[inside], impacts.before[inside], impacts.after[inside])
     problem = _problem(pose, kept)
     _, scale, _, _ = _search(problem, x, _NORMAL)
-    # Larger by what the fit of so many suspects takes.
+    # Larger by what the fit of so many causes takes.
     taken = len(problem.y) / (len(problem.y) - problem.size)
     return kept, np.sqrt(taken) * scale
 
@@ -270,7 +270,7 @@ def kept_impacts(
 def robust_fit(
     pose: Callable[[Impacts, np.ndarray], Posed], impacts: Impacts, seed: int = 0
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Coordinates of all suspects at once, and what they leave in errors, shape (kinds, impacts).
+    """Coordinates of all causes at once, and what they leave in errors, shape (kinds, impacts).
 
     By Student's law, whose tails bear odd impacts where these are few, with the likeliest error of
     each kind of observable. The fit has several minima, and rounding decides where a search from

@@ -25,7 +25,7 @@ TRUTH = Truth(
     values={"ageing.rate": (0.022, 0.002), "wave.length": (3.8e-3, 0.1e-3)},
 )
 
-_FRICTION = Parameter("friction", Prior("log-uniform", 0.1, 1.0), suspect=False)
+_FRICTION = Parameter("friction", Prior("log-uniform", 0.1, 1.0), cause=False)
 """Of paper on paper, known only in range."""
 
 _SIZE = 0.02
@@ -44,7 +44,7 @@ _CAUSES = (
             _change("wave.sine"),
             _change("wave.cosine"),
             Parameter(
-                "wave.length", Prior("log-uniform", 1e-3, 15e-3), "m", suspect=False, fineness=0.1
+                "wave.length", Prior("log-uniform", 1e-3, 15e-3), "m", cause=False, fineness=0.1
             ),
         ),
         "the surface is uneven along the way",
@@ -54,7 +54,7 @@ _CAUSES = (
         "wear",
         (
             _change("wear.change"),
-            Parameter("wear.time", Prior("log-uniform", 10.0, 400.0), "s", suspect=False),
+            Parameter("wear.time", Prior("log-uniform", 10.0, 400.0), "s", cause=False),
         ),
         "friction settles as the surface wears in",
     ),
@@ -62,7 +62,7 @@ _CAUSES = (
         "step",
         (
             _change("step.height"),
-            Parameter("step.time", Prior("normal", 190.0, 100.0), "s", suspect=False, fineness=0.1),
+            Parameter("step.time", Prior("normal", 190.0, 100.0), "s", cause=False, fineness=0.1),
         ),
         "friction jumps at one time",
     ),

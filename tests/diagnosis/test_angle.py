@@ -41,7 +41,7 @@ def measured(seed, repeats=1, noise=DEGREE):
     return table(theta[mixed], fields[mixed])
 
 
-def test_predictions_are_those_of_the_core_read_by_the_suspects():
+def test_predictions_are_those_of_the_core_read_by_its_instruments():
     found = measured(0, repeats=2)
     names = ["angle_scale.error", "angle_offset.angle", "drag.linear",
              "effects.misalignment.angle", "angle_clipping.limit"]  # fmt: skip

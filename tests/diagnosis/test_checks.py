@@ -1,4 +1,4 @@
-"""What makes data suspect is said before any cause is blamed, and sound data pass."""
+"""What is wrong with data is said before any cause is blamed, and sound data pass."""
 
 import re
 from itertools import pairwise
@@ -75,7 +75,7 @@ def test_conditions_that_are_all_alike_may_have_mixed_labels():
 
 
 def test_what_a_set_up_shares_makes_conditions_no_less_different():
-    # Set-ups differ by as much as the conditions do, and all conditions were in all set-ups.
+    # Blocks differ by as much as the conditions do, and all conditions were in all blocks.
     random = np.random.default_rng(2)
     x, setup = np.repeat(np.arange(10), 3), np.tile(np.arange(3), 10)
     y = 1.0 + 0.02 * x + 0.06 * random.standard_normal(3)[setup]
@@ -186,7 +186,7 @@ def test_without_a_drift_none_is_found(sound):
 
 
 def test_what_differs_between_set_ups_is_no_drift(sound):
-    # Set-ups one after the other, each slower than the one before by three errors of a trial.
+    # Blocks one after the other, each slower than the one before by three errors of a trial.
     order = sound.trial * 100 + np.random.default_rng(1).permutation(len(sound))
     slower = sound.velocity * (1.0 - 0.06 * sound.trial)
     table = velocities(sound.assign(velocity=slower, order=order, block=sound.trial))

@@ -58,7 +58,7 @@ def test_a_tolerance_that_the_diagnosis_chose_is_not_noted(table):
 
 
 # ---------------------------------------------------------------------------------- the problem
-def test_a_measurement_poses_its_tables_constants_and_suspects(table):
+def test_a_measurement_poses_its_tables_constants_and_instruments(table):
     posed = pose(measurement(table), threads=1)
     assert [each.name for each in posed.tables] == ["velocity"]
     assert posed.constants[0].name == "contact.kinetic_friction"

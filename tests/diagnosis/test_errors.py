@@ -31,7 +31,7 @@ def autoregressive(noise, phi):
 @pytest.mark.parametrize("stated", [False, True])
 def test_the_likelihood_is_that_of_the_whole_covariance(stated):
     # Against matrices of all readings, with one condition at rest, runs with gaps and a lone
-    # reading, and three set-ups.
+    # reading, and three blocks.
     random = np.random.default_rng(1)
     condition = np.tile(np.arange(8), 3)
     y = LEVEL[:8][condition] * (1.0 + 0.05 * random.standard_normal(24))
@@ -99,21 +99,21 @@ def test_one_size_of_errors_has_the_degrees_of_freedom_of_the_readings():
 
 @pytest.mark.parametrize("signed", [True, False])
 def test_a_set_up_that_is_faster_is_no_error_of_its_readings(signed):
-    # Set-ups scatter by 6 % as a gain or as a shift, readings by 3 %: twice an error of a reading,
-    # known to 0.3 from 24 set-ups.
+    # Blocks scatter by 6 % as a gain or as a shift, readings by 3 %: twice an error of a reading,
+    # known to 0.3 from 24 blocks.
     random = np.random.default_rng(3)
     level = (1.0 + np.arange(12)) * (-1.0) ** np.arange(12)
     index, setup = np.repeat(np.arange(12), 24), np.tile(np.arange(24), 12)
     off = 0.06 * random.standard_normal(24)[setup] * (level if signed else abs(level))[index]
     y = level[index] + off + 0.03 * level[index] * random.standard_normal(len(index))
-    # One in five is not known: such a reading is a set-up of its own.
+    # One in five is not known: such a reading is a block of its own.
     setup = np.where(random.random(len(index)) < 0.2, -1, setup)
     _, errors = estimate(y, index, setup=setup)
     assert errors.told["rho"] == pytest.approx(0.03, rel=0.2)
     found, other = ("gain", "shift") if signed else ("shift", "gain")
     assert errors.told[found] == pytest.approx(2.0, abs=0.9)
     assert errors.told[other] < 0.4
-    assert codes(errors) == ["set-ups"]
+    assert codes(errors) == ["blocks"]
     # The means of two conditions that go opposite ways are off by a gain in opposite directions.
     assert errors.covariance[0, 1] * (-1.0 if signed else 1.0) > 0.0
 
@@ -121,8 +121,8 @@ def test_a_set_up_that_is_faster_is_no_error_of_its_readings(signed):
 @pytest.mark.parametrize(
     ("setup", "said"),
     [
-        (None, []), (np.full(12, -1), []), (np.zeros(12, dtype=int), ["one-set-up"]),
-        (np.tile([0, 1, 2], 4), ["set-ups"]), (np.repeat([0, 1], 6), ["set-ups-not-crossed"]),
+        (None, []), (np.full(12, -1), []), (np.zeros(12, dtype=int), ["one-block"]),
+        (np.tile([0, 1, 2], 4), ["blocks"]), (np.repeat([0, 1], 6), ["blocks-not-crossed"]),
     ],
 )  # fmt: skip
 def test_set_ups_are_used_where_conditions_were_repeated_in_another(setup, said):
@@ -130,7 +130,7 @@ def test_set_ups_are_used_where_conditions_were_repeated_in_another(setup, said)
     y = (1.0 + index) * (1.0 + 0.03 * np.random.default_rng(4).standard_normal(12))
     _, errors = estimate(y, index, setup=setup)
     assert codes(errors) == said
-    assert (errors.covariance is None) == ("set-ups" not in said)
+    assert (errors.covariance is None) == ("blocks" not in said)
 
 
 @pytest.mark.parametrize("phi", [0.0, 0.6, 0.9])
@@ -242,7 +242,7 @@ def test_a_stated_error_stays_and_repeats_tell_the_correlation():
 
 
 def test_errors_that_readings_share_follow_the_fitted_level():
-    # All velocities of a set-up are off by the same share. The mean of the fitted slopes over many
+    # All velocities of a block are off by the same share. The mean of the fitted slopes over many
     # data sets is the true one, within three standard errors; weights by what was measured would
     # draw it down.
     random = np.random.default_rng(8)
@@ -311,14 +311,14 @@ def made(kind, random, draw):
         return LEVEL[condition] + SIZE[condition] * noise.ravel(), condition, {"run": run}
     condition, noise, known = np.repeat(np.arange(30), 3), draw(90), {}
     size = (np.full(30, 3e-5) if kind == "constant" else SIZE)[condition]
-    if kind == "set-ups":
+    if kind == "blocks":
         known["setup"] = setup = np.tile(np.arange(3), 30)
         gain = 0.5 * random.standard_normal(3)[setup] * np.sign(LEVEL[condition])
         noise = noise + 0.8 * random.standard_normal(3)[setup] + gain
     return LEVEL[condition] + size * noise, condition, known
 
 
-KINDS = ["constant", "relative", "set-ups", "independent", "correlated"]
+KINDS = ["constant", "relative", "blocks", "independent", "correlated"]
 
 
 def rates(kind, sets, tails="normal"):

@@ -112,7 +112,7 @@ def test_scales_of_length_and_clock_are_on_all_that_is_read():
 def test_what_films_have_alike_is_read_by_the_camera():
     run = tracking_run({}, 500.0, 0)
     table = FilmTable(run)
-    shared = [each.name for cause in table.suspects for each in cause.parameters]
+    shared = [each.name for cause in table.instruments for each in cause.parameters]
     scales = {"length_scale.fraction": 0.03, "clock_scale.fraction": 0.02}
     assert scales.keys() | {"angle_offset.angle"} <= set(shared)
     plain, read = table.predict([*NAMES, *scales], np.vstack(
@@ -201,7 +201,7 @@ def test_camera_parameters_belong_to_one_film():
     run = TrackingRun("a.csv", film(TRUE, camera, 500.0, 0), ROBOT, 500.0, 3e-4, NOISE)
     table = FilmTable(run, 2)
     assert (table.name, [each.name for each in table.nuisance]) == ("tracking.2", own)
-    assert not any(each.suspect for each in table.nuisance)
+    assert not any(each.cause for each in table.nuisance)
     told = np.hstack([VALUES, [[0.02, 1.02, 3e-4]]])
     assert misfit(table, [*NAMES, *own], told)[1] > 0.001
     assert misfit(table)[1] < 1e-9

@@ -46,7 +46,7 @@ def test_several_curves_are_late_each_by_itself():
     assert read(late, 0.5, truth=truth) == pytest.approx([-0.5, 4.0, 0.5, 0.0, 1.5, 6.0])
 
 
-# Suspects of measured tables.
+# Causes of measured tables.
 
 VELOCITIES = np.array([1e-3, -2e-3, 3e-3])
 
@@ -100,9 +100,9 @@ def test_a_wild_frame_does_not_hide_a_limit():
     # All of 300 angles are cut off at 1.1, but for one that went wrong.
     angles = np.clip(1.4 * np.sin(np.arange(300.0)), -1.1, 1.1)
     angles[17] = 3.0
-    suspects = {each.name: each for each in instruments.of_films(angles)}
-    (limit,) = suspects["film_clipping"].parameters
+    causes = {each.name: each for each in instruments.of_films(angles)}
+    (limit,) = causes["film_clipping"].parameters
     assert limit.high == pytest.approx(1.2 * 1.1)
     # One size below it, where the search begins, is near the limit.
     assert limit.high - limit.size == pytest.approx(1.08 * 1.1)
-    assert all(each.read is None for each in suspects.values())
+    assert all(each.read is None for each in causes.values())

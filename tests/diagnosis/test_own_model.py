@@ -78,7 +78,7 @@ def test_runs_are_an_order_and_are_held_out_whole():
 
 
 def test_readings_of_a_set_up_share_an_error():
-    # Four set-ups, each 0.5 off in its own way; all measure the same three conditions twice.
+    # Four blocks, each 0.5 off in its own way; all measure the same three conditions twice.
     random = np.random.default_rng(2)
     block = np.repeat(np.arange(8), 6)
     x = np.tile([1.0, 2.0, 3.0], 16)
@@ -136,8 +136,8 @@ def test_a_constant_that_is_stated_far_off_is_named(stated):
     assert found["pull"] == pytest.approx((1.05 - stated) / 0.01, abs=10.0)
 
 
-def test_a_constant_that_is_no_suspect_is_not_named():
-    slope = Parameter("slope", Prior("normal", 0.5, 0.01), suspect=False)
+def test_a_constant_that_is_no_cause_is_not_named():
+    slope = Parameter("slope", Prior("normal", 0.5, 0.01), cause=False)
     posed = pose_own(line, data(), [slope, Parameter("level", LEVEL.prior)], [])
     assert [each.name for each in posed.causes] == ["level"]
 
@@ -159,7 +159,7 @@ def test_a_cause_that_overflows_is_noted_by_its_name():
 
 TIME = 1000.0 + np.arange(30.0)
 HEIGHT = Parameter("bump.height", size=0.5, low=-5.0, high=5.0)
-WIDTH = Parameter("bump.width", Prior("log-normal", 5.0, 2.0), suspect=False)
+WIDTH = Parameter("bump.width", Prior("log-normal", 5.0, 2.0), cause=False)
 
 
 @pytest.mark.parametrize(
@@ -167,7 +167,7 @@ WIDTH = Parameter("bump.width", Prior("log-normal", 5.0, 2.0), suspect=False)
     [
         ([Cause("bump", (HEIGHT, WIDTH))], {}),
         ([Cause("idle", Parameter("idle", size=0.5, low=0.0, high=5.0))], {"idle": "without"}),
-        ([Cause("bump", (HEIGHT, Parameter("span", WIDTH.prior, suspect=False)))],
+        ([Cause("bump", (HEIGHT, Parameter("span", WIDTH.prior, cause=False)))],
          {"span": "without"}),
         ([instruments.clipping("-", 4.0, 1.0)], {}),
         ([instruments.clipping("-", 4000.0, 1.0, lowest=4.0)], {"clipping.limit": "without"}),
@@ -212,7 +212,7 @@ def test_new_conditions_are_read_by_the_instrument_that_was_found():
     result = diagnose_model(
         lambda t, p: p["slope"] * t["x"],
         Table({"x": x}, 1.3 * x, sd=0.01),
-        [Parameter("slope", Prior("normal", 1.0, 0.01), suspect=False)],
+        [Parameter("slope", Prior("normal", 1.0, 0.01), cause=False)],
         [instruments.scale(0.1)],
     )
     assert result.verdict.causes == ("scale",)

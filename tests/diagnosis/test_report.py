@@ -29,7 +29,7 @@ from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.steps import run
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
-from stickslip.diagnosis.terms.words import _WORDS, Words, suspect
+from stickslip.diagnosis.terms.words import _WORDS, Words, data_problem
 from stickslip.scenario.scenario import load
 from stickslip.simulation.note import Note
 from stickslip.simulation.note_table import tomllib
@@ -145,7 +145,7 @@ def test_a_drift_is_told_by_its_size_over_all_trials():
     assert VelocityTable.drift.fget(table) == pytest.approx(
         1e-4 * (used.max() - used.min()), rel=2e-3
     )
-    _, size, do = suspect(Note("drift", "They drift.", 0.31))
+    _, size, do = data_problem(Note("drift", "They drift.", 0.31))
     assert "31 %" in size
     assert "random order" in do
 

@@ -67,7 +67,7 @@ def test_rounds_end_when_nothing_can_be_measured(diagnosed, nothing):
 def test_new_trials_have_a_set_up_and_an_order_where_others_have(known):
     table = asking(measurement(OLD.assign(**known))).trial_table(experiments(1), 2)
     assert set(table) & {"block", "order"} == set(known)
-    # Of another set-up than all before, at a place in time that is to be filled in.
+    # Of another block than all before, at a place in time that is to be filled in.
     if "block" in known:
         assert table["block"].tolist() == ["after-2"] * 2
     if "order" in known:

@@ -77,7 +77,7 @@ def twins(extra=()):
         return made + sum(p[each.parameters[0].name] for each in extra) * rest
 
     causes = [Cause(n, Parameter(f"{n}.size", size=1.0, low=-5.0, high=5.0)) for n in "ab"]
-    constant = Parameter("k", Prior("normal", 0.0, 1.0), suspect=False)
+    constant = Parameter("k", Prior("normal", 0.0, 1.0), cause=False)
     table = Table({"x": np.arange(16.0)}, h + g, sd=0.05)
     return pose_own(model, table, [constant], [*causes, *extra])
 
@@ -115,7 +115,7 @@ def two_wells(kink=0.0):
         Cause(name, Parameter(f"{name}.size", size=0.2, low=-3.0, high=3.0))
         for name in ("bump", "kink")
     ]
-    constant = Parameter("k", Prior("normal", 0.0, 1.0), suspect=False)
+    constant = Parameter("k", Prior("normal", 0.0, 1.0), cause=False)
     noise = 0.02 * np.random.default_rng(3).standard_normal(20)
     y = steep + 0.3 * gentle + 0.4 * np.sin(9.0 * x) + kink * x**3 + noise
     return pose_own(model, Table({"x": x}, y, sd=0.02), [constant], causes)
@@ -181,12 +181,12 @@ def test_no_model_fits_worse_than_one_that_it_contains():
                 assert each.cost < other.cost + 0.5, (names, inner)
 
 
-def test_what_is_suspect_is_not_searched(monkeypatch):
+def test_what_is_at_fault_is_not_searched(monkeypatch):
     asked = []
     monkeypatch.setattr("stickslip.diagnosis.steps.search", lambda *a, **k: asked.append(a))
     posed = problem(data(2.0 * shapes(X)["wave.height"]), [WAVE])
     reason = Note("drift", "The readings drift.")
-    found = run(posed, 0, suspect=reason)
+    found = run(posed, 0, fault=reason)
     assert (found.verdict.kind, found.verdict.reasons, asked) == ("data-problem", (reason,), [])
 
 

@@ -195,7 +195,7 @@ def test_vectors_that_differ_in_another_record_alone_share_a_prediction():
 
 
 def test_a_correlated_discrepancy_and_its_kept_rows_beside_dense_matrices():
-    """Two records and a table of set-ups, whose errors are correlated on their own."""
+    """Two records and a table of blocks, whose errors are correlated on their own."""
     records = [made(60, 1, name="a", sd=0.05), made(30, 2, name="b", sd=0.02)]
     x = np.tile([1.0, 2.0, 3.0], 8)
     block = np.repeat(np.arange(8), 3)

@@ -1,4 +1,4 @@
-"""An effect of the user's own is a suspect like the model's own."""
+"""An effect of the user's own is a cause like the model's own."""
 
 import numpy as np
 import pytest

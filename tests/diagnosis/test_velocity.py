@@ -79,7 +79,7 @@ def test_a_curve_in_a_sweep_of_a_set_up_is_a_run(found):
     assert [np.sum(pairs[0] == run) for run in range(6)] == [4] * 6
     assert found.block.tolist() == [-1] * 24
     assert "no-block-column" in [each.code for each in found.notes]
-    # Of two tables, conditions are repeats, set-ups and runs are not shared.
+    # Of two tables, conditions are repeats, blocks and runs are not shared.
     table = trials().assign(block=lambda rows: np.where(rows.trial == 0, "a", "b"))
     pooled = measurement(table)
     pooled = dataclasses.replace(pooled, velocity=2 * pooled.velocity)

@@ -178,14 +178,14 @@ def test_a_constant_other_than_stated_is_named_by_the_test():
     # Five stated errors off: it follows the data within its prior too, so that nothing held out
     # tells the two apart.
     x = np.linspace(1.0, 3.0, 60)
-    uncertain = [replace(SLOPE, suspect=True), LEVEL]
+    uncertain = [replace(SLOPE, cause=True), LEVEL]
     result = run(problem(data(0.5 * x, n=60), (WAVE, BEND), uncertain), 0)
     assert adequacy(result.problem, result.models.null) >= ADEQUATE
     assert not result.verdict.gain.certain
     assert (result.verdict.kind, result.verdict.causes) == ("named", ("slope",))
 
 
-def test_errors_of_the_fit_of_all_suspects_prove_no_name():
+def test_errors_of_the_fit_of_all_causes_prove_no_name():
     # A wave that nobody lists counts as noise; the step beside it hardly lowers what is left.
     x = np.linspace(1.0, 3.0, 60)
     noise = 0.05 * np.random.default_rng(1).standard_normal(60)

@@ -64,7 +64,7 @@ _CAUSES = (
         "stribeck",
         (
             Parameter("stribeck.force", unit="N", low=0.0, high=60.0, size=2.0),
-            Parameter("stribeck.velocity", Prior("log-uniform", 1e-3, 0.1), "m/s", suspect=False),
+            Parameter("stribeck.velocity", Prior("log-uniform", 1e-3, 0.1), "m/s", cause=False),
         ),
         "friction rises towards rest",
     ),
@@ -94,7 +94,7 @@ _CAUSES = (
             _either_way("ripple.sine", "N", 2.0),
             _either_way("ripple.cosine", "N", 2.0),
             Parameter(
-                "ripple.length", Prior("log-uniform", 5e-3, 50e-3), "m", suspect=False, fineness=0.1
+                "ripple.length", Prior("log-uniform", 5e-3, 50e-3), "m", cause=False, fineness=0.1
             ),
         ),
         "the force ripples along the way",

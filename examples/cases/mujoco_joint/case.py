@@ -57,7 +57,7 @@ causes = [
 ]
 known = [
     Parameter("inertia", Prior("normal", 0.01, 0.0003), "kg m^2"),
-    Parameter("damping", Prior("log-normal", 0.03, 1.5), "N m s/rad", suspect=False),
+    Parameter("damping", Prior("log-normal", 0.03, 1.5), "N m s/rad", cause=False),
     Parameter("start", Prior("normal", 0.0, 0.1), "rad/s", each_record=True),
 ]
 record = Series(t, speed, {"torque": torque}, unit="rad/s")

@@ -30,14 +30,14 @@ _END = (11.0, 1.0, 5.0)
 
 def _constant(name: str) -> Parameter:
     # Levels of some V change by themselves within some tens to hundreds of seconds.
-    return Parameter(name, Prior("log-uniform", 5e-3, 0.5), "V^0.5/s", suspect=False)
+    return Parameter(name, Prior("log-uniform", 5e-3, 0.5), "V^0.5/s", cause=False)
 
 
 _CONSTANTS = (
     *(_constant(name) for name in ("k1", "k2", "k3", "k4")),
     *(
         Parameter(
-            name, Prior("normal", 5.0, 3.0), "V", low=0.0, high=15.0, suspect=False,
+            name, Prior("normal", 5.0, 3.0), "V", low=0.0, high=15.0, cause=False,
             each_record=True,
         )
         for name in ("level1", "level2")
@@ -59,7 +59,7 @@ _CAUSES = (
         "the upper tank overflows, partly into the lower one",
         _rim("upper_overflow.level", *_RIM),
         Parameter(
-            "upper_overflow.share", Prior("normal", 0.5, 0.25), low=0.0, high=1.0, suspect=False
+            "upper_overflow.share", Prior("normal", 0.5, 0.25), low=0.0, high=1.0, cause=False
         ),
     ),
     _cause("lower_overflow", "the lower tank overflows", _rim("lower_overflow.level", *_END)),

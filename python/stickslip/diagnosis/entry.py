@@ -73,7 +73,7 @@ def diagnose(
     check_whole("seed", seed)
     problem = pose(measurement, worker_count(threads, "threads"), seed)
     notes = [note for table in problem.tables for note in table.remarks()]
-    findings = run(problem, int(seed), progress or _silent, suspect_of(problem))
+    findings = run(problem, int(seed), progress or _silent, fault_of(problem))
     return Diagnosis(findings, measurement, (*notes, *moved_constants(findings)))
 
 
@@ -99,7 +99,7 @@ def diagnose_model(
     data : Table, Series, or sequence of them
     uncertain : sequence of Parameter
         Constants that are known by their priors; not given with a model of
-        `stickslip.models`. For each whose prior has a middle, unless `suspect` is False,
+        `stickslip.models`. For each whose prior has a middle, unless `cause` is False,
         "other than stated" is a cause, too.
     causes : sequence of Cause
         Effects, instruments (see `instruments`) and free laws, beside those of the model.
@@ -140,7 +140,7 @@ def diagnose_model(
         problem = pose_own(predict, tables, uncertain, causes)
     problem = with_scatter(problem, int(seed))
     notes = [*overflows(problem), *without_effect(problem)]
-    findings = run(problem, int(seed), progress or _silent, suspect_of(problem))
+    findings = run(problem, int(seed), progress or _silent, fault_of(problem))
     notes += moved_constants(findings)
 
     problem = findings.problem  # with the forms of its laws
@@ -162,8 +162,8 @@ def _silent(fraction: float, stage: str) -> None:
     """Say nothing."""
 
 
-def suspect_of(problem: Problem) -> Note | None:
-    """What makes the data of a problem suspect, if anything does; each table is asked."""
+def fault_of(problem: Problem) -> Note | None:
+    """What is wrong with the data of a problem, if anything is; each table is asked."""
     alone = len(problem.tables) == 1
     stated = problem.model(problem.physical(np.zeros((1, problem.size))))[0]
     for table, part in zip(problem.tables, problem.rows, strict=True):

@@ -79,11 +79,11 @@ def pose(measurement: Measurement, threads: int = 1, seed: int = 0) -> Problem:
     effects = library(scenario, settled, volts)
     # Tables of one kind share instruments: that of the widest readings stands for all, as a limit
     # may lie anywhere below them.
-    every = [each for table in tables for each in table.suspects]
+    every = [each for table in tables for each in table.instruments]
     every.sort(key=lambda each: each.parameters[0].high)
-    suspects = {each.name: each for each in every}
-    causes = (*effects, *suspects.values(), *freed(constants))
-    parts = tables, constants, effects, list(suspects.values())
+    instruments = {each.name: each for each in every}
+    causes = (*effects, *instruments.values(), *freed(constants))
+    parts = tables, constants, effects, list(instruments.values())
     model, draft = model_of(*parts)
     laws = partial(_with_laws, measurement, parts)
     return Problem(tuple(tables), model, tuple(constants), causes, draft, laws)
@@ -134,7 +134,7 @@ def freed(constants: Sequence[Parameter]) -> list[Cause]:
     return [
         Cause(each.name, (), f"{each.name} is other than stated", frees=each.name)
         for each in constants
-        if each.suspect and each.prior is not None and each.prior.has_middle
+        if each.cause and each.prior is not None and each.prior.has_middle
     ]
 
 
@@ -142,17 +142,17 @@ def model_of(
     tables: Sequence[SimulatedTable],
     constants: Sequence[Parameter],
     effects: Sequence[Cause],
-    suspects: Sequence[Cause],
+    instruments: Sequence[Cause],
     beside: Sequence[Cause] = (),
 ) -> tuple[Model, Model]:
     """The model of all rows and its draft, in which velocities have fewer pulses.
 
-    Their columns are the constants, the parameters of the effects, of the suspects, and of the laws
-    of another shape, `beside`.
+    Their columns are the constants, the parameters of the effects, of the instruments, and of the
+    laws of another shape, `beside`.
     """
     amplitudes = [each.name for cause in effects for each in cause.parameters]
     names = [*(each.name for each in constants), *amplitudes]
-    names += [each.name for cause in suspects for each in cause.parameters]
+    names += [each.name for cause in instruments for each in cause.parameters]
     knots = [each.name for cause in beside for each in cause.parameters]
     reach = fixed_numbers(beside)
     names += [*knots, *reach]

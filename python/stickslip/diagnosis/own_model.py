@@ -293,7 +293,7 @@ def _of_each_record(
         if not records:
             raise ScenarioError(f"parameter {each.name}: each_record: allowed beside a Series")
         found += [
-            replace(each, name=of_record(each, table), suspect=False, each_record=False)
+            replace(each, name=of_record(each, table), cause=False, each_record=False)
             for table in records
         ]
     return tuple(found)

@@ -30,9 +30,9 @@ def run(
     problem: Problem,
     seed: int,
     say: Progress = lambda fraction, stage: None,
-    suspect: Note | None = None,
+    fault: Note | None = None,
 ) -> Findings:
-    """All steps, one after another; where the data are `suspect`, no cause is looked for."""
+    """All steps, one after another; where the data have a `fault`, no cause is looked for."""
     say(0.0, "recalibrating")
     null, ends = recalibrated(problem, seed)
     problem, null = _with_own_errors(problem, null, seed)
@@ -43,7 +43,7 @@ def run(
     found = responses(problem, null.end, (), problem.causes, stated, null.h)
     test = tested(problem, null, found, seed)
     screened(models, found)
-    if suspect is None and (test.found or posterior(models).none < 0.5):
+    if fault is None and (test.found or posterior(models).none < 0.5):
         models = Models(problem, problem.causes)
         models.add(null)
         search(models, ends, problem.causes, say, seed)
@@ -60,10 +60,7 @@ def run(
         stated, null = models.forms["none"], models.null
         found = responses(models.problem, null.end, (), problem.causes, stated, null.h)
         test = tested(models.problem, null, found, seed)
-    if suspect is None:
-        verdict = decide(models, test)
-    else:
-        verdict = Verdict("data-problem", (), None, (suspect,))
+    verdict = Verdict("data-problem", (), None, (fault,)) if fault else decide(models, test)
     say(1.0, "done")
     return Findings(models, test, found, verdict, seed)
 

@@ -69,7 +69,7 @@ class VelocityData(OneLine):
     condition : ndarray, shape (n,)
         Index of each trial's condition.
     block : ndarray, shape (n,)
-        Index of the set-up; -1 where the table does not say.
+        Index of the block; -1 where the table does not say.
     order : ndarray, shape (n,)
         Sequence number; NaN where the table does not say.
     sweep : ndarray, shape (n,)

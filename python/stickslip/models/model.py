@@ -95,7 +95,7 @@ class Term:
         """As a shape of which only the range is known."""
         largest = self.usual(scales)
         prior = Prior("log-uniform", 0.01 * largest, largest)
-        return Parameter(self.name, prior, self.unit, suspect=False)
+        return Parameter(self.name, prior, self.unit, cause=False)
 
     def cause(self, scales: Mapping[str, float], known: Mapping[str, object]) -> Cause:
         """As a cause of its usual size."""
@@ -302,7 +302,7 @@ class Model(OneLine):
             if k == read:
                 middle, size = float(first.mean()), max(float(np.ptp(first)), size)
             prior = Prior("normal", middle, size)
-            found.append(Parameter(name, prior, unit, suspect=False, each_record=True))
+            found.append(Parameter(name, prior, unit, cause=False, each_record=True))
         return found
 
     def _scales(self, records: Sequence[Series]) -> dict[str, float]:

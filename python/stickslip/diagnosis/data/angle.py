@@ -69,7 +69,7 @@ class AngleTable(SimulatedTable):
         design = _lines(self.fields, self.mean)[self.condition]
         self.errors = of_readings(theta, design, self.condition, READING, "rad")
         self.notes = list(self.errors.notes)
-        self.suspects = of_angles(self.mean)
+        self.instruments = of_angles(self.mean)
 
     def setting_unit(self, name: str) -> str:
         return "T"

@@ -151,7 +151,7 @@ def estimate(
     place : ndarray, shape (n,), optional
         Place in the run, counted in the usual step; the order of the rows, if not given.
     setup : ndarray of int, shape (n,), optional
-        Set-up of each reading; -1 where it is not known: such a reading has one of its own. Used
+        Block of each reading; -1 where it is not known: such a reading has one of its own. Used
         where conditions were repeated in another one.
     seed : int
         Of the draws.
@@ -278,7 +278,7 @@ def _stated(
 def _crossed(
     condition: Indices, setup: Indices | None, known: Mask, notes: list[Note]
 ) -> Indices | None:
-    """Set-ups, numbered from 0, if their errors can be told from the levels of conditions."""
+    """Blocks, numbered from 0, if their errors can be told from the levels of conditions."""
     if setup is None or np.all(setup < 0):
         return None
     lost = setup < 0
@@ -287,11 +287,11 @@ def _crossed(
     most = max(len(np.unique(condition[known])), len(np.unique(setup[known])) + 1)
     if np.max(setup) == 0:
         text = "All readings are of one block: what they share is not known."
-        notes.append(Note("one-set-up", text))
+        notes.append(Note("one-block", text))
         return None
     if len(np.unique(condition[known] * len(setup) + setup[known])) <= most:
         text = "No condition was repeated in another block: what readings of one share is unknown."
-        notes.append(Note("set-ups-not-crossed", text))
+        notes.append(Note("blocks-not-crossed", text))
         return None
     return setup
 
@@ -409,7 +409,7 @@ class _Scatter(OneLine):
                 f"Blocks differ by a shift of {told['shift']:.2g} and a gain of "
                 f"{told.get('gain', 0.0):.2g} errors of a reading."
             )
-            notes.append(Note("set-ups", text, told["shift"]))
+            notes.append(Note("blocks", text, told["shift"]))
         if "phi" in p:
             phi = ndtr(p["phi"])
             order = np.argsort(phi)

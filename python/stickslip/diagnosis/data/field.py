@@ -81,7 +81,7 @@ class FieldTable(SimulatedTable):
         self.currents, self.points = currents[rows], points[rows]
         self.errors = of_readings(self.y, _design(shares), self.condition, smallest, "T")
         self.notes = list(self.errors.notes)
-        self.suspects = of_fields(self.mean)
+        self.instruments = of_fields(self.mean)
 
     def setting_unit(self, name: str) -> str:
         return "m" if name in _PLACE else "A"

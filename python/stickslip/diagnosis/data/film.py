@@ -97,7 +97,7 @@ class FilmTable(SimulatedTable):
         self.run, self.order = np.repeat(np.arange(len(counts)), counts), number_of.astype(float)
         self.places = None
         self.nuisance = self._uncertain()
-        self.suspects = of_films(film.columns["theta"][self.columns["theta"][0]])
+        self.instruments = of_films(film.columns["theta"][self.columns["theta"][0]])
 
     @property
     def at(self) -> str:
@@ -168,7 +168,7 @@ class FilmTable(SimulatedTable):
     def _frames_of(
         self, motion: Recording | None, p: Mapping[str, float] | None = None
     ) -> dict[str, Array] | None:
-        """What the camera makes of a motion, at values of `nuisance` and `suspects`."""
+        """What the camera makes of a motion, at values of `nuisance` and `instruments`."""
         if motion is None:
             return None
         p = p or {}
@@ -202,7 +202,7 @@ class FilmTable(SimulatedTable):
         if not self.columns.keys().isdisjoint(_CURRENTS):
             priors.append(("current_scale", 1.0, _SCALE, "-"))
         return tuple(
-            Parameter(f"{self.name}.{key}", Prior("normal", mean, sd), unit, suspect=False)
+            Parameter(f"{self.name}.{key}", Prior("normal", mean, sd), unit, cause=False)
             for key, mean, sd, unit in priors
         )
 

@@ -20,7 +20,7 @@ class SimulatedTable(Table):
 
     Attributes
     ----------
-    suspects : tuple of Cause
+    instruments : tuple of Cause
         Instruments that may read it wrongly.
     nuisance : tuple of Parameter
         What is uncertain of its own instrument.
@@ -33,17 +33,17 @@ class SimulatedTable(Table):
     """Its section in a measurement file, as messages begin with it."""
     number = 0
     """Its number among several of its kind; 0 for a single one."""
-    suspects: tuple[Cause, ...]
+    instruments: tuple[Cause, ...]
     nuisance: tuple[Parameter, ...] = ()
     left_out: list[Note]
 
     def predict(self, names: Sequence[str], values: Array) -> Array:
         """Readings of all conditions, shape (vectors, m); NaN where there is none.
 
-        `names` are scenario keys and parameters of `nuisance` and `suspects`; `values` have the
+        `names` are scenario keys and parameters of `nuisance` and `instruments`; `values` have the
         shape (vectors, names).
         """
-        return read_by(self.suspects, names, values, self.physics, self)
+        return read_by(self.instruments, names, values, self.physics, self)
 
     def physics(self, names: Sequence[str], values: Array) -> Array:
         """What a perfect instrument reads, for values of scenario keys."""
@@ -56,7 +56,7 @@ class SimulatedTable(Table):
     def own_columns(self, names: Sequence[str]) -> list[int]:
         """Places of the names that count for this table: scenario keys, and its own parameters."""
         own = {each.name for each in self.nuisance}
-        own |= {each.name for cause in self.suspects for each in cause.parameters}
+        own |= {each.name for cause in self.instruments for each in cause.parameters}
         known = known_keys()
         return [k for k, name in enumerate(names) if name in known or name in own]
 

@@ -251,9 +251,9 @@ class Table:
         """Factor from that unit to the one that is shown; readings of one's own keep theirs."""
         return 1.0, unit_label(self.unit_of(condition))
 
-    # ------------------------------------------------------------------ what makes it suspect
+    # ------------------------------------------------------------------ what is wrong with it
     def problem(self, stated: Array, alone: bool = True) -> Note | None:
-        """What makes the readings suspect, before any cause is blamed; None of sound ones.
+        """What is wrong with the readings, before any cause is blamed; None of sound ones.
 
         Parameters
         ----------

@@ -97,7 +97,7 @@ class VelocityTable(SimulatedTable):
     refusal : str or None
         Why the stated model is refused, if it is.
     block : ndarray of int, shape (n,)
-        Set-up of each trial; -1 where it is not known.
+        Block of each trial; -1 where it is not known.
     curve : ndarray of int, shape (n,)
         Run of each trial.
     sequence : ndarray, shape (n,)
@@ -137,7 +137,7 @@ class VelocityTable(SimulatedTable):
         if np.all(self.block < 0):
             text = "There is no column block: what trials of a block share is not known."
             self.notes.append(Note("no-block-column", text))
-        self.suspects = of_velocities(self.mean)
+        self.instruments = of_velocities(self.mean)
         self.places = _places(self.conditions)
         self.group = np.arange(len(self.conditions), dtype=np.int64)
         self.run = self.order = None
@@ -196,9 +196,9 @@ class VelocityTable(SimulatedTable):
         return np.asarray(velocity.reshape(vectors, count), dtype=float)
 
     def readings(self, conditions: Conditions, names: Sequence[str], values: Array) -> Array:
-        """The same as they are read; `names` may be parameters of `suspects` too."""
+        """The same as they are read; `names` may be parameters of `instruments` too."""
         return read_by(
-            self.suspects, names, values,
+            self.instruments, names, values,
             lambda keys, own: self.velocities(conditions, keys, own), self,
         )  # fmt: skip
 
@@ -254,7 +254,7 @@ class VelocityTable(SimulatedTable):
         good[-1] = True
         return np.asarray(tried[np.argmax(good, axis=0)])
 
-    # ------------------------------------------------------------------ what makes it suspect
+    # ------------------------------------------------------------------ what is wrong with it
     def problem(self, stated: Array, alone: bool = True) -> Note | None:
         """Also velocities that drift, or that are not what the stated model can give."""
         return (

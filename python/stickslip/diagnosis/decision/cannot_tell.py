@@ -117,7 +117,7 @@ class CannotTell(OneLine):
         Causes whose usual size some constants undo within their priors, and these constants.
     groups : list of Group
     silent : list of str
-        Parameters that may be suspect, of which the data say less than their priors.
+        Parameters that may be causes, of which the data say less than their priors.
     limits : dict of Limit
         Of the amplitudes of all causes that are not in the model.
     causes : list of str
@@ -417,7 +417,7 @@ def combinations(candidate: Candidate) -> tuple[list[Group], list[str]]:
         if known:
             groups.append(Group(tuple(each.name for each in parameters), tuple(known)))
         else:
-            silent += [each.name for each in parameters if each.suspect]
+            silent += [each.name for each in parameters if each.cause]
     return groups, silent
 
 

@@ -24,7 +24,7 @@ from stickslip.diagnosis.decision.facts import Facts
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import LOST
 from stickslip.diagnosis.terms.curve import CURVE, SHAPES, Curve
-from stickslip.diagnosis.terms.words import Words, suspect
+from stickslip.diagnosis.terms.words import Words, data_problem
 from stickslip.scenario.keys import LAWS
 from stickslip.scenario.law import Law, law_lines
 
@@ -40,8 +40,8 @@ _NULL = (
     "cannot_tell",
 )  # fmt: skip
 _LISTS = (
-    "deciding_readings", "next_experiments", "ranking", "claimed", "cosines", "misfit", "suspect",
-    "advice",
+    "deciding_readings", "next_experiments", "ranking", "claimed", "cosines", "misfit", "advice",
+    "data_problem",
 )  # fmt: skip
 _TABLES = "parameters", "bounds", "recalibrated"
 
@@ -87,7 +87,7 @@ def numbers_of(facts: Facts, title: str | None = None) -> dict[str, Any]:
     if facts.fitted:
         numbers |= _of_models(facts, numbers["conditions"])
     elif verdict.reasons:
-        numbers["suspect"] = suspect(verdict.reasons[0])
+        numbers["data_problem"] = data_problem(verdict.reasons[0])
     if source is not None and verdict.kind == "ambiguous":
         numbers["next_experiments"] = _experiments(facts)
         names = {each: facts.words.title(each) for each in verdict.causes}

@@ -92,7 +92,7 @@ def pulse(
         refuse("longest", longest, "a time above 0, s")
     height, time = _height(name, unit, size, largest), _time(name, begin, end)
     length = Parameter(
-        f"{name}.length", Prior("log-uniform", longest / 100.0, longest), unit="s", suspect=False
+        f"{name}.length", Prior("log-uniform", longest / 100.0, longest), unit="s", cause=False
     )
 
     def read(values: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
@@ -129,5 +129,5 @@ def _time(name: str, begin: float, end: float) -> Parameter:
         )
     prior = Prior("normal", 0.5 * (begin + end), _WIDTH * (end - begin))
     return Parameter(
-        f"{name}.time", prior, unit="s", low=begin, high=end, suspect=False, fineness=_FINENESS
+        f"{name}.time", prior, unit="s", low=begin, high=end, cause=False, fineness=_FINENESS
     )

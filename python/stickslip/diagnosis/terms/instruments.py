@@ -340,7 +340,7 @@ def _fitting(given: Array, some: Array) -> Array:
 
 
 def read_by(
-    suspects: Sequence[Cause],
+    causes: Sequence[Cause],
     names: Sequence[str],
     values: Array,
     physics: Callable[[Sequence[str], Array], Array],
@@ -352,7 +352,7 @@ def read_by(
 
     Parameters
     ----------
-    suspects : sequence of Cause
+    causes : sequence of Cause
         Those with a `read` act one after another, if `names` has their parameters.
     names : sequence of str
     values : ndarray, shape (vectors, names)
@@ -361,7 +361,7 @@ def read_by(
     table : Table
         What is read.
     """
-    acting = [each for each in suspects if each.read and each.parameters[0].name in names]
+    acting = [each for each in causes if each.read and each.parameters[0].name in names]
     if not acting:
         return physics(names, values)
     own = {parameter.name for each in acting for parameter in each.parameters}

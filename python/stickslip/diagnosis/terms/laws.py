@@ -153,7 +153,7 @@ def forms(law: Cause) -> list[Cause]:
         farthest = SHAPES[form].farthest
         if farthest:
             prior = Prior("log-uniform", NEAREST * curve.reach, farthest * curve.reach)
-            numbers.append(Parameter(f"{section}.scale", prior, curve.unit, suspect=False))
+            numbers.append(Parameter(f"{section}.scale", prior, curve.unit, cause=False))
         elif curve.fixed:
             fixed[f"{section}.scale"] = curve.reach
         own = replace(curve, form=form, fixed=fixed)

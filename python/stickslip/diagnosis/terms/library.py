@@ -134,7 +134,7 @@ def _parameter(key: Key, volts: float) -> Parameter:
         return Parameter(key.name, unit=key.unit, low=lowest, high=volts, size=size, falls=True)
     if name in _SHAPES:
         prior = Prior("log-normal", _SHAPES[name], _SHAPE_FACTOR)
-        return Parameter(key.name, prior, key.unit, key.low, key.high, suspect=False)
+        return Parameter(key.name, prior, key.unit, key.low, key.high, cause=False)
     absent = float(key.default)
     farthest = max(key.high - absent, absent - key.low)
     size, low, high = _SIZES.get(name, (farthest / _SIZES_IN_RANGE, key.low, key.high))

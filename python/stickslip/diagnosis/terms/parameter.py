@@ -49,8 +49,8 @@ class Parameter:
     falls : bool
         The effect of an amplitude begins as it falls below `high`, such as a limit: at the
         coordinate u it is ``high - size u``, and `absent` (no limit) at 0.
-    suspect : bool
-        Whether a constant may be named itself, as other than stated.
+    cause : bool
+        Whether a constant may be the cause itself, as other than stated.
     each_record : bool
         Whether a constant has a value of its own in each `Series`, such as a start state. It is no
         cause.
@@ -73,7 +73,7 @@ class Parameter:
     size: float | None = None
     absent: float = 0.0
     falls: bool = False
-    suspect: bool = True
+    cause: bool = True
     each_record: bool = False
     negligible: float = 0.0
     fineness: float = 1.0
@@ -139,7 +139,7 @@ class Parameter:
         assert self.prior is not None
         # A shape, which is no cause, stays near its middle; a stated constant may be far off.
         end = math.inf
-        if not self.prior.has_middle or not self.suspect:
+        if not self.prior.has_middle or not self.cause:
             end = _FARTHEST
         elif self.prior.kind == "log-normal":
             end = math.log(_LARGEST_FACTOR) / math.log(self.prior.second)

@@ -182,7 +182,7 @@ class Words:
         return amount(value * factor, sd * factor, shown)
 
 
-def suspect(note: Note) -> list[str]:
+def data_problem(note: Note) -> list[str]:
     """Of a check that data failed what it compares, how large the finding is, and what to do."""
     unknown = ["the data with what they can be", "", ""]
     what, large, do = _WORDS["problems"].get(note.code, unknown)
