@@ -22,6 +22,8 @@ PROGRAMS = {
     "peers": ("peers", "SciPy, heyoka, MuJoCo and magpylib at equal accuracy"),
     "blind": ("blind", "the blind study of the diagnosis: make, diagnose, judge, tables ..."),
     "made": ("made", "five kinds of made data with a known answer, diagnosed and judged"),
+    "untold": ("untold", "whether what data cannot tell is said, of made sets"),
+    "planned": ("planned", "hidden causes named after a planned and after an even table"),
     "causes": ("causes", "a benchmark for any tool that names causes: make, run, score"),
     "real": ("real.study", "measured sets with a known cause, diagnosed and judged"),
     "drops": ("real.drops", "drops of a real square beside the core"),
