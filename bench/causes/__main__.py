@@ -10,6 +10,7 @@ import argparse
 import json
 from pathlib import Path
 
+from causes import walkers
 from causes.make import TRUTH, make
 from causes.score import table
 from causes.tools import TOOLS, Answer, run
@@ -34,6 +35,7 @@ def main() -> None:
     options = parser.parse_args()
     if options.step == "make":
         make()
+        walkers.make()
     elif options.step == "run":
         path = ANSWERS / f"{options.tool.replace(' ', '-')}.json"
         path.parent.mkdir(exist_ok=True)

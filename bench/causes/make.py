@@ -171,28 +171,33 @@ def made(kind: str, number: int) -> tuple[str, dict[str, Any], dict[str, Any]]:
 
 def _toml(told: dict[str, Any], without: list[str]) -> str:
     lines = [f'kind = "{told["kind"]}"', 'log = "log.csv"', f"without = {json.dumps(without)}"]
+    if "constants" not in told:  # they stand in the file of the measurement
+        return "\n".join(lines) + "\n"
     lines += ["", "[constants]  # value, standard deviation"]
     lines += [f"{name} = {value}" for name, value in told["constants"].items()]
     lines += ["", "[known]", *(f"{name} = {value}" for name, value in told["known"].items())]
     return "\n".join(lines) + "\n"
 
 
+def write(name: str, files: dict[str, str], told: dict[str, Any], truth: dict[str, Any]) -> None:
+    """A set, and the same log for who does not list the cause; the truth goes to the others."""
+    folder = FOLDER / name
+    folder.mkdir(parents=True, exist_ok=True)
+    texts, truths = {**files, "set.toml": _toml(told, told["without"])}, {name: True}
+    if truth["cause"]:
+        texts["unlisted.toml"] = _toml(told, [*told["without"], truth["cause"]])
+        truths[f"{name} unlisted"] = False
+    for file, text in texts.items():
+        (folder / file).write_text(text)
+    have = json.loads(TRUTH.read_text()) if TRUTH.exists() else {}
+    have |= {each: {**truth, "listed": listed} for each, listed in truths.items()}
+    TRUTH.write_text(json.dumps(have, indent=1) + "\n")
+    print(name, truth, flush=True)
+
+
 def make() -> None:
-    """Write all sets, and the truth apart."""
-    truths: dict[str, Any] = {}
+    """Write all sets of models that are ready-made."""
     for kind in KINDS:
         for number in range(OF_A_KIND):
             log, told, truth = made(kind, number)
-            name = f"{kind}-{number:02}"
-            folder = FOLDER / name
-            folder.mkdir(parents=True, exist_ok=True)
-            (folder / "log.csv").write_text(log)
-            (folder / "set.toml").write_text(_toml(told, told["without"]))
-            truths[name] = {**truth, "listed": True}
-            if truth["cause"]:  # the same log for who does not list the cause
-                (folder / "unlisted.toml").write_text(
-                    _toml(told, [*told["without"], truth["cause"]])
-                )
-                truths[f"{name} unlisted"] = {**truth, "listed": False}
-            print(name, truth, flush=True)
-    TRUTH.write_text(json.dumps(truths, indent=1) + "\n")
+            write(f"{kind}-{number:02}", {"log.csv": log}, told, truth)

@@ -6,6 +6,7 @@ from collections import Counter
 from typing import Any
 
 import numpy as np
+from blind.scoring import interval
 
 ROWS = ("right", "right set", "dominant", "cannot tell", "wrong", "false alarm")
 CLAIMS = ("named", "dominant", "pair")
@@ -28,26 +29,23 @@ def judged(answer: dict[str, Any], truth: dict[str, Any]) -> str:
     return "dominant" if said == "dominant" else "right"
 
 
-def interval(count: int, total: int) -> tuple[float, float]:
-    """Wilson's interval of 95 %."""
-    z, p = 1.959964, count / total
-    middle = (p + z * z / (2 * total)) / (1 + z * z / total)
-    half = z / (1 + z * z / total) * np.sqrt(p * (1 - p) / total + z * z / (4 * total**2))
-    return max(middle - half, 0.0), min(middle + half, 1.0)
-
-
 def table(answers: dict[str, dict[str, Any]], truths: dict[str, Any]) -> str:
     """The counts of each group of sets, in Markdown."""
     groups = {
-        "nothing hidden": lambda t: not t["cause"],
-        "one cause": lambda t: t["cause"] and t["listed"] and not t["model_error"],
-        "and a model error": lambda t: t["cause"] and t["listed"] and t["model_error"],
-        "cause not listed": lambda t: t["cause"] and not t["listed"],
+        f"{of}{what}": (walks, belongs)
+        for of, walks in (("", False), ("walkers: ", True))
+        for what, belongs in (
+            ("nothing hidden", lambda t: not t["cause"]),
+            ("one cause", lambda t: t["cause"] and t["listed"] and not t["model_error"]),
+            ("and a model error", lambda t: t["cause"] and t["listed"] and t["model_error"]),
+            ("cause not listed", lambda t: t["cause"] and not t["listed"]),
+        )
     }
     lines = ["| sets | answered | " + " | ".join(ROWS) + " | CPU s, median |",
              "| --- | --- | " + " | ".join("---" for _ in ROWS) + " | --- |"]  # fmt: skip
-    for group, belongs in groups.items():
-        names = [name for name, truth in truths.items() if belongs(truth)]
+    for group, (walks, belongs) in groups.items():
+        names = [name for name, truth in truths.items()
+                 if belongs(truth) and name.startswith("walker") is walks]  # fmt: skip
         have = [name for name in names if name in answers]
         if not have:
             continue

@@ -1,0 +1,102 @@
+"""The benchmark of named causes, and the study of planned tables: sets, tools, counts."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
+
+import planned
+from causes import make, walkers
+from causes.__main__ import ANSWERS
+from causes.score import judged
+from causes.tools import TOOLS, asked
+
+from stickslip import simulate
+
+NOTHING = {"cause": "", "model_error": False, "listed": True}
+COULOMB = {"cause": "coulomb", "model_error": False, "listed": True}
+UNLISTED = {**COULOMB, "listed": False}
+
+
+@pytest.mark.parametrize(
+    ("said", "causes", "truth", "row"),
+    [
+        ("none", [], NOTHING, "right"),
+        ("named", ["load"], NOTHING, "false alarm"),
+        ("ambiguous", ["load", "zero"], NOTHING, "false alarm"),
+        ("unexplained", [], NOTHING, "right"),
+        ("named", ["coulomb"], COULOMB, "right"),
+        ("named", ["load"], COULOMB, "wrong"),
+        ("named", ["coulomb", "load"], COULOMB, "wrong"),
+        ("pair", ["coulomb", "load"], COULOMB, "right set"),
+        ("ambiguous", ["coulomb", "load"], COULOMB, "right set"),
+        ("ambiguous", ["zero", "load"], COULOMB, "wrong"),
+        ("dominant", ["coulomb"], COULOMB, "dominant"),
+        ("unexplained", [], COULOMB, "cannot tell"),
+        ("named", ["load"], UNLISTED, "wrong"),
+        ("unexplained", [], UNLISTED, "right"),
+    ],
+)
+def test_an_answer_is_judged(said, causes, truth, row):
+    assert judged({"said": said, "causes": causes}, truth) == row
+
+
+def test_every_set_is_asked_and_told_apart_from_its_truth():
+    truths = json.loads(make.TRUTH.read_text())
+    assert {name for name, _ in asked()} == set(truths)
+    for group in ("", "walker"):
+        own = [each for name, each in truths.items() if name.startswith("walker") is bool(group)]
+        listed = [each for each in own if each["listed"]]
+        assert sum(not each["cause"] for each in listed) == len(listed) / 4
+        assert sum(each["model_error"] for each in listed) == len(listed) / 4
+    for path in sorted(ANSWERS.glob("*.json")):
+        answers = json.loads(path.read_text())
+        assert set(answers) <= set(truths)
+
+
+@pytest.mark.parametrize("tool", ["best BIC", "stepwise F"])
+@pytest.mark.parametrize("name", ["thermal-01", "pendulum-02"])
+def test_a_stored_answer_is_that_of_its_tool(tool, name):
+    stored = json.loads((ANSWERS / f"{tool.replace(' ', '-')}.json").read_text())[name]
+    answer = TOOLS[tool](dict(asked())[name]())
+    assert answer == {key: stored[key] for key in ("said", "causes")}
+
+
+def test_a_set_is_what_its_seed_makes():
+    log, told, truth = make.made("pendulum", 2)
+    assert (make.FOLDER / "pendulum-02" / "log.csv").read_text() == log
+    stored = json.loads(make.TRUTH.read_text())["pendulum-02"]
+    assert (told["kind"], stored) == ("pendulum", {**truth, "listed": True})
+
+
+@pytest.mark.nightly
+def test_a_walker_is_what_its_seed_makes():
+    files, _ = walkers.made(2)
+    for name, text in files.items():
+        assert (make.FOLDER / "walker-02" / name).read_text() == text
+
+
+def test_a_cause_that_is_not_listed_is_none_of_a_walker():
+    listed, without = (
+        dict(asked())[name]().problem for name in ("walker-02", "walker-02 unlisted")
+    )
+    gone = {each.name for each in listed.causes} - {each.name for each in without.causes}
+    assert gone == {"friction_anisotropy"}
+    stated = [each.model(each.physical(np.zeros((1, each.size)))) for each in (listed, without)]
+    assert np.allclose(*stated, rtol=1e-3, atol=1e-6)
+
+
+def test_a_table_has_the_velocities_of_its_drives(monkeypatch):
+    monkeypatch.setattr(planned, "NOISE", 0.0)
+    robot, random = planned.stated(), np.random.default_rng(0)
+    rows = planned.even(robot).sample(frac=0.2, random_state=1)
+    seen = planned.measured(robot, rows, random)
+    keys = [each for each in planned.KEYS if each in rows]
+    for row in seen.to_dict("records"):
+        alone = simulate(robot.replace({f"drive.{key}": row[key] for key in keys}))
+        assert row["velocity"] == alone.mean_velocity
+    assert seen["velocity"].nunique() > 3
