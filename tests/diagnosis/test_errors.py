@@ -97,6 +97,14 @@ def test_one_size_of_errors_has_the_degrees_of_freedom_of_the_readings():
     assert errors.dof == pytest.approx(40.0, rel=0.25)
 
 
+def test_repeats_of_no_level_tell_the_size_better_than_repeats_of_all():
+    # By how errors grow with the level they would count up to twenty degrees of freedom.
+    condition = np.repeat(np.arange(4), 3)
+    for seed in range(30):
+        noise = 0.1 * np.random.default_rng(seed).standard_normal(12)
+        assert estimate(1.0 + condition + noise, condition)[1].dof <= 7.0
+
+
 @pytest.mark.parametrize("signed", [True, False])
 def test_a_set_up_that_is_faster_is_no_error_of_its_readings(signed):
     # Blocks scatter by 6 % as a gain or as a shift, readings by 3 %: twice an error of a reading,

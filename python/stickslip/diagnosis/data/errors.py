@@ -35,7 +35,7 @@ comparison. Chosen: they determine it to 35 and to 20 %."""
 
 _PRIORS = {
     "s0": (-0.7, 1.5),
-    "rho": (-0.7, 1.5),
+    "rho": (-2.0, 1.5),
     "phi": (-1.0, 1.2),
     "shift": (-1.0, 1.0),
     "gain": (-1.0, 1.0),
@@ -44,7 +44,7 @@ _PRIORS = {
 """Mean and standard deviation of each coordinate: the logarithms of s0 and of rho at the usual
 level over the pooled scatter, the probit of phi, the logarithms of the sizes of shifts and gains in
 errors of a reading, and that of what a film's periods share in errors of a period's mean. Chosen:
-weak, with equal parts of s0 and rho, and with periods that seldom differ."""
+weak, with mostly equal errors of all readings, and with periods that seldom differ."""
 
 _SHARED = ("shift", "gain")
 """What readings of a block share."""
@@ -395,6 +395,9 @@ class _Scatter(OneLine):
             scale = np.mean(size**2 / usual, axis=1)
         factor, dof = satterthwaite(scale, weight)
         if self.sd is None:
+            # What tells how errors depend on the level and on each other does not tell their size.
+            free = float(np.sum(np.bincount(self.condition)[self.moves] - 1.0))
+            dof = min(dof, free - len({"rho", "phi"}.intersection(self.names)))
             square = factor * self.pooled**2
             told = {"s0": math.sqrt(square * (weight @ np.exp(2.0 * p["s0"])))}
             told["rho"] = math.sqrt(square * (weight @ np.exp(2.0 * p["rho"]))) / self.size
