@@ -143,10 +143,14 @@ def measured_words():
             f"{engine}: in {len(rows)} simulated data sets {sound}",
             holding,
             f"none is claimed wrongly; {len(true)} of {len(sure)} end right or as a set",
+        ],
+        "docs/howto/real-cases.md": [
             f"as one record, the asymmetry takes {share['axis, 20 Hz, listed: yes']} of",
             f"four repeats of one motion it takes {share['axis, four repeats, listed: yes']}:",
-            f"a limit of the angles takes {share['tumbler, listed: no']},",
-            f"they take {share['tanks, listed: yes']} of the model's error",
+            f"a limit of the angles takes {share['tumbler, listed: no']} of",
+            f"they take {share['tanks, listed: yes']} of the squared error",
+            f"angles are read {found:.1f} ± {error:.1f} mrad too large",
+            f"does not see, say {known:.1f})",
         ],
     }
 

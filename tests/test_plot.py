@@ -99,7 +99,7 @@ def test_panels_of_a_run_have_its_numbers(name):
     shown = panels(plot.run(run))
     slip = [run.slip_velocity * 1e3]
     expected = {
-        "tilt $\\theta$": [np.degrees(run.theta)],
+        "pitch $\\theta$": [np.degrees(run.theta)],
         "normal force": [run.normal_force * 1e6],
         "field": [run.bx * 1e3, run.bz * 1e3],
     }
@@ -200,7 +200,7 @@ def test_paths_have_every_step_in_the_colour_of_its_contact(name, draw):
 @pytest.mark.parametrize("name", ["a turn", "210 degrees", "along -x", "a tumble"])
 def test_the_view_from_above_has_the_path_and_arrows_that_point_to_the_heading(name):
     run = recorded(name)
-    above, height, tilt = plot.path(run).axes
+    above, height, pitch = plot.path(run).axes
     factor, heading = factor_of(above), heading_of(run)
     places = np.column_stack([run.x, run.y]) * factor
     np.testing.assert_allclose(above.get_lines()[0].get_xydata(), places)
@@ -214,7 +214,7 @@ def test_the_view_from_above_has_the_path_and_arrows_that_point_to_the_heading(n
         assert len(along) >= 8
     for (one, tip), (two, _) in itertools.combinations(along, 2):
         assert np.hypot(*(one - two)) > 0.7 * np.hypot(*(tip - one))
-    for axes, values in ((height, run.z * 1e6), (tilt, np.degrees(run.theta))):
+    for axes, values in ((height, run.z * 1e6), (pitch, np.degrees(run.theta))):
         (line,) = axes.get_lines()
         np.testing.assert_allclose(line.get_ydata(), values)
         np.testing.assert_allclose(line.get_xdata(), way_of(run) * factor, atol=3e-6 * factor)

@@ -40,7 +40,7 @@ def main() -> int:
         low, high = (math.degrees(found[name]) for name in ("theta_min", "theta_max"))
         print(
             f"{drive.mode} at {drive.frequency:3g} Hz: {found['mean_velocity'] * 1e3:.3f} mm/s, "
-            f"tilt {low:.1f} to {high:.1f} degrees, {found['airborne_fraction']:.1%} in flight"
+            f"pitch {low:.1f} to {high:.1f} degrees, {found['airborne_fraction']:.1%} in flight"
         )
     OUTPUT.mkdir(exist_ok=True)
     film = OUTPUT / "walk.webp"

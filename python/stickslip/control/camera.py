@@ -16,7 +16,7 @@ from stickslip.errors import ScenarioError
 
 @dataclass(frozen=True, kw_only=True)
 class Camera:
-    """Frames of place, tilt and heading: late, noisy, and some of them lost.
+    """Frames of place, pitch and heading: late, noisy, and some of them lost.
 
     Attributes
     ----------
@@ -27,7 +27,7 @@ class Camera:
     latency : float
         From the end of an exposure to the controller, s.
     noise_x, noise_theta, noise_heading : float
-        Standard deviations of the tracking: of x and y, m; of the tilt and the heading, rad.
+        Standard deviations of the tracking: of x and y, m; of the pitch and the heading, rad.
     pixel : float
         Resolution of x and y, m; 0 for none.
     dropped : float

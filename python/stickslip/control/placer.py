@@ -133,7 +133,7 @@ class Placer:
         return Placed(placing.done_at, error, placing.pulses)
 
     def _pose(self, states: Array) -> Array:
-        """What a camera sees: the way ahead, and the tilt."""
+        """What a camera sees: the way ahead, and the pitch."""
         return np.stack([self.scenario.drive.facing * states[:, X], states[:, THETA]], axis=-1)
 
     def _play(self, robots: Sequence[Scenario], states: Array | None, volts: Array) -> Array:
@@ -161,7 +161,7 @@ class Placer:
             pairs = 'drive.coils = "pairs", ' if self.scenario.drive.coils == "single" else ""
             _refuse(
                 f"where it stands with half of drive.peak it slides by {1e6 * drift:.3g} um in "
-                f"{1e3 * self.period:.3g} ms; give {pairs}a lower field or a tilt that is less"
+                f"{1e3 * self.period:.3g} ms; give {pairs}a lower field or a pitch that is less"
             )
         return np.asarray(found[:, -1])
 

@@ -98,5 +98,5 @@ def pulse_fields(scenario: Scenario) -> tuple[float, float]:
     if drive.mode != "IPP":
         refuse("drive.mode", drive.mode, '"IPP", whose pulses lie along the heading')
     if drive.peak == 0.0 or drive.hold == 0.0:
-        refuse("drive.peak" if drive.peak == 0.0 else "drive.hold", 0.0, "a field, which tilts it")
+        refuse("drive.peak" if drive.peak == 0.0 else "drive.hold", 0.0, "a field to pitch it")
     return drive.peak, -drive.hold if drive.clamp == "down" else drive.hold

@@ -24,7 +24,7 @@ FIGURES = {
     **VELOCITIES,
     "tilt_max": Column("rad", "largest |theta|, measuring window"),
 }
-"""Figures that can be a goal or have a limit: numbers of a summary, `Run.velocity`, the tilt."""
+"""Figures that can be a goal or have a limit: numbers of a summary, `Run.velocity`, the pitch."""
 
 WALKING = {"airborne_fraction": 0.2, "tilt_max": 1.5}
 """Default limits: a robot that hops or stands on end does not walk. Chosen: at the paper's drives

@@ -47,7 +47,7 @@ def path(
     Arrows at even distances show where the robot faces. Its outline is to scale, dashed at the
     first instant and filled at the last one; the arrow in it is its moment. The names at the edges
     say on which side the coils lie, which are far beyond. Beside it are the height of the centre of
-    mass and the tilt over the way that it has gone along its heading. Lengths are in µm, or in mm
+    mass and the pitch over the way that it has gone along its heading. Lengths are in µm, or in mm
     where one is above 1000 µm. What is not listed here is that of `fields`.
 
     Parameters
@@ -73,19 +73,19 @@ def path(
             return style.root_figure(ax)
         figure = Picture(figsize=(8.6, 4.4), layout="constrained")
         panels = figure.subplot_mosaic(
-            [["above", "height"], ["above", "tilt"]], width_ratios=[1.15, 1.0]
+            [["above", "height"], ["above", "pitch"]], width_ratios=[1.15, 1.0]
         )
         _draw_above(panels["above"], shown, wanted, factor, unit)
-        height, tilt = panels["height"], panels["tilt"]
+        height, pitch = panels["height"], panels["pitch"]
         look: Any = {"color": palette.BLACK, "linewidth": 0.9}
         up, up_unit = style.length(shown.z)
         height.plot(shown.way * factor, shown.z * up, **look)
         height.set_ylabel(f"height ({up_unit})")
         height.tick_params(labelbottom=False)
-        tilt.plot(shown.way * factor, np.degrees(shown.theta), **look)
-        tilt.set_ylabel(r"tilt $\theta$ (degrees)")
-        tilt.set_xlabel(f"way along the heading ({unit})")
-        for axes in (height, tilt):
+        pitch.plot(shown.way * factor, np.degrees(shown.theta), **look)
+        pitch.set_ylabel(r"pitch $\theta$ (degrees)")
+        pitch.set_xlabel(f"way along the heading ({unit})")
+        for axes in (height, pitch):
             style.readable(axes, x=style.LEAST_SPAN)
     return figure
 

@@ -32,7 +32,7 @@ _VISIBLE = 1e-3
 def run(run: Run, start: float | None = None, stop: float | None = None) -> Figure:
     """Draw one run: what the paper's Figs. 4-7 show, with place, normal force and contact mode.
 
-    A panel for each: field, tilt, contact velocity, x and normal force over time, and a band of
+    A panel for each: field, pitch, contact velocity, x and normal force over time, and a band of
     colours for the mode of the contact. A run in the whole plane shows y beside x, its heading, and
     its contact velocity along the heading and to its left. What is not listed here is that of
     `fields`.
@@ -47,7 +47,7 @@ def run(run: Run, start: float | None = None, stop: float | None = None) -> Figu
     whole = motion(run)
     last_pulses = start is None and stop is None and _last_pulses(run)
     shown = whole.between(*(last_pulses or (start, stop)))
-    heights = {"field": 1.0, "tilt": 1.0, "slip": 1.0, "place": 0.8, "heading": 0.8, "force": 1.0}
+    heights = {"field": 1.0, "pitch": 1.0, "slip": 1.0, "place": 0.8, "heading": 0.8, "force": 1.0}
     if not shown.scenario.whole_plane:
         del heights["heading"]
     with matplotlib.rc_context(RC):
@@ -58,7 +58,7 @@ def run(run: Run, start: float | None = None, stop: float | None = None) -> Figu
         )
         curves = dict(zip(heights, panels, strict=True))
         draw_fields(curves["field"], shown)
-        draw_tilt(curves["tilt"], shown)
+        draw_pitch(curves["pitch"], shown)
         draw_contact_velocity(curves["slip"], shown)
         if shown.scenario.whole_plane:
             legend_above(curves["slip"], curves["slip"].get_lines())
@@ -111,23 +111,23 @@ def fields(
 def angle_and_contact_velocity(
     run: Run, start: float | None = None, stop: float | None = None, ax: Axes | None = None
 ) -> Figure:
-    """Draw tilt and velocity of the contact point over time, as the paper's Figs. 5 and 7 do.
+    """Draw pitch and velocity of the contact point over time, as the paper's Figs. 5 and 7 do.
 
     Parameters, result and errors are those of `fields`.
     """
     shown = motion(run).between(start, stop)
     with style.drawing(ax, (5.4, 3.0)) as velocity:
-        # The tilt is drawn in the upper axes, so that it lies on top of the velocity's spikes.
-        tilt = velocity.twinx()
+        # The pitch is drawn in the upper axes, so that it lies on top of the velocity's spikes.
+        pitch = velocity.twinx()
         draw_contact_velocity(velocity, shown)
         velocity.yaxis.set_label_position("right")
         velocity.yaxis.tick_right()
         velocity.grid(visible=False, axis="y")
-        draw_tilt(tilt, shown)
-        tilt.yaxis.set_label_position("left")
-        tilt.yaxis.tick_left()
-        tilt.grid(visible=False)
-        legend_above(velocity, [*tilt.get_lines(), *velocity.get_lines()])
+        draw_pitch(pitch, shown)
+        pitch.yaxis.set_label_position("left")
+        pitch.yaxis.tick_left()
+        pitch.grid(visible=False)
+        legend_above(velocity, [*pitch.get_lines(), *velocity.get_lines()])
         velocity.set_xlabel("time (s)")
     return style.root_figure(velocity)
 
@@ -153,15 +153,15 @@ def trajectory(
 def phase_portrait(
     run: Run, start: float | None = None, stop: float | None = None, ax: Axes | None = None
 ) -> Figure:
-    """Draw tilt against its rate, coloured by contact mode.
+    """Draw pitch against its rate, coloured by contact mode.
 
     Parameters, result and errors are those of `fields`.
     """
     shown = motion(run).between(start, stop)
     with style.drawing(ax, (5.8, 4.2)) as axes:
         _draw_by_contact(axes, np.degrees(shown.theta), shown.omega, shown.contact)
-        axes.set_xlabel(r"tilt $\theta$ (degrees)")
-        axes.set_ylabel(r"rate of the tilt $\omega$ (rad/s)")
+        axes.set_xlabel(r"pitch $\theta$ (degrees)")
+        axes.set_ylabel(r"pitch rate $\omega$ (rad/s)")
         style.readable(axes, x=style.LEAST_SPAN)
     return style.root_figure(axes)
 
@@ -179,11 +179,11 @@ def draw_fields(axes: Axes, shown: Motion) -> None:
     legend_above(axes, lines)
 
 
-def draw_tilt(axes: Axes, shown: Motion) -> None:
-    """Tilt in degrees."""
+def draw_pitch(axes: Axes, shown: Motion) -> None:
+    """Pitch in degrees."""
     axes.plot(shown.t, np.degrees(shown.theta), color=palette.BLACK, label=r"$\theta$")
     axes.set_xlim(shown.t[0], shown.t[-1])
-    axes.set_ylabel(r"tilt $\theta$ (degrees)")
+    axes.set_ylabel(r"pitch $\theta$ (degrees)")
     style.readable(axes)
 
 

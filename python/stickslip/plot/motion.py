@@ -121,7 +121,7 @@ def corners(motion: Motion, at: int | slice = slice(None)) -> Array:
 def footprint(motion: Motion, index: int) -> Array:
     """The outline as seen from above at one sample, m, shape (4, 2) in x and y.
 
-    In the order front right, rear right, rear left, front left. A tilted body is seen with its
+    In the order front right, rear right, rear left, front left. A pitched body is seen with its
     upper or lower face beside its front or back.
     """
     robot, theta, heading = motion.scenario.robot, motion.theta[index], motion.heading[index]

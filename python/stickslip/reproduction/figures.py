@@ -130,7 +130,7 @@ def reference_runs(reference: Mapping[str, Setting], threads: int | None = None)
 def motion_table(name: str, run: Run) -> pd.DataFrame:
     """The data of a figure of a run.
 
-    Of Fig. 2 a row for each frame with position, tilt, contact point, the one before, and the four
+    Of Fig. 2 a row for each frame with position, pitch, contact point, the one before, and the four
     corners; of the others what is drawn over time, at 5 kHz.
     """
     _, drawn = MOTIONS[name]
@@ -165,8 +165,8 @@ def _film_table(run: Run) -> pd.DataFrame:
 def film_times(run: Run) -> list[float]:
     """Times of the four frames, s.
 
-    Greatest tilt after one edge, least tilt before the next, greatest contact velocity as the tilt
-    rises again, and the greatest tilt after that; all within two pulses.
+    Greatest pitch after one edge, least before the next, greatest contact velocity as it rises
+    again, and the greatest pitch after that; all within two pulses.
     """
     drive = run.scenario.drive
     period = 1.0 / drive.frequency

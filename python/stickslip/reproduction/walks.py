@@ -28,7 +28,7 @@ Walks = Mapping[str, xarray.Dataset]
 - `over_frequency`, `over_friction`, ...: mean velocity over the values of each scan of `SCANS`,
   m/s; the median of small changes;
 - `velocity_30_hz`, `velocity_100_hz`: the same at two frequencies, m/s;
-- `works`: whether the robot walks as the paper's does, forwards at 30 Hz and 100 Hz, with its tilt
+- `works`: whether the robot walks as the paper's does, forwards at 30 Hz and 100 Hz, with its pitch
   between flat and upright;
 - `still_tilt`, `still_velocity`: with base and hold alone, before the first pulse, rad, and the
   greatest mean speed in constant fields, m/s;
@@ -131,7 +131,7 @@ STROKES = (
 
 
 def strokes(run: Run) -> dict[str, float]:
-    """Tilt, slip and normal force in the measuring window of a run on a uniform grid.
+    """Pitch, slip and normal force in the measuring window of a run on a uniform grid.
 
     The upstroke is where abs(theta) rises, the downstroke where it falls. `mean_tilt` is that of
     abs(theta), rad; `slip_up` and `slip_down` are the way of the contact along +x, m; the normal

@@ -120,7 +120,7 @@ class EffectState(NamedTuple):
     x, z : float
         Centre of mass, z above the surface, m.
     theta : float
-        Tilt angle, full revolutions included, rad.
+        Pitch angle, full revolutions included, rad.
     vx, vz : float
         Velocity of the centre of mass, m/s.
     omega : float

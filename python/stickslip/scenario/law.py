@@ -36,9 +36,9 @@ class Law:
         positive), ``"load"`` (N, the normal force) or ``"time"`` (s, since the start of the run).
         Of sliding friction: ``"slip_speed"`` (m/s). Of adhesion and drag: ``"tilt"``, ``"time"``,
         ``"age"`` (s, of the contact since touch-down), ``"speed"`` (m/s, of the centre of mass) or
-        ``"rate"`` (rad/s, size of that of the tilt).
+        ``"rate"`` (rad/s, size of that of the pitch).
     form : str
-        f: ``"line"`` u, ``"square"`` u^2, ``"sine_squared"`` and ``"cosine_squared"`` of the tilt,
+        f: ``"line"`` u, ``"square"`` u^2, ``"sine_squared"`` and ``"cosine_squared"`` of the pitch,
         ``"gaussian"`` exp(-u^2), ``"exponential"`` exp(-abs(u)), ``"logarithm"`` ln(1 + abs(u)),
         ``"saturation"`` u^2/(1 + u^2), ``"wave"`` sin u, or ``"curve"`` through `knots`.
     fraction, amount : float
@@ -48,7 +48,7 @@ class Law:
         the way or with a squared sine or cosine.
     knots : sequence of float
         Of a curve: five values of f, in a file and as keys also ``knot_1`` to ``knot_5``. They lie
-        evenly from minus the scale to the scale over the tilt and the place, from 0 to the scale
+        evenly from minus the scale to the scale over the pitch and the place, from 0 to the scale
         else; over the slip speed the first lies at a fifth of the scale, and f(0) = 0. Between
         them f is a cubic Hermite interpolant, beyond them constant.
 

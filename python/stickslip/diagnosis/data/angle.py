@@ -1,4 +1,4 @@
-"""Static tilt against a held field: Eqs. (11) and (12) without motion."""
+"""Static pitch against a held field: Eqs. (11) and (12) without motion."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ slips of a reader."""
 
 
 class AngleTable(SimulatedTable):
-    """A table of static tilts, with the core's balance of torques as its model.
+    """A table of static pitch angles, with the core's balance of torques as its model.
 
     Without repeats the error of a reading is what lines through every second condition leave over,
     in the order in which the field changes least.
@@ -58,7 +58,7 @@ class AngleTable(SimulatedTable):
         If angles or fields are in another unit.
     """
 
-    words, section = "angles", "Static tilt, [[angle]]"
+    words, section = "angles", "Static pitch, [[angle]]"
 
     def __init__(self, table: Mapping[str, Array], scenario: Scenario, number: int = 0) -> None:
         self.number, self._base, self.left_out = number, scenario.to_core(), []

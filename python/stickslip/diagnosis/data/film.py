@@ -234,7 +234,7 @@ class FilmTable(SimulatedTable):
             self.left_out.append(Note("wild-frames", text, int(lost.sum())))
         used &= ~lost
         if kind != "level" and drive.mode != "program":
-            # How far the contact slips while the robot tilts up in the ramp changes by jumps with
+            # How far the contact slips while the robot pitches up in the ramp changes by jumps with
             # every parameter, and carries little information; the motion after it is smooth.
             used &= times >= drive.ramp
         folded, place = fold(times[used], film.scenario), np.flatnonzero(used)

@@ -37,7 +37,7 @@ PHASES = 24
 
 _RAMP, _FIRST, _PROGRAM = 6, 4, 24
 """Bins of the ramp, of each pulse before the steady walk, and of a program of voltages. Chosen:
-they resolve the first tilt, give the transient less weight than the walk, and are as many as of a
+they resolve the first rise, give the transient less weight than the walk, and are as many as of a
 period."""
 
 _KNOTS, _MOST_KNOTS = 4.0, 400
@@ -66,7 +66,7 @@ class Fold:
     """Which bin each frame falls into.
 
     Bins before the steady walk, which begins after the third pulse, are intervals of time: the
-    ramp, which shows the first tilt, and the first pulses, which show the transient. Later bins are
+    ramp, which shows the first rise, and the first pulses, which show the transient. Later bins are
     intervals of the drive's phase.
 
     All arrays have shape (n,). `bin` is numbered from 0 without gaps, the steady walk last. `phase`

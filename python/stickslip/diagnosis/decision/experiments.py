@@ -61,7 +61,7 @@ _LOOKS: dict[str, tuple[str, tuple[str, ...]]] = {
     "look-at-scale": ("Film a scale", ("length_scale",)),
     "look-at-clock": ("Film a clock", ("clock_scale",)),
     "look-at-rest": ("Film the robot flat on the surface without a field", ("angle_offset",)),
-    "look-at-static-tilt": ("Read the static tilt in held fields",
+    "look-at-static-tilt": ("Read the static pitch in held fields",
                             ("misalignment", "magnetization_scale")),
 }  # fmt: skip
 """Measurements beside the drive, and the causes that they show."""

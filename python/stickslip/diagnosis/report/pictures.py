@@ -70,7 +70,7 @@ class Plots:
     def fit(self, table: int = 0) -> Figure | None:
         """Readings and models of a table over the setting that varies most.
 
-        Of a film tilt and place over the phase of the drive; None where nothing is steady.
+        Of a film pitch and place over the phase of the drive; None where nothing is steady.
         """
         shown = self._table(table)
         if isinstance(shown, FilmTable):
@@ -127,7 +127,7 @@ class Plots:
         frames = figure.subplots(2, 2, sharex=True)
         step = max(1, len(traces["recalibrated"]["phase"]) // _SAMPLES)
         for row, key, unit in zip(frames, ("theta", "x"), ("rad", "m"), strict=True):
-            factor, label = in_handy_units({"theta": "tilt", "x": "place"}[key], unit)
+            factor, label = in_handy_units({"theta": "pitch", "x": "place"}[key], unit)
             base = traces["recalibrated"][f"{key}_model"]
             # Beside the motion what differs from the recalibrated model, which would hide there.
             for axes, below, words in zip(row, (0.0 * base, base), ("", "change of "), strict=True):

@@ -301,7 +301,7 @@ def marker_place(
 
 
 def marker(theta: Array, along: ArrayLike, across: ArrayLike) -> tuple[Array, Array]:
-    """Distance of a point fixed in the body from its centre at a tilt, rad, in x and in z, m.
+    """Distance of a point fixed in the body from its centre at a pitch, rad, in x and in z, m.
 
     It is (a cos(theta) + b sin(theta), b cos(theta) - a sin(theta)) with a `along` and b `across`
     the body: nose-up is negative. For angles that grow counter-clockwise in (x, z) change the sign.

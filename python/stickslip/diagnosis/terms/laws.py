@@ -249,15 +249,15 @@ def _law_at(forms: Sequence[tuple[Curve, Array]], argument: ArrayLike) -> Array:
 # The simulator's own laws: what they are is the core's, see the page on named effects.
 _PLACES = {
     "free_friction_speed": ("friction", "slip speed"),
-    "free_friction_angle": ("friction", "tilt"),
+    "free_friction_angle": ("friction", "pitch"),
     "free_friction_load": ("friction", "normal force"),
     "free_friction_age": ("friction", "time"),
-    "free_adhesion_angle": ("adhesion", "tilt"),
+    "free_adhesion_angle": ("adhesion", "pitch"),
     "free_adhesion_age": ("adhesion", "age of the contact"),
-    "free_contact_place": ("contact place", "tilt"),
-    "free_drag_angle": ("drag", "tilt"),
+    "free_contact_place": ("contact place", "pitch"),
+    "free_drag_angle": ("drag", "pitch"),
     "free_drag_speed": ("drag", "speed"),
-    "free_drag_rate": ("drag", "rate of the tilt"),
+    "free_drag_rate": ("drag", "rate of the pitch"),
     "free_field_time": ("field", "time"),
     "free_field_frequency": ("field", "frequency"),
     "free_field_amplitude": ("field", "in-plane current"),
@@ -288,12 +288,12 @@ _CONSTANTS = {
 
 _UNITS = {
     "slip speed": "m/s",
-    "tilt": "rad",
+    "pitch": "rad",
     "normal force": "N",
     "time": "s",
     "age of the contact": "s",
     "speed": "m/s",
-    "rate of the tilt": "rad/s",
+    "rate of the pitch": "rad/s",
     "frequency": "Hz",
     "in-plane current": "A",
 }
@@ -309,8 +309,8 @@ _WITHIN = 0.98
 """Share of an argument's sum over the samples up to which there are knots. Chosen: with all, an
 instant of an impact would stretch the curve."""
 
-_LEAST_TILT, _MOST_TILT = 1e-2, 3.2
-"""Of the last knot over the tilt, rad: what the core allows."""
+_LEAST_PITCH, _MOST_PITCH = 1e-2, 3.2
+"""Of the last knot over the pitch, rad: what the core allows."""
 
 _POINTS = 61
 """Points among which a knot's place is sought: a multiple of the knots' spacings."""
@@ -345,7 +345,7 @@ def _own_law(
     keys = [f"{section}.knot_{k}" for k in range(1, 6)]
     is_place = law == "contact place"
     constant = _CONSTANTS.get(law)
-    low = -span if argument == "tilt" else 0.0
+    low = -span if argument == "pitch" else 0.0
     points = np.linspace(low, span, _POINTS)
     design = partial(_design, scenario.replace(fixed | dict.fromkeys(keys, 0.0)), effect, keys)
     own_unit = "of the model's" if constant is None else known_keys()[constant].unit
@@ -403,13 +403,13 @@ def find_spans(scenarios: Sequence[Scenario], threads: int) -> dict[str, float]:
     # Arguments that do not vary within a run reach about as far as the largest.
     arguments = {
         "slip speed": joined("slip_velocity"),
-        "tilt": joined("theta"),
+        "pitch": joined("theta"),
         "normal force": joined("normal_force"),
         "time": np.array([run.t[-1] for run in runs]),
         # A contact lasts a run at most, and mostly about a pulse.
         "age of the contact": 1.0 / frequencies,
         "speed": np.hypot(joined("vx"), joined("vz")),
-        "rate of the tilt": joined("omega"),
+        "rate of the pitch": joined("omega"),
         "frequency": frequencies if np.ptp(frequencies) > 0.0 else np.zeros(1),
         "in-plane current": np.linalg.norm(currents, axis=1),
     }
@@ -422,6 +422,6 @@ def find_spans(scenarios: Sequence[Scenario], threads: int) -> dict[str, float]:
             part = np.cumsum(values) / np.sum(values)
             reach = float(values[np.searchsorted(part, _WITHIN)])
             spans[effect] = (
-                min(max(reach, _LEAST_TILT), _MOST_TILT) if argument == "tilt" else reach
+                min(max(reach, _LEAST_PITCH), _MOST_PITCH) if argument == "pitch" else reach
             )
     return spans
