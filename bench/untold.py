@@ -208,7 +208,7 @@ def fall(telling: bool, random: np.random.Generator) -> Machine:
         Cause("late", Parameter("late.time", unit="s", low=-0.2, high=0.2, size=0.03)),
         Cause("push", Parameter("push.speed", unit="m/s", low=-2.0, high=2.0, size=0.3)),
     ]
-    gravity = Parameter("gravity", Prior("normal", 9.81, 0.01), "m/s2", suspect=False)
+    gravity = Parameter("gravity", Prior("normal", 9.81, 0.01), "m/s2", cause=False)
     return predict, [Table({"t": t}, y, sd=sd)], [gravity], causes, {}
 
 
