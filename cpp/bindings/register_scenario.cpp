@@ -138,6 +138,7 @@ void take_section(Scenario& scenario, const Scenario& other, const std::string& 
     }
     if (section == "drive") scenario.program = other.program;
     if (section == "coil") scenario.map = other.map;
+    if (section == "shake") scenario.shake.accelerations = other.shake.accelerations;
 }
 
 py::dict describe(const std::string& key, const char* kind, const char* meaning,
@@ -289,6 +290,20 @@ py::list blocks_of(const VoltageProgram& program) {
     return result;
 }
 
+/// Rows of time and acceleration along x and z, or none; gives the means that were taken out.
+std::array<double, 2> set_accelerations(Scenario& scenario, const std::optional<Array>& rows) {
+    scenario.shake.accelerations = nullptr;
+    if (!rows) return {};
+    const auto r = rows->unchecked<2>();
+    std::vector<Accelerations::Point> points;
+    for (py::ssize_t i = 0; i < r.shape(0); ++i) {
+        points.push_back({.time = r(i, 0), .x = r(i, 1), .z = r(i, 2)});
+    }
+    const auto made = std::make_shared<const Accelerations>(std::move(points));
+    scenario.shake.accelerations = made;
+    return made->mean();
+}
+
 /// The voltages as the coils get them, in the world's frame.
 VoltageProgram world_program(const Scenario& scenario) {
     const RobotFrame frame = frame_of(scenario);
@@ -352,6 +367,7 @@ void register_scenario(py::module_& module) {
                 self.map = map ? std::make_shared<const FieldMap>(*map) : nullptr;
             },
             py::arg("map"))
+        .def("set_accelerations", &set_accelerations, py::arg("rows"))
         .def("check", &check)
         .def("coils", [](const Scenario& self) { return world_coil_set(self); })
         .def("resistances",
@@ -377,6 +393,7 @@ void register_scenario(py::module_& module) {
         .def_property_readonly("whole_plane",
                                [](const Scenario& self) { return frame_of(self).whole_plane; })
         .def_property_readonly("duration", &duration)
+        .def_property_readonly("pulse_rate", &pulse_rate)
         .def_property_readonly("window", [](const Scenario& self) {
             const Window window = measuring_window(self);
             return py::make_tuple(window.start, window.end);

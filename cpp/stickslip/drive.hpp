@@ -5,13 +5,15 @@
 #include "stickslip/drive/control_steps.hpp"
 #include "stickslip/drive/sawtooth.hpp"
 #include "stickslip/drive/segment_source.hpp"
+#include "stickslip/drive/shake.hpp"
 #include "stickslip/drive/voltage_program.hpp"
 
-/// From voltages to currents.
+/// From voltages to currents, and what else drives.
 ///
 /// - coil: the five coils by name, and a value of each
 /// - voltage_program: piecewise linear voltages, with blocks that repeat
 /// - sawtooth: the program of a pulsed drive, Eq. (1) turned around
+/// - shake: a motion of the surface
 /// - control_steps, segment_source: voltages that a controller gives while the run goes on
 /// - circuit: the currents of a segment in closed form, for coils that are
 ///   coupled, unequal, warm, or have a field that lags behind them

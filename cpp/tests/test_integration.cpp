@@ -218,7 +218,7 @@ TEST_CASE("tsit5: a slide that begins without solution jams at once") {
     Dynamics dynamics = stickslip::test::in_uniform_field(model, 0.0, 0.0);
     CornerSlipPhase phase(dynamics, {0.0}, {1, 0.05});
     const CornerSlipPhase::State start = {0.0, 0.7, 0.05, 0.0};
-    phase.field().rebase(phase.place_of(start));
+    phase.field().rebase(phase.place_of(0.0, start));
     CHECK(phase.nearly_jams(0.0, start));
     BodyState body = phase.body(0.0, start);
     const Resolution found =

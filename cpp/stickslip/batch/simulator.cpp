@@ -36,6 +36,11 @@ std::uint64_t fingerprint(const Scenario& scenario) {
             for (const double voltage : point.voltage) hash.add(voltage);
         }
     }
+    if (const auto& accelerations = scenario.shake.accelerations) {
+        for (const Accelerations::Point& point : accelerations->points()) {
+            for (const double each : {point.time, point.x, point.z}) hash.add(each);
+        }
+    }
     if (scenario.map) {
         const Box& box = scenario.map->box();
         for (const double edge :

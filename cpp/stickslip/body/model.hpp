@@ -10,6 +10,7 @@
 #include "stickslip/body/rectangle.hpp"
 #include "stickslip/body/robot_frame.hpp"
 #include "stickslip/body/user_effect.hpp"
+#include "stickslip/drive/shake.hpp"
 #include "stickslip/field/coil_set.hpp"
 #include "stickslip/field/field_shape.hpp"
 
@@ -49,6 +50,7 @@ struct Model {
     double rotational_drag_linear = 0.0;     ///< N m s, linear
     double rotational_drag_quadratic = 0.0;  ///< N m s^2, Eq. (19)
     FieldShape field_shape;
+    Shake shake;  ///< of the surface, in which the robot's x and z are
     Friction friction;
     /// N, of the surface to what touches it: the corners share it equally.
     double adhesion = 0.0;
@@ -61,7 +63,7 @@ struct Model {
     /// Whether the formulas of a PlainDynamics and laws are all there is to it, as kernels ask.
     bool fits_kernels() const {
         return !laws.has(Quantity::friction_by_load) && field_shape.absent() && place.absent() &&
-               user_effects.empty();
+               user_effects.empty() && shake.absent();
     }
 
     /// Shortest time (s) over which laws and free shapes may change the forces while nothing moves.
@@ -71,7 +73,7 @@ struct Model {
         return std::min(laws.least_time(), field);
     }
 
-    /// N, by which the body presses on the surface at rest without field.
+    /// N, by which the body presses on the surface at rest, without field and shake.
     double pressing() const { return -mass * gravity_z + adhesion; }
 
     /// Angular frequency (rad/s) at which the body, touching nothing, rocks in a field of `tesla`.

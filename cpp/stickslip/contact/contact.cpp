@@ -72,7 +72,7 @@ private:
 
     void look_at(int quadrant, double angle) {
         dynamics_.set_quadrant(quadrant);
-        frame_.field().rebase(frame_.centre(place(), body_.z));
+        frame_.field().rebase(frame_.in_ground(tau_, frame_.centre(place(), body_.z)));
         pose_ = dynamics_.pose(angle);
         seen_ = frame_.seen_at(frame_.field_at(tau_), place(), body_.z);
     }

@@ -9,9 +9,10 @@ namespace stickslip {
 Dynamics::Dynamics(const Model& model, const LocalField& field)
     : model_(&model),
       field_(field),
+      is_shaken_(!model.shake.absent()),
       has_no_law_(model.laws.empty()),
       has_plain_load_(model.laws.empty() && model.gradient_excess == 0.0 &&
-                      model.user_effects.empty()) {
+                      model.user_effects.empty() && !is_shaken_) {
     if (!model.field_shape.absent()) field_.set_shape(model.field_shape);
     robot_.mass = model.mass;
     robot_.per_mass = 1.0 / model.mass;
@@ -61,9 +62,18 @@ double Dynamics::slipping(double way, double slip_velocity, double x, const Pose
 Load Dynamics::extended_load(const PlanarField& field, double tau, double x, double z,
                              const Pose& pose, double vx, double vz, double omega,
                              double across) const {
-    Load load = robot_.load(field, tau, pose, vx, vz, omega, across, laws());
+    SurfaceMotion surface;
+    if (is_shaken_) surface = surface_at(tau);
+    const bool flows = is_shaken_ && !model_->shake.carries_liquid();
+    Load load = robot_.load(field, tau, pose, flows ? vx + surface.vx : vx,
+                            flows ? vz + surface.vz : vz, omega, across, laws());
+    if (is_shaken_) {  // the surface's own acceleration is a weight that changes
+        load.fx -= robot_.mass * surface.ax;
+        load.fz -= robot_.mass * surface.az;
+    }
     if (!model_->user_effects.empty()) {
-        add_user_effects(tau, field, x, z, pose, vx, vz, omega, load);
+        add_user_effects(tau, field, x + surface.x, z + surface.z, pose, vx + surface.vx,
+                         vz + surface.vz, omega, load);
     }
     return load;
 }

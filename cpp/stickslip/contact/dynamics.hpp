@@ -120,7 +120,25 @@ public:
     const PlainDynamics<double>& robot() const { return robot_; }
     LocalField& field() { return field_; }
     const LocalField& field() const { return field_; }
-    Expansion field_at(double tau) const { return field_.at(tau); }
+    /// The field where the surface has carried the robot's coordinates.
+    Expansion field_at(double tau) const {
+        Expansion result = field_.at(tau);
+        if (is_shaken_) [[unlikely]] {
+            const SurfaceMotion surface = surface_at(tau);
+            result.centre[0] -= surface.x;
+            result.centre[1] -= surface.z;
+        }
+        return result;
+    }
+    SurfaceMotion surface_at(double tau) const {
+        return model_->shake.at(now_.start + tau, now_.start + inside_);
+    }
+    /// A place (m) on or above the surface as the coils see it, which rest in the ground's frame.
+    PlaceOf<double, 2> in_ground(double tau, const PlaceOf<double, 2>& place) const {
+        if (!is_shaken_) return place;
+        const SurfaceMotion surface = surface_at(tau);
+        return {place[0] + surface.x, place[1] + surface.z};
+    }
     int quadrant() const { return quadrant_; }
 
     void set_quadrant(int quadrant);
@@ -129,10 +147,9 @@ public:
     /// there; nothing is kept of the segment before.
     void begin_segment(const CurrentSegment& segment, double x, double z) {
         now_.start = segment.start;
-        field_.begin_segment(segment, {x, z});
+        inside_ = 0.5 * segment.duration;
+        field_.begin_segment(segment, in_ground(0.0, {x, z}));
     }
-
-    void rebase_field(double x, double z) { field_.rebase({x, z}); }
 
     /// Whether the formulas of a PlainDynamics are all there is to it.
     bool is_plain() const { return has_plain_load_ && model_->fits_kernels(); }
@@ -210,11 +227,12 @@ private:
 
     const Model* model_;
     LocalField field_;
-    bool has_no_law_, has_plain_load_;
+    bool is_shaken_, has_no_law_, has_plain_load_;
     static constexpr int kNoQuadrant = 1 << 30;
 
     int quadrant_ = kNoQuadrant;
     LawMoment<double> now_;
+    double inside_ = 0.0;  // s, of the segment, away from the kinks of a shake at its ends
     PlainDynamics<double> robot_;
 };
 

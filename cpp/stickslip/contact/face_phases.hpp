@@ -16,7 +16,9 @@ public:
     explicit FaceBase(const Frame& frame)
         : Base(frame), face_(Base::model().face(Base::quadrant())) {}
 
-    auto place_of(const auto& y) const { return frame_.centre(middle(y), face_.height); }
+    auto place_of(double tau, const auto& y) const {
+        return frame_.in_ground(tau, frame_.centre(middle(y), face_.height));
+    }
     double angle(const auto&) const { return 0.0; }
     double omega(const auto&) const { return 0.0; }
     Place contact(const auto& y) const { return frame_.of_face(middle(y), face_); }

@@ -29,7 +29,8 @@
 ///   across(load)        what of them is across, N
 ///   events(seen)        values of kFrameEvents
 ///   left_to_break(friction, limit)   values of kBreaks; `limit(way)`: friction that holds, N
-///   body, snapshot      of a state; centre(place, z): where the field's expansion is looked at
+///   body, snapshot      of a state; centre(place, z): where the field's expansion is looked at;
+///                       in_ground(tau, centre): the same as the coils see it
 ///   along_front(v)      what the summary counts of a slip; of_face(middle, face): at which place
 ///   with_slide(state, use)   the slip of a state, see SignedSlide
 /// and for the question of what follows from a slip (contact.cpp)
@@ -156,6 +157,9 @@ public:
     }
     [[gnu::always_inline]] static PlaceOf<Real, 2> centre(const Place& place, Real z) {
         return {place[0], z};
+    }
+    auto in_ground(double tau, const auto& centre) const {
+        return dynamics_->in_ground(tau, centre);
     }
     [[gnu::always_inline]] static Real along_front(const Place& v) { return v[0]; }
     /// What a face's slip is watched at: its end.

@@ -37,7 +37,7 @@ Snapshot look(const Frame& copy, const HybridState& state, double tau) {
     Snapshot result;
     with_phase(copy, state, [&](auto phase) {
         const auto y = phase.begin(state.body);
-        phase.field().rebase(phase.place_of(y));
+        phase.field().rebase(phase.place_of(tau, y));
         result = phase.snapshot(tau, y);
     });
     return result;

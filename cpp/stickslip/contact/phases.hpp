@@ -21,7 +21,7 @@
 ///   speed(y)           bound on the speed of the centre of mass
 ///   kRests             of a body that lies still: no error tells how long its steps may be
 ///   longest_step(y, rates)     of a slip in the whole plane, s
-///   place_of(y)        where the field's expansion is to be: at the centre of mass
+///   place_of(tau, y)   where the field's expansion is to be: at the centre of mass, in the ground
 ///   centre(y, pose)    the centre of mass, of a phase that packs have
 ///   angle, omega, slip_place, slip_speed(y)   what the summary watches
 ///   contact(y), slip(y)        place and velocity of what slips, to go on with
@@ -151,7 +151,9 @@ public:
     auto centre(const State&, const PoseOf<Real>& pose) const {
         return Base::centre_behind(contact_, pose);
     }
-    auto place_of(const State& y) const { return centre(y, dynamics().pose(y[0])); }
+    auto place_of(double tau, const State& y) const {
+        return frame_.in_ground(tau, centre(y, dynamics().pose(y[0])));
+    }
     State begin(const BodyState& body) const { return {body.angle, body.omega}; }
     BodyState body(double tau, const State& y) const {
         return Base::body_on(tau, contact_, y[0], {}, y[1]);
@@ -239,7 +241,9 @@ public:
     auto centre(const State& y, const PoseOf<Real>& pose) const {
         return Base::centre_behind(contact(y), pose);
     }
-    auto place_of(const State& y) const { return centre(y, dynamics().pose(y[kAngle])); }
+    auto place_of(double tau, const State& y) const {
+        return frame_.in_ground(tau, centre(y, dynamics().pose(y[kAngle])));
+    }
     State begin(const BodyState& body) const {
         return gather<State>(contact_, body.angle, slide_.begin(), body.omega);
     }
@@ -359,7 +363,7 @@ public:
     auto centre(const State& y, const PoseOf<Real>&) const {
         return frame_.centre(place(y), y[kZ]);
     }
-    auto place_of(const State& y) const { return centre(y, {}); }
+    auto place_of(double tau, const State& y) const { return frame_.in_ground(tau, centre(y, {})); }
     State begin(const BodyState& body) const {
         return gather<State>(frame_.place(body.x, body.y), body.z, body.angle,
                              frame_.place(body.vx, body.vy), body.vz, body.omega);

@@ -87,6 +87,7 @@ public:
                 contact[1], friction.across,          slip.across};
     }
     static stickslip::Place centre(const Place& place, double z) { return {place[0], place[1], z}; }
+    static stickslip::Place in_ground(double, const stickslip::Place& centre) { return centre; }
     /// Of a vector of the world.
     double along_front(const Place& v) const { return front_.cosine * v[0] + front_.sine * v[1]; }
     /// What a face's slip is watched at: its middle, and not its end, which a heading that turns

@@ -28,8 +28,8 @@ SurfaceDirection surface_direction(double angle) {
 
 VoltageProgram sawtooth_program(const Drive& drive, const SurfaceDirection& towards,
                                 const PerCoil& volts_per_tesla) {
-    if (drive.mode == DriveMode::program) {
-        throw std::invalid_argument("a voltage program has no sawtooth");
+    if (drive.mode != DriveMode::ipp && drive.mode != DriveMode::opp) {
+        throw std::invalid_argument("this drive has no sawtooth");
     }
     const double sign = drive.clamp == Clamp::down ? -1.0 : 1.0;
     const bool in_plane_pulses = drive.mode == DriveMode::ipp;

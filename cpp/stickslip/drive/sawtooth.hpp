@@ -6,7 +6,7 @@
 
 namespace stickslip {
 
-enum class DriveMode { ipp, opp, program };
+enum class DriveMode { ipp, opp, program, none };
 enum class Clamp { down, up };
 enum class Edge { rise, fall };
 enum class Direction { plus_x, minus_x };

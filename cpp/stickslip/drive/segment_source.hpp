@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "stickslip/drive/control_steps.hpp"
+#include "stickslip/drive/shake.hpp"
 #include "stickslip/drive/voltage_program.hpp"
 
 namespace stickslip {
@@ -15,10 +16,10 @@ namespace stickslip {
 class SegmentSource {
 public:
     /// hold_period: s, of the digital-to-analogue converter; zero: none. marks: s, where segments
-    /// have to end besides.
+    /// have to end besides. A segment ends too where the shake has a kink; it has to outlive this.
     SegmentSource(const VoltageProgram& program, double hold_period,
-                  const std::vector<double>& marks)
-        : segments_(program, hold_period, marks) {}
+                  const std::vector<double>& marks, const Shake& shake)
+        : segments_(program, hold_period, marks), shake_(&shake) {}
 
     /// `on_step` is called at the end of each step.
     void play_steps(const ControlSteps& steps, std::function<void()> on_step) {
@@ -32,6 +33,30 @@ public:
     /// Writes the next segment and returns true; false where all is played. The segment before it
     /// has ended.
     bool next(VoltageSegment& voltages) {
+        if (has_rest_) {
+            voltages = rest_;
+            has_rest_ = false;
+        } else if (!next_whole(voltages)) {
+            return false;
+        }
+        const double slack = boundary_slack(voltages.end - voltages.start);
+        const double kink = shake_->next_kink(voltages.start + slack);
+        if (kink < voltages.end - slack) {
+            const PerCoil volts = voltage_at(voltages, kink);
+            rest_ = {kink, voltages.end, volts, voltages.last};
+            has_rest_ = true;
+            voltages = {voltages.start, kink, voltages.first, volts};
+        }
+        return true;
+    }
+    /// Goes on from other steps, none of them open.
+    void restore(const ControlSteps::Memory& memory) {
+        steps_->restore(memory);
+        step_is_open_ = has_rest_ = false;
+    }
+
+private:
+    bool next_whole(VoltageSegment& voltages) {
         if (!steps_) return segments_.next(voltages);
         if (step_is_open_ && steps_->ends_step()) {
             step_is_open_ = false;
@@ -41,14 +66,10 @@ public:
         step_is_open_ = true;
         return true;
     }
-    /// Goes on from other steps, none of them open.
-    void restore(const ControlSteps::Memory& memory) {
-        steps_->restore(memory);
-        step_is_open_ = false;
-    }
-
-private:
     SegmentStream segments_;
+    const Shake* shake_;
+    VoltageSegment rest_;  // behind a kink
+    bool has_rest_ = false;
     std::optional<ControlSteps> steps_;
     std::function<void()> on_step_;
     bool step_is_open_ = false;

@@ -246,6 +246,7 @@ public:
     void begin_segment(const CurrentSegment& segment, const Centre& place);
 
     const PerCoil& gain() const { return gain_; }
+    bool has_coils() const { return gain_ != PerCoil{}; }
     /// For a coil that gets its first current.
     void set_gain(const PerCoil& gain);
 

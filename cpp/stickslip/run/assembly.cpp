@@ -42,8 +42,13 @@ std::int64_t settling_pulses(const Drive& drive) {
     return drive.pulses > kSettlingPulses ? kSettlingPulses : 0;
 }
 
-double pulsing_time(const Drive& drive) {
-    return static_cast<double>(drive.pulses) / drive.frequency;
+double pulsing_time(const Scenario& s) {
+    return static_cast<double>(s.drive.pulses) / pulse_rate(s);
+}
+
+// s, before the first pulse.
+double lead_in(const Drive& drive) {
+    return drive.mode == DriveMode::none ? 0.0 : drive.ramp;
 }
 
 // What needs more steps than a run may have, however the robot moves.
@@ -67,13 +72,23 @@ void check_work(const Scenario& s, double duration) {
     }
 }
 
-// A program of voltages says all of the drive but which way the robot faces.
+// A program of voltages says all of the drive but which way the robot faces; without a drive there
+// is nothing to say but how long.
 void check_no_sawtooth(const Scenario& s) {
     static const Scenario kDefaults{};
+    const bool is_none = s.drive.mode == DriveMode::none;
     const auto require_default = [&](const auto& row) {
         const std::string_view key = row.key;
         if (!key.starts_with("drive.") || key == "drive.mode" || key == "drive.direction") return;
         if (row.get(s) == row.get(kDefaults)) return;
+        if (is_none) {
+            if (key == "drive.pulses" || (key == "drive.frequency" && s.shake.absent())) return;
+            throw std::invalid_argument(
+                std::string(key) +
+                ": not allowed with drive.mode = \"none\", where nothing "
+                "drives the coils; leave it out" +
+                (key == "drive.frequency" ? ", or set shake.frequency" : ""));
+        }
         throw std::invalid_argument(std::string(key) +
                                     ": not allowed with drive.mode = \"program\", whose voltages "
                                     "(drive.file, or drive.program in Python) say it all; leave it "
@@ -81,6 +96,18 @@ void check_no_sawtooth(const Scenario& s) {
     };
     for (const Parameter& row : parameters()) require_default(row);
     for (const Choice& row : choices()) require_default(row);
+}
+
+// Accelerations say all of a shake but what the liquid does.
+void check_no_sines(const Scenario& s) {
+    static const Scenario kDefaults{};
+    for (const Parameter& row : parameters()) {
+        const std::string key = row.key;
+        if (!key.starts_with("shake.") || row.get(s) == row.get(kDefaults)) continue;
+        throw std::invalid_argument(key +
+                                    ": not allowed with shake.file (shake.accelerations in "
+                                    "Python), which says it all; leave it out");
+    }
 }
 
 // A sawtooth is given as the field of two coils at the centre.
@@ -117,12 +144,14 @@ void check(const Scenario& s) {
     const RobotFrame frame = frame_of(s);
     check_plane(s, frame);
     check_own_laws(s);
+    if (s.shake.accelerations) check_no_sines(s);
     if (s.solver.max_step > 0.0 && s.solver.max_step < kLeastMaxStep) {
         refuse("solver.max_step", s.solver.max_step, "0 (no limit) or at least 1e-9 s");
     }
-    if (s.map && s.drive.mode != DriveMode::program) check_drive_of_map(s);
-    if (s.drive.mode == DriveMode::program) {
-        if (s.program.blocks().empty()) {
+    const bool pulses = s.drive.mode == DriveMode::ipp || s.drive.mode == DriveMode::opp;
+    if (s.map && pulses) check_drive_of_map(s);
+    if (!pulses) {
+        if (s.drive.mode == DriveMode::program && s.program.blocks().empty()) {
             throw std::invalid_argument("drive.mode = \"program\": needs drive.file or a waveform");
         }
         check_no_sawtooth(s);
@@ -158,7 +187,8 @@ void check(const Scenario& s) {
 double duration(const Scenario& scenario) {
     const Drive& drive = scenario.drive;
     if (drive.mode == DriveMode::program) return scenario.program.duration();
-    return drive.ramp + pulsing_time(drive) + drive.ramp_down;
+    if (drive.mode == DriveMode::none) return pulsing_time(scenario);
+    return drive.ramp + pulsing_time(scenario) + drive.ramp_down;
 }
 
 Model make_model(const Scenario& s, const RobotFrame& frame) {
@@ -185,6 +215,7 @@ Model make_model(const Scenario& s, const RobotFrame& frame) {
     model.laws = LawSet(all_laws(s, frame));
     model.place = ContactPlace(e.free_contact_place, model.shape.half_base(0));
     model.field_shape = make_field_shape(e);
+    model.shake = Shake(s.shake, frame.sign);
     model.restitution = s.contact.restitution;
     model.tangential_restitution = s.contact.tangential_restitution;
     model.frame = frame;
@@ -227,6 +258,9 @@ PerCoil held_field_gain(const Scenario& s, const PerCoil& currents) {
 
 VoltageProgram asked_program(const Scenario& s, const RobotFrame& frame) {
     if (s.drive.mode == DriveMode::program) return frame.seen(s.program);
+    if (s.drive.mode == DriveMode::none) {
+        return VoltageProgram({{{{0.0, {}}, {1.0 / pulse_rate(s), {}}}, s.drive.pulses}});
+    }
     const PerCoilOf<CoilParameters> coils = robot_coils(s, frame);
     PerCoil volts_per_tesla = robot_coil_set(s, frame).centre_fields_per_ampere();
     for (std::size_t k = 0; k < kCoilCount; ++k) {
@@ -299,7 +333,8 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
         field += std::max(held, std::abs(current[k])) * std::abs(centre[k]);
     }
     const double radius = model.shape.radius();
-    const double weight = model.mass * scenario.gravity + model.adhesion;
+    const double weight =
+        model.mass * (scenario.gravity + model.shake.most_acceleration()) + model.adhesion;
     const double torque = model.moment * field + weight * radius;
     StepperOptions result;
     result.max_step = scenario.solver.max_step;
@@ -311,6 +346,12 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
     result.longest_rest = 0.125 * model.least_time();
     if (!model.user_effects.empty()) {
         result.longest_rest = std::min(result.longest_rest, 0.25 / result.swing_rate);
+    }
+    // Forces change with the shake whether the body moves or not.
+    if (!model.shake.absent()) {
+        const double longest = 0.125 * model.shake.shortest_period();
+        if (!(result.max_step > 0.0 && result.max_step < longest)) result.max_step = longest;
+        result.surface_speed = model.shake.most_speed();
     }
     result.scales = {radius, radius * result.swing_rate, result.swing_rate};
     // A motion forgets its errors as fast as it is damped; what is hardly damped adds them up. In
@@ -329,7 +370,9 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
 }
 
 Decay fastest_decay(const Model& model, double swing_rate) {
-    const double load = model.mass * std::hypot(model.gravity_x, model.gravity_z) + model.adhesion;
+    const double load = model.mass * (std::hypot(model.gravity_x, model.gravity_z) +
+                                      model.shake.most_acceleration()) +
+                        model.adhesion;
     const double speed = model.shape.radius() * swing_rate;
     Decay fastest;
     const auto see = [&](const std::string& key, double value, double rate) {
@@ -372,15 +415,22 @@ Decay fastest_decay(const Model& model, double swing_rate) {
     return fastest;
 }
 
+double pulse_rate(const Scenario& s) {
+    if (s.drive.mode == DriveMode::program) return 0.0;
+    const bool shaken = s.drive.mode == DriveMode::none && !s.shake.absent();
+    return shaken ? s.shake.rate() : s.drive.frequency;
+}
+
 double pulse_period(const Scenario& s) {
-    return s.drive.mode == DriveMode::program ? 0.0 : 1.0 / s.drive.frequency;
+    const double rate = pulse_rate(s);
+    return rate > 0.0 ? 1.0 / rate : 0.0;
 }
 
 Window measuring_window(const Scenario& s) {
     const Drive& drive = s.drive;
     if (drive.mode == DriveMode::program) return {0.0, s.program.duration()};
-    return {drive.ramp + static_cast<double>(settling_pulses(drive)) / drive.frequency,
-            drive.ramp + pulsing_time(drive)};
+    return {lead_in(drive) + static_cast<double>(settling_pulses(drive)) / pulse_rate(s),
+            lead_in(drive) + pulsing_time(s)};
 }
 
 }  // namespace stickslip

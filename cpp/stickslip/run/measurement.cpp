@@ -14,16 +14,18 @@ constexpr double kUsualSpeed = 0.1;
 void Measurement::watch_window(double time) {
     const double slack = boundary_slack(player_.duration());
     if (!has_opened_ && time >= window_.start - slack) {
-        observer_.open(time, window_.end, player_.body());
+        observer_.open(time, window_.end, player_.in_ground(player_.body(), time));
         has_opened_ = true;
         turned_before_ = player_.turned();
     }
-    if (observer_.is_open()) observer_.pass(time, player_.body());
+    if (observer_.is_open()) {
+        observer_.pass(time, player_.in_ground(player_.body(), time));
+    }
     if (observer_.is_open() && time >= window_.end - slack) close_window(time);
 }
 
 void Measurement::close_window(double time) {
-    observer_.close(time, player_.body(), player_.sign(), of_window_);
+    observer_.close(time, player_.in_ground(player_.body(), time), player_.sign(), of_window_);
     const double span = time - observer_.start();
     drive_.close(span, of_window_);
     if (!(span > 0.0)) return;

@@ -1,5 +1,6 @@
 #include "stickslip/run/player.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -19,10 +20,11 @@ Player::Player(const Scenario& scenario, const std::vector<double>& marks,
       circuit_(make_circuit(scenario, model_.frame, program_)),
       dynamics_(model_, make_local_field(scenario, model_.frame, program_, coils_)),
       options_(make_stepper_options(scenario, model_, program_, coils_, stop)),
-      source_(program_, hold_period_, marks),
+      source_(program_, hold_period_, marks, model_.shake),
       transitions_(dynamics_, state_),
-      // Fifty free swings.
-      watch_(50.0 * 2.0 * std::numbers::pi / options_.swing_rate) {
+      // Fifty free swings, or periods of the shake.
+      watch_(50.0 * std::min(2.0 * std::numbers::pi / options_.swing_rate,
+                             model_.shake.shortest_period())) {
     if (model_.frame.whole_plane) {
         plane_ = make_plane_dynamics(scenario, program_, coils_, dynamics_);
         transitions_.set_plane(*plane_);
@@ -108,13 +110,14 @@ std::array<double, 3> Player::field(double tau, const BodyState& body) const {
 PerCoilOf<CoilField> Player::field_of_coils() const {
     const BodyState& body = state_.body;
     return plane_ ? plane_->field().of_coils(place(body), body.heading)
-                  : dynamics_.field().of_coils({body.x, body.z});
+                  : dynamics_.field().of_coils(dynamics_.in_ground(tau_, {body.x, body.z}));
 }
 
 FieldCourse Player::field_course() const {
     const BodyState& body = state_.body;
     FieldCourse result =
-        plane_ ? plane_->field().course(place(body)) : dynamics_.field().course({body.x, body.z});
+        plane_ ? plane_->field().course(place(body))
+               : dynamics_.field().course(dynamics_.in_ground(tau_, {body.x, body.z}));
     result.segment = &segment_;
     return result;
 }

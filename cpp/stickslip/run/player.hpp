@@ -43,6 +43,15 @@ public:
 
     bool in_whole_plane() const { return plane_.has_value(); }
     double sign() const { return model_.frame.sign; }
+    /// In the ground's frame a body that a surface carries, `time` s since the run began.
+    BodyState in_ground(BodyState body, double time) const {
+        const SurfaceMotion surface = model_.shake.at(time);
+        body.x += surface.x;
+        body.z += surface.z;
+        body.vx += surface.vx;
+        body.vz += surface.vz;
+        return body;
+    }
     double duration() const { return program_.duration(); }  ///< s, of the scenario's drive
     const Model& model() const { return model_; }
     const Circuit& circuit() const { return circuit_; }
@@ -106,9 +115,11 @@ public:
     std::array<double, 3> field(double tau, const BodyState& body) const;
     /// What each coil makes there.
     PerCoilOf<CoilField> field_of_coils() const;
-    /// Whether a free shape may turn the field anywhere; else its course over the segment.
+    /// Whether a free shape, or the surface, may turn the field anywhere; else its course over the
+    /// segment.
     bool has_field_shape() const {
-        return plane_ ? plane_->field().has_shape() : dynamics_.field().has_shape();
+        return plane_ ? plane_->field().has_shape()
+                      : dynamics_.field().has_shape() || !model_.shake.absent();
     }
     FieldCourse field_course() const;
     /// Everything at `tau` seconds into the segment.

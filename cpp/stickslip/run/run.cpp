@@ -119,7 +119,7 @@ void Run::play_in_kernel(Phase& phase, const StepKernel<Phase, kEffects>& kernel
         if (tsit5_.is_stopped()) {
             // The last step may already be in the record.
             if (numbers.done > 0.0) numbers.progress.commit(phase, true, false);
-            phase.field().rebase(phase.place_of(numbers.progress.step.first));
+            phase.field().rebase(phase.place_of(numbers.progress.tau, numbers.progress.step.first));
             const auto end = tsit5_.leave(phase, numbers.progress, Status::interrupted);
             end_phase(phase, end, tsit5_.counts().accepted);
             return;
@@ -178,7 +178,10 @@ void Run::finish() {
 }
 
 void Run::record(double t, double tau, const Snapshot& snapshot) {
-    recorder_.add(t, snapshot, player_.state().mode, player_.field(tau, snapshot.body),
+    Snapshot seen = snapshot;
+    seen.body = player_.in_ground(snapshot.body, t);
+    seen.contact_x += seen.body.x - snapshot.body.x;
+    recorder_.add(t, seen, player_.state().mode, player_.field(tau, snapshot.body),
                   player_.segment().currents(tau));
 }
 

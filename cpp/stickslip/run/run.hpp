@@ -117,7 +117,7 @@ private:
     void sample_until(double limit, double from, auto&& snapshot_at);
     void record(double t, double tau, const Snapshot& snapshot);
     double distance(double t, const BodyState& body) const {
-        return stop_->distance(t, player_.sign(), body);
+        return stop_->distance(t, player_.sign(), player_.in_ground(body, t));
     }
     double find_stop(auto& phase, const auto& step, double s) const;
     void fail(const WrenchNotFinite& failure);

@@ -39,6 +39,14 @@ void add_state(std::vector<Parameter>& rows) {
     .get = [](const Scenario& s) -> double { return static_cast<double>(s.path); }, \
     .set = [](Scenario& s, double value) { s.path = static_cast<decltype(s.path)>(value); }
 
+// A harmonic of the shake.
+#define STICKSLIP_HARMONIC(number, axis, member)                                                \
+    {.key = "shake.harmonic_" number "_" axis, .unit = "-", .low = -10, .high = 10,             \
+     .meaning = "amplitude of harmonic " number " of " axis " over that of the first",          \
+     STICKSLIP_MEMBER(shake.member.part)},                                                      \
+    {.key = "shake.phase_" number "_" axis, .unit = "rad", .low = -6.3, .high = 6.3,            \
+     .meaning = "phase of its sine at t = 0", STICKSLIP_MEMBER(shake.member.phase)}
+
 std::vector<Parameter> make_parameters() {
     return {
         {.key = "drive.frequency", .unit = "Hz", .low = 1e-6, .high = 1e5,
@@ -98,6 +106,18 @@ std::vector<Parameter> make_parameters() {
          STICKSLIP_MEMBER(drag.rotational)},
         {.key = "environment.gravity", .unit = "m/s^2", .low = 0, .high = 1e3,
          .meaning = "acceleration of gravity", STICKSLIP_MEMBER(gravity)},
+        {.key = "shake.frequency", .unit = "Hz", .low = 1e-3, .high = 1e7,
+         .meaning = "frequency of the first harmonic", STICKSLIP_MEMBER(shake.frequency)},
+        {.key = "shake.amplitude_x", .unit = "m", .low = -1, .high = 1,
+         .meaning = "amplitude along +x of the world, a sine from t = 0 on",
+         STICKSLIP_MEMBER(shake.amplitude_x)},
+        {.key = "shake.amplitude_z", .unit = "m", .low = -1, .high = 1,
+         .meaning = "the same away from the surface", STICKSLIP_MEMBER(shake.amplitude_z)},
+        {.key = "shake.phase", .unit = "rad", .low = -6.3, .high = 6.3,
+         .meaning = "by which the sine of z is ahead of that of x", STICKSLIP_MEMBER(shake.phase)},
+        STICKSLIP_HARMONIC("2", "x", harmonics_x[0]), STICKSLIP_HARMONIC("3", "x", harmonics_x[1]),
+        STICKSLIP_HARMONIC("4", "x", harmonics_x[2]), STICKSLIP_HARMONIC("2", "z", harmonics_z[0]),
+        STICKSLIP_HARMONIC("3", "z", harmonics_z[1]), STICKSLIP_HARMONIC("4", "z", harmonics_z[2]),
         {.key = "solver.rtol", .unit = "-", .low = 1e-13, .high = 1e-2,
          .meaning = "local error a step, relative to the natural scales of the motion; tightened "
                     "where the linear drag is low",
@@ -171,6 +191,7 @@ std::vector<Parameter> make_effect_parameters() {
     };
 }
 
+#undef STICKSLIP_HARMONIC
 #undef STICKSLIP_MEMBER
 
 std::vector<Parameter> all_parameters() {
@@ -220,18 +241,21 @@ std::string word(const char* key, Enum value) {
 // A program has no use for the keys of the sawtooth.
 void set_mode(Scenario& s, std::size_t index) {
     const auto mode = static_cast<DriveMode>(index);
-    const Direction direction = s.drive.direction;
-    if (mode == DriveMode::program && s.drive.mode != mode) s.drive = {};
+    const Drive before = s.drive;
+    const bool pulses = mode == DriveMode::ipp || mode == DriveMode::opp;
+    if (!pulses && before.mode != mode) s.drive = {};
+    if (mode == DriveMode::none) s.drive.pulses = before.pulses;
     s.drive.mode = mode;
-    s.drive.direction = direction;
+    s.drive.direction = before.direction;
 }
 
 std::vector<Choice> make_choices() {
     return {
-        {.key = "drive.mode", .allowed = {"IPP", "OPP", "program"},
+        {.key = "drive.mode", .allowed = {"IPP", "OPP", "program", "none"},
          .meaning = "in-plane pulsing, where the clamp coil holds; out-of-plane pulsing, the "
                     "reverse; or voltages from a file, with which all other keys but "
-                    "drive.direction have their defaults",
+                    "drive.direction have their defaults; or no voltage, with which drive.pulses "
+                    "counts periods of the shake, or of drive.frequency",
          .get = [](const Scenario& s) { return word("drive.mode", s.drive.mode); },
          .set = &set_mode},
         {.key = "drive.clamp", .allowed = {"down", "up"},
@@ -246,6 +270,9 @@ std::vector<Choice> make_choices() {
         {.key = "drive.coils", .allowed = {"single", "pairs"},
          .meaning = "which coils of an axis make its part of the field in the surface: the one "
                     "ahead, or both alike", STICKSLIP_CHOICE("drive.coils", drive.coils)},
+        {.key = "shake.liquid", .allowed = {"moves", "rests"},
+         .meaning = "whether the liquid goes along with the surface or rests in the ground's frame; "
+                    "the drag is against it", STICKSLIP_CHOICE("shake.liquid", shake.liquid)},
         {.key = "initial.contact", .allowed = names_of(kContactWords),
          .meaning = "mode of the contact at the start; from_motion: what touches is what lies on "
                     "the surface and does not leave it",
@@ -295,6 +322,12 @@ std::vector<Section> make_sections() {
         {"contact", "Contact of the body with the surface, sections IV-C, VI-A and VI-B."},
         {"drag", "Drag of the fluid, section VI-C."},
         {"environment", "What is the same for everything."},
+        {"shake",
+         "Motion of the surface, seen from the ground; still by default.\n"
+         "\n"
+         "Up to four sines along each axis. The place of the surface counts from t = 0, when a\n"
+         "robot at rest moves with it. What is recorded and measured is in the ground's frame,\n"
+         "slip and states are against the surface."},
         {"initial",
          "Robot and coils at an instant, in the world's frame.\n"
          "\n"

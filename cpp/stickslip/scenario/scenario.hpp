@@ -9,6 +9,7 @@
 
 #include "stickslip/body/user_effect.hpp"
 #include "stickslip/drive/sawtooth.hpp"
+#include "stickslip/drive/shake.hpp"
 #include "stickslip/field/coil_set.hpp"
 #include "stickslip/numbers/free_curve.hpp"
 #include "stickslip/scenario/own_laws.hpp"
@@ -117,6 +118,7 @@ struct Scenario {
     ContactParameters contact;
     DragParameters drag;
     double gravity = 9.81;  ///< m/s^2
+    ShakeParameters shake;
     Effects effects;
     std::vector<UserSetting> user_effects;  ///< by name; see set_parameter
     std::vector<OwnLaw> laws;               ///< by name; see own_laws.hpp

@@ -47,6 +47,10 @@ bool in_whole_plane(const Scenario& s) {
 
 void check_plane(const Scenario& s, const RobotFrame& frame) {
     if (!frame.whole_plane) return;
+    if (!s.shake.absent()) {
+        throw std::invalid_argument(
+            "shake: the surface moves in the plane y = 0: allowed is a robot that stays in it");
+    }
     for (const UserSetting& each : s.user_effects) {
         if (each.absent()) continue;
         throw std::invalid_argument("effects." + each.effect->name +

@@ -64,7 +64,7 @@ struct ArkodeProgress {
     /// ARKODE's last call of the rates was elsewhere.
     void leave(Phase& phase, const State& y, StepCounts& counts) const {
         session->add_counts(counts);
-        phase.field().rebase(phase.place_of(y));
+        phase.field().rebase(phase.place_of(tau, y));
     }
 
 private:
@@ -72,8 +72,9 @@ private:
         const State y = step.dense(s);
         State unused;
         Values result;
-        phase.field().rebase(phase.place_of(y));
-        phase.rates(phase.field_at(step.start + s * step.width), y, unused, result);
+        const double tau = step.start + s * step.width;
+        phase.field().rebase(phase.place_of(tau, y));
+        phase.rates(phase.field_at(tau), y, unused, result);
         return result;
     }
     // Its own root finding sees only what changes sign over a step.
@@ -112,7 +113,7 @@ struct ArkodeMethod {
         problem.rates = [&phase](double t, const double* at, double* dydt) {
             State state, rates;
             std::copy_n(at, state.size(), state.begin());
-            phase.field().rebase(phase.place_of(state));
+            phase.field().rebase(phase.place_of(t, state));
             typename Phase::Values unused;
             phase.rates(phase.field_at(t), state, rates, unused);
             std::copy_n(rates.begin(), rates.size(), dydt);

@@ -44,7 +44,8 @@ public:
         while (true) {
             if (is_stopped()) return leave(phase, progress, Status::interrupted);
             const bool to_end = progress.attempt(phase);
-            const auto place = phase.place_of(progress.step.last);
+            const double reached = progress.step.start + progress.step.width;
+            const auto place = phase.place_of(reached, progress.step.last);
             const Finish found = finish(phase, memory, progress, to_end, true, place, observe, end);
             if (found == Finish::phase) return end;
             if (found == Finish::rejected) continue;
@@ -69,7 +70,7 @@ public:
     void begin(Phase& phase, PhaseMemory& memory, double tau, double tau_end,
                const typename Phase::State& y, Progress<Phase>& progress) {
         typename Phase::State rates;
-        phase.field().rebase(phase.place_of(y));
+        phase.field().rebase(phase.place_of(tau, y));
         phase.rates(phase.field_at(tau), y, rates, progress.samples.start);
         ++counts_.evaluations;
         progress.tau = tau;

@@ -57,6 +57,7 @@ struct StepperOptions {
     double tolerance = 1e-8;  ///< local error a step, relative to the scales of a phase
     double max_step = 0.0;    ///< s, zero: no limit
     double longest_rest = std::numeric_limits<double>::infinity();  ///< s, of a step at rest
+    double surface_speed = 0.0;  ///< m/s, the most that the surface carries the robot with
     std::int64_t most_steps = std::numeric_limits<std::int64_t>::max();
     Scales scales;
     double swing_rate = 1.0;  ///< rad/s, of the fastest free swing: gives the first step of a phase

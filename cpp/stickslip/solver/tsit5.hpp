@@ -311,6 +311,13 @@ public:
         }
         p.min_time_constant = phase.min_time_constant();
         p.half_reach = 0.5 * phase.reach();
+        if (options.surface_speed > 0.0) {
+            if (phase.field().has_coils()) {
+                p.max_step = std::min(p.max_step, 0.25 * phase.reach() / options.surface_speed);
+            } else {
+                p.half_reach = kNone;
+            }
+        }
     }
 
 private:

@@ -19,6 +19,8 @@ FILES = {
     "t is a jump; relative to the scenario",
     "coil": 'map = "map.csv": the measured field per ampere, in place of that of side, distance '
     "and turns; columns x, y, z (m), coil, Bx, By, Bz (T/A); relative to the scenario",
+    "shake": 'file = "accelerations.csv": those of the surface in place of sines, over a period; '
+    "columns t (s), ax, az (m/s^2); relative to the scenario",
 }
 """Keys that name a file, by their section."""
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import stickslip
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.keys import COIL_MAP, FILE, PATHS, PROGRAM
+from stickslip.scenario.keys import ACCELERATIONS, COIL_MAP, FILE, PATHS, PROGRAM, SHAKE_FILE
 from stickslip.scenario.scenario import Scenario, with_uncertain_of
 from stickslip.scenario.toml_file import named_files
 
@@ -31,6 +31,8 @@ def load_with(path: Path, set: Mapping[str, Any]) -> tuple[Scenario, list[Path]]
             changes[PROGRAM] = None
         if COIL_MAP in changes:
             changes[COIL_MAP] = stickslip.FieldMap.from_file(changes[COIL_MAP])
+        if SHAKE_FILE in changes:
+            changes[ACCELERATIONS] = stickslip.Accelerations.from_csv(changes.pop(SHAKE_FILE))
         scenario = scenario.replace(changes)
     return scenario, [path, *named_files(path).values(), *(set[key] for key in PATHS if key in set)]
 

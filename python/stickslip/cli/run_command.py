@@ -160,9 +160,7 @@ def _check_times(
 
 def _rate(scenario: Scenario) -> float:
     """The rate of a record that a picture or a file needs, Hz."""
-    drive = scenario.drive
-    frequency = drive.frequency if drive.mode != "program" else 0.0
-    wanted = max(_RATE, _SAMPLES_PER_PULSE * frequency)
+    wanted = max(_RATE, _SAMPLES_PER_PULSE * scenario.pulse_rate)
     return min(wanted, _MOST_SAMPLES / scenario.duration)
 
 

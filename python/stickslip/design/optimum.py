@@ -24,7 +24,7 @@ from stickslip.design.goal import Goal
 from stickslip.design.space import drive_waveform
 from stickslip.scenario.keys import COIL_NAMES, RECORD_RATE, Value, find_key
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.toml_file import scenario_text
+from stickslip.scenario.toml_file import held_writers, scenario_text
 from stickslip.simulation.note import shown_lines
 from stickslip.simulation.run import Run
 from stickslip.simulation.simulate import simulate
@@ -33,7 +33,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure, SubFigure
 
-BEST, VOLTAGES, MAP, FIGURE = FILES = "best.toml", "best.csv", "best.map.json", "best.png"
+BEST, FIGURE = "best.toml", "best.png"
+HELD = "best.csv", "best.map.json", "best.accelerations.csv"
+FILES = (BEST, *HELD, FIGURE)
 """Names of the files of `Optimum.save_report`; voltages and map are there where there are any."""
 
 COMPARED = ("start", "search", "sawtooth", "best")
@@ -237,26 +239,23 @@ class Optimum(OneLine):
     @property
     def files(self) -> tuple[str, ...]:
         """Names of the files that `save_report` writes."""
-        parts = {VOLTAGES: self.scenario.drive.program, MAP: self.scenario.coil.map}
-        return tuple(name for name in FILES if parts.get(name, name) is not None)
+        held = held_writers(self.scenario.content, [Path(name) for name in HELD])
+        return tuple(name for name in FILES if name not in HELD or Path(name) in held)
 
     def save_report(self, out: str | PathLike[str]) -> None:
         """Write the best drive and its figure into the folder `out`, which is made: all or none.
 
         ``best.toml`` is an ordinary scenario, ``best.csv`` the voltages of a free waveform,
-        ``best.map.json`` the field of ``coil.map``, and ``best.png`` is `figure`. An OSError says
-        that one cannot be written.
+        ``best.map.json`` the field of ``coil.map``, ``best.accelerations.csv`` those of a shake,
+        and ``best.png`` is `figure`. An OSError says that one cannot be written.
         """
-        folder, program = Path(out), self.scenario.drive.program
-        text = scenario_text(self.scenario.content, VOLTAGES, MAP)
+        folder = Path(out)
+        text = scenario_text(self.scenario.content, *HELD)
         writers: dict[Path, Callable[[Path], object]] = {
             folder / BEST: text_writer((f"# {self.beyond}\n" if self.beyond else "") + text),
             folder / FIGURE: functools.partial(self.figure().savefig, dpi=150),
+            **held_writers(self.scenario.content, [folder / name for name in HELD]),
         }
-        if program is not None:
-            writers[folder / VOLTAGES] = program.write
-        if self.scenario.coil.map is not None:
-            writers[folder / MAP] = text_writer(self.scenario.coil.map.to_json())
         folder.mkdir(parents=True, exist_ok=True)
         write_together(writers)
 

@@ -219,19 +219,20 @@ def _draw_by_contact(axes: Axes, x: Array, y: Array, contact: NDArray[np.int8]) 
 
 def _last_pulses(run: Run) -> tuple[float, float] | None:
     """First and last time of the last pulses of a run of many, s."""
-    drive = run.scenario.drive
-    if drive.mode == "program" or drive.pulses <= _MOST_PULSES:
+    scenario = run.scenario
+    rate = scenario.pulse_rate
+    if rate == 0.0 or scenario.drive.pulses <= _MOST_PULSES:
         return None
-    end = min(run.scenario.window[1], float(run.t[-1]))
-    first = end - _SHOWN_PULSES / drive.frequency
+    end = min(scenario.window[1], float(run.t[-1]))
+    first = end - _SHOWN_PULSES / rate
     # A run that failed in the ramp or soon after it has less to show.
-    return (first, end) if first >= drive.ramp else None
+    return (first, end) if first >= scenario.drive.ramp else None
 
 
 def _title(run: Run, last_pulses: bool) -> str:
     drive = run.scenario.drive
     program = drive.mode == "program"
-    words = ["voltage program"] if program else [drive.mode, f"{drive.frequency:g} Hz"]
+    words = ["voltage program"] if program else [drive.mode, f"{run.scenario.pulse_rate:g} Hz"]
     if np.isfinite(run.mean_velocity):
         along, across = (f"{each * 1e3:.4g}" for each in run.velocity)
         told = f"{run.mean_velocity * 1e3:.4g} mm/s"

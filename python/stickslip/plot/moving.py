@@ -119,9 +119,9 @@ def _stretch(
     scenario: Scenario, begin: float, end: float, start: float | None, stop: float | None
 ) -> tuple[float, float]:
     """First and last time of the picture of a record from `begin` to `end`, s."""
-    drive = scenario.drive
-    if start is None and stop is None and drive.mode != "program":
-        period = 1.0 / drive.frequency
+    rate = scenario.pulse_rate
+    if start is None and stop is None and rate > 0.0:
+        period = 1.0 / rate
         steady, stopped = scenario.window
         # A time that the record ends at has the rounding of its own sum.
         pulses = math.floor((min(stopped, end) - steady) / period + 1e-6)

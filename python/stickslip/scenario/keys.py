@@ -40,7 +40,13 @@ FILE = "drive.file"
 COIL_MAP = "coil.map"
 """The measured field of the coils: a `FieldMap`; in a scenario's file and with --set, its path."""
 
-OBJECTS = (PROGRAM, COIL_MAP)
+ACCELERATIONS = "shake.accelerations"
+"""Those of the surface, an `Accelerations`: in Python only, as a file has `SHAKE_FILE`."""
+
+SHAKE_FILE = "shake.file"
+"""The CSV file of accelerations, which only a scenario's file and --set know."""
+
+OBJECTS = (PROGRAM, COIL_MAP, ACCELERATIONS)
 """Keys whose value in Python is an object."""
 
 ROUND_HINT = (
@@ -56,6 +62,7 @@ MAP_HINT = f"in Python, {COIL_MAP} takes a FieldMap, such as FieldMap.from_file(
 PATHS = {
     FILE: f"in Python, {PROGRAM} takes a Waveform, such as Waveform.from_csv(path)",
     COIL_MAP: MAP_HINT,
+    SHAKE_FILE: f"in Python, {ACCELERATIONS} takes Accelerations.from_csv(path)",
 }
 """Keys that hold a path in a scenario's file and with --set, with what Python has instead."""
 
@@ -163,11 +170,22 @@ SAWTOOTH = tuple(
 )
 """Keys of a pulsed drive, which a program of voltages does not use."""
 
+IDLE = {
+    "program": SAWTOOTH,
+    "none": tuple(key for key in SAWTOOTH if key not in ("drive.frequency", "drive.pulses")),
+}
+"""Those that a mode of the drive does not use."""
+
 
 def refuse_sawtooth(mode: object, given: Iterable[str]) -> None:
-    """Refuse the first key of the sawtooth that is given together with a program of voltages."""
-    key = next((key for key in given if key in SAWTOOTH), None)
-    if mode == "program" and key is not None:
+    """Refuse the first key of the sawtooth that is given with a mode that does not use it."""
+    key = next((key for key in given if key in IDLE.get(str(mode), ())), None)
+    if mode == "none" and key is not None:
+        raise ScenarioError(
+            f'{key}: not allowed with drive.mode = "none", where nothing drives the coils; '
+            "leave it out"
+        )
+    if key is not None:
         raise ScenarioError(
             f'{key}: not allowed with drive.mode = "program", whose voltages ({FILE}, or {PROGRAM} '
             "in Python) say it all; leave it out"

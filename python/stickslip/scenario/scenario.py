@@ -20,9 +20,11 @@ from stickslip._util.messages import check_kind, check_whole
 from stickslip._util.units import handy
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.field.field_map import FieldMap
+from stickslip.scenario.accelerations import Accelerations
 from stickslip.scenario.changes import Changes
 from stickslip.scenario.effects import flat_effects
 from stickslip.scenario.keys import (
+    ACCELERATIONS,
     COIL_MAP,
     LAWS,
     OBJECTS,
@@ -48,6 +50,7 @@ from stickslip.scenario.sections import (
     Environment,
     Record,
     Robot,
+    Shake,
     Solver,
     State,
 )
@@ -72,6 +75,9 @@ _S = TypeVar("_S", bound=Section)
 # fail once in 170 times; a prior of which less is allowed is a mistake.
 _MOST_DRAWS = 100
 
+_Objects = tuple[Waveform | None, FieldMap | None, Accelerations | None]
+"""The values of `OBJECTS`."""
+
 
 class _View(Generic[_S]):
     """A section of a scenario: its class, and where the scenario has the object that it holds."""
@@ -90,7 +96,7 @@ class Scenario:
 
     Parameters
     ----------
-    drive, coil, robot, contact, drag, environment, initial, solver, record
+    drive, coil, robot, contact, drag, environment, shake, initial, solver, record
         Sections. Where nothing is given, `coil` and `robot` have the values of Tables I and II
         (the coils' side and distance are effective ones), `contact` and `drag` those of section VI,
         `drive` has a peak of 2.5 mT, and `initial` is rest, flat and without current. What the
@@ -117,7 +123,10 @@ class Scenario:
     30.0
     """
 
-    __slots__ = ("__weakref__", "_core", "_fluid", "_hidden", "_map", "_program", "_uncertain")
+    __slots__ = (
+        *("__weakref__", "_accelerations", "_core", "_fluid", "_hidden", "_map", "_program"),
+        "_uncertain",
+    )
 
     drive = _View(Drive, "_program")
     coil = _View(Coil, "_hidden", "_map")
@@ -125,6 +134,7 @@ class Scenario:
     contact = _View(Contact)
     drag = _View(Drag)
     environment = _View(Environment)
+    shake = _View(Shake, "_accelerations")
     initial = _View(State)
     solver = _View(Solver)
     record = _View(Record)
@@ -138,6 +148,7 @@ class Scenario:
         contact: Contact | None = None,
         drag: Drag | None = None,
         environment: Environment | None = None,
+        shake: Shake | None = None,
         initial: State | None = None,
         solver: Solver | None = None,
         record: Record | None = None,
@@ -148,9 +159,10 @@ class Scenario:
         self._core = _core.Scenario()
         self._program: Waveform | None = None
         self._map: FieldMap | None = None
+        self._accelerations: Accelerations | None = None
         self._fluid: Fluid | None = None
         self._hidden: dict[str, Any] = {}
-        given = (drive, coil, robot, contact, drag, environment, initial, solver, record)
+        given = (drive, coil, robot, contact, drag, environment, shake, initial, solver, record)
         for (name, kind), section in zip(SECTIONS.items(), given, strict=True):
             if section is None:
                 continue
@@ -160,6 +172,8 @@ class Scenario:
             self._program = drive.program
         if coil is not None:
             self._map, self._hidden = coil.map, coil._hidden
+        if shake is not None:
+            self._accelerations = shake.accelerations
         if effects is not None:
             Changes(flat_effects(effects)).apply(self._core)
         if laws is not None:
@@ -236,7 +250,8 @@ class Scenario:
         ----------
         path : path-like, optional
             Where to write it too. The voltages of a program go beside it, to
-            ``<stem>.voltages.csv``, and the fitted field of ``coil.map`` to ``<stem>.map.json``.
+            ``<stem>.voltages.csv``, the fitted field of ``coil.map`` to ``<stem>.map.json`` and
+            the accelerations of a shake to ``<stem>.accelerations.csv``.
 
         Returns
         -------
@@ -254,7 +269,8 @@ class Scenario:
     @property
     def content(self) -> Content:
         """What its file states."""
-        return Content(self._core, self._program, self._map, self._fluid, self._uncertain)
+        objects = (self._program, self._map, self._accelerations)
+        return Content(self._core, *objects, self._fluid, self._uncertain)
 
     @staticmethod
     def keys() -> tuple[str, ...]:
@@ -285,8 +301,9 @@ class Scenario:
         changes : mapping
             New values by dotted key, of effects also by short name. ``"coil.turns"`` sets all five
             coils, ``"coil.xp.turns"`` one. ``"drive.program"`` takes a `Waveform`,
-            ``"coil.map"`` a `FieldMap` and ``"laws.NAME"`` a `Law`, each also None. With a change
-            of ``"drive.mode"`` to ``"program"`` the keys of the sawtooth get their defaults.
+            ``"coil.map"`` a `FieldMap`, ``"shake.accelerations"`` an `Accelerations` and
+            ``"laws.NAME"`` a `Law`, each also None. With a change of ``"drive.mode"`` to
+            ``"program"`` or ``"none"`` the keys of the sawtooth get their defaults.
         **more
             The same, as ``**{"drive.frequency": 30.0}``.
 
@@ -313,6 +330,10 @@ class Scenario:
                 Coil(map=value)
                 made._map = value
                 made._core.set_map(None if value is None else value.to_core())
+            elif key == ACCELERATIONS:
+                Shake(accelerations=value)
+                made._accelerations = value
+                made._core.set_accelerations(None if value is None else value.rows)
             elif is_law(key):
                 set_law(made._core, key, value)
             else:
@@ -324,6 +345,7 @@ class Scenario:
     def _copy(self) -> Scenario:
         made = object.__new__(type(self))
         made._core, made._program, made._map = self.to_core(), self._program, self._map
+        made._accelerations = self._accelerations
         made._uncertain, made._hidden = self._uncertain, self._hidden
         made._fluid = self._fluid
         return made
@@ -460,6 +482,11 @@ class Scenario:
         return self._core.window
 
     @property
+    def pulse_rate(self) -> float:
+        """Pulses a second, Hz: of no drive, periods of the shake; of a program 0."""
+        return self._core.pulse_rate
+
+    @property
     def whole_plane(self) -> bool:
         """Whether the robot moves in the whole plane, and not along x alone.
 
@@ -482,8 +509,9 @@ class Scenario:
         """
         return MappingProxyType(self._hidden)
 
-    def _state(self) -> tuple[dict[str, Value], Waveform | None, FieldMap | None, Any]:
-        return self._core.changed(), self._program, self._map, self._uncertain
+    def _state(self) -> tuple[dict[str, Value], _Objects, Any]:
+        objects = (self._program, self._map, self._accelerations)
+        return self._core.changed(), objects, self._uncertain
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Scenario) and self._state() == other._state()
@@ -523,17 +551,19 @@ _DEFAULT = Scenario()
 
 def _made(
     changed: Mapping[str, Value],
-    program: Waveform | None,
-    field_map: FieldMap | None,
+    objects: _Objects,
     uncertain: JointPrior | None,
     fluid: Fluid | None,
     hidden: Mapping[str, Value],
 ) -> Scenario:
     """The scenario of these parts."""
-    objects = {key: each for key, each in zip(OBJECTS, (program, field_map), strict=True) if each}
-    made = _DEFAULT.replace({**changed, **objects}).with_uncertain(uncertain)
+    made = _DEFAULT.replace({**changed, **_named(objects)}).with_uncertain(uncertain)
     made._fluid, made._hidden = fluid, hidden
     return made
+
+
+def _named(objects: _Objects) -> dict[str, Any]:
+    return {key: each for key, each in zip(OBJECTS, objects, strict=True) if each is not None}
 
 
 def _of_changes(changes: Mapping[str, Any], uncertain: Any, fluid: Fluid | None) -> Scenario:
@@ -558,11 +588,10 @@ def load(path: str | PathLike[str]) -> Scenario:
     return Scenario.from_toml(path)
 
 
-def scenario_of(text: str, program: Waveform | None, field_map: FieldMap | None) -> Scenario:
-    """The scenario of a text from `to_toml`, with its voltages and map."""
+def scenario_of(text: str, objects: _Objects) -> Scenario:
+    """The scenario of a text from `to_toml`, with its voltages, map and accelerations."""
     changes, uncertain, fluid = changes_of(parse_toml(text), None)
-    objects = {key: each for key, each in zip(OBJECTS, (program, field_map), strict=True) if each}
-    return _of_changes({**changes, **objects}, uncertain, fluid)
+    return _of_changes({**changes, **_named(objects)}, uncertain, fluid)
 
 
 def with_uncertain_of(scenario: Scenario, path: str | PathLike[str]) -> Scenario:

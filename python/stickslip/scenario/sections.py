@@ -12,12 +12,16 @@ from stickslip._util.messages import check_above_zero, refuse, shown
 from stickslip.errors import ScenarioError
 from stickslip.field.coils import Coils
 from stickslip.field.field_map import FieldMap
+from stickslip.scenario.accelerations import Accelerations
 from stickslip.scenario.keys import (
+    ACCELERATIONS,
     COIL_MAP,
     COIL_NAMES,
     MAP_HINT,
+    PATHS,
     PROGRAM,
     PROGRAM_HINT,
+    SHAKE_FILE,
     hidden_keys,
     is_of_one_coil,
     keys_of,
@@ -223,6 +227,28 @@ class Environment(Section, key="environment"):
     __slots__ = ()
 
 
+class Shake(
+    Section,
+    key="shake",
+    accelerations="Accelerations, optional: Those of the surface, in place of sines, whose keys "
+    "then have their defaults.",
+):
+    __slots__ = ("_accelerations",)
+
+    def __init__(self, *, accelerations=None, **values):
+        super().__init__(**values)
+        if accelerations is not None:
+            if not isinstance(accelerations, Accelerations):
+                refuse(ACCELERATIONS, accelerations, PATHS[SHAKE_FILE])
+            self._core.set_accelerations(accelerations.rows)
+        self._accelerations = accelerations
+
+    @property
+    def accelerations(self):
+        """Accelerations of the surface; None for sines."""
+        return self._accelerations
+
+
 class Solver(Section, key="solver"):
     __slots__ = ()
 
@@ -256,6 +282,6 @@ class State(Section, key="initial"):
 
 SECTIONS = {
     each._name: each
-    for each in (Drive, Coil, Robot, Contact, Drag, Environment, State, Solver, Record)
+    for each in (Drive, Coil, Robot, Contact, Drag, Environment, Shake, State, Solver, Record)
 }
 """Their classes by name, in the order of a file."""

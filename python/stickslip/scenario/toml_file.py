@@ -13,14 +13,17 @@ from stickslip._util.messages import refuse, shown, suggestion
 from stickslip._util.text import printable, quoted
 from stickslip.errors import ScenarioError
 from stickslip.field.field_map import FieldMap
+from stickslip.scenario.accelerations import Accelerations
 from stickslip.scenario.effects import flat_effects
 from stickslip.scenario.keys import (
+    ACCELERATIONS,
     COIL_MAP,
     FILE,
+    IDLE,
     PATHS,
     PROGRAM,
     PROGRAM_HINT,
-    SAWTOOTH,
+    SHAKE_FILE,
     Key,
     Value,
     find_key,
@@ -43,7 +46,7 @@ FORMAT_VERSION = 1
 # Chosen: a scenario is a page of text; what is longer is another file, or a device without end.
 _MOST_BYTES = 1 << 20
 
-_T = TypeVar("_T", Waveform, FieldMap)
+_T = TypeVar("_T", Waveform, FieldMap, Accelerations)
 
 
 class Content(NamedTuple):
@@ -52,6 +55,7 @@ class Content(NamedTuple):
     core: _core.Scenario
     program: Waveform | None
     field_map: FieldMap | None
+    accelerations: Accelerations | None
     fluid: Fluid | None
     uncertain: JointPrior | None
 
@@ -118,6 +122,9 @@ def changes_of(
         changes[PROGRAM] = _read(FILE, changes.pop(FILE), folder, Waveform.from_csv)
     if folder is not None and COIL_MAP in changes:
         changes[COIL_MAP] = _read(COIL_MAP, changes[COIL_MAP], folder, FieldMap.from_file)
+    if folder is not None and SHAKE_FILE in changes:
+        file = changes.pop(SHAKE_FILE)
+        changes[ACCELERATIONS] = _read(SHAKE_FILE, file, folder, Accelerations.from_csv)
     fluid = fluid_of_table(document["fluid"]) if "fluid" in document else None
     return changes, document.get("uncertain"), fluid
 
@@ -177,9 +184,23 @@ def named_files(path: Path) -> dict[str, Path]:
     return found
 
 
-def files_beside(path: Path) -> tuple[Path, Path]:
-    """Where the voltages and the map of a scenario that is written to `path` go."""
-    return path.with_name(f"{path.stem}.voltages.csv"), path.with_name(f"{path.stem}.map.json")
+_BESIDE = ("voltages.csv", "map.json", "accelerations.csv")
+
+
+def held_writers(content: Content, names: Sequence[Path]) -> dict[Path, Callable[[Path], object]]:
+    """What writes the objects that a scenario has to `names`: voltages, map, accelerations."""
+    program, field_map, shaken = content.program, content.field_map, content.accelerations
+    writers = (
+        None if program is None else program.write,
+        None if field_map is None else text_writer(field_map.to_json()),
+        None if shaken is None else shaken.write,
+    )
+    return {name: each for name, each in zip(names, writers, strict=True) if each is not None}
+
+
+def files_beside(path: Path) -> tuple[Path, ...]:
+    """Where the objects of a scenario that is written to `path` go, see `held_writers`."""
+    return tuple(path.with_name(f"{path.stem}.{each}") for each in _BESIDE)
 
 
 def write_scenario(content: Content, path: Path, comments: Sequence[str] = ()) -> str:
@@ -196,25 +217,25 @@ def scenario_writers(
     content: Content, path: Path, comments: Sequence[str] = ()
 ) -> tuple[str, dict[Path, Callable[[Path], object]]]:
     """The text of a scenario's file, and what `write_together` needs for all its files."""
-    voltages, field_map = files_beside(path)
+    beside = files_beside(path)
     text = "".join(f"# {printable(line)}\n" for line in comments)
-    text += scenario_text(content, voltages.name, field_map.name)
-    writers = {path: text_writer(text)}
-    if content.program is not None:
-        writers[voltages] = content.program.write
-    if content.field_map is not None:
-        writers[field_map] = text_writer(content.field_map.to_json())
-    return text, writers
+    text += scenario_text(content, *(each.name for each in beside))
+    return text, {path: text_writer(text), **held_writers(content, beside)}
 
 
 def scenario_text(
-    content: Content, voltages: str = "voltages.csv", field_map: str = "map.json"
+    content: Content,
+    voltages: str = _BESIDE[0],
+    field_map: str = _BESIDE[1],
+    accelerations: str = _BESIDE[2],
 ) -> str:
-    """The TOML text, with the files that a program's voltages and the coils' map are in."""
+    """The TOML text, with the files that the objects of the scenario are in."""
     core, fluid = content.core, content.fluid
     changed = core.changed()
-    left_out = ["initial"] if not any(key.startswith("initial.") for key in changed) else []
-    idle = SAWTOOTH if core.get("drive.mode") == "program" else ()
+    given = {key.partition(".")[0] for key in changed}
+    given |= {"shake"} if content.accelerations is not None else set()
+    left_out = {"initial", "shake"} - given
+    idle = IDLE.get(str(core.get("drive.mode")), ())
     lines = [f"stickslip = {FORMAT_VERSION}"]
     for section in dict.fromkeys(key.section for key in known_keys().values()):
         keys = [key for key in known_keys().values() if key.section == section]
@@ -228,6 +249,8 @@ def scenario_text(
             lines.append(f"file = {quoted(voltages)}")
         if section == "coil" and content.field_map is not None:
             lines.append(f"map = {quoted(field_map)}")
+        if section == "shake" and content.accelerations is not None:
+            lines.append(f"file = {quoted(accelerations)}")
     for name, law in laws_of(core):
         lines += law_lines(name, law)
     if fluid is not None:

@@ -31,7 +31,7 @@ CODES = (
     "voltage", "density", "moment", "steep-surface", "adhesion", "tangential-restitution",
     "tolerance",
     # Facts, without a fault.
-    "map",
+    "map", "shake-mean",
 )  # fmt: skip
 """Codes of the notes of runs, the most serious first."""
 

@@ -26,6 +26,7 @@ from stickslip._util.files import beside, check_writable, replacing
 from stickslip._util.messages import refuse
 from stickslip.errors import NotWritten, ScenarioError, prefixed
 from stickslip.field.field_map import FieldMap
+from stickslip.scenario.accelerations import Accelerations
 from stickslip.scenario.scenario import Scenario, scenario_of
 from stickslip.scenario.sections import State
 from stickslip.scenario.waveform import Waveform
@@ -55,7 +56,7 @@ _MARGIN = 1 << 20
 
 
 def origin(scenario: Scenario) -> dict[str, str]:
-    """The origin of a file's numbers: versions, scenario, voltages and map."""
+    """The origin of a file's numbers: versions, scenario, and the objects that it holds."""
     about = {"stickslip_version": _core.__version__, "numpy_version": np.__version__}
     with contextlib.suppress(importlib.metadata.PackageNotFoundError):  # it comes with an extra
         about["xarray_version"] = importlib.metadata.version("xarray")
@@ -67,6 +68,8 @@ def origin(scenario: Scenario) -> dict[str, str]:
         )
     if scenario.coil.map is not None:
         about["coil_map"] = scenario.coil.map.to_json()
+    if scenario.shake.accelerations is not None:
+        about["accelerations"] = json.dumps(scenario.shake.accelerations.rows.tolist())
     return about
 
 
@@ -329,7 +332,10 @@ def stored(path: str | PathLike[str]) -> tuple[Scenario, dict[str, Any], StoredR
                 blocks = json.loads(about["voltage_blocks"])
                 program = Waveform([(each["t"], each["V"], each["repeats"]) for each in blocks])
             field_map = FieldMap.from_json(about["coil_map"]) if "coil_map" in about else None
-            scenario = scenario_of(about["scenario"], program, field_map)
+            shaken = None
+            if "accelerations" in about:
+                shaken = Accelerations(json.loads(about["accelerations"]))
+            scenario = scenario_of(about["scenario"], (program, field_map, shaken))
             record = StoredRecord(path, recorded_names(scenario))
             outcome = {
                 "status": about["status"],

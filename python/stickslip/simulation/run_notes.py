@@ -73,8 +73,7 @@ def _of_turning(summary: Mapping[str, Any]) -> list[Note]:
 def _of_fluid(scenario: Scenario, summary: Mapping[str, Any]) -> list[Note]:
     if scenario.fluid is None:
         return []
-    pulsed = scenario.drive.mode != "program"
-    frequency = scenario.drive.frequency if pulsed else 0.0
+    frequency = scenario.pulse_rate
     speed = math.hypot(summary["mean_velocity"], summary["mean_velocity_y"])
     beyond = left_out(scenario.fluid, scenario.robot, frequency, speed)
     said = {

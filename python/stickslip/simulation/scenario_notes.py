@@ -90,6 +90,14 @@ def _of_drive(scenario: Scenario, core: _core.Scenario) -> Iterator[Note]:
         yield Note("hidden-key", f"{text}, such as those of [coil.xp]", float(value))
     if scenario.coil.map is not None:
         yield Note("map", f"the field of the coils is that of {scenario.coil.map}")
+    shaken = scenario.shake.accelerations
+    if shaken is not None and any(shaken.mean):
+        x, z = shaken.mean
+        text = (
+            f"shake.file: the mean of its accelerations, {x:.3g} m/s^2 along x and {z:.3g} m/s^2 "
+            "along z, is taken out, as the surface would drift away"
+        )
+        yield Note("shake-mean", text, math.hypot(x, z))
     times = time_constants(scenario, core)
     start, end = scenario.window
     used = [name for name, volts in asked.items() if volts > 0.0]

@@ -36,6 +36,7 @@ from stickslip.scenario.keys import is_of_one_coil, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.toml_file import (
     files_beside,
+    held_writers,
     named_files,
     read_document,
     scenario_writers,
@@ -51,9 +52,8 @@ def report_files(scenario: Scenario | None) -> tuple[str, ...]:
     """Names of the files of a report; of a model of one's own there is no scenario."""
     if scenario is None:
         return PAGE, JSON
-    voltages, field_map = files_beside(Path(EXTENDED))
-    held = {voltages.name: scenario.drive.program, field_map.name: scenario.coil.map}
-    return (PAGE, JSON, EXTENDED, *(name for name, value in held.items() if value is not None))
+    held = held_writers(scenario.content, files_beside(Path(EXTENDED)))
+    return (PAGE, JSON, EXTENDED, *(path.name for path in held))
 
 
 def save(facts: Facts, out: str | PathLike[str], title: str | None) -> None:
