@@ -20,6 +20,7 @@ from measured_maps import formula_fields, grid
 from stickslip import (
     COIL_NAMES,
     STATE_COLUMNS,
+    Accelerations,
     Coil,
     EffectParameter,
     FieldMap,
@@ -142,6 +143,25 @@ HARD: dict[str, dict[str, Any]] = {
         "drive.hold": 3.2e-3,
     },
     "short steps": {"solver.max_step": 2e-5},
+    "shaken": {
+        "shake.frequency": 128.0,
+        "shake.amplitude_x": 20e-6,
+        "shake.harmonic_2_x": 0.4,
+        "shake.phase_2_x": 1.0,
+    },
+    "shaken liquid rests": {
+        "shake.frequency": 256.0,
+        "shake.amplitude_x": -6e-6,
+        "shake.amplitude_z": 3e-6,
+        "shake.phase": 0.8,
+        "shake.harmonic_3_z": 0.2,
+        "shake.liquid": "rests",
+    },
+    "shaken by rows": {
+        "shake.accelerations": Accelerations(
+            [[0.0, 9.0, 1.0], [2.0**-9, -14.0, -2.0], [2.0**-8, 3.0, 0.0], [2.0**-7, 2.0, 4.0]]
+        )
+    },
 }
 # Only of runs of a whole drive, to the bit: the first ends before it, the other steps otherwise.
 WHOLE = {"few steps": {"solver.max_steps": 300}, "arkode": {"solver.method": "arkode"}}
@@ -343,7 +363,8 @@ def _fades(case: Case) -> bool:
 
 def _with_pushed(case: Case) -> Iterator[Case]:
     yield case
-    leaves = settings()[case.drive].across and not case.scenario.whole_plane
+    shaken = any(key.startswith("shake.") for key in case.keys)
+    leaves = settings()[case.drive].across and not (case.scenario.whole_plane or shaken)
     if leaves and not _fades(case) and not case.is_own:
         yield from (Case(case.effects, case.drive, push) for push in PUSHES)
 

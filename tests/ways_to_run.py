@@ -37,6 +37,7 @@ from effect_table import (
 )
 from stickslip import (
     STATE_COLUMNS,
+    Accelerations,
     Run,
     Scenario,
     Simulator,
@@ -134,9 +135,11 @@ def _misread(run: Run, scale: float) -> str:
 def swept(table: Table) -> Iterator[str]:
     """As points of sweeps on two threads; a sweep has one map and one program."""
 
-    def together(case: Case) -> tuple[int, int]:
+    def together(case: Case) -> tuple[int, int, int]:
         scenario = case.scenario
-        return id(scenario.coil.map), hash(scenario.drive.program)
+        return (
+            id(scenario.coil.map), hash(scenario.drive.program), id(scenario.shake.accelerations)
+        )  # fmt: skip
 
     for _, group in itertools.groupby(sorted(table.to_the_bit, key=together), key=together):
         members = list(group)
@@ -328,6 +331,7 @@ TURNED_KEYS = (
     "effects.ambient_field.By",
     "effects.surface_tilt.angle",
     "effects.friction_patches.amplitude",
+    "shake.amplitude_x",
 )
 
 
@@ -344,6 +348,9 @@ def turned(scenario: Scenario) -> Scenario:
     changes["drive.direction"] = "+x" if scenario.drive.direction == "-x" else "-x"
     if scenario.drive.program is not None:
         changes["drive.program"] = scenario.drive.program.turned()
+    shaken = scenario.shake.accelerations
+    if shaken is not None:
+        changes["shake.accelerations"] = Accelerations(shaken.rows * [1.0, -1.0, 1.0])
     for box in (BOX, SLICE):
         if scenario.coil.map is not None and scenario.coil.map == field_map(box):
             changes["coil.map"] = field_map(box, turned=True)

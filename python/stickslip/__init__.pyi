@@ -23,6 +23,7 @@ from stickslip.measurement.reading import Measurement as Measurement
 from stickslip.measurement.reading import read_measurement as read_measurement
 from stickslip.measurement.track import velocity_of_track as velocity_of_track
 from stickslip.reproduction.study import reproduce as reproduce
+from stickslip.scenario.accelerations import Accelerations as Accelerations
 from stickslip.scenario.effects import EffectParameter as EffectParameter
 from stickslip.scenario.effects import effects as effects
 from stickslip.scenario.effects import register_effect as register_effect
@@ -38,6 +39,7 @@ from stickslip.scenario.sections import Drive as Drive
 from stickslip.scenario.sections import Environment as Environment
 from stickslip.scenario.sections import Record as Record
 from stickslip.scenario.sections import Robot as Robot
+from stickslip.scenario.sections import Shake as Shake
 from stickslip.scenario.sections import Solver as Solver
 from stickslip.scenario.sections import State as State
 from stickslip.scenario.uncertain import JointPrior as JointPrior

@@ -60,13 +60,14 @@ def test_coordinates_give_known_sizes(name, at_one, far, unit):
         ("robot.magnetization", 4e5, 4.4e5, (1.6e5, 8e5)),
         ("drive.edge_time", 1e-3, 1.4e-3, (1e-3, 5e-3)),
         ("contact.restitution", 0.4, 0.55, (0.4, 1.0)),
+        ("shake.amplitude_x", -2e-5, -1.8e-5, (-3.2e-5, 0.0)),
     ],
 )
 def test_a_constant_is_a_cause_about_what_is_stated(key, stated, at_one, range):
     known = parameters(library(SHORT.replace({key: stated}), (), VOLTS))[key]
     assert known.value(np.array([0.0, 1.0])) == pytest.approx([stated, at_one])
     assert (known.low, known.high) == pytest.approx(range)
-    at_its_end = {"robot.magnetization": 0.0, "contact.restitution": 1.0}
+    at_its_end = {"robot.magnetization": 0.0, "contact.restitution": 1.0, "shake.amplitude_x": 0.0}
     if key in at_its_end:
         assert key not in parameters(library(SHORT.replace({key: at_its_end[key]}), (), VOLTS))
 
@@ -87,11 +88,13 @@ def test_what_the_model_has_already_is_no_cause():
     every = names()
     assert every - names(SHORT.replace({"effects.surface_tilt.angle": 0.01})) == {"surface_tilt"}
     assert every - names(effects__misalignment__angle=1) == {"misalignment"}
+    assert names(contact__kinetic_friction=1) == every
     # Nor is another name of an uncertain constant.
+    shaken = SHORT.replace({"shake.amplitude_x": 1e-6, "shake.amplitude_z": 1e-6})
+    every = names(shaken)
     assert set(_ALIKE) <= every
     for name, constant in _ALIKE.items():
-        assert every - names(**{constant: 1}) == {name}
-    assert names(contact__kinetic_friction=1) == every
+        assert every - names(shaken, **{constant: 1}) == {name}
 
 
 def test_rotational_drags_look_alike_over_the_drives():

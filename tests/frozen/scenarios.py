@@ -240,7 +240,23 @@ def _mixed(draw: Draw) -> Scenario:
     return Scenario().replace({**keys, **(_across(draw) if draw.chance(0.4) else {})})
 
 
-# With two for each effect, in one plane and in the whole, they are three hundred.
+def _shaken(draw: Draw) -> Scenario:
+    pulsed = _drive(draw)
+    still = {"drive.mode": "none", "drive.pulses": 12, "drive.direction": draw.word("+x", "-x")}
+    shake = {
+        "shake.frequency": draw.uniform(30.0, 300.0),
+        "shake.amplitude_x": draw.uniform(-3e-5, 3e-5),
+        "shake.amplitude_z": draw.uniform(0.0, 1e-5),
+        "shake.phase": draw.uniform(-3.0, 3.0),
+        "shake.harmonic_2_x": draw.uniform(0.0, 0.8),
+        "shake.phase_2_x": draw.uniform(-3.0, 3.0),
+        "shake.liquid": draw.word("moves", "rests"),
+    }
+    drive = pulsed if draw.chance(0.5) else still
+    return Scenario().replace({**drive, **_contact(draw), **shake})
+
+
+# With two for each effect, in one plane and in the whole, three hundred and those of a shake.
 _KINDS: dict[str, tuple[Callable[[Draw], Scenario], int]] = {
     "pack": (_pack, 42),
     "program": (_program, 30),
@@ -250,6 +266,7 @@ _KINDS: dict[str, tuple[Callable[[Draw], Scenario], int]] = {
     "long": (_long, 6),
     "failure": (_failure, 12),
     "mixed": (_mixed, 92),
+    "shaken": (_shaken, 12),
 }
 
 

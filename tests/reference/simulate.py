@@ -8,6 +8,7 @@ from . import stepper as slot
 from .drive import DRIVE_DEFAULTS, complete, complete_drive, voltages_of
 from .effects import COILS, circuit_with, completed_effects, driven, model_of
 from .field import coil_wires
+from .shaken import INNER, SHAKE, shaken_of
 from .stepper import QUARTER_TURN, march
 
 ROBOT_DEFAULTS = {
@@ -72,12 +73,14 @@ def simulate_reference(
     effects: dict | None = None,
     dt: float = 1e-7,
     rate: float | None = None,
+    shake: dict | None = None,
+    inner: dict | None = None,
 ) -> ReferenceRun:
     """Simulate one drive from rest.
 
-    drive, robot, contact, drag: keys and units of the scenario sections of the same names (SI);
-    absent keys take the defaults above. effects: {name: {parameter: value}}, see effects.py.
-    dt: s, fixed step. rate: Hz of the samples; without it none are kept.
+    drive, robot, contact, drag, shake, inner: keys and units of the scenario sections of the same
+    names (SI); absent keys take the defaults above. effects: {name: {parameter: value}}, see
+    effects.py. dt: s, fixed step. rate: Hz of the samples; without it none are kept.
     Raises ValueError for a key or a word that is not known.
     """
     full = complete_drive(drive)
@@ -92,13 +95,14 @@ def simulate_reference(
     # The first coils of the list, as many as have a voltage of their own.
     wires = np.stack([coil_wires(name) for name in COILS[: volts.level.shape[1]]])
     # The last moment itself must fall inside a step, whichever way its multiple of dt rounds.
+    shaken = shaken_of(complete("shake", shake, SHAKE), complete("inner", inner, INNER), mirror)
     steps = int(np.floor(volts.end / dt + 1e-9)) + 1
     window = np.array([volts.first_counted, volts.last_counted])
     count = int(np.floor(volts.end * rate + 1e-9)) + 1 if rate else 0
     samples = np.zeros((count, 2))
     marks = march(
         model, wires, volts.start, volts.level @ circuit.to_coils, volts.slope @ circuit.to_coils,
-        float(dt), steps, window, float(rate or 1.0), samples,
+        float(dt), steps, window, float(rate or 1.0), samples, shaken,
     )  # fmt: skip
     seconds = window[1] - window[0]
     return ReferenceRun(

@@ -29,6 +29,7 @@ from .contact import (
     solve_two,
 )
 from .field import wire_loop_planar
+from .shaken import ANGLE, EXISTS, MASS, inner_force, surface
 
 # SI throughout. moment is V M in A m^2; mirror is -1 if the robot faces the world's -x; gain (n,)
 # is each coil's field over what the field model gives; gradient is the same of all gradients.
@@ -109,11 +110,14 @@ def _leaving_impulse(reaction, share_given, keep_n, keep_t, hold):
 
 
 @njit(cache="NUMBA_CACHE_DIR" in os.environ)
-def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sample_rate, samples):
+def march(
+    model, wires, seg_start, seg_level, seg_slope, step, steps, window, sample_rate, samples, shaken
+):  # fmt: skip
     """Integrate from rest, lying flat with its centre at x = 0.
 
     wires (n, 5, 3) m of the coils; seg_*: segments of the modes' voltages; window (2,) s: interval
-    of the averages; samples (n, 2): filled with x and theta at multiples of 1 / sample_rate.
+    of the averages; shaken: see shaken.py; samples (n, 2): filled with x and theta at multiples of
+    1 / sample_rate.
     Returns the marks of the window, see the slots above: x in m at its ends, time without contact
     in s, angles in rad, travel in m of a slipping corner while theta rises and falls.
     """
@@ -146,14 +150,23 @@ def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sa
     near = np.zeros((coils, 6))
     arguments = np.zeros(10)
     arguments[laws.FREQUENCY] = model.frequency
+    # Place of the surface at the step before and now; place and velocity of the inner mass.
+    was_x, was_z = surface(shaken, -step)
+    now_x, now_z = surface(shaken, 0.0)
+    inner_place = inner_velocity = 0.0
     landed = 0.0  # s, when the body last came down from flight
 
     for k in range(steps):
         t, t_next = k * step, (k + 1) * step
-        if abs(x - at_x) > FIELD_REFRESH or abs(z - at_z) > FIELD_REFRESH:
-            at_x, at_z = x, z
+        # The body's own coordinates count from the surface.
+        next_x, next_z = surface(shaken, t_next)
+        jump_x = (next_x - 2.0 * now_x + was_x) / step
+        jump_z = (next_z - 2.0 * now_z + was_z) / step
+        ground_x, ground_z = x + now_x, z + now_z
+        if abs(ground_x - at_x) > FIELD_REFRESH or abs(ground_z - at_z) > FIELD_REFRESH:
+            at_x, at_z = ground_x, ground_z
             for coil in range(coils):
-                terms = wire_loop_planar(wires[coil], x, z)
+                terms = wire_loop_planar(wires[coil], ground_x, ground_z)
                 for j in range(6):
                     near[coil, j] = terms[j]
         for coil in range(coils):
@@ -168,8 +181,18 @@ def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sa
         arguments[laws.AGE] = t - landed if grounded else 0.0
         arguments[laws.LOAD] = reaction.sum() / step
         force_x, force_z, torque = _wrench(
-            model, near, x - at_x, z - at_z, amperes, theta, arguments
+            model, near, ground_x - at_x, ground_z - at_z, amperes, theta, arguments
         )
+        spring = 0.0
+        line_x = np.cos(theta + shaken.inner[ANGLE])
+        line_z = -np.sin(theta + shaken.inner[ANGLE])
+        if shaken.inner[EXISTS] > 0.0:
+            spring = inner_force(shaken, inner_place, inner_velocity, t)
+            weight_x = shaken.inner[MASS] * (model.gravity_x - jump_x / step)
+            weight_z = shaken.inner[MASS] * (model.gravity_z - jump_z / step)
+            along = weight_x * line_x + weight_z * line_z
+            force_x += weight_x - (along + spring) * line_x
+            force_z += weight_z - (along + spring) * line_z
 
         # Drag acts on the mean of the old and the new velocity: it damps at any step length.
         damped = 0.5 * step * (1.0 + laws.total(model.laws.fluid, arguments))
@@ -179,8 +202,11 @@ def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sa
         im = 1.0 / (model.mass + drag)
         ij = 1.0 / (model.inertia + twist)
         # Velocity at the end of the step if nothing touched.
-        push_x = im * ((model.mass - drag) * vx + step * force_x)
-        push_z = im * ((model.mass - drag) * vz + step * force_z)
+        push_x = im * ((model.mass - drag) * vx + step * force_x - model.mass * jump_x)
+        push_z = im * ((model.mass - drag) * vz + step * force_z - model.mass * jump_z)
+        if shaken.rests > 0.0:
+            push_x -= im * drag * (next_x - was_x) / step
+            push_z -= im * drag * (next_z - was_z) / step
         push_omega = ij * ((model.inertia - twist) * omega + step * torque)
 
         corner_offsets(theta, half_length, half_height, rx_now, rz_now)
@@ -335,11 +361,13 @@ def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sa
         while sample < samples.shape[0] and sample / sample_rate <= t_next:
             part = (sample / sample_rate - t) / step
             samples[sample, 0] = before_x + part * (x - before_x)
+            samples[sample, 0] += now_x + part * (next_x - now_x)
             samples[sample, 1] = before_theta + part * (theta - before_theta)
             sample += 1
         for end in range(2):
             if t < window[end] <= t_next:
-                marks[end] = before_x + (window[end] - t) / step * (x - before_x)
+                part = (window[end] - t) / step
+                marks[end] = before_x + now_x + part * (x - before_x + next_x - now_x)
         if window[0] <= t < window[1]:
             marks[AIRBORNE] += step if closed == 0 else 0.0
             marks[THETA_MIN] = min(marks[THETA_MIN], theta)
@@ -347,6 +375,12 @@ def march(model, wires, seg_start, seg_level, seg_slope, step, steps, window, sa
             if closed == 1 and slip[first] != STICK:
                 travel = x + rx[first] - before_x - rx_now[first]
                 marks[SLIP_UP if new_omega > 0.0 else SLIP_DOWN] += travel
+        if shaken.inner[EXISTS] > 0.0:
+            gained = (new_vx - vx + jump_x) * line_x + (new_vz - vz + jump_z) * line_z
+            weight = model.gravity_x * line_x + model.gravity_z * line_z
+            inner_velocity += step * (spring / shaken.inner[MASS] + weight) - gained
+            inner_place += step * inner_velocity
+        was_x, was_z, now_x, now_z = now_x, now_z, next_x, next_z
         vx, vz, omega = new_vx, new_vz, new_omega
         segment = advance_circuits(
             t, t_next, decay, segment, seg_start, seg_level, seg_slope, current, lagged, circuit

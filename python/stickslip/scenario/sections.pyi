@@ -21,7 +21,7 @@ class Drive(Section, key="drive"):
     def __init__(
         self,
         *,
-        mode: Literal["IPP", "OPP", "program"] = "IPP",
+        mode: Literal["IPP", "OPP", "program", "none"] = "IPP",
         clamp: Literal["down", "up"] = "down",
         edge: Literal["rise", "fall"] = "rise",
         direction: Literal["+x", "-x"] = "+x",
@@ -38,7 +38,7 @@ class Drive(Section, key="drive"):
         program: Waveform | None = None,
     ) -> None: ...
     @property
-    def mode(self) -> Literal["IPP", "OPP", "program"]: ...
+    def mode(self) -> Literal["IPP", "OPP", "program", "none"]: ...
     @property
     def clamp(self) -> Literal["down", "up"]: ...
     @property
@@ -194,6 +194,63 @@ class Environment(Section, key="environment"):
     ) -> None: ...
     @property
     def gravity(self) -> float: ...
+
+class Shake(Section, key="shake"):
+    def __init__(
+        self,
+        *,
+        liquid: Literal["moves", "rests"] = "moves",
+        frequency: float = 100.0,
+        amplitude_x: float = 0.0,
+        amplitude_z: float = 0.0,
+        phase: float = 0.0,
+        harmonic_2_x: float = 0.0,
+        phase_2_x: float = 0.0,
+        harmonic_3_x: float = 0.0,
+        phase_3_x: float = 0.0,
+        harmonic_4_x: float = 0.0,
+        phase_4_x: float = 0.0,
+        harmonic_2_z: float = 0.0,
+        phase_2_z: float = 0.0,
+        harmonic_3_z: float = 0.0,
+        phase_3_z: float = 0.0,
+        harmonic_4_z: float = 0.0,
+        phase_4_z: float = 0.0,
+    ) -> None: ...
+    @property
+    def liquid(self) -> Literal["moves", "rests"]: ...
+    @property
+    def frequency(self) -> float: ...
+    @property
+    def amplitude_x(self) -> float: ...
+    @property
+    def amplitude_z(self) -> float: ...
+    @property
+    def phase(self) -> float: ...
+    @property
+    def harmonic_2_x(self) -> float: ...
+    @property
+    def phase_2_x(self) -> float: ...
+    @property
+    def harmonic_3_x(self) -> float: ...
+    @property
+    def phase_3_x(self) -> float: ...
+    @property
+    def harmonic_4_x(self) -> float: ...
+    @property
+    def phase_4_x(self) -> float: ...
+    @property
+    def harmonic_2_z(self) -> float: ...
+    @property
+    def phase_2_z(self) -> float: ...
+    @property
+    def harmonic_3_z(self) -> float: ...
+    @property
+    def phase_3_z(self) -> float: ...
+    @property
+    def harmonic_4_z(self) -> float: ...
+    @property
+    def phase_4_z(self) -> float: ...
 
 class State(Section, key="initial"):
     def __init__(

@@ -72,10 +72,18 @@ CONSTANTS = {
 }
 """Causes that are a constant which is other than stated, and its change: size, lowest, highest.
 
-Those of the magnetization are parts of it."""
+Those of `_PARTS` are parts of it."""
+
+SHAKEN = {
+    "shake_amplitude_x": ("shake.amplitude_x", (0.1, -0.6, 1.0)),
+    "shake_amplitude_z": ("shake.amplitude_z", (0.1, -0.6, 1.0)),
+}
+"""The same of what shakes a robot, where it does. Chosen: what is known to a tenth."""
+
+_PARTS = {"robot.magnetization", *(key for key, _ in SHAKEN.values())}
 
 _ALIKE = {
-    **{name: key for name, (key, _) in CONSTANTS.items()},
+    **{name: key for name, (key, _) in (*CONSTANTS.items(), *SHAKEN.items())},
     # Torques against turning by the rate and by its square: over drives of the paper's range a
     # change of one changes the velocities as a change of the other does, to a cosine of 0.99.
     "rotational_drag": "drag.rotational",
@@ -84,7 +92,7 @@ _ALIKE = {
 
 
 def library(scenario: Scenario, uncertain: Collection[str], volts: float) -> tuple[Cause, ...]:
-    """All effects with a known law that the model does not have yet, and `CONSTANTS`.
+    """All effects with a known law that the model does not have yet, `CONSTANTS` and `SHAKEN`.
 
     Curves of a free shape are in `laws`. Values of single coils are measured, and `field_gain`
     stands for them.
@@ -101,7 +109,8 @@ def library(scenario: Scenario, uncertain: Collection[str], volts: float) -> tup
     """
     own = {key.split(".")[1] for key in uncertain if key.startswith(PREFIX)}
     same = {name for name, constant in _ALIKE.items() if constant in uncertain}
-    constants = [_constant(name, scenario) for name in CONSTANTS if name not in same]
+    known = {**CONSTANTS, **SHAKEN}
+    constants = [_constant(name, *known[name], scenario) for name in known if name not in same]
     return tuple(filter(None, constants)) + tuple(
         Cause(
             each.name,
@@ -115,11 +124,10 @@ def library(scenario: Scenario, uncertain: Collection[str], volts: float) -> tup
     )
 
 
-def _constant(name: str, scenario: Scenario) -> Cause | None:
-    """A constant that is other than stated; None where it is at the end of its range."""
-    key, changes = CONSTANTS[name]
+def _constant(name: str, key: str, changes: tuple[float, ...], scenario: Scenario) -> Cause | None:
+    """A constant that is other than stated; None where it is at the end of its range, or zero."""
     known, stated = known_keys()[key], float(scenario.get(key))
-    size, low, high = np.array(changes) * (stated if key == "robot.magnetization" else 1.0)
+    size, low, high = np.array(changes) * (abs(stated) if key in _PARTS else 1.0)
     low, high = max(known.low, stated + low), min(known.high, stated + high)
     if not low < high:
         return None
