@@ -19,6 +19,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Literal, NamedTuple
 
 from stickslip.field.field_map import FieldMap
+from stickslip.scenario.accelerations import Accelerations
 from stickslip.scenario.section import Section
 from stickslip.scenario.waveform import Waveform
 
@@ -64,6 +65,10 @@ BY_HAND = {
         magnetization: float | None = None,
     ) -> Robot: ...
 """,
+    "Shake": """\
+    @property
+    def accelerations(self) -> Accelerations | None: ...
+""",
     "State": """\
     @property
     def row(self) -> list[float]: ...
@@ -75,6 +80,7 @@ BY_HAND = {
 
 ARGUMENTS = {
     "Drive": ["program: Waveform | None = None"],
+    "Shake": ["accelerations: Accelerations | None = None"],
     "Coil": [
         "map: FieldMap | None = None",
         *(f"{name}: Mapping[str, float] | OneCoil | None = None" for name in COIL_NAMES),

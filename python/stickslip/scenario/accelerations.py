@@ -49,7 +49,8 @@ class Accelerations:
             raise ScenarioError(f"rows of shape {given.shape}: allowed is (n, 3): t, ax, az")
         self.rows = locked(given)
         with prefixed("", ValueError):
-            self.mean = tuple(_core.Scenario().set_accelerations(self.rows))
+            along, up = _core.Scenario().set_accelerations(self.rows)
+        self.mean = along, up
 
     @classmethod
     def from_csv(cls, path: str | PathLike[str]) -> Accelerations:

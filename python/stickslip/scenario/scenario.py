@@ -558,7 +558,7 @@ def _made(
 ) -> Scenario:
     """The scenario of these parts."""
     made = _DEFAULT.replace({**changed, **_named(objects)}).with_uncertain(uncertain)
-    made._fluid, made._hidden = fluid, hidden
+    made._fluid, made._hidden = fluid, dict(hidden)
     return made
 
 

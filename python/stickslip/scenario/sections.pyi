@@ -3,6 +3,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Literal, NamedTuple
 
 from stickslip.field.field_map import FieldMap
+from stickslip.scenario.accelerations import Accelerations
 from stickslip.scenario.section import Section
 from stickslip.scenario.waveform import Waveform
 
@@ -216,6 +217,7 @@ class Shake(Section, key="shake"):
         phase_3_z: float = 0.0,
         harmonic_4_z: float = 0.0,
         phase_4_z: float = 0.0,
+        accelerations: Accelerations | None = None,
     ) -> None: ...
     @property
     def liquid(self) -> Literal["moves", "rests"]: ...
@@ -251,21 +253,14 @@ class Shake(Section, key="shake"):
     def harmonic_4_z(self) -> float: ...
     @property
     def phase_4_z(self) -> float: ...
+    @property
+    def accelerations(self) -> Accelerations | None: ...
 
 class State(Section, key="initial"):
     def __init__(
         self,
         *,
-        contact: Literal[
-            "from_motion",
-            "flight",
-            "corner_stick",
-            "corner_slip_forward",
-            "corner_slip_backward",
-            "face_stick",
-            "face_slip_forward",
-            "face_slip_backward",
-        ] = "from_motion",
+        contact: Literal["from_motion", "flight", "corner_stick", "corner_slip_forward", "corner_slip_backward", "face_stick", "face_slip_forward", "face_slip_backward"] = "from_motion",
         x: float = 0.0,
         z: float = 0.0,
         theta: float = 0.0,
@@ -288,18 +283,7 @@ class State(Section, key="initial"):
         heading: float = 0.0,
     ) -> None: ...
     @property
-    def contact(
-        self,
-    ) -> Literal[
-        "from_motion",
-        "flight",
-        "corner_stick",
-        "corner_slip_forward",
-        "corner_slip_backward",
-        "face_stick",
-        "face_slip_forward",
-        "face_slip_backward",
-    ]: ...
+    def contact(self) -> Literal["from_motion", "flight", "corner_stick", "corner_slip_forward", "corner_slip_backward", "face_stick", "face_slip_forward", "face_slip_backward"]: ...
     @property
     def x(self) -> float: ...
     @property
