@@ -1,7 +1,9 @@
 """The record of the blind study: its flow, and how its rows are counted."""
 
+import itertools
 import json
 import sys
+from collections import Counter
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -13,7 +15,7 @@ from stickslip.measurement import read_measurement
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
 
-from blind import study
+from blind import own, study
 from blind.kinds import KINDS, STUDY, plan
 from blind.scoring import (
     FAMILIES,
@@ -299,3 +301,34 @@ def test_calibration_counts_answers_by_their_probability():
         (1, 1),
     ]
     assert high["mean"] == pytest.approx((0.9 + 0.85 + 0.9) / 3)
+
+
+def test_sets_of_models_of_ones_own_have_all_kinds_alike():
+    drawn = list(itertools.islice(own.sets(), 2 * 3 * 48))
+    logs = Counter(drawn[1::2])
+    assert len(logs) == 4 * 3 * 3
+    assert all(logs[kind, "listed", errors] == 2 * logs[kind, "none", errors] == 6
+               for kind in own.MACHINES for errors in own.ERRORS)  # fmt: skip
+
+
+def test_counts_of_models_of_ones_own():
+    def row(hidden, cause, verdict, causes):
+        return {"errors": "white", "kind": "joint", "hidden": hidden, "cause": cause,
+                "verdict": verdict, "causes": causes, "cpu_seconds": 1.0}  # fmt: skip
+
+    text = own.tables(
+        [row("none", "", "none", [])] * 59
+        + [row("none", "", "dominant", ["load"])]
+        + [row("listed", "load", "named", ["load"])] * 37
+        + [row("listed", "load", "ambiguous", ["load", "coulomb"])] * 2
+        + [row("listed", "load", "named", ["coulomb"])]
+        + [row("unlisted", "load", "named", ["coulomb"])] * 20
+    )
+    for line in (
+        "| logs | none | false alarm | 1 of 60 | 0% to 9% | at most 5% | yes |",
+        "| logs | listed | right | 37 of 40 | 80% to 97% | - | - |",
+        "| logs | listed | right or in the set | 39 of 40 | 87% to 100% | at least 95% | yes |",
+        "| logs | listed | wrongly named | 1 of 40 | 0% to 13% | at most 1% | yes |",
+        "| logs | unlisted | wrongly named | 20 of 20 | 84% to 100% | at most 3% | not judged |",
+    ):
+        assert line in text

@@ -3,7 +3,8 @@
 `make` draws data sets into a folder, `diagnose` reads their files alone, `judge` opens the answers
 and prints the tables. `tables` prints those of a record, `write` lays out one data set as files,
 `store` keeps sets of old seeds with what the present engine says of them, `compare` sets the
-verdicts and fits of a later engine beside these. The folder is that of the stored study unless
+verdicts and fits of a later engine beside these. `own` diagnoses sets of models of one's own, and
+prints their counts. The folder is that of the stored study unless
 another one is given; a step that was stopped goes on where it stood.
 """
 
@@ -14,6 +15,7 @@ import json
 from pathlib import Path
 
 from blind.kinds import KINDS, OLD, STUDY, plan
+from blind.own import study as study_own
 from blind.scoring import read, report
 from blind.stored import compare, store
 from blind.study import HERE, diagnose_sets, judge, make
@@ -50,6 +52,8 @@ def main() -> None:
     short.add_argument("--most", type=float, default=60.0, help="CPU seconds of a diagnosis")
     kept = steps.add_parser("store", parents=[time, some, short], help="keep sets and verdicts")
     kept.add_argument("--seeds", type=int, default=2, help="data sets of a kind, at most")
+    own = steps.add_parser("own", parents=[folder, time], help="sets of models of one's own")
+    own.add_argument("--sets", type=int, default=250, help="at most")
     again = steps.add_parser("compare", parents=[time, some, short], help="before and now")
     again.add_argument("--out", type=Path, default=Path("bench/results/stored.jsonl"))
     options = parser.parse_args()
@@ -66,6 +70,8 @@ def main() -> None:
         print(report(judge(options.folder)))
     elif options.step == "tables":
         print(report(read(options.record)))
+    elif options.step == "own":
+        study_own(options.folder / "own.jsonl", options.minutes, options.sets)
     elif options.step == "write":
         answer = write_case(options.into / "data", options.kind, options.seed)
         (options.into / "answer.json").write_text(json.dumps(answer, indent=2) + "\n")

@@ -429,7 +429,7 @@ def calibration(rows: Sequence[Row]) -> list[dict[str, Any]]:
     return result
 
 
-def _markdown(heads: str, rows: Sequence[Sequence[object]]) -> str:
+def markdown(heads: str, rows: Sequence[Sequence[object]]) -> str:
     columns = heads.split(";")
     lines = [columns, ["---"] * len(columns), *rows]
     return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
@@ -451,7 +451,7 @@ def _counts(rows: Sequence[Row], pooled: bool) -> str:
                 else {None: "not judged", True: "yes", False: "no"}[each["met"]],
             )
         )  # fmt: skip
-    return _markdown("hidden;counted;count;share;95 % interval;asked;passes up to;met", lines)
+    return markdown("hidden;counted;count;share;95 % interval;asked;passes up to;met", lines)
 
 
 def table(rows: Sequence[Row]) -> str:
@@ -466,7 +466,7 @@ def table(rows: Sequence[Row]) -> str:
     ]  # fmt: skip
     parts = [
         _counts(rows, pooled=True),
-        _markdown("most likely, thought to be so by;on average;true;at least so often", sure),
+        markdown("most likely, thought to be so by;on average;true;at least so often", sure),
     ]
     if rows:
         seconds = [row["cpu_seconds"] for row in rows]
@@ -524,7 +524,7 @@ def report(rows: Sequence[Row]) -> str:
     parts += [", ".join(f"{key} {value}" for key, value in each) for each in sorted(states) if each]
     parts.append("Each kind by itself:\n\n" + _counts(rows, pooled=False))
     parts.append(
-        _markdown("cause;hidden as;data sets;in the set;named;wrong claims", by_cause(rows))
+        markdown("cause;hidden as;data sets;in the set;named;wrong claims", by_cause(rows))
     )
-    parts.append(_markdown("kind;seed;truth;S;said;missed", misses(rows)))
+    parts.append(markdown("kind;seed;truth;S;said;missed", misses(rows)))
     return "\n\n".join(parts)
