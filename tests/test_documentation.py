@@ -111,6 +111,12 @@ def measured_words():
     true = [row for row in sure if row["judgement"] in ("right", "set with the truth")]
     assert not any(row["judgement"].startswith("wrong") for row in real["rows"].values())
     share = {name: row["share"] for name, row in real["rows"].items()}
+    untold = json.loads((MEASURED / "untold.json").read_text())
+    kinds = untold["kinds"].values()
+    made, said, wrongly = (
+        len(kinds) * untold["of each"],
+        *(sum(row[what] for row in kinds) for what in ("said", "wrongly")),
+    )
     stated = sum(not is_free_shape(each.name) for each in stickslip.effects())
     rows = read(STUDY)
     cases = [Case(row) for row in rows]
@@ -143,6 +149,10 @@ def measured_words():
             f"{engine}: in {len(rows)} simulated data sets {sound}",
             holding,
             f"none is claimed wrongly; {len(true)} of {len(sure)} end right or as a set",
+        ],
+        "docs/howto/diagnose.md": [
+            f"[said of {said} of {made} made sets](../accuracy.md#what-data-cannot-tell) that hide"
+            f" something, and of {wrongly} of {made} that tell it",
         ],
         "docs/howto/real-cases.md": [
             f"as one record, the asymmetry takes {share['axis, 20 Hz, listed: yes']} of",

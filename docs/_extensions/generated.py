@@ -178,6 +178,7 @@ class BenchResults(SphinxDirective):
             "peers.json": _peers,
             "sweep.json": _sweep,
             "real.json": _real,
+            "untold.json": _untold,
         }
         table = tables[path.name]
         parsed = self.parse_text_to_nodes(f"{table(results)}\n\n{_origin(results)}")
@@ -292,6 +293,15 @@ def _real(results: dict[str, Any]) -> str:
         *("held-out error", "judgement", "CPU s"),
     ]
     return _markdown_table(header, rows)
+
+
+def _untold(results: dict[str, Any]) -> str:
+    count = results["of each"]
+    rows = [
+        [kind, f"{row['said']} of {count}", f"{row['wrongly']} of {count}"]
+        for kind, row in results["kinds"].items()
+    ]
+    return _markdown_table(["hidden", "said where it is", "said where it is not"], rows)
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
