@@ -137,3 +137,44 @@ def test_mean_velocity_where_the_restitution_is_bounded(restitution):
     velocity = run({f"contact.{key}": value for key, value in contact.items()}, **drive)
     reference = simulate_reference(drive, contact=contact, dt=STEP)
     assert velocity.mean_velocity == pytest.approx(reference.mean_velocity, rel=AGREEMENT)
+
+
+STILL = {"peak": 0.0, "base": 0.0, "hold": 0.0, "ramp": 0.0, "frequency": 100.0, "pulses": 6}
+ALONG = {"frequency": 100.0, "amplitude_x": 40e-6, "harmonic_2_x": 0.3, "phase_2_x": 1.0}
+# shake, contact, drive, drag: what differs from the above and the defaults
+SHAKEN = {
+    "along": ({}, {}, {}),
+    "along, rough": ({"amplitude_x": 90e-6}, {"static_friction": 0.6, "kinetic_friction": 0.4}, {}),
+    "four sines": ({"harmonic_3_x": -0.2, "phase_3_x": 0.4, "harmonic_4_x": 0.1}, {}, {}),
+    "faced back": ({}, {}, {"direction": "-x"}),
+    "a leg": ({"amplitude_z": 5e-6, "phase": 1.2, "harmonic_2_x": 0.0}, {"adhesion": 0.0}, {}),
+    "a leg that lifts": (
+        {"amplitude_z": 40e-6, "phase": 0.7, "harmonic_2_z": 0.2, "phase_2_z": 2.0},
+        {"adhesion": 0.0}, {},
+    ),
+    "the liquid rests": ({"liquid": "rests"}, {"adhesion": 0.1e-6}, {}),
+    "beside IPP": ({"amplitude_x": 10e-6}, {}, {"mode": "IPP", **BASES["IPP"], "peak": 2.5e-3}),
+    "beside OPP": (
+        {"amplitude_x": 5e-6, "amplitude_z": 4e-6, "phase": -0.6}, {},
+        {"mode": "OPP", **BASES["OPP"], "peak": 2.5e-3},
+    ),
+}  # fmt: skip
+
+
+def shaken(drive, contact, shake, inner=None):
+    """Mean velocities of both, m/s."""
+    sections = {"contact": contact, "shake": shake, "inner": inner or {}}
+    keys = {f"{section}.{key}": v for section, own in sections.items() for key, v in own.items()}
+    other = simulate_reference(drive, contact=contact, shake=shake, inner=inner, dt=STEP)
+    return run(keys, **drive).mean_velocity, other.mean_velocity
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=pytest.mark.nightly if k % 3 else ()) for k, n in enumerate(SHAKEN)],
+)
+def test_a_shaken_surface(name):
+    shake, contact, drive = SHAKEN[name]
+    velocity, other = shaken({**STILL, **drive}, contact, {**ALONG, **shake})
+    assert abs(velocity) > 1e-5
+    assert velocity == pytest.approx(other, rel=AGREEMENT)

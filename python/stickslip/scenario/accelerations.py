@@ -64,6 +64,11 @@ class Accelerations:
         """The last time, s."""
         return float(self.rows[-1, 0])
 
+    @property
+    def most(self) -> float:
+        """The largest along either axis, m/s^2."""
+        return float(np.abs(self.rows[:, 1:]).max())
+
     def write(self, path: str | PathLike[str]) -> None:
         """Write the CSV file that `from_csv` reads."""
         with open(path, "w", newline="", encoding="utf-8") as file:

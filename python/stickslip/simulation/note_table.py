@@ -108,7 +108,7 @@ def _of_run(facts: Facts, summary: Mapping[str, Any], ok: bool) -> dict[str, Any
     scenario, drive = facts.scenario, facts.scenario.drive
     program = drive.mode == "program"
     start, end = scenario.window
-    period = end - start if program else 1.0 / min(drive.frequency, FAST)
+    period = end - start if program else 1.0 / min(scenario.pulse_rate, FAST)
     speeds = summary["mean_velocity"], summary["mean_velocity_y"]
     forward = float(seen_from_drive(*speeds, drive.mode, drive.direction, drive.heading)[0])
     rocks = abs(summary["slip_up"]) + abs(summary["slip_down"])

@@ -25,6 +25,9 @@ LOOSE_TOLERANCE = 1e-5
 """Values of solver.rtol above this are noted: with base 0.5 mT and 20 pulses at 20 to 150 Hz the
 mean velocity is off by up to 0.1 % at 1e-5, by 1 % at 1e-4 and by 8 % at 1e-3."""
 
+MUCH_MEAN = 1e-6
+"""Means of a shake's accelerations above this part of the largest are noted. Chosen: rounding."""
+
 LEAST_SWING = 0.05
 """Parts of the asked swing of the field below this are noted. With the coils of Table I that is a
 sawtooth of more than 357 Hz, whose pulses last 0.4 L/R; the paper's 200 Hz give 9 %."""
@@ -91,7 +94,7 @@ def _of_drive(scenario: Scenario, core: _core.Scenario) -> Iterator[Note]:
     if scenario.coil.map is not None:
         yield Note("map", f"the field of the coils is that of {scenario.coil.map}")
     shaken = scenario.shake.accelerations
-    if shaken is not None and any(shaken.mean):
+    if shaken is not None and math.hypot(*shaken.mean) > MUCH_MEAN * shaken.most:
         x, z = shaken.mean
         text = (
             f"shake.file: the mean of its accelerations, {x:.3g} m/s^2 along x and {z:.3g} m/s^2 "
