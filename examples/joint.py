@@ -14,9 +14,7 @@ from stickslip import diagnose_model, models
 
 BLUE, VERMILION = "#0072B2", "#D55E00"
 
-joint = models.joint(
-    inertia=(0.012, 0.0005), viscous=(0.02, 0.01), without=["backlash", "compliance"]
-)
+joint = models.joint(inertia=(0.012, 0.0005), viscous=(0.02, 0.01))
 log = models.read_log(Path(__file__).with_name("joint.csv"), joint)
 result = diagnose_model(joint, log)
 print(result.summary())
