@@ -18,6 +18,7 @@ import numpy as np
 import pandas as pd
 from blind.scoring import interval
 from blind.settings import priors
+from causes.score import CLAIMS
 from measure import MEASURED, saved
 
 from stickslip import Cause, Drive, Measurement, Scenario, diagnose, simulate_batch
@@ -114,29 +115,28 @@ def main(arguments: Iterable[str] | None = None) -> None:
             row[name] = {"said": verdict.kind, "causes": list(verdict.causes),
                          "cpu": round(time.process_time() - begin, 1)}  # fmt: skip
         rows[str(seed)] = row
-        saved(options.out, "planned", {"rows": rows}, said=False)
+        saved(options.out, "planned", {"counts": counts(rows), "rows": rows}, said=False)
         print(seed, row, flush=True)
     if rows:
-        print(counts(rows))
+        print(pd.DataFrame(counts(rows)).T.to_string())
 
 
-def counts(rows: dict[str, Any]) -> str:
-    """The counts of both tables, in Markdown, with their intervals."""
-    lines = ["| 12 drives | named rightly | in the set | named wrongly |", "| --- " * 4 + "|"]
+def counts(rows: dict[str, Any]) -> dict[str, dict[str, str]]:
+    """Of each table: what was named rightly and wrongly, and what is one of a set."""
+    found = {}
     for name in ("planned", "even"):
-        told = [(each[name]["said"] in ("named", "dominant", "pair"), each["cause"] in
-                 each[name]["causes"], each[name]["said"] == "ambiguous")
+        told = [(each[name]["said"], each["cause"] in each[name]["causes"])
                 for each in rows.values()]  # fmt: skip
-        cells = []
-        for count in (
-            sum(claims and right for claims, right, _ in told),
-            sum(several and right for _, right, several in told),
-            sum(claims and not right for claims, right, _ in told),
+        found[name] = {}
+        for what, kinds, right in (
+            ("named rightly", CLAIMS, True),
+            ("one of a set", ("ambiguous",), True),
+            ("named wrongly", CLAIMS, False),
         ):
+            count = sum(said in kinds and there is right for said, there in told)
             low, high = interval(count, len(told))
-            cells.append(f"{count} of {len(told)} ({100 * low:.0f} to {100 * high:.0f} %)")
-        lines.append(f"| {name} | {' | '.join(cells)} |")
-    return "\n".join(lines)
+            found[name][what] = f"{count} of {len(told)} ({100 * low:.0f} to {100 * high:.0f} %)"
+    return found
 
 
 if __name__ == "__main__":

@@ -117,6 +117,7 @@ def measured_words():
         len(kinds) * untold["of each"],
         *(sum(row[what] for row in kinds) for what in ("said", "wrongly")),
     )
+    planned = json.loads((MEASURED / "planned.json").read_text())["counts"]
     stated = sum(not is_free_shape(each.name) for each in stickslip.effects())
     rows = read(STUDY)
     cases = [Case(row) for row in rows]
@@ -153,6 +154,10 @@ def measured_words():
         "docs/howto/diagnose.md": [
             f"[said of {said} of {made} made sets](../accuracy.md#what-data-cannot-tell) that hide"
             f" something, and of {wrongly} of {made} that tell it",
+        ],
+        "docs/howto/own-set-up.md": [
+            f"named {planned['planned']['named rightly']} and twelve even ones"
+            f" {planned['even']['named rightly']}, none wrongly",
         ],
         "docs/howto/real-cases.md": [
             f"as one record, the asymmetry takes {share['axis, 20 Hz, listed: yes']} of",

@@ -179,6 +179,7 @@ class BenchResults(SphinxDirective):
             "sweep.json": _sweep,
             "real.json": _real,
             "untold.json": _untold,
+            "planned.json": _planned,
         }
         table = tables[path.name]
         parsed = self.parse_text_to_nodes(f"{table(results)}\n\n{_origin(results)}")
@@ -293,6 +294,11 @@ def _real(results: dict[str, Any]) -> str:
         *("held-out error", "judgement", "CPU s"),
     ]
     return _markdown_table(header, rows)
+
+
+def _planned(results: dict[str, Any]) -> str:
+    rows = [[name, *counts.values()] for name, counts in results["counts"].items()]
+    return _markdown_table(["twelve drives", *results["counts"]["even"]], rows)
 
 
 def _untold(results: dict[str, Any]) -> str:
