@@ -16,6 +16,7 @@ void Measurement::watch_window(double time) {
     if (!has_opened_ && time >= window_.start - slack) {
         observer_.open(time, window_.end, player_.in_ground(player_.body(), time));
         has_opened_ = true;
+        opened_ = player_.body();
         turned_before_ = player_.turned();
     }
     if (observer_.is_open()) {
@@ -31,6 +32,15 @@ void Measurement::close_window(double time) {
     if (!(span > 0.0)) return;
     const double radius = player_.model().shape.radius();
     of_window_.turning_speed = (player_.turned() - turned_before_) * radius / span;
+    if (!asks_pull_) return;
+    const BodyState& closed = player_.body();
+    const double x = closed.x - opened_.x, y = closed.y - opened_.y, way = std::hypot(x, y);
+    // By the balance of momentum, which has the impacts too.
+    const Model& model = player_.model();
+    const double normal = pulled_.pressing + model.mass * (closed.vz - opened_.vz);
+    const double held = model.friction.static_coefficient * normal;
+    of_window_.pull_share =
+        way > 0.0 && held > 0.0 ? (pulled_.x * x + pulled_.y * y) / (way * held) : 0.0;
 }
 
 // The field is looked at within the steps, at the robot's place: in the course of a segment it

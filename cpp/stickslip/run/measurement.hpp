@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -21,7 +22,8 @@ public:
         : player_(player),
           window_(measuring_window(scenario)),
           observer_(pulse_period(scenario)),
-          drive_(player.circuit()) {}
+          drive_(player.circuit()),
+          asks_pull_(scenario.record.pull_share) {}
 
     /// Where a segment begins or the run ends, `time` s: opens and closes the window. Boundaries of
     /// segments carry rounding; the window's ends are some of them.
@@ -39,6 +41,10 @@ public:
     /// The field in what has been played from one time of the segment to another, where it may
     /// turn. `body_at(tau)` gives the body at any time in that span.
     void look_at_field(double from, double to, auto&& body_at);
+    /// Whether `weigh` has to see every step.
+    bool weighs() const { return asks_pull_ && observer_.is_open(); }
+    /// The pull in a step, or its part, from one time of the segment to another.
+    void weigh(double from, double to, auto&& body_at);
     /// A phase, or its part within a segment, that took `duration` s.
     template <class Phase>
     void phase(const Phase& phase, const PhaseEnd<Phase>& end, double duration) {
@@ -73,8 +79,24 @@ private:
     double next_look_ = kNoLook;  // s
     PerCoilOf<CoilField> start_fields_ = {};
     double turned_before_ = 0.0;  // rad, of the heading before the window
+    const bool asks_pull_;
+    BodyState opened_;  // where the window begins
+    Pull pulled_;       // N s, over the window
     Summary of_window_;
 };
+
+// Gauss's quadrature with three points, of the order of the steps.
+void Measurement::weigh(double from, double to, auto&& body_at) {
+    static const double kAside = std::sqrt(0.15);
+    for (const double at : {0.5 - kAside, 0.5, 0.5 + kAside}) {
+        const double tau = from + at * (to - from);
+        const double weight = (at == 0.5 ? 8.0 : 5.0) / 18.0 * (to - from);
+        const Pull pull = player_.pull(tau, body_at(tau));
+        pulled_.x += weight * pull.x;
+        pulled_.y += weight * pull.y;
+        pulled_.pressing += weight * pull.pressing;
+    }
+}
 
 void Measurement::look_at_field(double from, double to, auto&& body_at) {
     const bool in_window = observer_.is_open();

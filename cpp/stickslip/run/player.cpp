@@ -107,6 +107,27 @@ std::array<double, 3> Player::field(double tau, const BodyState& body) const {
     return {b.bx, 0.0, b.bz};
 }
 
+Pull Player::pull(double tau, const BodyState& body) const {
+    const PlainDynamics<double>& robot = dynamics_.robot();
+    const Pose pose = dynamics_.pose(body.angle);
+    const double mx = robot.pull * robot.moment_x(pose), mz = robot.pull * robot.moment_z(pose);
+    const auto pressing = [&](const Load& load) {
+        return (state_.mode.touch == Touch::none ? 0.0 : load.contact_adhesion) - load.fz;
+    };
+    if (plane_) {
+        const HeadedField seen = plane_->headed(plane_->field().at(tau), body.x, body.y, body.z);
+        const Slip velocity = seen.heading.seen(body.vx, body.vy);
+        const Slip pull = {mx * seen.along.dbx_dx + mz * seen.along.dbx_dz,
+                           mx * seen.across_s + mz * seen.across_z};
+        return {seen.heading.x(pull), seen.heading.y(pull),
+                pressing(plane_->load(seen, tau, pose, velocity, body.vz, body.omega))};
+    }
+    const PlanarField field = dynamics_.field_at(tau)(body.x, body.z);
+    return {
+        mx * field.dbx_dx + mz * field.dbx_dz, 0.0,
+        pressing(dynamics_.load(field, tau, body.x, body.z, pose, body.vx, body.vz, body.omega))};
+}
+
 PerCoilOf<CoilField> Player::field_of_coils() const {
     const BodyState& body = state_.body;
     return plane_ ? plane_->field().of_coils(place(body), body.heading)

@@ -19,6 +19,13 @@
 
 namespace stickslip {
 
+/// What the pull of the field's gradient is compared with.
+struct Pull {
+    double x = 0.0, y = 0.0;  ///< N, along the surface, in the robot's own frame
+    /// N, with which everything but the surface's normal force presses on it, inertia aside.
+    double pressing = 0.0;
+};
+
 /// The motion of a run: segments of voltage one after another, the phases between events, and what
 /// each event makes of the state. It depends
 /// neither on the method nor on what is recorded or measured.
@@ -113,6 +120,8 @@ public:
     }
     /// At the robot's place, `tau` seconds into the segment, T.
     std::array<double, 3> field(double tau, const BodyState& body) const;
+    /// The pull on a body, `tau` seconds into the segment.
+    Pull pull(double tau, const BodyState& body) const;
     /// What each coil makes there.
     PerCoilOf<CoilField> field_of_coils() const;
     /// Whether a free shape, or the surface, may turn the field anywhere; else its course over the

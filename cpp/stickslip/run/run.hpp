@@ -173,6 +173,7 @@ auto Run::observer(Phase& phase) {
         if (last >= measurement_.next_look()) {
             measurement_.look_at_field(step.start, last, body_at);
         }
+        if (measurement_.weighs()) measurement_.weigh(step.start, last, body_at);
         const double limit = player_.absolute(last);
         if (recorder_.next_time() <= limit) {
             sample_until(limit, player_.absolute(step.start), [&](double at) {
@@ -196,7 +197,7 @@ double Run::find_stop(auto& phase, const auto& step, double s) const {
 }
 
 inline double Run::next_look() const {
-    if (stop_) return 0.0;
+    if (stop_ || measurement_.weighs()) return 0.0;
     const double sample = recorder_.next_time() - player_.segment().start;
     // Either side of the difference is rounded.
     return std::min(measurement_.next_look(), sample - 1e-9 * std::abs(sample));

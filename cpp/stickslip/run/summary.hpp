@@ -21,7 +21,7 @@ struct Summary {
     double theta_min = kNone, theta_max = kNone;
     double slip_up = kNone, slip_down = kNone, slip_flat = kNone;
     double airborne_fraction = kNone, velocity_growth = kNone;
-    double pull_ratio = kNone, field_change = kNone;
+    double pull_ratio = kNone, pull_share = kNone, field_change = kNone;
     double field_max = 0.0, field_min = kNone;
     double current_max = 0.0, voltage_max = 0.0, power_mean = kNone;
     double simulated_time = 0.0;
@@ -62,6 +62,10 @@ inline constexpr auto kSummaryNumbers = std::to_array<SummaryNumber>({
      "largest pull of the in-plane coils' gradient on the robot, lying flat, over the "
      "friction limit of weight and adhesion",
      &Summary::pull_ratio},
+    {"pull_share", "1",
+     "impulse of the field's gradient on the robot along its way, over what static friction could "
+     "have held of the surface's normal impulse, measuring window; asked for by record.pull_share",
+     &Summary::pull_share},
     {"field_change", "1",
      "change of the field of the largest voltages from the run's first place to its "
      "last, over the first",

@@ -296,6 +296,9 @@ std::vector<Choice> make_choices() {
          .meaning = "precision of the recorded numbers; t always has float64, as in float32 the "
                     "samples of a run of some minutes would share times",
          STICKSLIP_CHOICE("record.dtype", record.dtype)},
+        {.key = "record.pull_share", .allowed = {"no", "yes"},
+         .meaning = "whether the summary has pull_share, for which every step is looked at",
+         STICKSLIP_CHOICE("record.pull_share", record.pull_share)},
     };
 }
 

@@ -106,6 +106,7 @@ struct RecordSettings {
     /// it the record is kept to the end.
     std::function<void(Recording&&)> sink = nullptr;
     Precision dtype = Precision::float64;  ///< of what is kept of the record outside of the core
+    bool pull_share = false;               ///< whether the summary has that number
 };
 
 /// All that defines one simulation.

@@ -20,6 +20,7 @@ from stickslip.design.space import Space, Values, made_space
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import RECORD_RATE, find_key
 from stickslip.scenario.scenario import Scenario
+from stickslip.simulation.quantities import ASKED
 from stickslip.simulation.simulate import Progress, check_progress, simulate, simulate_batch
 
 LEADERS = 24
@@ -120,6 +121,8 @@ def optimise(
         check_kind(name, given, Mapping)
     check_progress(progress)
     goal = made_goal(maximise, minimise, score, limits, not allow_flight, at_least)
+    named = {goal.figure, *goal.limits, *goal.at_least} & {*ASKED}
+    scenario = scenario.replace({ASKED[name]: "yes" for name in named})
     for name, count in {"draws": draws, "fresh": fresh, "evaluations": evaluations}.items():
         check_whole(name, count, 1)
     check_whole("seed", seed)

@@ -23,6 +23,9 @@ COLUMNS = {name: Column(*row) for name, row in _core.record_columns.items()}
 NUMBERS = {name: Column(*row) for name, row in _core.summary_numbers.items()}
 """The numbers of a summary that are no counts."""
 
+ASKED = {"pull_share": "record.pull_share"}
+"""Those that a scenario has to ask for, by the key that does so."""
+
 PLANE_COLUMNS: tuple[str, ...] = _core.plane_columns
 """Those of a run in the whole plane alone, where friction and slip are along the heading."""
 
