@@ -126,7 +126,7 @@ def _coils() -> dict[str, dict[str, float]]:
 
 
 # What is no effect, and takes other ways through the program: bounces, long slides, impulses that
-# stop a slide without a solution, steps of an upper limit.
+# stop a slide without a solution, steps of an upper limit, currents that swing, a late field.
 HARD: dict[str, dict[str, Any]] = {
     "rebounds": {"contact.restitution": 0.6, "drag.linear": 1e-6},
     "slides": {
@@ -162,6 +162,9 @@ HARD: dict[str, dict[str, Any]] = {
             [[0.0, 9.0, 1.0], [2.0**-9, -14.0, -2.0], [2.0**-8, 3.0, 0.0], [2.0**-7, 2.0, 4.0]]
         )
     },
+    # A clamp that rings; the other coils keep the field along the surface.
+    "capacitors": {"coil.capacitance": 0.5, "coil.clamp.capacitance": 1e-3},
+    "late": {"drive.latency": 2.0**-7},
 }
 # Only of runs of a whole drive, to the bit: the first ends before it, the other steps otherwise.
 WHOLE = {"few steps": {"solver.max_steps": 300}, "arkode": {"solver.method": "arkode"}}

@@ -77,6 +77,13 @@ def test_coils_of_a_laboratory_have_what_was_measured():
         field_per_ampere=0.8e-3, distance=0.06, side=0.07, resistance=6.0, inductance=0.02
     )
     assert (known.side, known.inductance) == (0.07, 0.02)
+    ringing = Coil.of(
+        field_per_ampere=0.8e-3, distance=0.06, side=0.07, resistance=6.0, inductance=0.02,
+        capacitance=1e-6,
+    )  # fmt: skip
+    facts = coil_facts(Scenario(coil=ringing), volts=20.0)["xp"]
+    assert facts.resonance == pytest.approx(1.0 / (2.0 * math.pi * math.sqrt(2e-8)))
+    assert (facts.current, facts.most_current) == (0.0, 0.0)
 
 
 def test_the_command_tells_them(tmp_path):

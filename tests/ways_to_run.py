@@ -184,9 +184,9 @@ TWO_PROGRAMS = 1e-4
 SLIPS = 20.0
 
 
-# Steps cut what the converter holds, and clipped voltages bend at instants that are rounded
-# otherwise: other steps of the integrator, and so another program.
-NOT_TO_THE_BIT = ("sample_hold", "amplifier_limit")
+# Steps cut what the converter holds, or what is late, and clipped voltages bend at instants that
+# are rounded otherwise: other steps of the integrator, and so another program.
+NOT_TO_THE_BIT = ("sample_hold", "amplifier_limit", "late")
 
 
 def pieces(scenario: Scenario) -> Iterator[tuple[list[float], list[float], float]]:
@@ -202,6 +202,9 @@ def pieces(scenario: Scenario) -> Iterator[tuple[list[float], list[float], float
             if times[k + 1] > times[k]
         ]
         yield from once * repeats
+    # Until all of it has come.
+    if scenario.drive.latency > 0.0:
+        yield once[-1][1], once[-1][1], scenario.drive.latency
 
 
 def stepped(table: Table) -> Iterator[str]:
@@ -255,8 +258,8 @@ def restored(table: Table) -> Iterator[str]:
                 break
 
 
-# They know the time since the run began, or how the voltage came to where it is.
-NOT_BEGUN_AGAIN = {"sample_hold", "free_friction_age", "free_field_time", *OWN}
+# They know the time since the run began, or how the voltage came to where it is, or will.
+NOT_BEGUN_AGAIN = {"late", "sample_hold", "free_friction_age", "free_field_time", *OWN}
 
 
 def begun_again(table: Table) -> Iterator[str]:

@@ -7,12 +7,9 @@
 namespace stickslip {
 
 PerCoil CurrentSegment::at(const Coefficients& coefficients, double tau) const {
-    std::array<double, kMaxBasis> basis = {1.0, tau};
-    for (std::size_t j = 0; j < static_cast<std::size_t>(exponentials); ++j) {
-        basis[2 + j] = std::exp(-rate[j] * tau);
-    }
+    const Values basis = values(tau);
     PerCoil result = {};
-    for (std::size_t b = 0; b < static_cast<std::size_t>(2 + exponentials); ++b) {
+    for (std::size_t b = 0; b < count(); ++b) {
         for (std::size_t k = 0; k < kCoilCount; ++k) result[k] += coefficients[b][k] * basis[b];
     }
     return result;
@@ -44,13 +41,24 @@ PerCoil squared_integrals(const CurrentSegment& segment) {
                 if (other != 0.0) sum += c * other * (gone_both[j][i] / (rate + segment.rate[i]));
             }
         }
+        // The current of a coil with a capacitor has no slope beside.
+        segment.each_swing([&](std::size_t at, const Swing& swing) {
+            const Swing::Two c = {segment.coil[at][coil], segment.coil[at + 1][coil]};
+            if (c[0] == 0.0 && c[1] == 0.0) return;
+            const auto [once, squared] = swing.integrals(c, d);
+            sum += 2.0 * a * once + squared;
+        });
         result[coil] = sum;
     }
     return result;
 }
 
 Circuit::Circuit(const CircuitParameters& p)
-    : resistance_(p.resistance), is_coupled_(p.coupling != 0.0), lag_(p.lag) {
+    : resistance_(p.resistance),
+      inductance_(p.inductance),
+      capacitance_(p.capacitance),
+      is_coupled_(p.coupling != 0.0),
+      lag_(p.lag) {
     Vector per_root;  // R^(-1/2)
     for (int k = 0; k < kCoilCount; ++k) {
         per_root(k) = 1.0 / std::sqrt(p.resistance[static_cast<std::size_t>(k)]);
@@ -72,14 +80,25 @@ Circuit::Circuit(const CircuitParameters& p)
     from_modes_ = per_root.asDiagonal() * modes;
 
     for (int m = 0; m < kCoilCount; ++m) {
-        // Equal time constants would need a third function, tau exp(-tau/T). A relative shift of
-        // 1e-6 of the lag is far below what it can be known to, and keeps one form for all.
-        if (std::abs(lag_ - time_constant_(m)) < 1e-6 * time_constant_(m)) {
-            lag_ = time_constant_(m) * (1.0 + 1e-6);
-        }
         const auto u = static_cast<std::size_t>(m);
+        if (capacitance_[u] > 0.0) {
+            const Swing own = {0.5 * resistance_[u] / inductance_[u],
+                               1.0 / (inductance_[u] * capacitance_[u])};
+            const auto end = swing_.begin() + swings_;
+            const auto place = std::find(swing_.begin(), end, own);
+            if (place == end) swing_[static_cast<std::size_t>(swings_++)] = own;
+            swing_of_[u] = static_cast<std::size_t>(place - swing_.begin());
+            time_constant_(m) = own.slowest();
+            if (own.square() <= 0.0) {
+                part_lag(1.0 / own.fastest());
+                part_lag(own.slowest());
+            }
+            continue;
+        }
+        part_lag(time_constant_(m));
         group_[u] = static_cast<std::size_t>(groups_);
         for (int earlier = 0; earlier < m; ++earlier) {
+            if (capacitance_[static_cast<std::size_t>(earlier)] > 0.0) continue;
             const double difference = time_constant_(m) - time_constant_(earlier);
             if (std::abs(difference) < 1e-12 * time_constant_(m)) {
                 group_[u] = group_[static_cast<std::size_t>(earlier)];
@@ -87,6 +106,14 @@ Circuit::Circuit(const CircuitParameters& p)
             }
         }
         groups_ = std::max(groups_, static_cast<int>(group_[u]) + 1);
+    }
+}
+
+// Equal time constants would need a third function, tau exp(-tau/T). A relative shift of 1e-6 of
+// the lag is far below what it can be known to, and keeps one form for all.
+void Circuit::part_lag(double time_constant) {
+    if (std::abs(lag_ - time_constant) < 1e-6 * time_constant) {
+        lag_ = time_constant * (1.0 + 1e-6);
     }
 }
 
@@ -104,24 +131,30 @@ PerCoil Circuit::field_lag() const {
     return result;
 }
 
-void Circuit::set_currents(const PerCoil& currents, const PerCoil& field_lag) {
+void Circuit::set_currents(const PerCoil& currents, const PerCoil& field_lag,
+                           const PerCoil& capacitors) {
     // In steady state the modes are those of the voltages R I.
     PerCoil voltages;
     for (std::size_t k = 0; k < kCoilCount; ++k) voltages[k] = resistance_[k] * currents[k];
     mode_ = product(to_modes_, Eigen::Map<const Vector>(voltages.data()));
-    for (std::size_t k = 0; k < kCoilCount; ++k) lagging_[k] = currents[k] + field_lag[k];
+    for (std::size_t k = 0; k < kCoilCount; ++k) {
+        lagging_[k] = currents[k] + field_lag[k];
+        capacitor_[k] = capacitance_[k] > 0.0 ? capacitors[k] : 0.0;
+    }
 }
 
 Circuit::Memory Circuit::memory() const {
     Memory result;
     Eigen::Map<Vector>(result.modes.data()) = mode_;
     result.lagging = lagging_;
+    result.capacitor = capacitor_;
     return result;
 }
 
 void Circuit::restore(const Memory& memory) {
     mode_ = Eigen::Map<const Vector>(memory.modes.data());
     lagging_ = memory.lagging;
+    capacitor_ = memory.capacitor;
 }
 
 // The matrices of coils that are not coupled are diagonal.
@@ -134,7 +167,9 @@ CurrentSegment Circuit::advance(const VoltageSegment& segment) {
     CurrentSegment result;
     result.start = segment.start;
     result.duration = segment.end - segment.start;
-    result.exponentials = groups_;
+    result.exponentials = exponentials();
+    result.swings = swings_;
+    result.swing = swing_;
     const Vector first = product(to_modes_, Eigen::Map<const Vector>(segment.first.data()));
     const Vector last = product(to_modes_, Eigen::Map<const Vector>(segment.last.data()));
     const Vector slope = (last - first) / result.duration;
@@ -148,7 +183,12 @@ CurrentSegment Circuit::advance(const VoltageSegment& segment) {
         result.coil[2 + j][coil] += from_modes_(k, m) * transient(m);
     };
     double decay = 0.0;
+    int decayed = -1;  // the mode whose it is
     for (int m = 0; m < kCoilCount; ++m) {
+        if (capacitance_[static_cast<std::size_t>(m)] > 0.0) {
+            add_swing(m, segment, result);
+            continue;
+        }
         const std::size_t j = group_[static_cast<std::size_t>(m)];
         result.rate[j] = 1.0 / time_constant_(m);
         if (is_coupled_) {
@@ -157,19 +197,55 @@ CurrentSegment Circuit::advance(const VoltageSegment& segment) {
             add(m, m, j);
         }
         // Equal coils share one exponential.
-        if (m == 0 || time_constant_(m) != time_constant_(m - 1)) {
+        if (decayed < 0 || time_constant_(m) != time_constant_(decayed)) {
             decay = std::exp(-result.duration / time_constant_(m));
+            decayed = m;
         }
         mode_(m) = level(m) + slope(m) * result.duration + transient(m) * decay;
     }
+    if (!fades()) capacitor_ = capacitors(segment, result, result.duration);
     result.field = result.coil;
     if (lag_ > 0.0) add_lag(result);
     return result;
 }
 
+// Beside what swings, a voltage that rises evenly charges the capacitor evenly.
+void Circuit::add_swing(int coil, const VoltageSegment& voltages, CurrentSegment& segment) {
+    const auto k = static_cast<std::size_t>(coil);
+    const std::size_t at = segment.place(swing_of_[k]);
+    const Swing& swing = swing_[swing_of_[k]];
+    const double slope = (voltages.last[k] - voltages.first[k]) / segment.duration;
+    const double current = from_modes_(coil, coil) * mode_(coil), even = capacitance_[k] * slope;
+    const double rise =
+        (voltages.first[k] - resistance_[k] * current - capacitor_[k]) / inductance_[k];
+    const Swing::Two c = {current - even, rise + swing.rate * (current - even)};
+    segment.coil[0][k] = even;
+    segment.coil[at][k] = c[0];
+    segment.coil[at + 1][k] = c[1];
+    const Swing::Two value = swing.at(segment.duration);
+    mode_(coil) = (even + c[0] * value[0] + c[1] * value[1]) / from_modes_(coil, coil);
+}
+
+PerCoil Circuit::capacitors(const VoltageSegment& voltages, const CurrentSegment& segment,
+                            double tau) const {
+    const PerCoil volts = voltage_at(voltages, voltages.start + tau);
+    const CurrentFunctions::Values value = segment.values(tau), change = segment.changes(value);
+    PerCoil result = {};
+    for (std::size_t k = 0; k < kCoilCount; ++k) {
+        if (!(capacitance_[k] > 0.0)) continue;
+        double current = 0.0, rise = 0.0;
+        for (std::size_t b = 0; b < segment.count(); ++b) {
+            current += segment.coil[b][k] * value[b];
+            rise += segment.coil[b][k] * change[b];
+        }
+        result[k] = volts[k] - resistance_[k] * current - inductance_[k] * rise;
+    }
+    return result;
+}
+
 // The lag's own exponential comes last; each function of time passes through the lag as it must.
 void Circuit::add_lag(CurrentSegment& segment) {
-    const auto own = static_cast<std::size_t>(segment.exponentials++);
+    const auto own = static_cast<std::size_t>(groups_);
     segment.rate[own] = 1.0 / lag_;
     for (std::size_t k = 0; k < kCoilCount; ++k) {
         segment.field[0][k] -= lag_ * segment.field[1][k];
@@ -178,6 +254,13 @@ void Circuit::add_lag(CurrentSegment& segment) {
             segment.field[2 + j][k] /= 1.0 - lag_ * segment.rate[j];
             start += segment.field[2 + j][k];
         }
+        segment.each_swing([&](std::size_t at, const Swing& swing) {
+            Swing::Two c = {segment.field[at][k], segment.field[at + 1][k]};
+            c = swing.lagged(c, lag_);
+            segment.field[at][k] = c[0];
+            segment.field[at + 1][k] = c[1];
+            start += c[0];
+        });
         segment.field[2 + own][k] = lagging_[k] - start;
     }
     lagging_ = segment.field_currents(segment.duration);

@@ -3,27 +3,21 @@
 #include <Eigen/Core>
 #include <array>
 
+#include "stickslip/drive/current_functions.hpp"
 #include "stickslip/drive/voltage_program.hpp"
 
 namespace stickslip {
 
-/// Exponentials that the currents of one segment are made of: one a mode of the coupled coils (one
-/// in all for equal coils that are not coupled), and one of the field's lag.
-inline constexpr int kMaxExponentials = kCoilCount + 1;
-inline constexpr int kMaxBasis = 2 + kMaxExponentials;
-/// Of them, what packs of runs have room for.
+/// Exponentials that packs of runs have room for.
 inline constexpr int kMostPackedExponentials = 3;
 
-/// Currents over one segment, as
-///   I_k(tau) = c[0][k] + c[1][k] tau + sum_j c[2+j][k] exp(-rate[j] tau),   tau = t - start.
-struct CurrentSegment {
+/// Currents over one segment, as sums of its functions of tau = t - start.
+struct CurrentSegment : CurrentFunctions {
     using Coefficients = std::array<PerCoil, kMaxBasis>;  // A, A/s, A, A ...
 
-    double start = 0.0;     ///< s
-    double duration = 0.0;  ///< s
-    int exponentials = 1;
-    std::array<double, kMaxExponentials> rate = {};  ///< 1/s
-    Coefficients coil = {};                          ///< of the currents in the coils
+    double start = 0.0;       ///< s
+    double duration = 0.0;    ///< s
+    Coefficients coil = {};   ///< of the currents in the coils
     Coefficients field = {};  ///< of the currents that would make the field, which lags
 
     /// Currents in the coils at `tau` seconds from the start, A.
@@ -41,13 +35,16 @@ PerCoil squared_integrals(const CurrentSegment& segment);
 struct CircuitParameters {
     PerCoil resistance = {};  ///< ohm
     PerCoil inductance = {};  ///< H
-    double coupling = 0.0;    ///< mutual over self inductance, by size; see `mutual_inductance`
-    double lag = 0.0;         ///< s, with which the field follows the currents
+    /// F, in series with a coil; zero: none. Not beside a coupling.
+    PerCoil capacitance = {};
+    double coupling = 0.0;  ///< mutual over self inductance, by size; see `mutual_inductance`
+    double lag = 0.0;       ///< s, with which the field follows the currents
 };
 
 /// The resistive-inductive circuits of the coils, Eq. (1), solved in closed form segment by
-/// segment. Coupled or unequal coils are solved in the modes of R^(-1/2) L R^(-1/2). Behind them
-/// stands the first-order lag of the field (effect `eddy_lag`).
+/// segment. Coupled or unequal coils are solved in the modes of R^(-1/2) L R^(-1/2), one with a
+/// capacitor as what swings by rate R/(2L) and stiffness 1/(LC). Behind them stands the first-order
+/// lag of the field (effect `eddy_lag`).
 class Circuit {
 public:
     explicit Circuit(const CircuitParameters& parameters);
@@ -61,18 +58,26 @@ public:
     PerCoil currents() const;
     /// Of the field less those of the coils, A.
     PerCoil field_lag() const;
-    void set_currents(const PerCoil& currents, const PerCoil& field_lag);
+    /// V, at the end of the last segment; zero without a capacitor.
+    const PerCoil& capacitors() const { return capacitor_; }
+    /// The same `tau` seconds into a segment, whose currents these are.
+    PerCoil capacitors(const VoltageSegment& voltages, const CurrentSegment& segment,
+                       double tau) const;
+    void set_currents(const PerCoil& currents, const PerCoil& field_lag, const PerCoil& capacitors);
 
     /// What goes on from segment to segment.
     struct Memory {
         std::array<double, kCoilCount> modes = {};
-        PerCoil lagging = {};  ///< A
+        PerCoil lagging = {};    ///< A
+        PerCoil capacitor = {};  ///< V
     };
     Memory memory() const;
     void restore(const Memory& memory);
 
     /// Exponentials that the currents and the field are made of.
     int exponentials() const { return groups_ + (lag_ > 0.0 ? 1 : 0); }
+    /// Whether that is all.
+    bool fades() const { return swings_ == 0; }
 
     /// Largest time constant of the modes, s.
     double slowest() const { return time_constant_.maxCoeff(); }
@@ -81,19 +86,24 @@ private:
     using Vector = Eigen::Matrix<double, kCoilCount, 1>;
     using Matrix = Eigen::Matrix<double, kCoilCount, kCoilCount>;
 
+    void add_swing(int coil, const VoltageSegment& voltages, CurrentSegment& segment);
     void add_lag(CurrentSegment& segment);
+    void part_lag(double time_constant);
     Vector product(const Matrix& modes, const Vector& vector) const;
 
-    PerCoil resistance_;                              // ohm
+    PerCoil resistance_, inductance_, capacitance_;   // ohm, H, F
     Matrix to_modes_;                                 // of voltages
     Matrix from_modes_;                               // to currents
     Vector time_constant_;                            // s, of each mode
     std::array<std::size_t, kCoilCount> group_ = {};  // modes of one time constant share a function
-    int groups_ = 0;
+    int groups_ = 0, swings_ = 0;
+    std::array<Swing, kCoilCount> swing_ = {};  // of coils with a capacitor
+    std::array<std::size_t, kCoilCount> swing_of_ = {};
     bool is_coupled_;
     double lag_;
     Vector mode_ = Vector::Zero();  // modal currents at the end of the last segment
-    PerCoil lagging_ = {};          // A, the currents of the field at the end of the last segment
+    // At the end of the last segment: the currents of the field, A; of the capacitors, V.
+    PerCoil lagging_ = {}, capacitor_ = {};
 };
 
 /// Inductance matrix over the self inductance. Every pair has a mutual inductance of the size

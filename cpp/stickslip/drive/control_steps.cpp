@@ -15,19 +15,52 @@ void ControlSteps::give(const double* voltages, std::size_t count, double durati
     linear_ = linear;
 }
 
-bool ControlSteps::next(VoltageSegment& segment) {
-    const auto next_asked = [this](VoltageSegment& asked) {
+// Of the step that is played, as they are given without a latency.
+bool ControlSteps::next_asked(VoltageSegment& segment) {
+    const auto next_of_step = [this](VoltageSegment& asked) {
         if (asked_.empty()) return false;
         asked = asked_.back();
         asked_.pop_back();
         return true;
     };
-    while (!hold_.next(next_asked, segment)) {
-        if (left_ == 0) return false;
-        --left_;
-        begin_step(rows_);
-        rows_ += kCoilCount;
+    return hold_.next(next_of_step, segment);
+}
+
+bool ControlSteps::begin_next() {
+    if (left_ == 0) return false;
+    --left_;
+    begin_step(rows_);
+    rows_ += kCoilCount;
+    return true;
+}
+
+bool ControlSteps::next(VoltageSegment& segment) {
+    if (latency_ == 0.0) {
+        while (!next_asked(segment)) {
+            if (!begin_next()) return false;
+        }
+        given_until_ = segment.end;
+        return true;
     }
+    if (given_until_ == time()) {
+        if (!begin_next()) return false;
+        for (VoltageSegment asked; next_asked(asked);) {
+            memory_.late.push_back(
+                {asked.start + latency_, asked.end + latency_, asked.first, asked.last});
+        }
+    }
+    // What goes on beyond the step stays on its way.
+    VoltageSegment& first = memory_.late.front();
+    segment = {given_until_, first.end, first.first, first.last};
+    const double slack = boundary_slack(memory_.duration);
+    if (first.end > time() + slack) {
+        segment.last = voltage_at(first, time());
+        first.start = time();
+        first.first = segment.last;
+    } else {
+        memory_.late.erase(memory_.late.begin());
+    }
+    if (segment.end > time() - slack) segment.end = time();
     given_until_ = segment.end;
     return true;
 }

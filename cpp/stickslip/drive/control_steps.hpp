@@ -12,9 +12,12 @@ namespace stickslip {
 class ControlSteps {
 public:
     /// hold_period: s, of the digital-to-analogue converter; zero: none. limit: V, of the
-    /// amplifiers; zero: none. turned: whether the robot faces -x.
-    ControlSteps(double hold_period, double limit, bool turned)
-        : hold_(hold_period), limit_(limit), turned_(turned) {}
+    /// amplifiers; zero: none. latency: s, by which the coils get their voltages late, none before
+    /// the first. turned: whether the robot faces -x.
+    ControlSteps(double hold_period, double limit, double latency, bool turned)
+        : hold_(hold_period), limit_(limit), latency_(latency), turned_(turned) {
+        if (latency > 0.0) memory_.late.push_back({0.0, latency, {}, {}});
+    }
 
     /// The next `count` steps of `duration` s: rows of five voltages in the world's frame (V),
     /// which have to live until they are played. Held, or linear from the voltages before.
@@ -37,7 +40,8 @@ public:
         double origin = 0.0;    ///< s, from where on all steps had one duration
         double duration = 0.0;  ///< s
         std::int64_t steps = 0;
-        PerCoil last = {};  ///< V, at the end of the last step
+        PerCoil last = {};                 ///< V, at the end of the last step
+        std::vector<VoltageSegment> late;  ///< on their way to the coils, with a latency
         SampleHold::Memory hold;
     };
     Memory memory() const {
@@ -53,14 +57,17 @@ public:
         hold_.restore(memory.hold, time());
         asked_.clear();
         left_ = 0;
+        given_until_ = time();
     }
 
 private:
     double steps_since() const { return static_cast<double>(memory_.steps); }
+    bool next_asked(VoltageSegment& segment);
+    bool begin_next();
     void begin_step(const double* row);
 
     SampleHold hold_;
-    double limit_;
+    double limit_, latency_;
     bool turned_;
     Memory memory_;  // but for `hold`
     const double* rows_ = nullptr;

@@ -30,6 +30,7 @@ struct Drive {
     DriveCoils coils = DriveCoils::single;
     double ramp = 0.05;  ///< s
     std::int64_t pulses = 100;
+    double latency = 0.0;    ///< s, by which all voltages are late
     double ramp_down = 0.0;  ///< s
 };
 

@@ -15,11 +15,12 @@ namespace stickslip {
 /// was called, steps from outside.
 class SegmentSource {
 public:
-    /// hold_period: s, of the digital-to-analogue converter; zero: none. marks: s, where segments
-    /// have to end besides. A segment ends too where the shake has a kink; it has to outlive this.
-    SegmentSource(const VoltageProgram& program, double hold_period,
+    /// hold_period: s, of the digital-to-analogue converter; zero: none. latency: s, of the
+    /// voltages. marks: s, where segments have to end besides. A segment ends too where the shake
+    /// has a kink; it has to outlive this.
+    SegmentSource(const VoltageProgram& program, double hold_period, double latency,
                   const std::vector<double>& marks, const Shake& shake)
-        : segments_(program, hold_period, marks), shake_(&shake) {}
+        : segments_(program, hold_period, latency, marks), shake_(&shake) {}
 
     /// `on_step` is called at the end of each step.
     void play_steps(const ControlSteps& steps, std::function<void()> on_step) {

@@ -104,11 +104,20 @@ bool SegmentCursor::next(VoltageSegment& segment) {
     return false;
 }
 
+bool SegmentStream::take(VoltageSegment& segment) {
+    if (!hold_.next([&](VoltageSegment& asked) { return cursor_.next(asked); }, segment)) {
+        return false;
+    }
+    segment.start += latency_;
+    segment.end += latency_;
+    return true;
+}
+
 bool SegmentStream::next(VoltageSegment& segment) {
     if (has_rest_) {
         segment = rest_;
         has_rest_ = false;
-    } else if (!hold_.next([&](VoltageSegment& asked) { return cursor_.next(asked); }, segment)) {
+    } else if (!take(segment)) {
         return false;
     }
     const double slack = boundary_slack(duration_);

@@ -135,22 +135,30 @@ private:
 /// The segments that the coils get of a program, cut at marks.
 class SegmentStream {
 public:
-    /// hold_period in s, zero: none. marks: ascending times, s.
-    SegmentStream(const VoltageProgram& program, double hold_period, std::vector<double> marks)
+    /// hold_period in s, zero: none. latency: s, without a voltage before the first. marks:
+    /// ascending times, s.
+    SegmentStream(const VoltageProgram& program, double hold_period, double latency,
+                  std::vector<double> marks)
         : cursor_(program),
-          duration_(program.duration()),
+          duration_(latency + program.duration()),
           hold_(hold_period),
-          marks_(std::move(marks)) {}
+          latency_(latency),
+          marks_(std::move(marks)),
+          rest_{0.0, latency, {}, {}},
+          has_rest_(latency > 0.0) {}
 
     bool next(VoltageSegment& segment);
 
 private:
+    bool take(VoltageSegment& segment);
+
     SegmentCursor cursor_;
     double duration_;
     SampleHold hold_;
+    double latency_;
     std::vector<double> marks_;
     VoltageSegment rest_;  // what a cut left over
-    bool has_rest_ = false;
+    bool has_rest_;
 };
 
 /// The curve, or the program, with every voltage limited to +-limit V.

@@ -195,11 +195,9 @@ template <int D>
 void LocalFieldOf<D>::set_segment(const CurrentSegment& segment) {
     // Without the currents in the coils and what is zero: segments may be short.
     segment_.start = segment.start;
-    segment_.exponentials = segment.exponentials;
-    segment_.rate = segment.rate;
-    std::copy_n(segment.field.begin(), 2 + segment.exponentials, segment_.field.begin());
-    min_time_constant_ =
-        0.5 / *std::max_element(segment.rate.begin(), segment.rate.begin() + segment.exponentials);
+    static_cast<CurrentFunctions&>(segment_) = segment;
+    std::copy_n(segment.field.begin(), segment.count(), segment_.field.begin());
+    min_time_constant_ = 0.5 / segment.fastest();
     course_.rate = segment.rate[0];
     for (std::size_t j = 1; j < static_cast<std::size_t>(segment.exponentials); ++j) {
         further_[j - 1].rate = segment.rate[j];
@@ -239,8 +237,8 @@ template <int D>
 void LocalFieldOf<D>::approach(const Centre& place) {
     if constexpr (D == 2) {
         far_.move(place, course_);
-        for (std::size_t j = 1; j < static_cast<std::size_t>(segment_.exponentials); ++j) {
-            auto& each = further_[j - 1];
+        for (std::size_t b = 3; b < segment_.count(); ++b) {
+            auto& each = further_[b - 3];
             each.basis = Series<double, D>::moved(each.far, far_.distance_to(place));
         }
     } else {
@@ -253,7 +251,7 @@ void LocalFieldOf<D>::approach(const Centre& place) {
 template <int D>
 FieldCourse LocalFieldOf<D>::course(const Centre& place) const {
     FieldCourse result;
-    for (std::size_t b = 0; b < static_cast<std::size_t>(2 + segment_.exponentials); ++b) {
+    for (std::size_t b = 0; b < segment_.count(); ++b) {
         const auto part = value(basis(b), place);
         result.basis[b] = field_of(part);
         result.gradient[b] = gradient_of(part);
@@ -294,7 +292,7 @@ void LocalFieldOf<D>::expand(const Centre& place) {
 
 template <int D>
 void LocalFieldOf<D>::combine() {
-    for (std::size_t b = 0; b < static_cast<std::size_t>(2 + segment_.exponentials); ++b) {
+    for (std::size_t b = 0; b < segment_.count(); ++b) {
         FarTerms& sum = basis(b);
         sum = {};
         PerCoil c;
@@ -315,6 +313,23 @@ void LocalFieldOf<D>::combine() {
     }
     for (std::size_t i = 0; i < D; ++i) far_.basis[0][i] += ambient_[i];
     approach(course_.centre);
+}
+
+template <int D>
+ExpansionOf<double, D> LocalFieldOf<D>::sum_with_swings(double tau) const {
+    const CurrentFunctions::Values value = segment_.values(tau);
+    Expansion result;
+    result.centre = course_.centre;
+    result.tau = tau;
+    stickslip::combine(course_.basis[0], course_.basis[1], tau, course_.basis[2], value[2],
+                       result.terms);
+    for (std::size_t b = 3; b < segment_.count(); ++b) {
+        for (std::size_t i = 0; i < result.terms.size(); ++i) {
+            result.terms[i] += further_[b - 3].basis[i] * value[b];
+        }
+    }
+    if (shape_) multiply(tau, result);
+    return result;
 }
 
 template <>

@@ -297,6 +297,8 @@ private:
     using FarTerms = typename Series<double, D>::FarTerms;
 
     [[gnu::always_inline]] Expansion sum_at(double tau) const {
+        if (segment_.swings != 0) [[unlikely]]
+            return sum_with_swings(tau);
         Expansion result = course_.at(tau);
         for (std::size_t j = 1; j < static_cast<std::size_t>(segment_.exponentials); ++j) {
             further_[j - 1].add(tau, result);
@@ -304,6 +306,7 @@ private:
         if (shape_) multiply(tau, result);
         return result;
     }
+    Expansion sum_with_swings(double tau) const;
     void set_workspace();
     void expand(const Centre& place);
     // Moves the near centre there.
@@ -334,8 +337,8 @@ private:
     std::array<FarTerms, kCoilCount> unit_ = {};  // per ampere of each coil
     FarField<double, D> far_ = {};
     FieldSegment<double, D> course_ = {};
-    // Of the second exponential and those after it.
-    std::array<FurtherExponential<double, D>, kMaxExponentials - 1> further_ = {};
+    // Of the second exponential and the functions after it.
+    std::array<FurtherExponential<double, D>, kMaxBasis - 3> further_ = {};
 };
 using LocalField = LocalFieldOf<2>;
 using SpatialField = LocalFieldOf<3>;

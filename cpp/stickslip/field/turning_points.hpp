@@ -14,19 +14,23 @@ namespace stickslip {
 
 /// Widths of the parts of a segment between two looks at its exponentials, which fade from its
 /// start: of the fastest one's time constant, and of the time since the start. A cubic through the
-/// values and slopes at the ends of such a part misses 1e-5 of what the exponentials change.
+/// values and slopes at the ends of such a part misses 1e-5 of what the exponentials change. What
+/// swings is looked at as often until it has faded.
 inline constexpr double kTurningLook = 0.3;
 
 /// Calls `use(tau)` where each part of a segment ends, s from its start.
 void for_each_part(const CurrentSegment& segment, auto&& use) {
-    const double fastest =
-        *std::max_element(segment.rate.begin(), segment.rate.begin() + segment.exponentials);
     // What fades within the rounding of the segment's times, as a rate that overflowed, is not
     // seen.
-    const double least = std::max(1.0 / fastest, 1e-16 * segment.duration);
+    const double least = std::max(1.0 / segment.fastest(), 1e-16 * segment.duration);
+    double swings_until = 0.0;  // s
+    segment.each_swing([&](std::size_t, const Swing& swing) {
+        constexpr double kFaded = 37.0;  // exp(-37) is below rounding
+        if (swing.square() > 0.0) swings_until = std::max(swings_until, kFaded / swing.rate);
+    });
     double tau = 0.0;
     while (tau < segment.duration) {
-        tau += kTurningLook * std::max(least, tau);
+        tau += kTurningLook * (tau < swings_until ? least : std::max(least, tau));
         // Not a last part that is far shorter than the others.
         if (tau > 0.95 * segment.duration) tau = segment.duration;
         use(tau);
@@ -38,31 +42,17 @@ void for_each_part(const CurrentSegment& segment, auto&& use) {
 void for_each_turn(const CurrentSegment& segment, const std::array<double, kMaxBasis>& c,
                    auto&& use) {
     // The slope and its own slope, A/s and A/s^2.
-    const auto slope = [&](double tau) {
-        double sum = c[1];
-        for (std::size_t j = 0; j < static_cast<std::size_t>(segment.exponentials); ++j) {
-            const double factor = c[2 + j];
-            if (factor != 0.0)
-                sum -= factor * segment.rate[j] * exponential(-segment.rate[j] * tau);
-        }
-        return sum;
-    };
-    const auto bend = [&](double tau) {
-        double sum = 0.0;
-        for (std::size_t j = 0; j < static_cast<std::size_t>(segment.exponentials); ++j) {
-            const double factor = c[2 + j], rate = segment.rate[j];
-            if (factor != 0.0) sum += factor * rate * rate * exponential(-rate * tau);
-        }
-        return sum;
-    };
+    const CurrentFunctions::Values slopes = segment.slope_of(c), bends = segment.slope_of(slopes);
+    const auto slope = [&](double tau) { return segment.sum(slopes, tau); };
+    const auto bend = [&](double tau) { return segment.sum(bends, tau); };
     int count = 0;
     std::size_t only = 0;
-    for (std::size_t j = 0; j < static_cast<std::size_t>(segment.exponentials); ++j) {
-        if (c[2 + j] != 0.0) ++count, only = j;
+    for (std::size_t b = 2; b < segment.count(); ++b) {
+        if (c[b] != 0.0) ++count, only = b;
     }
     if (count == 0) return;
-    if (count == 1) {
-        const double rate = segment.rate[only], ratio = c[2 + only] * rate / c[1];
+    if (count == 1 && only < segment.place(0)) {
+        const double rate = segment.rate[only - 2], ratio = c[only] * rate / c[1];
         if (!(ratio > 1.0) || !std::isfinite(ratio)) return;
         const double turn = std::log(ratio) / rate;
         if (turn < segment.duration) use(turn);
@@ -118,20 +108,17 @@ void for_each_field_turn(const FieldCourse& course, double speed, auto&& use) {
         double square, slope;  // of |B|^2: T^2, T^2/s
     };
     const CurrentSegment& segment = *course.segment;
-    const auto count = static_cast<std::size_t>(segment.exponentials);
-    std::array<double, kMaxBasis> value = {1.0, 0.0}, change = {0.0, 1.0};
+    const std::size_t count = segment.count();
+    CurrentFunctions::Values value, change;
     const auto set_time = [&](double tau) {
-        value[1] = tau;
-        for (std::size_t j = 0; j < count; ++j) {
-            value[2 + j] = exponential(-segment.rate[j] * tau);
-            change[2 + j] = -segment.rate[j] * value[2 + j];
-        }
+        value = segment.values(tau);
+        change = segment.changes(value);
     };
     const auto look = [&](double tau) {
         set_time(tau);
         FieldCourse::Vector b = course.basis[0], slope = course.basis[1];
         for (std::size_t i = 0; i < b.size(); ++i) b[i] += tau * course.basis[1][i];
-        for (std::size_t j = 2; j < 2 + count; ++j) {
+        for (std::size_t j = 2; j < count; ++j) {
             for (std::size_t i = 0; i < b.size(); ++i) {
                 b[i] += value[j] * course.basis[j][i];
                 slope[i] += change[j] * course.basis[j][i];
@@ -142,7 +129,7 @@ void for_each_field_turn(const FieldCourse& course, double speed, auto&& use) {
     };
     const auto gradient = [&] {
         std::array<double, 6> sum = {};
-        for (std::size_t j = 0; j < 2 + count; ++j) {
+        for (std::size_t j = 0; j < count; ++j) {
             for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += value[j] * course.gradient[j][i];
         }
         return sum;
@@ -172,7 +159,7 @@ void for_each_field_turn(const FieldCourse& course, double speed, auto&& use) {
     const auto along = [&](double tau) {
         set_time(tau);
         FieldCourse::Vector b = {};
-        for (std::size_t j = 0; j < 2 + count; ++j) {
+        for (std::size_t j = 0; j < count; ++j) {
             for (std::size_t i = 0; i < b.size(); ++i) b[i] += value[j] * course.basis[j][i];
         }
         const auto [xx, xy, xz, yy, yz, zz] = gradient();

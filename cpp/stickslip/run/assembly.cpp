@@ -48,7 +48,7 @@ double pulsing_time(const Scenario& s) {
 
 // s, before the first pulse.
 double lead_in(const Drive& drive) {
-    return drive.mode == DriveMode::none ? 0.0 : drive.ramp;
+    return drive.mode == DriveMode::none ? 0.0 : drive.latency + drive.ramp;
 }
 
 // What needs more steps than a run may have, however the robot moves.
@@ -79,7 +79,10 @@ void check_no_sawtooth(const Scenario& s) {
     const bool is_none = s.drive.mode == DriveMode::none;
     const auto require_default = [&](const auto& row) {
         const std::string_view key = row.key;
-        if (!key.starts_with("drive.") || key == "drive.mode" || key == "drive.direction") return;
+        if (!key.starts_with("drive.") || key == "drive.mode" || key == "drive.direction" ||
+            (key == "drive.latency" && !is_none)) {
+            return;
+        }
         if (row.get(s) == row.get(kDefaults)) return;
         if (is_none) {
             if (key == "drive.pulses" || (key == "drive.frequency" && s.shake.absent())) return;
@@ -141,6 +144,12 @@ void check(const Scenario& s) {
                     "a kinetic friction that is not above the static one");
     }
     check_coils(s);
+    for (const CoilParameters& coil : s.coils) {
+        if (coil.capacitance == 0.0 || s.effects.mutual_inductance_coupling == 0.0) continue;
+        refuse_pair("coil.capacitance", coil.capacitance, "effects.mutual_inductance.coupling",
+                    s.effects.mutual_inductance_coupling,
+                    "one of the two: circuits of coupled coils have no capacitor here");
+    }
     const RobotFrame frame = frame_of(s);
     check_plane(s, frame);
     check_own_laws(s);
@@ -167,8 +176,8 @@ void check(const Scenario& s) {
         }
     }
     if (!(s.initial == SimulationState{})) initial_state(s, make_model(s, frame));
-    const double longest =
-        make_program(s, frame).duration();  // refuses voltages that are not finite
+    make_program(s, frame);  // refuses voltages that are not finite
+    const double longest = duration(s);
     check_work(s, longest);
     const double highest_rate = kMostSamples / longest;
     if (s.record.kind == RecordKind::uniform && !(s.record.rate > 0.0)) {
@@ -186,9 +195,9 @@ void check(const Scenario& s) {
 
 double duration(const Scenario& scenario) {
     const Drive& drive = scenario.drive;
-    if (drive.mode == DriveMode::program) return scenario.program.duration();
+    if (drive.mode == DriveMode::program) return drive.latency + scenario.program.duration();
     if (drive.mode == DriveMode::none) return pulsing_time(scenario);
-    return drive.ramp + pulsing_time(scenario) + drive.ramp_down;
+    return lead_in(drive) + pulsing_time(scenario) + drive.ramp_down;
 }
 
 Model make_model(const Scenario& s, const RobotFrame& frame) {
@@ -232,6 +241,7 @@ Circuit make_circuit(const Scenario& s, const RobotFrame& frame, const VoltagePr
     for (std::size_t k = 0; k < kCoilCount; ++k) {
         parameters.resistance[k] = coils[k].resistance;
         parameters.inductance[k] = coils[k].inductance;
+        parameters.capacitance[k] = coils[k].capacitance;
     }
     parameters.coupling = e.mutual_inductance_coupling;
     parameters.lag = e.eddy_lag_time;
@@ -240,7 +250,8 @@ Circuit make_circuit(const Scenario& s, const RobotFrame& frame, const VoltagePr
     }
     Circuit circuit(parameters);
     if (!(s.initial == SimulationState{})) {
-        circuit.set_currents(frame.seen(s.initial.current), frame.seen(s.initial.field_lag));
+        circuit.set_currents(frame.seen(s.initial.current), frame.seen(s.initial.field_lag),
+                             frame.seen(s.initial.capacitor));
     }
     return circuit;
 }
@@ -285,10 +296,12 @@ PerCoil driven_gain(const Scenario& scenario, const RobotFrame& frame,
     PerCoil gain = field_gain(scenario);
     const PerCoil current = frame.seen(scenario.initial.current);
     const PerCoil lag = frame.seen(scenario.initial.field_lag);
+    const PerCoil charged = frame.seen(scenario.initial.capacitor);
     // Coupled coils all have current.
     for (std::size_t k = 0; k < kCoilCount; ++k) {
         const bool driven = program.largest_voltage()[k] > 0.0 || current[k] != 0.0 ||
-                            lag[k] != 0.0 || scenario.effects.mutual_inductance_coupling != 0.0;
+                            lag[k] != 0.0 || charged[k] != 0.0 ||
+                            scenario.effects.mutual_inductance_coupling != 0.0;
         if (!driven) gain[k] = 0.0;
     }
     return gain;
@@ -328,7 +341,10 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
     const PerCoil current = model.frame.seen(scenario.initial.current);
     const PerCoilOf<CoilParameters> own = robot_coils(scenario, model.frame);
     const PerCoil centre = coils.centre_fields_per_ampere();
+    double ringing = 0.0;  // 1/s, of the fastest coil with a capacitor
     for (std::size_t k = 0; k < kCoilCount; ++k) {
+        const double root = std::sqrt(own[k].inductance * own[k].capacitance);
+        if (root > 0.0) ringing = std::max(ringing, 1.0 / root);
         const double held = program.largest_voltage()[k] / own[k].resistance;
         field += std::max(held, std::abs(current[k])) * std::abs(centre[k]);
     }
@@ -353,6 +369,7 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
         if (!(result.max_step > 0.0 && result.max_step < longest)) result.max_step = longest;
         result.surface_speed = model.shake.most_speed();
     }
+    if (ringing > 0.0) result.longest_rest = std::min(result.longest_rest, 0.25 / ringing);
     result.scales = {radius, radius * result.swing_rate, result.swing_rate};
     // A motion forgets its errors as fast as it is damped; what is hardly damped adds them up. In
     // proportion to the damping, the error of a run goes with rtol whatever the drag.
@@ -428,7 +445,7 @@ double pulse_period(const Scenario& s) {
 
 Window measuring_window(const Scenario& s) {
     const Drive& drive = s.drive;
-    if (drive.mode == DriveMode::program) return {0.0, s.program.duration()};
+    if (drive.mode == DriveMode::program) return {drive.latency, duration(s)};
     return {lead_in(drive) + static_cast<double>(settling_pulses(drive)) / pulse_rate(s),
             lead_in(drive) + pulsing_time(s)};
 }

@@ -43,8 +43,8 @@ public:
     /// The pull of the in-plane coils in a segment that has ended, as they are where it ends.
     /// factor(tau): what a free shape makes of the field.
     void pull(const PerCoilOf<CoilField>& coils, const CurrentSegment& segment, auto&& factor) {
-        std::array<std::array<double, kMaxBasis>, 2> slope = {};  // T/m
-        for (std::size_t b = 0; b < static_cast<std::size_t>(2 + segment.exponentials); ++b) {
+        std::array<CurrentFunctions::Values, 2> slope = {};  // T/m
+        for (std::size_t b = 0; b < segment.count(); ++b) {
             for (std::size_t k = 0; k < kClampCoil; ++k) {
                 for (std::size_t i = 0; i < 2; ++i) {
                     slope[i][b] += coils[k].slope[i] * segment.field[b][k];
@@ -52,14 +52,8 @@ public:
             }
         }
         const auto see = [&](double tau) {
-            std::array<double, 2> now;
-            for (std::size_t i = 0; i < 2; ++i) {
-                now[i] = slope[i][0] + slope[i][1] * tau;
-                for (std::size_t j = 0; j < static_cast<std::size_t>(segment.exponentials); ++j) {
-                    now[i] += slope[i][2 + j] * exponential(-segment.rate[j] * tau);
-                }
-            }
-            slope_max_ = std::max(slope_max_, std::hypot(now[0], now[1]) * std::abs(factor(tau)));
+            const double now = std::hypot(segment.sum(slope[0], tau), segment.sum(slope[1], tau));
+            slope_max_ = std::max(slope_max_, now * std::abs(factor(tau)));
         };
         see(0.0);
         see(segment.duration);

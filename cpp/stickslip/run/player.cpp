@@ -15,12 +15,13 @@ Player::Player(const Scenario& scenario, const std::vector<double>& marks,
       program_(make_program(scenario, model_.frame)),
       hold_period_(scenario.effects.sample_hold_period),
       amplifier_limit_(scenario.effects.amplifier_limit_voltage),
+      latency_(scenario.drive.latency),
       field_gain_(stickslip::field_gain(scenario)),
       coils_(robot_coil_set(scenario, model_.frame)),
       circuit_(make_circuit(scenario, model_.frame, program_)),
       dynamics_(model_, make_local_field(scenario, model_.frame, program_, coils_)),
       options_(make_stepper_options(scenario, model_, program_, coils_, stop)),
-      source_(program_, hold_period_, marks, model_.shake),
+      source_(program_, hold_period_, latency_, marks, model_.shake),
       transitions_(dynamics_, state_),
       // Fifty free swings, or periods of the shake.
       watch_(50.0 * std::min(2.0 * std::numbers::pi / options_.swing_rate,
@@ -92,7 +93,7 @@ Status Player::handle(Event event) {
 void Player::stay_there() {
     if (is_at_end()) return;
     const SimulationState there = world();
-    circuit_.set_currents(own(there.current), own(there.field_lag));
+    circuit_.set_currents(own(there.current), own(there.field_lag), own(there.capacitor));
     dynamics_.set_contact_age(dynamics_.contact_age() + tau_);
     segment_.duration = tau_ = 0.0;
     is_open_ = false;
@@ -147,13 +148,16 @@ SimulationState Player::world() const {
     SimulationState result = motion();
     // Within a segment the circuit is at its end already.
     PerCoil current = circuit_.currents(), lag = circuit_.field_lag();
+    PerCoil capacitor = circuit_.capacitors();
     if (!is_at_end()) {
+        capacitor = circuit_.capacitors(voltages_, segment_, tau_);
         current = segment_.currents(tau_);
         const PerCoil field = segment_.field_currents(tau_);
         for (std::size_t k = 0; k < kCoilCount; ++k) lag[k] = field[k] - current[k];
     }
     result.current = own(current);
     result.field_lag = own(lag);
+    result.capacitor = own(capacitor);
     return result;
 }
 

@@ -42,7 +42,8 @@ public:
     /// Plays the steps of `steps()` from now on, and not the drive of the scenario, which says only
     /// how strong the fields are. `on_step` is called at the end of each step.
     void play_steps(std::function<void()> on_step) {
-        source_.play_steps({hold_period_, amplifier_limit_, sign() < 0.0}, std::move(on_step));
+        source_.play_steps({hold_period_, amplifier_limit_, latency_, sign() < 0.0},
+                           std::move(on_step));
     }
     bool is_stepped() const { return source_.is_stepped(); }
     ControlSteps& steps() { return source_.steps(); }
@@ -59,7 +60,7 @@ public:
         body.vz += surface.vz;
         return body;
     }
-    double duration() const { return program_.duration(); }  ///< s, of the scenario's drive
+    double duration() const { return latency_ + program_.duration(); }  ///< s, of the whole drive
     const Model& model() const { return model_; }
     const Circuit& circuit() const { return circuit_; }
     const StepperOptions& options() const { return options_; }
@@ -159,6 +160,7 @@ private:
     const VoltageProgram program_;
     const double hold_period_;      // s, effect `sample_hold`
     const double amplifier_limit_;  // V, effect of that name
+    const double latency_;          // s, of the drive
     const PerCoil field_gain_;
     const CoilSet coils_;
     Circuit circuit_;

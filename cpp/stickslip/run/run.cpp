@@ -35,6 +35,7 @@ Run::Run(const Scenario& scenario, RunControl* control, std::optional<StopCondit
 #endif
     }
     fits_kernels_ = is_tsit5() && !player_.in_whole_plane() && player_.model().fits_kernels() &&
+                    player_.circuit().fades() &&
                     player_.circuit().exponentials() <= kMostPackedExponentials;
     result_.most_steps = scenario.solver.max_steps;
     result_.map = scenario.map;

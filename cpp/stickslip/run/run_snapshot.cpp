@@ -12,7 +12,7 @@ namespace stickslip {
 namespace {
 
 constexpr char kMagic[] = "stkslip";  // with its zero, eight bytes
-constexpr std::uint64_t kVersion = 4;
+constexpr std::uint64_t kVersion = 5;
 constexpr std::size_t kWord = 8;
 
 // Calls `visit` with each number of a snapshot, in the order of its bytes.
@@ -36,6 +36,7 @@ void for_each_number(Snapshot& s, auto&& visit) {
     }
     visit_all(s.circuit.modes);
     visit_all(s.circuit.lagging);
+    visit_all(s.circuit.capacitor);
     visit(s.steps.origin);
     visit(s.steps.duration);
     visit(s.steps.steps);
@@ -56,6 +57,13 @@ void for_each_number(Snapshot& s, auto&& visit) {
     visit(s.in_whole_plane);
     visit(s.status);
     visit(s.end);
+}
+
+void for_each_number_of(auto& segment, auto&& visit) {
+    visit(segment.start);
+    visit(segment.end);
+    for (auto& value : segment.first) visit(value);
+    for (auto& value : segment.last) visit(value);
 }
 
 std::uint64_t word_of(double value) {
@@ -100,7 +108,10 @@ std::uint64_t checksum(const std::string& bytes, std::size_t size) {
 std::string RunSnapshot::to_bytes() const {
     std::string result(kMagic, kWord);
     append(result, kVersion);
-    for_each_number(*this, [&](const auto& value) { append(result, word_of(value)); });
+    const auto write = [&](const auto& value) { append(result, word_of(value)); };
+    for_each_number(*this, write);
+    write(steps.late.size());
+    for (const VoltageSegment& each : steps.late) for_each_number_of(each, write);
     result += message;
     append(result, checksum(result, result.size()));
     return result;
@@ -108,7 +119,7 @@ std::string RunSnapshot::to_bytes() const {
 
 RunSnapshot RunSnapshot::from_bytes(const std::string& bytes) {
     RunSnapshot result;
-    std::size_t least = 3 * kWord;  // with the magic, the version and the checksum
+    std::size_t least = 4 * kWord;  // with the magic, the version, a count and the checksum
     for_each_number(result, [&](auto&) { least += kWord; });
     if (bytes.size() < 3 * kWord || bytes.compare(0, kWord, kMagic, kWord) != 0) {
         throw std::invalid_argument("these bytes are no snapshot of a simulator");
@@ -123,10 +134,18 @@ RunSnapshot RunSnapshot::from_bytes(const std::string& bytes) {
                                     ": allowed is version " + std::to_string(kVersion));
     }
     std::size_t place = 2 * kWord;
-    for_each_number(result, [&](auto& value) {
+    const auto read = [&](auto& value) {
         set(value, word_at(bytes, place));
         place += kWord;
-    });
+    };
+    for_each_number(result, read);
+    std::size_t late = 0;
+    read(late);
+    if (late > (size - place) / ((2 + 2 * kCoilCount) * kWord)) {
+        throw std::invalid_argument("the snapshot is damaged: it ends too early");
+    }
+    result.steps.late.resize(late);
+    for (VoltageSegment& each : result.steps.late) for_each_number_of(each, read);
     result.message = bytes.substr(place, size - place);
     return result;
 }

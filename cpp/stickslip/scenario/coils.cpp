@@ -15,11 +15,11 @@ namespace {
 
 using Value = double CoilParameters::*;
 
-constexpr Value kValues[] = {&CoilParameters::resistance, &CoilParameters::inductance,
-                             &CoilParameters::side, &CoilParameters::distance,
-                             &CoilParameters::turns};
+constexpr Value kValues[] = {&CoilParameters::resistance,  &CoilParameters::inductance,
+                             &CoilParameters::capacitance, &CoilParameters::side,
+                             &CoilParameters::distance,    &CoilParameters::turns};
 constexpr std::size_t kValueCount = std::size(kValues);
-constexpr std::size_t kFirstOfGeometry = 2;  // those before are of the circuit
+constexpr std::size_t kFirstOfGeometry = 3;  // those before are of the circuit
 
 // Of all coils; without accessors.
 // clang-format off
@@ -28,6 +28,8 @@ constexpr std::array<Parameter, kValueCount> kRows = {{
      .meaning = "resistance of a coil, Table I"},
     {.key = "coil.inductance", .unit = "H", .low = 0, .high = 1e3, .low_allowed = false,
      .meaning = "inductance of a coil, Table I"},
+    {.key = "coil.capacitance", .unit = "F", .low = 0, .high = 1e3,
+     .meaning = "capacitance in series with a coil; 0: none"},
     {.key = "coil.side", .unit = "m", .low = 1e-6, .high = 100,
      .meaning = "effective length of a coil's side, Table I"},
     {.key = "coil.distance", .unit = "m", .low = 1e-3, .high = 100,

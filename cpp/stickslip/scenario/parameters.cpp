@@ -72,6 +72,9 @@ std::vector<Parameter> make_parameters() {
         {.key = "drive.ramp_down", .unit = "s", .low = 0, .high = 1e4,
          .meaning = "fall of the in-plane coil to zero after the last pulse",
          STICKSLIP_MEMBER(drive.ramp_down)},
+        {.key = "drive.latency", .unit = "s", .low = 0, .high = 10,
+         .meaning = "time by which the coils get all voltages late, and none before the first; a "
+                    "run is longer by it", STICKSLIP_MEMBER(drive.latency)},
         {.key = "robot.length", .unit = "m", .low = 1e-6, .high = 0.2,
          .meaning = "length along the magnetization, Table II", STICKSLIP_MEMBER(robot.length)},
         {.key = "robot.width", .unit = "m", .low = 1e-6, .high = 0.2,
@@ -244,6 +247,7 @@ void set_mode(Scenario& s, std::size_t index) {
     const Drive before = s.drive;
     const bool pulses = mode == DriveMode::ipp || mode == DriveMode::opp;
     if (!pulses && before.mode != mode) s.drive = {};
+    if (mode == DriveMode::program) s.drive.latency = before.latency;
     if (mode == DriveMode::none) s.drive.pulses = before.pulses;
     s.drive.mode = mode;
     s.drive.direction = before.direction;
@@ -254,8 +258,8 @@ std::vector<Choice> make_choices() {
         {.key = "drive.mode", .allowed = {"IPP", "OPP", "program", "none"},
          .meaning = "in-plane pulsing, where the clamp coil holds; out-of-plane pulsing, the "
                     "reverse; or voltages from a file, with which all other keys but "
-                    "drive.direction have their defaults; or no voltage, with which drive.pulses "
-                    "counts periods of the shake, or of drive.frequency",
+                    "drive.direction and drive.latency have their defaults; or no voltage, with "
+                    "which drive.pulses counts periods of the shake, or of drive.frequency",
          .get = [](const Scenario& s) { return word("drive.mode", s.drive.mode); },
          .set = &set_mode},
         {.key = "drive.clamp", .allowed = {"down", "up"},

@@ -22,6 +22,7 @@ namespace stickslip {
 struct CoilParameters : CoilGeometry {
     double resistance = 10.0;  ///< ohm
     double inductance = 0.07;  ///< H
+    double capacitance = 0.0;  ///< F, in series; zero: none
 
     friend bool operator==(const CoilParameters&, const CoilParameters&) = default;
 };

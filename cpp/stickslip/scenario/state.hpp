@@ -27,7 +27,7 @@ enum class ContactWord {
 struct SimulationState {
     double x = 0.0, z = 0.0, theta = 0.0;
     double vx = 0.0, vz = 0.0, omega = 0.0;
-    PerCoil current = {}, field_lag = {};
+    PerCoil current = {}, field_lag = {}, capacitor = {};
     ContactWord contact = ContactWord::from_motion;
     double contact_age = 0.0;
     double y = 0.0, vy = 0.0, heading = 0.0;
@@ -69,6 +69,9 @@ struct StateColumn {
     {"field_lag_" name, "A", -1e6, 1e6,                                                 \
      "current of the field of " name " beyond that of the coil, with effects.eddy_lag", \
      STICKSLIP_STATE(field_lag[k])}
+#define STICKSLIP_CAPACITOR(k, name)                                                    \
+    {"capacitor_" name, "V", -1e9, 1e9, "voltage of the capacitor of " name,            \
+     STICKSLIP_STATE(capacitor[k])}
 
 inline constexpr auto kStateColumns = std::to_array<StateColumn>({
     {"x", "m", -100, 100, "position of the centre of mass along the surface", STICKSLIP_STATE(x)},
@@ -82,6 +85,8 @@ inline constexpr auto kStateColumns = std::to_array<StateColumn>({
     STICKSLIP_COIL(3, "ym"), STICKSLIP_COIL(4, "clamp"),
     STICKSLIP_LAG(0, "xp"), STICKSLIP_LAG(1, "xm"), STICKSLIP_LAG(2, "yp"),
     STICKSLIP_LAG(3, "ym"), STICKSLIP_LAG(4, "clamp"),
+    STICKSLIP_CAPACITOR(0, "xp"), STICKSLIP_CAPACITOR(1, "xm"), STICKSLIP_CAPACITOR(2, "yp"),
+    STICKSLIP_CAPACITOR(3, "ym"), STICKSLIP_CAPACITOR(4, "clamp"),
     {"contact", "1", 0, kContactWords.size() - 1, "mode of the contact, an index",
      STICKSLIP_STATE(contact)},
     {"contact_age", "s", 0, 1e9, "time since the last touch-down", STICKSLIP_STATE(contact_age)},
@@ -92,6 +97,7 @@ inline constexpr auto kStateColumns = std::to_array<StateColumn>({
      "weak to say", STICKSLIP_STATE(heading)},
 });
 
+#undef STICKSLIP_CAPACITOR
 #undef STICKSLIP_LAG
 #undef STICKSLIP_COIL
 #undef STICKSLIP_STATE
@@ -101,7 +107,8 @@ inline constexpr std::size_t kContactColumn = place_of(kStateColumns, "contact")
 
 /// Whether a column is of the coils.
 inline bool is_current(std::size_t column) {
-    return std::string_view(kStateColumns[column].unit) == "A";
+    const std::string_view unit = kStateColumns[column].unit;
+    return unit == "A" || unit == "V";
 }
 using StateRow = std::array<double, kStateColumns.size()>;
 

@@ -17,6 +17,7 @@ _SHOWN = {
     "gradient": ("gradient there", 1e3, "mT/m/A"),
     "fringe": ("across the axis", 100.0, "% of the field, in 5 mm"),
     "rise_time": ("rise time L/R", 1e3, "ms"),
+    "resonance": ("rings at", 1.0, "Hz, with its capacitor"),
     "most_current": ("amplifier: current", 1.0, "A"),
     "most_field": ("amplifier: field", 1e3, "mT"),
     "most_swing": ("amplifier: swing", 1e3, "mT, of a sawtooth at drive.frequency"),

@@ -38,9 +38,11 @@ class CoilFacts(NamedTuple):
         Largest field across the axis over that along it, in a cube of 5 mm.
     rise_time : float
         Inductance over resistance, s.
+    resonance : float
+        Of the coil with its capacitor, 1 / (2 pi sqrt(L C)), Hz; NaN without one.
     current, power, heating : float
         Where the highest voltage of the drive is held: A, W, and the rise of the temperature at
-        first, of a winding of copper without cooling, K/s.
+        first, of a winding of copper without cooling, K/s. A capacitor lets nothing through.
     most_current, most_field : float
         That the amplifier can hold, A and T.
     most_swing : float
@@ -51,6 +53,7 @@ class CoilFacts(NamedTuple):
     gradient: float
     fringe: float
     rise_time: float
+    resonance: float
     current: float
     power: float
     heating: float
@@ -60,7 +63,11 @@ class CoilFacts(NamedTuple):
 
 
 UNITS = dict(
-    zip(CoilFacts._fields, ("T/A", "T/m/A", "1", "s", "A", "W", "K/s", "A", "T", "T"), strict=True)
+    zip(
+        CoilFacts._fields,
+        ("T/A", "T/m/A", "1", "s", "Hz", "A", "W", "K/s", "A", "T", "T"),
+        strict=True,
+    )
 )
 
 
@@ -94,16 +101,20 @@ def coil_facts(
     for name in COIL_NAMES:
         own, one = getattr(scenario.coil, name), np.array(COIL_NAMES) == name
         field, gradient, fringe = _of_field(made, one.astype(float), _AXES[name])
-        tau, current = own.inductance / own.resistance, asked[name] / own.resistance
+        tau, passes = own.inductance / own.resistance, own.capacitance == 0.0
+        root = math.sqrt(own.inductance * own.capacitance)
+        resonance = math.nan if passes else 1.0 / (2.0 * math.pi * root)
+        current = passes * asked[name] / own.resistance
         power = current**2 * own.resistance
         # A wire of length l and resistance R has the mass d r l^2 / R.
         wire = 4.0 * own.side * own.turns if made.box is None else math.nan
         heating = power * own.resistance / (_COPPER * wire**2)
         most = min(volts / own.resistance, math.inf if amperes is None else amperes)
-        most = most if math.isfinite(most) else math.nan
+        most = passes * most if math.isfinite(most) else math.nan
         swing = field_swing(scenario.drive.frequency, tau) if pulsed else math.nan
         ends = (most, most * field, most * field * swing)
-        found[name] = CoilFacts(field, gradient, fringe, tau, current, power, heating, *ends)
+        held = (current, power, heating)
+        found[name] = CoilFacts(field, gradient, fringe, tau, resonance, *held, *ends)
     return found
 
 

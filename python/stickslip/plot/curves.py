@@ -226,7 +226,8 @@ def _last_pulses(run: Run) -> tuple[float, float] | None:
     end = min(scenario.window[1], float(run.t[-1]))
     first = end - _SHOWN_PULSES / rate
     # A run that failed in the ramp or soon after it has less to show.
-    return (first, end) if first >= scenario.drive.ramp else None
+    lead_in = scenario.drive.latency + scenario.drive.ramp
+    return (first, end) if first >= lead_in else None
 
 
 def _title(run: Run, last_pulses: bool) -> str:

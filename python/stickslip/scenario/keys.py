@@ -166,7 +166,9 @@ def keys_of(section: str) -> tuple[Key, ...]:
 
 
 SAWTOOTH = tuple(
-    key.name for key in keys_of("drive") if key.name not in ("drive.mode", "drive.direction")
+    key.name
+    for key in keys_of("drive")
+    if key.name not in ("drive.mode", "drive.direction", "drive.latency")
 )
 """Keys of a pulsed drive, which a program of voltages does not use."""
 

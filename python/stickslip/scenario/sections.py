@@ -114,6 +114,7 @@ class Coil(
         resistance,
         inductance=None,
         rise_time=None,
+        capacitance=0.0,
     ):
         """Five like coils from what a laboratory measures.
 
@@ -131,6 +132,8 @@ class Coil(
         inductance, rise_time : float
             One of both: H, or the time that the current takes to 63 % after a step of the voltage,
             s, which gives the inductance.
+        capacitance : float
+            Of a capacitor in series, F; 0: none. It is none of the rise time.
 
         Raises
         ------
@@ -156,6 +159,7 @@ class Coil(
             turns=field_per_ampere / one_turn,
             resistance=resistance,
             inductance=resistance * rise_time if inductance is None else inductance,
+            capacitance=capacitance,
         )
 
     @property

@@ -14,6 +14,7 @@ SECTIONS: dict[str, type[Any]]
 class OneCoil(NamedTuple):
     resistance: float
     inductance: float
+    capacitance: float
     side: float
     distance: float
     turns: float
@@ -36,6 +37,7 @@ class Drive(Section, key="drive"):
         ramp: float = 0.05,
         pulses: int = 100,
         ramp_down: float = 0.0,
+        latency: float = 0.0,
         program: Waveform | None = None,
     ) -> None: ...
     @property
@@ -67,6 +69,8 @@ class Drive(Section, key="drive"):
     @property
     def ramp_down(self) -> float: ...
     @property
+    def latency(self) -> float: ...
+    @property
     def program(self) -> Waveform | None: ...
     @property
     def facing(self) -> float: ...
@@ -77,6 +81,7 @@ class Coil(Section, key="coil"):
         *,
         resistance: float = 10.0,
         inductance: float = 0.07,
+        capacitance: float = 0.0,
         side: float = 0.1385,
         distance: float = 0.099,
         turns: float = 510.0,
@@ -91,6 +96,8 @@ class Coil(Section, key="coil"):
     def resistance(self) -> float: ...
     @property
     def inductance(self) -> float: ...
+    @property
+    def capacitance(self) -> float: ...
     @property
     def side(self) -> float: ...
     @property
@@ -277,6 +284,11 @@ class State(Section, key="initial"):
         field_lag_yp: float = 0.0,
         field_lag_ym: float = 0.0,
         field_lag_clamp: float = 0.0,
+        capacitor_xp: float = 0.0,
+        capacitor_xm: float = 0.0,
+        capacitor_yp: float = 0.0,
+        capacitor_ym: float = 0.0,
+        capacitor_clamp: float = 0.0,
         contact_age: float = 0.0,
         y: float = 0.0,
         vy: float = 0.0,
@@ -317,6 +329,16 @@ class State(Section, key="initial"):
     @property
     def field_lag_clamp(self) -> float: ...
     @property
+    def capacitor_xp(self) -> float: ...
+    @property
+    def capacitor_xm(self) -> float: ...
+    @property
+    def capacitor_yp(self) -> float: ...
+    @property
+    def capacitor_ym(self) -> float: ...
+    @property
+    def capacitor_clamp(self) -> float: ...
+    @property
     def contact_age(self) -> float: ...
     @property
     def y(self) -> float: ...
@@ -354,6 +376,7 @@ class Record(Section, key="record"):
         rate: float | Literal["none", "events"] = "none",
         fields: str | Sequence[str] = "all",
         dtype: Literal["float64", "float32"] = "float64",
+        pull_share: Literal["no", "yes"] = "no",
         from_: float = 0.0,
     ) -> None: ...
     @property
@@ -362,5 +385,7 @@ class Record(Section, key="record"):
     def fields(self) -> str: ...
     @property
     def dtype(self) -> Literal["float64", "float32"]: ...
+    @property
+    def pull_share(self) -> Literal["no", "yes"]: ...
     @property
     def from_(self) -> float: ...

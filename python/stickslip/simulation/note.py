@@ -27,7 +27,7 @@ CODES = (
     "field-change", "velocity-grows", "turning", "start-up", "window-short", "pulses-short",
     "fluid",
     # Other values that are probably mistakes.
-    "hidden-key",
+    "hidden-key", "capacitor",
     "voltage", "density", "moment", "steep-surface", "adhesion", "tangential-restitution",
     "tolerance",
     # Facts, without a fault.

@@ -104,6 +104,13 @@ def _of_drive(scenario: Scenario, core: _core.Scenario) -> Iterator[Note]:
     times = time_constants(scenario, core)
     start, end = scenario.window
     used = [name for name, volts in asked.items() if volts > 0.0]
+    blocked = [name for name in used if getattr(scenario.coil, name).capacitance > 0.0]
+    if blocked and pulsed:
+        text = (
+            f"coil {blocked[0]} has a capacitor in series, through which no voltage holds a "
+            "current: drive.peak, drive.base and drive.hold are fields without it"
+        )
+        yield Note("capacitor", text, float(getattr(scenario.coil, blocked[0]).capacitance))
     slowest = max(used, key=lambda name: times[name], default=None)
     if slowest is not None and end - start < times[slowest]:
         text = (
@@ -112,7 +119,7 @@ def _of_drive(scenario: Scenario, core: _core.Scenario) -> Iterator[Note]:
             "before, and what is measured is no steady motion"
         )
         yield Note("window-short", text, end - start)
-    if not pulsed or drive.base == drive.peak:
+    if not pulsed or drive.base == drive.peak or blocked:
         return
     tau = times[core.in_plane_coil if drive.mode == "IPP" else "clamp"]
     swing = drive.peak - drive.base

@@ -123,7 +123,7 @@ def recording_rate(scenario: Scenario) -> float:
         return enough
     fewest = math.ceil(enough / drive.frequency)
     for each in range(fewest, 2 * fewest + 1):
-        samples = drive.ramp * drive.frequency * each
+        samples = (drive.latency + drive.ramp) * drive.frequency * each
         if abs(samples - round(samples)) < 1e-9 * each:
             return each * drive.frequency
     return fewest * drive.frequency

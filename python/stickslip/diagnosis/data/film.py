@@ -236,7 +236,7 @@ class FilmTable(SimulatedTable):
         if kind != "level" and drive.mode != "program":
             # How far the contact slips while the robot pitches up in the ramp changes by jumps with
             # every parameter, and carries little information; the motion after it is smooth.
-            used &= times >= drive.ramp
+            used &= times >= drive.latency + drive.ramp
         folded, place = fold(times[used], film.scenario), np.flatnonzero(used)
         if not required and nominal is not None:
             size = np.std if name == "z" else root_mean_square

@@ -107,9 +107,10 @@ def fold(times: Array, scenario: Scenario) -> Fold:
     steady = times > start - 1e-9
     periods = np.where(steady, (times - start) * drive.frequency + 1e-9, 0.0)
     cycle = np.floor(periods).astype(np.int64)
-    ramp = np.linspace(0.0, drive.ramp, _RAMP + 1)[1:]
+    begin = drive.latency + drive.ramp
+    ramp = np.linspace(drive.latency, begin, _RAMP + 1)[1:]
     step = 1.0 / (_FIRST * drive.frequency)
-    edges = np.concatenate([ramp, np.arange(drive.ramp, start, step)[1:]])
+    edges = np.concatenate([ramp, np.arange(begin, start, step)[1:]])
     label = np.searchsorted(edges, times, side="right")
     label = np.where(steady, len(edges) + 1 + np.floor((periods - cycle) * PHASES), label)
     return Fold(_numbered(label), steady, periods - cycle, cycle)
