@@ -27,6 +27,7 @@ from stickslip._util.messages import (
     suggestion,
 )
 from stickslip.control.camera import Camera, Film
+from stickslip.control.drawing import Pixels, side_view, view_from_above
 from stickslip.control.path import Path
 from stickslip.control.steering import heading_voltages
 from stickslip.control.tasks import TASKS, Targets
@@ -50,6 +51,9 @@ left, where it faces, and its state; with what one stands for in each, SI units.
 
 CAMERA_OBSERVED = {**_BODY, "x": 1e-3, "y": 1e-3, "theta": 1.0, "age": 0.1}
 """Columns with a camera: of the pose that the newest frame shows, and the age of that, s."""
+
+RENDERED: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 25}
+"""A film of every step shows the motion 40 times slower than it is."""
 
 _FARTHEST = 1e6  # chosen: finite, as libraries want it, and beyond all that moves
 # Part of the voltage that the field along the surface always has. Chosen: of 26 V it makes 0.5 mT,
@@ -105,6 +109,8 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
     autoreset_mode : AutoresetMode
     max_episode_steps : int, optional
         After which an episode is truncated.
+    render_mode : {"rgb_array"}, optional
+        What `render` gives: the robot from its right in "walk" and "place", else from above.
 
     Raises
     ------
@@ -129,7 +135,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         threads: int = 1,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         max_episode_steps: int | None = None,
-        render_mode: None = None,
+        render_mode: str | None = None,
     ) -> None:
         check_whole("num_envs", num_envs, 1)
         if max_episode_steps is not None:
@@ -149,8 +155,8 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         self.camera = camera
         self.voltage, self.turning, self.period = voltage, turning, period
         self.max_episode_steps = max_episode_steps
-        self.render_mode = render_mode
-        self.metadata = {"autoreset_mode": AutoresetMode(autoreset_mode), "render_modes": []}
+        self.render_mode = _checked_mode(render_mode)
+        self.metadata = {**RENDERED, "autoreset_mode": AutoresetMode(autoreset_mode)}
         self._threads = worker_count(threads, "threads")
         self._steered = TASKS[task].steered
         if coils is None and not self._steered:
@@ -289,6 +295,20 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
             observations[ended] = self._observed(np.flatnonzero(ended))
         return observations, rewards, terminations, truncations, info
 
+    def render(self) -> tuple[Pixels, ...] | None:  # type: ignore[override]
+        """A picture of each robot, shape (240, 400, 3); None without a `render_mode`."""
+        if self.render_mode is None:
+            return None
+        goals, path = self._targets.shown
+        found = []
+        for i, (robot, state) in enumerate(zip(self._robots, self._states, strict=True)):
+            goal = None if goals is None else goals[i]
+            if self._steered:
+                found.append(view_from_above(robot, state, goal, path))
+            else:
+                found.append(side_view(robot, state, goal))
+        return tuple(found)
+
     def _voltages(self, actions: Array) -> Array:
         """Voltages of the five coils, (n, 5), V; those of a robot without a whole action NaN."""
         unknown: Mask = np.any(~np.isfinite(actions), axis=1)
@@ -334,9 +354,11 @@ class RobotEnv(gymnasium.Env[Array, Array]):
     def __copy__(self) -> RobotEnv:
         return deepcopy(self)
 
-    def __init__(self, render_mode: None = None, **options: Any) -> None:
-        self.render_mode = render_mode
-        self.metadata = {"render_modes": []}
+    metadata = RENDERED
+
+    def __init__(self, render_mode: str | None = None, **options: Any) -> None:
+        self.render_mode = _checked_mode(render_mode)
+        options["render_mode"] = render_mode
         self._many = RobotVectorEnv(1, autoreset_mode=AutoresetMode.DISABLED, **options)
         self.observation_space = self._many.single_observation_space
         self.action_space = self._many.single_action_space
@@ -357,6 +379,17 @@ class RobotEnv(gymnasium.Env[Array, Array]):
         own = {key: value[0] for key, value in info.items() if not key.startswith("_")}
         ends = bool(terminated[0]), bool(truncated[0])
         return observations[0], float(rewards[0]), *ends, own
+
+    def render(self) -> Pixels | None:  # type: ignore[override]
+        """A picture, shape (240, 400, 3); None without a `render_mode`."""
+        pictures = self._many.render()
+        return None if pictures is None else pictures[0]
+
+
+def _checked_mode(render_mode: str | None) -> str | None:
+    if render_mode not in (None, *RENDERED["render_modes"]):
+        refuse("render_mode", render_mode, '"rgb_array", or None')
+    return render_mode
 
 
 def _seeds(seed: object, count: int) -> list[int | None]:

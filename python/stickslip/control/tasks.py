@@ -70,6 +70,12 @@ class Targets:
         self.goals, self._before = np.zeros((count, 2)), np.zeros((count, 2))
         self._progress, self._seen = np.zeros(count), np.zeros(count)
 
+    @property
+    def shown(self) -> tuple[Array | None, Array | None]:
+        """The goal of each robot, (n, 2), and the path, (k, 2), m, for a picture; None of none."""
+        goals = self.goals if self._task.farthest else None
+        return goals, None if self._path is None else self._path.points
+
     def begin(self, robot: int, place: Array, random: np.random.Generator) -> None:
         """An episode of one robot at `place`, x and y in m."""
         task = self._task
