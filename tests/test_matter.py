@@ -126,6 +126,25 @@ def test_in_water_a_note_says_how_much_is_left_out():
     assert not any(n.code == "fluid" for n in quiet.notes)
 
 
+# Reynolds numbers and drag coefficients of smooth spheres as they were measured; a table of the
+# standard curve (Indiana University of Pennsylvania, CalcDEMma).
+MEASURED = [
+    (0.4786, 58.88), (3.020, 10.86), (7.015, 5.623), (15.49, 3.388), (57.54, 1.479),
+    (144.5, 0.9204), (264.9, 0.7194), (512.9, 0.5623),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("reynolds", "coefficient"), MEASURED)
+def test_what_a_steady_motion_meets_beyond_stokes_is_what_was_measured(reynolds, coefficient):
+    water = Scenario().in_fluid("water", wall=False)
+    density, viscosity, _ = LIQUIDS["water"]
+    radius = (0.75 * math.prod(SIZE) / math.pi) ** (1 / 3)
+    speed = reynolds * viscosity / (2.0 * radius * density)
+    measured = 0.5 * coefficient * density * math.pi * radius**2 * speed**2
+    beyond = left_out(water.fluid, water.robot, 0.0, speed).inertia
+    assert measured / (water.drag.linear * speed) == pytest.approx(1.0 + beyond, rel=0.11)
+
+
 def test_a_fall_in_water_is_too_fast_by_what_the_drag_curve_says():
     """Schiller and Naumann (1933) beside Stokes: the error of the model, by its own number."""
     water = Scenario().in_fluid("water", wall=False)
