@@ -28,6 +28,21 @@ def test_field_and_gradient_are_those_of_a_walking_robot(scenario):
     assert facts["xp"].fringe == pytest.approx(fringe(5e-3), rel=1e-9)
 
 
+@pytest.mark.parametrize("keys", [{}, OWN, {"coil.side": 0.05, "coil.distance": 0.03}])
+def test_the_numbers_of_coils_are_those_of_magpylib(keys):
+    magpylib = pytest.importorskip("magpylib")
+    scenario, step = Scenario().replace(keys), 2e-5  # m; the slope's error is (step / distance)^2
+    for name, facts in coil_facts(scenario).items():
+        own = getattr(scenario.coil, name)
+        half, far = 0.5 * own.side, own.distance
+        corners = [(half, half, far), (-half, half, far), (-half, -half, far), (half, -half, far)]
+        winding = magpylib.current.Polyline(vertices=[*corners, corners[0]], current=own.turns)
+        field = winding.getB([[0, 0, -step], [0, 0, 0], [0, 0, step]])[:, 2]
+        assert facts.field == pytest.approx(abs(field[1]), rel=1e-6)
+        slope = abs(field[2] - field[0]) / (2.0 * step)
+        assert facts.gradient == pytest.approx(slope, rel=1e-6)
+
+
 def test_the_drive_and_the_amplifier_are_those_of_a_run():
     scenario = Scenario(drive=Drive(base=0.0, peak=2e-3, hold=0.0, pulses=40, frequency=30))
     facts = coil_facts(scenario, volts=20.0)["xp"]

@@ -3,6 +3,7 @@
 #include "stickslip/drive/circuit.hpp"
 #include "stickslip/drive/coil.hpp"
 #include "stickslip/drive/control_steps.hpp"
+#include "stickslip/drive/current_functions.hpp"
 #include "stickslip/drive/sawtooth.hpp"
 #include "stickslip/drive/segment_source.hpp"
 #include "stickslip/drive/shake.hpp"
@@ -15,6 +16,7 @@
 /// - sawtooth: the program of a pulsed drive, Eq. (1) turned around
 /// - shake: a motion of the surface
 /// - control_steps, segment_source: voltages that a controller gives while the run goes on
-/// - circuit: the currents of a segment in closed form, for coils that are
-///   coupled, unequal, warm, or have a field that lags behind them
+/// - current_functions: what the currents of a segment are sums of
+/// - circuit: the currents of a segment in closed form, for coils that are coupled, unequal, warm,
+///   have a capacitor, or a field that lags behind them
 namespace stickslip {}

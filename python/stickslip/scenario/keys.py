@@ -174,7 +174,10 @@ SAWTOOTH = tuple(
 
 IDLE = {
     "program": SAWTOOTH,
-    "none": tuple(key for key in SAWTOOTH if key not in ("drive.frequency", "drive.pulses")),
+    "none": (
+        *(key for key in SAWTOOTH if key not in ("drive.frequency", "drive.pulses")),
+        "drive.latency",
+    ),
 }
 """Those that a mode of the drive does not use."""
 
