@@ -295,7 +295,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
             observations[ended] = self._observed(np.flatnonzero(ended))
         return observations, rewards, terminations, truncations, info
 
-    def render(self) -> tuple[Pixels, ...] | None:  # type: ignore[override]
+    def render(self) -> tuple[Pixels, ...] | None:
         """A picture of each robot, shape (240, 400, 3); None without a `render_mode`."""
         if self.render_mode is None:
             return None
@@ -380,7 +380,7 @@ class RobotEnv(gymnasium.Env[Array, Array]):
         ends = bool(terminated[0]), bool(truncated[0])
         return observations[0], float(rewards[0]), *ends, own
 
-    def render(self) -> Pixels | None:  # type: ignore[override]
+    def render(self) -> Pixels | None:
         """A picture, shape (240, 400, 3); None without a `render_mode`."""
         pictures = self._many.render()
         return None if pictures is None else pictures[0]
