@@ -161,6 +161,8 @@ def measured_words():
         ],
         "docs/howto/real-cases.md": [
             f"as one record, the asymmetry takes {share['axis, 20 Hz, listed: yes']} of",
+            "Means over ten segments name it: "
+            + real["rows"]["axis, ten segments, listed: yes"]["size"].partition(" (")[0],
             f"four repeats of one motion it takes {share['axis, four repeats, listed: yes']}:",
             f"a limit of the angles takes {share['tumbler, listed: no']} of",
             f"they take {share['tanks, listed: yes']} of the squared error",
