@@ -131,9 +131,14 @@ def _constants(count: int) -> np.ndarray:
     return usual * np.random.default_rng(count).normal(1.0, 0.05, (count, len(usual)))
 
 
+@functools.cache
+def _drive(rtol: float, pulses: int) -> Scenario:
+    return with_solver(SWEPT.replace({"drive.pulses": pulses}), rtol)
+
+
 def _asked(rtol: float, count: int, pulses: int) -> Answer:
-    """What a descent of the diagnosis asks the core for: summaries of one drive."""
-    drive = with_solver(SWEPT.replace({"drive.pulses": pulses}), rtol).to_core()
+    """What a descent of the diagnosis asks the core for: summaries of one drive that it has."""
+    drive = _drive(rtol, pulses).to_core()
     columns, _ = _core.sweep(drive, CONSTANTS, _constants(count), 1, None)
     return float(columns["simulated_time"].sum()), columns["mean_velocity"].tolist()
 
