@@ -4,32 +4,15 @@
 #include <chrono>
 #include <condition_variable>
 #include <exception>
+#include <memory>
 #include <stdexcept>
 #include <thread>
+#include <vector>
 
 #include "stickslip/run/assembly.hpp"
 #include "stickslip/scenario/scenario_rows.hpp"
 
 namespace stickslip {
-namespace {
-
-/// Threads that are joined where they go out of scope; libc++ has no std::jthread before LLVM 20.
-class Pool {
-public:
-    Pool() = default;
-    Pool(const Pool&) = delete;
-    Pool& operator=(const Pool&) = delete;
-    ~Pool() {
-        for (std::thread& each : threads_) each.join();
-    }
-    void start(const std::function<void()>& work) { threads_.emplace_back(work); }
-
-private:
-    std::vector<std::thread> threads_;
-};
-
-}  // namespace
-
 void run_workers(int threads, RunControl& control, const std::function<void()>& work,
                  const std::function<void()>& poll) {
 #if defined(__EMSCRIPTEN__) && !defined(__EMSCRIPTEN_PTHREADS__)
@@ -59,9 +42,14 @@ void run_workers(int threads, RunControl& control, const std::function<void()>& 
         if (--running == 0) finished.notify_one();
     };
 
-    Pool pool;
+    // libc++ has no std::jthread before LLVM 20.
+    std::vector<std::thread> pool;
+    const auto join = [](std::vector<std::thread>* all) {
+        for (std::thread& each : *all) each.join();
+    };
+    const std::unique_ptr<std::vector<std::thread>, decltype(join)> joined(&pool, join);
     try {
-        for (int i = 0; i < threads; ++i) pool.start(guarded);
+        for (int i = 0; i < threads; ++i) pool.emplace_back(guarded);
     } catch (...) {  // no more threads: those that run are joined as the pool is left
         control.stop = true;
         throw;

@@ -20,7 +20,6 @@ public:
     PhasePack(int size, const StepKernel<Phase, kEffects>& kernel, const LawTable& table)
         : size_(static_cast<std::size_t>(size)), kernel_(kernel), table_(&table) {}
 
-    /// Runs that are here or wait.
     std::size_t count() const { return count_; }
     void add(Lane& lane) {
         waiting_.push_back(&lane);
