@@ -142,9 +142,11 @@ private:
 /// The runs of a thread, each in the pack of its phase.
 class LaneGroup {
 public:
-    LaneGroup(const StepKernels& kernels, std::size_t most, const std::function<void(Lane&)>& done)
+    // Fewer runs are quicker one by one: a step of a pack costs as much as those of two or three.
+    static constexpr std::size_t kLeast = 4;
+
+    LaneGroup(const StepKernels& kernels, const std::function<void(Lane&)>& done)
         : done_(done),
-          has_packs_(kernels.size > 1 && most >= kLeast),
           plain_(kernels.size, kernels.plain, table_),
           extended_(kernels.size, kernels.extended, table_) {}
 
@@ -153,7 +155,7 @@ public:
     void set_last() { is_last_ = true; }
 
     void start(Lane& lane) {
-        if (!has_packs_ || !lane.run.fits_packs() || !take_laws(lane)) {
+        if (!lane.run.fits_packs() || !take_laws(lane)) {
             lane.run.go();
             done_(lane);
             return;
@@ -232,9 +234,6 @@ private:
     bool is_few() const { return is_last_ && lanes_.size() < kLeast; }
 
     const std::function<void(Lane&)>& done_;
-    // Fewer runs are quicker one by one: a step of a pack costs as much as those of two or three.
-    static constexpr std::size_t kLeast = 4;
-    bool has_packs_;
     bool is_last_ = false;
     std::vector<Lane*> lanes_;
     LawTable table_;  // of all runs that are here or were
@@ -247,9 +246,14 @@ private:
 void play_in_lanes(const StepKernels& kernels, std::size_t count,
                    const std::function<Lane*()>& next, const std::function<void(Lane&)>& done,
                    const RunControl& control) {
-    LaneGroup group(kernels, count, done);
+    const auto goes_on = [&] { return !control.stop.load(std::memory_order_relaxed); };
+    if (kernels.size == 1 || count < LaneGroup::kLeast) {  // without packs, which fill 100 kB
+        for (Lane* lane; goes_on() && (lane = next()) != nullptr; done(*lane)) lane->run.go();
+        return;
+    }
+    LaneGroup group(kernels, done);
     bool more = true;
-    while (!control.stop.load(std::memory_order_relaxed)) {
+    while (goes_on()) {
         if (more && group.size() < count) {
             Lane* lane = next();
             more = lane != nullptr;
