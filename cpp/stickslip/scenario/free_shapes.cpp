@@ -37,9 +37,9 @@ constexpr const char* kSource =
 // clang-format off
 constexpr Hook kHooks[] = {
     {STICKSLIP_HOOK(contact_place,
-        "the contact lies f(tilt) half lengths farther to the front of the robot: its lever is "
-        "longer by that times the cosine of the tilt"),
-     .unit = "rad", .low = 1e-2, .high = kWidestAngle, .span = "tilt of the last knot"},
+        "the contact lies f(pitch) half lengths farther to the front of the robot: its lever is "
+        "longer by that times the cosine of the pitch"),
+     .unit = "rad", .low = 1e-2, .high = kWidestAngle, .span = "pitch of the last knot"},
     {STICKSLIP_HOOK(field_time,
         "the field of all coils times 1 + f(time since the run began); 1 + f is cut off at 0"),
      .unit = "s", .low = 1e-4, .high = 1e6, .span = "time of the last knot"},
