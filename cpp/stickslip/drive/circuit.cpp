@@ -204,7 +204,7 @@ CurrentSegment Circuit::advance(const VoltageSegment& segment) {
         mode_(m) = level(m) + slope(m) * result.duration + transient(m) * decay;
     }
     if (!fades()) capacitor_ = capacitors(segment, result, result.duration);
-    result.field = result.coil;
+    std::copy_n(result.coil.begin(), result.count(), result.field.begin());
     if (lag_ > 0.0) add_lag(result);
     return result;
 }

@@ -244,7 +244,9 @@ void LocalFieldOf<D>::approach(const Centre& place) {
     } else {
         course_.basis = far_.basis;
         course_.centre = far_.centre;
-        for (auto& each : further_) each.basis = each.far;
+        for (std::size_t b = 3; b < segment_.count(); ++b) {
+            further_[b - 3].basis = further_[b - 3].far;
+        }
     }
 }
 
@@ -328,7 +330,6 @@ ExpansionOf<double, D> LocalFieldOf<D>::sum_with_swings(double tau) const {
             result.terms[i] += further_[b - 3].basis[i] * value[b];
         }
     }
-    if (shape_) multiply(tau, result);
     return result;
 }
 

@@ -39,12 +39,7 @@ void for_each_part(const CurrentSegment& segment, auto&& use) {
 
 /// Calls `use(tau)` where a sum of the functions of a segment turns, s from the start. c: its
 /// coefficients, as of the currents.
-void for_each_turn(const CurrentSegment& segment, const std::array<double, kMaxBasis>& c,
-                   auto&& use) {
-    // The slope and its own slope, A/s and A/s^2.
-    const CurrentFunctions::Values slopes = segment.slope_of(c), bends = segment.slope_of(slopes);
-    const auto slope = [&](double tau) { return segment.sum(slopes, tau); };
-    const auto bend = [&](double tau) { return segment.sum(bends, tau); };
+void for_each_turn(const CurrentSegment& segment, const CurrentFunctions::Values& c, auto&& use) {
     int count = 0;
     std::size_t only = 0;
     for (std::size_t b = 2; b < segment.count(); ++b) {
@@ -58,6 +53,10 @@ void for_each_turn(const CurrentSegment& segment, const std::array<double, kMaxB
         if (turn < segment.duration) use(turn);
         return;
     }
+    // The slope and its own slope, A/s and A/s^2.
+    const CurrentFunctions::Values slopes = segment.slope_of(c), bends = segment.slope_of(slopes);
+    const auto slope = [&](double tau) { return segment.sum(slopes, tau); };
+    const auto bend = [&](double tau) { return segment.sum(bends, tau); };
     double from = 0.0, before = slope(0.0), bend_before = bend(0.0);
     for_each_part(segment, [&](double to) {
         const double after = slope(to), bend_after = bend(to);
@@ -77,8 +76,8 @@ void for_each_turn(const CurrentSegment& segment, const std::array<double, kMaxB
 
 /// The same of the current of a coil.
 void for_each_turn(const CurrentSegment& segment, std::size_t coil, auto&& use) {
-    std::array<double, kMaxBasis> c;
-    for (std::size_t b = 0; b < c.size(); ++b) c[b] = segment.coil[b][coil];
+    CurrentFunctions::Values c;
+    for (std::size_t b = 0; b < segment.count(); ++b) c[b] = segment.coil[b][coil];
     for_each_turn(segment, c, use);
 }
 

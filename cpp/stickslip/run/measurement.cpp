@@ -75,16 +75,22 @@ void Measurement::end_look() {
 
 void Measurement::end_segment(double duration) {
     if (!player_.is_open() || !(duration > 0.0)) return;
-    CurrentSegment played = player_.segment();
-    VoltageSegment voltages = player_.voltages();
-    if (duration < played.duration) {  // the run has ended within it
+    if (duration < player_.segment().duration) {  // the run has ended within it
+        VoltageSegment voltages = player_.voltages();
         voltages.last = voltage_at(voltages, voltages.start + duration);
         voltages.end = voltages.start + duration;
+        CurrentSegment played = player_.segment();
         played.duration = duration;
+        end_segment(voltages, played);
+    } else {
+        end_segment(player_.voltages(), player_.segment());
     }
+}
+
+void Measurement::end_segment(const VoltageSegment& voltages, const CurrentSegment& played) {
     const bool in_window = observer_.is_open();
     drive_.end_segment(voltages, played, in_window);
-    drive_.see_field(squared_field(duration, player_.body()), in_window);
+    drive_.see_field(squared_field(played.duration, player_.body()), in_window);
     drive_.pull(player_.field_of_coils(), played,
                 [this](double tau) { return player_.dynamics().field().factor(tau); });
 }

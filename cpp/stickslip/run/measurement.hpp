@@ -56,6 +56,7 @@ public:
     void write(Summary& summary) const;
 
 private:
+    void end_segment(const VoltageSegment& voltages, const CurrentSegment& played);
     void close_window(double time);
     void end_look();
     double squared_field(double tau, const BodyState& body) const {
