@@ -103,6 +103,13 @@ def test_a_seed_gives_the_same_bits_on_any_number_of_threads(few, more):
     assert one.scenario == two.scenario
 
 
+def test_a_limit_on_what_has_to_be_asked_for_asks_for_it(few):
+    limits = {"pull_share": 0.25}
+    found = optimise(START, maximise="mean_velocity", free=SAWTOOTH, limits=limits, **LITTLE)
+    asked = START.replace({**found.values, "record.pull_share": "yes"})
+    assert 0.0 < simulate(asked).summary()["pull_share"] <= 0.25
+
+
 def test_limits_hold_in_every_draw_of_the_search(few, batches):
     start = START.with_uncertain(RESISTANCE)
     limits = {"field_max": 2.2e-3, "power_mean": 15.0}
