@@ -251,6 +251,12 @@ REFUSALS = [
     ("file", HEAD + "[contact]\nkinetic_friction = 0.5\n", "with contact.static_friction = 0.2"),
     ("file", HEAD + "base = 3e-3\n", ["drive.peak", "drive.base"]),
     ("file", HEAD + "edge_time = 0.01\n", ["drive.edge_time = 0.01", "period"]),
+    (
+        "file",
+        HEAD + "[coil.xp]\ncapacitance = 1e-3\n[effects.mutual_inductance]\ncoupling = 0.1\n",
+        ["coil.capacitance = 0.001", "effects.mutual_inductance.coupling = 0.1", "one of the two"],
+    ),
+    ("file", HEAD + 'mode = "none"\nlatency = 0.1\n', ["drive.latency", '"none"']),
     ("file", HEAD + "[record]\nrate = 0\n", ["record.rate = 0", "above 0"]),
     ("file", HEAD + '[record]\nrate = "all"\n', ['record.rate = "all"', '"events"']),
     ("file", HEAD + "[record]\nrate = 1e9\n", ["record.rate = 1e+09", "1e9"]),
