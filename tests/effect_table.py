@@ -157,6 +157,38 @@ HARD: dict[str, dict[str, Any]] = {
         "shake.harmonic_3_z": 0.2,
         "shake.liquid": "rests",
     },
+    "capsule": {
+        "inner.mass": 10e-9,
+        "inner.stiffness": 0.02,
+        "inner.damping": 2e-6,
+        "inner.frequency": 256.0,
+        "inner.amplitude": 1.2e-7,
+        "inner.harmonic_2": 0.5,
+        "inner.phase_2": 1.0,
+    },
+    "capsule with stops": {
+        "inner.mass": 5e-9,
+        "inner.stiffness": 0.01,
+        "inner.direction": 0.4,
+        "inner.frequency": 128.0,
+        "inner.amplitude": 1e-7,
+        "inner.duty": 0.3,
+        "inner.stop_low": -4e-6,
+        "inner.stop_high": 6e-6,
+        "inner.stop_stiffness": 0.5,
+        "inner.stop_damping": 4e-6,
+    },
+    "hammer on a shaken surface": {
+        "inner.mass": 8e-9,
+        "inner.stiffness": 0.05,
+        "inner.damping": 5e-6,
+        "inner.direction": 1.3,
+        "inner.frequency": 128.0,
+        "inner.amplitude": -2e-7,
+        "shake.frequency": 128.0,
+        "shake.amplitude_x": 8e-6,
+        "shake.amplitude_z": 2e-6,
+    },
     "shaken by rows": {
         "shake.accelerations": Accelerations(
             [[0.0, 9.0, 1.0], [2.0**-9, -14.0, -2.0], [2.0**-8, 3.0, 0.0], [2.0**-7, 2.0, 4.0]]
@@ -366,7 +398,7 @@ def _fades(case: Case) -> bool:
 
 def _with_pushed(case: Case) -> Iterator[Case]:
     yield case
-    shaken = any(key.startswith("shake.") for key in case.keys)
+    shaken = any(key.startswith(("shake.", "inner.")) for key in case.keys)
     leaves = settings()[case.drive].across and not (case.scenario.whole_plane or shaken)
     if leaves and not _fades(case) and not case.is_own:
         yield from (Case(case.effects, case.drive, push) for push in PUSHES)

@@ -19,7 +19,7 @@ from stickslip import (
     open_run,
     simulate,
 )
-from stickslip.simulation.quantities import COLUMNS, PLANE_COLUMNS
+from stickslip.simulation.quantities import COLUMNS, INNER_COLUMNS, PLANE_COLUMNS
 
 
 # Mean velocities in mm/s on which two independent programs agree within 0.05 %.
@@ -49,7 +49,7 @@ def test_arrays_lie_on_the_grid(walk_ipp):
     np.testing.assert_allclose(run.t, np.arange(341) / 2000.0, rtol=0, atol=1e-12)
     assert run.current.shape == (341, 5)
     for name in COLUMNS:
-        if name not in ("event", *PLANE_COLUMNS):
+        if name not in ("event", *PLANE_COLUMNS, *INNER_COLUMNS):
             assert len(getattr(run, name)) == 341
     with pytest.raises(AttributeError, match=r'record\.rate to "events"'):
         _ = run.event
@@ -238,7 +238,7 @@ def test_the_file_of_a_run_says_what_its_columns_are(walk_ipp, tmp_path):
     walk_ipp.save(tmp_path / "run.nc")
     with xarray.open_dataset(tmp_path / "run.nc", engine="h5netcdf") as read:
         for name, column in COLUMNS.items():
-            if name in ("event", *PLANE_COLUMNS):
+            if name in ("event", *PLANE_COLUMNS, *INNER_COLUMNS):
                 assert name not in read
                 continue
             np.testing.assert_array_equal(read[name].values, getattr(walk_ipp, name), err_msg=name)

@@ -180,15 +180,17 @@ void register_simulation(py::module_& module) {
     for (const StatusRow& row : kStatuses) {
         statuses[py::str(row.name)] = py::make_tuple(row.message, row.remedy);
     }
-    py::list plane_columns;
+    py::list plane_columns, inner_columns;
     for (const RecordColumn& column : kRecordColumns) {
         if (column.of_plane) plane_columns.append(column.name);
+        if (column.of_inner) inner_columns.append(column.name);
     }
     module.attr("stop_quantities") = names_of(kStopQuantities);
     module.attr("statuses") = statuses;
     module.attr("summary_numbers") = quantities_of(kSummaryNumbers);
     module.attr("record_columns") = quantities_of(kRecordColumns);
     module.attr("plane_columns") = py::tuple(plane_columns);
+    module.attr("inner_columns") = py::tuple(inner_columns);
     module.attr("contact_words") = meanings_of(kContactWords);
     module.attr("events") = meanings_of(kEvents);
 }

@@ -34,8 +34,8 @@ _NAMES = {
     "stickslip.scenario.keys": "COIL_NAMES",
     "stickslip.scenario.law": "Law",
     "stickslip.scenario.scenario": "Scenario load",
-    "stickslip.scenario.sections": "STATE_COLUMNS Coil Contact Drag Drive Environment Record Robot "
-    "Shake Solver State",
+    "stickslip.scenario.sections": "STATE_COLUMNS Coil Contact Drag Drive Environment Inner Record "
+    "Robot Shake Solver State",
     "stickslip.scenario.uncertain": "JointPrior Prior",
     "stickslip.scenario.waveform": "Waveform volts_per_tesla",
     "stickslip.simulation.note": "Note",

@@ -37,6 +37,7 @@ from stickslip.scenario.sections import Contact as Contact
 from stickslip.scenario.sections import Drag as Drag
 from stickslip.scenario.sections import Drive as Drive
 from stickslip.scenario.sections import Environment as Environment
+from stickslip.scenario.sections import Inner as Inner
 from stickslip.scenario.sections import Record as Record
 from stickslip.scenario.sections import Robot as Robot
 from stickslip.scenario.sections import Shake as Shake

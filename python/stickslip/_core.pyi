@@ -12,6 +12,7 @@ wire_radius: float
 coil_names: tuple[str, ...]
 stop_quantities: tuple[str, ...]
 plane_columns: tuple[str, ...]
+inner_columns: tuple[str, ...]
 
 # Tables of the core by name, in the order of their codes and columns: unit and meaning of numbers,
 # meaning of words, message and remedy of statuses.

@@ -256,7 +256,24 @@ def _shaken(draw: Draw) -> Scenario:
     return Scenario().replace({**drive, **_contact(draw), **shake})
 
 
-# With two for each effect, in one plane and in the whole, three hundred and those of a shake.
+def _capsule(draw: Draw) -> Scenario:
+    inner = {
+        "inner.mass": draw.uniform(2e-9, 12e-9),
+        "inner.stiffness": draw.uniform(0.005, 0.05),
+        "inner.damping": draw.uniform(0.0, 5e-6),
+        "inner.direction": draw.uniform(-1.5, 1.5),
+        "inner.frequency": draw.uniform(50.0, 300.0),
+        "inner.amplitude": draw.uniform(0.5e-7, 3e-7),
+        "inner.duty": draw.uniform(0.1, 0.7) if draw.chance(0.4) else 0.0,
+        "inner.stop_high": draw.uniform(1e-6, 1e-5),
+        "inner.stop_low": draw.uniform(-1e-5, -1e-6),
+        "inner.stop_stiffness": draw.word(0.0, 0.5),
+        "inner.stop_damping": draw.uniform(0.0, 1e-5),
+    }
+    return _shaken(draw).replace(inner)
+
+
+# With two for each effect, in one plane and in the whole, three hundred and those that are shaken.
 _KINDS: dict[str, tuple[Callable[[Draw], Scenario], int]] = {
     "pack": (_pack, 42),
     "program": (_program, 30),
@@ -267,6 +284,7 @@ _KINDS: dict[str, tuple[Callable[[Draw], Scenario], int]] = {
     "failure": (_failure, 12),
     "mixed": (_mixed, 92),
     "shaken": (_shaken, 12),
+    "capsule": (_capsule, 12),
 }
 
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "stickslip/body/contact_place.hpp"
+#include "stickslip/body/inner_mass.hpp"
 #include "stickslip/body/laws.hpp"
 #include "stickslip/body/rectangle.hpp"
 #include "stickslip/body/robot_frame.hpp"
@@ -51,6 +52,7 @@ struct Model {
     double rotational_drag_quadratic = 0.0;  ///< N m s^2, Eq. (19)
     FieldShape field_shape;
     Shake shake;  ///< of the surface, in which the robot's x and z are
+    InnerMass inner;
     Friction friction;
     /// N, of the surface to what touches it: the corners share it equally.
     double adhesion = 0.0;
@@ -63,7 +65,7 @@ struct Model {
     /// Whether the formulas of a PlainDynamics and laws are all there is to it, as kernels ask.
     bool fits_kernels() const {
         return !laws.has(Quantity::friction_by_load) && field_shape.absent() && place.absent() &&
-               user_effects.empty() && shake.absent();
+               user_effects.empty() && shake.absent() && inner.absent();
     }
 
     /// Shortest time (s) over which laws and free shapes may change the forces while nothing moves.
@@ -74,7 +76,7 @@ struct Model {
     }
 
     /// N, by which the body presses on the surface at rest, without field and shake.
-    double pressing() const { return -mass * gravity_z + adhesion; }
+    double pressing() const { return -(mass + inner.mass) * gravity_z + adhesion; }
 
     /// Angular frequency (rad/s) at which the body, touching nothing, rocks in a field of `tesla`.
     double rocking_rate(double tesla) const { return std::sqrt(moment * tesla / inertia); }

@@ -37,6 +37,7 @@ struct HybridState {
     // Of a robot that moves in the whole plane: what is above is along x, this along y.
     double contact_y = 0.0;  ///< m
     double slip_y = 0.0;     ///< m/s
+    InnerState inner = {};
 
     bool rests() const { return mode.touch == Touch::face && mode.slip == 0; }
 };
@@ -60,6 +61,7 @@ struct Snapshot {
     double contact_y = std::numeric_limits<double>::quiet_NaN();    ///< m
     double friction_across = 0.0;                                   ///< N
     double slip_across = std::numeric_limits<double>::quiet_NaN();  ///< m/s
+    InnerState inner = {};
 };
 
 /// A corner that neither slips nor leaves: the paper's case 3, Eqs. (10)-(14) with P fixed.

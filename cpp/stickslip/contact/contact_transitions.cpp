@@ -16,7 +16,10 @@ void ContactTransitions::change(double tau, How&& how) {
     const double age = dynamics_.contact_age();
     try {
         enter_heading(tau);
+        along_inner_ = along_inner();
+        follow_with_inner();
         how();
+        follow_with_inner();
         leave_heading();
     } catch (...) {
         state_ = before;
@@ -76,6 +79,8 @@ void ContactTransitions::react(Event event, double tau) {
         case Event::none:
         case Event::slip_quickens:
         case Event::heading:  // the contact does not know of it
+        case Event::inner_ahead:
+        case Event::inner_behind:
             break;
         case Event::slip_slows:
             settle(state_.mode.touch, slip(), 0, tau);
@@ -212,6 +217,7 @@ void ContactTransitions::pivot_on_rear_end() {
 // Finds the mode that the forces allow for what touches, and enters it.
 void ContactTransitions::settle(Touch touch, const Slip& slip, int onset, double tau) {
     const ContactMode before = state_.mode;
+    follow_with_inner();
     const Resolution found =
         plane_ ? resolve_contact(TurningFrame(*plane_), tau, state_.body, touch, slip, onset)
                : resolve_contact(FixedFrame(dynamics_), tau, state_.body, touch, slip, onset);
@@ -228,6 +234,21 @@ void ContactTransitions::settle(Touch touch, const Slip& slip, int onset, double
     }
     count_change(before);
     if (found.impulse) react(Event::sliding_jams, tau);
+}
+
+double ContactTransitions::along_inner() const {
+    if (model().inner.absent()) return 0.0;
+    const BodyState& body = state_.body;
+    const auto [c, s] = cosine_and_sine(body.theta() + model().inner.direction);
+    return body.vx * c - body.vz * s;
+}
+
+void ContactTransitions::follow_with_inner() {
+    if (model().inner.absent()) return;
+    const double now = along_inner();
+    state_.inner.velocity += along_inner_ - now;
+    along_inner_ = now;
+    dynamics_.set_inner(state_.inner);
 }
 
 void ContactTransitions::count(EventKind kind) {

@@ -82,6 +82,10 @@ private:
     }
     void pivot_on_rear_end();
     void place_by_contact();
+    // The velocity of the body along the line of the inner mass, m/s, and what its jump does to
+    // that mass, which nothing strikes.
+    double along_inner() const;
+    void follow_with_inner();
     void count(EventKind kind);
     void count_change(const ContactMode& before);
 
@@ -92,6 +96,7 @@ private:
     HybridState& state_;
     PlaneDynamics* plane_ = nullptr;
     Heading heading_;
+    double along_inner_ = 0.0;  // m/s, as the inner mass last knew
     std::vector<EventKind> changes_;
     std::array<std::int64_t, kEventKinds> counts_ = {};
 };

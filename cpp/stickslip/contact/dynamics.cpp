@@ -12,7 +12,7 @@ Dynamics::Dynamics(const Model& model, const LocalField& field)
       is_shaken_(!model.shake.absent()),
       has_no_law_(model.laws.empty()),
       has_plain_load_(model.laws.empty() && model.gradient_excess == 0.0 &&
-                      model.user_effects.empty() && !is_shaken_) {
+                      model.user_effects.empty() && !is_shaken_ && model.inner.absent()) {
     if (!model.field_shape.absent()) field_.set_shape(model.field_shape);
     robot_.mass = model.mass;
     robot_.per_mass = 1.0 / model.mass;
@@ -71,11 +71,35 @@ Load Dynamics::extended_load(const PlanarField& field, double tau, double x, dou
         load.fx -= robot_.mass * surface.ax;
         load.fz -= robot_.mass * surface.az;
     }
+    if (!model_->inner.absent()) {
+        const InnerPull pull = inner_pull(tau, pose);
+        const double gx = model_->gravity_x - surface.ax, gz = model_->gravity_z - surface.az;
+        const double along = gx * pull.x + gz * pull.z, mass = model_->inner.mass;
+        load.fx += mass * (gx - along * pull.x) - pull.force * pull.x;
+        load.fz += mass * (gz - along * pull.z) - pull.force * pull.z;
+    }
     if (!model_->user_effects.empty()) {
         add_user_effects(tau, field, x + surface.x, z + surface.z, pose, vx + surface.vx,
                          vz + surface.vz, omega, load);
     }
     return load;
+}
+
+Dynamics::InnerPull Dynamics::inner_pull(double tau, const Pose& pose) const {
+    const double cosine = now_.turn_cosine * pose.cosine - now_.turn_sine * pose.sine;
+    const double sine = now_.turn_sine * pose.cosine + now_.turn_cosine * pose.sine;
+    const double c = std::cos(model_->inner.direction), s = std::sin(model_->inner.direction);
+    return {model_->inner.force(inner_, now_.start + tau, now_.start + inside_),
+            cosine * c - sine * s, -(sine * c + cosine * s)};
+}
+
+// What is across the line the body carries: there the mass has weight, and no inertia of its own.
+double Dynamics::inner_acceleration(double tau, const Pose& pose, double ax, double az) const {
+    const InnerPull pull = inner_pull(tau, pose);
+    SurfaceMotion surface;
+    if (is_shaken_) surface = surface_at(tau);
+    return pull.force / model_->inner.mass + pull.x * (model_->gravity_x - surface.ax - ax) +
+           pull.z * (model_->gravity_z - surface.az - az);
 }
 
 // The normal force N of a corner that slips is A / (B - C mu(N)), with A, B and C from

@@ -141,6 +141,12 @@ public:
     }
     int quadrant() const { return quadrant_; }
 
+    /// Where the inner mass is, if there is one, until it is told again.
+    void set_inner(const InnerState& inner) { inner_ = inner; }
+    /// m/s^2, of the inner mass in the body, whose centre of mass has this acceleration against the
+    /// surface.
+    double inner_acceleration(double tau, const Pose& pose, double ax, double az) const;
+
     void set_quadrant(int quadrant);
 
     /// Begins a segment of voltage with the centre of mass at (x, z) m. The field is computed
@@ -227,11 +233,18 @@ private:
 
     const Model* model_;
     LocalField field_;
+    // N, on the inner mass along its line, and the way of that.
+    struct InnerPull {
+        double force, x, z;
+    };
+    InnerPull inner_pull(double tau, const Pose& pose) const;
+
     bool is_shaken_, has_no_law_, has_plain_load_;
     static constexpr int kNoQuadrant = 1 << 30;
 
     int quadrant_ = kNoQuadrant;
     LawMoment<double> now_;
+    InnerState inner_;
     double inside_ = 0.0;  // s, of the segment, away from the kinks of a shake at its ends
     PlainDynamics<double> robot_;
 };

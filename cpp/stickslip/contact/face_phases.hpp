@@ -75,6 +75,9 @@ public:
         if (kEvent[i] == Slide::kEnds) return slide_.left(slip(y));
         return Base::event_by_rates(*this, i, tau, y);
     }
+    std::array<double, 2> acceleration(const State&, const State& rates) const {
+        return {rates[kSurface], 0.0};
+    }
     State begin(const BodyState& body) const {
         return gather<State>(frame_.place(body.x, body.y), slide_.begin());
     }
@@ -158,6 +161,7 @@ public:
     double event(std::size_t i, double tau, const auto& y) const {
         return Base::event_by_rates(*this, i, tau, y);
     }
+    static std::array<double, 2> acceleration(const State&, const State&) { return {}; }
     State begin(const BodyState& body) const { return frame_.place(body.x, body.y); }
     BodyState body(double tau, const State& y) const { return Base::body_on(tau, y, {}); }
     Snapshot snapshot(double tau, const State& y) const {

@@ -3,13 +3,14 @@
 #include <type_traits>
 
 #include "stickslip/contact/face_phases.hpp"
+#include "stickslip/contact/inner_phase.hpp"
 #include "stickslip/contact/turning_frame.hpp"
 
 namespace stickslip {
 
-/// Calls `use` with the phase of a state.
+/// Calls `use` with the phase of a state, but for its inner mass.
 template <class Frame>
-void with_phase(const Frame& frame, const HybridState& state, auto&& use) {
+void with_outer_phase(const Frame& frame, const HybridState& state, auto&& use) {
     const typename Frame::Place contact = frame.place(state.contact_x, state.contact_y);
     if (state.mode.touch == Touch::none) {
         use(FlightIn<Frame>(frame));
@@ -27,6 +28,21 @@ void with_phase(const Frame& frame, const HybridState& state, auto&& use) {
             }
         });
     }
+}
+
+/// Calls `use` with the phase of a state. In the whole plane there is no inner mass.
+template <class Frame>
+void with_phase(const Frame& frame, const HybridState& state, auto&& use) {
+    if constexpr (!Frame::kTurns) {
+        if (!frame.dynamics().model().inner.absent()) {
+            with_outer_phase(frame, state, [&](const auto& phase) {
+                using Phase = std::remove_cvref_t<decltype(phase)>;
+                use(WithInner<Phase>(phase, state.inner));
+            });
+            return;
+        }
+    }
+    with_outer_phase(frame, state, use);
 }
 
 /// What a recording sees at `tau`. The dynamics are a copy: looking must not move the field's

@@ -24,7 +24,8 @@
 ///   place_of(tau, y)   where the field's expansion is to be: at the centre of mass, in the ground
 ///   centre(y, pose)    the centre of mass, of a phase that packs have
 ///   angle, omega, slip_place, slip_speed(y)   what the summary watches
-///   contact(y), slip(y)        place and velocity of what slips, to go on with
+///   acceleration(y, rates)     of the centre of mass, m/s^2, of a phase that may have an inner
+///   mass contact(y), slip(y)        place and velocity of what slips, to go on with
 ///   event_rounding()   see PhaseBase
 ///   begin(body), body(tau, y)  to coordinates and back
 ///   scale()            the size of each coordinate, for the error norm
@@ -45,6 +46,8 @@ public:
     static constexpr bool kTurns = Frame::kTurns;
     static constexpr bool kSlips = false;
     static constexpr bool kFlies = false;
+    static constexpr bool kRests = false;
+    static constexpr bool kHasInner = false;
 
     explicit PhaseBase(const Frame& frame) : frame_(frame) {}
 
@@ -92,6 +95,13 @@ protected:
     auto centre_behind(const Place& corner, const PoseOf<Real>& pose) const {
         return frame_.centre(frame_.moved(corner, frame_.last_heading(), -pose.place()),
                              pose.height);
+    }
+    /// Of the centre of mass whose corner has an acceleration along the surface, m/s^2.
+    static std::array<double, 2> acceleration_behind(const Pose& pose, double slip, double omega,
+                                                     double alpha) {
+        const double ww = omega * omega;
+        return {slip + alpha * pose.height + ww * pose.lever,
+                alpha * pose.lever - ww * (pose.height - pose.bend)};
     }
     /// A body whose pivot corner is on the surface and slips.
     BodyState body_on(double tau, const Place& corner, double angle, const Place& slip,
@@ -153,6 +163,9 @@ public:
     }
     auto place_of(double tau, const State& y) const {
         return frame_.in_ground(tau, centre(y, dynamics().pose(y[0])));
+    }
+    std::array<double, 2> acceleration(const State& y, const State& rates) const {
+        return Base::acceleration_behind(dynamics().pose(y[0]), 0.0, y[1], rates[1]);
     }
     State begin(const BodyState& body) const { return {body.angle, body.omega}; }
     BodyState body(double tau, const State& y) const {
@@ -243,6 +256,10 @@ public:
     }
     auto place_of(double tau, const State& y) const {
         return frame_.in_ground(tau, centre(y, dynamics().pose(y[kAngle])));
+    }
+    std::array<double, 2> acceleration(const State& y, const State& rates) const {
+        return Base::acceleration_behind(dynamics().pose(y[kAngle]), rates[kSlip], y[kOmega],
+                                         rates[kOmega]);
     }
     State begin(const BodyState& body) const {
         return gather<State>(contact_, body.angle, slide_.begin(), body.omega);
@@ -364,6 +381,9 @@ public:
         return frame_.centre(place(y), y[kZ]);
     }
     auto place_of(double tau, const State& y) const { return frame_.in_ground(tau, centre(y, {})); }
+    std::array<double, 2> acceleration(const State&, const State& rates) const {
+        return {rates[kVelocity], rates[kVz]};
+    }
     State begin(const BodyState& body) const {
         return gather<State>(frame_.place(body.x, body.y), body.z, body.angle,
                              frame_.place(body.vx, body.vy), body.vz, body.omega);

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "stickslip/drive/control_steps.hpp"
-#include "stickslip/drive/shake.hpp"
 #include "stickslip/drive/voltage_program.hpp"
 
 namespace stickslip {
@@ -16,11 +15,11 @@ namespace stickslip {
 class SegmentSource {
 public:
     /// hold_period: s, of the digital-to-analogue converter; zero: none. latency: s, of the
-    /// voltages. marks: s, where segments have to end besides. A segment ends too where the shake
-    /// has a kink; it has to outlive this.
+    /// voltages. marks: s, where segments have to end besides. next_kink(after): the first such
+    /// time after another, of what repeats.
     SegmentSource(const VoltageProgram& program, double hold_period, double latency,
-                  const std::vector<double>& marks, const Shake& shake)
-        : segments_(program, hold_period, latency, marks), shake_(&shake) {}
+                  const std::vector<double>& marks, std::function<double(double)> next_kink)
+        : segments_(program, hold_period, latency, marks), next_kink_(std::move(next_kink)) {}
 
     /// `on_step` is called at the end of each step.
     void play_steps(const ControlSteps& steps, std::function<void()> on_step) {
@@ -41,7 +40,7 @@ public:
             return false;
         }
         const double slack = boundary_slack(voltages.end - voltages.start);
-        const double kink = shake_->next_kink(voltages.start + slack);
+        const double kink = next_kink_(voltages.start + slack);
         if (kink < voltages.end - slack) {
             const PerCoil volts = voltage_at(voltages, kink);
             rest_ = {kink, voltages.end, volts, voltages.last};
@@ -68,7 +67,7 @@ private:
         return true;
     }
     SegmentStream segments_;
-    const Shake* shake_;
+    std::function<double(double)> next_kink_;
     VoltageSegment rest_;  // behind a kink
     bool has_rest_ = false;
     std::optional<ControlSteps> steps_;

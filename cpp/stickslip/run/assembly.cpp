@@ -22,6 +22,8 @@ constexpr std::int64_t kSettlingPulses = 3;
 // Of a recording, at some 170 bytes each. What memory can take, less of them, is another limit.
 constexpr double kMostSamples = 1e9;
 
+constexpr double kTurn = 2.0 * std::numbers::pi;
+
 // Of solver.max_step, s.
 constexpr double kLeastMaxStep = 1e-9;
 
@@ -72,6 +74,11 @@ void check_work(const Scenario& s, double duration) {
     }
 }
 
+// Whether neither a shake nor an inner mass moves the robot.
+bool is_alone(const Scenario& s) {
+    return s.shake.absent() && (s.inner.absent() || s.inner.drive.amplitude == 0.0);
+}
+
 // A program of voltages says all of the drive but which way the robot faces; without a drive there
 // is nothing to say but how long.
 void check_no_sawtooth(const Scenario& s) {
@@ -85,12 +92,12 @@ void check_no_sawtooth(const Scenario& s) {
         }
         if (row.get(s) == row.get(kDefaults)) return;
         if (is_none) {
-            if (key == "drive.pulses" || (key == "drive.frequency" && s.shake.absent())) return;
+            if (key == "drive.pulses" || (key == "drive.frequency" && is_alone(s))) return;
             throw std::invalid_argument(
                 std::string(key) +
                 ": not allowed with drive.mode = \"none\", where nothing "
                 "drives the coils; leave it out" +
-                (key == "drive.frequency" ? ", or set shake.frequency" : ""));
+                (key == "drive.frequency" ? ", or set that of what shakes it" : ""));
         }
         throw std::invalid_argument(std::string(key) +
                                     ": not allowed with drive.mode = \"program\", whose voltages "
@@ -225,6 +232,7 @@ Model make_model(const Scenario& s, const RobotFrame& frame) {
     model.place = ContactPlace(e.free_contact_place, model.shape.half_base(0));
     model.field_shape = make_field_shape(e);
     model.shake = Shake(s.shake, frame.sign);
+    model.inner = s.inner;
     model.restitution = s.contact.restitution;
     model.tangential_restitution = s.contact.tangential_restitution;
     model.frame = frame;
@@ -350,7 +358,8 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
     }
     const double radius = model.shape.radius();
     const double weight =
-        model.mass * (scenario.gravity + model.shake.most_acceleration()) + model.adhesion;
+        (model.mass + model.inner.mass) * (scenario.gravity + model.shake.most_acceleration()) +
+        model.adhesion;
     const double torque = model.moment * field + weight * radius;
     StepperOptions result;
     result.max_step = scenario.solver.max_step;
@@ -363,13 +372,21 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
     if (!model.user_effects.empty()) {
         result.longest_rest = std::min(result.longest_rest, 0.25 / result.swing_rate);
     }
-    // Forces change with the shake whether the body moves or not.
-    if (!model.shake.absent()) {
-        const double longest = 0.125 * model.shake.shortest_period();
-        if (!(result.max_step > 0.0 && result.max_step < longest)) result.max_step = longest;
-        result.surface_speed = model.shake.most_speed();
+    // Forces change with the shake, and with an inner mass, whether the body moves or not.
+    double period = model.shake.shortest_period();
+    if (!model.inner.absent()) {
+        const InnerMass& inner = model.inner;
+        const double per_mass = 1.0 / inner.mass + 1.0 / model.mass;
+        const double rate = std::sqrt(inner.stiffness * per_mass);
+        period = std::min({period, inner.drive.shortest_period(), kTurn / rate});
     }
     if (ringing > 0.0) result.longest_rest = std::min(result.longest_rest, 0.25 / ringing);
+    const double longest = 0.125 * period;
+    result.is_shaken = !model.shake.absent() || !model.inner.absent();
+    if (result.is_shaken && !(result.max_step > 0.0 && result.max_step < longest)) {
+        result.max_step = longest;
+    }
+    result.surface_speed = model.shake.most_speed();
     result.scales = {radius, radius * result.swing_rate, result.swing_rate};
     // A motion forgets its errors as fast as it is damped; what is hardly damped adds them up. In
     // proportion to the damping, the error of a run goes with rtol whatever the drag.
@@ -382,14 +399,21 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
     const double rtol = scenario.solver.rtol;
     result.tolerance = std::max(rtol * std::clamp(damping / kForgetting, kLeastPart, 1.0),
                                 std::min(rtol, kLeastTolerance));
+    if (!model.inner.absent()) {
+        // The first step of a phase is not to leap over the touch of a stop.
+        const double stiffness = std::max(model.inner.stiffness, model.inner.stop_stiffness);
+        const double per_mass = 1.0 / model.inner.mass + 1.0 / model.mass;
+        result.swing_rate = std::max(result.swing_rate, std::sqrt(stiffness * per_mass));
+    }
     result.stop = stop;
     return result;
 }
 
 Decay fastest_decay(const Model& model, double swing_rate) {
-    const double load = model.mass * (std::hypot(model.gravity_x, model.gravity_z) +
-                                      model.shake.most_acceleration()) +
-                        model.adhesion;
+    const double load =
+        (model.mass + model.inner.mass) *
+            (std::hypot(model.gravity_x, model.gravity_z) + model.shake.most_acceleration()) +
+        model.adhesion;
     const double speed = model.shape.radius() * swing_rate;
     Decay fastest;
     const auto see = [&](const std::string& key, double value, double rate) {
@@ -400,6 +424,10 @@ Decay fastest_decay(const Model& model, double swing_rate) {
         model.rotational_drag_quadratic * swing_rate / model.inertia);
     see("effects.rotational_drag.coefficient", model.rotational_drag_linear,
         model.rotational_drag_linear / model.inertia);
+    if (!model.inner.absent()) {
+        see("inner.damping", model.inner.damping,
+            model.inner.damping * (1.0 / model.inner.mass + 1.0 / model.mass));
+    }
     for (const Law& law : model.laws.laws()) {
         const auto of = [&](double plain) {
             return law.kind.acts == Acts::multiplies ? plain : 1.0;
@@ -434,8 +462,8 @@ Decay fastest_decay(const Model& model, double swing_rate) {
 
 double pulse_rate(const Scenario& s) {
     if (s.drive.mode == DriveMode::program) return 0.0;
-    const bool shaken = s.drive.mode == DriveMode::none && !s.shake.absent();
-    return shaken ? s.shake.rate() : s.drive.frequency;
+    if (s.drive.mode != DriveMode::none || is_alone(s)) return s.drive.frequency;
+    return s.shake.absent() ? s.inner.drive.frequency : s.shake.rate();
 }
 
 double pulse_period(const Scenario& s) {

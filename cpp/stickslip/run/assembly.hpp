@@ -65,8 +65,8 @@ Decay fastest_decay(const Model& model, double swing_rate);
 /// Simulated time from start to end, s.
 double duration(const Scenario& scenario);
 
-/// Pulses a second, Hz; zero for a free program. Without a drive they are periods of the shake, or
-/// those of drive.frequency.
+/// Pulses a second, Hz; zero for a free program. Without a drive they are periods of the shake, of
+/// the inner mass's force, or those of drive.frequency.
 double pulse_rate(const Scenario& scenario);
 /// Time from pulse to pulse, s; zero for a free program.
 double pulse_period(const Scenario& scenario);

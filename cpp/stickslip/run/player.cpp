@@ -21,7 +21,11 @@ Player::Player(const Scenario& scenario, const std::vector<double>& marks,
       circuit_(make_circuit(scenario, model_.frame, program_)),
       dynamics_(model_, make_local_field(scenario, model_.frame, program_, coils_)),
       options_(make_stepper_options(scenario, model_, program_, coils_, stop)),
-      source_(program_, hold_period_, latency_, marks, model_.shake),
+      source_(program_, hold_period_, latency_, marks,
+              [this](double after) {
+                  return std::min(model_.shake.next_kink(after),
+                                  model_.inner.drive.next_jump(after));
+              }),
       transitions_(dynamics_, state_),
       // Fifty free swings, or periods of the shake.
       watch_(50.0 * std::min(2.0 * std::numbers::pi / options_.swing_rate,
@@ -80,13 +84,16 @@ Status Player::handle(Event event) {
         const Status status = plane_->watch().pass(now, time());
         if (status != Status::ok) return status;
     }
+    int& stop = state_.inner.stop;
+    if (event == Event::inner_ahead) stop = stop == 0 ? 1 : 0;
+    if (event == Event::inner_behind) stop = stop == 0 ? -1 : 0;
     transitions_.handle(event, tau_);
     memory_ = {};
     memory_.stalled = watch_.stalled();
     if (watch_.hangs()) return Status::too_many_events;
     const BodyState& body = state_.body;
-    const double sum =
-        body.x + body.y + body.z + body.angle + body.vx + body.vy + body.vz + body.omega;
+    const double sum = state_.inner.place + state_.inner.velocity + body.x + body.y + body.z +
+                       body.angle + body.vx + body.vy + body.vz + body.omega;
     return std::isfinite(sum) ? Status::ok : Status::not_finite;
 }
 

@@ -184,6 +184,7 @@ template <class Phase>
 void Player::end_phase(Phase& phase, const PhaseEnd<Phase>& end) {
     tau_ = end.tau;
     state_.body = phase.body(end.tau, end.y);
+    if constexpr (Phase::kHasInner) state_.inner = phase.inner(end.y);
     if constexpr (Phase::kSlips) {
         const auto contact = phase.contact(end.y), slip = phase.slip(end.y);
         state_.contact_x = contact[0];

@@ -15,10 +15,13 @@ ContactMode seen_along(ContactMode mode, double along) {
     return mode;
 }
 
-Recorder::Recorder(const RecordSettings& settings, double frame_sign, bool whole_plane)
+Recorder::Recorder(const RecordSettings& settings, double frame_sign, bool whole_plane,
+                   bool has_inner)
     : settings_(settings), sign_(frame_sign), whole_plane_(whole_plane) {
-    for (std::size_t k = 0; k < kColumns && !whole_plane; ++k) {
-        if (kRecordColumns[k].of_plane) settings_.dropped.set(k);
+    for (std::size_t k = 0; k < kColumns; ++k) {
+        const RecordColumn& column = kRecordColumns[k];
+        if (column.of_plane && !whole_plane) settings_.dropped.set(k);
+        if (column.of_inner && !has_inner) settings_.dropped.set(k);
     }
     if (!on_grid()) return;
     // The product is rounded: the first sample is not before `from`, and none is left out.
@@ -70,6 +73,8 @@ void Recorder::add(double t, const Snapshot& s, const ContactMode& mode,
     put(r.friction_across, s.friction_across);
     put(r.contact_y, s.contact_y);
     put(r.slip_across, s.slip_across);
+    put(r.inner_place, s.inner.place);
+    put(r.inner_velocity, s.inner.velocity);
     ++count_;
 }
 

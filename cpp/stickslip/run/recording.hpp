@@ -22,8 +22,8 @@ public:
     /// Samples that a sink gets at a time: 11 MB, and enough for a chunk to compress well.
     static constexpr std::size_t kChunk = 65536;
 
-    /// whole_plane: whether the run is one in the whole plane.
-    Recorder(const RecordSettings& settings, double frame_sign, bool whole_plane);
+    /// whole_plane: whether the run is one in the whole plane. has_inner: with an inner mass.
+    Recorder(const RecordSettings& settings, double frame_sign, bool whole_plane, bool has_inner);
 
     /// Whether an event at `t`, s, is recorded.
     bool at_event(double t) const {

@@ -22,7 +22,8 @@ std::vector<double> marks(const Scenario& scenario, const std::optional<StopCond
 Run::Run(const Scenario& scenario, RunControl* control, std::optional<StopCondition> stop)
     : player_(scenario, marks(scenario, stop), control ? &control->stop : nullptr),
       measurement_(scenario, player_),
-      recorder_(scenario.record, player_.sign(), player_.in_whole_plane()),
+      recorder_(scenario.record, player_.sign(), player_.in_whole_plane(),
+                !player_.model().inner.absent()),
       tsit5_(player_.options()),
       control_(control),
       stop_(stop) {
@@ -134,7 +135,7 @@ void Run::play_in_kernel(Phase& phase, const StepKernel<Phase, kEffects>& kernel
 
 void Run::play_phase() {
     player_.with_phase([this](auto phase) {
-        if constexpr (requires { StepKernels().plain.of(phase); }) {
+        if constexpr (requires { StepKernels().plain.of(phase); } && !decltype(phase)::kHasInner) {
             if (fits_kernels_) {
                 const StepKernels& kernels = step_kernels();
                 if (is_plain()) {
@@ -153,7 +154,7 @@ void Run::play_phase() {
         };
 #ifdef STICKSLIP_WITH_ARKODE
         // A body at rest has no error that would tell ARKODE how far to step.
-        if constexpr (!requires { phase.kRests; }) {
+        if constexpr (!decltype(phase)::kRests) {
             if (arkode_) {
                 arkode_->set_counts(tsit5_.counts());
                 advance(*arkode_);

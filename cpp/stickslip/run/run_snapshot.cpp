@@ -34,6 +34,9 @@ void for_each_number(Snapshot& s, auto&& visit) {
                         &s.state.slip_y, &s.contact_age}) {
         visit(*value);
     }
+    visit(s.state.inner.place);
+    visit(s.state.inner.velocity);
+    visit(s.state.inner.stop);
     visit_all(s.circuit.modes);
     visit_all(s.circuit.lagging);
     visit_all(s.circuit.capacitor);

@@ -47,6 +47,13 @@ void add_state(std::vector<Parameter>& rows) {
     {.key = "shake.phase_" number "_" axis, .unit = "rad", .low = -6.3, .high = 6.3,            \
      .meaning = "phase of its sine at t = 0", STICKSLIP_MEMBER(shake.member.phase)}
 
+#define STICKSLIP_INNER(number, member)                                                         \
+    {.key = "inner.harmonic_" number, .unit = "-", .low = -10, .high = 10,                      \
+     .meaning = "amplitude of harmonic " number " over that of the first",                      \
+     STICKSLIP_MEMBER(inner.drive.member.part)},                                                \
+    {.key = "inner.phase_" number, .unit = "rad", .low = -6.3, .high = 6.3,                     \
+     .meaning = "phase of its sine at t = 0", STICKSLIP_MEMBER(inner.drive.member.phase)}
+
 std::vector<Parameter> make_parameters() {
     return {
         {.key = "drive.frequency", .unit = "Hz", .low = 1e-6, .high = 1e5,
@@ -121,6 +128,40 @@ std::vector<Parameter> make_parameters() {
         STICKSLIP_HARMONIC("2", "x", harmonics_x[0]), STICKSLIP_HARMONIC("3", "x", harmonics_x[1]),
         STICKSLIP_HARMONIC("4", "x", harmonics_x[2]), STICKSLIP_HARMONIC("2", "z", harmonics_z[0]),
         STICKSLIP_HARMONIC("3", "z", harmonics_z[1]), STICKSLIP_HARMONIC("4", "z", harmonics_z[2]),
+        {.key = "inner.mass", .unit = "kg", .low = 0, .high = 1,
+         .meaning = "mass that moves in the body, beside robot.mass; 0: there is none",
+         STICKSLIP_MEMBER(inner.mass)},
+        {.key = "inner.stiffness", .unit = "N/m", .low = 0, .high = 1e9,
+         .meaning = "of its spring, which is at rest in the middle of the body",
+         STICKSLIP_MEMBER(inner.stiffness)},
+        {.key = "inner.damping", .unit = "N s/m", .low = 0, .high = 1e6,
+         .meaning = "of its damper, by its velocity in the body", STICKSLIP_MEMBER(inner.damping)},
+        {.key = "inner.direction", .unit = "rad", .low = -6.3, .high = 6.3,
+         .meaning = "angle from the body's long axis to its line, nose-down positive",
+         STICKSLIP_MEMBER(inner.direction)},
+        {.key = "inner.stop_low", .unit = "m", .low = -1, .high = 0,
+         .meaning = "place of the stop behind, beside that at rest", STICKSLIP_MEMBER(inner.low)},
+        {.key = "inner.stop_high", .unit = "m", .low = 0, .high = 1,
+         .meaning = "the same ahead", STICKSLIP_MEMBER(inner.high)},
+        {.key = "inner.stop_stiffness", .unit = "N/m", .low = 0, .high = 1e9,
+         .meaning = "of the springs that the stops are; 0: no stops",
+         STICKSLIP_MEMBER(inner.stop_stiffness)},
+        {.key = "inner.stop_damping", .unit = "N s/m", .low = 0, .high = 1e6,
+         .meaning = "of the stops, while the mass presses on them",
+         STICKSLIP_MEMBER(inner.stop_damping)},
+        {.key = "inner.amplitude", .unit = "N", .low = -1e6, .high = 1e6,
+         .meaning = "amplitude of the force on the mass, which the body has the other way",
+         STICKSLIP_MEMBER(inner.drive.amplitude)},
+        {.key = "inner.frequency", .unit = "Hz", .low = 1e-3, .high = 1e7,
+         .meaning = "frequency of that force", STICKSLIP_MEMBER(inner.drive.frequency)},
+        {.key = "inner.phase", .unit = "rad", .low = -6.3, .high = 6.3,
+         .meaning = "phase of its sine, or of its pulses, at t = 0",
+         STICKSLIP_MEMBER(inner.drive.phase)},
+        STICKSLIP_INNER("2", harmonics[0]), STICKSLIP_INNER("3", harmonics[1]),
+        STICKSLIP_INNER("4", harmonics[2]),
+        {.key = "inner.duty", .unit = "-", .low = 0, .high = 1,
+         .meaning = "part of each period in which the whole amplitude acts, and none in the rest; "
+                    "0: sines", STICKSLIP_MEMBER(inner.drive.duty)},
         {.key = "solver.rtol", .unit = "-", .low = 1e-13, .high = 1e-2,
          .meaning = "local error a step, relative to the natural scales of the motion; tightened "
                     "where the linear drag is low",
@@ -194,6 +235,7 @@ std::vector<Parameter> make_effect_parameters() {
     };
 }
 
+#undef STICKSLIP_INNER
 #undef STICKSLIP_HARMONIC
 #undef STICKSLIP_MEMBER
 
@@ -335,6 +377,11 @@ std::vector<Section> make_sections() {
          "Up to four sines along each axis. The place of the surface counts from t = 0, when a\n"
          "robot at rest moves with it. What is recorded and measured is in the ground's frame,\n"
          "slip and states are against the surface."},
+        {"inner",
+         "A mass within the body, on a spring and a damper along a line through its centre.\n"
+         "\n"
+         "A force between both drives it. Stops are stiffer springs. Across its line the mass has\n"
+         "weight, and no inertia of its own. It begins at rest in the middle."},
         {"initial",
          "Robot and coils at an instant, in the world's frame.\n"
          "\n"

@@ -24,6 +24,7 @@ struct Recording {
     std::vector<std::int8_t> event;  ///< EventKind; "events" only
     // In the whole plane, where friction and slip above are along the heading, these to its left.
     std::vector<double> y, vy, heading, friction_across, contact_y, slip_across;
+    std::vector<double> inner_place, inner_velocity;  // with an inner mass
 
     /// Calls `use(column, values)` for each of `kRecordColumns`.
     void for_each_column(auto&& use);
@@ -38,6 +39,7 @@ struct RecordColumn {
     const char* meaning;
     Member member;
     bool of_plane = false;  ///< of runs in the whole plane alone
+    bool of_inner = false;  ///< of robots with an inner mass alone
 };
 
 inline constexpr auto kRecordColumns = std::to_array<RecordColumn>({
@@ -69,6 +71,10 @@ inline constexpr auto kRecordColumns = std::to_array<RecordColumn>({
      &Recording::contact_y, true},
     {"slip_across", "m/s", "velocity of the contact point to the left of the heading",
      &Recording::slip_across, true},
+    {"inner_place", "m", "place of the inner mass in the body, beside that at rest",
+     &Recording::inner_place, false, true},
+    {"inner_velocity", "m/s", "velocity of the inner mass in the body", &Recording::inner_velocity,
+     false, true},
 });
 inline constexpr std::size_t kColumns = kRecordColumns.size();
 inline constexpr std::size_t kEventColumn = place_of(kRecordColumns, "event");

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "stickslip/body/inner_mass.hpp"
 #include "stickslip/body/user_effect.hpp"
 #include "stickslip/drive/sawtooth.hpp"
 #include "stickslip/drive/shake.hpp"
@@ -121,6 +122,7 @@ struct Scenario {
     DragParameters drag;
     double gravity = 9.81;  ///< m/s^2
     ShakeParameters shake;
+    InnerMass inner;
     Effects effects;
     std::vector<UserSetting> user_effects;  ///< by name; see set_parameter
     std::vector<OwnLaw> laws;               ///< by name; see own_laws.hpp

@@ -51,6 +51,10 @@ void check_plane(const Scenario& s, const RobotFrame& frame) {
         throw std::invalid_argument(
             "shake: the surface moves in the plane y = 0: allowed is a robot that stays in it");
     }
+    if (!s.inner.absent()) {
+        throw std::invalid_argument(
+            "inner.mass: it moves in the plane y = 0: allowed is a robot that stays in it");
+    }
     for (const UserSetting& each : s.user_effects) {
         if (each.absent()) continue;
         throw std::invalid_argument("effects." + each.effect->name +

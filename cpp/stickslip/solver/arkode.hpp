@@ -72,9 +72,9 @@ private:
         const State y = step.dense(s);
         State unused;
         Values result;
-        const double tau = step.start + s * step.width;
-        phase.field().rebase(phase.place_of(tau, y));
-        phase.rates(phase.field_at(tau), y, unused, result);
+        const double at = step.start + s * step.width;
+        phase.field().rebase(phase.place_of(at, y));
+        phase.rates(phase.field_at(at), y, unused, result);
         return result;
     }
     // Its own root finding sees only what changes sign over a step.

@@ -25,6 +25,8 @@ enum class Event {
     sliding_jams,      ///< sliding loses its solution (Painleve)
     pivot_touches,     ///< in flight, the lowest corner reaches the surface
     opposite_touches,  ///< in flight, the corner opposite to it does
+    inner_ahead,       ///< the inner mass meets its stop ahead, or leaves it
+    inner_behind,      ///< the same behind
     // In the whole plane:
     breaks_loose,   ///< friction holds no more, whichever way
     slip_slows,     ///< a slip slows down to the capture speed
@@ -57,6 +59,7 @@ struct StepperOptions {
     double tolerance = 1e-8;  ///< local error a step, relative to the scales of a phase
     double max_step = 0.0;    ///< s, zero: no limit
     double longest_rest = std::numeric_limits<double>::infinity();  ///< s, of a step at rest
+    bool is_shaken = false;      ///< by a surface or an inner mass
     double surface_speed = 0.0;  ///< m/s, the most that the surface carries the robot with
     std::int64_t most_steps = std::numeric_limits<std::int64_t>::max();
     Scales scales;

@@ -306,17 +306,15 @@ public:
         p.control = {width, WidthControl<double>::kLeastLogError, 0.0};
         p.look = kNone;
         p.max_step = options.max_step > 0.0 ? options.max_step : kNone;
-        if constexpr (requires { Phase::kRests; }) {
+        if constexpr (Phase::kRests) {
             p.max_step = std::min(p.max_step, options.longest_rest);
         }
         p.min_time_constant = phase.min_time_constant();
         p.half_reach = 0.5 * phase.reach();
-        if (options.surface_speed > 0.0) {
-            if (phase.field().has_coils()) {
-                p.max_step = std::min(p.max_step, 0.25 * phase.reach() / options.surface_speed);
-            } else {
-                p.half_reach = kNone;
-            }
+        // Without coils there is no field whose expansion has to hold.
+        if (options.is_shaken && !phase.field().has_coils()) p.half_reach = kNone;
+        if (options.surface_speed > 0.0 && phase.field().has_coils()) {
+            p.max_step = std::min(p.max_step, 0.25 * phase.reach() / options.surface_speed);
         }
     }
 

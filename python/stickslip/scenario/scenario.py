@@ -48,6 +48,7 @@ from stickslip.scenario.sections import (
     Drag,
     Drive,
     Environment,
+    Inner,
     Record,
     Robot,
     Shake,
@@ -96,7 +97,7 @@ class Scenario:
 
     Parameters
     ----------
-    drive, coil, robot, contact, drag, environment, shake, initial, solver, record
+    drive, coil, robot, contact, drag, environment, shake, inner, initial, solver, record
         Sections. Where nothing is given, `coil` and `robot` have the values of Tables I and II
         (the coils' side and distance are effective ones), `contact` and `drag` those of section VI,
         `drive` has a peak of 2.5 mT, and `initial` is rest, flat and without current. What the
@@ -135,6 +136,7 @@ class Scenario:
     drag = _View(Drag)
     environment = _View(Environment)
     shake = _View(Shake, "_accelerations")
+    inner = _View(Inner)
     initial = _View(State)
     solver = _View(Solver)
     record = _View(Record)
@@ -149,6 +151,7 @@ class Scenario:
         drag: Drag | None = None,
         environment: Environment | None = None,
         shake: Shake | None = None,
+        inner: Inner | None = None,
         initial: State | None = None,
         solver: Solver | None = None,
         record: Record | None = None,
@@ -162,7 +165,19 @@ class Scenario:
         self._accelerations: Accelerations | None = None
         self._fluid: Fluid | None = None
         self._hidden: dict[str, Any] = {}
-        given = (drive, coil, robot, contact, drag, environment, shake, initial, solver, record)
+        given = (
+            drive,
+            coil,
+            robot,
+            contact,
+            drag,
+            environment,
+            shake,
+            inner,
+            initial,
+            solver,
+            record,
+        )
         for (name, kind), section in zip(SECTIONS.items(), given, strict=True):
             if section is None:
                 continue

@@ -231,6 +231,10 @@ class Environment(Section, key="environment"):
     __slots__ = ()
 
 
+class Inner(Section, key="inner"):
+    __slots__ = ()
+
+
 class Shake(
     Section,
     key="shake",
@@ -286,6 +290,18 @@ class State(Section, key="initial"):
 
 SECTIONS = {
     each._name: each
-    for each in (Drive, Coil, Robot, Contact, Drag, Environment, Shake, State, Solver, Record)
+    for each in (
+        Drive,
+        Coil,
+        Robot,
+        Contact,
+        Drag,
+        Environment,
+        Shake,
+        Inner,
+        State,
+        Solver,
+        Record,
+    )
 }
 """Their classes by name, in the order of a file."""

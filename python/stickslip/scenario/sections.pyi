@@ -263,20 +263,71 @@ class Shake(Section, key="shake"):
     @property
     def accelerations(self) -> Accelerations | None: ...
 
+class Inner(Section, key="inner"):
+    def __init__(
+        self,
+        *,
+        mass: float = 0.0,
+        stiffness: float = 0.0,
+        damping: float = 0.0,
+        direction: float = 0.0,
+        stop_low: float = 0.0,
+        stop_high: float = 0.0,
+        stop_stiffness: float = 0.0,
+        stop_damping: float = 0.0,
+        amplitude: float = 0.0,
+        frequency: float = 100.0,
+        phase: float = 0.0,
+        harmonic_2: float = 0.0,
+        phase_2: float = 0.0,
+        harmonic_3: float = 0.0,
+        phase_3: float = 0.0,
+        harmonic_4: float = 0.0,
+        phase_4: float = 0.0,
+        duty: float = 0.0,
+    ) -> None: ...
+    @property
+    def mass(self) -> float: ...
+    @property
+    def stiffness(self) -> float: ...
+    @property
+    def damping(self) -> float: ...
+    @property
+    def direction(self) -> float: ...
+    @property
+    def stop_low(self) -> float: ...
+    @property
+    def stop_high(self) -> float: ...
+    @property
+    def stop_stiffness(self) -> float: ...
+    @property
+    def stop_damping(self) -> float: ...
+    @property
+    def amplitude(self) -> float: ...
+    @property
+    def frequency(self) -> float: ...
+    @property
+    def phase(self) -> float: ...
+    @property
+    def harmonic_2(self) -> float: ...
+    @property
+    def phase_2(self) -> float: ...
+    @property
+    def harmonic_3(self) -> float: ...
+    @property
+    def phase_3(self) -> float: ...
+    @property
+    def harmonic_4(self) -> float: ...
+    @property
+    def phase_4(self) -> float: ...
+    @property
+    def duty(self) -> float: ...
+
 class State(Section, key="initial"):
     def __init__(
         self,
         *,
-        contact: Literal[
-            "from_motion",
-            "flight",
-            "corner_stick",
-            "corner_slip_forward",
-            "corner_slip_backward",
-            "face_stick",
-            "face_slip_forward",
-            "face_slip_backward",
-        ] = "from_motion",
+        contact: Literal["from_motion", "flight", "corner_stick", "corner_slip_forward", "corner_slip_backward", "face_stick", "face_slip_forward", "face_slip_backward"] = "from_motion",
         x: float = 0.0,
         z: float = 0.0,
         theta: float = 0.0,
@@ -304,18 +355,7 @@ class State(Section, key="initial"):
         heading: float = 0.0,
     ) -> None: ...
     @property
-    def contact(
-        self,
-    ) -> Literal[
-        "from_motion",
-        "flight",
-        "corner_stick",
-        "corner_slip_forward",
-        "corner_slip_backward",
-        "face_stick",
-        "face_slip_forward",
-        "face_slip_backward",
-    ]: ...
+    def contact(self) -> Literal["from_motion", "flight", "corner_stick", "corner_slip_forward", "corner_slip_backward", "face_stick", "face_slip_forward", "face_slip_backward"]: ...
     @property
     def x(self) -> float: ...
     @property

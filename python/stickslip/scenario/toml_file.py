@@ -234,7 +234,7 @@ def scenario_text(
     changed = core.changed()
     given = {key.partition(".")[0] for key in changed}
     given |= {"shake"} if content.accelerations is not None else set()
-    left_out = {"initial", "shake"} - given
+    left_out = {"initial", "inner", "shake"} - given
     idle = IDLE.get(str(core.get("drive.mode")), ())
     lines = [f"stickslip = {FORMAT_VERSION}"]
     for section in dict.fromkeys(key.section for key in known_keys().values()):

@@ -25,7 +25,7 @@ CODES = (
     "no-slip",
     # A motion whose mean velocity says less than it seems to.
     "field-change", "velocity-grows", "turning", "start-up", "window-short", "pulses-short",
-    "fluid",
+    "fluid", "inner",
     # Other values that are probably mistakes.
     "hidden-key", "capacitor",
     "voltage", "density", "moment", "steep-surface", "adhesion", "tangential-restitution",

@@ -29,6 +29,9 @@ ASKED = {"pull_share": "record.pull_share"}
 PLANE_COLUMNS: tuple[str, ...] = _core.plane_columns
 """Those of a run in the whole plane alone, where friction and slip are along the heading."""
 
+INNER_COLUMNS: tuple[str, ...] = _core.inner_columns
+"""Those of a robot with an inner mass alone."""
+
 WORDS = {"contact": tuple(_core.contact_words)[1:], "event": tuple(_core.events)}
 """What the numbers of a quantity stand for, where they stand for words."""
 
@@ -41,6 +44,8 @@ def recorded_names(scenario: Scenario) -> tuple[str, ...]:
     left_out = set() if record.rate == "events" else {"event"}
     if not scenario.whole_plane:
         left_out |= {*PLANE_COLUMNS}
+    if scenario.inner.mass == 0.0:
+        left_out |= {*INNER_COLUMNS}
     if record.fields != "all":
         left_out |= {*COLUMNS} - {"t", *str(record.fields).split(", ")}
     return tuple(name for name in COLUMNS if name not in left_out)

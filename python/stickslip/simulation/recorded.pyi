@@ -30,3 +30,5 @@ class Recorded(ABC):
     friction_across: NDArray[Any]
     contact_y: NDArray[Any]
     slip_across: NDArray[Any]
+    inner_place: NDArray[Any]
+    inner_velocity: NDArray[Any]

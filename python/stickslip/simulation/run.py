@@ -22,6 +22,7 @@ from stickslip._util.units import handy
 from stickslip.scenario.sections import State
 from stickslip.simulation.note import Note, by_seriousness, notes_json, shown_lines
 from stickslip.simulation.quantities import (
+    INNER_COLUMNS,
     NUMBERS,
     PLANE_COLUMNS,
     WORDS,
@@ -145,6 +146,8 @@ class Run(Recorded):
             return values
         if self.recorded and name in PLANE_COLUMNS and not self.scenario.whole_plane:
             return self._in_one_plane(name)
+        if name in INNER_COLUMNS and self.scenario.inner.mass == 0.0:
+            raise AttributeError(f"this run has no {name}: the robot has no inner mass")
         needed = 'record.rate to "events"' if name == "event" else "record.fields to name it"
         if self.scenario.record.rate == "none":
             needed = 'record.rate to a number of Hz, or "events"'

@@ -23,6 +23,10 @@ MUCH_OF_FLUID = 0.1
 """Parts of the drag above which what the model leaves out of a fluid is noted. Chosen: drag of the
 volume-equal sphere is no better for a block."""
 
+MUCH_OF_INNER = 0.05
+"""Parts of the robot's mass above which an inner mass that has no inertia across its line is noted,
+where the robot tilts by more than this, rad, or flies as much of the time. Chosen."""
+
 LEAST_TURNING = 5e-5
 """Below this `turning_speed` is never noted, m/s: with a steady heading the model is within it."""
 
@@ -38,6 +42,7 @@ def run_notes(
             *notes_of_table(facts, "run"),
             *_of_turning(summary),
             *_of_fluid(scenario, summary),
+            *_of_inner(scenario, summary),
             *scenario_notes(scenario, facts),
         ]
     )
@@ -68,6 +73,20 @@ def _of_turning(summary: Mapping[str, Any]) -> list[Note]:
         f"{1e3 * speed:.3g} mm/s"
     )
     return [Note("turning", text, turning)]
+
+
+def _of_inner(scenario: Scenario, summary: Mapping[str, Any]) -> list[Note]:
+    share = scenario.inner.mass / scenario.robot.mass
+    tilt = max(summary["theta_max"], -summary["theta_min"])
+    if not (share > MUCH_OF_INNER and max(tilt, summary["airborne_fraction"]) > MUCH_OF_INNER):
+        return []
+    text = (
+        f"the inner mass, {100 * share:.3g} % of the robot's, has no inertia across its line, and "
+        "the robot does not only slide along it: it turns by up to "
+        f"{math.degrees(tilt):.2g} degrees and flies {100 * summary['airborne_fraction']:.2g} % of "
+        "the time"
+    )
+    return [Note("inner", text, share)]
 
 
 def _of_fluid(scenario: Scenario, summary: Mapping[str, Any]) -> list[Note]:

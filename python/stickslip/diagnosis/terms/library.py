@@ -77,6 +77,8 @@ Those of `_PARTS` are parts of it."""
 SHAKEN = {
     "shake_amplitude_x": ("shake.amplitude_x", (0.1, -0.6, 1.0)),
     "shake_amplitude_z": ("shake.amplitude_z", (0.1, -0.6, 1.0)),
+    "inner_amplitude": ("inner.amplitude", (0.1, -0.6, 1.0)),
+    "inner_stiffness": ("inner.stiffness", (0.1, -0.6, 1.0)),
 }
 """The same of what shakes a robot, where it does. Chosen: what is known to a tenth."""
 
