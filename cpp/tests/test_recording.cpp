@@ -65,7 +65,7 @@ TEST_CASE("recording: the grid begins with its first sample that is not before `
             settings.kind = RecordKind::uniform;
             settings.rate = rate;
             settings.from = from;
-            const double first = Recorder(settings, 1.0, false).next_time();
+            const double first = Recorder(settings, 1.0, false, false).next_time();
             const double number = std::round(first * rate);
             CHECK(first == number / rate);
             CHECK(first >= from);
