@@ -137,14 +137,15 @@ def study(path: Path, minutes: float, most: int) -> None:
     print(tables(rows))
 
 
-def _counts(row: Row, what: str) -> bool:
+def counts(row: Row, what: str) -> bool:
+    """Whether a set counts as what a demand is about."""
     verdict, claimed = row["verdict"], row["verdict"] in ("named", "pair")
     right = (claimed or verdict == "dominant") and row["causes"] == [row["cause"]]
     return {
         "false alarm": verdict != "none",
         "named, a pair or dominant": claimed or verdict == "dominant",
         "right": right,
-        "right or in the set": right or row["cause"] in row["causes"],
+        "right or in the set": right or (verdict == "ambiguous" and row["cause"] in row["causes"]),
         "wrongly named": claimed and not right,
         "unexplained": verdict == "unexplained",
         "dominant": verdict == "dominant",
@@ -163,7 +164,7 @@ def tables(rows: list[Row]) -> str:
         for hidden, what, asked, at_most, fewest in DEMANDS:
             # Errors that are alike along a run may be found; they must not be named.
             asked = None if "correlated" in own and what == "false alarm" else asked
-            some = [_counts(row, what) for row in mine if row["hidden"] == hidden]
+            some = [counts(row, what) for row in mine if row["hidden"] == hidden]
             if not some:
                 continue
             low, high = interval(sum(some), len(some))
