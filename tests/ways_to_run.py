@@ -258,15 +258,9 @@ def restored(table: Table) -> Iterator[str]:
                 break
 
 
-<<<<<<< HEAD
 # They know the time since the run began, or how the voltage came to where it is, or will.
 NOT_BEGUN_AGAIN = {
     *("late", "sample_hold", "free_friction_age", "free_field_time", *OWN),
-=======
-# They know the time since the run began, or how the voltage came to where it is.
-NOT_BEGUN_AGAIN = {
-    *("sample_hold", "free_friction_age", "free_field_time", *OWN),
->>>>>>> cf1c1a99 (wip)
     # A state does not say where the inner mass is.
     *("capsule", "capsule with stops", "hammer on a shaken surface"),
 }
