@@ -140,7 +140,8 @@ def test_every_key_survives_the_file(tmp_path):
     unchanged = [
         key
         for key in known_keys()
-        if scenario.get(key) == Scenario().get(key) and not key.startswith(("effects.", "shake.", "inner."))
+        if scenario.get(key) == Scenario().get(key)
+        and not key.startswith(("effects.", "shake.", "inner."))
     ]
     assert unchanged == []
     path = tmp_path / "scenario.toml"
