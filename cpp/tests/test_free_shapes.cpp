@@ -34,7 +34,7 @@ Motion random_motion(Random& random) {
 
 Load load_at(Dynamics& dynamics, const Motion& m) {
     dynamics.set_quadrant(m.quadrant);
-    dynamics.rebase_field(m.x, 5e-5);
+    dynamics.field().rebase({m.x, 5e-5});
     const Pose pose = dynamics.pose(m.angle);
     return dynamics.load(dynamics.field_at(0.0), m.x, 5e-5, pose, m.vx, m.vz, m.omega);
 }

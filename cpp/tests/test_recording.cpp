@@ -25,7 +25,7 @@ std::vector<Recording> chunks_of(std::int64_t samples) {
     RecordSettings settings;
     settings.kind = RecordKind::events;
     settings.sink = [&](Recording&& chunk) { chunks.push_back(std::move(chunk)); };
-    Recorder recorder(settings, 1.0, false);
+    Recorder recorder(settings, 1.0, false, false);
     for (std::int64_t k = 0; k < samples; ++k) {
         add(recorder, static_cast<double>(k), static_cast<double>(k));
         recorder.add_event(static_cast<EventKind>(k % 7));

@@ -80,7 +80,7 @@ struct Draw {
     // The forces lift the robot off as a whole, against all adhesion.
     bool lifts(Dynamics& robot) const {
         robot.set_quadrant(body.quadrant);
-        robot.rebase_field(body.x, body.z);
+        robot.field().rebase({body.x, body.z});
         const Load load = robot.load(robot.field_at(0.0), body.x, body.z, robot.pose(body.angle),
                                      body.vx, body.vz, body.omega);
         return load.fz > load.contact_adhesion;
@@ -108,7 +108,7 @@ void check_consistent(const Draw& draw, Dynamics& dynamics, Touch touch, const R
         CHECK(found.quadrant == body.quadrant - 1);
     }
     dynamics.set_quadrant(found.quadrant);
-    dynamics.rebase_field(body.x, body.z);
+    dynamics.field().rebase({body.x, body.z});
     const Pose pose = dynamics.pose(angle);
     const Load load =
         dynamics.load(dynamics.field_at(0.0), body.x, body.z, pose, body.vx, body.vz, body.omega);
