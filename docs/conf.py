@@ -14,7 +14,11 @@ from sphinx.application import Sphinx
 import stickslip
 
 HERE = Path(__file__).parent
-sys.path[:0] = [str(HERE), str(HERE / "_extensions"), str(HERE.parent / "tests")]
+sys.path[:0] = [
+    str(HERE),
+    str(HERE / "_extensions"),
+    *(str(HERE.parent / each) for each in ("tests", "bench")),
+]
 
 project = "stickslip"
 author = "stickslip developers"

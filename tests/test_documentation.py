@@ -160,7 +160,6 @@ def measured_words():
         ],
         "docs/accuracy.md": [
             *counts,
-            *own.tables(rows).splitlines(),
             f"{len(walkers)} sets of walkers are judged, by the engine as of commit `{former}`",
             f"none is claimed wrongly; {len(true)} of {len(sure)} end right or as a set",
         ],

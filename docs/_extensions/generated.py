@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+from blind import own, study
 from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
@@ -19,6 +20,7 @@ from stickslip.scenario.keys import Key, known_keys
 from stickslip.simulation.note_table import TABLE, tomllib
 
 MEASURED = Path(__file__).parents[1] / "measured"
+OWN = Path(own.__file__).parent / "study" / "own.jsonl"
 
 
 def _markdown_table(header: list[str], rows: list[list[str]]) -> str:
@@ -186,6 +188,15 @@ class BenchResults(SphinxDirective):
         return [nodes.container("", *parsed, classes=["measured"])]
 
 
+class OwnStudy(SphinxDirective):
+    """The counts of the blind study of models of one's own."""
+
+    def run(self) -> list[nodes.Node]:
+        self.env.note_dependency(str(OWN))
+        parsed = self.parse_text_to_nodes(own.tables(list(study.lines(OWN))))
+        return [nodes.container("", *parsed, classes=["measured"])]
+
+
 def _origin(results: dict[str, Any]) -> str:
     machine = results["machine"]
     cores = machine["cores_allowed"]
@@ -320,4 +331,5 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.add_directive("report-keys", ReportKeys)
     app.add_directive("result-table", ResultTable)
     app.add_directive("bench-results", BenchResults)
+    app.add_directive("own-study", OwnStudy)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}
