@@ -269,7 +269,10 @@ def extreme(draw):
                 rate = draw.decades(1.0, MOST_SAMPLES) / max(made.duration, 1e-300)
             return made.replace({"record.rate": rate})
         except ScenarioError as error:
-            named = [key for key in keys if key in str(error)] or list(keys)
+            named = [key for key in keys if key in str(error)]
+            # Or their section.
+            named = named or [key for key in keys if key.startswith(str(error).split(":")[0])]
+            named = named or list(keys)
             if named:
                 del keys[named[0]]
             else:
