@@ -43,7 +43,6 @@ TEST_CASE("a field that the currents change more slowly than the motion may may 
     double played = 0.0;
     const auto add = [&](const FieldTurn& turn, double least, double most) {
         ++count;
-        CHECK(turn.curve == 0.0);
         played += turn.to - turn.from;
         CHECK(least < 1e-3);
         CHECK(most > 1e-3);
@@ -65,16 +64,6 @@ TEST_CASE("the least value of a function is that of its parabolas") {
         CHECK(found.value >= expected);
         CHECK(found.value <= expected + 1e-10);
         CHECK(f(found.at) == found.value);
-        if (at < 0.0) continue;
-        const auto always = [](double) { return true; };
-        const double curve = random.between(0.9, 1.1) * wave * wave;
-        const double near = at + random.between(-0.1, 0.1);
-        const Extreme other = least_value_near(near, curve, 0.0, 1.0, f, always);
-        if (at > 1.02) {
-            CHECK(other.at > 1.0);
-        } else if (at < 1.0 && other.at <= 1.0) {
-            CHECK(other.value <= expected + 1e-10);
-        }
     }
 }
 

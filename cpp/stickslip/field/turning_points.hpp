@@ -91,30 +91,22 @@ struct FieldCourse {
     std::array<std::array<double, 6>, kMaxBasis> gradient = {};
 };
 
-/// Where in a segment |B| may have an extreme at a robot that moves.
+/// A span of a segment in which |B| may have an extreme at a robot that moves, s from its start.
 struct FieldTurn {
-    double from = 0.0, to = 0.0;  ///< s, from the start of the segment
-    /// Where it has one at the place of the course, s, and the slope's slope of |B|^2 there,
-    /// T^2/s^2; 0: anywhere between the two times, a largest or a least one, or several.
-    double at = 0.0, curve = 0.0;
+    double from = 0.0, to = 0.0;
 };
 
-/// Times about which |B| may turn at a robot that moves from that place at no more than `speed`
-/// (m/s): those at which the currents change it no faster than the motion may. Calls `use(turn,
-/// least, most)` with bounds of |B| there, T. Between two such times |B| only rises or only falls.
+/// Spans in which |B| may turn at a robot that moves from that place at no more than `speed` (m/s):
+/// those in which the currents change it no faster than the motion may. Calls `use(turn, least,
+/// most)` with bounds of |B| there, T. Between two such spans |B| only rises or only falls.
 void for_each_field_turn(const FieldCourse& course, double speed, auto&& use) {
     struct Look {
         double square, slope;  // of |B|^2: T^2, T^2/s
     };
     const CurrentSegment& segment = *course.segment;
     const std::size_t count = segment.count();
-    CurrentFunctions::Values value, change;
-    const auto set_time = [&](double tau) {
-        value = segment.values(tau);
-        change = segment.changes(value);
-    };
     const auto look = [&](double tau) {
-        set_time(tau);
+        const CurrentFunctions::Values value = segment.values(tau), change = segment.changes(value);
         FieldCourse::Vector b = course.basis[0], slope = course.basis[1];
         for (std::size_t i = 0; i < b.size(); ++i) b[i] += tau * course.basis[1][i];
         for (std::size_t j = 2; j < count; ++j) {
@@ -126,19 +118,15 @@ void for_each_field_turn(const FieldCourse& course, double speed, auto&& use) {
         return Look{b[0] * b[0] + b[1] * b[1] + b[2] * b[2],
                     2.0 * (b[0] * slope[0] + b[1] * slope[1] + b[2] * slope[2])};
     };
-    const auto gradient = [&] {
+    const auto squared_gradient = [&](double tau) {
+        const CurrentFunctions::Values value = segment.values(tau);
         std::array<double, 6> sum = {};
         for (std::size_t j = 0; j < count; ++j) {
             for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += value[j] * course.gradient[j][i];
         }
-        return sum;
-    };
-    const auto squared_gradient = [&](double tau) {
-        set_time(tau);
-        const auto [xx, xy, xz, yy, yz, zz] = gradient();
+        const auto [xx, xy, xz, yy, yz, zz] = sum;
         return xx * xx + yy * yy + zz * zz + 2.0 * (xy * xy + xz * xz + yz * yz);
     };
-    constexpr double kFlat = 1e-2;  // of the slope at the other end of a part; chosen
     // The gradient between the ends of the segment, or away from the place, may be larger.
     constexpr double kMore = 1.5;
     const double squares = std::max(squared_gradient(0.0), squared_gradient(segment.duration));
@@ -154,37 +142,6 @@ void for_each_field_turn(const FieldCourse& course, double speed, auto&& use) {
         const double s = denominator > 0.0 ? 2.0 * over / denominator : 2.0;
         return s <= 1.0 ? s : 2.0;
     };
-    // The gradient of |B| at a time, T/m.
-    const auto along = [&](double tau) {
-        set_time(tau);
-        FieldCourse::Vector b = {};
-        for (std::size_t j = 0; j < count; ++j) {
-            for (std::size_t i = 0; i < b.size(); ++i) b[i] += value[j] * course.basis[j][i];
-        }
-        const auto [xx, xy, xz, yy, yz, zz] = gradient();
-        const double x = b[0] * xx + b[1] * xy + b[2] * xz;
-        const double y = b[0] * xy + b[1] * yy + b[2] * yz;
-        const double z = b[0] * xz + b[1] * yz + b[2] * zz;
-        return std::sqrt((x * x + y * y + z * z) / (b[0] * b[0] + b[1] * b[1] + b[2] * b[2]));
-    };
-    // Improves the zero of the slope between two times of different signs, and the slope's own
-    // slope there: what the parabola misses is much where |B| is nearly zero.
-    const auto find_zero = [&](double low, double high, FieldTurn& turn) {
-        constexpr int kMost = 6;
-        constexpr double kNear = 5e-3;  // of the part: another step would be of no use
-        Look here = look(turn.at);
-        for (int k = 0; k < kMost; ++k) {
-            const double next = std::clamp(turn.at - here.slope / turn.curve, low, high);
-            const double moved = next - turn.at;
-            turn.at = next;
-            if (std::abs(moved) < kNear * (high - low)) break;
-            const Look there = look(next);
-            const double curve = (there.slope - here.slope) / moved;
-            if (curve * turn.curve > 0.0) turn.curve = curve;
-            here = there;
-        }
-        return here;
-    };
     double from = 0.0;
     Look before = look(0.0);
     for_each_part(segment, [&](double to) {
@@ -196,35 +153,8 @@ void for_each_field_turn(const FieldCourse& course, double speed, auto&& use) {
         const double b = 6.0 * rise - 4.0 * a - 2.0 * z, c = 3.0 * (a + z) - 6.0 * rise;
         const double larger = std::max(before.square, after.square);
         const double bound = 2.0 * std::sqrt(larger) * drift * width;
-        const double room = drift * to;
         const double first = first_within(a, b, c, bound);
-        double root = 2.0, least_root = 0.0;
-        if (a * z < 0.0) {
-            root = first_within(a, b, c, 0.0);
-        } else if (std::abs(a) < kFlat * std::abs(z) && b * z < 0.0) {
-            // A field that lags begins without a slope.
-            root = -b / c;
-            least_root = 0.1 * root;
-        }
-        constexpr double kSharp = 0.15;  // of a part; chosen
-        FieldTurn turn = {.at = from + root * width, .curve = b + 2.0 * root * c};
-        turn.curve /= width * width;
-        Look near = {};
-        double early = to, pull = drift;  // T/s, of the size of the field as the robot moves
-        if (root > 0.0 && root <= 1.0 && turn.curve != 0.0) {
-            near = find_zero(from + least_root * width, to, turn);
-            // Where the field is not weak, the motion changes its size by the gradient along it.
-            const double size = std::sqrt(near.square), weak = kSharp * drift * width;
-            pull = size > 10.0 * drift * to ? kMore * along(turn.at) * speed : drift;
-            early = 2.0 * (size + weak) * pull / std::abs(turn.curve);
-        }
-        if (early < kSharp * width) {
-            // The motion moves this extreme by no more than a part of the part.
-            turn.from = turn.at - early;
-            turn.to = turn.at + early;
-            const double size = std::sqrt(near.square), moved = pull * turn.at;
-            use(turn, std::max(size - moved, 0.0), size + moved);
-        } else if (first <= 1.0) {
+        if (first <= 1.0) {
             const double last =
                 1.0 - std::min(first_within(z, -b - 2.0 * c, c, bound), 1.0 - first);
             const auto square = [&](double s) {
@@ -237,9 +167,10 @@ void for_each_field_turn(const FieldCourse& course, double speed, auto&& use) {
             const double more = steepest * (last - first) + kMissed * larger;
             const double low = std::min(square(first), square(last)) - more;
             const double high = std::max(square(first), square(last)) + more;
+            const double moved = drift * to;
             use(FieldTurn{from + std::max(first - kPad, 0.0) * width,
                           from + std::min(last + kPad, 1.0) * width},
-                std::max(std::sqrt(std::max(low, 0.0)) - room, 0.0), std::sqrt(high) + room);
+                std::max(std::sqrt(std::max(low, 0.0)) - moved, 0.0), std::sqrt(high) + moved);
         }
         from = to, before = after;
     });

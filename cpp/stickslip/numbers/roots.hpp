@@ -86,6 +86,7 @@ struct Extreme {
 /// value that one promises is `worth` it.
 Extreme least_value(double low, double high, int parts, auto&& f, auto&& worth) {
     constexpr int kMost = 40;
+    constexpr double kUntold = 0.1;  // of a half, by which a parabola's turn may be wrong; chosen
     const auto least_of = [](const Extreme& a, const Extreme& b) {
         return b.value < a.value ? b : a;
     };
@@ -103,10 +104,16 @@ Extreme least_value(double low, double high, int parts, auto&& f, auto&& worth) 
             if (!(d0 < 0.0 && d2 > 0.0)) break;
             const double r0 = (x[0].value - x[1].value) / d0, r2 = (x[2].value - x[1].value) / d2;
             const double curve = (r2 - r0) / (d2 - d0), slope = r0 - curve * d0;
-            if (!(curve > 0.0)) break;
             double next = x[1].at - 0.5 * slope / curve;
-            if (!(next > x[0].at && next < x[2].at)) break;
-            if (!worth(x[1].value - 0.25 * slope * slope / curve)) break;
+            if (!(curve > 0.0 && next > x[0].at && next < x[2].at)) {
+                // It is at an end, or so near to one that the parabola does not tell.
+                const Extreme& side = slope < 0.0 ? x[2] : x[0];
+                const double apart = kUntold * (side.at - x[1].at);
+                if (!worth(side.value - std::abs(curve) * apart * apart)) break;
+                next = 0.5 * (x[1].at + side.at);
+            } else if (!worth(x[1].value - 0.25 * slope * slope / curve)) {
+                break;
+            }
             // Neither the middle again, nor so near to an end that the parabola stays.
             const double margin = 1e-3 * (x[2].at - x[0].at);
             next = std::clamp(next, x[0].at + margin, x[2].at - margin);
@@ -124,35 +131,6 @@ Extreme least_value(double low, double high, int parts, auto&& f, auto&& worth) 
         }
     }
     return best;
-}
-
-/// The same near `at`, where the slope's slope is about `curve`, above zero: from there the
-/// parabola is followed as long as it is `worth` it. The value that is found, or beyond `high`
-/// where the least one is to be expected.
-Extreme least_value_near(double at, double curve, double low, double high, auto&& f, auto&& worth) {
-    constexpr int kMost = 6;
-    // Of the width: between the first two values, and below which nothing changes.
-    constexpr double kApart = 0.1, kResolution = 1e-7;
-    const double apart = kApart * (high - low);
-    double x0 = std::clamp(at, low, high);
-    double x1 = x0 + apart <= high ? x0 + apart : x0 - apart;
-    double f0 = f(x0), f1 = f(x1);
-    for (int k = 0; k < kMost; ++k) {
-        if (f0 > f1) std::swap(x0, x1), std::swap(f0, f1);
-        // From the better one.
-        const double slope = (f1 - f0) / (x1 - x0) - 0.5 * curve * (x1 - x0);
-        const double next = x0 - slope / curve;
-        if (next > high) return {next, f0};
-        const bool is_there = std::abs(next - x0) < kResolution * (high - low);
-        if (!worth(f0 - 0.5 * slope * slope / curve) || is_there || next < low) break;
-        const double f2 = f(next);
-        const double twice = (f2 - f0) / (next - x0) - (f1 - f0) / (x1 - x0);
-        // Of values that are not too near to each other to tell.
-        const double found = 2.0 * twice / (next - x1);
-        if (std::abs(next - x1) > 0.01 * (high - low) && found > 0.0) curve = found;
-        x1 = next, f1 = f2;
-    }
-    return {f0 < f1 ? x0 : x1, std::min(f0, f1)};
 }
 
 }  // namespace stickslip

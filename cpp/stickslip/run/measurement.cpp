@@ -58,9 +58,8 @@ void Measurement::plan_looks() {
         const double speed = kUsualSpeed * player_.options().scales.velocity;
         for_each_field_turn(
             player_.field_course(), speed, [&](const FieldTurn& turn, double least, double most) {
-                const bool for_most = turn.curve <= 0.0 && drive_.would_be_most(most * most);
-                const bool for_least =
-                    in_window && turn.curve >= 0.0 && drive_.would_be_least(least * least);
+                const bool for_most = drive_.would_be_most(most * most);
+                const bool for_least = in_window && drive_.would_be_least(least * least);
                 if (for_most || for_least) looks_.push_back({turn, for_most, for_least});
             });
         std::reverse(looks_.begin(), looks_.end());

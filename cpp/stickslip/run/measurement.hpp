@@ -110,25 +110,13 @@ void Measurement::look_at_field(double from, double to, auto&& body_at) {
     const auto negative = [&](double tau) { return -square(tau); };
     const auto worth_negative = [this](double value) { return drive_.would_be_most(-value); };
     while (next_look_ <= to) {
-        FieldLook& look = looks_.back();
+        const FieldLook& look = looks_.back();
         const FieldTurn& turn = look.turn;
-        if (turn.curve != 0.0) {
-            const double at =
-                look.for_least
-                    ? least_value_near(turn.at, turn.curve, from, to, square, worth).at
-                    : least_value_near(turn.at, -turn.curve, from, to, negative, worth_negative).at;
-            if (at > to && turn.to > to) {  // it is in one of the next steps
-                look.turn.at = at;
-                next_look_ = to;
-                break;
-            }
-        } else {
-            const double begin = std::max(turn.from, from), end = std::min(turn.to, to);
-            const int parts = end - begin > 0.5 * (to - from) ? 2 : 1;
-            if (look.for_least) least_value(begin, end, parts, square, worth);
-            if (look.for_most) least_value(begin, end, parts, negative, worth_negative);
-            if (turn.to > to) break;  // it goes on after these
-        }
+        const double begin = std::max(turn.from, from), end = std::min(turn.to, to);
+        const int parts = end - begin > 0.5 * (to - from) ? 2 : 1;
+        if (look.for_least) least_value(begin, end, parts, square, worth);
+        if (look.for_most) least_value(begin, end, parts, negative, worth_negative);
+        if (turn.to > to) break;  // it goes on after these
         end_look();
     }
 }
