@@ -14,9 +14,9 @@ namespace {
 
 // A sample whose x is `x`, m.
 void add(Recorder& recorder, double t, double x) {
-    Snapshot snapshot;
-    snapshot.body.x = x;
-    recorder.add(t, snapshot, ContactMode{}, {}, PerCoil{});
+    Sample sample;
+    sample.body.x = x;
+    recorder.add(t, sample, ContactMode{}, {}, PerCoil{});
 }
 
 // The chunks that a recorder of `samples` events hands over, each x a number of its own.

@@ -51,7 +51,7 @@ struct ReactionOf {
 using Reaction = ReactionOf<double>;
 
 /// Everything at an instant that a recording may want.
-struct Snapshot {
+struct Sample {
     BodyState body;
     Reaction reaction;
     double contact_x = std::numeric_limits<double>::quiet_NaN();      ///< m, of the pivot corner

@@ -35,10 +35,10 @@ protected:
         return frame_.body(frame_.heading_at(tau, middle, face_.height), middle, face_.height, 0.0,
                            slip, 0.0, 0.0);
     }
-    Snapshot snapshot_of(const BodyState& body, const auto& motion, const auto& slip) const {
+    Sample sample_of(const BodyState& body, const auto& motion, const auto& slip) const {
         const Place middle = frame_.place(body.x, body.y);
-        return frame_.snapshot(body, motion.reaction.normal(), motion.friction,
-                               frame_.moved(middle, motion.seen.heading, face_.end()), slip);
+        return frame_.sample(body, motion.reaction.normal(), motion.friction,
+                             frame_.moved(middle, motion.seen.heading, face_.end()), slip);
     }
 
     Face face_;
@@ -84,9 +84,9 @@ public:
     BodyState body(double tau, const State& y) const {
         return Base::body_on(tau, middle(y), slip(y));
     }
-    Snapshot snapshot(double tau, const State& y) const {
+    Sample sample(double tau, const State& y) const {
         const Motion motion = solve(Base::field_at(tau), y);
-        return Base::snapshot_of(body(tau, y), motion, motion.slip);
+        return Base::sample_of(body(tau, y), motion, motion.slip);
     }
     State scale(const Scales& s) const {
         return gather<State>(frame_.both(s.length), frame_.both(s.velocity));
@@ -164,9 +164,9 @@ public:
     static std::array<double, 2> acceleration(const State&, const State&) { return {}; }
     State begin(const BodyState& body) const { return frame_.place(body.x, body.y); }
     BodyState body(double tau, const State& y) const { return Base::body_on(tau, y, {}); }
-    Snapshot snapshot(double tau, const State& y) const {
+    Sample sample(double tau, const State& y) const {
         const Motion motion = solve(Base::field_at(tau), y);
-        return Base::snapshot_of(body(tau, y), motion, Vector());
+        return Base::sample_of(body(tau, y), motion, Vector());
     }
     State scale(const Scales& s) const { return frame_.both(s.length); }
     double speed(const State&) const { return 0.0; }

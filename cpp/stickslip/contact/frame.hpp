@@ -29,7 +29,7 @@
 ///   across(load)        what of them is across, N
 ///   events(seen)        values of kFrameEvents
 ///   left_to_break(friction, limit)   values of kBreaks; `limit(way)`: friction that holds, N
-///   body, snapshot      of a state; centre(place, z): where the field's expansion is looked at;
+///   body, sample      of a state; centre(place, z): where the field's expansion is looked at;
 ///                       in_ground(tau, centre): the same as the coils see it
 ///   along_front(v)      what the summary counts of a slip; of_face(middle, face): at which place
 ///   with_slide(state, use)   the slip of a state, see SignedSlide
@@ -151,8 +151,8 @@ public:
                    double vz, double omega) const {
         return {place[0], z, angle, velocity[0], vz, omega, dynamics_->quadrant()};
     }
-    static Snapshot snapshot(const BodyState& body, double normal, const Vector& friction,
-                             const Place& contact, const Vector& slip) {
+    static Sample sample(const BodyState& body, double normal, const Vector& friction,
+                         const Place& contact, const Vector& slip) {
         return {body, {normal, friction.along}, contact[0], slip.along};
     }
     [[gnu::always_inline]] static PlaceOf<Real, 2> centre(const Place& place, Real z) {

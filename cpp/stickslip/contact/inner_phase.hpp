@@ -56,9 +56,9 @@ public:
         put(result, Phase::scale(s), s.length, s.velocity);
         return result;
     }
-    Snapshot snapshot(double tau, const State& y) const {
+    Sample sample(double tau, const State& y) const {
         look_at(inner(y));
-        Snapshot result = Phase::snapshot(tau, own(y));
+        Sample result = Phase::sample(tau, own(y));
         result.inner = inner(y);
         return result;
     }

@@ -48,20 +48,20 @@ void with_phase(const Frame& frame, const HybridState& state, auto&& use) {
 /// What a recording sees at `tau`. The dynamics are a copy: looking must not move the field's
 /// expansion of the steps to come.
 template <class Frame>
-Snapshot look(const Frame& copy, const HybridState& state, double tau) {
+Sample look(const Frame& copy, const HybridState& state, double tau) {
     copy.dynamics().set_quadrant(state.body.quadrant);
-    Snapshot result;
+    Sample result;
     with_phase(copy, state, [&](auto phase) {
         const auto y = phase.begin(state.body);
         phase.field().rebase(phase.place_of(tau, y));
-        result = phase.snapshot(tau, y);
+        result = phase.sample(tau, y);
     });
     return result;
 }
-inline Snapshot snapshot(Dynamics dynamics, const HybridState& state, double tau) {
+inline Sample sample(Dynamics dynamics, const HybridState& state, double tau) {
     return look(FixedFrame(dynamics), state, tau);
 }
-inline Snapshot snapshot(const PlaneDynamics& now, const HybridState& state, double tau) {
+inline Sample sample(const PlaneDynamics& now, const HybridState& state, double tau) {
     Dynamics upright = now.upright();
     PlaneDynamics plane(now, upright);
     return look(TurningFrame(plane), state, tau);

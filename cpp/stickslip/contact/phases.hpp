@@ -171,12 +171,12 @@ public:
     BodyState body(double tau, const State& y) const {
         return Base::body_on(tau, contact_, y[0], {}, y[1]);
     }
-    Snapshot snapshot(double tau, const State& y) const {
+    Sample sample(double tau, const State& y) const {
         const Pose pose = dynamics().pose(y[0]);
         const auto seen = frame_.seen_at_corner(Base::field_at(tau), contact_, pose);
         const Motion motion = solve(seen, tau, pose, y);
-        return frame_.snapshot(body(tau, y), motion.stick.reaction.normal, motion.friction,
-                               frame_.moved(contact_, seen.heading, pose.roll), {});
+        return frame_.sample(body(tau, y), motion.stick.reaction.normal, motion.friction,
+                             frame_.moved(contact_, seen.heading, pose.roll), {});
     }
     State scale(const Scales& s) const { return {1.0, s.rate}; }
     Real speed(const State& y) const { return magnitude(y[1]) * robot().radius; }
@@ -267,12 +267,12 @@ public:
     BodyState body(double tau, const State& y) const {
         return Base::body_on(tau, contact(y), y[kAngle], slip(y), y[kOmega]);
     }
-    Snapshot snapshot(double tau, const State& y) const {
+    Sample sample(double tau, const State& y) const {
         const Pose pose = dynamics().pose(y[kAngle]);
         const auto seen = frame_.seen_at_corner(Base::field_at(tau), contact(y), pose);
         const Motion motion = solve(seen, tau, pose, y);
-        return frame_.snapshot(body(tau, y), motion.upright.normal, motion.friction,
-                               frame_.moved(contact(y), seen.heading, pose.roll), motion.slip);
+        return frame_.sample(body(tau, y), motion.upright.normal, motion.friction,
+                             frame_.moved(contact(y), seen.heading, pose.roll), motion.slip);
     }
     State scale(const Scales& s) const {
         return gather<State>(frame_.both(s.length), 1.0, frame_.both(s.velocity), s.rate);
@@ -392,8 +392,8 @@ public:
         return frame_.body(frame_.heading_at(tau, place(y), y[kZ]), place(y), y[kZ], y[kAngle],
                            velocity(y), y[kVz], y[kOmega]);
     }
-    Snapshot snapshot(double tau, const State& y) const {
-        Snapshot result;
+    Sample sample(double tau, const State& y) const {
+        Sample result;
         result.body = body(tau, y);
         return result;
     }

@@ -81,8 +81,8 @@ public:
         return {place[0], z,           angle,    velocity[0], vz, omega, dynamics().quadrant(),
                 place[1], velocity[1], h.angle()};
     }
-    static Snapshot snapshot(const BodyState& body, double normal, const Vector& friction,
-                             const Place& contact, const Vector& slip) {
+    static Sample sample(const BodyState& body, double normal, const Vector& friction,
+                         const Place& contact, const Vector& slip) {
         return {body,       {normal, friction.along}, contact[0], slip.along,
                 contact[1], friction.across,          slip.across};
     }

@@ -133,9 +133,9 @@ public:
     }
     FieldCourse field_course() const;
     /// Everything at `tau` seconds into the segment.
-    Snapshot snapshot(double tau) const {
-        return plane_ ? stickslip::snapshot(*plane_, state_, tau)
-                      : stickslip::snapshot(dynamics_, state_, tau);
+    Sample sample(double tau) const {
+        return plane_ ? stickslip::sample(*plane_, state_, tau)
+                      : stickslip::sample(dynamics_, state_, tau);
     }
     /// By which the heading has turned to and fro, rad.
     double turned() const { return plane_ ? plane_->watch().state().turned : 0.0; }

@@ -41,7 +41,7 @@ Recording Recorder::take() {
     return std::move(recording_);
 }
 
-void Recorder::add(double t, const Snapshot& s, const ContactMode& mode,
+void Recorder::add(double t, const Sample& s, const ContactMode& mode,
                    const std::array<double, 3>& field, const PerCoil& current) {
     // Not as it fills: the event of the last sample comes after it.
     if (settings_.sink && recording_.t.size() == kChunk) hand_over();

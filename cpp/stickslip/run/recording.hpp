@@ -36,7 +36,7 @@ public:
                          : std::numeric_limits<double>::infinity();
     }
     /// field: T.
-    void add(double t, const Snapshot& snapshot, const ContactMode& mode,
+    void add(double t, const Sample& sample, const ContactMode& mode,
              const std::array<double, 3>& field, const PerCoil& current);
     /// Of the sample that was added last.
     void add_event(EventKind kind) {

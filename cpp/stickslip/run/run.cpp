@@ -21,7 +21,7 @@ std::vector<double> marks(const Scenario& scenario, const std::optional<StopCond
 
 Run::Run(const Scenario& scenario, RunControl* control, std::optional<StopCondition> stop)
     : player_(scenario, marks(scenario, stop), control ? &control->stop : nullptr),
-      measurement_(scenario, player_),
+      window_observer_(scenario, player_),
       recorder_(scenario.record, player_.sign(), player_.in_whole_plane(),
                 !player_.model().inner.absent()),
       tsit5_(player_.options()),
@@ -68,7 +68,7 @@ void Run::end_here() {
     if (player_.is_stepped()) {
         player_.stay_there();
     } else {
-        measurement_.end_segment(player_.tau());
+        window_observer_.end_segment(player_.tau());
     }
 }
 
@@ -79,7 +79,7 @@ bool Run::next_segment() {
     }
     const bool is_stepped = player_.is_stepped();  // such a run has no summary
     if (player_.is_open()) {
-        if (!is_stepped) measurement_.end_segment(player_.segment().duration);
+        if (!is_stepped) window_observer_.end_segment(player_.segment().duration);
         player_.end_segment();
     }
     if (!player_.take_segment()) return false;
@@ -89,7 +89,7 @@ bool Run::next_segment() {
     }
     if (!is_stepped) {
         const double time = player_.voltages().start;
-        measurement_.watch_window(time);
+        window_observer_.watch_window(time);
         if (stop_ && stop_->quantity == StopCondition::Quantity::time) {
             const double slack = boundary_slack(player_.duration());
             result_.stopped = distance(time + slack, player_.body()) <= 0.0;
@@ -101,14 +101,14 @@ bool Run::next_segment() {
         result_.status = Status::left_workspace;
         return false;
     }
-    if (!is_stepped) measurement_.plan_looks();
+    if (!is_stepped) window_observer_.plan_looks();
     if (!player_.has_begun()) begin();
     return goes_on();
 }
 
 void Run::begin() {
     player_.begin();
-    measurement_.begin();
+    window_observer_.begin();
     after_event();
 }
 
@@ -169,21 +169,21 @@ void Run::play_phase() {
 
 void Run::finish() {
     if (result_.stopped) {
-        measurement_.end_segment(player_.tau());
-        measurement_.close(player_.time());
+        window_observer_.end_segment(player_.tau());
+        window_observer_.close(player_.time());
         return;
     }
     // The grid's last sample may lie beyond the end by rounding.
     sample_until(player_.duration() * (1.0 + 1e-12), player_.absolute(0.0),
-                 [&](double) { return player_.snapshot(player_.segment().duration); });
-    measurement_.close(player_.duration());
+                 [&](double) { return player_.sample(player_.segment().duration); });
+    window_observer_.close(player_.duration());
 }
 
-void Run::record(double t, double tau, const Snapshot& snapshot) {
-    Snapshot seen = snapshot;
-    seen.body = player_.in_ground(snapshot.body, t);
-    seen.contact_x += seen.body.x - snapshot.body.x;
-    recorder_.add(t, seen, player_.state().mode, player_.field(tau, snapshot.body),
+void Run::record(double t, double tau, const Sample& sample) {
+    Sample seen = sample;
+    seen.body = player_.in_ground(sample.body, t);
+    seen.contact_x += seen.body.x - sample.body.x;
+    recorder_.add(t, seen, player_.state().mode, player_.field(tau, sample.body),
                   player_.segment().currents(tau));
 }
 
@@ -199,7 +199,7 @@ void Run::after_event() {
     if (!recorder_.at_event(time)) return;
     // One sample for each change at this instant, with the state after all of them.
     for (const EventKind kind : player_.changes()) {
-        record(time, tau, player_.snapshot(tau));
+        record(time, tau, player_.sample(tau));
         recorder_.add_event(kind);
     }
 }
@@ -231,12 +231,12 @@ void Run::fail(const WrenchNotFinite& failure) {
     if (player_.is_stepped()) {
         player_.stay_there();
     } else {
-        measurement_.end_segment(failure.time - player_.segment().start);
+        window_observer_.end_segment(failure.time - player_.segment().start);
     }
 }
 
 RunResult Run::take_result() {
-    measurement_.write(result_.summary);
+    window_observer_.write(result_.summary);
     result_.steps = tsit5_.counts();
     result_.recording = recorder_.take();
     result_.final_body = player_.body();

@@ -7,11 +7,11 @@
 #include <string>
 #include <utility>
 
-#include "stickslip/run/measurement.hpp"
 #include "stickslip/run/player.hpp"
 #include "stickslip/run/recording.hpp"
 #include "stickslip/run/simulation.hpp"
 #include "stickslip/run/step_numbers.hpp"
+#include "stickslip/run/window_observer.hpp"
 #include "stickslip/solver/event_location.hpp"
 #include "stickslip/solver/tsit5.hpp"
 #ifdef STICKSLIP_WITH_ARKODE
@@ -21,7 +21,7 @@
 namespace stickslip {
 
 /// One run, from its scenario's initial state to the end of its drive, or step by step. A Player
-/// moves the robot, a Recorder and a Measurement look at each step.
+/// moves the robot, a Recorder and a WindowObserver look at each step.
 class Run {
 public:
     /// Ends early where `stop` says. Throws std::invalid_argument for a method that is not in this
@@ -115,7 +115,7 @@ private:
     void handle(Event event);
     void after_event();
     void sample_until(double limit, double from, auto&& snapshot_at);
-    void record(double t, double tau, const Snapshot& snapshot);
+    void record(double t, double tau, const Sample& sample);
     double distance(double t, const BodyState& body) const {
         return stop_->distance(t, player_.sign(), player_.in_ground(body, t));
     }
@@ -126,7 +126,7 @@ private:
     }
 
     Player player_;
-    Measurement measurement_;
+    WindowObserver window_observer_;
     Recorder recorder_;
     Tsit5 tsit5_;
     bool fits_kernels_;  // no effect but smooth ones
@@ -170,14 +170,14 @@ auto Run::observer(Phase& phase) {
         }
         result_.stopped = met <= s && result_.heading_end.status == Status::ok;
         const double last = step.start + s * step.width;
-        if (last >= measurement_.next_look()) {
-            measurement_.look_at_field(step.start, last, body_at);
+        if (last >= window_observer_.next_look()) {
+            window_observer_.look_at_field(step.start, last, body_at);
         }
-        if (measurement_.weighs()) measurement_.weigh(step.start, last, body_at);
+        if (window_observer_.weighs()) window_observer_.weigh(step.start, last, body_at);
         const double limit = player_.absolute(last);
         if (recorder_.next_time() <= limit) {
             sample_until(limit, player_.absolute(step.start), [&](double at) {
-                return phase.snapshot(at, step.dense((at - step.start) / step.width));
+                return phase.sample(at, step.dense((at - step.start) / step.width));
             });
         }
         return stop;
@@ -197,10 +197,10 @@ double Run::find_stop(auto& phase, const auto& step, double s) const {
 }
 
 inline double Run::next_look() const {
-    if (stop_ || measurement_.weighs()) return 0.0;
+    if (stop_ || window_observer_.weighs()) return 0.0;
     const double sample = recorder_.next_time() - player_.segment().start;
     // Either side of the difference is rounded.
-    return std::min(measurement_.next_look(), sample - 1e-9 * std::abs(sample));
+    return std::min(window_observer_.next_look(), sample - 1e-9 * std::abs(sample));
 }
 
 template <class Phase, bool kEffects>
@@ -271,7 +271,7 @@ Run::Attempt Run::finish(Phase& phase, StepNumbers<Phase, kEffects>& numbers,
 template <class Phase>
 void Run::end_phase(Phase& phase, const PhaseEnd<Phase>& end, std::int64_t steps_taken) {
     const double duration = end.tau - player_.tau();
-    measurement_.phase(phase, end, duration);
+    window_observer_.phase(phase, end, duration);
     player_.end_phase(phase, end);
     result_.summary.simulated_time = player_.time();
     if (control_) control_->add_time(duration);

@@ -1,4 +1,4 @@
-#include "stickslip/run/measurement.hpp"
+#include "stickslip/run/window_observer.hpp"
 
 #include <cmath>
 
@@ -11,7 +11,7 @@ constexpr double kUsualSpeed = 0.1;
 
 }  // namespace
 
-void Measurement::watch_window(double time) {
+void WindowObserver::watch_window(double time) {
     const double slack = boundary_slack(player_.duration());
     if (!has_opened_ && time >= window_.start - slack) {
         observer_.open(time, window_.end, player_.in_ground(player_.body(), time));
@@ -25,7 +25,7 @@ void Measurement::watch_window(double time) {
     if (observer_.is_open() && time >= window_.end - slack) close_window(time);
 }
 
-void Measurement::close_window(double time) {
+void WindowObserver::close_window(double time) {
     observer_.close(time, player_.in_ground(player_.body(), time), player_.sign(), of_window_);
     const double span = time - observer_.start();
     drive_.close(span, of_window_);
@@ -45,7 +45,7 @@ void Measurement::close_window(double time) {
 
 // The field is looked at within the steps, at the robot's place: in the course of a segment it
 // moves through a gradient.
-void Measurement::plan_looks() {
+void WindowObserver::plan_looks() {
     looks_.clear();
     const bool in_window = observer_.is_open();
     // The field goes on from the last segment, but for the first of the run or of the window.
@@ -67,12 +67,12 @@ void Measurement::plan_looks() {
     next_look_ = looks_.empty() ? kNoLook : looks_.back().turn.from;
 }
 
-void Measurement::end_look() {
+void WindowObserver::end_look() {
     looks_.pop_back();
     next_look_ = looks_.empty() ? kNoLook : looks_.back().turn.from;
 }
 
-void Measurement::end_segment(double duration) {
+void WindowObserver::end_segment(double duration) {
     if (!player_.is_open() || !(duration > 0.0)) return;
     if (duration < player_.segment().duration) {  // the run has ended within it
         VoltageSegment voltages = player_.voltages();
@@ -86,7 +86,7 @@ void Measurement::end_segment(double duration) {
     }
 }
 
-void Measurement::end_segment(const VoltageSegment& voltages, const CurrentSegment& played) {
+void WindowObserver::end_segment(const VoltageSegment& voltages, const CurrentSegment& played) {
     const bool in_window = observer_.is_open();
     drive_.end_segment(voltages, played, in_window);
     drive_.see_field(squared_field(played.duration, player_.body()), in_window);
@@ -94,7 +94,7 @@ void Measurement::end_segment(const VoltageSegment& voltages, const CurrentSegme
                 [this](double tau) { return player_.dynamics().field().factor(tau); });
 }
 
-void Measurement::write(Summary& summary) const {
+void WindowObserver::write(Summary& summary) const {
     const double time = summary.simulated_time;
     summary = of_window_;
     summary.simulated_time = time;

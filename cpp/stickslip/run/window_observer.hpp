@@ -15,10 +15,10 @@ namespace stickslip {
 
 /// What a run comes to: gathers the summary from the motion of a Player, over the measuring window
 /// and over the whole run.
-class Measurement {
+class WindowObserver {
 public:
     /// The player has to outlive this.
-    Measurement(const Scenario& scenario, const Player& player)
+    WindowObserver(const Scenario& scenario, const Player& player)
         : player_(player),
           window_(measuring_window(scenario)),
           observer_(pulse_period(scenario)),
@@ -87,7 +87,7 @@ private:
 };
 
 // Gauss's quadrature with three points, of the order of the steps.
-void Measurement::weigh(double from, double to, auto&& body_at) {
+void WindowObserver::weigh(double from, double to, auto&& body_at) {
     static const double kAside = std::sqrt(0.15);
     for (const double at : {0.5 - kAside, 0.5, 0.5 + kAside}) {
         const double tau = from + at * (to - from);
@@ -99,7 +99,7 @@ void Measurement::weigh(double from, double to, auto&& body_at) {
     }
 }
 
-void Measurement::look_at_field(double from, double to, auto&& body_at) {
+void WindowObserver::look_at_field(double from, double to, auto&& body_at) {
     const bool in_window = observer_.is_open();
     const auto square = [&](double tau) {
         const double value = squared_field(tau, body_at(tau));
