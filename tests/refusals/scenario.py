@@ -257,6 +257,11 @@ REFUSALS = [
         ["coil.capacitance = 0.001", "effects.mutual_inductance.coupling = 0.1", "one of the two"],
     ),
     ("file", HEAD + 'mode = "none"\nlatency = 0.1\n', ["drive.latency", '"none"']),
+    (
+        "file",
+        HEAD + '[inner]\nmass = 1e-9\n[record]\npull_share = "yes"\n',
+        ["record.pull_share", "[inner]"],
+    ),
     ("file", HEAD + "[record]\nrate = 0\n", ["record.rate = 0", "above 0"]),
     ("file", HEAD + '[record]\nrate = "all"\n', ['record.rate = "all"', '"events"']),
     ("file", HEAD + "[record]\nrate = 1e9\n", ["record.rate = 1e+09", "1e9"]),

@@ -194,6 +194,10 @@ void check(const Scenario& s) {
         refuse("record.rate", s.record.rate,
                "at most 1e9 samples in all, here " + highest(highest_rate) + " Hz");
     }
+    if (s.record.pull_share && !s.inner.absent()) {
+        throw std::invalid_argument(
+            "record.pull_share = \"yes\": not allowed with [inner], whose mass presses too");
+    }
     if (s.record.from > longest * (1.0 + 1e-12)) {  // rounding of the last sample's time
         refuse("record.from", s.record.from,
                "from 0 to " + highest(longest) + " s, the duration of the run");
