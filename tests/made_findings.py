@@ -9,8 +9,8 @@ from stickslip.diagnosis.decision.verdict import Verdict
 from stickslip.diagnosis.entry import diagnose_model
 from stickslip.diagnosis.fitting.problem import Cached, Problem
 from stickslip.diagnosis.measured import freed
+from stickslip.diagnosis.pipeline import run
 from stickslip.diagnosis.result import Diagnosis
-from stickslip.diagnosis.steps import run
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.laws import free_law
 from stickslip.diagnosis.terms.parameter import Parameter

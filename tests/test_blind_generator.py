@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from stickslip import Coils, Scenario, _core, simulate
-from stickslip.diagnosis.data.camera import Camera, record
+from stickslip.diagnosis.data.exposure import Exposure, record
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.instruments import of_angles, of_velocities, read_by
 from stickslip.measurement import read_measurement
@@ -147,7 +147,7 @@ def test_frames_of_a_film_are_those_of_the_core(name):
     for drive, film in zip(settings.films(), seen, strict=True):
         motion = next(record(core(truth, name, drive), [], np.zeros((1, 0)), 9e4, 1))
         clock = truth.amount("clock_scale", "fraction")
-        frames = Camera(settings.EXPOSURE, clock_scale=clock).frames(motion, film["t"])
+        frames = Exposure(settings.EXPOSURE, clock_scale=clock).frames(motion, film["t"])
         gap = {quantity: film[quantity] - frames[quantity] for quantity in FILM_SD}
         # The first slips in the ramp are left out by the diagnosis.
         x = (gap["x"] - gap["x"][np.searchsorted(film["t"], 0.06)])[film["t"] > 0.06]

@@ -33,7 +33,7 @@ from stickslip import (
     sweep,
     velocity_of_track,
 )
-from stickslip.diagnosis.data.camera import record
+from stickslip.diagnosis.data.exposure import record
 from stickslip.diagnosis.own_model import OwnModel, _of_conditions
 
 V = np.arange(1.0, 13.0)

@@ -9,7 +9,7 @@ import pytest
 from films import write_films
 from made_measurement import few_causes, write_files
 from stickslip import Coils, Measurement, Prior, Scenario, _core, diagnose, simulate_batch
-from stickslip.diagnosis.measured import pose
+from stickslip.diagnosis.measured import problem_of
 from stickslip.measurement import read_measurement
 from stickslip.scenario.keys import COIL_NAMES
 
@@ -106,7 +106,7 @@ def test_a_limit_is_searched_below_the_widest_of_several_tables(tmp_path):
     few = rows[np.abs(theta) < np.median(np.abs(theta))]
     ends = []
     for tables in ({"flat": few, "a": rows}, {"a": rows, "flat": few}):
-        posed = pose(read(tmp_path, "angle", ANGLES, **tables))
+        posed = problem_of(read(tmp_path, "angle", ANGLES, **tables))
         causes = {each.name: each for each in posed.causes}
         ends.append(causes["angle_clipping"].parameters[0].high)
     assert ends[0] == ends[1] > np.max(np.abs(theta))

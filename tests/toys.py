@@ -4,7 +4,7 @@ import numpy as np
 
 from stickslip import Prior
 from stickslip.diagnosis.data.table import Table
-from stickslip.diagnosis.own_model import pose_own
+from stickslip.diagnosis.own_model import problem_of_model
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
 
@@ -45,4 +45,4 @@ def data(extra=0.0, sd=0.1, n=30, seed=0, **options):
 
 
 def problem(table, causes=CAUSES, uncertain=(SLOPE, LEVEL)):
-    return pose_own(line, table, uncertain, causes)
+    return problem_of_model(line, table, uncertain, causes)

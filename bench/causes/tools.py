@@ -16,8 +16,8 @@ from scipy.stats import f as f_law
 from causes.make import FOLDER
 from stickslip import Diagnosis, diagnose, diagnose_model, models, read_measurement
 from stickslip.diagnosis.fitting.problem import Problem
-from stickslip.diagnosis.measured import pose
-from stickslip.diagnosis.own_model import pose_own
+from stickslip.diagnosis.measured import problem_of
+from stickslip.diagnosis.own_model import problem_of_model
 from stickslip.scenario.toml_file import parse_toml
 
 SIGNIFICANT = 0.05  # of the stepwise test, as is usual
@@ -50,12 +50,14 @@ def _of_a_model(folder: Path, told: dict[str, Any]) -> Asked:
     known = {**{k: tuple(v) for k, v in told["constants"].items()}, **told["known"]}
     model = getattr(models, told["kind"])(without=told["without"], **known)
     log = models.read_log(folder / told["log"], model)
-    return Asked(pose_own(model, log, *model.terms(log)), partial(diagnose_model, model, log))
+    return Asked(
+        problem_of_model(model, log, *model.terms(log)), partial(diagnose_model, model, log)
+    )
 
 
 def _walker(folder: Path, told: dict[str, Any]) -> Asked:
     measured = read_measurement(folder / "measurement.toml")
-    effects = {each.name: each for each in pose(measured).causes}
+    effects = {each.name: each for each in problem_of(measured).causes}
     # What the scenario has is no cause: it is there, too small to be seen.
     nothing = {
         each.name: each.absent + UNSEEN * each.size
@@ -63,7 +65,7 @@ def _walker(folder: Path, told: dict[str, Any]) -> Asked:
         for each in effects[name].parameters
     }
     measured = replace(measured, scenario=measured.scenario.replace(nothing))
-    problem = pose(measured)
+    problem = problem_of(measured)
     return Asked(problem, partial(diagnose, measured, threads=1), problem.sd)
 
 

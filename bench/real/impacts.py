@@ -15,7 +15,7 @@ from scipy.stats import norm, qmc
 
 from stickslip import Cause, Diagnosis, Parameter, Prior, Table, diagnose_model, instruments
 from stickslip.diagnosis import Problem
-from stickslip.diagnosis.own_model import pose_own
+from stickslip.diagnosis.own_model import problem_of_model
 
 from .contacts import ABOUT, SIDE, Impacts, reach, single_impacts
 from .flights import Drops, find_flights, fit_flights
@@ -287,7 +287,7 @@ def robust_fit(
 
 def _problem(pose: Callable[[Impacts, np.ndarray], Posed], impacts: Impacts) -> Problem:
     """Of residuals in their own unit, and of no law of the errors."""
-    return pose_own(*pose(impacts, np.ones(3)))
+    return problem_of_model(*pose(impacts, np.ones(3)))
 
 
 def _limits(problem: Problem) -> np.ndarray:

@@ -14,7 +14,7 @@ from stickslip.diagnosis.decision.candidate import Candidate
 from stickslip.diagnosis.fitting.law_forms import with_forms
 from stickslip.diagnosis.fitting.models import log_prior
 from stickslip.diagnosis.fitting.search import Models, Start
-from stickslip.diagnosis.measured import pose
+from stickslip.diagnosis.measured import problem_of
 from stickslip.diagnosis.report.numbers import law_of
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.curve import LENGTHS, SIZES
@@ -214,7 +214,7 @@ def test_forms_of_the_simulator_compete_with_the_curve_that_is_fitted():
             for v in at + 2e-5 * random.standard_normal(4)]  # fmt: skip
     uncertain = {"contact.adhesion": Prior("log-normal", 1e-7, 1.1)}
     measurement = Measurement.from_dataframe(pd.DataFrame(rows), base, uncertain)
-    problem = pose(measurement)
+    problem = problem_of(measurement)
     models = Models(problem, problem.causes)
     models.fit([Start("none", (), np.zeros(problem.size))])
     wider = problem.laws(problem, models.null.x)

@@ -18,7 +18,7 @@ from stickslip.diagnosis.fitting.forms import forms
 from stickslip.diagnosis.fitting.models import fit, laplace, linear
 from stickslip.diagnosis.fitting.problem import LOST, Cached, Problem
 from stickslip.diagnosis.fitting.search import Models, _fit_other_forms, _fit_stated_again
-from stickslip.diagnosis.own_model import pose_own
+from stickslip.diagnosis.own_model import problem_of_model
 from toys import BEND, LEVEL, SLOPE, STEP, WAVE, data, problem, shapes
 
 
@@ -222,7 +222,7 @@ def test_a_refit_that_meets_the_end_of_a_range_moves_the_rest():
     law, sd = sliding_block.OVER_SPEED, sliding_block.SD
     hidden, at = sliding_block.HIDDEN[law]
     table = Table(sliding_block.SETTINGS, sliding_block.measured(0, 1.0 + hidden(at)), sd=sd)
-    posed = pose_own(sliding_block.push, table, sliding_block.UNCERTAIN, sliding_block.LAWS)
+    posed = problem_of_model(sliding_block.push, table, sliding_block.UNCERTAIN, sliding_block.LAWS)
     (law,) = (each for each in posed.causes if each.name == law.name)
     null, found = (
         finished(posed, fit(posed, forms(posed)["none"], causes, np.zeros(posed.size)))

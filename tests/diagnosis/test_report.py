@@ -21,12 +21,12 @@ from stickslip.diagnosis.data.settings import Settings
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.data.velocity import VelocityTable
 from stickslip.diagnosis.entry import diagnose_model
-from stickslip.diagnosis.measured import pose
+from stickslip.diagnosis.measured import problem_of
+from stickslip.diagnosis.pipeline import run
 from stickslip.diagnosis.report.files import figures_of, page
 from stickslip.diagnosis.report.numbers import notes_of, numbers_of
 from stickslip.diagnosis.report.pictures import drawing
 from stickslip.diagnosis.result import Diagnosis
-from stickslip.diagnosis.steps import run
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.diagnosis.terms.words import _WORDS, Words, data_problem
@@ -268,7 +268,7 @@ def test_nothing_is_written_where_one_file_cannot_be(rough, tmp_path):
 
 def test_a_measurement_has_an_extended_scenario(tmp_path):
     measured = made_velocities.measurement(made_velocities.trials())
-    result = Diagnosis(run(pose(measured), 0), measured)
+    result = Diagnosis(run(problem_of(measured), 0), measured)
     result.save_report(tmp_path)
     extended = load(tmp_path / "extended.toml")
     key = "contact.kinetic_friction"

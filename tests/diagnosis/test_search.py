@@ -28,8 +28,8 @@ from stickslip.diagnosis.fitting.search import (
     recalibrated,
     search,
 )
-from stickslip.diagnosis.own_model import pose_own
-from stickslip.diagnosis.steps import run
+from stickslip.diagnosis.own_model import problem_of_model
+from stickslip.diagnosis.pipeline import run
 from stickslip.diagnosis.terms.laws import free_law
 from stickslip.simulation.note import Note
 from toys import LEVEL, SLOPE, WAVE, data, problem, shapes
@@ -58,7 +58,7 @@ def crowd(count):
 def test_the_truth_is_found_among_many_causes_and_pairs(hidden):
     causes, columns, model = crowd(14)  # 14 single ones and 91 pairs
     table = data(sum(size * columns[k] for k, size in hidden.items()), sd=0.05)
-    found = run(pose_own(model, table, [SLOPE, LEVEL], causes), 0)
+    found = run(problem_of_model(model, table, [SLOPE, LEVEL], causes), 0)
     names = tuple(sorted(f"c{k}" for k in hidden))
     assert (found.verdict.kind, found.verdict.causes) == ("pair" if names[1:] else "named", names)
     values = found.problem.physical(found.verdict.fit.x[None, :])[0]
@@ -79,7 +79,7 @@ def twins(extra=()):
     causes = [Cause(n, Parameter(f"{n}.size", size=1.0, low=-5.0, high=5.0)) for n in "ab"]
     constant = Parameter("k", Prior("normal", 0.0, 1.0), cause=False)
     table = Table({"x": np.arange(16.0)}, h + g, sd=0.05)
-    return pose_own(model, table, [constant], [*causes, *extra])
+    return problem_of_model(model, table, [constant], [*causes, *extra])
 
 
 def searched(posed, ends=()):
@@ -118,7 +118,7 @@ def two_wells(kink=0.0):
     constant = Parameter("k", Prior("normal", 0.0, 1.0), cause=False)
     noise = 0.02 * np.random.default_rng(3).standard_normal(20)
     y = steep + 0.3 * gentle + 0.4 * np.sin(9.0 * x) + kink * x**3 + noise
-    return pose_own(model, Table({"x": x}, y, sd=0.02), [constant], causes)
+    return problem_of_model(model, Table({"x": x}, y, sd=0.02), [constant], causes)
 
 
 def test_the_model_without_a_cause_is_fitted_again_from_the_leaders_constants():
@@ -183,7 +183,7 @@ def test_no_model_fits_worse_than_one_that_it_contains():
 
 def test_what_is_at_fault_is_not_searched(monkeypatch):
     asked = []
-    monkeypatch.setattr("stickslip.diagnosis.steps.search", lambda *a, **k: asked.append(a))
+    monkeypatch.setattr("stickslip.diagnosis.pipeline.search", lambda *a, **k: asked.append(a))
     posed = problem(data(2.0 * shapes(X)["wave.height"]), [WAVE])
     reason = Note("drift", "The readings drift.")
     found = run(posed, 0, fault=reason)

@@ -12,7 +12,7 @@ from stickslip.diagnosis.decision.gain import measured
 from stickslip.diagnosis.decision.posterior import posterior
 from stickslip.diagnosis.decision.test import ADEQUATE, adequacy
 from stickslip.diagnosis.fitting.scatter import with_scatter
-from stickslip.diagnosis.steps import run
+from stickslip.diagnosis.pipeline import run
 from stickslip.diagnosis.terms.parameter import Parameter
 from toys import BEND, LEVEL, SLOPE, STEP, TWIN, WAVE, data, problem, shapes
 

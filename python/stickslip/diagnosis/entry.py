@@ -15,17 +15,17 @@ from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.scatter import with_scatter
 from stickslip.diagnosis.fitting.search import Progress
-from stickslip.diagnosis.measured import pose
+from stickslip.diagnosis.measured import problem_of
 from stickslip.diagnosis.own_model import (
     OwnModel,
     Predict,
     computed_tables,
     overflows,
-    pose_own,
+    problem_of_model,
     without_effect,
 )
+from stickslip.diagnosis.pipeline import moved_constants, run
 from stickslip.diagnosis.result import Diagnosis
-from stickslip.diagnosis.steps import moved_constants, run
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
@@ -71,7 +71,7 @@ def diagnose(
             "Measurement.from_dataframe(...) or read_measurement(path) makes one"
         )
     check_whole("seed", seed)
-    problem = pose(measurement, worker_count(threads, "threads"), seed)
+    problem = problem_of(measurement, worker_count(threads, "threads"), seed)
     notes = [note for table in problem.tables for note in table.remarks()]
     findings = run(problem, int(seed), progress or _silent, fault_of(problem))
     return Diagnosis(findings, measurement, (*notes, *moved_constants(findings)))
@@ -134,10 +134,10 @@ def diagnose_model(
     check_whole("seed", seed)
     if uncertain is None:
         uncertain, causes = _with_terms(predict, data, causes)
-    problem = pose_own(predict, data, uncertain, causes)
+    problem = problem_of_model(predict, data, uncertain, causes)
     tables = computed_tables(problem, int(seed))
     if tables != problem.tables:
-        problem = pose_own(predict, tables, uncertain, causes)
+        problem = problem_of_model(predict, tables, uncertain, causes)
     problem = with_scatter(problem, int(seed))
     notes = [*overflows(problem), *without_effect(problem)]
     findings = run(problem, int(seed), progress or _silent, fault_of(problem))

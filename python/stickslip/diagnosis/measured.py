@@ -54,7 +54,7 @@ def tables_of(measurement: Measurement, threads: int, seed: int) -> list[Simulat
     return found
 
 
-def pose(measurement: Measurement, threads: int = 1, seed: int = 0) -> Problem:
+def problem_of(measurement: Measurement, threads: int = 1, seed: int = 0) -> Problem:
     """The problem that a measurement poses, in SI units.
 
     Raises

@@ -53,7 +53,7 @@ class Values(dict[str, Array]):
         raise ScenarioError(f"p: there is no parameter {name}{meant(str(name), self)}")
 
 
-def pose_own(
+def problem_of_model(
     predict: Predict,
     data: Table | Sequence[Table],
     uncertain: Sequence[Parameter],

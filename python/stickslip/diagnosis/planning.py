@@ -23,7 +23,7 @@ from stickslip.diagnosis.decision.experiments import (
     proposals,
 )
 from stickslip.diagnosis.fitting.problem import Problem
-from stickslip.diagnosis.measured import pose
+from stickslip.diagnosis.measured import problem_of
 from stickslip.diagnosis.terms.words import Words
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
@@ -234,7 +234,7 @@ def _posed(
     frequencies = [0.5 * drive.frequency, drive.frequency, 1.5 * drive.frequency]
     rows = {"frequency": frequencies, "velocity": [1e-3] * 3}  # of which nothing is used
     data = Measurement.from_dataframe(pd.DataFrame(rows), short, velocity_sd=noise)
-    problem = pose(data, threads)
+    problem = problem_of(data, threads)
     table = problem.tables[0]
     assert isinstance(table, VelocityTable)
     at = [each["drive.frequency"] for each in table.conditions]

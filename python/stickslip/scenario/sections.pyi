@@ -327,7 +327,16 @@ class State(Section, key="initial"):
     def __init__(
         self,
         *,
-        contact: Literal["from_motion", "flight", "corner_stick", "corner_slip_forward", "corner_slip_backward", "face_stick", "face_slip_forward", "face_slip_backward"] = "from_motion",
+        contact: Literal[
+            "from_motion",
+            "flight",
+            "corner_stick",
+            "corner_slip_forward",
+            "corner_slip_backward",
+            "face_stick",
+            "face_slip_forward",
+            "face_slip_backward",
+        ] = "from_motion",
         x: float = 0.0,
         z: float = 0.0,
         theta: float = 0.0,
@@ -355,7 +364,18 @@ class State(Section, key="initial"):
         heading: float = 0.0,
     ) -> None: ...
     @property
-    def contact(self) -> Literal["from_motion", "flight", "corner_stick", "corner_slip_forward", "corner_slip_backward", "face_stick", "face_slip_forward", "face_slip_backward"]: ...
+    def contact(
+        self,
+    ) -> Literal[
+        "from_motion",
+        "flight",
+        "corner_stick",
+        "corner_slip_forward",
+        "corner_slip_backward",
+        "face_stick",
+        "face_slip_forward",
+        "face_slip_backward",
+    ]: ...
     @property
     def x(self) -> float: ...
     @property

@@ -10,8 +10,8 @@ from scipy.linalg import block_diag
 
 from stickslip._util.numbers import Array, Indices, Mask, root_mean_square
 from stickslip._util.units import far_size
-from stickslip.diagnosis.data.camera import Camera, Recording, record, recording_rate, rocking
 from stickslip.diagnosis.data.errors import Errors
+from stickslip.diagnosis.data.exposure import Exposure, Recording, record, recording_rate, rocking
 from stickslip.diagnosis.data.folding import Kind, fold, frame_errors, reduce, undrifted
 from stickslip.diagnosis.data.simulated import SimulatedTable
 from stickslip.diagnosis.terms.instruments import of_films
@@ -179,7 +179,7 @@ class FilmTable(SimulatedTable):
             ("angle_offset", "angle_offset.angle"),
         ):
             own[name] = own.get(name, 0.0) + p.get(common, 0.0)
-        camera = Camera(
+        camera = Exposure(
             self.film.exposure, **own, facing=self.film.scenario.drive.facing,
             length_scale=p.get("length_scale.fraction", 0.0),
             clock_scale=p.get("clock_scale.fraction", 0.0),

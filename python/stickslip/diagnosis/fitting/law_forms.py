@@ -11,7 +11,7 @@ from scipy.special import logsumexp
 from stickslip._util.numbers import Array
 from stickslip.diagnosis.fitting.descent import Asking, in_step
 from stickslip.diagnosis.fitting.forms import PRIOR
-from stickslip.diagnosis.fitting.models import Fit, fit, sharpened
+from stickslip.diagnosis.fitting.models import Fit, minimise, sharpened
 from stickslip.diagnosis.fitting.problem import FREED
 from stickslip.diagnosis.fitting.search import NEAR, Models
 from stickslip.diagnosis.terms.cause import Cause
@@ -87,7 +87,7 @@ def _fitted(models: Models, old: Fit, law: Cause, other: Cause) -> Asking[Fit | 
     problem, form = models.problem, models.forms[old.form]
     causes = [each for each in old.causes if each is not law] + [other]
     try:
-        own = yield from fit(
+        own = yield from minimise(
             problem, form, causes, _begun(models, old, law, other), h=old.h,
             hopeless=old.cost + _HOPELESS,
         )  # fmt: skip

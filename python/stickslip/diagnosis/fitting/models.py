@@ -97,7 +97,7 @@ def log_prior(causes: Sequence[Cause], form: str, odds: float) -> float:
     return own + (len(causes) - 1) * math.log(PRIOR_MORE) + math.log(PRIOR[form])
 
 
-def fit(
+def minimise(
     problem: Problem,
     form: Form,
     causes: Sequence[Cause],

@@ -69,7 +69,7 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
 def _searched(problem: Problem, null: Fit, ends: Sequence[End], seed: int) -> list[Array]:
     """Coordinates of the recalibrated model, and of the models that come nearest to the data."""
     models = Models(problem, problem.causes, ["none"])
-    models.fit([Start("none", (), null.x)])
+    models.add_fits([Start("none", (), null.x)])
     search(models, ends, problem.causes, seed=seed)
     found = sorted(models.best.values(), key=lambda each: each.cost)
     return [null.x, *(each.x for each in found[:_STARTS])]

@@ -29,7 +29,7 @@ from stickslip.diagnosis.fitting.descent import (
 )
 from stickslip.diagnosis.fitting.draws import FEWEST, drawn
 from stickslip.diagnosis.fitting.forms import PRIOR, Form, Softened, forms
-from stickslip.diagnosis.fitting.models import Fit, fit, linear, log_prior, sharpened
+from stickslip.diagnosis.fitting.models import Fit, linear, log_prior, minimise, sharpened
 from stickslip.diagnosis.fitting.problem import Problem, lack_of_fit
 from stickslip.diagnosis.fitting.responses import FINE, USUAL, Response, responses
 from stickslip.diagnosis.terms.cause import Cause
@@ -165,7 +165,7 @@ class Models:
         fits = [each for each in self.best.values() if form in (None, each.form)]
         return sorted(fits, key=self.log_posterior, reverse=True)[:count]
 
-    def fit(self, starts: Sequence[Start]) -> None:
+    def add_fits(self, starts: Sequence[Start]) -> None:
         """Fit models from starts, in step, unless nothing can be fitted there."""
         self.begun += len(starts)
         for found in in_step(self.problem, [self._fitted(each) for each in starts]):
@@ -178,7 +178,7 @@ class Models:
             hopeless = self.leaders(1, start.form)[0].cost + _HOPELESS
         try:
             return (
-                yield from fit(
+                yield from minimise(
                     self.problem, self.forms[start.form], start.causes, start.x, h=start.h,
                     slopes=start.slopes, hopeless=hopeless,
                 )
@@ -221,7 +221,7 @@ def _descended(problem: Problem, stated: Form, starts: Sequence[Array]) -> tuple
         distinct = list(_separated(found, lambda each: each.x, _SAME))
         softest = softest or distinct
         starts = [each.x for each in distinct]
-    fits = [fit(problem, stated, (), x) for x in starts[: _DESCENTS[-1]]]
+    fits = [minimise(problem, stated, (), x) for x in starts[: _DESCENTS[-1]]]
     return min(in_step(problem, fits), key=lambda each: each.cost), softest
 
 
@@ -322,7 +322,7 @@ def _draw(models: Models, seed: int) -> None:
         own = found.best
         cost = form.cost(found.residual[[int(np.argmax(found.weight))]], each.h)[0]
         if float(cost + own[each.free] @ each.precision @ own[each.free]) < each.cost - _BETTER:
-            models.fit([Start(each.form, each.causes, own, h=each.h)])
+            models.add_fits([Start(each.form, each.causes, own, h=each.h)])
             each = models.best[names, each.form]
             found = drawn(problem, form, each, seed) or found
         models.corrections[names] = found.correction if found.effective > FEWEST else 0.0
@@ -378,20 +378,20 @@ def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -
     hopeful = [each for each in looks if each[0].cost < looks[0][0].cost + _HOPELESS]
     hopeful += [each for each in first.values() if each not in hopeful]
     fits = [Start("none", (cause,), end.x, end.slopes) for end, cause in hopeful]
-    models.fit(fits[:1])
-    models.fit(fits[1:])
+    models.add_fits(fits[:1])
+    models.add_fits(fits[1:])
     # The recalibrated model gets as many searches as its rivals, from where they are.
     singles = [each for each in models.leaders(form="none") if len(each.causes) == 1][:_RIVALS]
     constants = len(problem.constants)
     rivals = _separated(singles, lambda each: each.x[:constants], _APART)
-    models.fit([Start("none", (), each.x) for each in rivals])
+    models.add_fits([Start("none", (), each.x) for each in rivals])
     null = models.null
     worse = []
     for cause in causes:
         own = models.get([cause.name])
         if own is None or own.cost > null.cost + SETTLED:
             worse.append(Start("none", (cause,), null.x))  # no fit is worse than what it contains
-    models.fit(worse)
+    models.add_fits(worse)
 
 
 _Look = tuple[Cause, Array, Array | None, Sequence[Softened], int]
@@ -528,7 +528,7 @@ def _look_beside(models: Models, leader: Fit) -> None:
                 places.append(leader.x)  # nested: never worse than what it contains
             own = h if metric.names else None
             starts += [Start(leader.form, both, x, each.slopes, own) for x in places]
-    models.fit(starts)
+    models.add_fits(starts)
 
 
 def _fit_other_forms(models: Models) -> None:
@@ -546,7 +546,7 @@ def _fit_other_forms(models: Models) -> None:
             better = known is None or hope.log_evidence > known.log_evidence + _BETTER
             hopes.append((models.log_posterior(hope), old, hope, better))
         hopes.sort(key=lambda each: -each[0])
-        models.fit([
+        models.add_fits([
             Start(name, old.causes, old.x, old.slopes, hope.h)
             for place, (_, old, hope, better) in enumerate(hopes)
             if better and (place < _OTHER_FORMS or not old.causes)
@@ -571,4 +571,4 @@ def _fit_stated_again(models: Models) -> None:
             if float(cost + own @ old.precision @ own) < old.cost - _BETTER:
                 slopes = other.slopes if alike else None
                 starts.append(Start("none", old.causes, other.x, slopes))
-    models.fit(starts)
+    models.add_fits(starts)

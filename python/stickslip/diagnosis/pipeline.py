@@ -13,7 +13,7 @@ from stickslip.diagnosis.decision.test import ADEQUATE, adequacy, tested
 from stickslip.diagnosis.decision.verdict import Verdict, decide
 from stickslip.diagnosis.fitting.descent import finished
 from stickslip.diagnosis.fitting.law_forms import with_forms
-from stickslip.diagnosis.fitting.models import Fit, fit, sharpened
+from stickslip.diagnosis.fitting.models import Fit, minimise, sharpened
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.responses import responses
 from stickslip.diagnosis.fitting.search import Models, Progress, recalibrated, screened, search
@@ -94,7 +94,7 @@ def _with_own_errors(problem: Problem, null: Fit, seed: int) -> tuple[Problem, F
     problem = problem.with_shared_errors_at(level)
     problem = replace(problem, roughness=_roughness(problem, null, seed))
     form = Models(problem, ()).forms["none"]
-    again = finished(problem, fit(problem, form, (), null.x, slopes=null.slopes))
+    again = finished(problem, minimise(problem, form, (), null.x, slopes=null.slopes))
     return problem, finished(problem, sharpened(problem, form, again))
 
 

@@ -40,7 +40,7 @@ _RATES = {"x": "vx", "z": "vz", "theta": "omega"}
 
 
 @dataclass(frozen=True)
-class Camera:
+class Exposure:
     """A camera and its synchronisation with the drive.
 
     A frame shows the mean over the `exposure`, s, with its time in the middle, and is taken by
