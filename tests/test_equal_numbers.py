@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from stickslip import Measurement, Scenario, ScenarioError, sweep
-from stickslip._util.numbers import representatives
+from stickslip._util.arrays import representatives
 from stickslip.diagnosis.data.velocity import _pooled
 from stickslip.diagnosis.decision.experiments import proposals
 from stickslip.measurement import read_measurement

@@ -14,7 +14,7 @@ else:
     import tomli as tomllib
 
 import stickslip
-from stickslip._util.extras import EXTRAS
+from stickslip.extras import EXTRAS
 
 PROJECT = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text(encoding="utf-8"))[
     "project"

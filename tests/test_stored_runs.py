@@ -25,7 +25,7 @@ from stickslip import (
     simulate,
     sweep,
 )
-from stickslip._util import checked_file
+from stickslip.simulation import checked_file
 
 
 def test_a_run_that_is_read_back_is_drawn_and_goes_on(tmp_path):

@@ -57,7 +57,7 @@ __all__ = sorted(_HOMES)
 def __getattr__(name: str) -> object:
     if name not in _HOMES:
         raise AttributeError(f"module 'stickslip' has no attribute {name!r}")
-    from stickslip._util.extras import check_extras
+    from stickslip.extras import check_extras
 
     check_extras(f"stickslip.{name}", name)
     home = importlib.import_module(_HOMES[name])

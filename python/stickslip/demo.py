@@ -10,8 +10,8 @@ import sys
 from pathlib import Path
 
 import stickslip
-from stickslip._util.extras import MissingExtra
 from stickslip.cli import BAD_INPUT, FAILED, INTERRUPTED
+from stickslip.extras import MissingExtra
 
 OUTPUT = Path("demo_output")
 

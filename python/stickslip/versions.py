@@ -7,7 +7,7 @@ import platform
 from itertools import chain
 
 from stickslip import _core
-from stickslip._util.extras import EXTRAS
+from stickslip.extras import EXTRAS
 
 _BASE = ("numpy", "click", "tqdm")
 

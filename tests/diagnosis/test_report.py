@@ -13,7 +13,6 @@ import films
 import made_findings as made
 import made_velocities
 from report_page import Page
-from stickslip._util import amounts
 from stickslip._util.palette import VERMILION
 from stickslip._util.text import json_text
 from stickslip.diagnosis.data.film import FilmTable
@@ -27,6 +26,7 @@ from stickslip.diagnosis.report.files import figures_of, page
 from stickslip.diagnosis.report.numbers import notes_of, numbers_of
 from stickslip.diagnosis.report.pictures import drawing
 from stickslip.diagnosis.result import Diagnosis
+from stickslip.diagnosis.terms import amounts
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.diagnosis.terms.words import _WORDS, Words, data_problem

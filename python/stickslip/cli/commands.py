@@ -8,10 +8,10 @@ from typing import Any
 
 import click
 
-from stickslip._util.extras import MissingExtra, check_extras, naming_the_extra
 from stickslip._util.text import printable
 from stickslip.cli import BAD_INPUT, INTERRUPTED
 from stickslip.errors import ScenarioError
+from stickslip.extras import MissingExtra, check_extras, naming_the_extra
 
 COMMANDS = {
     "coils": "Tell what the coils and amplifiers of a scenario can do.",

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import click
 
-from stickslip._util.extras import check_extras
 from stickslip._util.text import json_text
 from stickslip.cli.keys_command import FILES
 from stickslip.cli.options import PATH
 from stickslip.cli.output import write_new
+from stickslip.extras import check_extras
 from stickslip.scenario.keys import COIL_NAMES, Key, is_of_one_coil, known_keys
 from stickslip.scenario.toml_file import FORMAT_VERSION
 

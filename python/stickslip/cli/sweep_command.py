@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import stickslip
-from stickslip._util.extras import naming_the_extra
 from stickslip._util.tables import write_frame
 from stickslip.cli import options, output
 from stickslip.cli.loading import load_with
 from stickslip.cli.progress import progress_bar
 from stickslip.errors import ScenarioError
+from stickslip.extras import naming_the_extra
 from stickslip.simulation.note import lines_of_json
 from stickslip.simulation.run import SUFFIXES
 from stickslip.simulation.seen_from_drive import shown_velocities

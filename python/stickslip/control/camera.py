@@ -8,8 +8,8 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from stickslip._util.arrays import Array
 from stickslip._util.messages import check_above_zero, check_kind, refuse
-from stickslip._util.numbers import Array
 from stickslip._util.text import is_number
 from stickslip.errors import ScenarioError
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip._util.numbers import Array, Mask
+from stickslip._util.arrays import Array, Mask
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import STATE_COLUMNS
 

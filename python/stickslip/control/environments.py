@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip._util.arrays import numbers
-from stickslip._util.extras import naming_the_extra
-from stickslip._util.numbers import Array, Indices, Mask, worker_count
+from stickslip._util.arrays import Array, Indices, Mask, numbers, worker_count
+from stickslip.extras import naming_the_extra
 
 with naming_the_extra("stickslip.control.environments"):
     import gymnasium

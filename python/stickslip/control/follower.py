@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip._util.arrays import Array
 from stickslip._util.messages import check_above_zero, check_kind
-from stickslip._util.numbers import Array
 from stickslip.control.camera import Camera, Film
 from stickslip.control.path import Path
 from stickslip.control.steering import field_voltages, pulse_fields

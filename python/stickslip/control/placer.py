@@ -9,8 +9,8 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.arrays import Array, Mask
 from stickslip._util.messages import check_above_zero, check_kind, check_whole
-from stickslip._util.numbers import Array, Mask
 from stickslip.control.camera import Camera, Film
 from stickslip.control.steering import field_voltages, pulse_fields
 from stickslip.errors import ScenarioError

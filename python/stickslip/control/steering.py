@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
-from stickslip._util.arrays import numbers
+from stickslip._util.arrays import Array, numbers
 from stickslip._util.messages import refuse
-from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
 from stickslip.field.coils import Coils
 from stickslip.scenario.scenario import Scenario

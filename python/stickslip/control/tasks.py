@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip._util.numbers import Array, Indices, Mask
+from stickslip._util.arrays import Array, Indices, Mask
 from stickslip.control.path import Path
 from stickslip.errors import ScenarioError
 

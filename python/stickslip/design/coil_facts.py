@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stickslip._util.arrays import Array
 from stickslip._util.messages import check_above_zero, check_kind
-from stickslip._util.numbers import Array
 from stickslip.field.coils import Coils
 from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.scenario import Scenario

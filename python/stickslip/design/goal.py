@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 
 from stickslip._util import units
+from stickslip._util.arrays import Array
 from stickslip._util.messages import refuse, shown, suggestion
-from stickslip._util.numbers import Array
 from stickslip._util.text import is_number
 from stickslip.errors import ScenarioError
 from stickslip.simulation.quantities import NUMBERS, Column

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from stickslip._util.arrays import Array, worker_count
 from stickslip._util.messages import check_kind, check_whole
-from stickslip._util.numbers import Array, worker_count
 from stickslip.design.goal import Goal, best_first, made_goal
 from stickslip.design.optimum import ABOUT, COMPARED, Optimum, SearchInterrupted
 from stickslip.design.sawtooth import POINTS, sawtooths

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip._util.numbers import Array
+from stickslip._util.arrays import Array
 from stickslip.design.goal import Goal
 from stickslip.design.space import Space, Values, drive_waveform
 from stickslip.scenario.keys import COIL_NAMES, FIELDS, Value

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip._util.extras import naming_the_extra
-from stickslip._util.numbers import Array
+from stickslip._util.arrays import Array
+from stickslip.extras import naming_the_extra
 
 Evaluate = Callable[[Array], Array]
 """From candidates, rows of an arm's index and a point of the unit cube, to keys, rows of numbers.

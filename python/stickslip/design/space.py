@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from stickslip._util.arrays import Array
 from stickslip._util.messages import meant, refuse, shown
-from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
 from stickslip.scenario.changes import Changes
 from stickslip.scenario.keys import (

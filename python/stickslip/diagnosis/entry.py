@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from stickslip._util.arrays import worker_count
 from stickslip._util.messages import check_whole, shown
-from stickslip._util.numbers import worker_count
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.scatter import with_scatter

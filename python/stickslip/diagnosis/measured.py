@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip._util.numbers import Array
+from stickslip._util.arrays import Array
 from stickslip.diagnosis.data.angle import AngleTable
 from stickslip.diagnosis.data.field import FieldTable
 from stickslip.diagnosis.data.film import FilmTable

@@ -12,9 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip._util.arrays import columns_of, locked, numbers
+from stickslip._util.arrays import Array, Mask, columns_of, locked, numbers
 from stickslip._util.messages import meant
-from stickslip._util.numbers import Array, Mask
 from stickslip._util.text import OneLine, brief
 from stickslip.diagnosis.data.series import Series, with_repeats
 from stickslip.diagnosis.data.table import Table, rows_in_words

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from stickslip._util.numbers import Array
+from stickslip._util.arrays import Array
 from stickslip.diagnosis.decision.facts import Findings
 from stickslip.diagnosis.decision.posterior import posterior
 from stickslip.diagnosis.decision.test import ADEQUATE, adequacy, tested

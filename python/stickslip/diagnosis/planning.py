@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip._util.arrays import Array, Mask, worker_count
 from stickslip._util.files import text_writer, write_together
 from stickslip._util.messages import check_above_zero, check_kind, check_whole
-from stickslip._util.numbers import Array, Mask, worker_count
 from stickslip.diagnosis.data.velocity import VelocityTable, settings_of
 from stickslip.diagnosis.decision.experiments import (
     CHOICES,

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip._util.arrays import numbers
+from stickslip._util.arrays import Array, numbers
 from stickslip._util.messages import check_whole, refuse, shown
-from stickslip._util.numbers import Array
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.decision.experiments import PROPOSED
 from stickslip.diagnosis.entry import diagnose

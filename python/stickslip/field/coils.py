@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
-from stickslip._util.arrays import numbers
+from stickslip._util.arrays import Array, numbers
 from stickslip._util.messages import refuse
-from stickslip._util.numbers import Array
 
 
 class HasCoils(Protocol):

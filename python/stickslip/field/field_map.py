@@ -16,10 +16,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
-from stickslip._util.arrays import numbers
+from stickslip._util.arrays import Array, numbers
 from stickslip._util.files import read_bytes
 from stickslip._util.messages import meant, refuse
-from stickslip._util.numbers import Array
 from stickslip._util.tables import read_table
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.field.map_fit import CoilFit, fit_coils, point_name

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip import _core
+from stickslip._util.arrays import Array, root_mean_square
 from stickslip._util.messages import shown
-from stickslip._util.numbers import Array, root_mean_square
 from stickslip._util.text import counted
 from stickslip.errors import ScenarioError
 

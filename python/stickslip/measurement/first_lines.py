@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from pathlib import Path
 
-from stickslip._util.csv_rows import INSTRUMENTS_PAGE, CsvTable
 from stickslip._util.files import read_bytes
+from stickslip._util.tables import INSTRUMENTS_PAGE, CsvTable
 from stickslip._util.text import printable, quoted
 from stickslip._util.units import split_unit
 from stickslip.errors import ScenarioError

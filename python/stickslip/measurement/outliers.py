@@ -14,7 +14,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from stickslip._util.numbers import Array, Indices, Mask
+from stickslip._util.arrays import Array, Indices, Mask
 from stickslip.errors import ScenarioError
 
 FAR = 8.0

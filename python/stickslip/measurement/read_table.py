@@ -11,12 +11,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from stickslip._util.arrays import numbers
-from stickslip._util.csv_rows import DECIMAL_COMMAS, CsvTable
+from stickslip._util.arrays import Array, numbers
 from stickslip._util.files import read_bytes
 from stickslip._util.messages import misspelt, nearest, refuse, shown
-from stickslip._util.numbers import Array
-from stickslip._util.tables import Units, without_units
+from stickslip._util.tables import DECIMAL_COMMAS, CsvTable, Units, without_units
 from stickslip._util.text import counted, is_number, number
 from stickslip._util.units import split_unit, to_si
 from stickslip.errors import ScenarioError, prefixed

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from stickslip._util.arrays import RELATIVE, Array, are_equal
 from stickslip._util.messages import refuse, shown
-from stickslip._util.numbers import RELATIVE, Array, are_equal
 from stickslip._util.text import OneLine, counted, highest, is_number
 from stickslip._util.units import split_unit, unit_meant
 from stickslip.errors import ScenarioError, prefixed

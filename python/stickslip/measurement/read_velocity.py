@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from stickslip._util.arrays import RELATIVE, Array, Indices, Mask, representatives
 from stickslip._util.messages import shown
-from stickslip._util.numbers import RELATIVE, Array, Indices, Mask, representatives
 from stickslip._util.tables import Units
 from stickslip._util.text import OneLine, comma_hint, counted, number
 from stickslip._util.units import factor_text, unit_factor, unit_meant

@@ -10,9 +10,9 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from stickslip._util.arrays import Array
 from stickslip._util.files import check_name
 from stickslip._util.messages import refuse, shown, suggestion
-from stickslip._util.numbers import Array
 from stickslip._util.text import OneLine, printable
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.measurement.first_lines import TableGiven, refuse_table

@@ -9,9 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip._util.arrays import check_indexes, numbers
+from stickslip._util.arrays import Array, Mask, check_indexes, numbers
 from stickslip._util.messages import check_kind, refuse
-from stickslip._util.numbers import Array, Mask
 from stickslip.errors import ScenarioError
 from stickslip.measurement.outliers import far_from_a_fit, lost_frames, one_place_each
 from stickslip.measurement.read_velocity import FASTEST

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from stickslip import _core
-from stickslip._util.numbers import Array
+from stickslip._util.arrays import Array
 
 
 def heater_states(t: Array, inputs: Mapping[str, Array], values: Mapping[str, Array]) -> Array:

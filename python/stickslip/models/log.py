@@ -10,10 +10,10 @@ from typing import NamedTuple, NoReturn
 
 import numpy as np
 
-from stickslip._util.csv_rows import CsvTable
+from stickslip._util.arrays import Array
 from stickslip._util.files import read_bytes
 from stickslip._util.messages import shown
-from stickslip._util.numbers import Array
+from stickslip._util.tables import CsvTable
 from stickslip._util.text import number
 from stickslip._util.units import per_si, same_unit, split_unit
 from stickslip.diagnosis.data.series import Series

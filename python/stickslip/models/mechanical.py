@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from stickslip._util.numbers import Array
+from stickslip._util.arrays import Array
 from stickslip.models.motion import moved
 
 _FASTEST = 1.5

@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip._util.arrays import row
+from stickslip._util.arrays import Array, root_mean_square, row
 from stickslip._util.messages import meant, refuse
-from stickslip._util.numbers import Array, root_mean_square
 from stickslip._util.text import OneLine, brief, is_number
 from stickslip._util.units import same_unit
 from stickslip.diagnosis.data.series import Series

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
-from stickslip._util.numbers import Array
+from stickslip._util.arrays import Array
 
 
 def moved(c: Mapping[str, ArrayLike], start: Array, t: Array, inputs: Array) -> Array:

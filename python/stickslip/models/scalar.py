@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.signal import butter, sosfiltfilt
 
-from stickslip._util.arrays import row
+from stickslip._util.arrays import Array, row
 from stickslip._util.messages import check_kind, refuse
-from stickslip._util.numbers import Array
 from stickslip._util.text import OneLine, is_number
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import Table

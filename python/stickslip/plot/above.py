@@ -12,9 +12,8 @@ from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike
 
 from stickslip._util import palette
-from stickslip._util.arrays import numbers
+from stickslip._util.arrays import Array, numbers
 from stickslip._util.messages import check_kind, refuse
-from stickslip._util.numbers import Array
 from stickslip._util.picture import RC, Picture, legend_above
 from stickslip.plot import style
 from stickslip.plot.motion import Motion, footprint, motion

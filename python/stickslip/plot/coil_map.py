@@ -12,9 +12,8 @@ from matplotlib.ticker import LogLocator
 from numpy.typing import ArrayLike
 
 from stickslip._util import palette
-from stickslip._util.arrays import numbers
+from stickslip._util.arrays import Array, numbers
 from stickslip._util.messages import check_kind, refuse
-from stickslip._util.numbers import Array
 from stickslip.field.coils import Coils
 from stickslip.plot import style
 from stickslip.scenario.keys import COIL_NAMES

@@ -14,7 +14,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from stickslip._util import palette
-from stickslip._util.numbers import Array
+from stickslip._util.arrays import Array
 from stickslip._util.picture import RC, Picture, legend_above
 from stickslip.plot import style
 from stickslip.plot.motion import Motion, motion

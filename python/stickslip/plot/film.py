@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from stickslip._util import palette
+from stickslip._util.arrays import Array
 from stickslip._util.messages import as_list, check_kind
-from stickslip._util.numbers import Array
 from stickslip._util.picture import RC, Picture
 from stickslip.plot import style
 from stickslip.plot.motion import check_times, corners, lowest_corner, motion

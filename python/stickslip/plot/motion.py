@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip._util.arrays import Array
 from stickslip._util.messages import refuse
-from stickslip._util.numbers import Array
 from stickslip._util.text import is_number
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.quantities import recorded_names

@@ -16,9 +16,9 @@ from matplotlib.patches import FancyArrowPatch, Polygon
 from matplotlib.ticker import ScalarFormatter
 
 from stickslip._util import palette
+from stickslip._util.arrays import Array
 from stickslip._util.files import check_suffix, replacing
 from stickslip._util.messages import check_kind
-from stickslip._util.numbers import Array
 from stickslip._util.picture import RC, Picture
 
 # Faces behind or beside those: a shaded stretch, the body, a point without a value.

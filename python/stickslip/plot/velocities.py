@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from stickslip._util import palette
+from stickslip._util.arrays import Array
 from stickslip._util.messages import refuse
-from stickslip._util.numbers import Array
 from stickslip._util.picture import legend_above
 from stickslip._util.units import in_handy_units
 from stickslip.plot import style

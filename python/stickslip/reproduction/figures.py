@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 
 from stickslip import plot
 from stickslip._util import palette
-from stickslip._util.numbers import Array
+from stickslip._util.arrays import Array
 from stickslip._util.units import in_handy_units
 from stickslip.plot.motion import corners, lowest_corner, motion
 from stickslip.plot.style import drawing, root_figure

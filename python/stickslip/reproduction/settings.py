@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stickslip._util.numbers import Array
+from stickslip._util.arrays import Array
 from stickslip.scenario.keys import FIELDS
 from stickslip.scenario.scenario import Scenario
 

@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 from xarray import DataArray
 
-from stickslip._util.numbers import Array
+from stickslip._util.arrays import Array
 from stickslip.field.coils import Coils
 from stickslip.reproduction.settings import MODES, Setting
 from stickslip.reproduction.walks import WORKING_FREQUENCIES, Walks

@@ -18,7 +18,7 @@ from stickslip.simulation.simulate import simulate_batch
 from stickslip.sweeping.run_sweep import sweep
 
 if TYPE_CHECKING:
-    from stickslip._util.numbers import Mask
+    from stickslip._util.arrays import Mask
     from stickslip.simulation.simulate import Progress
 
 Walks = Mapping[str, xarray.Dataset]

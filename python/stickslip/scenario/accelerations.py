@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
-from stickslip._util.arrays import locked, numbers
-from stickslip._util.numbers import Array
+from stickslip._util.arrays import Array, locked, numbers
 from stickslip._util.tables import read_table
 from stickslip.errors import ScenarioError, prefixed
 

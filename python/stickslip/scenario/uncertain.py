@@ -12,8 +12,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from stickslip._util.arrays import Array
 from stickslip._util.messages import shown
-from stickslip._util.numbers import Array
 from stickslip._util.text import is_number
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import COIL_MAP, checked, find_key, full_name, known_keys

@@ -13,10 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
-from stickslip._util.arrays import check_indexes, locked, numbers
+from stickslip._util.arrays import Array, Mask, check_indexes, locked, numbers
 from stickslip._util.files import replacing
 from stickslip._util.messages import check_above_zero, check_whole, meant, refuse
-from stickslip._util.numbers import Array, Mask
 from stickslip._util.tables import read_table
 from stickslip._util.text import counted, highest, is_number
 from stickslip.errors import prefixed

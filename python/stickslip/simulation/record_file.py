@@ -20,17 +20,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip import _core
-from stickslip._util.checked_file import FORMAT, PART, checked, seal
-from stickslip._util.extras import naming_the_extra
 from stickslip._util.files import beside, check_writable, replacing
 from stickslip._util.messages import refuse
 from stickslip.errors import NotWritten, ScenarioError, prefixed
+from stickslip.extras import naming_the_extra
 from stickslip.field.field_map import FieldMap
 from stickslip.scenario.accelerations import Accelerations
 from stickslip.scenario.scenario import Scenario, scenario_of
 from stickslip.scenario.sections import State
 from stickslip.scenario.waveform import Waveform
-from stickslip.simulation.quantities import COLUMNS, WORDS, recorded_names
+from stickslip.simulation.checked_file import FORMAT, PART, checked, seal
+from stickslip.simulation.quantities import ASKED, COLUMNS, WORDS, recorded_names
 
 if TYPE_CHECKING:
     import xarray
@@ -337,6 +337,7 @@ def stored(path: str | PathLike[str]) -> tuple[Scenario, dict[str, Any], StoredR
                 shaken = Accelerations(json.loads(about["accelerations"]))
             scenario = scenario_of(about["scenario"], (program, field_map, shaken))
             record = StoredRecord(path, recorded_names(scenario))
+            about = {**dict.fromkeys(ASKED, math.nan), **about}
             outcome = {
                 "status": about["status"],
                 "message": about["message"],

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip import _core
+from stickslip._util.arrays import worker_count
 from stickslip._util.messages import check_kind, shown, suggestion
-from stickslip._util.numbers import worker_count
 from stickslip.errors import ScenarioError
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import STATE_COLUMNS, State

@@ -15,13 +15,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip import _core
-from stickslip._util.extras import naming_the_extra
 from stickslip._util.files import NETCDF_SUFFIXES, check_suffix, replacing
 from stickslip._util.text import printable
 from stickslip._util.units import handy
+from stickslip.extras import naming_the_extra
 from stickslip.scenario.sections import State
 from stickslip.simulation.note import Note, by_seriousness, notes_json, shown_lines
 from stickslip.simulation.quantities import (
+    ASKED,
     INNER_COLUMNS,
     NUMBERS,
     PLANE_COLUMNS,
@@ -270,7 +271,7 @@ class Run(Recorded):
             drive in the whole plane also `velocity_along` and `velocity_across` (m/s, see
             `velocity`); `events` (counts by kind), `painleve_events`, and `steps` (of the
             integrator). What was not measured is NaN, such as the mean velocity of a run that ends
-            before its window does.
+            before its window does. `pull_share` is there if the scenario asks for it.
         """
         start, end = self.scenario.window
         if self.condition_met:
@@ -278,14 +279,16 @@ class Run(Recorded):
         of_the_plane = {}
         if self.scenario.whole_plane and self.scenario.drive.mode != "program":
             of_the_plane = dict(zip((ALONG, ACROSS), self.velocity, strict=True))
-        counts = {name: dict(self.numbers[name]) for name in ("events", "steps")}
+        unasked = [name for name, key in ASKED.items() if self.scenario.get(key) == "no"]
+        numbers = {name: each for name, each in self.numbers.items() if name not in unasked}
+        counts = {name: dict(numbers[name]) for name in ("events", "steps")}
         return {
             "status": self.status,
             "message": self.message,
             "notes": [note.as_dict() for note in self.notes],
             "window_start": start,
             "window_end": end,
-            **self.numbers,
+            **numbers,
             **counts,
             **of_the_plane,
         }

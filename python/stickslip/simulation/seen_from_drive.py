@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     import xarray
     from numpy.typing import ArrayLike, NDArray
 
-    from stickslip._util.numbers import Array
+    from stickslip._util.arrays import Array
 
 ALONG, ACROSS = "velocity_along", "velocity_across"
 

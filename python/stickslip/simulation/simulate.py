@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from stickslip import _core
+from stickslip._util.arrays import worker_count
 from stickslip._util.files import NETCDF_SUFFIXES, check_suffix, check_writable
 from stickslip._util.messages import as_list, check_kind, refuse
-from stickslip._util.numbers import worker_count
 from stickslip._util.text import highest
 from stickslip.errors import ScenarioError
 from stickslip.scenario.scenario import Scenario

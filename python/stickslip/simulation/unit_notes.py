@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stickslip import _core
-from stickslip._util.numbers import Array
+from stickslip._util.arrays import Array
 from stickslip._util.units import NEAR, unit_meant
 from stickslip.scenario.keys import known_keys
 from stickslip.simulation.note import Note

@@ -11,9 +11,9 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stickslip._util.checked_file import FORMAT, checked, seal
 from stickslip._util.files import beside, replacing
 from stickslip.errors import ScenarioError, prefixed
+from stickslip.simulation.checked_file import FORMAT, checked, seal
 
 if TYPE_CHECKING:
     import xarray

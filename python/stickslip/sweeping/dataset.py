@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip._util.numbers import Indices
+from stickslip._util.arrays import Indices
 from stickslip.scenario.keys import known_keys
 from stickslip.simulation.note import notes_json
 from stickslip.simulation.seen_from_drive import VELOCITIES, seen_from_drive

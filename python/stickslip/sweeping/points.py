@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip._util.arrays import columns_of
+from stickslip._util.arrays import RELATIVE, Array, Indices, columns_of, representatives
 from stickslip._util.messages import MOST_VALUES, as_list, check_kind, shown
-from stickslip._util.numbers import RELATIVE, Array, Indices, representatives
 from stickslip.errors import ScenarioError
 from stickslip.scenario.changes import Changes
 from stickslip.scenario.keys import (

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip._util.arrays import Array
 from stickslip._util.messages import as_list, check_kind, check_whole, shown
-from stickslip._util.numbers import Array
 from stickslip.errors import ScenarioError
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.uncertain import JointPrior

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
+from stickslip._util.arrays import Array, Indices, worker_count
 from stickslip._util.files import NETCDF_SUFFIXES, check_suffix, check_writable
 from stickslip._util.messages import check_kind
-from stickslip._util.numbers import Array, Indices, worker_count
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.simulate import STAGE, Progress, check_progress
 from stickslip.sweeping.checkpoint import MIN_INTERVAL, checkpoint, locked, take_over, write

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from stickslip import _core
-from stickslip._util.numbers import Array, Indices
+from stickslip._util.arrays import Array, Indices
 from stickslip.diagnosis.data.errors import of_readings
 from stickslip.diagnosis.data.simulated import SimulatedTable
 from stickslip.diagnosis.terms.instruments import of_angles

@@ -25,7 +25,7 @@ from scipy.special import ndtr, ndtri
 from scipy.stats import chi2 as chi2_law
 from scipy.stats import qmc
 
-from stickslip._util.numbers import Array, Indices, Mask, root_mean_square
+from stickslip._util.arrays import Array, Indices, Mask, root_mean_square
 from stickslip._util.text import OneLine
 from stickslip.simulation.note import Note
 

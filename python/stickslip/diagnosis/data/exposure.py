@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip import _core
-from stickslip._util.numbers import Array
+from stickslip._util.arrays import Array
 from stickslip.diagnosis.terms.instruments import marker
 from stickslip.scenario.changes import Changes
 from stickslip.scenario.keys import COIL_NAMES

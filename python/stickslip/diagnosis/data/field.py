@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from stickslip import _core
-from stickslip._util.numbers import Array, Mask, root_mean_square
+from stickslip._util.arrays import Array, Mask, root_mean_square
 from stickslip._util.units import far_size
 from stickslip.diagnosis.data.angle import refuse_larger
 from stickslip.diagnosis.data.errors import FEWEST, of_readings

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 from scipy.linalg import block_diag
 
-from stickslip._util.numbers import Array, Indices, Mask, root_mean_square
+from stickslip._util.arrays import Array, Indices, Mask, root_mean_square
 from stickslip._util.units import far_size
 from stickslip.diagnosis.data.errors import Errors
 from stickslip.diagnosis.data.exposure import Exposure, Recording, record, recording_rate, rocking

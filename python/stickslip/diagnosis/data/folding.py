@@ -26,7 +26,7 @@ from scipy.sparse import csr_array, dia_array, hstack
 from scipy.special import ndtr
 from scipy.stats import chi2 as chi2_law
 
-from stickslip._util.numbers import Array, Indices, Mask
+from stickslip._util.arrays import Array, Indices, Mask
 from stickslip.diagnosis.data.errors import FEWEST, sample, satterthwaite
 from stickslip.scenario.scenario import Scenario
 

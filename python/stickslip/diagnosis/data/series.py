@@ -11,9 +11,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.signal import correlate
 
-from stickslip._util.arrays import check_indexes, locked, row
+from stickslip._util.arrays import (
+    Array,
+    Indices,
+    Mask,
+    check_indexes,
+    locked,
+    root_mean_square,
+    row,
+)
 from stickslip._util.messages import refuse
-from stickslip._util.numbers import Array, Indices, Mask, root_mean_square
 from stickslip._util.text import brief
 from stickslip.diagnosis.data.errors import FEWEST, Errors
 from stickslip.diagnosis.data.settings import Settings

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip._util.amounts import digits_for
-from stickslip._util.numbers import Array
+from stickslip._util.arrays import Array
 from stickslip._util.units import handy
+from stickslip.diagnosis.terms.amounts import digits_for
 
 ROW = "row"
 """What stands for a setting where none is a number."""

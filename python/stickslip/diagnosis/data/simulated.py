@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from stickslip._util.numbers import Array
+from stickslip._util.arrays import Array
 from stickslip._util.units import handy
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.cause import Cause

@@ -11,14 +11,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip._util.arrays import check_indexes, column, columns_of, labels, locked, numbers, row
-from stickslip._util.numbers import (
+from stickslip._util.arrays import (
     RELATIVE,
     Array,
     Indices,
     Mask,
+    check_indexes,
+    column,
+    columns_of,
+    labels,
+    locked,
+    numbers,
     representatives,
     root_mean_square,
+    row,
 )
 from stickslip._util.text import brief, counted
 from stickslip._util.units import factor_text, far_size, unit_label

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.stats import t as t_law
 
 from stickslip import _core
-from stickslip._util.numbers import Array
+from stickslip._util.arrays import Array
 from stickslip._util.units import far_size
 from stickslip.diagnosis.data.errors import along_runs, estimate
 from stickslip.diagnosis.data.settings import Settings

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.stats import t as t_law
 
-from stickslip._util.numbers import Array
+from stickslip._util.arrays import Array
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.decision.gain import Gain, gain_of
 from stickslip.diagnosis.decision.posterior import share

@@ -17,7 +17,7 @@ from scipy.linalg import qr
 from scipy.sparse.csgraph import connected_components
 from scipy.stats import t as t_law
 
-from stickslip._util.numbers import Array, Indices
+from stickslip._util.arrays import Array, Indices
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.decision.candidate import Candidate
 from stickslip.diagnosis.decision.posterior import ALIKE, SURE, cosine_of_swap

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip._util.arrays import Array, are_equal
 from stickslip._util.messages import shown
-from stickslip._util.numbers import Array, are_equal
 from stickslip.diagnosis.data.velocity import settings_of
 from stickslip.diagnosis.decision.verdict import Verdict
 from stickslip.errors import ScenarioError, prefixed

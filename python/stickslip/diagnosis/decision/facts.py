@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip._util.arrays import Array
 from stickslip._util.messages import check_whole, meant, refuse
-from stickslip._util.numbers import Array
 from stickslip._util.text import OneLine, is_number, printable
 from stickslip.diagnosis.data.velocity import VelocityTable
 from stickslip.diagnosis.decision import experiments as design

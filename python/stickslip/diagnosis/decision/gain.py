@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import t as t_law
 
-from stickslip._util.numbers import Array, Indices
+from stickslip._util.arrays import Array, Indices
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.fitting.forms import Correlated, Form, forms

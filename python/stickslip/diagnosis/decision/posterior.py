@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import logsumexp
 
-from stickslip._util.numbers import Array
+from stickslip._util.arrays import Array
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.decision.test import ADEQUATE, adequacy
 from stickslip.diagnosis.fitting.models import Fit

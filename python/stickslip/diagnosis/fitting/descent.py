@@ -8,7 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from stickslip._util.numbers import Array, Indices
+from stickslip._util.arrays import Array, Indices
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.fitting.forms import Form, Softened
 from stickslip.diagnosis.fitting.problem import LOST, Problem

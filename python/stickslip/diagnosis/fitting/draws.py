@@ -10,7 +10,7 @@ from scipy.special import gammaln, logsumexp, ndtri
 from scipy.stats import chi2 as chi2_law
 from scipy.stats import qmc
 
-from stickslip._util.numbers import Array
+from stickslip._util.arrays import Array
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.fitting.forms import Form
 from stickslip.diagnosis.fitting.models import Fit, laplace

@@ -24,7 +24,7 @@ import numpy as np
 from scipy.linalg import lapack, solve_triangular
 from scipy.special import gammaln
 
-from stickslip._util.numbers import Array, Indices
+from stickslip._util.arrays import Array, Indices
 from stickslip.diagnosis.data.errors import Errors
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.fitting.problem import Problem

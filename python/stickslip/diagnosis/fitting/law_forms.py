@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import logsumexp
 
-from stickslip._util.numbers import Array
+from stickslip._util.arrays import Array
 from stickslip.diagnosis.fitting.descent import Asking, in_step
 from stickslip.diagnosis.fitting.forms import PRIOR
 from stickslip.diagnosis.fitting.models import Fit, minimise, sharpened

@@ -14,7 +14,7 @@ from scipy.linalg import solve_triangular
 from scipy.stats import chi2 as chi2_law
 from scipy.stats import f as f_law
 
-from stickslip._util.numbers import Array, Indices
+from stickslip._util.arrays import Array, Indices
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.data.errors import Errors
 from stickslip.diagnosis.data.series import Series

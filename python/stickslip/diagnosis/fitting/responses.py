@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip._util.numbers import Array
+from stickslip._util.arrays import Array
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.fitting.descent import End, precision_of
 from stickslip.diagnosis.fitting.forms import Form

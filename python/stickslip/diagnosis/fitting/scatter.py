@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from stickslip._util.numbers import Array, root_mean_square
+from stickslip._util.arrays import Array, root_mean_square
 from stickslip.diagnosis.data.errors import FEWEST, Errors
 from stickslip.diagnosis.data.series import SMOOTH
 from stickslip.diagnosis.fitting.descent import End, descend, in_step, precision_of

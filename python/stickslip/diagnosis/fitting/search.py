@@ -17,7 +17,7 @@ import numpy as np
 from scipy.special import ndtri
 from scipy.stats import qmc
 
-from stickslip._util.numbers import Array
+from stickslip._util.arrays import Array
 from stickslip.diagnosis.fitting.descent import (
     SETTLED,
     STAGES,

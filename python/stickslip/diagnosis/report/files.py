@@ -20,7 +20,6 @@ import scipy
 from markupsafe import Markup
 
 from stickslip import _core
-from stickslip._util import amounts
 from stickslip._util.files import check_folder, sha256_of, text_writer, write_together
 from stickslip._util.html import page_text, svg
 from stickslip._util.palette import BLUE, DARK_GREY, VERMILION
@@ -29,6 +28,7 @@ from stickslip.diagnosis.decision.experiments import changed_settings
 from stickslip.diagnosis.decision.facts import Facts
 from stickslip.diagnosis.report.numbers import numbers_of
 from stickslip.diagnosis.report.pictures import Plots, drawing
+from stickslip.diagnosis.terms import amounts
 from stickslip.diagnosis.terms.words import Words
 from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stickslip._util.amounts import amount
-from stickslip._util.csv_rows import csv_line, text_lines
 from stickslip._util.files import text_writer, write_together
 from stickslip._util.messages import shown
+from stickslip._util.tables import csv_line, text_lines
 from stickslip._util.text import counted
 from stickslip._util.units import handy
 from stickslip.diagnosis.decision.experiments import (
@@ -21,6 +20,7 @@ from stickslip.diagnosis.decision.experiments import (
 )
 from stickslip.diagnosis.decision.facts import Facts
 from stickslip.diagnosis.report.files import JSON
+from stickslip.diagnosis.terms.amounts import amount
 from stickslip.errors import ScenarioError
 from stickslip.measurement.new_trials import unmeasured
 from stickslip.measurement.read_table import check_columns, read_rows

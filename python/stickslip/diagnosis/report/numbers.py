@@ -12,9 +12,8 @@ from typing import Any
 import numpy as np
 
 from stickslip import _core
-from stickslip._util import amounts
+from stickslip._util.arrays import Array, Mask
 from stickslip._util.html import page_text
-from stickslip._util.numbers import Array, Mask
 from stickslip._util.units import unit_label
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.diagnosis.decision.candidate import Candidate, spread_of
@@ -23,6 +22,7 @@ from stickslip.diagnosis.decision.experiments import advice
 from stickslip.diagnosis.decision.facts import Facts
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import LOST
+from stickslip.diagnosis.terms import amounts
 from stickslip.diagnosis.terms.curve import CURVE, SHAPES, Curve
 from stickslip.diagnosis.terms.words import Words, data_problem
 from stickslip.scenario.keys import LAWS

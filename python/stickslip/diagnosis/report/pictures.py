@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import matplotlib
 import numpy as np
 
-from stickslip._util.numbers import Array, Indices
+from stickslip._util.arrays import Array, Indices
 from stickslip._util.palette import BLACK, BLUE, DARK_GREY, GREY, LIGHT_GREY, VERMILION
 from stickslip._util.picture import PLAIN, Picture
 from stickslip._util.text import shortened

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any, ParamSpec, TypeVar, cast
 
+from stickslip._util.arrays import Array
 from stickslip._util.messages import refuse
-from stickslip._util.numbers import Array
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.curve import CURVE, Curve

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stickslip._util.numbers import Array
+from stickslip._util.arrays import Array
 from stickslip._util.text import OneLine
 from stickslip.scenario.keys import Value
 

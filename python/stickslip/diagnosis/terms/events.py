@@ -27,8 +27,8 @@ import math
 
 import numpy as np
 
+from stickslip._util.arrays import Array
 from stickslip._util.messages import refuse, shown
-from stickslip._util.numbers import Array
 from stickslip._util.text import is_number
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import Table

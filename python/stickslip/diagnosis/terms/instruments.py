@@ -32,9 +32,8 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg import lapack
 from scipy.spatial.transform import Rotation
 
-from stickslip._util.arrays import check_indexes, labels, row
+from stickslip._util.arrays import Array, check_indexes, labels, root_mean_square, row
 from stickslip._util.messages import refuse
-from stickslip._util.numbers import Array, root_mean_square
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.cause import Cause, Read, pickled_as_call

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicHermiteSpline
 
+from stickslip._util.arrays import Array
 from stickslip._util.messages import check_whole, meant, refuse, shown
-from stickslip._util.numbers import Array
 from stickslip._util.text import is_number
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.curve import CURVE, NEAREST, SHAPES, Curve

@@ -8,8 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
+from stickslip._util.arrays import Array
 from stickslip._util.messages import refuse, shown
-from stickslip._util.numbers import Array
 from stickslip._util.text import is_number
 from stickslip.errors import ScenarioError
 from stickslip.scenario.uncertain import Prior

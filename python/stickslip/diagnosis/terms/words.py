@@ -9,8 +9,8 @@ from collections.abc import Mapping, Sequence
 from importlib import resources
 from typing import Any
 
-from stickslip._util.amounts import amount, joined, number, p_text, percent
 from stickslip._util.units import handy, unit_label
+from stickslip.diagnosis.terms.amounts import amount, joined, number, p_text, percent
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.scenario.keys import known_keys

@@ -21,8 +21,8 @@ from collections.abc import Iterator
 from os import PathLike
 from typing import BinaryIO
 
-from stickslip._util.extras import MissingExtra
 from stickslip.errors import ScenarioError
+from stickslip.extras import MissingExtra
 
 PART = ".part"
 """The end of a file's name until the file is complete."""
