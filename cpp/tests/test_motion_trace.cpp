@@ -10,7 +10,7 @@ using namespace stickslip;
 
 namespace {
 
-struct Swing {
+struct Rocking {
     static constexpr bool kSlips = false;
     double angle(const std::array<double, 2>& y) const { return y[0]; }
     double omega(const std::array<double, 2>& y) const { return y[1]; }
@@ -42,7 +42,7 @@ TEST_CASE("motion trace: the extreme of a swing is found to the fourth order of 
         const std::array<double, 2> first = {std::cos(t0), -std::sin(t0)},
                                     last = {std::cos(t1), -std::sin(t1)};
         MotionTrace<double> trace = {first[0], first[0], 0.0};
-        trace.step(Swing(), width, first, last);
+        trace.step(Rocking(), width, first, last);
         CHECK(std::abs(trace.lowest + 1.0) < std::pow(width, 4) / 384.0);
         CHECK(trace.highest == std::max(first[0], last[0]));
     }
