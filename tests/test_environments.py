@@ -274,5 +274,5 @@ def test_a_goal_that_is_reached_ends_an_episode_with_success():
 def test_without_gymnasium_the_import_says_what_to_install(monkeypatch):
     monkeypatch.delitem(sys.modules, "stickslip.control.environments")
     monkeypatch.setitem(sys.modules, "gymnasium", None)
-    with pytest.raises(ImportError, match=r'pip install "stickslip\[gym\]"$'):
+    with pytest.raises(ImportError, match=r'pip install "\.\[gym\]" in the folder of stickslip$'):
         importlib.import_module("stickslip.control.environments")

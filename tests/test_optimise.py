@@ -364,5 +364,5 @@ def test_words_alone_and_a_map_are_written(few, tmp_path):
 
 def test_a_missing_library_is_named_with_its_extra(monkeypatch):
     monkeypatch.setitem(sys.modules, "cma", None)
-    with pytest.raises(ImportError, match=r"stickslip\[optimise\]"):
+    with pytest.raises(ImportError, match=r"\.\[optimise\]"):
         optimise(START, **WALK)

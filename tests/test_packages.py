@@ -7,10 +7,20 @@ import pytest
 
 ROOT = Path(__file__).parents[1] / "python" / "stickslip"
 ORDER = (
-    *("_core", "_util", "errors", "versions", "field", "scenario", "simulation", "sweeping"),
+    *(
+        "_core",
+        "_util",
+        "errors",
+        "extras",
+        "versions",
+        "field",
+        "scenario",
+        "simulation",
+        "sweeping",
+    ),
     *("design", "control", "measurement", "diagnosis", "models", "plot", "reproduction", "cli"),
 )
-BASE = ORDER[:4]  # these know each other
+BASE = ORDER[:5]  # these know each other
 # The commands, and what needs an extra of the installation, may be imported by a function.
 LAZY = ("cli", "plot")
 

@@ -86,8 +86,8 @@ def test_the_pull_is_that_of_the_field_which_lags():
     )
     assert lagging["field_max"] < 0.97 * still["field_max"]
     ratio = lagging["field_max"] / still["field_max"]
-    # The largest field is found to 1e-8.
-    assert lagging["pull_ratio"] / still["pull_ratio"] == pytest.approx(ratio, rel=1e-7)
+    # The largest fields are found to 1e-6.
+    assert lagging["pull_ratio"] / still["pull_ratio"] == pytest.approx(ratio, rel=2e-6)
 
 
 def test_the_pull_of_a_held_field_is_that_of_its_formula():

@@ -61,6 +61,8 @@ def every_key_changed():
             "record.from": 0.1,
             "record.fields": "x, theta",
             "record.dtype": "float32",
+            "record.pull_share": "yes",
+            "drive.latency": 1e-3,
             "effects.surface_tilt.angle": 0.02,
             "effects.ambient_field.Bz": -4e-5,
             # In flight all of them may differ.
@@ -69,7 +71,7 @@ def every_key_changed():
         }
     )
     for number, name in enumerate(known_keys()):
-        if name.startswith("initial.") and changes[name] == 0.0:
+        if (name.startswith("initial.") and changes[name] == 0.0) or name.endswith(".capacitance"):
             changes[name] = 1e-3 * (number + 1)
     return Scenario().replace(changes)
 

@@ -76,7 +76,8 @@ def generator_files() -> list[Path]:
         "strength", "truth", "writing",
     )  # fmt: skip
     reference = (
-        "circuit", "contact", "drive", "effects", "field", "laws", "simulate", "stepper",
+        "circuit", "contact", "drive", "effects", "field", "laws", "shaken", "simulate",
+        "stepper",
     )  # fmt: skip
     simulator = HERE.parents[1] / "tests" / "reference"
     return [

@@ -216,11 +216,11 @@ def test_forms_of_the_simulator_compete_with_the_curve_that_is_fitted():
     measurement = Measurement.from_dataframe(pd.DataFrame(rows), base, uncertain)
     problem = problem_of(measurement)
     models = Models(problem, problem.causes)
-    models.fit([Start("none", (), np.zeros(problem.size))])
+    models.add_fits([Start("none", (), np.zeros(problem.size))])
     wider = problem.laws(problem, models.null.x)
     (law,) = [each for each in wider.causes if each.name == "adhesion over age of the contact"]
     models = models.widened(wider, wider.causes)
-    models.fit([Start("none", (law,), models.null.x)])
+    models.add_fits([Start("none", (law,), models.null.x)])
     models = with_forms(models)
     told = Candidate(models.get([law.name]), models)
     shape = law_of(told)

@@ -15,7 +15,7 @@ from stickslip.diagnosis.decision.gain import held_out, measured, parts_of
 from stickslip.diagnosis.fitting.descent import End, derivatives, descend, finished, in_step
 from stickslip.diagnosis.fitting.draws import drawn
 from stickslip.diagnosis.fitting.forms import forms
-from stickslip.diagnosis.fitting.models import fit, laplace, linear
+from stickslip.diagnosis.fitting.models import laplace, linear, minimise
 from stickslip.diagnosis.fitting.problem import LOST, Cached, Problem
 from stickslip.diagnosis.fitting.search import Models, _fit_other_forms, _fit_stated_again
 from stickslip.diagnosis.own_model import problem_of_model
@@ -25,8 +25,8 @@ from toys import BEND, LEVEL, SLOPE, STEP, WAVE, data, problem, shapes
 def integral(posed, causes, form, h, width=7.0, points=49):
     """Log of the integral of likelihood and prior over three coordinates by sums."""
     free = posed.free(causes)
-    at = finished(posed, fit(posed, form, causes, np.zeros(posed.size))).x
-    sd = np.sqrt(np.diag(finished(posed, fit(posed, form, causes, at)).covariance))
+    at = finished(posed, minimise(posed, form, causes, np.zeros(posed.size))).x
+    sd = np.sqrt(np.diag(finished(posed, minimise(posed, form, causes, at)).covariance))
     sd = np.where(sd > 0.0, sd, 0.1)  # at the end of a range
     low, high = posed.limits[:, free]
     axes = [
@@ -59,7 +59,7 @@ def test_evidence_is_the_integral(cause, extra, within):
     (name,) = (each.name for each in cause.parameters)
     posed = problem(data(extra * shapes(np.linspace(1.0, 3.0, 30))[name]), [cause])
     form = forms(posed)["none"]
-    found = finished(posed, fit(posed, form, [cause], np.zeros(posed.size)))
+    found = finished(posed, minimise(posed, form, [cause], np.zeros(posed.size)))
     wanted = integral(posed, [cause], form, found.h)
     # Laplace's rule is exact but for the curvature of sinh, small beside its width.
     assert found.log_evidence == pytest.approx(wanted, abs=within)
@@ -71,7 +71,7 @@ def test_draws_correct_what_laplace_misses():
     # Of a size that the data hardly know: its prior's tails and sinh count.
     posed = problem(data(0.2 * np.sin(5.0 * np.linspace(1.0, 3.0, 6)), sd=0.5, n=6), [WAVE])
     form = forms(posed)["none"]
-    found = finished(posed, fit(posed, form, [WAVE], np.zeros(posed.size)))
+    found = finished(posed, minimise(posed, form, [WAVE], np.zeros(posed.size)))
     made = drawn(posed, form, found, seed=0)
     wanted = integral(posed, [WAVE], form, found.h)
     # The draws' own error is about 1 / sqrt(256).
@@ -184,7 +184,7 @@ def test_a_lost_row_does_not_stop_the_others():
     assert end.residual[3:5] == pytest.approx(LOST * posed.sd[3:5])
     kept, (table,) = np.delete(np.arange(30), [3, 4]), posed.tables
     alone = problem(Table({"x": table["x"][kept]}, table.y[kept], sd=0.1), [])
-    wanted = finished(alone, fit(alone, forms(alone)["none"], [], np.zeros(2)))
+    wanted = finished(alone, minimise(alone, forms(alone)["none"], [], np.zeros(2)))
     assert end.x == pytest.approx(wanted.x, abs=1e-3)
 
 
@@ -192,7 +192,7 @@ def test_a_lost_row_does_not_stop_the_others():
 def test_held_out_errors_are_those_of_refits(name):
     posed = problem(data(0.3 * np.sin(5.0 * np.linspace(1.0, 3.0, 30))), [WAVE])
     form = forms(posed)[name]
-    found = finished(posed, fit(posed, form, [WAVE], np.zeros(posed.size)))
+    found = finished(posed, minimise(posed, form, [WAVE], np.zeros(posed.size)))
     parts = parts_of(posed)
     errors = held_out(posed, found, name, parts)
     covariance = dense(posed, name, found.h)
@@ -225,7 +225,7 @@ def test_a_refit_that_meets_the_end_of_a_range_moves_the_rest():
     posed = problem_of_model(sliding_block.push, table, sliding_block.UNCERTAIN, sliding_block.LAWS)
     (law,) = (each for each in posed.causes if each.name == law.name)
     null, found = (
-        finished(posed, fit(posed, forms(posed)["none"], causes, np.zeros(posed.size)))
+        finished(posed, minimise(posed, forms(posed)["none"], causes, np.zeros(posed.size)))
         for causes in ([], [law])
     )
     missed = np.abs(held_out(posed, found, "none", parts_of(posed))) / posed.sd
@@ -238,9 +238,13 @@ def test_a_refit_that_meets_the_end_of_a_range_moves_the_rest():
 def test_a_form_that_is_stuck_begins_again_where_another_one_is(stuck):
     posed = problem(data(0.6 * np.sin(5.0 * np.linspace(1.0, 3.0, 30))), [WAVE])
     models = Models(posed, posed.causes)
-    null = models.add(finished(posed, fit(posed, models.forms["none"], (), np.zeros(posed.size))))
+    null = models.add(
+        finished(posed, minimise(posed, models.forms["none"], (), np.zeros(posed.size)))
+    )
     good = "smooth" if stuck == "none" else "none"
-    best = models.add(finished(posed, fit(posed, models.forms[good], [WAVE], np.zeros(posed.size))))
+    best = models.add(
+        finished(posed, minimise(posed, models.forms[good], [WAVE], np.zeros(posed.size)))
+    )
     # Without any of the cause, which a large discrepancy makes up for.
     slopes = finished(posed, derivatives(posed, null.x, posed.free([WAVE]), null.residual))
     end = End(null.x, null.residual, slopes, math.nan)
@@ -268,10 +272,10 @@ def test_searches_in_step_end_as_each_does_by_itself_in_fewer_batches():
     alone, most = [], 0
     for causes in searches:
         batches.clear()
-        alone.append(finished(posed, fit(posed, form, causes, np.zeros(posed.size))))
+        alone.append(finished(posed, minimise(posed, form, causes, np.zeros(posed.size))))
         most = max(most, len(batches))
     batches.clear()
-    every = [fit(posed, form, causes, np.zeros(posed.size)) for causes in searches]
+    every = [minimise(posed, form, causes, np.zeros(posed.size)) for causes in searches]
     for one, other in zip(alone, in_step(posed, every), strict=True):
         assert (one.name, one.log_evidence) == (other.name, other.log_evidence)
         assert np.array_equal(one.x, other.x)

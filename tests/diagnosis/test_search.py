@@ -18,7 +18,7 @@ from sliding_block import (
 from stickslip import Cause, Parameter, Prior, Table, diagnose_model
 from stickslip.diagnosis.fitting.descent import End, derivatives, finished
 from stickslip.diagnosis.fitting.forms import forms
-from stickslip.diagnosis.fitting.models import fit
+from stickslip.diagnosis.fitting.models import minimise
 from stickslip.diagnosis.fitting.responses import responses
 from stickslip.diagnosis.fitting.search import (
     SETTLED,
@@ -123,7 +123,7 @@ def two_wells(kink=0.0):
 
 def test_the_model_without_a_cause_is_fitted_again_from_the_leaders_constants():
     posed = two_wells()
-    wrong = finished(posed, fit(posed, forms(posed)["none"], (), np.array([-1.0, 0.0, 0.0])))
+    wrong = finished(posed, minimise(posed, forms(posed)["none"], (), np.array([-1.0, 0.0, 0.0])))
     assert wrong.x[0] < -0.5
     models = Models(posed, posed.causes)
     models.add(wrong)
@@ -139,10 +139,12 @@ def test_the_model_without_a_cause_is_fitted_again_from_the_leaders_constants():
 def test_a_pair_begins_where_a_response_points_and_where_its_leader_is(monkeypatch):
     posed = two_wells(0.2)
     models = Models(posed, posed.causes)
-    models.add(finished(posed, fit(posed, models.forms["none"], (), np.array([1.0, 0.0, 0.0]))))
+    models.add(
+        finished(posed, minimise(posed, models.forms["none"], (), np.array([1.0, 0.0, 0.0])))
+    )
     bump, _ = posed.causes
     leader = models.add(
-        finished(posed, fit(posed, models.forms["none"], [bump], np.array([1.0, 0.0, 0.0])))
+        finished(posed, minimise(posed, models.forms["none"], [bump], np.array([1.0, 0.0, 0.0])))
     )
 
     def misled(*given, **options):
@@ -159,7 +161,9 @@ def test_a_cause_is_looked_at_from_three_places_at_most(monkeypatch):
     # However many minima the constants have: each place costs predictions of every cause.
     posed, asked = two_wells(), []
     models = Models(posed, posed.causes)
-    models.add(finished(posed, fit(posed, models.forms["none"], (), np.array([1.0, 0.0, 0.0]))))
+    models.add(
+        finished(posed, minimise(posed, models.forms["none"], (), np.array([1.0, 0.0, 0.0])))
+    )
 
     def counted(*given, **options):
         asked.append(given)

@@ -20,7 +20,7 @@ from stickslip.cli.progress import progress_bar
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.note import shown_lines
-from stickslip.simulation.quantities import ASKED, NUMBERS
+from stickslip.simulation.quantities import NUMBERS
 from stickslip.simulation.run import SUFFIXES, Run
 from stickslip.simulation.seen_from_drive import VELOCITIES
 from stickslip.simulation.simulate import simulate
@@ -173,8 +173,7 @@ def _rows(run: Run) -> Iterator[tuple[str, str]]:
     stays = way < _STAYS * run.scenario.robot.length
     for name, (unit, _) in {**VELOCITIES, **NUMBERS}.items():
         across = name in (*VELOCITIES, "mean_velocity_y", "turning_speed")
-        unasked = name in ASKED and run.scenario.get(ASKED[name]) == "no"
-        if name not in summary or unasked or (across and not run.scenario.whole_plane):
+        if name not in summary or (across and not run.scenario.whole_plane):
             continue
         still = stays and name in (*_MOTION, *VELOCITIES)
         yield name, _in_two_units(0.0 if still else summary[name], unit)

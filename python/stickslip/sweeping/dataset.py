@@ -13,6 +13,7 @@ from stickslip import _core
 from stickslip._util.arrays import Indices
 from stickslip.scenario.keys import known_keys
 from stickslip.simulation.note import notes_json
+from stickslip.simulation.quantities import ASKED
 from stickslip.simulation.seen_from_drive import VELOCITIES, seen_from_drive
 from stickslip.sweeping.notes import notes_of
 from stickslip.sweeping.points import DRAW, Points, name_of
@@ -44,6 +45,7 @@ def empty(points: Points) -> xarray.Dataset:
     variables = {
         name: variable(np.full(shape, np.nan), units=unit, long_name=meaning)
         for name, (unit, meaning) in _core.summary_numbers.items()
+        if name not in ASKED or np.any(points.at_each(ASKED[name]) != "no")
     }
     counts = np.zeros((*shape, len(EVENTS)), dtype=np.int64)
     variables["events"] = variable(counts, "event", units="1", long_name="events by kind")
@@ -87,7 +89,7 @@ def put(
 ) -> None:
     """Store results of some points; of a failed point only its time."""
     failed = columns["status"] != OK
-    for name in _core.summary_numbers:
+    for name in _core.summary_numbers.keys() & data.keys():
         lost = failed & (name != "simulated_time")
         flat(data, name)[indices] = np.where(lost, np.nan, columns[name])
     flat(data, "events")[indices] = np.column_stack([columns[kind] for kind in EVENTS])
