@@ -127,3 +127,10 @@ def test_a_resonance_is_where_the_capacitor_puts_it():
     assert found["power_mean"] == pytest.approx(
         0.5 * volts**2 / OHM, rel=0.3
     )  # it takes time to swell
+
+
+@pytest.mark.timeout(60)
+@pytest.mark.parametrize("farad", [5e-324, 1e-15, 1e-12])
+def test_a_swing_that_is_far_too_fast_ends(farad):
+    run = simulate(Scenario().replace({"coil.xp.capacitance": farad, "drive.pulses": 2}))
+    assert run.status in ("ok", "step_underflow", "max_steps"), run.message

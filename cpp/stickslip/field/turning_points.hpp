@@ -23,14 +23,17 @@ void for_each_part(const CurrentSegment& segment, auto&& use) {
     // What fades within the rounding of the segment's times, as a rate that overflowed, is not
     // seen.
     const double least = std::max(1.0 / segment.fastest(), 1e-16 * segment.duration);
+    // Of a swing that is far too fast for a segment, as with no capacitance to speak of, some.
+    constexpr double kFinest = 1e-5;  // of the segment; chosen: milliseconds of work
+    const double swing = std::max(least, kFinest * segment.duration);
     double swings_until = 0.0;  // s
-    segment.each_swing([&](std::size_t, const Swing& swing) {
+    segment.each_swing([&](std::size_t, const Swing& each) {
         constexpr double kFaded = 37.0;  // exp(-37) is below rounding
-        if (swing.square() > 0.0) swings_until = std::max(swings_until, kFaded / swing.rate);
+        if (each.square() > 0.0) swings_until = std::max(swings_until, kFaded / each.rate);
     });
     double tau = 0.0;
     while (tau < segment.duration) {
-        tau += kTurningLook * (tau < swings_until ? least : std::max(least, tau));
+        tau += kTurningLook * (tau < swings_until ? swing : std::max(least, tau));
         // Not a last part that is far shorter than the others.
         if (tau > 0.95 * segment.duration) tau = segment.duration;
         use(tau);
