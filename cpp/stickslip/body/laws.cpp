@@ -1,5 +1,6 @@
 #include "stickslip/body/laws.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -150,8 +151,11 @@ LawSet::LawSet(std::vector<Law> laws) : laws_(std::move(laws)) {
                                     "are at most " +
                                     std::to_string(LawTable::kMost));
     }
-    std::stable_sort(laws_.begin(), laws_.end(),
-                     [](const Law& a, const Law& b) { return a.kind < b.kind; });
+    // An insertion sort: few laws, and alike ones keep their order.
+    const auto before = [](const Law& a, const Law& b) { return a.kind < b.kind; };
+    for (auto law = laws_.begin(); law != laws_.end(); ++law) {
+        std::rotate(std::upper_bound(laws_.begin(), law, *law, before), law, std::next(law));
+    }
     for (std::size_t i = 0; i < laws_.size(); ++i) {
         Law& law = laws_[i];
         if (!exists(law.kind)) throw std::invalid_argument("there is no such law");
