@@ -216,11 +216,11 @@ def test_forms_of_the_simulator_compete_with_the_curve_that_is_fitted():
     measurement = Measurement.from_dataframe(pd.DataFrame(rows), base, uncertain)
     problem = problem_of(measurement)
     models = Models(problem, problem.causes)
-    models.add_fits([Start("none", (), np.zeros(problem.size))])
+    models.add_fits([Start("exact", (), np.zeros(problem.size))])
     wider = problem.laws(problem, models.null.x)
     (law,) = [each for each in wider.causes if each.name == "adhesion over age of the contact"]
     models = models.widened(wider, wider.causes)
-    models.add_fits([Start("none", (law,), models.null.x)])
+    models.add_fits([Start("exact", (law,), models.null.x)])
     models = with_forms(models)
     told = Candidate(models.get([law.name]), models)
     shape = law_of(told)
@@ -261,7 +261,7 @@ def test_forms_act_as_the_core_has_them():
 def test_laws_have_the_odds_of_one_cause_together():
     causes = laws(BASE, FRICTION, dict.fromkeys(FREE, 0.5))
     assert sum(each.odds for each in causes) == pytest.approx(1.0)
-    assert log_prior(causes[:1], "none", 5.0) == pytest.approx(
-        log_prior([Cause("wind", Parameter("wind", size=1.0, low=-5, high=5))], "none", 5.0)
+    assert log_prior(causes[:1], "exact", 5.0) == pytest.approx(
+        log_prior([Cause("wind", Parameter("wind", size=1.0, low=-5, high=5))], "exact", 5.0)
         - np.log(len(causes))
     )

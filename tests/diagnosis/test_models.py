@@ -17,7 +17,7 @@ from stickslip.diagnosis.fitting.draws import drawn
 from stickslip.diagnosis.fitting.forms import forms
 from stickslip.diagnosis.fitting.models import laplace, linear, minimise
 from stickslip.diagnosis.fitting.problem import LOST, Cached, Problem
-from stickslip.diagnosis.fitting.search import Models, _fit_other_forms, _fit_stated_again
+from stickslip.diagnosis.fitting.search import Models, _fit_exact_again, _fit_other_forms
 from stickslip.diagnosis.own_model import problem_of_model
 from toys import BEND, LEVEL, SLOPE, STEP, WAVE, data, problem, shapes
 
@@ -58,7 +58,7 @@ def integral(posed, causes, form, h, width=7.0, points=49):
 def test_evidence_is_the_integral(cause, extra, within):
     (name,) = (each.name for each in cause.parameters)
     posed = problem(data(extra * shapes(np.linspace(1.0, 3.0, 30))[name]), [cause])
-    form = forms(posed)["none"]
+    form = forms(posed)["exact"]
     found = finished(posed, minimise(posed, form, [cause], np.zeros(posed.size)))
     wanted = integral(posed, [cause], form, found.h)
     # Laplace's rule is exact but for the curvature of sinh, small beside its width.
@@ -70,7 +70,7 @@ def test_evidence_is_the_integral(cause, extra, within):
 def test_draws_correct_what_laplace_misses():
     # Of a size that the data hardly know: its prior's tails and sinh count.
     posed = problem(data(0.2 * np.sin(5.0 * np.linspace(1.0, 3.0, 6)), sd=0.5, n=6), [WAVE])
-    form = forms(posed)["none"]
+    form = forms(posed)["exact"]
     found = finished(posed, minimise(posed, form, [WAVE], np.zeros(posed.size)))
     made = drawn(posed, form, found, seed=0)
     wanted = integral(posed, [WAVE], form, found.h)
@@ -84,7 +84,7 @@ def dense(posed, name, h):
     """Covariance of a form as a matrix."""
     (table,) = posed.tables
     own = np.diag(posed.sd**2) if posed.covariance(0) is None else posed.covariance(0)
-    if name == "none":
+    if name == "exact":
         return own
     alike = np.zeros_like(own)
     if name == "ar1":
@@ -109,7 +109,7 @@ def shared_errors(posed):
 # Beside shared errors ar1 is not offered.
 @pytest.mark.parametrize(
     ("name", "shared"),
-    [*itertools.product(("none", "white", "smooth"), (False, True)), ("ar1", False)],
+    [*itertools.product(("exact", "white", "smooth"), (False, True)), ("ar1", False)],
 )
 def test_densities_are_those_of_the_dense_matrix(name, shared):
     known = {"run": np.repeat([0, 1], [12, 18])} if name == "ar1" else {}
@@ -134,7 +134,7 @@ def test_estimated_errors_have_students_law():
     tables = tuple(data(n=rows, sd=sd) for rows, sd, _ in known)
     errors = tuple(Errors(np.full(rows, sd), dof=dof) for rows, sd, dof in known)
     posed = Problem(tables, lambda values: np.zeros((len(values), 42)), ())
-    form = forms(replace(posed, errors=errors))["none"]
+    form = forms(replace(posed, errors=errors))["exact"]
     residual = 0.2 * np.random.default_rng(1).standard_normal((2, 42))
     parts = np.split(residual, [30], axis=1)
     laws = [multivariate_t(np.zeros(rows), sd**2 * np.eye(rows), dof) for rows, sd, dof in known]
@@ -143,10 +143,10 @@ def test_estimated_errors_have_students_law():
 
 
 def test_small_tables_and_short_runs_have_fewer_forms():
-    assert set(forms(problem(data(n=10)))) == {"none", "white"}
-    assert set(forms(problem(data(n=30)))) == {"none", "white", "smooth"}
+    assert set(forms(problem(data(n=10)))) == {"exact", "white"}
+    assert set(forms(problem(data(n=30)))) == {"exact", "white", "smooth"}
     # Along a run a smooth discrepancy would take each cause.
-    assert set(forms(problem(data(n=30, run=np.zeros(30))))) == {"none", "white", "ar1"}
+    assert set(forms(problem(data(n=30, run=np.zeros(30))))) == {"exact", "white", "ar1"}
 
 
 def broken(change):
@@ -180,15 +180,15 @@ def test_a_lost_row_does_not_stop_the_others():
         made[:, 3], made[:, 4] = np.nan, 1e200
 
     posed = broken(lose)
-    end = finished(posed, descend(posed, forms(posed)["none"], np.zeros(0), (), np.zeros(2)))
+    end = finished(posed, descend(posed, forms(posed)["exact"], np.zeros(0), (), np.zeros(2)))
     assert end.residual[3:5] == pytest.approx(LOST * posed.sd[3:5])
     kept, (table,) = np.delete(np.arange(30), [3, 4]), posed.tables
     alone = problem(Table({"x": table["x"][kept]}, table.y[kept], sd=0.1), [])
-    wanted = finished(alone, minimise(alone, forms(alone)["none"], [], np.zeros(2)))
+    wanted = finished(alone, minimise(alone, forms(alone)["exact"], [], np.zeros(2)))
     assert end.x == pytest.approx(wanted.x, abs=1e-3)
 
 
-@pytest.mark.parametrize("name", ["none", "smooth"])
+@pytest.mark.parametrize("name", ["exact", "smooth"])
 def test_held_out_errors_are_those_of_refits(name):
     posed = problem(data(0.3 * np.sin(5.0 * np.linspace(1.0, 3.0, 30))), [WAVE])
     form = forms(posed)[name]
@@ -225,23 +225,23 @@ def test_a_refit_that_meets_the_end_of_a_range_moves_the_rest():
     posed = problem_of_model(sliding_block.push, table, sliding_block.UNCERTAIN, sliding_block.LAWS)
     (law,) = (each for each in posed.causes if each.name == law.name)
     null, found = (
-        finished(posed, minimise(posed, forms(posed)["none"], causes, np.zeros(posed.size)))
+        finished(posed, minimise(posed, forms(posed)["exact"], causes, np.zeros(posed.size)))
         for causes in ([], [law])
     )
-    missed = np.abs(held_out(posed, found, "none", parts_of(posed))) / posed.sd
+    missed = np.abs(held_out(posed, found, "exact", parts_of(posed))) / posed.sd
     # Of a right model about sqrt(2 / pi), and more at the ends of a law that is known by its data.
     assert np.mean(missed) < 1.6
     assert measured(posed, null, found).certain
 
 
-@pytest.mark.parametrize("stuck", ["none", "smooth"])
+@pytest.mark.parametrize("stuck", ["exact", "smooth"])
 def test_a_form_that_is_stuck_begins_again_where_another_one_is(stuck):
     posed = problem(data(0.6 * np.sin(5.0 * np.linspace(1.0, 3.0, 30))), [WAVE])
     models = Models(posed, posed.causes)
     null = models.add(
-        finished(posed, minimise(posed, models.forms["none"], (), np.zeros(posed.size)))
+        finished(posed, minimise(posed, models.forms["exact"], (), np.zeros(posed.size)))
     )
-    good = "smooth" if stuck == "none" else "none"
+    good = "smooth" if stuck == "exact" else "exact"
     best = models.add(
         finished(posed, minimise(posed, models.forms[good], [WAVE], np.zeros(posed.size)))
     )
@@ -252,7 +252,7 @@ def test_a_form_that_is_stuck_begins_again_where_another_one_is(stuck):
     # No descent from there finds what the linear model promises.
     bad = models.add(replace(bad, log_evidence=bad.log_evidence - 5.0))
     assert bad.chi2 > best.chi2 + 100.0
-    (_fit_stated_again if stuck == "none" else _fit_other_forms)(models)
+    (_fit_exact_again if stuck == "exact" else _fit_other_forms)(models)
     found = models.get(["wave"], stuck)
     assert found.chi2 < bad.chi2 - 100.0
     assert posed.physical(found.x[None, :])[0, 2] == pytest.approx(0.6, abs=0.1)
@@ -267,7 +267,7 @@ def test_searches_in_step_end_as_each_does_by_itself_in_fewer_batches():
         return model(values)
 
     posed = replace(posed, model=counted)
-    form = forms(posed)["none"]
+    form = forms(posed)["exact"]
     searches = [(cause,) for cause in posed.causes]
     alone, most = [], 0
     for causes in searches:
@@ -292,7 +292,7 @@ def test_a_step_that_gains_what_is_hoped_is_tried_without_damping_alone():
 
     posed = replace(posed, model=counted)
     end = finished(
-        posed, descend(posed, forms(posed)["none"], np.zeros(0), [WAVE], np.zeros(posed.size))
+        posed, descend(posed, forms(posed)["exact"], np.zeros(0), [WAVE], np.zeros(posed.size))
     )
     # Where it begins, its slopes, and two steps: of two dampings in none.
     assert batches == [1, 3, 1, 1]

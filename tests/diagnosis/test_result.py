@@ -64,7 +64,7 @@ def test_a_discrepancy_widens_the_errors_by_what_is_left(rough):
     assert rough.verdict.kind == "dominant"
     left = discrepancy(best.fit)
     whole = max(
-        (fit for (names, form), fit in models.best.items() if not names and form != "none"),
+        (fit for (names, form), fit in models.best.items() if not names and form != "exact"),
         key=models.log_posterior,
     )
     taken = discrepancy(whole) - left

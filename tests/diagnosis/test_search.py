@@ -123,7 +123,7 @@ def two_wells(kink=0.0):
 
 def test_the_model_without_a_cause_is_fitted_again_from_the_leaders_constants():
     posed = two_wells()
-    wrong = finished(posed, minimise(posed, forms(posed)["none"], (), np.array([-1.0, 0.0, 0.0])))
+    wrong = finished(posed, minimise(posed, forms(posed)["exact"], (), np.array([-1.0, 0.0, 0.0])))
     assert wrong.x[0] < -0.5
     models = Models(posed, posed.causes)
     models.add(wrong)
@@ -140,11 +140,11 @@ def test_a_pair_begins_where_a_response_points_and_where_its_leader_is(monkeypat
     posed = two_wells(0.2)
     models = Models(posed, posed.causes)
     models.add(
-        finished(posed, minimise(posed, models.forms["none"], (), np.array([1.0, 0.0, 0.0])))
+        finished(posed, minimise(posed, models.forms["exact"], (), np.array([1.0, 0.0, 0.0])))
     )
     bump, _ = posed.causes
     leader = models.add(
-        finished(posed, minimise(posed, models.forms["none"], [bump], np.array([1.0, 0.0, 0.0])))
+        finished(posed, minimise(posed, models.forms["exact"], [bump], np.array([1.0, 0.0, 0.0])))
     )
 
     def misled(*given, **options):
@@ -162,7 +162,7 @@ def test_a_cause_is_looked_at_from_three_places_at_most(monkeypatch):
     posed, asked = two_wells(), []
     models = Models(posed, posed.causes)
     models.add(
-        finished(posed, minimise(posed, models.forms["none"], (), np.array([1.0, 0.0, 0.0])))
+        finished(posed, minimise(posed, models.forms["exact"], (), np.array([1.0, 0.0, 0.0])))
     )
 
     def counted(*given, **options):
@@ -177,7 +177,7 @@ def test_a_cause_is_looked_at_from_three_places_at_most(monkeypatch):
 
 def test_no_model_fits_worse_than_one_that_it_contains():
     models = searched(problem(data(0.5 * shapes(X)["wave.height"] + 0.3 * (X > 2.0))))
-    plain = {key[0]: each for key, each in models.best.items() if key[1] == "none"}
+    plain = {key[0]: each for key, each in models.best.items() if key[1] == "exact"}
     assert any(len(names) == 2 for names in plain)
     for names, each in plain.items():
         for inner, other in plain.items():

@@ -39,8 +39,8 @@ def run(
     say(0.2, "testing")
     models = Models(problem, problem.causes)
     models.add(null)
-    stated = models.forms["none"]
-    found = responses(problem, null.end, (), problem.causes, stated, null.h)
+    exact = models.forms["exact"]
+    found = responses(problem, null.end, (), problem.causes, exact, null.h)
     test = tested(problem, null, found, seed)
     screened(models, found)
     if fault is None and (test.found or posterior(models).none < 0.5):
@@ -57,8 +57,8 @@ def run(
     say(0.9, "deciding")
     if models.null.cost < null.cost - _BETTER:
         # The search has led to a better recalibrated model, which is what is tested.
-        stated, null = models.forms["none"], models.null
-        found = responses(models.problem, null.end, (), problem.causes, stated, null.h)
+        exact, null = models.forms["exact"], models.null
+        found = responses(models.problem, null.end, (), problem.causes, exact, null.h)
         test = tested(models.problem, null, found, seed)
     verdict = Verdict("data-problem", (), None, (fault,)) if fault else decide(models, test)
     say(1.0, "done")
@@ -93,7 +93,7 @@ def _with_own_errors(problem: Problem, null: Fit, seed: int) -> tuple[Problem, F
     level = problem.y - null.residual
     problem = problem.with_shared_errors_at(level)
     problem = replace(problem, roughness=_roughness(problem, null, seed))
-    form = Models(problem, ()).forms["none"]
+    form = Models(problem, ()).forms["exact"]
     again = finished(problem, minimise(problem, form, (), null.x, slopes=null.slopes))
     return problem, finished(problem, sharpened(problem, form, again))
 

@@ -65,7 +65,7 @@ class Candidate(OneLine):
         The discrepancy may be alike the cause itself: what is left counts as a part of its size,
         by ``sqrt(1 + left / taken)`` with the mean squares of what is left and what is taken.
         """
-        if not self.fit.causes or self.fit.form == "none":
+        if not self.fit.causes or self.fit.form == "exact":
             return 1.0
         known = 0.0 if math.isnan(self.share) else self.share
         return 1.0 / math.sqrt(min(max(known, _LEAST_SHARE), 1.0))
@@ -112,12 +112,12 @@ class Candidate(OneLine):
 
         Keys are `form`; `kappa`, the scatter in the stated errors; `size`, of each table in the
         unit of its readings; for ``ar1`` `correlation`, how many places of a run it lasts in each
-        table; for ``smooth`` `length`, in half the range of a setting. Of the form ``none`` no
+        table; for ``smooth`` `length`, in half the range of a setting. Of the form ``exact`` no
         more than the first.
         """
         fit, problem = self.fit, self.models.problem
         found: dict[str, Any] = {"form": fit.form}
-        if fit.form == "none":
+        if fit.form == "exact":
             return found
         unit, kappa = self.models.forms[fit.form].unit, fit.sizes["kappa"]
         size = fit.sizes.get("s", math.sqrt(max(kappa**2 - 1.0, 0.0)))

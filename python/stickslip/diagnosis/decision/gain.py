@@ -98,11 +98,11 @@ def gain_of(models: Models, fit: Fit) -> Gain | None:
     return measured(models.problem, models.null, models.get(fit.names) or fit)
 
 
-def measured(problem: Problem, before: Fit, after: Fit, form: str = "none") -> Gain | None:
+def measured(problem: Problem, before: Fit, after: Fit, form: str = "exact") -> Gain | None:
     """The gain of one fit over another; None of too few parts.
 
     Refits are of the models that are linearised at their fits: by plain least squares (form
-    ``none``), or each in the inner product of its own form.
+    ``exact``), or each in the inner product of its own form.
     """
     parts = parts_of(problem)
     if len(parts) < _FEWEST:
@@ -110,7 +110,7 @@ def measured(problem: Problem, before: Fit, after: Fit, form: str = "none") -> G
     finer = _finer(problem, (before.residual - after.residual) / problem.sd, parts)
     parts = finer or parts
     errors = [
-        held_out(problem, each, each.form if form == "own" else "none", parts, not finer)
+        held_out(problem, each, each.form if form == "own" else "exact", parts, not finer)
         for each in (before, after)
     ]
     size = [np.abs(each) / problem.sd for each in errors]
@@ -188,7 +188,7 @@ def _gram(problem: Problem, form: Form, fit: Fit, columns: Array, kept: Indices)
     only[kept] = columns[kept]
     independent = all(each.covariance is None for each in problem.errors)
     h = fit.h if form.name == fit.form else np.zeros(len(form.names))
-    if form.name in ("none", "white") and independent:
+    if form.name in ("exact", "white") and independent:
         return form.weighted(form.prepared(only), fit.residual, h)
     if isinstance(form, Correlated):
         form = form.of_rows(kept)

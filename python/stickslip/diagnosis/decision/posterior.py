@@ -120,7 +120,7 @@ def cosine(problem: Problem, base: Fit, one: Array, other: Array) -> float:
 
 def discrepancy(fit: Fit) -> float:
     """Mean square of what a model leaves beyond the stated errors, in them: s^2 + kappa^2 - 1."""
-    if fit.form == "none":
+    if fit.form == "exact":
         return 0.0
     s = fit.sizes.get("s", 0.0)
     return s**2 + max(fit.sizes["kappa"] ** 2 - 1.0, 0.0)
@@ -129,13 +129,13 @@ def discrepancy(fit: Fit) -> float:
 def share(models: Models, fit: Fit) -> float:
     """Part of the model's error that a fit takes, 1 - D / D0, from 0 to 1.
 
-    D0 is of no cause, D of the causes of the fit, each with its best form other than ``none``; D is
-    0 where the errors as stated explain what is left. NaN where there is no such fit.
+    D0 is of no cause, D of the causes of the fit, each with its best form other than ``exact``; D
+    is 0 where the errors as stated explain what is left. NaN where there is no such fit.
     """
-    if fit.form == "none" and adequacy(models.problem, fit) >= ADEQUATE:
+    if fit.form == "exact" and adequacy(models.problem, fit) >= ADEQUATE:
         return 1.0
     whole, left = (_left(models, names) for names in (frozenset[str](), fit.names))
-    if fit.form != "none":
+    if fit.form != "exact":
         left = discrepancy(fit)
     if math.isnan(left) or math.isnan(whole):
         return math.nan
@@ -143,6 +143,6 @@ def share(models: Models, fit: Fit) -> float:
 
 
 def _left(models: Models, names: frozenset[str]) -> float:
-    """The discrepancy of a set of causes by its best form other than ``none``."""
-    fits = [each for key, each in models.best.items() if key[0] == names and key[1] != "none"]
+    """The discrepancy of a set of causes by its best form other than ``exact``."""
+    fits = [each for key, each in models.best.items() if key[0] == names and key[1] != "exact"]
     return discrepancy(max(fits, key=models.log_posterior)) if fits else math.nan

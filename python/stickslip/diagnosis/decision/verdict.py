@@ -90,7 +90,7 @@ class Verdict(OneLine):
     @property
     def partial(self) -> bool:
         """Whether a discrepancy is left beside `fit`."""
-        return self.fit is not None and self.fit.form != "none"
+        return self.fit is not None and self.fit.form != "exact"
 
 
 def decide(models: Models, test: Test) -> Verdict:
@@ -144,7 +144,7 @@ def _with_second(
     if not alone:
         return _claimed(verdict, models, test, pair)
     member = max(alone, key=models.log_posterior)
-    if not pair.names <= set(sure) and pair.form == "none":
+    if not pair.names <= set(sure) and pair.form == "exact":
         # The stated errors ask for a second cause, but not for which one.
         explains = [adequacy(models.problem, each) >= ADEQUATE for each in (member, pair)]
         if explains == [False, True]:
@@ -197,9 +197,9 @@ def _claimed(
     proven = _proven(models, test, fit, gains)
     explains = plain and adequacy(problem, plain) >= ADEQUATE and not _at_end(models, plain)
     beside = fit
-    if fit.form == "none":
+    if fit.form == "exact":
         beside = next((each for each in models.leaders() if each.names == fit.names
-                       and each.form != "none"), fit)  # fmt: skip
+                       and each.form != "exact"), fit)  # fmt: skip
     # Errors that were taken from the fit of all causes explain what it leaves by themselves.
     by_itself = any(each.of_fit for each in problem.errors)
     against = [] if explains and proven and not by_itself else _against(models, beside, gains)
@@ -216,7 +216,7 @@ def _claimed(
 
 def _against(models: Models, fit: Fit, gains: Sequence[Gain | None]) -> list[Note]:
     """What speaks against causes beside a discrepancy."""
-    found = _takes_little(fit, share(models, fit) if fit.form != "none" else 0.0, gains)
+    found = _takes_little(fit, share(models, fit) if fit.form != "exact" else 0.0, gains)
     if _long_correlation(models, fit):
         text = "The discrepancy beside it has the longest correlation time that is allowed."
         found.append(Note("long-correlation", text, fit.sizes["tau"]))
@@ -272,7 +272,7 @@ def _set(
     members = verdict.members
     first = next(each for each in members if each.causes)
     against, gain = list(reasons), gain_of(models, first)
-    if first.form != "none":
+    if first.form != "exact":
         parts = [share(models, each) for each in members if each.causes]
         part = max((each for each in parts if not math.isnan(each)), default=0.0)
         against += _takes_little(first, part, [gain])

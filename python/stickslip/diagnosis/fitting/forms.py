@@ -3,7 +3,7 @@
 A discrepancy d stands beside the terms of any model: y = f(x) + d + e, with independent e of kappa
 times the stated errors (Kennedy and O'Hagan, J. R. Stat. Soc. B 63, 425, 2001). Its forms:
 
-``none``
+``exact``
     d = 0 and kappa = 1: the errors are as stated, or Student's where their size was estimated.
 ``white``
     Only kappa is free.
@@ -29,8 +29,8 @@ from stickslip.diagnosis.data.errors import Errors
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.fitting.problem import Problem
 
-PRIOR = {"none": 1 / 2, "white": 1 / 6, "ar1": 1 / 6, "smooth": 1 / 6}
-"""Prior probabilities of the forms. Chosen; between 0.1 and 0.99 for none hardly a verdict of the
+PRIOR = {"exact": 1 / 2, "white": 1 / 6, "ar1": 1 / 6, "smooth": 1 / 6}
+"""Prior probabilities of the forms. Chosen; between 0.1 and 0.99 for exact hardly a verdict of the
 prototype changed."""
 
 HYPER = {
@@ -51,7 +51,7 @@ _MOST_SMOOTH = 1000  # readings of a table, whose covariance is a matrix
 
 
 class Form:
-    """``none`` and ``white``, and what the other forms share.
+    """``exact`` and ``white``, and what the other forms share.
 
     Hyperparameters h are the logarithms named in `names`. `prepared` does what does not depend on
     them, `gram` the rest.
@@ -109,10 +109,10 @@ class Form:
         return {name: math.exp(value) for name, value in zip(self.names, h.tolist(), strict=True)}
 
 
-class Stated(Form):
-    """``none``: normal errors, or Student's for each table whose errors were estimated."""
+class Exact(Form):
+    """``exact``: normal errors, or Student's for each table whose errors were estimated."""
 
-    name = "none"
+    name = "exact"
     names = ()
 
     def prepared(self, columns: Array) -> Any:
@@ -377,7 +377,7 @@ def _along_runs(table: Table, errors: Errors) -> bool:
 
 def forms(problem: Problem, wanted: Sequence[str] = tuple(PRIOR)) -> dict[str, Form]:
     """The forms of the discrepancy that the data allow."""
-    found: dict[str, Form] = {"none": Stated(problem), "white": Form(problem)}
+    found: dict[str, Form] = {"exact": Exact(problem), "white": Form(problem)}
     pairs = zip(problem.tables, problem.errors, strict=True)
     if any(_along_runs(*each) for each in pairs):
         found["ar1"] = Correlated(problem)

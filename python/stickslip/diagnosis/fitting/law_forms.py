@@ -51,7 +51,7 @@ def _compared(models: Models, names: frozenset[str], law: Cause) -> Models:
     for name in models.forms:
         old = models.get(names, name)
         # A form may explain what no curve through knots does.
-        if old is None or (name != "none" and models.log_posterior(old) < least):
+        if old is None or (name != "exact" and models.log_posterior(old) < least):
             continue
         found = in_step(problem, [_fitted(models, old, law, each) for each in others])
         correction = models.corrections.get(names, 0.0)

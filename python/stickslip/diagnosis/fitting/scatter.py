@@ -12,7 +12,7 @@ from stickslip._util.arrays import Array, root_mean_square
 from stickslip.diagnosis.data.errors import FEWEST, Errors
 from stickslip.diagnosis.data.series import SMOOTH
 from stickslip.diagnosis.fitting.descent import End, descend, in_step, precision_of
-from stickslip.diagnosis.fitting.forms import Stated
+from stickslip.diagnosis.fitting.forms import Exact
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.responses import responses
@@ -47,10 +47,10 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
     if unknown:
         starts = _searched(problem, null, ends, seed)
     else:
-        found = responses(problem, null.end, (), problem.causes, Stated(problem), h)
+        found = responses(problem, null.end, (), problem.causes, Exact(problem), h)
         starts = [null.x, *(each.x for each in found[:_STARTS])]
     for _ in range(_ROUNDS):
-        form = Stated(problem)
+        form = Exact(problem)
         every = [descend(problem, form, h, problem.causes, x, steps=_STEPS) for x in starts]
         best = min(in_step(problem, every), key=lambda each: each.cost)
         starts = [best.x]
@@ -68,14 +68,14 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
 
 def _searched(problem: Problem, null: Fit, ends: Sequence[End], seed: int) -> list[Array]:
     """Coordinates of the recalibrated model, and of the models that come nearest to the data."""
-    models = Models(problem, problem.causes, ["none"])
-    models.add_fits([Start("none", (), null.x)])
+    models = Models(problem, problem.causes, ["exact"])
+    models.add_fits([Start("exact", (), null.x)])
     search(models, ends, problem.causes, seed=seed)
     found = sorted(models.best.values(), key=lambda each: each.cost)
     return [null.x, *(each.x for each in found[:_STARTS])]
 
 
-def _parameters(problem: Problem, form: Stated, end: End) -> float:
+def _parameters(problem: Problem, form: Exact, end: End) -> float:
     """How many readings a fit of all causes takes up; a prior that decides takes none."""
     whitened = form.prepared(end.slopes)
     gram = whitened.T @ whitened

@@ -130,20 +130,20 @@ class Models:
         wider.corrections, wider.of_forms = dict(self.corrections), dict(self.of_forms)
         return wider
 
-    def get(self, causes: Iterable[str] = (), form: str = "none") -> Fit | None:
+    def get(self, causes: Iterable[str] = (), form: str = "exact") -> Fit | None:
         """The fit of a model, if there is one."""
         return self.best.get((frozenset(causes), form))
 
     @property
     def reaches(self) -> bool:
         """Whether some model comes near the data, to ten errors in the mean."""
-        best = min(each.chi2 for each in self.leaders(form="none"))
+        best = min(each.chi2 for each in self.leaders(form="exact"))
         return best < _NEAR_DATA * len(self.problem.y)
 
     @property
     def null(self) -> Fit:
         """The recalibrated model with the errors as they are stated."""
-        return self.best[frozenset(), "none"]
+        return self.best[frozenset(), "exact"]
 
     def log_posterior(self, one: Fit) -> float:
         """Log-evidence and log prior probability of a model, up to what all have."""
@@ -174,7 +174,7 @@ class Models:
 
     def _fitted(self, start: Start) -> Asking[Fit | None]:
         hopeless = math.inf
-        if start.form == "none" and start.causes and self.best:
+        if start.form == "exact" and start.causes and self.best:
             hopeless = self.leaders(1, start.form)[0].cost + _HOPELESS
         try:
             return (
@@ -189,7 +189,7 @@ class Models:
 
 def _is_better(new: Fit, old: Fit) -> bool:
     """Whether a fit of one model is to be kept; costs compare only in one inner product."""
-    if new.form == "none":
+    if new.form == "exact":
         return new.cost < old.cost
     return new.log_evidence > old.log_evidence
 
@@ -200,18 +200,18 @@ def recalibrated(problem: Problem, seed: int) -> tuple[Fit, list[End]]:
     Where the first starts end with a misfit, others from a second scan follow, of all strata of the
     constants that are known in range only: a wrong minimum would be taken for a hidden cause.
     """
-    stated = forms(problem, ["none"])["none"]
+    exact = forms(problem, ["exact"])["exact"]
     count = _SCAN if len(problem.constants) > 1 else _SCAN // 4
     starts = list(_separated(_scan(problem, count, seed), lambda each: each, _APART))
-    best, ends = _descended(problem, stated, starts)
+    best, ends = _descended(problem, exact, starts)
     if problem.constants and lack_of_fit(problem, best.chi2, len(problem.y)) < _DOUBTFUL:
-        again, more = _descended(problem, stated, _strata(problem, _scan(problem, _SCAN, seed + 1)))
+        again, more = _descended(problem, exact, _strata(problem, _scan(problem, _SCAN, seed + 1)))
         best = min((best, again), key=lambda each: each.cost)
         ends = sorted([*ends, *more], key=lambda each: each.cost)
     return best, ends
 
 
-def _descended(problem: Problem, stated: Form, starts: Sequence[Array]) -> tuple[Fit, list[End]]:
+def _descended(problem: Problem, exact: Form, starts: Sequence[Array]) -> tuple[Fit, list[End]]:
     """The best fit from some starts by all stages, and the ends of the softest."""
     softest: list[End] = []
     for stage, most in zip(STAGES, _DESCENTS, strict=False):
@@ -221,7 +221,7 @@ def _descended(problem: Problem, stated: Form, starts: Sequence[Array]) -> tuple
         distinct = list(_separated(found, lambda each: each.x, _SAME))
         softest = softest or distinct
         starts = [each.x for each in distinct]
-    fits = [minimise(problem, stated, (), x) for x in starts[: _DESCENTS[-1]]]
+    fits = [minimise(problem, exact, (), x) for x in starts[: _DESCENTS[-1]]]
     return min(in_step(problem, fits), key=lambda each: each.cost), softest
 
 
@@ -285,14 +285,14 @@ def search(
         new = new[: None if reaches else 1]
         if not new:
             break
-        before = models.leaders(1, "none")[0].chi2
+        before = models.leaders(1, "exact")[0].chi2
         for leader in new:
             done[leader.names] = leader.log_evidence
             if models.begun < most:
                 _look_beside(models, leader)
         _fit_other_forms(models)
-        _fit_stated_again(models)
-        if not reaches and models.leaders(1, "none")[0].chi2 > _PAYS * before:
+        _fit_exact_again(models)
+        if not reaches and models.leaders(1, "exact")[0].chi2 > _PAYS * before:
             break
     compared = [each for each in models.leaders() if each in _near(models) or not each.causes]
     sharper = [sharpened(problem, models.forms[each.form], each) for each in compared]
@@ -356,7 +356,7 @@ def _worth_a_look(models: Models) -> list[Fit]:
     for each in _near(models):
         sets.setdefault(each.names, each)
     found = [each for each in sets.values() if each.causes][:LEADERS]
-    best = models.leaders(form="none")
+    best = models.leaders(form="exact")
     laws = any(each.curve is not None for each in models.offered)
     if best[0].chi2 > _COMFORTABLE * len(models.problem.y) and not laws:
         singles = [each for each in best if len(each.causes) == 1][: 2 * LEADERS]
@@ -377,20 +377,20 @@ def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -
     first = {cause.name: (end, cause) for end, cause in reversed(looks)}
     hopeful = [each for each in looks if each[0].cost < looks[0][0].cost + _HOPELESS]
     hopeful += [each for each in first.values() if each not in hopeful]
-    fits = [Start("none", (cause,), end.x, end.slopes) for end, cause in hopeful]
+    fits = [Start("exact", (cause,), end.x, end.slopes) for end, cause in hopeful]
     models.add_fits(fits[:1])
     models.add_fits(fits[1:])
     # The recalibrated model gets as many searches as its rivals, from where they are.
-    singles = [each for each in models.leaders(form="none") if len(each.causes) == 1][:_RIVALS]
+    singles = [each for each in models.leaders(form="exact") if len(each.causes) == 1][:_RIVALS]
     constants = len(problem.constants)
     rivals = _separated(singles, lambda each: each.x[:constants], _APART)
-    models.add_fits([Start("none", (), each.x) for each in rivals])
+    models.add_fits([Start("exact", (), each.x) for each in rivals])
     null = models.null
     worse = []
     for cause in causes:
         own = models.get([cause.name])
         if own is None or own.cost > null.cost + SETTLED:
-            worse.append(Start("none", (cause,), null.x))  # no fit is worse than what it contains
+            worse.append(Start("exact", (cause,), null.x))  # no fit is worse than what it contains
     models.add_fits(worse)
 
 
@@ -498,7 +498,7 @@ def _end_at(problem: Problem, causes: Sequence[Cause], x: Array) -> Asking[End]:
 def _look_beside(models: Models, leader: Fit) -> None:
     """Fit the models with one cause more, less or exchanged, from where a leader is."""
     problem, metric, h = models.problem, models.forms[leader.form], leader.h
-    if leader.form == "none":
+    if leader.form == "exact":
         metric, h = _softened(problem, leader), np.zeros(0)
     bases = [(leader.causes, leader.end)] if len(leader.causes) < MOST_CAUSES else []
     smaller = [
@@ -533,9 +533,9 @@ def _look_beside(models: Models, leader: Fit) -> None:
 
 def _fit_other_forms(models: Models) -> None:
     """Fit the most promising models with each further form of the discrepancy."""
-    for name in [each for each in models.forms if each != "none"]:
+    for name in [each for each in models.forms if each != "exact"]:
         hopes = []
-        for place, old in enumerate(models.leaders(form="none")):
+        for place, old in enumerate(models.leaders(form="exact")):
             known = hope = models.get(old.names, name)
             # A fit beside a large discrepancy may have stayed where the cause does nothing.
             stuck = known is not None and known.chi2 > old.chi2 + _HOPELESS and place < _OTHER_FORMS
@@ -553,22 +553,22 @@ def _fit_other_forms(models: Models) -> None:
         ])  # fmt: skip
 
 
-def _fit_stated_again(models: Models) -> None:
+def _fit_exact_again(models: Models) -> None:
     """Fit models with the errors as stated from where others have fitted better: none is worse
     than what it contains.
 
     With another form: where predictions jump, a descent may stop before a jump that wider errors
     let it pass.
     """
-    stated, starts = models.forms["none"], []
-    for old in models.leaders(form="none"):
+    exact, starts = models.forms["exact"], []
+    for old in models.leaders(form="exact"):
         for other in models.best.values():
             alike = other.names == old.names
-            if other is old or not (alike or (other.form == "none" and other.names < old.names)):
+            if other is old or not (alike or (other.form == "exact" and other.names < old.names)):
                 continue
-            cost = stated.cost(other.residual[None, :], np.zeros(0))[0]
+            cost = exact.cost(other.residual[None, :], np.zeros(0))[0]
             own = other.x[old.free]
             if float(cost + own @ old.precision @ own) < old.cost - _BETTER:
                 slopes = other.slopes if alike else None
-                starts.append(Start("none", old.causes, other.x, slopes))
+                starts.append(Start("exact", old.causes, other.x, slopes))
     models.add_fits(starts)
