@@ -65,11 +65,11 @@ def representatives(values: Iterable[float], kept: Collection[float] = ()) -> di
             groups[-1].append(value)
         else:
             groups.append([value])
-    found: dict[float, float] = {}
+    names_of: dict[float, float] = {}
     for group in groups:
         best = min(group, key=lambda value: (value not in kept, len(repr(value)), value))
-        found |= dict.fromkeys(group, best)
-    return found
+        names_of |= dict.fromkeys(group, best)
+    return names_of
 
 
 def worker_count(count: int | None, name: str) -> int:
@@ -130,14 +130,14 @@ def numbers(
         be converted.
     """
     given, missing = _elements(what, _without_unit(what, values, unit), allowed)
-    found = _as_floats(what, given, missing, allowed)
+    array = _as_floats(what, given, missing, allowed)
     if missing.any() and not gaps:
         first = given[tuple(np.argwhere(missing)[0])]
         refuse(_at(what, missing), first if _is_gap(first) else np.nan, allowed)
-    wrong = ~np.isfinite(found) & ~missing
+    wrong = ~np.isfinite(array) & ~missing
     if finite and wrong.any():
         _refuse_element(what, given, wrong, allowed)
-    return locked(found)
+    return locked(array)
 
 
 def row(
@@ -150,12 +150,12 @@ def row(
 ) -> Array:
     """`numbers` of shape (n,), not empty; of shape (count,) where a count is given."""
     allowed = "one row of finite numbers"
-    found = numbers(what, values, allowed, unit=unit, gaps=gaps)
-    if found.ndim != 1 or not len(found):
+    array = numbers(what, values, allowed, unit=unit, gaps=gaps)
+    if array.ndim != 1 or not len(array):
         refuse(what, values, allowed)
-    if count is not None and len(found) != count:
-        raise ScenarioError(f"{what}: {len(found)} values; allowed are {count}")
-    return found
+    if count is not None and len(array) != count:
+        raise ScenarioError(f"{what}: {len(array)} values; allowed are {count}")
+    return array
 
 
 def column(what: str, values: object, count: int) -> tuple[Elements, Mask]:
@@ -169,15 +169,15 @@ def column(what: str, values: object, count: int) -> tuple[Elements, Mask]:
         raise ScenarioError(f"{what}: allowed are {count} rows, one for each reading")
     kind = _kind_of_all(what, given, missing, allowed)
     if kind == _TEXT:
-        words = ["" if gap else str(each) for each, gap in zip(given, missing, strict=True)]
+        words = ["" if gap else str(value) for value, gap in zip(given, missing, strict=True)]
         return locked(np.array(words)), missing
     if kind == _TRUTH:
         return locked(np.where(missing, False, given).astype(bool)), missing
-    found = _as_floats(what, given, missing, allowed)
-    wrong = ~np.isfinite(found) & ~missing
+    array = _as_floats(what, given, missing, allowed)
+    wrong = ~np.isfinite(array) & ~missing
     if wrong.any():
         _refuse_element(what, given, wrong, allowed)
-    return locked(found), missing
+    return locked(array), missing
 
 
 def labels(what: str, values: object, count: int) -> Indices:
@@ -186,10 +186,10 @@ def labels(what: str, values: object, count: int) -> Indices:
     if given.shape != (count,):
         raise ScenarioError(f"{what}: allowed is one for each of {count} readings")
     plain = given.tolist()
-    texts = any(isinstance(each, str) for each in plain)
+    texts = any(isinstance(value, str) for value in plain)
     keys: list[Hashable] = [
-        (k,) if gap else str(each) if texts else each
-        for k, (each, gap) in enumerate(zip(plain, missing.tolist(), strict=True))
+        (k,) if gap else str(value) if texts else value
+        for k, (value, gap) in enumerate(zip(plain, missing.tolist(), strict=True))
     ]
     places = {key: k for k, key in enumerate(dict.fromkeys(keys))}
     return np.array([places[key] for key in keys], dtype=np.int64)
@@ -201,9 +201,9 @@ def columns_of(what: str, table: Any) -> dict[Any, Any] | None:
         return dict(table)
     if isinstance(table, Sequence) and table and isinstance(table[0], Mapping):
         names = list(table[0])
-        if any(not isinstance(each, Mapping) or each.keys() != table[0].keys() for each in table):
+        if any(not isinstance(row, Mapping) or row.keys() != table[0].keys() for row in table):
             raise ScenarioError(f"{what}: allowed are rows with the same names")
-        return {name: [each[name] for each in table] for name in names}
+        return {name: [row[name] for row in table] for name in names}
     fields: Any = getattr(getattr(table, "dtype", None), "names", None)
     names = list(fields or getattr(table, "columns", ()))
     for k, name in enumerate(names):
@@ -264,7 +264,7 @@ def _elements(what: str, values: Any, allowed: str) -> tuple[Elements, Mask]:
     except (TypeError, ValueError, OverflowError):  # rows of several lengths
         refuse(what, values, allowed)
     if given.dtype.kind == "O":
-        missing = np.array([_is_gap(each) for each in given.flat], dtype=bool).reshape(given.shape)
+        missing = np.array([_is_gap(one) for one in given.flat], dtype=bool).reshape(given.shape)
     elif given.dtype.kind in "fcmM":
         missing = np.asarray(np.isnat(given) if given.dtype.kind in "mM" else np.isnan(given))
     else:
@@ -312,31 +312,31 @@ def _as_floats(what: str, given: Elements, missing: Mask, allowed: str) -> Array
     """Elements of one kind as numbers, NaN in gaps."""
     kind = _kind_of_all(what, given, missing, allowed)
     if given.dtype.kind == "f":
-        found = given.astype(np.float64)
-        found[missing] = np.nan
-        return found
-    found = np.full(given.shape, np.nan)
+        result = given.astype(np.float64)
+        result[missing] = np.nan
+        return result
+    result = np.full(given.shape, np.nan)
     sound = ~missing
     if kind in (_DATE, _DURATION):
-        found[sound] = _seconds(what, given[sound], kind, allowed)
+        result[sound] = _seconds(what, given[sound], kind, allowed)
     elif given.dtype.kind in "biu":
-        found[sound] = given[sound]
+        result[sound] = given[sound]
     else:
         for place in map(tuple, np.argwhere(sound)):
             try:
-                found[place] = float(given[place])
+                result[place] = float(given[place])
             except (TypeError, ValueError, OverflowError):
                 wrong = np.zeros(given.shape, dtype=bool)
                 wrong[place] = True
                 _refuse_element(what, given, wrong, allowed)
-    return found
+    return result
 
 
 def _seconds(what: str, given: Elements, kind: str, allowed: str) -> Array:
     """Durations, or dates from the earliest one, s, shape (n,)."""
     try:
         if given.dtype.kind == "O":
-            exact = [_in_utc(each) for each in given]
+            exact = [_in_utc(value) for value in given]
             given = np.array(exact, dtype="M8[us]" if kind == _DATE else "m8[us]")
         if kind == _DATE:
             unit = "D" if np.datetime_data(given.dtype)[0] in "YM" else None

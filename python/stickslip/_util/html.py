@@ -46,10 +46,10 @@ def _templates() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
         # What has `__html__` is a part of the page, whose values went through this already.
-        finalize=lambda each: (
-            printable_lines(each)
-            if isinstance(each, str) and not hasattr(each, "__html__")
-            else each
+        finalize=lambda value: (
+            printable_lines(value)
+            if isinstance(value, str) and not hasattr(value, "__html__")
+            else value
         ),
     )
 
@@ -85,8 +85,8 @@ def svg(figure: Figure | None) -> Markup:
     text = text.replace(palette.LIGHT_GREY.lower(), "var(--line)")
     # Groups need no names; what is referred to has one that no other figure of a page has.
     text = re.sub(r'<g id="[^"]*"', "<g", text)
-    own = hashlib.sha256(text.encode("utf-8")).hexdigest()[:8]
-    text = re.sub(r'( id="| href="#|url\(#)', rf"\g<1>{own}-", text)
+    digest = hashlib.sha256(text.encode("utf-8")).hexdigest()[:8]
+    text = re.sub(r'( id="| href="#|url\(#)', rf"\g<1>{digest}-", text)
     return Markup(printable_lines(text))
 
 

@@ -31,7 +31,7 @@ def shown(value: object) -> str:
     elif isinstance(value, numbers.Real) and not isinstance(value, numbers.Integral):
         text = repr(float(value))
     elif isinstance(value, Mapping):
-        text = "{ " + ", ".join(f"{key} = {shown(each)}" for key, each in value.items()) + " }"
+        text = "{ " + ", ".join(f"{key} = {shown(part)}" for key, part in value.items()) + " }"
     else:
         try:
             text = " ".join(repr(value).split())
@@ -72,12 +72,12 @@ def as_list(name: str, values: object, allowed: str) -> list[Any]:
     if isinstance(values, str | bytes | Mapping):
         refuse(name, values, allowed)
     try:
-        found = list(itertools.islice(values, MOST_VALUES + 1))  # type: ignore[call-overload]
+        first = list(itertools.islice(values, MOST_VALUES + 1))  # type: ignore[call-overload]
     except TypeError:  # not iterable, such as an array without dimensions
         refuse(name, values, allowed)
-    if len(found) > MOST_VALUES:
+    if len(first) > MOST_VALUES:
         raise ScenarioError(f"{name}: allowed are at most {MOST_VALUES} values")
-    return found
+    return first
 
 
 def nearest(word: str, known: Iterable[str]) -> str | None:
@@ -106,7 +106,7 @@ def suggestion(word: str, known: Iterable[str], listed: Iterable[str] | None = N
     near = nearest(word, known)
     if near is not None:
         return f'did you mean "{near}"?'
-    return "known are " + ", ".join(f'"{each}"' for each in (known if listed is None else listed))
+    return "known are " + ", ".join(f'"{name}"' for name in (known if listed is None else listed))
 
 
 def meant(word: object, known: Iterable[str]) -> str:

@@ -22,7 +22,7 @@ _LOOK = (
 )
 
 PLAIN: Any = {
-    key: each for key, each in matplotlib.rcParamsDefault.items() if key.startswith(_LOOK)
+    key: value for key, value in matplotlib.rcParamsDefault.items() if key.startswith(_LOOK)
 }
 """The look of matplotlib, whatever the user's settings are."""
 

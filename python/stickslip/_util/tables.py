@@ -83,8 +83,8 @@ def text_lines(data: bytes) -> Iterator[str]:
         wrong, what = error.start, "not UTF-8"
     if wrong >= 0:
         wide = " (UTF-16 without its mark?)" if what == "NUL" and wrong < 2 else ""
-        said = f"is not text: byte {wrong + 1} is {what}{wide}"
-        raise ScenarioError(f"{said}; save it as CSV in UTF-8")
+        message = f"is not text: byte {wrong + 1} is {what}{wide}"
+        raise ScenarioError(f"{message}; save it as CSV in UTF-8")
     # Lines as they are wanted: all of them together would take ten times the room of the bytes.
     with io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig") as file:
         for line in file:
@@ -203,8 +203,8 @@ class CsvTable:
 
         A ScenarioError if an earlier cell has the other one: either may separate thousands.
         """
-        found = None if self.separator == "," else _DECIMAL.fullmatch(cell)
-        if found is None:
+        decimal = None if self.separator == "," else _DECIMAL.fullmatch(cell)
+        if decimal is None:
             if cell.isdigit():
                 self._bare.setdefault(column, (line, cell))
             return cell
@@ -212,10 +212,10 @@ class CsvTable:
             self._thousands.setdefault(column, (line, cell))
         else:
             self._decimals = True
-        mark, other, at = self._mark = self._mark or (found[1], cell, line)
-        if mark != found[1]:
+        mark, other, at = self._mark = self._mark or (decimal[1], cell, line)
+        if mark != decimal[1]:
             raise ScenarioError(
-                f'line {line}: "{cell}" has a decimal {_MARKS[found[1]]} and "{other}" in line '
+                f'line {line}: "{cell}" has a decimal {_MARKS[decimal[1]]} and "{other}" in line '
                 f"{at} a decimal {_MARKS[mark]}; allowed is one of them, and no separators of "
                 "thousands"
             )
@@ -355,8 +355,8 @@ def _parsed(file: CsvTable, columns: Units) -> Rows:
                 f"{commas}"
             )
         lines.append(line)
-        for name, found in words.items():
-            found.append(cells[order[name]])
+        for name, column in words.items():
+            column.append(cells[order[name]])
         for name, unit in numbers.items():
             cell = cells[order[name]]
             value = number(file.with_point(line, order[name], cell))
@@ -397,7 +397,7 @@ def _places(line: int, header: list[str], columns: Units) -> dict[str, int]:
     expected = "allowed are " + ", ".join(columns)
     for name in columns:
         if name not in header:
-            near = nearest(name, [split_unit(each)[0] for each in header if each not in columns])
+            near = nearest(name, [split_unit(word)[0] for word in header if word not in columns])
             meant = "" if near is None else f", and {shown(near)} may be meant as it"
             raise ScenarioError(f"row {line}: the column {name} is missing{meant}; {expected}")
     for index, name in enumerate(header):

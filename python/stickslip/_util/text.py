@@ -20,7 +20,7 @@ def printable(text: object) -> str:
     if text.isprintable():
         return text
     return "".join(
-        each if each.isprintable() else each.encode("unicode_escape").decode() for each in text
+        char if char.isprintable() else char.encode("unicode_escape").decode() for char in text
     )
 
 
@@ -44,8 +44,8 @@ def quoted(text: str) -> str:
     It has what JSON escapes, and the other control characters too: TOML has no bare DEL.
     """
     return "".join(
-        each if each.isprintable() else f"\\U{ord(each):08x}"
-        for each in json.dumps(text, ensure_ascii=False)
+        char if char.isprintable() else f"\\U{ord(char):08x}"
+        for char in json.dumps(text, ensure_ascii=False)
     )
 
 
@@ -89,9 +89,9 @@ def alike(step: float, *values: float) -> list[str]:
     So a value that lies in an interval is printed within it.
     """
     if not (math.isfinite(step) and step > 0.0):
-        return [f"{each:.6g}" for each in values]
+        return [f"{value:.6g}" for value in values]
     places = 1 - math.floor(math.log10(step))
-    return [f"{round(each, places) + 0.0:.12g}" for each in values]
+    return [f"{round(value, places) + 0.0:.12g}" for value in values]
 
 
 _UNUSUAL = re.compile(r"[^\n -~]")
@@ -104,7 +104,7 @@ def json_text(value: Any) -> str:
     control characters, and the others, such as DEL, act on a terminal.
     """
     text = json.dumps(_finite(value), indent=2, allow_nan=False, ensure_ascii=False)
-    return _UNUSUAL.sub(lambda each: _shown(each[0]), text)
+    return _UNUSUAL.sub(lambda match: _shown(match[0]), text)
 
 
 def _shown(character: str) -> str:
@@ -113,9 +113,9 @@ def _shown(character: str) -> str:
 
 def _finite(value: Any) -> Any:
     if isinstance(value, dict):
-        return {name: _finite(each) for name, each in value.items()}
+        return {name: _finite(part) for name, part in value.items()}
     if isinstance(value, list | tuple):
-        return [_finite(each) for each in value]
+        return [_finite(part) for part in value]
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value
@@ -136,9 +136,9 @@ class OneLine:
         if not is_dataclass(self):
             return f"{type(self).__name__}()"
         shown = [
-            f"{each.name}={brief(getattr(self, each.name))}"
-            for each in fields(self)
-            if each.repr and hasattr(self, each.name)
+            f"{field.name}={brief(getattr(self, field.name))}"
+            for field in fields(self)
+            if field.repr and hasattr(self, field.name)
         ]
         return f"{type(self).__name__}({', '.join(shown)})"
 
@@ -154,9 +154,9 @@ def brief(value: Any) -> str:
     if isinstance(value, Mapping) and len(value) > _FEW:
         return f"<{len(value)} entries>"
     if isinstance(value, Sequence) and not isinstance(value, str | bytes):
-        few = len(value) <= _FEW and all(isinstance(each, str | int | float) for each in value)
+        few = len(value) <= _FEW and all(isinstance(part, str | int | float) for part in value)
         if not few:
-            kinds = {type(each).__name__ for each in value}
+            kinds = {type(part).__name__ for part in value}
             return f"<{len(value)} {kinds.pop() if len(kinds) == 1 else 'items'}>"
     text = " ".join(repr(value).split())
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."

@@ -69,8 +69,8 @@ def in_handy_units(words: str, unit: str) -> tuple[float, str]:
 
 def split_unit(heading: str) -> tuple[str, str | None]:
     """``x (mm)`` or ``x [mm]`` of a heading as its name and unit; None where it states none."""
-    found = _HEADING.fullmatch(heading)
-    return (found[1], found[2]) if found else (heading, None)
+    match = _HEADING.fullmatch(heading)
+    return (match[1], match[2]) if match else (heading, None)
 
 
 def per_si(unit: str, si: str) -> float:
@@ -137,7 +137,7 @@ def unit_factor(
     if not 0.0 < ratio < math.inf:
         return None
     size = abs(math.log(ratio))
-    factor = min(among, key=lambda each: abs(size - math.log(each)))
+    factor = min(among, key=lambda known: abs(size - math.log(known)))
     # What makes 1000 of 999.9999 must not decide.
     if abs(size - math.log(factor)) > math.log(within) * (1.0 + 1e-12):
         return None

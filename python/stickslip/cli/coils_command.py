@@ -55,7 +55,7 @@ def command(
     facts = coil_facts(loaded, volts, amperes)
     changes = {name: dimension_changes(loaded, name) for name in facts}
     if as_json:
-        rows = {name: {**each._asdict(), "changes": changes[name]} for name, each in facts.items()}
+        rows = {name: {**coil._asdict(), "changes": changes[name]} for name, coil in facts.items()}
         output.print_json({"units": UNITS, "coils": rows})
     else:
         _print(facts, changes)
@@ -65,17 +65,17 @@ def command(
 def _print(facts: dict[str, CoilFacts], changes: dict[str, dict[str, dict[str, float]]]) -> None:
     """Coils that are alike together, and what each does in the drive."""
     groups: dict[str, list[str]] = {}
-    for name, each in facts.items():
-        groups.setdefault(_text(each, changes[name]), []).append(name)
+    for name, coil in facts.items():
+        groups.setdefault(_text(coil, changes[name]), []).append(name)
     for text, names in groups.items():
         click.echo(f"{' '.join(names)}\n{text}")
     click.echo("the highest voltages of the drive, held")
-    for name, each in facts.items():
-        if each.current:
-            told = f"{each.current:.4g} A, {each.power:.3g} W"
-            if not math.isnan(each.heating):
-                told += f", {each.heating:.2g} K/s at first where the wire is of copper"
-            click.echo(f"    {name:<20} {told}")
+    for name, coil in facts.items():
+        if coil.current:
+            text = f"{coil.current:.4g} A, {coil.power:.3g} W"
+            if not math.isnan(coil.heating):
+                text += f", {coil.heating:.2g} K/s at first where the wire is of copper"
+            click.echo(f"    {name:<20} {text}")
 
 
 def _text(facts: CoilFacts, changes: dict[str, dict[str, float]]) -> str:
@@ -85,8 +85,8 @@ def _text(facts: CoilFacts, changes: dict[str, dict[str, float]]) -> str:
         if not math.isnan(value):
             lines.append(f"    {words:<20} {value:.4g} {unit}")
     for dimension, parts in changes.items():
-        told = [
+        texts = [
             f"{n.replace('_', ' ')} {100 * p:+.2g} %" for n, p in parts.items() if abs(p) > 1e-9
         ]
-        lines.append(f"    {'5 % more ' + dimension:<20} {', '.join(told)}")
+        lines.append(f"    {'5 % more ' + dimension:<20} {', '.join(texts)}")
     return "\n".join(lines)

@@ -145,8 +145,8 @@ def command(
     if write:
         raise click.UsageError("--write: allowed with a table of data only")
     # Before what takes minutes: a cell with a slip of the pen may be worth mending first.
-    for said in data.left_out[:_SAID_FIRST]:
-        say(f"stickslip: left out: {said}", err=True)
+    for row in data.left_out[:_SAID_FIRST]:
+        say(f"stickslip: left out: {row}", err=True)
     if len(data.left_out) > _SAID_FIRST:
         say("stickslip: left out: more, which the report lists", err=True)
     if out is None and (most is not None or not as_json):
@@ -184,16 +184,16 @@ def _plan(
         check_folder(out, FILES)
     if any((out / name).exists() for name in FILES):
         raise ScenarioError(f"--out: {out} holds a plan or a measurement: choose another folder")
-    found = plan(scenario, count, noise=noise, seed=seed, threads=threads)
+    made = plan(scenario, count, noise=noise, seed=seed, threads=threads)
     if scenario.uncertain is None:
         say(
             "stickslip: note: nothing is uncertain in the scenario, so that its constants count as "
             "exact; state what you know of them in [uncertain]",
             err=True,
         )
-    say(f"{int(found.seen.sum())} of {len(found.causes)} causes would be seen at their usual sizes")
-    say(f"{len(found.alike)} pairs of these would not be told apart")
-    found.save(out)
+    say(f"{int(made.seen.sum())} of {len(made.causes)} causes would be seen at their usual sizes")
+    say(f"{len(made.alike)} pairs of these would not be told apart")
+    made.save(out)
     say(f"in {out}: {', '.join(FILES)}; fill in the velocities, as protocol.md says")
 
 
@@ -214,7 +214,7 @@ def _diagnose_logs(
         with prefixed("--out", OSError):
             check_folder(out, report_files(None))
     made = load_model(model, given, files)
-    logs = [read_log(each, made) for each in files]
+    logs = [read_log(path, made) for path in files]
     for log in logs:
         for note in log.own_notes:
             say(f"stickslip: {log.name}: {note}", err=True)
@@ -222,7 +222,7 @@ def _diagnose_logs(
         result = stickslip.diagnose_model(made, logs, seed=seed, progress=bar)
     _print(result, as_json)
     if out is not None:
-        result.save_report(out, title=", ".join(each.name for each in files))
+        result.save_report(out, title=", ".join(path.name for path in files))
         if not as_json:
             say(f"  in {out}: {', '.join(report_files(None))}")
 

@@ -27,10 +27,10 @@ from stickslip.scenario.keys import PREFIX
 @click.argument("word", required=False, default="")
 @JSON
 def command(word: str, as_json: bool) -> None:
-    found = having(word.removeprefix(PREFIX), {each.name: each.meaning for each in effects()})
-    if not found:
+    names = having(word.removeprefix(PREFIX), {effect.name: effect.meaning for effect in effects()})
+    if not names:
         raise ScenarioError(f"{word}: no effect has this word; {suggested_effect(word)}")
-    chosen = [each for each in effects() if each.name in found]
+    chosen = [effect for effect in effects() if effect.name in names]
     if as_json:
         print_json({"effects": [_as_dict(effect) for effect in chosen]})
     else:

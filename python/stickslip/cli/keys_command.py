@@ -42,7 +42,7 @@ FILES = {
 def command(word: str, as_json: bool) -> None:
     known = [
         *known_keys().values(),
-        *(known_keys()[f"{LAWS}NAME.{each}"] for each in _core.law_keys),
+        *(known_keys()[f"{LAWS}NAME.{key}"] for key in _core.law_keys),
     ]
     keys = [known_keys()[name] for name in having(word, {k.name: k.meaning for k in known})]
     if not keys and word in known_keys():  # of a law by its own name
@@ -71,8 +71,8 @@ def having(word: str, meanings: dict[str, str]) -> list[str]:
 def as_dict(key: Key) -> dict[str, object]:
     """A key as an object of JSON."""
     fields = ("unit", "low", "high", "allowed", "default", "meaning")
-    found = {"key": key.name, **{name: getattr(key, name) for name in fields}}
-    return found | {"default": None} if key.name.startswith(LAWS) else found
+    row = {"key": key.name, **{name: getattr(key, name) for name in fields}}
+    return row | {"default": None} if key.name.startswith(LAWS) else row
 
 
 def indented(text: str) -> str:

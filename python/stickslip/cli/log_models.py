@@ -46,8 +46,8 @@ def load_model(text: str, given: Mapping[str, Any], logs: Sequence[Path]) -> Any
 
 def _read(kind: Kind, log: Path) -> str | None:
     """The first of what a kind of model may read that is a column of a log."""
-    there = {split_unit(each)[0].replace("_", " ") for each in headings(log, kind.reads)}
-    return next((each for each in kind.reads if len(kind.reads) > 1 and each in there), None)
+    there = {split_unit(heading)[0].replace("_", " ") for heading in headings(log, kind.reads)}
+    return next((name for name in kind.reads if len(kind.reads) > 1 and name in there), None)
 
 
 def _of_file(path: Path, name: str) -> Any:
@@ -56,24 +56,24 @@ def _of_file(path: Path, name: str) -> Any:
         raise ScenarioError(f"--model: {path}: there is no such file")
     sys.path.insert(0, str(path.resolve().parent))  # as of a script
     try:
-        found = runpy.run_path(str(path))
+        variables = runpy.run_path(str(path))
     except Exception as error:  # whatever a file of a user does
-        own = isinstance(error, ScenarioError)
-        said = str(error) if own else f"{type(error).__name__}: {error}"
-        raise ScenarioError(f"{path}{_line_of(str(path), error)}: {said}") from None
+        is_refusal = isinstance(error, ScenarioError)
+        text = str(error) if is_refusal else f"{type(error).__name__}: {error}"
+        raise ScenarioError(f"{path}{_line_of(str(path), error)}: {text}") from None
     finally:
         del sys.path[0]
-    there = [key for key, each in found.items() if isinstance(each, Model | Own)]
+    there = [key for key, value in variables.items() if isinstance(value, Model | Own)]
     if name not in there:
         allowed = ", ".join(there) or "a model of stickslip.models, such as own(...) makes"
         raise ScenarioError(f"{path}: there is no model {name}; allowed is {allowed}")
-    return found[name]
+    return variables[name]
 
 
 def _line_of(path: str, error: Exception) -> str:
     """The last line of a file that led to an error."""
-    frames = [each.lineno for each in traceback.extract_tb(error.__traceback__)
-              if each.filename == path]  # fmt: skip
+    frames = [frame.lineno for frame in traceback.extract_tb(error.__traceback__)
+              if frame.filename == path]  # fmt: skip
     if isinstance(error, SyntaxError) and error.filename == path:
         frames = [error.lineno]
     return f": line {frames[-1]}" if frames else ""
@@ -83,12 +83,12 @@ def model_file(name: str, file: Path) -> str:
     """The text of a file with a ready-made model, whose numbers are to be changed."""
     kind = KINDS[name]
     terms = list(kind.every.values())
-    constants = [each for each in terms if each.absent is None]
-    model = getattr(models, name)(**{each.name: (1.0, 0.1) for each in constants})
-    effects = [each for each in terms if each.size]
-    others = [each for each in terms if each not in constants and each not in effects]
-    sensors = ", ".join(each.name for each in kind.sensors)
-    reads = " or ".join(f'"{each}"' for each in kind.reads if each != model.reads)
+    constants = [term for term in terms if term.absent is None]
+    model = getattr(models, name)(**{term.name: (1.0, 0.1) for term in constants})
+    effects = [term for term in terms if term.size]
+    others = [term for term in terms if term not in constants and term not in effects]
+    sensors = ", ".join(sensor.name for sensor in kind.sensors)
+    reads = " or ".join(f'"{quantity}"' for quantity in kind.reads if quantity != model.reads)
     about = str(getattr(models, name).__doc__).split("\n", 1)[0]
     lines = [
         f'"""{about}',
@@ -104,13 +104,13 @@ def model_file(name: str, file: Path) -> str:
         "",
         f"model = models.{name}(",
         "    # Constants: a value, or (value, standard deviation). Change these numbers.",
-        *(_term(each.name, "(1.0, 0.1)", each.unit, each.meaning) for each in constants),
+        *(_term(term.name, "(1.0, 0.1)", term.unit, term.meaning) for term in constants),
         "    # Effects. One that is stated is known; the others are causes that may be named.",
-        *(f"    # {_term(each.name, '(0.1, 0.01)', each.unit, each.meaning).strip()}"
-          for each in effects),
+        *(f"    # {_term(term.name, '(0.1, 0.01)', term.unit, term.meaning).strip()}"
+          for term in effects),
         "    # What has a usual value, or is found where it is not stated.",
-        *(f"    # {_term(each.name, repr(each.absent or 0.1), each.unit, each.meaning).strip()}"
-          for each in others),
+        *(f"    # {_term(term.name, repr(term.absent or 0.1), term.unit, term.meaning).strip()}"
+          for term in others),
         *([f'    reads="{model.reads}",  # or {reads}'] if len(kind.reads) > 1 else []),
         "    smooth=False,  # whether inputs change evenly between two readings, or are held",
         f"    without=[],  # causes that are left out: effects above; {sensors}",

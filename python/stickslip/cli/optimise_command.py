@@ -137,17 +137,17 @@ def command(
     how |= {"limits": limit, "coils": [name.strip() for name in coils.split(",")]}
     with progress_bar() as bar:
         try:
-            found = stickslip.optimise(base, progress=bar, **how)
+            optimum = stickslip.optimise(base, progress=bar, **how)
         except SearchInterrupted as interrupt:
             if interrupt.best is None:
                 raise
-            found = interrupt.best
+            optimum = interrupt.best
     if as_json:
-        output.print_json(found.as_dict())
+        output.print_json(optimum.as_dict())
     else:
-        click.echo(printable_lines(found.summary()))
+        click.echo(printable_lines(optimum.summary()))
     if out is not None:
-        found.save_report(out)
-        output.say(f"  in {out}: {', '.join(found.files)}", err=as_json)
-    if found.interrupted:
+        optimum.save_report(out)
+        output.say(f"  in {out}: {', '.join(optimum.files)}", err=as_json)
+    if optimum.interrupted:
         raise KeyboardInterrupt("this is the best so far")

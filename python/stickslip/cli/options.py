@@ -60,29 +60,29 @@ def number_or_word(text: str) -> Value:
 
 def number(key: str, text: str) -> float:
     """A number."""
-    found = number_or_word(text)
-    if isinstance(found, str):
+    value = number_or_word(text)
+    if isinstance(value, str):
         raise ValueError("allowed is a number, in SI units")
-    return float(found)
+    return float(value)
 
 
 def stated(key: str, text: str) -> Any:
     """What ``--set`` says of a term of a model: a value, a value and its error, words."""
-    found = [number_or_word(each.strip()) for each in text.split(",")]
+    values = [number_or_word(part.strip()) for part in text.split(",")]
     if key == "without":
-        return [str(each) for each in found]
-    if found[0] in ("true", "false"):
-        return found[0] == "true"
-    return tuple(found) if len(found) > 1 else found[0]
+        return [str(value) for value in values]
+    if values[0] in ("true", "false"):
+        return values[0] == "true"
+    return tuple(values) if len(values) > 1 else values[0]
 
 
 def range_or_words(key: str, text: str) -> list[Value]:
     """The ends of ``low:high``, or the words of ``a,b``."""
-    found = _list(text, ":" if ":" in text else ",")
-    is_range = not any(isinstance(each, str) for each in found)
-    if is_range != (":" in text) or (is_range and len(found) != 2):
+    values = _list(text, ":" if ":" in text else ",")
+    is_range = not any(isinstance(value, str) for value in values)
+    if is_range != (":" in text) or (is_range and len(values) != 2):
         raise ValueError("allowed is key=low:high with two numbers, or key=word,word")
-    return found
+    return values
 
 
 def _list(text: str, separator: str) -> list[Value]:
@@ -120,10 +120,10 @@ def _of_a_file(key: str, text: str) -> Value | Path:
 
 def _once(ctx: click.Context, param: click.Parameter, pairs: Any) -> dict[str, Any]:
     """The values by key."""
-    found = dict(pairs)
-    if len(found) < len(pairs):
+    table = dict(pairs)
+    if len(table) < len(pairs):
         raise click.BadParameter("a key is there twice", ctx, param)
-    return found
+    return table
 
 
 def pairs(

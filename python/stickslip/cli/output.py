@@ -22,9 +22,9 @@ def say(line: object, err: bool = False) -> None:
     click.echo(printable(line), err=err)
 
 
-def print_json(found: Mapping[str, Any]) -> None:
+def print_json(values: Mapping[str, Any]) -> None:
     """Print one JSON object."""
-    click.echo(json_text(found))
+    click.echo(json_text(values))
 
 
 def print_rows(rows: Iterable[tuple[str, object]]) -> None:

@@ -111,8 +111,8 @@ def command(
             f"stickslip: note: {redrawn} more draws made no scenario and were drawn again", err=True
         )
     if failed:
-        said = f"{failed} of {count} draws failed and are in no quantile; the first: "
-        output.say(f"stickslip: {said}{data.attrs['message']}", err=True)
+        text = f"{failed} of {count} draws failed and are in no quantile; the first: "
+        output.say(f"stickslip: {text}{data.attrs['message']}", err=True)
     if out is not None and out.suffix.lower() == ".csv":
         write_frame(stickslip.sweep_dataframe(data), out)
     elif out is not None:
@@ -124,7 +124,7 @@ def command(
 def _as_dict(data: xarray.Dataset) -> dict[str, Any]:
     """The points in order: quantiles of each figure and their errors, lists as `quantiles`."""
     table = stickslip.sweep_dataframe(data)
-    keys = {str(name): each.attrs["key"] for name, each in data["failed"].coords.items()}
+    keys = {str(name): axis.attrs["key"] for name, axis in data["failed"].coords.items()}
     columns = table[[*keys, "failed"]].rename(columns=keys).to_dict("list")
     for name, values in data.data_vars.items():
         if "quantile" in values.dims:

@@ -190,8 +190,8 @@ def _print(data: xarray.Dataset, table: DataFrame) -> None:
     for name, point in _extremes(data, table.rename(columns=keys)).items():
         figure, value = point.popitem()
         at = ", ".join(
-            f"{keys[each]} = {point[keys[each]]} {units[each]}".removesuffix(" 1").rstrip()
-            for each in keys
+            f"{keys[key]} = {point[keys[key]]} {units[key]}".removesuffix(" 1").rstrip()
+            for key in keys
         )
         direction = f"{value * 1e3:.6g} mm/s {velocities[figure]}".rstrip()
         rows.append((name, f"{direction} at {at}"))
@@ -201,4 +201,4 @@ def _print(data: xarray.Dataset, table: DataFrame) -> None:
 def _keys(data: xarray.Dataset) -> dict[str, str]:
     """The keys that vary by their names in the Dataset."""
     coordinates = data["status"].coords.items()
-    return {str(name): each.attrs["key"] for name, each in coordinates if "key" in each.attrs}
+    return {str(name): axis.attrs["key"] for name, axis in coordinates if "key" in axis.attrs}

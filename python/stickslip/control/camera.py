@@ -44,16 +44,16 @@ class Camera:
     dropped: float = 0.0
 
     def __post_init__(self) -> None:
-        for each in fields(self):  # the frame rate first: the range of the exposure is by it
-            value = getattr(self, each.name)
-            low, high = (1e-3 if each.name == "frame_rate" else 0.0), math.inf
-            if each.name == "dropped":
+        for field in fields(self):  # the frame rate first: the range of the exposure is by it
+            value = getattr(self, field.name)
+            low, high = (1e-3 if field.name == "frame_rate" else 0.0), math.inf
+            if field.name == "dropped":
                 high = 1.0
-            elif each.name == "exposure":
+            elif field.name == "exposure":
                 high = 1.0 / self.frame_rate
             if not (is_number(value) and low <= value <= high and math.isfinite(value)):
                 until = f" to {high:g}" if math.isfinite(high) else ""
-                refuse(f"camera.{each.name}", value, f"a finite number from {low:g}{until}")
+                refuse(f"camera.{field.name}", value, f"a finite number from {low:g}{until}")
 
 
 class Film:

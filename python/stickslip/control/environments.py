@@ -230,9 +230,9 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         mask = np.asarray(given)
         if mask.dtype != bool or mask.shape != (self.num_envs,):
             refuse("reset_mask", given, f"{self.num_envs} booleans, one for each robot")
-        for i, own in enumerate(_seeds(seed, self.num_envs)):
-            if mask[i] and own is not None:
-                self._random[i] = np.random.default_rng(own)
+        for i, one in enumerate(_seeds(seed, self.num_envs)):
+            if mask[i] and one is not None:
+                self._random[i] = np.random.default_rng(one)
         self._begin(mask)
         return self._observed(np.arange(self.num_envs)), {}
 
@@ -287,7 +287,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
             for i in np.flatnonzero(ended):
                 finals[i] = observations[i].copy()
             # Those that go on keep their entries, as in gymnasium's own vector environments.
-            going = {key: each & ~ended if key[0] == "_" else each for key, each in info.items()}
+            going = {key: value & ~ended if key[0] == "_" else value for key, value in info.items()}
             info = {**going, "final_obs": finals, "_final_obs": ended, "final_info": info}
             info["_final_info"] = ended
             self._begin(ended)
@@ -299,14 +299,14 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         if self.render_mode is None:
             return None
         goals, path = self._targets.shown
-        found = []
+        pictures = []
         for i, (robot, state) in enumerate(zip(self._robots, self._states, strict=True)):
             goal = None if goals is None else goals[i]
             if self._steered:
-                found.append(view_from_above(robot, state, goal, path))
+                pictures.append(view_from_above(robot, state, goal, path))
             else:
-                found.append(side_view(robot, state, goal))
-        return tuple(found)
+                pictures.append(side_view(robot, state, goal))
+        return tuple(pictures)
 
     def _voltages(self, actions: Array) -> Array:
         """Voltages of the five coils, (n, 5), V; those of a robot without a whole action NaN."""
@@ -375,9 +375,9 @@ class RobotEnv(gymnasium.Env[Array, Array]):
         """Play one period."""
         played = _checked("action", action, self.action_space, finite=True)
         observations, rewards, terminated, truncated, info = self._many.step(played[None])
-        own = {key: value[0] for key, value in info.items() if not key.startswith("_")}
+        only = {key: value[0] for key, value in info.items() if not key.startswith("_")}
         ends = bool(terminated[0]), bool(truncated[0])
-        return observations[0], float(rewards[0]), *ends, own
+        return observations[0], float(rewards[0]), *ends, only
 
     def render(self) -> Pixels | None:
         """A picture, shape (240, 400, 3); None without a `render_mode`."""
@@ -395,13 +395,13 @@ def _seeds(seed: object, count: int) -> list[int | None]:
     """The seed of each robot; of one number it and those that follow."""
     given = np.asarray(seed, dtype=object)
     seeds: list[Any] = given.tolist() if given.ndim else [seed] * count
-    for each in seeds:
-        if each is not None:
-            check_whole("seed", each)
+    for number in seeds:
+        if number is not None:
+            check_whole("seed", number)
     if len(seeds) != count:
         raise ScenarioError(f"seed has {len(seeds)} entries: allowed are {count}")
     one = given.ndim == 0 and seed is not None
-    return [int(each) + i for i, each in enumerate(seeds)] if one else seeds
+    return [int(first) + i for i, first in enumerate(seeds)] if one else seeds
 
 
 def _checked(
@@ -414,8 +414,8 @@ def _checked(
     except (TypeError, ValueError):
         refuse(name, actions, allowed)
     if given.shape != space.shape or (finite and not np.isfinite(given).all()):
-        told = f"{name} = {shown(given.tolist())} of shape {given.shape}"
-        raise ScenarioError(f"{told}: allowed is {allowed}")
+        text = f"{name} = {shown(given.tolist())} of shape {given.shape}"
+        raise ScenarioError(f"{text}: allowed is {allowed}")
     return given
 
 

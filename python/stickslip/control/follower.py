@@ -127,7 +127,7 @@ class Follower:
             except RuntimeError as error:
                 raise ScenarioError(f"the robot cannot be steered: {error}") from None
             towards = np.array([math.cos(heading), math.sin(heading)])
-            ways = np.diff([np.dot([each.x, each.y], towards) for each in places[1:]])
+            ways = np.diff([np.dot([place.x, place.y], towards) for place in places[1:]])
             steps.append(float(np.median(ways[2:])))
         least, degrees = min(steps), np.degrees(_HEADINGS)[int(np.argmin(steps))]
         if not 1e-3 * self.ahead < least:
@@ -218,9 +218,9 @@ def follow(
             states.append(state.row)
             played.append(volts)
         voltages = follower.decide(seen[:2], age)
-    found = np.array(states)
-    arrived, across = judged(found[:, _PLACE], path, follower)
-    return Followed(found, np.array(played), follower.period, arrived, across)
+    reached = np.array(states)
+    arrived, across = judged(reached[:, _PLACE], path, follower)
+    return Followed(reached, np.array(played), follower.period, arrived, across)
 
 
 def judged(places: Array, path: Path, follower: Follower) -> tuple[bool, Array]:
@@ -233,8 +233,8 @@ def judged(places: Array, path: Path, follower: Follower) -> tuple[bool, Array]:
     for place in places[len(_PULSE) - 1 :: len(_PULSE)]:
         if np.isnan(place).any() or across[-1] > follower.ahead:
             break
-        found, off = path.project(place, progress)
-        progress = float(found)
+        along, off = path.project(place, progress)
+        progress = float(along)
         across.append(abs(float(off)))
     near = 2.0 * follower.step + 0.1 * follower.ahead
     return progress >= path.length - near and across[-1] <= follower.ahead, np.array(across[1:])

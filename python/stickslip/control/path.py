@@ -78,7 +78,7 @@ class Path:
     def at(self, progress: ArrayLike) -> Array:
         """Places at arc lengths, m, shape (...) to (..., 2); beyond an end, that end."""
         lengths = numbers("progress", progress, unit="m")
-        x, y = (np.interp(lengths, self._starts, each) for each in self.points.T)
+        x, y = (np.interp(lengths, self._starts, coordinate) for coordinate in self.points.T)
         return np.stack([x, y], axis=-1)
 
     def project(self, places: ArrayLike, before: ArrayLike) -> tuple[Array, Array]:

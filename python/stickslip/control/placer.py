@@ -123,9 +123,9 @@ class Placer:
         placing, time = Placing(self, goal, len(robots)), 0.0
         while np.isnan(placing.done_at).any() and time < limit:
             volts = placing.decide(time, film.pose[:, 0], film.taken)
-            found = self._play(robots, states, volts)
-            states = found[:, -1]
-            for now in found.swapaxes(0, 1):
+            played = self._play(robots, states, volts)
+            states = played[:, -1]
+            for now in played.swapaxes(0, 1):
                 time += self.step
                 film.watch(time, self._pose(now), random)
         rest = self.voltages(np.full((len(robots), _RESTS), 0.5))
@@ -138,10 +138,10 @@ class Placer:
 
     def _play(self, robots: Sequence[Scenario], states: Array | None, volts: Array) -> Array:
         record, threads = STATE_COLUMNS, self._threads
-        found = rollout(
+        result = rollout(
             robots, states, volts, self.step, hold="linear", record=record, threads=threads
         )
-        return np.asarray(found.states)
+        return np.asarray(result.states)
 
     def _ways(self, robots: Sequence[Scenario], states: Array, along: Array) -> Array:
         """Ways ahead after each step, (n, steps), m, from `states` with parts of the peak."""
@@ -155,15 +155,15 @@ class Placer:
     def _standing(self, robots: Sequence[Scenario], refuse: bool = True) -> Array:
         """States of robots that have stood up."""
         volts = self.voltages(np.full((len(robots), _STANDS), 0.5))
-        found = self._play(robots, None, volts)
-        drift = np.abs(found[:, -1, X] - found[:, -1 - _WINDOW, X]).max()
+        played = self._play(robots, None, volts)
+        drift = np.abs(played[:, -1, X] - played[:, -1 - _WINDOW, X]).max()
         if refuse and not drift <= self.tolerance:
             pairs = 'drive.coils = "pairs", ' if self.scenario.drive.coils == "single" else ""
             _refuse(
                 f"where it stands with half of drive.peak it slides by {1e6 * drift:.3g} um in "
                 f"{1e3 * self.period:.3g} ms; give {pairs}a lower field or a pitch that is less"
             )
-        return np.asarray(found[:, -1])
+        return np.asarray(played[:, -1])
 
     def _tabulate_walks(self, robots: Sequence[Scenario], standing: Array) -> None:
         kinds = [
@@ -211,9 +211,9 @@ class Placer:
         for way, name in ((self.steps, "ahead"), (-self.steps, "back")):
             least = np.min(way, where=way > 0.0, initial=np.inf)
             if least > 2.0 * self.tolerance:
-                told = f"the shortest step {name} is {1e6 * least:.3g} um"
-                told = told if np.isfinite(least) else f"no single pulse takes it {name}"
-                _refuse(f"{told}, for a tolerance of {1e6 * self.tolerance:.3g} um")
+                text = f"the shortest step {name} is {1e6 * least:.3g} um"
+                text = text if np.isfinite(least) else f"no single pulse takes it {name}"
+                _refuse(f"{text}, for a tolerance of {1e6 * self.tolerance:.3g} um")
         self._settle = max(moving - _WINDOW, 0) * self.step
 
 

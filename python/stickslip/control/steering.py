@@ -48,7 +48,7 @@ def heading_voltages(heading: ArrayLike, along: ArrayLike, clamp: ArrayLike) -> 
     try:
         ahead, strength, held = np.broadcast_arrays(*given)
     except ValueError:
-        shapes = ", ".join(str(each.shape) for each in given)
+        shapes = ", ".join(str(array.shape) for array in given)
         raise ScenarioError(
             f"heading, along and clamp of shapes {shapes}: allowed are shapes that broadcast"
         ) from None
