@@ -34,13 +34,13 @@ def main() -> int:
         If matplotlib is not installed, before anything is simulated.
     """
     plot = stickslip.plot
-    runs = stickslip.simulate_batch([stickslip.Scenario().replace(each) for each in _SETTINGS])
+    runs = stickslip.simulate_batch([stickslip.Scenario().replace(keys) for keys in _SETTINGS])
     for run in runs:
-        drive, found = run.scenario.drive, run.summary()
-        low, high = (math.degrees(found[name]) for name in ("theta_min", "theta_max"))
+        drive, numbers = run.scenario.drive, run.summary()
+        low, high = (math.degrees(numbers[name]) for name in ("theta_min", "theta_max"))
         print(
-            f"{drive.mode} at {drive.frequency:3g} Hz: {found['mean_velocity'] * 1e3:.3f} mm/s, "
-            f"pitch {low:.1f} to {high:.1f} degrees, {found['airborne_fraction']:.1%} in flight"
+            f"{drive.mode} at {drive.frequency:3g} Hz: {numbers['mean_velocity'] * 1e3:.3f} mm/s, "
+            f"pitch {low:.1f} to {high:.1f} degrees, {numbers['airborne_fraction']:.1%} in flight"
         )
     OUTPUT.mkdir(exist_ok=True)
     film = OUTPUT / "walk.webp"

@@ -97,42 +97,42 @@ def coil_facts(
     volts = limit if volts is None else volts
     asked, made = peak_voltages(scenario), Coils.of(scenario)
     pulsed = scenario.drive.mode != "program"
-    found = {}
+    facts = {}
     for name in COIL_NAMES:
-        own, one = getattr(scenario.coil, name), np.array(COIL_NAMES) == name
+        coil, one = getattr(scenario.coil, name), np.array(COIL_NAMES) == name
         field, gradient, fringe = _of_field(made, one.astype(float), _AXES[name])
-        tau, passes = own.inductance / own.resistance, own.capacitance == 0.0
-        root = math.sqrt(own.inductance * own.capacitance)
+        tau, passes = coil.inductance / coil.resistance, coil.capacitance == 0.0
+        root = math.sqrt(coil.inductance * coil.capacitance)
         resonance = math.nan if passes else 1.0 / (2.0 * math.pi * root)
-        current = passes * asked[name] / own.resistance
-        power = current**2 * own.resistance
+        current = passes * asked[name] / coil.resistance
+        power = current**2 * coil.resistance
         # A wire of length l and resistance R has the mass d r l^2 / R.
-        wire = 4.0 * own.side * own.turns if made.box is None else math.nan
-        heating = power * own.resistance / (_COPPER * wire**2)
-        most = min(volts / own.resistance, math.inf if amperes is None else amperes)
+        wire = 4.0 * coil.side * coil.turns if made.box is None else math.nan
+        heating = power * coil.resistance / (_COPPER * wire**2)
+        most = min(volts / coil.resistance, math.inf if amperes is None else amperes)
         most = passes * most if math.isfinite(most) else math.nan
         swing = field_swing(scenario.drive.frequency, tau) if pulsed else math.nan
         ends = (most, most * field, most * field * swing)
         held = (current, power, heating)
-        found[name] = CoilFacts(field, gradient, fringe, tau, resonance, *held, *ends)
-    return found
+        facts[name] = CoilFacts(field, gradient, fringe, tau, resonance, *held, *ends)
+    return facts
 
 
 def dimension_changes(scenario: Scenario, name: str) -> dict[str, dict[str, float]]:
     """What 5 % more of a dimension of one coil changes in its numbers, as parts, by dimension."""
     before = coil_facts(scenario)[name]
-    found = {}
+    changes = {}
     for dimension in DIMENSIONS[3:] if scenario.coil.map is not None else DIMENSIONS:
         key = f"coil.{name}.{dimension}"
         after = coil_facts(scenario.replace({key: (1.0 + SHARE) * float(scenario.get(key))}))[name]
         per_field = (after.gradient / after.field) / (before.gradient / before.field)
-        found[dimension] = {
+        changes[dimension] = {
             "field": after.field / before.field - 1.0,
             "gradient": after.gradient / before.gradient - 1.0,
             "gradient_per_field": per_field - 1.0,
             "rise_time": after.rise_time / before.rise_time - 1.0,
         }
-    return found
+    return changes
 
 
 def _of_field(made: Coils, one: Array, axis: int) -> tuple[float, float, float]:

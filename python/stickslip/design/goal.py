@@ -64,10 +64,10 @@ class Goal:
         """The figure of a run and those that have a limit; NaN of one that failed."""
         if run is None or not run.ok:
             return [math.nan] * (1 + len(self.bounds))
-        found = {**run.numbers, **dict(zip(VELOCITIES, run.velocity, strict=True))}
-        found["tilt_max"] = max(-found["theta_min"], found["theta_max"])
+        numbers = {**run.numbers, **dict(zip(VELOCITIES, run.velocity, strict=True))}
+        numbers["tilt_max"] = max(-numbers["theta_min"], numbers["theta_max"])
         names = (self.figure, *(name for name, _, _ in self.bounds.values()))
-        return [float(found[name]) for name in names]
+        return [float(numbers[name]) for name in names]
 
     def table(self, numbers: Array) -> pd.DataFrame:
         """Drives by their numbers in each draw, shape (drives, draws, 1 + bounds), a row each.

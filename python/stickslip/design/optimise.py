@@ -259,7 +259,7 @@ class _Design:
             start=self._space.start,
             run=simulate(scenario.replace({RECORD_RATE: "none"})),
             table=table,
-            fresh=pd.DataFrame({name: each[:, 0] for name, each in fresh.items()}),
+            fresh=pd.DataFrame({name: scores[:, 0] for name, scores in fresh.items()}),
             search=self.best.drop(["values", "sawtooth"], errors="ignore"),
             values=dict(self.best["values"]),
             sawtooth=None if self.sawtooth is None else dict(self.sawtooth),
@@ -283,7 +283,7 @@ class _Design:
             except ScenarioError as error:  # it fails in every draw
                 self._message = str(error)
                 made.append([])
-        batch = [one for each in made for one in each]
+        batch = [one for scenarios in made for one in scenarios]
 
         def report(fraction: float, _: str) -> None:
             if self._progress is not None:
@@ -296,7 +296,7 @@ class _Design:
         self._message = next((run.message for run in runs if not run.ok), self._message)
         numbers = iter([self._goal.numbers(run) for run in runs])
         lost = [math.nan] * (1 + len(self._goal.bounds))
-        return np.array([[next(numbers) if each else lost for _ in draws] for each in made])
+        return np.array([[next(numbers) if some else lost for _ in draws] for some in made])
 
     def _judged(self, drives: Sequence[Values], stage: str) -> pd.DataFrame:
         """The table of drives in the draws of the search, with their values."""
@@ -310,14 +310,14 @@ class _Design:
             return self._judge(drives, [draws[draw]], "sawtooths")[:, 0]
 
         of_start = self._judge([{}], draws, "sawtooths")[0]
-        found = sawtooths(space, goal, of_start, probe)
-        if not found:
+        shapes = sawtooths(space, goal, of_start, probe)
+        if not shapes:
             return None
         free = space.values(0, *space.starts()[0])
         drives = (
-            found if space.knots else [{k: each.get(k, free[k]) for k in free} for each in found]
+            shapes if space.knots else [{k: one.get(k, free[k]) for k in free} for one in shapes]
         )
-        table = self._judged(drives, "sawtooths").assign(sawtooth=found)
+        table = self._judged(drives, "sawtooths").assign(sawtooth=shapes)
         leaders = table.loc[best_first(goal.keys(table))[:LEADERS]].query("exceeding == 0")
         return None if leaders.empty else self._chosen(leaders)
 
@@ -333,13 +333,13 @@ class _Design:
 
 def neighbours(space: Space, values: Values) -> list[Values]:
     """Drives that differ in one number, within its range."""
-    found: list[Values] = []
+    others: list[Values] = []
     for name in space.ranges:
         place = space.coordinate(name, float(values[name]))
         for other in dict.fromkeys(np.clip(place + np.array(OFFSETS), 0.0, 1.0).tolist()):
             if other != place:
-                found.append({**values, name: space.number(name, other)})
-    return found
+                others.append({**values, name: space.number(name, other)})
+    return others
 
 
 def landscape(
@@ -350,14 +350,14 @@ def landscape(
     A number is on a slope at a limit if more than `RISE` is gained within `NEAR` where a limit does
     not hold, or may be beyond the end of its range; else on a peak, if more than `LOSS` is lost.
     """
-    found = []
+    rows = []
     for name in space.ranges:
-        values = pd.Series([float(each[name]) for each in drives])
-        own = table.assign(value=values)[(values != values[0]) | (values.index == 0)]
-        own = own.sort_values("value")
+        values = pd.Series([float(drive[name]) for drive in drives])
+        along = table.assign(value=values)[(values != values[0]) | (values.index == 0)]
+        along = along.sort_values("value")
         place = space.coordinate(name, values[0])
-        away = np.array([space.coordinate(name, each) for each in own["value"]]) - place
-        near = own[np.abs(away) <= NEAR * (1.0 + 1e-9)]  # but for rounding
+        away = np.array([space.coordinate(name, value) for value in along["value"]]) - place
+        near = along[np.abs(away) <= NEAR * (1.0 + 1e-9)]  # but for rounding
         score = table["score"][0]
         lost = goal.sign * (score - near["score"]) / (abs(score) or 1.0)
         loss = float(lost.fillna(math.inf).max())
@@ -365,7 +365,7 @@ def landscape(
         beyond = bool((lost < -RISE)[near["exceeding"] > 0].any())
         steep = loss > LOSS
         limited = beyond or (steep and end)
-        found.append(
+        rows.append(
             {
                 "name": name,
                 "unit": "V" if " " in name else find_key(name).unit,
@@ -373,9 +373,9 @@ def landscape(
                 "kind": "slope at a limit" if limited else "peak" if steep else "plateau",
                 "loss": loss,
                 "at_end": end,
-                "values": own["value"].tolist(),
-                "scores": own["score"].tolist(),
-                "feasible": (own["exceeding"] == 0).tolist(),
+                "values": along["value"].tolist(),
+                "scores": along["score"].tolist(),
+                "feasible": (along["exceeding"] == 0).tolist(),
             }
         )
-    return found
+    return rows

@@ -187,8 +187,8 @@ class Optimum(OneLine):
         if not self.landscape.empty:
             for kind, names in self.landscape.groupby("kind")["name"]:
                 many = kind == "plateau" and len(names) > _FEW  # it asks for no care
-                told = f"{len(names)} numbers" if many else ", ".join(names)
-                lines.append(f"  on a {kind}: {told}")
+                text = f"{len(names)} numbers" if many else ", ".join(names)
+                lines.append(f"  on a {kind}: {text}")
         lines.append(f"{self.runs} runs of the search, seed {self.seed}, {self.seconds:.0f} s")
         return "\n".join(lines)
 
@@ -203,7 +203,7 @@ class Optimum(OneLine):
             else:
                 unit = units.unit_label(find_key(name).unit)
                 lines.append(f"{name} = {value:.6g} {unit}".rstrip())
-        return lines + [f"{coil} = {' '.join(each)} V" for coil, each in knots.items()]
+        return lines + [f"{coil} = {' '.join(values)} V" for coil, values in knots.items()]
 
     def as_dict(self) -> dict[str, Any]:
         """The result of plain types, as ``stickslip optimise --json`` prints it."""
@@ -286,9 +286,9 @@ class Optimum(OneLine):
         if run.ok:  # it may fail at the middle, which was none of the draws
             asked = drive_waveform(self.scenario)
             voltages = asked.voltages(np.minimum(run.t, asked.duration))
-            for name, each, colour in zip(COIL_NAMES, voltages.T, _COIL_COLOURS, strict=True):
-                if each.any():
-                    volts.plot(run.t, each, color=colour, label=f"coil {name}")
+            for name, volts_of, colour in zip(COIL_NAMES, voltages.T, _COIL_COLOURS, strict=True):
+                if volts_of.any():
+                    volts.plot(run.t, volts_of, color=colour, label=f"coil {name}")
             for axis, dashes in (("x", "-"), ("y", ":"), ("z", "--")):
                 component = 1e3 * getattr(run, f"b{axis}")
                 if axis != "y" or component.any():
@@ -303,8 +303,8 @@ class Optimum(OneLine):
 
     def _draw_scores(self, axes: Axes) -> None:
         factor, label = units.in_handy_units(self.goal.figure, self.goal.unit)
-        for place, (name, each) in enumerate(self.fresh.items()):
-            values = np.sort(each) * factor
+        for place, (name, scores) in enumerate(self.fresh.items()):
+            values = np.sort(scores) * factor
             spread = place + 0.28 * np.sin(2.4 * np.arange(len(values)))  # not on one another
             axes.plot(values, spread, ".", color=palette.BLUE, markersize=4, alpha=0.7)
             score = self.table["score"][name] * factor
@@ -329,27 +329,27 @@ class Optimum(OneLine):
         factor, label = units.in_handy_units(self.goal.score, self.goal.unit)
         rows = -(-len(shown) // _COLUMNS)
         grid = part.subplots(rows, _COLUMNS, sharey=True, squeeze=False).flat
-        for axes, each in itertools.zip_longest(grid, shown):
-            if each is None:
+        for axes, row in itertools.zip_longest(grid, shown):
+            if row is None:
                 axes.set_visible(False)
                 continue
-            scale, unit = units.handy(each["unit"])
-            x, y = np.array(each["values"]) * scale, np.array(each["scores"]) * factor
-            good = np.array(each["feasible"])
+            scale, unit = units.handy(row["unit"])
+            x, y = np.array(row["values"]) * scale, np.array(row["scores"]) * factor
+            good = np.array(row["feasible"])
             axes.plot(x, y, color=palette.BLUE)
             axes.plot(x[good], y[good], **_WITHIN)
             axes.plot(x[~good], y[~good], **_BEYOND)
-            axes.axvline(each["best"] * scale, **_BEST)
-            axes.set_title(f"{each['name']} ({unit})".replace(" ()", ""), fontsize=8.0)
+            axes.axvline(row["best"] * scale, **_BEST)
+            axes.set_title(f"{row['name']} ({unit})".replace(" ()", ""), fontsize=8.0)
             axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
             axes.tick_params(labelsize=7.0)
         part.supylabel(label, fontsize=9.0)
         count = len(self.landscape)
-        told = "score along each free number"
+        title = "score along each free number"
         if count > len(shown):
-            told += f" ({len(shown)} of {count}, which change it most)"
+            title += f" ({len(shown)} of {count}, which change it most)"
         if self.scenario.uncertain is not None:
-            told += f", on {ABOUT} other draws: see its shape, not its level"
+            title += f", on {ABOUT} other draws: see its shape, not its level"
         handles = [Line2D([], [], **look) for look in (_WITHIN, _BEYOND, _BEST)]
         place: Any = {"loc": "outside upper center", "ncols": len(handles), "frameon": False}
-        part.legend(handles=handles, title=told, title_fontsize=9.0, **place)
+        part.legend(handles=handles, title=title, title_fontsize=9.0, **place)

@@ -50,33 +50,33 @@ def sawtooths(space: Space, goal: Goal, of_start: Array, probe: Probe) -> list[d
         return []
     top = ends[1] if ends and ends[1] > 0.0 else drive.peak
     shapes = [
-        _scaled({"drive.peak": 1.0, **dict(zip(GRID, each, strict=True))}, top)
-        for each in itertools.product(*GRID.values())
+        _scaled({"drive.peak": 1.0, **dict(zip(GRID, values, strict=True))}, top)
+        for values in itertools.product(*GRID.values())
     ]
-    own = {key: space.start.get(key) for key in ("drive.peak", *GRID)}
+    start = {key: space.start.get(key) for key in ("drive.peak", *GRID)}
     growing = {name: 1 + place for place, name in enumerate(goal.limits) if name in _GROWTH}
     if not (ends or space.knots):
         growing = {}
-    found = _each_once(space, shapes, FIELDS if growing else ())
+    drives = _each_once(space, shapes, FIELDS if growing else ())
     if space.knots:
-        asked = drive_waveform(space.start.replace(found[0])).voltages([drive.ramp])[0]
+        asked = drive_waveform(space.start.replace(drives[0])).voltages([drive.ramp])[0]
         if not {COIL_NAMES[k] for k in np.flatnonzero(asked)} <= set(space.coils):
             return []
     if growing:
         of_draws = np.nan_to_num(of_start[:, list(growing.values())])
         relative = of_draws / np.maximum(of_draws.max(axis=0), np.finfo(float).tiny)
         hardest = np.argmax(relative.sum(axis=1))
-        numbers = probe(found, int(hardest))
-        factors = np.full(len(found), math.inf)
+        numbers = probe(drives, int(hardest))
+        factors = np.full(len(drives), math.inf)
         for name, column in growing.items():
             grown = numbers[:, column]
-            room = np.ones(len(found))
+            room = np.ones(len(drives))
             np.divide(max(goal.limits[name], 0.0), grown, out=room, where=grown > 0.0)
             factors = np.minimum(factors, _BELOW * room ** (1.0 / _GROWTH[name]))
         if ends:
             factors = np.minimum(factors, ends[1] / top)
-        found = [_scaled(each, by) for each, by in zip(found, factors.tolist(), strict=True)]
-    return _each_once(space, [*found, own])
+        drives = [_scaled(drive, by) for drive, by in zip(drives, factors.tolist(), strict=True)]
+    return _each_once(space, [*drives, start])
 
 
 def _scaled(values: Values, factor: float) -> dict[str, Value]:
@@ -87,5 +87,5 @@ def _each_once(
     space: Space, shapes: Sequence[Values], kept: Sequence[str] = ()
 ) -> list[dict[str, Value]]:
     """As near as what is free allows, but for some keys that are kept."""
-    allowed = [{**space.nearest(each), **{key: each[key] for key in kept}} for each in shapes]
-    return list({tuple(each.items()): space.timed(each) for each in allowed}.values())
+    allowed = [{**space.nearest(shape), **{key: shape[key] for key in kept}} for shape in shapes]
+    return list({tuple(drive.items()): space.timed(drive) for drive in allowed}.values())

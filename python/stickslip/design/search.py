@@ -90,7 +90,7 @@ class _Arm:
             self._left = self.centres()
             self._begin(self._random.uniform(size=self._strategy.N), 2 * self._strategy.popsize)
         self._asked = self._strategy.ask()
-        return [each[: len(self.start)] for each in self._asked]
+        return [candidate[: len(self.start)] for candidate in self._asked]
 
     def tell(self, keys: Sequence[tuple[float, ...]]) -> None:
         """Take the keys of the candidates."""
@@ -114,8 +114,10 @@ class _Arm:
 
 def _compare(arms: Sequence[_Arm], asked: Sequence[Sequence[Array]], evaluate: Evaluate) -> int:
     """Evaluate the candidates of all arms in one call, and tell the arms; their number."""
-    rows = [np.append(arm.index, each) for arm, of in zip(arms, asked, strict=True) for each in of]
-    keys = iter([tuple(each) for each in evaluate(np.array(rows)).tolist()] if rows else [])
+    rows = [
+        np.append(arm.index, point) for arm, of in zip(arms, asked, strict=True) for point in of
+    ]
+    keys = iter([tuple(row) for row in evaluate(np.array(rows)).tolist()] if rows else [])
     for arm, of in zip(arms, asked, strict=True):
         arm.tell([next(keys) for _ in of])
     return len(rows)

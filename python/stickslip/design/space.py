@@ -74,8 +74,8 @@ class Space:
                 scenario = self.start.replace(arm)
                 times = np.arange(self.knots) / (self.knots * scenario.drive.frequency)
                 volts = drive_waveform(scenario).voltages(scenario.drive.ramp + times)
-                row += [each for coil in self.coils for each in volts[:, COIL_NAMES.index(coil)]]
-            rows.append([self.coordinate(*each) for each in zip(self.ranges, row, strict=True)])
+                row += [value for coil in self.coils for value in volts[:, COIL_NAMES.index(coil)]]
+            rows.append([self.coordinate(*pair) for pair in zip(self.ranges, row, strict=True)])
         return np.array(rows, dtype=float)
 
     def values(self, arm: float, *point: float) -> Values:
@@ -89,11 +89,11 @@ class Space:
         Where a waveform is free, any drive is played as a program: a program is measured over all
         of it, and a pulsed drive after its third pulse only.
         """
-        keys = self.timed({name: each for name, each in values.items() if " " not in name})
+        keys = self.timed({name: value for name, value in values.items() if " " not in name})
         if not self.knots:
             return keys
         scenario = self.start.replace(keys)
-        volts = [each for name, each in values.items() if " " in name]
+        volts = [value for name, value in values.items() if " " in name]
         waveform = self._waveform(scenario, np.array(volts)) if volts else drive_waveform(scenario)
         others = {key: value for key, value in keys.items() if key not in SAWTOOTH}
         return {**others, "drive.mode": "program", PROGRAM: waveform}
@@ -114,15 +114,15 @@ class Space:
 
         A free waveform can be any sawtooth, but for its frequency.
         """
-        found = dict(sawtooth)
+        drive = dict(sawtooth)
         for key, value in sawtooth.items():
             if key in self.ranges:
                 low, high = self.ranges[key]
-                found[key] = min(max(float(value), low), high)
+                drive[key] = min(max(float(value), low), high)
             elif not self.knots or key in _OF_A_PROGRAM:
                 words = [arm[key] for arm in self.arms if key in arm] or [self.start.get(key)]
-                found[key] = value if value in words else words[0]
-        return found
+                drive[key] = value if value in words else words[0]
+        return drive
 
     def _waveform(self, scenario: Scenario, volts: Array) -> Waveform:
         """The ramp of a scenario to the first knot, and a period for each pulse.
@@ -174,7 +174,7 @@ def made_space(
     most = volts or 0.0  # used with knots alone, and above 0 then
     for coil in names:
         ranges |= {f"{coil} {k}": (-most, most) for k in range(1, (knots or 0) + 1)}
-    arms = [dict(zip(words, each, strict=True)) for each in itertools.product(*words.values())]
+    arms = [dict(zip(words, choice, strict=True)) for choice in itertools.product(*words.values())]
     return Space(scenario, ranges, arms, knots or 0, names)
 
 
@@ -194,7 +194,7 @@ def _range(key: str, given: Any) -> tuple[float, float]:
         raise ScenarioError(f"{key}: cannot be free; allowed are words and real numbers of a model")
     if isinstance(given, str) or not isinstance(given, Sequence) or len(given) != 2:
         refuse(key, given, "(low, high) of a number, or a list of words")
-    low, high = (float(checked(key, each)) for each in given)
+    low, high = (float(checked(key, end)) for end in given)
     if not low < high:
         raise ScenarioError(f"{key} = {shown(low)}:{shown(high)}: allowed is low below high")
     return low, high
@@ -203,7 +203,7 @@ def _range(key: str, given: Any) -> tuple[float, float]:
 def _words(scenario: Scenario, key: str, given: Any) -> list[Value]:
     if isinstance(given, str) or not isinstance(given, Sequence) or not given:
         refuse(key, given, "a list of words")
-    words = list(dict.fromkeys(checked(key, each) for each in given))
+    words = list(dict.fromkeys(checked(key, word) for word in given))
     if key == "drive.mode" and "program" in words:
         raise ScenarioError(f'{key} = "program": cannot be tried; a free waveform has knots')
     return sorted(words, key=lambda word: word != scenario.get(key))

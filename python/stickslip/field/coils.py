@@ -153,7 +153,7 @@ def _five(values: ArrayLike) -> list[float]:
     array = numbers("a value of the coils", values, gaps=True, finite=False)
     if array.shape not in ((), (5,)):
         raise ValueError(f"a value of the coils must have shape () or (5,); got {array.shape}")
-    return [float(each) for each in np.broadcast_to(array, 5)]
+    return [float(value) for value in np.broadcast_to(array, 5)]
 
 
 def _one_or_five(values: list[float]) -> float | Array:

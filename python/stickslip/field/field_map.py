@@ -206,19 +206,19 @@ class FieldMap:
     def from_json(cls, text: str | bytes) -> FieldMap:
         """The map of a text from `to_json`; a ScenarioError for another text."""
         try:
-            found = json.loads(text)
+            parts = json.loads(text)
             # A file of an earlier version has no checksum, and a damaged one may have another key.
-            if found.pop("crc32", None) not in (None, _checksum(found)) or {*found} != _FIELDS:
+            if parts.pop("crc32", None) not in (None, _checksum(parts)) or {*parts} != _FIELDS:
                 raise ValueError("damaged")
-            (x0, y0, z0), (x1, y1, z1) = map(_floats, (found["low"], found["high"]))
+            (x0, y0, z0), (x1, y1, z1) = map(_floats, (parts["low"], parts["high"]))
             return cls(
                 (x0, y0, z0),
                 (x1, y1, z1),
-                tuple(map(_floats, found["coefficients"])),
-                _floats(found["residual"]),
-                _floats(found["field"]),
-                tuple(int(each) for each in found["points"]),
-                str(found["source"]),
+                tuple(map(_floats, parts["coefficients"])),
+                _floats(parts["residual"]),
+                _floats(parts["field"]),
+                tuple(int(count) for count in parts["points"]),
+                str(parts["source"]),
             )
         except ScenarioError:
             raise
@@ -231,7 +231,7 @@ class FieldMap:
     @property
     def degrees(self) -> tuple[int, ...]:
         """Highest degree of the harmonics of each coil."""
-        return tuple(round((len(own) + 1) ** 0.5) - 1 for own in self.coefficients)
+        return tuple(round((len(block) + 1) ** 0.5) - 1 for block in self.coefficients)
 
     @property
     def relative_residual(self) -> tuple[float, ...]:
@@ -266,7 +266,7 @@ class FieldMap:
         return f"<FieldMap: {self}>"
 
 
-_FIELDS = {each.name for each in dataclasses.fields(FieldMap)}
+_FIELDS = {field.name for field in dataclasses.fields(FieldMap)}
 
 
 def _checksum(content: dict[str, Any]) -> int:
@@ -274,7 +274,7 @@ def _checksum(content: dict[str, Any]) -> int:
 
 
 def _floats(values: Iterable[Any]) -> tuple[float, ...]:
-    return tuple(float(each) for each in values)
+    return tuple(float(value) for value in values)
 
 
 def _check_count(name: str, given: Sequence[object]) -> None:

@@ -65,9 +65,9 @@ def refuse_table(path: Path, required: Mapping[str, Collection[str]]) -> None:
             raise TableGiven(_lines(path, observable, there), observable)
     if path.suffix.lower() in _SUFFIXES:
         wanted = "; ".join(", ".join(names) for names in required.values())
-        found = ", ".join(there[:_FEW]) + (", ..." if len(there) > _FEW else "")
+        names = ", ".join(there[:_FEW]) + (", ..." if len(there) > _FEW else "")
         raise ScenarioError(
-            f"is a table of data with the columns {printable(found)}: allowed are {wanted}; "
+            f"is a table of data with the columns {printable(names)}: allowed are {wanted}; "
             f"{INSTRUMENTS_PAGE} makes them of others, velocity_of_track a velocity of t and x; "
             "a log of another system needs --model"
         )
@@ -80,7 +80,7 @@ def _lines(path: Path, observable: str, columns: Collection[str]) -> str:
     lines = _HEAD.format(key=key.name, mean=mean, sd=0.07 * mean)
     lines += f"[[{observable}]]\nfile = {quoted(path.name)}\n{_MORE.get(observable, '')}"
     if observable == "velocity":
-        own = [name for name in columns if f"drive.{name}" in known_keys()]
-        lines += f"# Of the drive the table has {', '.join(own) or 'nothing'}; the scenario has "
+        keys = [name for name in columns if f"drive.{name}" in known_keys()]
+        lines += f"# Of the drive the table has {', '.join(keys) or 'nothing'}; the scenario has "
         lines += "the rest.\n"
     return lines

@@ -52,7 +52,7 @@ def read_new_trials(
     for note in left_out:
         if note.code not in _OF_THE_WHOLE:
             raise _refused(note)
-    known = {trial for each in earlier for trial in _trials(each)}
+    known = {trial for old in earlier for trial in _trials(old)}
     if known.issuperset(_trials(data)):
         twice = "all its trials are in the measurement already"
         raise ScenarioError(f"{path}: {twice}: allowed is once, or they would count twice")
@@ -72,6 +72,6 @@ def _refused(note: Note) -> ScenarioError:
 
 def _trials(data: VelocityData) -> list[tuple[object, ...]]:
     """Each trial's settings and velocity."""
-    settings = [tuple(sorted(each.items())) for each in data.conditions]
+    settings = [tuple(sorted(condition.items())) for condition in data.conditions]
     pairs = zip(data.condition.tolist(), data.velocity.tolist(), strict=True)
     return [(settings[at], velocity) for at, velocity in pairs]

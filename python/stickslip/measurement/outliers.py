@@ -52,8 +52,8 @@ def far_from_their_group(values: Array, group: Indices) -> tuple[Mask, Array]:
     fall with the level: small values scatter by more than their share.
     """
     deviation, level = np.zeros(values.shape), np.zeros(values.shape)
-    for each in np.unique(group):
-        inside = group == each
+    for label in np.unique(group):
+        inside = group == label
         level[inside] = np.median(values[inside])
         if inside.sum() >= 3:
             deviation[inside] = np.abs(values[inside] - level[inside])
@@ -76,7 +76,7 @@ def _scale(deviation: Array, level: Array) -> Callable[[Array], Array]:
     moving = np.abs(level[level != 0.0])
     size = float(np.median(moving)) if len(moving) else 1.0
     parts = float(np.median(deviation)) * np.geomspace(1.0 / _WIDEST, _WIDEST, _GRID)
-    floor, slope = (each.ravel() for each in np.meshgrid(parts, parts / size))
+    floor, slope = (axis.ravel() for axis in np.meshgrid(parts, parts / size))
     scale = np.hypot(floor[:, None], slope[:, None] * level)
     loss = np.sum(np.log(scale) + 1.5 * np.log1p(0.5 * (deviation / scale) ** 2), axis=1)
     best = int(np.argmin(loss))

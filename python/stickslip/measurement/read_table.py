@@ -157,7 +157,7 @@ def rows_of_frame(table: DataFrame, units: Units) -> Rows:
     with prefixed(name):
         if table.empty:
             raise ScenarioError("has no row of data")
-        header = [str(each) for each in table.columns]
+        header = [str(column) for column in table.columns]
         cells = [table.iloc[:, k] for k in range(len(header))]
         columns = [
             [_cell(value) for value in _plain(heading, column, units)]
@@ -170,18 +170,18 @@ def rows_of_frame(table: DataFrame, units: Units) -> Rows:
 
 def index_labels(table: DataFrame) -> list[Line]:
     """What the rows of a table in memory are called in messages: whole numbers stay numbers."""
-    return [int(each) if isinstance(each, int | np.integer) else str(each) for each in table.index]
+    return [int(line) if isinstance(line, int | np.integer) else str(line) for line in table.index]
 
 
 def _plain(heading: str, column: Series[Any], units: Units) -> Iterable[Any]:
     """A column with numbers as floats, dates and durations among them; texts as they are."""
     unit = units.get(split_unit(heading)[0])
-    if unit is None or any(isinstance(each, str) for each in column):
+    if unit is None or any(isinstance(cell, str) for cell in column):
         return list(column)  # cells of texts are checked one by one, as those of a file
-    found: list[float] = numbers(
+    values: list[float] = numbers(
         f"column {heading}", column, unit=unit, gaps=True, finite=False
     ).tolist()
-    return found
+    return values
 
 
 def _cell(value: Any) -> str:
@@ -204,7 +204,7 @@ def check_columns(
     """
     for name in required:
         if name not in header:
-            near = nearest(name, [split_unit(each)[0] for each in header])
+            near = nearest(name, [split_unit(heading)[0] for heading in header])
             meant = "" if near is None else f", and {shown(near)} may be meant as it"
             there = textwrap.shorten(", ".join(header), 300, placeholder=" ...")
             raise ScenarioError(f'{path}: column "{name}" is missing; there are {there}{meant}')
@@ -226,8 +226,8 @@ def not_used(name: str, columns: Sequence[str]) -> list[Note]:
         return []
     first, more = list(columns[:_NAMED]), len(columns) - _NAMED
     first += [f"{more} more"] if more > 0 else []
-    said = " and ".join([", ".join(first[:-1]), first[-1]] if len(first) > 1 else first)
-    text = f"{name}: columns that are information only: {said}."
+    listed = " and ".join([", ".join(first[:-1]), first[-1]] if len(first) > 1 else first)
+    text = f"{name}: columns that are information only: {listed}."
     return [Note("columns-not-used", text, len(columns))]
 
 
@@ -264,8 +264,8 @@ def read_numbers(
             for _, row in rows
         ]
     )
-    found = dict(zip(columns, numbers.T, strict=True))
-    sound = np.all([np.isfinite(found[name]) for name in required], axis=0)
+    by_name = dict(zip(columns, numbers.T, strict=True))
+    sound = np.all([np.isfinite(by_name[name]) for name in required], axis=0)
     left_out = [*table.left_out, *not_used(path.name, others)]
     if not sound.all():
         lines = [rows[k][0] for k in np.flatnonzero(~sound).tolist()]
@@ -277,9 +277,9 @@ def read_numbers(
     if not sound.any():
         raise NothingSound(path, left_out[-1])
     for name in optional:
-        gaps = int(np.sum(~np.isfinite(found[name][sound]))) if name in found else 0
+        gaps = int(np.sum(~np.isfinite(by_name[name][sound]))) if name in by_name else 0
         if gaps:
             cells = counted(gaps, "cell")
             text = f"{path.name}: the column {name} has {cells} without a number."
             left_out.append(Note("gaps", text, gaps))
-    return {name: column[sound] for name, column in found.items()}, left_out
+    return {name: column[sound] for name, column in by_name.items()}, left_out

@@ -94,7 +94,7 @@ def read_tracking(
     """
     where = f"[[tracking]] {path.name}"
     with prefixed(where):
-        own = _own_scenario(entry.get("drive", {}), scenario)
+        driven = _own_scenario(entry.get("drive", {}), scenario)
         noise = {
             name: stated_number(f"noise_{name}", entry[f"noise_{name}"])
             for name in ("x", "theta")
@@ -104,11 +104,11 @@ def read_tracking(
         rate = stated_number("frame_rate", entry["frame_rate"]) if stated else math.nan
         exposure = _exposure(entry.get("exposure", 0.0), rate)
     columns, left_out = read_numbers(path, REQUIRED, _OPTIONAL, _OF_A_RUN)
-    why = _unit_of_times(columns["t"], rate, own.window[1])
+    why = _unit_of_times(columns["t"], rate, driven.window[1])
     if why is None:
         try:
-            columns = _usable_frames(path.name, columns, own, left_out)
-            why = _too_little(columns, own)
+            columns = _usable_frames(path.name, columns, driven, left_out)
+            why = _too_little(columns, driven)
         except ScenarioError as error:
             why = "run-of-two-bodies", str(error), math.nan
     if why is not None:
@@ -123,7 +123,7 @@ def read_tracking(
     elif abs(rate * spacing - 1.0) > _OTHER_RATE:
         text = f"{path.name}: frame_rate = {rate:g} Hz is not used, as most frames are "
         left_out.append(Note("frame-rate-not-used", f"{text}{spacing:g} s apart.", rate))
-    return TrackingRun(path.name, columns, own, rate, exposure, noise), left_out
+    return TrackingRun(path.name, columns, driven, rate, exposure, noise), left_out
 
 
 def _own_scenario(drive: object, scenario: Scenario) -> Scenario:

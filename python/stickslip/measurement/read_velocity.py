@@ -145,16 +145,16 @@ def read_velocity(
     others = check_columns(table.path, table.header, ["velocity"], list(velocity_units()))
     trials, left_out = _sound_rows(table, scenario, others)
     left_out += [*table.left_out, *not_used(table.name, others)]
-    known = [each for data in earlier for each in data.conditions]
+    known = [condition for data in earlier for condition in data.conditions]
     trials = _with_equal_settings(table.name, trials, scenario, known, left_out)
-    velocity = np.array([each.velocity for each in trials])
+    velocity = np.array([trial.velocity for trial in trials])
     size = float(np.median(np.abs(velocity)))
     if size > FASTEST:
         meant = unit_meant("m/s", size / _USUAL, math.inf)
         hint = f"; if they are in {meant[0]}, divide them by {meant[1]:.7g}" if meant else ""
-        said = f"velocities of {size:.3g} m/s; allowed is at most {FASTEST} m/s{hint}"
-        raise ScenarioError(f"{table.path}: {said}")
-    condition = _numbered([each.setting for each in trials])
+        text = f"velocities of {size:.3g} m/s; allowed is at most {FASTEST} m/s{hint}"
+        raise ScenarioError(f"{table.path}: {text}")
+    condition = _numbered([trial.setting for trial in trials])
     sound = _without_outliers(table.name, velocity, condition, left_out)
     fast = sound & (np.abs(velocity) > FASTEST)
     if fast.any():
@@ -164,14 +164,14 @@ def read_velocity(
         sound &= ~fast
     kept = [trials[k] for k in np.flatnonzero(sound)]
     data = VelocityData(
-        tuple(dict(each) for each in dict.fromkeys(each.setting for each in kept)),
+        tuple(dict(setting) for setting in dict.fromkeys(trial.setting for trial in kept)),
         velocity[sound],
-        _numbered([each.setting for each in kept]),
-        _numbered([each.block for each in trials])[sound],
-        np.array([each.order for each in kept]),
+        _numbered([trial.setting for trial in kept]),
+        _numbered([trial.block for trial in trials])[sound],
+        np.array([trial.order for trial in kept]),
         _sweeps(trials)[sound],
         relative_sd,
-        {name: tuple(each.extra[k] for each in kept) for k, name in enumerate(others)},
+        {name: tuple(trial.extra[k] for trial in kept) for k, name in enumerate(others)},
     )
     return data, left_out
 
@@ -185,12 +185,12 @@ def _with_equal_settings(
 ) -> list[_Trial]:
     """The trials with one number for all that are the same setting."""
     given: dict[str, set[float]] = defaultdict(set)
-    for key, value in {pair for each in trials for pair in each.setting}:
+    for key, value in {pair for trial in trials for pair in trial.setting}:
         if isinstance(value, float):
             given[key].add(value)
     same: dict[tuple[str, Any], tuple[str, Any]] = {}
     for key, values in sorted(given.items()):
-        kept = {float(each[key]) for each in known} | {float(scenario.get(key))}
+        kept = {float(setting[key]) for setting in known} | {float(scenario.get(key))}
         one = representatives(values, kept)
         other = {(key, value): (key, one[value]) for value in values if one[value] != value}
         same |= other
@@ -199,8 +199,8 @@ def _with_equal_settings(
             text += f"{RELATIVE:g} of the spread of another one; they count as the same setting."
             left_out.append(Note("equal-settings", text, len(other)))
     return [
-        each._replace(setting=tuple(same.get(pair, pair) for pair in each.setting))
-        for each in trials
+        trial._replace(setting=tuple(same.get(pair, pair) for pair in trial.setting))
+        for trial in trials
     ]
 
 
@@ -212,11 +212,11 @@ def _numbered(values: Sequence[Any]) -> Indices:
 
 def _sweeps(trials: Sequence[_Trial]) -> Indices:
     """See `VelocityData`; outliers must not be left out before, as they are part of a sweep."""
-    labelled = {(each.label, each.setting) for each in trials if each.label}
+    labelled = {(trial.label, trial.setting) for trial in trials if trial.label}
     if len({label for label, _ in labelled}) < len(labelled):
-        return _numbered([each.label for each in trials])
+        return _numbered([trial.label for trial in trials])
     seen: defaultdict[object, itertools.count[int]] = defaultdict(itertools.count)
-    places = [next(seen[each.block, each.setting]) for each in trials]
+    places = [next(seen[trial.block, trial.setting]) for trial in trials]
     return np.array(places, dtype=np.int64)
 
 
@@ -241,7 +241,7 @@ def _sound_rows(
             seen.add(tuple(row))
         except _Unsound as error:
             wrong.setdefault(error.args, []).append(line)
-    in_other_unit = [(each[1], lines) for each, lines in wrong.items() if each[0] == "setting-unit"]
+    in_other_unit = [(key[1], lines) for key, lines in wrong.items() if key[0] == "setting-unit"]
     lost = sum(len(lines) for _, lines in in_other_unit)
     if lost > _MOST * count:
         text, lines = in_other_unit[0]

@@ -100,12 +100,12 @@ class Measurement(OneLine):
     path: Path
 
     def __repr__(self) -> str:
-        trials = sum(len(each.velocity) for each in self.velocity)
-        conditions = sum(len(each.conditions) for each in self.velocity)
+        trials = sum(len(data.velocity) for data in self.velocity)
+        conditions = sum(len(data.conditions) for data in self.velocity)
         parts = [f"{trials} trials at {conditions} conditions"] if self.velocity else []
         others = (("film", self.tracking), ("table of angles", self.angle))
-        for word, found in (*others, ("table of fields", self.field)):
-            parts += [f"{len(found)} x {word}"] if found else []
+        for word, data in (*others, ("table of fields", self.field)):
+            parts += [f"{len(data)} x {word}"] if data else []
         return (
             f"<Measurement {shown(self.name)}: {', '.join(parts)}, {len(self.left_out)} left out>"
         )
@@ -227,8 +227,8 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
         refuse("stickslip_measurement", version, f"{FORMAT_VERSION}, the version of the format")
     for key, value in document.items():
         if key not in _KNOWN:
-            found = f"[[{key}]]" if _are_tables(value) else f"{key} = {shown(value)}"
-            raise ScenarioError(f"{found}: there is no such entry; {suggestion(key, _KNOWN)}")
+            text = f"[[{key}]]" if _are_tables(value) else f"{key} = {shown(value)}"
+            raise ScenarioError(f"{text}: there is no such entry; {suggestion(key, _KNOWN)}")
     name = document.get("name", path.stem)
     if not isinstance(name, str):
         refuse("name", name, "a text")
@@ -244,7 +244,7 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
         name=name,
         scenario=scenario.with_uncertain(None),
         uncertain=uncertain,
-        **{observable: tuple(found) for observable, found in tables.items()},
+        **{observable: tuple(data) for observable, data in tables.items()},
         left_out=tuple(left_out),
         path=path,
     )
@@ -265,10 +265,10 @@ def _tables(
                 raise ScenarioError(f"{twice}: allowed is once, or its rows would count twice")
             files.add(os.path.realpath(file))
             try:
-                found, lost = _table(observable, file, entry, scenario, tables["velocity"])
+                data, lost = _table(observable, file, entry, scenario, tables["velocity"])
             except NothingSound as error:
-                found, lost = None, [error.note]
-            tables[observable] += [] if found is None else [found]
+                data, lost = None, [error.note]
+            tables[observable] += [] if data is None else [data]
             left_out += lost
     return tables, left_out
 
@@ -298,7 +298,7 @@ def _path_of(table: Mapping[str, Any], key: str, section: str, what: str) -> str
 
 
 def _are_tables(value: object) -> bool:
-    return isinstance(value, list) and all(isinstance(each, dict) for each in value)
+    return isinstance(value, list) and all(isinstance(entry, dict) for entry in value)
 
 
 def _uncertain(table: object, scenario: Scenario) -> dict[str, Prior]:

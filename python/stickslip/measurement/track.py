@@ -107,22 +107,22 @@ def fitted_velocity(t: ArrayLike, x: ArrayLike, scenario: Scenario) -> tuple[flo
         return _fit(times[rows], places[rows], start, end, period, length) if enough else None
 
     def left_by(rows: Mask) -> Array | None:
-        found = fit(rows)
-        return None if found is None else found.residual[:, None]
+        line = fit(rows)
+        return None if line is None else line.residual[:, None]
 
     far = far_from_a_fit(left_by, len(times), _FINEST * length)
     _say_left_out(times[far], len(times), "far from what the others let expect")
-    found = fit(~far)
-    assert found is not None
-    if abs(found.velocity) > FASTEST:
+    line = fit(~far)
+    assert line is not None
+    if abs(line.velocity) > FASTEST:
         raise ScenarioError(
-            f"x: gives a velocity of {found.velocity:.6g} m/s: allowed is {FASTEST:g} m/s at most, "
+            f"x: gives a velocity of {line.velocity:.6g} m/s: allowed is {FASTEST:g} m/s at most, "
             "with x in m and t in s; x may be in um or in pixels"
         )
     whole = scenario.window[1] - scenario.window[0]
     return (
-        found.velocity,
-        found.error,
+        line.velocity,
+        line.error,
         scenario.drive.pulses - round((whole - end + start) / period),
     )
 
@@ -153,10 +153,10 @@ def _fit(
     q, r = np.linalg.qr(np.vstack([design, prior]))
     data = np.concatenate([places / unit / noise, np.zeros(len(prior))])
     inverse = np.linalg.inv(r)
-    found = inverse @ (q.T @ data)
+    solution = inverse @ (q.T @ data)
     scale = unit / half
     error = float(scale * np.linalg.norm(inverse[1]))
-    return _Fit(float(scale * found[1]), error, places - unit * (columns @ found))
+    return _Fit(float(scale * solution[1]), error, places - unit * (columns @ solution))
 
 
 def _frames(

@@ -64,8 +64,8 @@ def _sensors(name: str, *, slow: str = "", zero: bool = False, size: float = 0.0
 _COUPLING = Term("coupling", "W/K", "coupling of the heater", 20.0, "loss")
 
 KINDS = {
-    each.name: each
-    for each in (
+    kind.name: kind
+    for kind in (
         Kind(
             "joint", joint_states,
             (
@@ -189,7 +189,7 @@ def _documented(make: Callable[..., Model]) -> Callable[..., Model]:
         text += f"; {term.value:g}, if not stated." if term.value else "."
         text += f" {term.more[0].upper()}{term.more[1:]}." if term.more else ""
         rows.append(f"    {name} : {needed}\n" + textwrap.indent(textwrap.fill(text, 92), " " * 8))
-    reads = " or ".join(f'"{each}"' for each in kind.reads)
+    reads = " or ".join(f'"{quantity}"' for quantity in kind.reads)
     units = " or ".join(dict.fromkeys(unit for _, unit in kind.states))
     what = f"    reads : {{{reads.replace(' or', ',')}}}\n        What the log reads, {units}.\n"
     arguments = _ARGUMENTS.format(reads=what if len(kind.reads) > 1 else "", terms="\n".join(rows))

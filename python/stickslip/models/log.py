@@ -100,15 +100,15 @@ def read_log(path: str | PathLike[str], model: object) -> Series:
         raise ScenarioError(f"model = {shown(model)}: allowed is a model of stickslip.models")
     there = headings(path, wanted.units)
     with prefixed(path):
-        found, notes = _found(there, wanted)
-    names = {name: split_unit(heading)[0] for name, heading in found.items()}
-    units = {names[name]: _si(heading, wanted.units[name]) for name, heading in found.items()}
+        headings_of, notes = _found(there, wanted)
+    names = {name: split_unit(heading)[0] for name, heading in headings_of.items()}
+    units = {names[name]: _si(heading, wanted.units[name]) for name, heading in headings_of.items()}
     table = read_rows(path, units)
-    used = {name: table.header.index(own) for name, own in names.items()}
-    others = [each for k, each in enumerate(table.header) if k not in used.values()]
+    used = {name: table.header.index(name_there) for name, name_there in names.items()}
+    others = [heading for k, heading in enumerate(table.header) if k not in used.values()]
     notes += [*table.left_out, *not_used(path.name, others)]
     values = _values(table, used, wanted, notes)
-    unit = split_unit(found[wanted.reads])[1]
+    unit = split_unit(headings_of[wanted.reads])[1]
     shows = unit if unit and same_unit(unit, wanted.unit) else wanted.unit
     inputs = {name: values[name] for name in wanted.inputs if name in values}
     log = Series(
@@ -120,30 +120,30 @@ def read_log(path: str | PathLike[str], model: object) -> Series:
 def _found(there: Sequence[str], wanted: Columns) -> tuple[dict[str, str], list[Note]]:
     """Headings of the columns that are there, by what they are, and notes on those that were told
     by their unit or are missing."""
-    found: dict[str, str] = {}
+    headings_of: dict[str, str] = {}
     notes = []
     for name in wanted.units:
         for heading in there:
             plain = split_unit(heading)[0].casefold().replace("_", " ")
             if plain in (name.casefold().replace("_", " "), *_ALSO.get(name, ())):
-                found.setdefault(name, heading)
+                headings_of.setdefault(name, heading)
     first = next(iter(wanted.inputs), None)
     for name in (_TIME, wanted.reads, *wanted.inputs)[:3]:
-        if name in found:
+        if name in headings_of:
             continue
         units = wanted.units[name]
-        fit = [each for each in there if each not in found.values() and _fits(each, units)]
+        fit = [head for head in there if head not in headings_of.values() and _fits(head, units)]
         if len(fit) == 1:
-            found[name] = fit[0]
+            headings_of[name] = fit[0]
             notes.append(Note("column-by-unit", f"{shown(fit[0])} is taken for {name}."))
         elif fit or name != first:
             _missing(name, there, wanted)
     for name in wanted.inputs:
-        if name not in found and wanted.needed:
+        if name not in headings_of and wanted.needed:
             _missing(name, there, wanted)
-    if first is not None and first not in found:
+    if first is not None and first not in headings_of:
         notes.append(Note("no-input", f"There is no column {first}: it is taken as 0."))
-    return found, notes
+    return headings_of, notes
 
 
 def _missing(name: str, there: Sequence[str], wanted: Columns) -> NoReturn:
@@ -158,7 +158,7 @@ def _missing(name: str, there: Sequence[str], wanted: Columns) -> NoReturn:
 def _fits(heading: str, units: Sequence[str]) -> bool:
     """Whether a heading states one of the units, or one of the same quantity."""
     stated = split_unit(heading)[1]
-    return any(stated and _is_of(stated, each) for each in units if each != "-")
+    return any(stated and _is_of(stated, unit) for unit in units if unit != "-")
 
 
 def _is_of(unit: str, si: str) -> bool:
@@ -172,7 +172,7 @@ def _is_of(unit: str, si: str) -> bool:
 def _si(heading: str, units: Sequence[str]) -> str:
     """The one of the units that a heading's is of; the first of them, if of none."""
     stated = split_unit(heading)[1]
-    return next((each for each in units if stated is not None and _is_of(stated, each)), units[0])
+    return next((unit for unit in units if stated is not None and _is_of(stated, unit)), units[0])
 
 
 def _values(
@@ -186,7 +186,7 @@ def _values(
         """A column without a number, or "" of a row of another length."""
         if len(cells) != width:
             return ""
-        bad = (each for each in strict if math.isnan(number(cells[used[each]], LARGEST)))
+        bad = (name for name in strict if math.isnan(number(cells[used[name]], LARGEST)))
         return next(bad, None)
 
     if len(rows) > 1 and wrong(rows[-1][1]) is not None:
@@ -204,11 +204,11 @@ def _values(
             raise ScenarioError(
                 f"{at}, column {name} = {cell}: allowed is a finite number: write it, or {_CUT}"
             )
-    found = {
+    columns = {
         name: np.array([number(cells[k], LARGEST) for _, cells in rows]) for name, k in used.items()
     }
-    _check_clock(table, [line for line, _ in rows], found[_TIME])
-    return found
+    _check_clock(table, [line for line, _ in rows], columns[_TIME])
+    return columns
 
 
 def _check_clock(table: Rows, lines: Sequence[object], t: Array) -> None:

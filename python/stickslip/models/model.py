@@ -165,13 +165,13 @@ class Kind:
     @property
     def every(self) -> dict[str, Term]:
         """All terms, with shapes and start states, by name."""
-        shapes = (each.shape for each in self.terms if each.shape is not None)
+        shapes = (term.shape for term in self.terms if term.shape is not None)
         more = "one for each record is found, if not stated"
         starts = (
             Term(name, unit, "at the first reading", signed=True, value=0.0, more=more)
             for name, unit in self.states
         )
-        return {each.name: each for each in (*self.terms, *shapes, *starts)}
+        return {term.name: term for term in (*self.terms, *shapes, *starts)}
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -203,17 +203,17 @@ class Model(OneLine):
         self._check_record(record)
         given = {name: np.atleast_2d(record[name]) for name in self.kind.inputs
                  if name in record.inputs}  # fmt: skip
-        vectors = max((len(each) for each in (*p.values(), *given.values())), default=1)
+        vectors = max((len(array) for array in (*p.values(), *given.values())), default=1)
         values = {}
         for name, term in self.kind.every.items():
             stated = self.known.get(name)
             value = p[name][:, 0] if name in p else term.absent if stated is None else stated
             values[name] = np.broadcast_to(np.asarray(value, dtype=float), vectors)
         inputs = {}
-        for name, each in given.items():
+        for name, signal in given.items():
             if self.smooth:
-                each = np.hstack([0.5 * (each[:, :-1] + each[:, 1:]), each[:, -1:]])
-            inputs[name] = np.broadcast_to(each.T, (len(record), vectors))
+                signal = np.hstack([0.5 * (signal[:, :-1] + signal[:, 1:]), signal[:, -1:]])
+            inputs[name] = np.broadcast_to(signal.T, (len(record), vectors))
         with np.errstate(all="ignore"):
             states = self.kind.physics(record.t, inputs, values)
         return np.asarray(states[:, self.kind.reads[self.reads][0]].T)
@@ -245,10 +245,10 @@ class Model(OneLine):
         self._check_names(values)
         record = Series(t, np.zeros(np.shape(np.asarray(t))), inputs, sd=1.0)
         self._check_record(record)
-        middles = {name: float(each.value(0.0)) for name, each in self.known.items()
-                   if isinstance(each, Prior)}  # fmt: skip
+        middles = {name: float(value.value(0.0)) for name, value in self.known.items()
+                   if isinstance(value, Prior)}  # fmt: skip
         stated = {**middles, **values}
-        p = {name: row(name, [each])[:, None] for name, each in stated.items()}
+        p = {name: row(name, [value])[:, None] for name, value in stated.items()}
         return np.asarray(self(record, p)[0])
 
     def terms(self, data: Any) -> tuple[list[Parameter], list[Cause]]:
@@ -263,8 +263,8 @@ class Model(OneLine):
         records = data if isinstance(data, Sequence) else [data]
         if not records:
             raise ScenarioError(f"{kind.name}: data = []: allowed is a Series or a list of them")
-        for each in records:
-            self._check_record(each)
+        for record in records:
+            self._check_record(record)
         scales = self._scales(records)
         uncertain = [kind.every[name].parameter(prior) for name, prior in self.known.items()
                      if isinstance(prior, Prior)]  # fmt: skip
@@ -276,15 +276,15 @@ class Model(OneLine):
                 causes.append(term.cause(scales, self.known))
             elif term.shape is not None and term.shape.name not in self.known:
                 uncertain.append(term.shape.ranged(scales))
-        acting = set.intersection(*(set(each.inputs) for each in records))
-        causes += [each.cause(scales, self.unit) for each in kind.sensors
-                   if each.input is None or each.input in acting]  # fmt: skip
+        acting = set.intersection(*(set(record.inputs) for record in records))
+        causes += [sensor.cause(scales, self.unit) for sensor in kind.sensors
+                   if sensor.input is None or sensor.input in acting]  # fmt: skip
         for name in self.without:
-            if name not in {each.name for each in causes}:
-                allowed = ", ".join(each.name for each in causes)
+            if name not in {cause.name for cause in causes}:
+                allowed = ", ".join(cause.name for cause in causes)
                 raise ScenarioError(f"{kind.name}: without = {name}: allowed is one of {allowed}")
-        causes = [each for each in causes if each.name not in self.without]
-        uncertain += self._starts(records, scales, {each.name for each in causes})
+        causes = [cause for cause in causes if cause.name not in self.without]
+        uncertain += self._starts(records, scales, {cause.name for cause in causes})
         return uncertain, causes
 
     def _starts(
@@ -292,8 +292,8 @@ class Model(OneLine):
     ) -> list[Parameter]:
         """Start states that are not known, and count."""
         read = self.kind.reads[self.reads][1]
-        first = np.array([each.y[0] for each in records])
-        found = []
+        first = np.array([record.y[0] for record in records])
+        starts = []
         for k, (name, unit) in enumerate(self.kind.states):
             if name in self.known or (k < read and not self.kind.placed & {*causes, *self.known}):
                 continue
@@ -301,27 +301,27 @@ class Model(OneLine):
             if k == read:
                 middle, size = float(first.mean()), max(float(np.ptp(first)), size)
             prior = Prior("normal", middle, size)
-            found.append(Parameter(name, prior, unit, cause=False, each_record=True))
-        return found
+            starts.append(Parameter(name, prior, unit, cause=False, each_record=True))
+        return starts
 
     def _scales(self, records: Sequence[Series]) -> dict[str, float]:
         """Usual sizes of the log's quantities, and the stated constants."""
         first = next(iter(self.kind.inputs))
-        y = np.concatenate([each.y - each.y.mean() for each in records])
-        slope = np.concatenate([_slopes(each) for each in records])
+        y = np.concatenate([record.y - record.y.mean() for record in records])
+        slope = np.concatenate([_slopes(record) for record in records])
         tiny = 1e-300
         size, change = root_mean_square(y) or 1.0, root_mean_square(slope) or 1.0
-        made = {name: float(each.value(0.0)) if isinstance(each, Prior) else each
-                for name, each in self.known.items()}  # fmt: skip
+        made = {name: float(value.value(0.0)) if isinstance(value, Prior) else value
+                for name, value in self.known.items()}  # fmt: skip
         made |= {"reading": size}
         if self.kind.reads[self.reads][1] == 1:
             made |= {"length": size**2 / change, "speed": size, "acceleration": change}
         else:
             made |= {"length": size, "speed": change, "acceleration": change**2 / size}
-        driven = [each.inputs[first] for each in records if first in each.inputs]
+        driven = [record.inputs[first] for record in records if first in record.inputs]
         acts = np.concatenate(driven) if driven else np.zeros(1)
         made |= {"input": root_mean_square(acts), "peak": float(np.max(np.abs(acts)))}
-        made["step"] = max(each.step for each in records)
+        made["step"] = max(record.step for record in records)
         fastest = made[("speed", "acceleration")[len(self.kind.states) - 1]]
         made["force"] = max(
             made.get(self.kind.inertia, 1.0) * fastest,
@@ -343,7 +343,7 @@ class Model(OneLine):
             refuse(f"{record.at}unit", record.unit, f"{unit}, which a {self.kind.name} reads")
         for name in record.inputs:
             if name not in known:
-                allowed = " and ".join(f"{key} ({each})" for key, each in known.items())
+                allowed = " and ".join(f"{key} ({unit_of})" for key, unit_of in known.items())
                 raise ScenarioError(
                     f"{record.at}input {name}: a {self.kind.name} has {allowed}{meant(name, known)}"
                 )
@@ -372,7 +372,7 @@ def made(
         refuse(f"{kind.name}: reads", reads, " or ".join(kind.reads))
     if isinstance(without, str) or not isinstance(without, Sequence):
         refuse(f"{kind.name}: without", without, "a list of names of causes")
-    stated = {name: _checked(f"{kind.name}: {name}", each) for name, each in known.items()}
+    stated = {name: _checked(f"{kind.name}: {name}", value) for name, value in known.items()}
     model = Model(kind, reads, stated, tuple(without), bool(smooth))
     model._check_names(stated)
     for name, term in kind.every.items():

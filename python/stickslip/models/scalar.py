@@ -32,13 +32,13 @@ class _OneByOne(OneLine):
 
     def __call__(self, table: Table, p: Mapping[str, Array]) -> Array:
         inputs = table.inputs if isinstance(table, Series) else {}
-        many = [name for name, each in inputs.items() if each.ndim == 2]
-        vectors = max((len(each) for each in p.values()), default=1)
+        many = [name for name, array in inputs.items() if array.ndim == 2]
+        vectors = max((len(array) for array in p.values()), default=1)
         rows = []
         for k in range(vectors):
-            own = {name: inputs[name][k] for name in many}
-            seen = table.with_inputs(own) if own and isinstance(table, Series) else table
-            values = {name: float(each[k, 0]) for name, each in p.items()}
+            single = {name: inputs[name][k] for name in many}
+            seen = table.with_inputs(single) if single and isinstance(table, Series) else table
+            values = {name: float(column[k, 0]) for name, column in p.items()}
             rows.append(np.asarray(self.function(seen, values), dtype=float))
         return np.array(rows)
 
@@ -107,7 +107,7 @@ def own(
     if not isinstance(reads, Mapping) or len(reads) != 1:
         refuse("own: reads", reads, 'one column and its unit, such as {"speed": "m/s"}')
     ((name, unit),) = reads.items()
-    named = {key: (each,) for key, each in (inputs or {}).items()}
+    named = {key: (unit_of,) for key, unit_of in (inputs or {}).items()}
     return Own(predict, tuple(uncertain), tuple(causes), Columns(name, unit, named, needed=True))
 
 

@@ -58,8 +58,8 @@ def coils(scenario: Scenario, currents: ArrayLike | None = None, ax: Axes | None
     check_kind("scenario", scenario, Scenario)
     amperes = _highest_currents(scenario) if currents is None else _checked(currents)
     made = Coils.of(scenario)
-    told = [f"{name}: {value:.3g} A" for name, value in zip(COIL_NAMES, amperes, strict=True)]
-    halves, distances = (np.broadcast_to(each, 5) for each in (made.side, made.distance))
+    labels = [f"{name}: {value:.3g} A" for name, value in zip(COIL_NAMES, amperes, strict=True)]
+    halves, distances = (np.broadcast_to(lengths, 5) for lengths in (made.side, made.distance))
     halves = 0.5 * halves
     reach = _REACH * max(halves.max(), distances.max())
     box = made.box or ([-reach] * 3, [reach] * 3)
@@ -68,9 +68,9 @@ def coils(scenario: Scenario, currents: ArrayLike | None = None, ax: Axes | None
     with style.drawing(ax, (6.4, 1.0 + 4.4 * height)) as axes:
         _draw_field(axes, made, amperes, low, high)
         if made.box is None:
-            _draw_wires(axes, halves, distances, amperes, told)
+            _draw_wires(axes, halves, distances, amperes, labels)
         else:
-            axes.set_title(", ".join(told), fontsize=8.0)
+            axes.set_title(", ".join(labels), fontsize=8.0)
         _draw_robot(axes, made, amperes, scenario)
         axes.set(xlabel="x (mm)", ylabel="z (mm)", aspect="equal")
         axes.grid(visible=False)
@@ -121,7 +121,7 @@ def _draw_field(axes: Axes, made: Coils, currents: Array, low: Array, high: Arra
 
 
 def _draw_wires(
-    axes: Axes, halves: Array, distances: Array, currents: Array, told: list[str]
+    axes: Axes, halves: Array, distances: Array, currents: Array, labels: list[str]
 ) -> None:
     half = dict(zip(COIL_NAMES, halves * 1e3, strict=True))
     far = dict(zip(COIL_NAMES, distances * 1e3, strict=True))
@@ -139,11 +139,11 @@ def _draw_wires(
             if towards:
                 axes.plot(*place, "." if towards > 0.0 else "x", color=palette.BLACK, markersize=5)
         x, z = np.mean(places, axis=0)
-        axes.text(x, z, told[coil], rotation=0.0 if name == "clamp" else 90.0, **_WORDS)
+        axes.text(x, z, labels[coil], rotation=0.0 if name == "clamp" else 90.0, **_WORDS)
     for name in ("yp", "ym"):
         side = half[name] * np.array([-1.0, 1.0, 1.0, -1.0, -1.0])
         axes.plot(side, np.roll(side, 1), "--", color=palette.LIGHT_GREY, linewidth=1.0)
-    axes.text(0.0, -half["yp"], ", ".join(told[2:4]), **_WORDS)
+    axes.text(0.0, -half["yp"], ", ".join(labels[2:4]), **_WORDS)
 
 
 def _draw_robot(axes: Axes, made: Coils, currents: Array, scenario: Scenario) -> None:

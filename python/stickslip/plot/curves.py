@@ -235,13 +235,13 @@ def _title(run: Run, last_pulses: bool) -> str:
     program = drive.mode == "program"
     words = ["voltage program"] if program else [drive.mode, f"{run.scenario.pulse_rate:g} Hz"]
     if np.isfinite(run.mean_velocity):
-        along, across = (f"{each * 1e3:.4g}" for each in run.velocity)
-        told = f"{run.mean_velocity * 1e3:.4g} mm/s"
+        along, across = (f"{velocity * 1e3:.4g}" for velocity in run.velocity)
+        text = f"{run.mean_velocity * 1e3:.4g} mm/s"
         if run.scenario.whole_plane:
-            told = f"{along} mm/s along x, {across} along y"
+            text = f"{along} mm/s along x, {across} along y"
             if not program:
-                told = f"{along} mm/s along the drive, {across} to its left"
-        words.append(f"mean velocity {told}")
+                text = f"{along} mm/s along the drive, {across} to its left"
+        words.append(f"mean velocity {text}")
     if last_pulses:
         whole = f"of {drive.pulses} pulses" if run.ok else "pulses before its end"
         words.append(f"last {_SHOWN_PULSES} {whole}")
@@ -297,8 +297,8 @@ def _draw_contact(figure: Figure, axes: Axes, shown: Motion) -> None:
     for code in np.unique(contact):
         name = Run.contact_names[code]
         colour = style.CONTACT_COLOURS[name]
-        own = contact[begins] == code
-        spans = np.column_stack([t[begins], t[ends] - t[begins]])[own]
+        chosen = contact[begins] == code
+        spans = np.column_stack([t[begins], t[ends] - t[begins]])[chosen]
         axes.broken_barh(spans.tolist(), (0.0, 1.0), facecolor=colour, edgecolor="none")
         if spans[:, 1].sum() >= _VISIBLE * (t[-1] - t[0]):
             label = name.replace("_", " ")

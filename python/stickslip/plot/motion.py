@@ -59,7 +59,7 @@ class Motion:
     def samples(self, first: int, last: int) -> Motion:
         """The part from one sample to another."""
         chosen = slice(first, last + 1)
-        arrays = {name: each[chosen] for name, each in vars(self).items() if name != "scenario"}
+        arrays = {name: array[chosen] for name, array in vars(self).items() if name != "scenario"}
         return replace(self, **arrays)
 
     def sample(self, time: float) -> int:
@@ -101,7 +101,7 @@ def _way(x: Array, y: Array, heading: Array) -> Array:
     """Distance along the heading, m; it begins with the place along the first heading."""
     middle = np.concatenate([heading[:1], 0.5 * (heading[1:] + heading[:-1])])
     # Doubles, also of a record in single precision, whose rounding would else add up.
-    dx, dy = (np.diff(each.astype(np.float64), prepend=0.0) for each in (x, y))
+    dx, dy = (np.diff(values.astype(np.float64), prepend=0.0) for values in (x, y))
     return np.cumsum(dx * np.cos(middle) + dy * np.sin(middle))
 
 
@@ -113,7 +113,7 @@ def corners(motion: Motion, at: int | slice = slice(None)) -> Array:
     robot = motion.scenario.robot
     a = 0.5 * robot.length * np.array([1.0, -1.0, -1.0, 1.0])
     b = 0.5 * robot.height * np.array([-1.0, -1.0, 1.0, 1.0])
-    way, z, theta = (each[at, None] for each in (motion.way, motion.z, motion.theta))
+    way, z, theta = (values[at, None] for values in (motion.way, motion.z, motion.theta))
     cosine, sine = np.cos(theta), np.sin(theta)
     return np.stack([way + a * cosine + b * sine, z - a * sine + b * cosine], axis=-1)
 

@@ -394,7 +394,7 @@ class _ImageWriter(PillowWriter):
         palette.putpalette(colours.ravel().tolist())
         plain = Image.Dither.NONE
         first, *rest = (
-            each.convert("RGB").quantize(palette=palette, dither=plain) for each in self._frames
+            frame.convert("RGB").quantize(palette=palette, dither=plain) for frame in self._frames
         )
         webp: Any = {"lossless": True, "method": 6}  # half the bytes of the default
         duration = round(1000.0 / self.fps)  # ms

@@ -51,7 +51,7 @@ LEAST_SPAN = 0.01
 
 def length(*metres: Array) -> tuple[float, str]:
     """Factor and unit in which lengths are shown: µm, or mm where one is above 1000 µm."""
-    farthest = max(float(np.abs(each).max(initial=0.0)) for each in metres)
+    farthest = max(float(np.abs(values).max(initial=0.0)) for values in metres)
     return (1e3, "mm") if farthest * 1e6 > _MOST_MICRONS else (1e6, "µm")
 
 
@@ -121,7 +121,7 @@ def _moment(outline: Array) -> tuple[Any, Any]:
 def check_format(path: str | PathLike[str]) -> None:
     """Raise a ValueError for a name whose suffix is no format of pictures; it names those."""
     formats = FigureCanvasBase.get_supported_filetypes()
-    check_suffix(path, tuple(f".{each}" for each in sorted(formats)))
+    check_suffix(path, tuple(f".{ending}" for ending in sorted(formats)))
 
 
 def save(figure: Figure, path: str | PathLike[str]) -> None:

@@ -96,9 +96,9 @@ def velocity(data: xarray.Dataset, ax: Axes | None = None) -> Figure:
         elif len(numbers) == 2 and not words and _QUANTILE not in speeds.dims:
             _draw_map(axes, speeds, numbers, gaps)
         else:
-            found = ", ".join([*(axis.name for axis in numbers), *words]) or "nothing"
+            names = ", ".join([*(axis.name for axis in numbers), *words]) or "nothing"
             raise ValueError(
-                f"the sweep varies {found}: allowed are one number with words, or two numbers "
+                f"the sweep varies {names}: allowed are one number with words, or two numbers "
                 "without bands; take a part of it with .sel"
             )
         style.readable(axes, y=0.0)
@@ -174,7 +174,7 @@ def _draw_lines(axes: Axes, speeds: Any, along: _Axis, words: list[str]) -> None
     axes.set_ylabel(speeds.name)
     if len(handles) > 1:
         title = ", ".join(_words(speeds[name]) for name in words)
-        longest = max(len(str(each.get_label())) for each in handles)
+        longest = max(len(str(handle.get_label())) for handle in handles)
         legend_above(axes, handles, max(1, _LEGEND // (longest + 6)), title)
 
 
@@ -182,7 +182,7 @@ def _draw_bands(axes: Axes, line: Any, along: _Axis, colour: str, prefix: str) -
     """Shade what lies between each two opposite quantiles; a handle for each."""
     levels = line[_QUANTILE].values
     if not np.allclose(levels + levels[::-1], 1.0) or 0.5 not in levels:
-        shown = ", ".join(f"{each:g}" for each in levels)
+        shown = ", ".join(f"{level:g}" for level in levels)
         raise ValueError(
             f"quantiles {shown}: allowed are 0.5 and pairs about it, such as 0.1, 0.5, 0.9; "
             "take one of them with .sel"
