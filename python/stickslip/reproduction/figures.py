@@ -122,7 +122,7 @@ def with_units(columns: Mapping[str, Any], units: Mapping[str, str]) -> pd.DataF
 def reference_runs(reference: Mapping[str, Setting], threads: int | None = None) -> dict[str, Run]:
     """Twelve pulses at 30 Hz and a ramp down of the in-plane coil, for each mode."""
     scenarios = [
-        stroke_scenario(each).replace({"drive.ramp_down": 0.05}) for each in reference.values()
+        stroke_scenario(chosen).replace({"drive.ramp_down": 0.05}) for chosen in reference.values()
     ]
     return dict(zip(reference, simulate_batch(scenarios, threads), strict=True))
 
@@ -137,8 +137,8 @@ def motion_table(name: str, run: Run) -> pd.DataFrame:
     if not drawn:
         return _film_table(run)
     part = slice(None, None, max(1, round(1.0 / (_CSV_RATE * interval(run)))))
-    columns: dict[str, Any] = {each: getattr(run, each)[part] for each in drawn}
-    units = {each: COLUMNS[each].unit for each in columns}
+    columns: dict[str, Any] = {column: getattr(run, column)[part] for column in drawn}
+    units = {column: COLUMNS[column].unit for column in columns}
     if "theta" in columns:
         columns["contact"] = [Run.contact_names[code] for code in run.contact[part]]
     return with_units(columns, units)
@@ -150,7 +150,7 @@ def _film_table(run: Run) -> pd.DataFrame:
     touch = lowest_corner(shown)[samples]
     columns: dict[str, Any] = {
         "frame": list(_FRAMES),
-        **{each: getattr(shown, each)[samples] for each in ("t", "x", "z", "theta")},
+        **{column: getattr(shown, column)[samples] for column in ("t", "x", "z", "theta")},
         "contact_x": touch,
         "contact_x_before": [np.nan, *touch[:-1]],
     }
@@ -214,14 +214,14 @@ def curve_table(
     lines = itertools.product(curves.modes, curves.scans, curves.values)
     at = [(value, mode, words) for mode, words, value in lines]
     rows = [
-        curves.scans[words].changes(reference[mode], value, each)
+        curves.scans[words].changes(reference[mode], value, factor)
         for value, mode, words in at
-        for each in factors
+        for factor in factors
     ]
     data = sweep(BASE, rows, threads=threads)
     velocity, events, status = (
-        data[each].values.reshape(-1, count)
-        for each in ("mean_velocity", "painleve_events", "status")
+        data[quantity].values.reshape(-1, count)
+        for quantity in ("mean_velocity", "painleve_events", "status")
     )
     low, median, high = np.nanpercentile(velocity, [10.0, 50.0, 90.0], axis=1)
     frame = pd.DataFrame(at, columns=[curves.column, "mode", "varied"]).assign(
@@ -247,8 +247,8 @@ def draw_curves(name: str, table: pd.DataFrame, points: pd.DataFrame | None = No
     factor, label = in_handy_units(curves.scan.axis, table.attrs["units"].get(curves.column, "1"))
     with drawing(None, (5.4, 3.4)) as axes:
         for (mode, words), rows in table.groupby(["mode", "varied"], sort=False):
-            own = curves.scans[words] == curves.scan
-            colour, dashes = _STYLES[mode][:2] if own else _SECOND
+            is_first = curves.scans[words] == curves.scan
+            colour, dashes = _STYLES[mode][:2] if is_first else _SECOND
             x, low, high = rows[curves.column] * factor, rows.velocity_p10, rows.velocity_p90
             axes.fill_between(x, low * 1e3, high * 1e3, color=colour, alpha=0.22, linewidth=0.0)
             words = f"{mode}, {words}" if len(curves.scans) > 1 else mode

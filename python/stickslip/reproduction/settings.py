@@ -61,8 +61,8 @@ class Setting(NamedTuple):
 
 
 GRID = tuple(
-    Setting(*each)
-    for each in itertools.product(
+    Setting(*values)
+    for values in itertools.product(
         MODES,
         ("rise", "fall"),
         ("down", "up"),

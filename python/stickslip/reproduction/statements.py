@@ -54,8 +54,8 @@ def of_both(of_one: Callable[[Any], Found]) -> Callable[[Walks], Found]:
     @functools.wraps(of_one)
     def statement(walks: Walks) -> Found:
         (ipp, of_ipp), (opp, of_opp) = (of_one(walks[mode]) for mode in MODES)
-        numbers = {f"IPP {name}": each for name, each in of_ipp.items()}
-        return ipp & opp, numbers | {f"OPP {name}": each for name, each in of_opp.items()}
+        numbers = {f"IPP {name}": value for name, value in of_ipp.items()}
+        return ipp & opp, numbers | {f"OPP {name}": value for name, value in of_opp.items()}
 
     return statement
 
@@ -89,8 +89,8 @@ def left(mode: Any, scan: str) -> Any:
 
 def means(walks: Walks, scan: str, low: float, high: float) -> tuple[list[Any], dict[str, Any]]:
     """Mean velocity of IPP and OPP over a part of a scan, m/s, and the same as numbers."""
-    found = [velocity(walks[mode], scan, low, high).mean(scan) for mode in MODES]
-    return found, {f"{mode} (mm/s)": 1e3 * each for mode, each in zip(MODES, found, strict=True)}
+    means = [velocity(walks[mode], scan, low, high).mean(scan) for mode in MODES]
+    return means, {f"{mode} (mm/s)": 1e3 * mean for mode, mean in zip(MODES, means, strict=True)}
 
 
 @says("IPP slips on the downstroke. 80% of the slip's path on the downstroke, forwards, at 30 Hz.")
@@ -197,7 +197,7 @@ def s11(mode: Any) -> Found:
     part = left(mode, "linear")
     level = (abs(part.sel(linear=slice(1e-6)) - 1.0) <= 0.1).all("linear")
     falls = (part.diff("linear") <= 0.1).all("linear")
-    numbers = {f"left at {each:g} N s/m": part.sel(linear=each) for each in (1e-6, 1e-2)}
+    numbers = {f"left at {drag:g} N s/m": part.sel(linear=drag) for drag in (1e-6, 1e-2)}
     return level & falls & (abs(part.sel(linear=1e-2)) <= 0.02), numbers
 
 
@@ -332,7 +332,7 @@ def judge(walks: Walks) -> tuple[pd.DataFrame, dict[str, Setting]]:
     on which it depends most, each with the value for which it holds most often; and the `numbers`
     at the reference by name. Without a pair of working settings there is a ValueError.
     """
-    found = {each.__name__.upper(): each(walks) for each in STATEMENTS}
+    results = {statement.__name__.upper(): statement(walks) for statement in STATEMENTS}
     works = (walks["IPP"].works & walks["OPP"].works).transpose(*MODES)
     at = {
         mode: DataArray(places, dims="pair")
@@ -342,9 +342,9 @@ def judge(walks: Walks) -> tuple[pd.DataFrame, dict[str, Setting]]:
         raise ValueError("no setting of the grid walks forwards in both modes")
     holds = pd.DataFrame(
         {
-            name: each.isel(at, missing_dims="ignore")
-            for name, (each, _) in found.items()
-            if {*each.dims} & {*MODES}
+            name: where.isel(at, missing_dims="ignore")
+            for name, (where, _) in results.items()
+            if {*where.dims} & {*MODES}
         }
     )
     factors = pd.DataFrame(
@@ -360,8 +360,8 @@ def judge(walks: Walks) -> tuple[pd.DataFrame, dict[str, Setting]]:
         for mode in MODES
     }
     rows = []
-    for said, (name, (where, numbers)) in zip(STATEMENTS.values(), found.items(), strict=True):
-        text, _, condition = said.partition(". ")
+    for line, (name, (where, numbers)) in zip(STATEMENTS.values(), results.items(), strict=True):
+        text, _, condition = line.partition(". ")
         share = float(holds[name].mean() if name in holds else where.mean())
         verdict = "reproduced" if share >= _REPRODUCED_FROM else "depends"
         verdict = "not reproduced" if share <= _NOT_REPRODUCED_TO else verdict
@@ -395,7 +395,7 @@ def _reference(walks: Walks, at: dict[str, DataArray], holds: pd.DataFrame) -> i
         walks[mode].over_frequency.sel(frequency=WORKING_FREQUENCIES).isel({mode: at[mode]})
         for mode in MODES
     ]
-    distance = sum(abs(np.log(each / _TYPICAL_VELOCITY)).mean("frequency") for each in velocities)
+    distance = sum(abs(np.log(speed / _TYPICAL_VELOCITY)).mean("frequency") for speed in velocities)
     return int(np.nanargmin(distance.where(score.to_numpy() == score.max())))
 
 

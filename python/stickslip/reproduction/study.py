@@ -73,11 +73,11 @@ class Reproduction:
     def summary(self) -> str:
         """The reference and the table of statements as text."""
         lines = [f"{mode}  {setting}" for mode, setting in self.reference.items()]
-        for each in self.statements.itertuples():
-            share = "" if math.isnan(each.share) else f"; holds for {each.share:.1%} of pairs"
-            depends = each.settings and f", most often with {each.settings}"
-            lines += ["", f"{each.statement:<4} {each.text}"]
-            lines += [f"     {each.verdict}{share}{depends}", f"     {_in_words(each.numbers)}"]
+        for row in self.statements.itertuples():
+            share = "" if math.isnan(row.share) else f"; holds for {row.share:.1%} of pairs"
+            depends = row.settings and f", most often with {row.settings}"
+            lines += ["", f"{row.statement:<4} {row.text}"]
+            lines += [f"     {row.verdict}{share}{depends}", f"     {_in_words(row.numbers)}"]
         return "\n".join(lines)
 
     def as_dict(self) -> dict[str, Any]:
@@ -96,7 +96,7 @@ class Reproduction:
         folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
         statements = self.statements.drop(columns="numbers")
-        statements["numbers"] = [_in_words(each) for each in self.statements["numbers"]]
+        statements["numbers"] = [_in_words(numbers) for numbers in self.statements["numbers"]]
         write_frame(statements, folder / _STATEMENTS)
         write_frame(self.settings, folder / _SETTINGS)
         for name, figure in self.figures.items():
@@ -212,7 +212,7 @@ def _check_points(points: pd.DataFrame) -> None:
 
 def settings_table(walks: Walks) -> pd.DataFrame:
     """A row for every setting: what it is, and what it does."""
-    parts = [each.drop_dims(SCANS).to_dataframe() for each in walks.values()]
+    parts = [walk.drop_dims(SCANS).to_dataframe() for walk in walks.values()]
     names = ("base", "hold", "velocity_30_hz", "velocity_100_hz", "still_tilt", "mean_tilt")
     units = dict(zip(names, ("T", "T", "m/s", "m/s", "rad", "rad"), strict=True))
     units |= {"still_velocity": "m/s", "slip_up": "m", "slip_down": "m"}

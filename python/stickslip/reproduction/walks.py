@@ -54,52 +54,52 @@ def survey(
     """Simulate every setting, with `count` small changes for each point."""
     factors = small_changes(count)
     rows = [
-        scan.changes(setting, value, each)
+        scan.changes(setting, value, factor)
         for scan in SCANS.values()
         for setting in settings
         for value in scan.values
-        for each in factors
+        for factor in factors
     ]
     steady = [changes for setting in settings for changes in _constant_fields(setting)]
     data = sweep(BASE, rows + steady, threads=threads, progress=progress)
-    found = pd.DataFrame(settings, columns=Setting._fields).to_xarray().rename(index="setting")
+    table = pd.DataFrame(settings, columns=Setting._fields).to_xarray().rename(index="setting")
     begin = 0
     for name, scan in SCANS.items():
         shape = len(settings), len(scan.values), count
         block = data.isel(point=slice(begin, begin + math.prod(shape)))
         begin += math.prod(shape)
-        found.coords[name] = list(scan.values)
+        table.coords[name] = list(scan.values)
         velocity = xarray.DataArray(
             block.mean_velocity.values.reshape(shape), dims=("setting", name, "change")
         )
-        found[f"over_{name}"] = velocity.median("change")
+        table[f"over_{name}"] = velocity.median("change")
         if name == "frequency":
             for at in WORKING_FREQUENCIES:
-                velocity_at = found.over_frequency.sel(frequency=at, drop=True)
-                found[f"velocity_{at:.0f}_hz"] = velocity_at
-            found["works"] = "setting", _works(found, block, shape)
+                velocity_at = table.over_frequency.sel(frequency=at, drop=True)
+                table[f"velocity_{at:.0f}_hz"] = velocity_at
+            table["works"] = "setting", _works(table, block, shape)
     still = data.isel(point=slice(begin, None))
-    tilt, speed = (np.abs(still[each].values) for each in ("theta_max", "mean_velocity"))
-    found["still_tilt"] = "setting", tilt[::2]
-    found["still_velocity"] = "setting", speed.reshape(-1, 2).max(axis=1)
-    working = np.flatnonzero(found.works).tolist()
+    tilt, speed = (np.abs(still[name].values) for name in ("theta_max", "mean_velocity"))
+    table["still_tilt"] = "setting", tilt[::2]
+    table["still_velocity"] = "setting", speed.reshape(-1, 2).max(axis=1)
+    working = np.flatnonzero(table.works).tolist()
     runs = simulate_batch([stroke_scenario(settings[k]) for k in working], threads)
     by_stroke = pd.DataFrame([strokes(run) for run in runs], index=working, columns=STROKES)
     for name, column in by_stroke.reindex(range(len(settings))).items():
-        found[str(name)] = "setting", column
-    return {mode: found.isel(setting=found["mode"] == mode).rename(setting=mode) for mode in MODES}
+        table[str(name)] = "setting", column
+    return {mode: table.isel(setting=table["mode"] == mode).rename(setting=mode) for mode in MODES}
 
 
-def _works(found: xarray.Dataset, block: xarray.Dataset, shape: tuple[int, ...]) -> Mask:
+def _works(table: xarray.Dataset, block: xarray.Dataset, shape: tuple[int, ...]) -> Mask:
     slow_and_fast = np.isin(SCANS["frequency"].values, WORKING_FREQUENCIES)
     low, high = (
         block[name].values.reshape(shape)[:, slow_and_fast] for name in ("theta_min", "theta_max")
     )
     least, greatest = low.min(axis=(1, 2)), high.max(axis=(1, 2))
     # The clamp coil pulls theta up with "down", and below zero with "up".
-    down = found.clamp.values == "down"
+    down = table.clamp.values == "down"
     least, greatest = np.where(down, least, -greatest), np.where(down, greatest, -least)
-    slowest = np.minimum(found.velocity_30_hz, found.velocity_100_hz).values
+    slowest = np.minimum(table.velocity_30_hz, table.velocity_100_hz).values
     upright = (least > -_TILT_TOLERANCE) & (greatest < 0.5 * np.pi)
     return np.asarray(upright & (slowest > _MIN_VELOCITY))
 
@@ -143,16 +143,16 @@ def strokes(run: Run) -> dict[str, float]:
     rising = np.sign(run.theta[seen]) * run.omega[seen]
     slip, force = np.nan_to_num(run.slip_velocity[seen]), run.normal_force[seen]
     step = interval(run)
-    found, path = {"mean_tilt": float(np.abs(run.theta[seen]).mean())}, {}
+    numbers, path = {"mean_tilt": float(np.abs(run.theta[seen]).mean())}, {}
     for name, stroke in (("up", rising > 0.0), ("down", rising < 0.0)):
-        found[f"slip_{name}"] = float(slip[stroke].sum() * step)
+        numbers[f"slip_{name}"] = float(slip[stroke].sum() * step)
         path[name] = float(np.abs(slip[stroke]).sum() * step)
         slips = force[stroke & (slip != 0.0)]
         mean = float(slips.mean() / resting_force(run.scenario)) if len(slips) else np.nan
-        found[f"normal_force_{name}"] = mean
+        numbers[f"normal_force_{name}"] = mean
     total = path["up"] + path["down"]
-    found["slip_share_up"] = path["up"] / total if total > 0.0 else np.nan
-    return found
+    numbers["slip_share_up"] = path["up"] / total if total > 0.0 else np.nan
+    return numbers
 
 
 def interval(run: Run) -> float:

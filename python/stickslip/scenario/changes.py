@@ -22,7 +22,7 @@ class Changes(dict[str, Any]):
     def __init__(self, *given: Mapping[str, Any]) -> None:
         values: dict[str, Any] = {}
         named: dict[str, str] = {}
-        for key, value in (pair for each in given for pair in each.items()):
+        for key, value in (pair for changes in given for pair in changes.items()):
             check_word(key)
             name = full_name(str(key))
             if name in named:

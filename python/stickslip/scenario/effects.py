@@ -83,7 +83,7 @@ def suggested_effect(name: str, others: Iterable[str] = ()) -> str:
     meant too.
     """
     names = [effect.name for effect in effects()]
-    listed = [each for each in names if not is_free_shape(each)]
+    listed = [name for name in names if not is_free_shape(name)]
     return suggestion(name, [*names, *others], listed)
 
 
@@ -251,10 +251,10 @@ def register_effect(
     if not isinstance(parameters, Iterable):
         raise TypeError(f"effect {name}: parameters: allowed is a list of EffectParameter")
     rows = []
-    for each in parameters:
-        if not isinstance(each, EffectParameter):
-            raise TypeError(f"effect {name}: {shown(each)}: allowed is an EffectParameter")
-        word, unit, low, high, what, default = astuple(each)
+    for parameter in parameters:
+        if not isinstance(parameter, EffectParameter):
+            raise TypeError(f"effect {name}: {shown(parameter)}: allowed is an EffectParameter")
+        word, unit, low, high, what, default = astuple(parameter)
         where = f"effect {name}, parameter {shown(word)}"
         _check(where, {"name": word, "unit": unit, "meaning": what}, str, "a text")
         _check(where, {"low": low, "high": high, "default": default}, numbers.Real, "a number")

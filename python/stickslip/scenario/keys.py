@@ -201,7 +201,7 @@ def in_allowed_case(key: Key, word: str) -> str:
     """A word as the key allows it: an apparatus may write "ipp", "+X", "x" or another minus."""
     word = word.replace("\N{MINUS SIGN}", "-")
     spelt = (word, word.upper(), word.lower(), f"+{word.lower()}")
-    return next((each for each in spelt if each in key.words), word)
+    return next((form for form in spelt if form in key.words), word)
 
 
 def key_hint(name: str, others: Iterable[str] = ()) -> str:
@@ -224,7 +224,7 @@ def key_hint(name: str, others: Iterable[str] = ()) -> str:
     if near is not None:
         return f'did you mean "{last.get(near, near)}"?'
     sections = dict.fromkeys([*(key.section for key in keys.values()), LAWS[:-1]])
-    return suggestion(section, sections, dict.fromkeys(each.partition(".")[0] for each in sections))
+    return suggestion(section, sections, dict.fromkeys(name.partition(".")[0] for name in sections))
 
 
 def _law_hint(name: str) -> str:
@@ -235,7 +235,7 @@ def _law_hint(name: str) -> str:
         return 'the name of a law has letters, digits and "_", and no digit first'
     if last == "knots":
         return f"knots are one by one here, {law}.knot_1 to {law}.knot_5"
-    return suggestion(name if last else "", [f"{law}.{each}" for each in _core.law_keys])
+    return suggestion(name if last else "", [f"{law}.{key}" for key in _core.law_keys])
 
 
 def of_round_coil(key: str) -> bool:

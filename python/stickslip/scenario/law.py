@@ -79,7 +79,7 @@ class Law:
         return ", ".join(f"{name} = {value}" for name, value in given.items())
 
 
-_FIELDS = tuple(each.name for each in fields(Law))
+_FIELDS = tuple(field.name for field in fields(Law))
 
 
 def is_law(key: str) -> bool:
@@ -113,13 +113,13 @@ def _flat(law: str, given: Mapping[str, Any]) -> dict[str, Value]:
             continue
         if key == "knots":
             knots = enumerate(_five(f"{law}.knots", value), 1)
-            found = {f"{law}.knot_{k}": each for k, each in knots}
+            changes = {f"{law}.knot_{k}": height for k, height in knots}
         else:
-            found = {find_key(f"{law}.{key}", value).name: value}
-        twice = next((each for each in found if each in values), None)
+            changes = {find_key(f"{law}.{key}", value).name: value}
+        twice = next((key for key in changes if key in values), None)
         if twice is not None:
             raise ScenarioError(f"{twice} beside {law}.knots: allowed is one of both")
-        values |= found
+        values |= changes
     return values
 
 
@@ -130,7 +130,7 @@ def _five(name: str, knots: object) -> tuple[Any, ...]:
         refuse(name, knots, allowed)
     # A whole number may be too long for a float.
     return tuple(
-        float(each) if is_number(each) and not isinstance(each, int) else each for each in values
+        float(knot) if is_number(knot) and not isinstance(knot, int) else knot for knot in values
     )
 
 
@@ -160,22 +160,22 @@ def set_law(core: _core.Scenario, key: str, law: object) -> None:
     name = key.removeprefix(LAWS)
     values = {} if law is None else flat_laws({name: law})
     core.remove_law(name)
-    for each, value in values.items():
-        set_value(core, each, value)
+    for full, value in values.items():
+        set_value(core, full, value)
 
 
 def laws_of(core: _core.Scenario) -> Iterator[tuple[str, Law]]:
     """Name and law of each that a scenario of the core has."""
-    found: dict[str, dict[str, Any]] = {}
+    laws: dict[str, dict[str, Any]] = {}
     for key, value in core.changed().items():
         if key.startswith(LAWS):
             _, name, part = key.split(".")
-            law = found.setdefault(name, {})
+            law = laws.setdefault(name, {})
             if part.startswith("knot_"):
                 law.setdefault("knots", [0.0] * _KNOTS)[int(part[-1]) - 1] = value
             else:
                 law[part] = value
-    for name, law in found.items():
+    for name, law in laws.items():
         law["knots"] = tuple(law["knots"]) if "knots" in law else None
         yield name, Law(**law)
 

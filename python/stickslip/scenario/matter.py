@@ -120,9 +120,9 @@ def magnet_of(
 ) -> tuple[float, float]:
     """Density, kg/m^3, and magnetization, A/m, of a material, or those that are given."""
     if material is not None:
-        found = _named("material", material, MATERIALS)
-        density = found.density if density is None else density
-        magnetization = found.magnetization if magnetization is None else magnetization
+        known = _named("material", material, MATERIALS)
+        density = known.density if density is None else density
+        magnetization = known.magnetization if magnetization is None else magnetization
     check_above_zero("density", density, "kg/m3; or name a material,")
     if not (is_number(magnetization) and 0.0 <= magnetization < math.inf):
         refuse("magnetization", magnetization, "a number of A/m from 0; or name a material")
@@ -134,9 +134,9 @@ def fluid_of(
 ) -> Fluid:
     """The fluid of these arguments of `Scenario.in_fluid`."""
     if name is not None:
-        found = _named("fluid", name, LIQUIDS)
-        density = found.density if density is None else density
-        viscosity = found.viscosity if viscosity is None else viscosity
+        known = _named("fluid", name, LIQUIDS)
+        density = known.density if density is None else density
+        viscosity = known.viscosity if viscosity is None else viscosity
     check_above_zero("density", density, "kg/m3; or name a fluid,")
     check_above_zero("viscosity", viscosity, "Pa s; or name a fluid,")
     if isinstance(wall, bool):

@@ -219,12 +219,12 @@ class Scenario:
 
         An effect at its defaults is left out.
         """
-        found: dict[str, dict[str, float]] = {}
+        effects: dict[str, dict[str, float]] = {}
         for key, value in sorted(self._core.changed().items()):
             if key.startswith(PREFIX):
                 _, name, parameter = key.split(".")
-                found.setdefault(name, {})[parameter] = float(value)
-        return MappingProxyType({name: MappingProxyType(own) for name, own in found.items()})
+                effects.setdefault(name, {})[parameter] = float(value)
+        return MappingProxyType({name: MappingProxyType(part) for name, part in effects.items()})
 
     @property
     def laws(self) -> Mapping[str, Law]:
@@ -401,9 +401,9 @@ class Scenario:
         ScenarioError
             If the name is unknown, a number is not allowed, or the robot floats.
         """
-        found = fluid_of(fluid, density, viscosity, wall)
-        made = self.replace(found.changes(self.robot, gravity))
-        made._fluid = found
+        known = fluid_of(fluid, density, viscosity, wall)
+        made = self.replace(known.changes(self.robot, gravity))
+        made._fluid = known
         return made
 
     @property
@@ -466,8 +466,8 @@ class Scenario:
         if prior is None:
             raise ScenarioError("uncertain: the scenario has no uncertain parameter to draw")
         known = self.with_uncertain(None)
-        found = [known.drawn(prior, np.random.default_rng([int(seed), i])) for i in range(n)]
-        return [each for each, _ in found], sum(refused for _, refused in found)
+        drawn = [known.drawn(prior, np.random.default_rng([int(seed), i])) for i in range(n)]
+        return [scenario for scenario, _ in drawn], sum(refused for _, refused in drawn)
 
     def drawn(self, prior: JointPrior, random: np.random.Generator) -> tuple[Scenario, int]:
         """A scenario with values drawn from a prior; and how many draws before it made none."""
@@ -541,7 +541,7 @@ class Scenario:
     def __repr__(self) -> str:
         names = (*SECTIONS, "effects", "laws", "uncertain")
         values = {name: getattr(self, name) for name in names}
-        values["effects"] = {name: dict(own) for name, own in self.effects.items()}
+        values["effects"] = {name: dict(part) for name, part in self.effects.items()}
         values["laws"] = dict(self.laws)
         return f"Scenario({', '.join(f'{name}={value!r}' for name, value in values.items())})"
 
@@ -578,7 +578,7 @@ def _made(
 
 
 def _named(objects: _Objects) -> dict[str, Any]:
-    return {key: each for key, each in zip(OBJECTS, objects, strict=True) if each is not None}
+    return {key: value for key, value in zip(OBJECTS, objects, strict=True) if value is not None}
 
 
 def _of_changes(changes: Mapping[str, Any], uncertain: Any, fluid: Fluid | None) -> Scenario:

@@ -35,10 +35,10 @@ class Section:
 
     def __init_subclass__(cls, key: str, **others: str) -> None:
         keys = keys_of(key)
-        cls._name, cls._keys = key, {each.field: each.name for each in keys}
+        cls._name, cls._keys = key, {entry.field: entry.name for entry in keys}
         cls._fields = (*cls._keys, *others)
-        for each in keys:
-            setattr(cls, each.field, _property(each))
+        for entry in keys:
+            setattr(cls, entry.field, _property(entry))
         cls.__doc__ = "\n".join([_core.sections[key], *_documentation(keys, others)])
         cls.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
             [_parameter(k.field, k.default) for k in keys] + [_parameter(n, None) for n in others]

@@ -99,10 +99,10 @@ class Coil(
     def _changes(self, field, value):
         if field not in COIL_NAMES:
             return super()._changes(field, value)
-        own = value._asdict() if isinstance(value, OneCoil) else value
-        if not isinstance(own, Mapping | None):
+        fields = value._asdict() if isinstance(value, OneCoil) else value
+        if not isinstance(fields, Mapping | None):
             refuse(f"coil.{field}", value, f"a table [coil.{field}]")
-        return {f"coil.{field}.{name}": each for name, each in (own or {}).items()}
+        return {f"coil.{field}.{name}": number for name, number in (fields or {}).items()}
 
     @staticmethod
     def of(
@@ -173,9 +173,9 @@ class Coil(
         return {key: value for key, value in changed if is_of_one_coil(key)}
 
     def __repr__(self):
-        own = {key.split(".")[1] for key in self.own_values()}
+        coils = {key.split(".")[1] for key in self.own_values()}
         values = self.as_dict().items()
-        shown = [f"{name}={value!r}" for name, value in values if name not in {*COIL_NAMES} - own]
+        shown = [f"{name}={value!r}" for name, value in values if name not in {*COIL_NAMES} - coils]
         return f"Coil({', '.join(shown)})"
 
 
@@ -289,8 +289,8 @@ class State(Section, key="initial"):
 
 
 SECTIONS = {
-    each._name: each
-    for each in (
+    section._name: section
+    for section in (
         Drive,
         Coil,
         Robot,

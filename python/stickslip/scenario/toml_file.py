@@ -174,14 +174,14 @@ def named_files(path: Path) -> dict[str, Path]:
         document = read_document(path) if path.is_file() else {}
     except ScenarioError:
         return {}
-    found = {}
+    files = {}
     for key in PATHS:
         section, name = key.split(".")
         values = document.get(section)
         file = values.get(name) if isinstance(values, dict) else None
         if isinstance(file, str):
-            found[key] = path.parent / file
-    return found
+            files[key] = path.parent / file
+    return files
 
 
 _BESIDE = ("voltages.csv", "map.json", "accelerations.csv")
@@ -195,12 +195,12 @@ def held_writers(content: Content, names: Sequence[Path]) -> dict[Path, Callable
         None if field_map is None else text_writer(field_map.to_json()),
         None if shaken is None else shaken.write,
     )
-    return {name: each for name, each in zip(names, writers, strict=True) if each is not None}
+    return {name: writer for name, writer in zip(names, writers, strict=True) if writer is not None}
 
 
 def files_beside(path: Path) -> tuple[Path, ...]:
     """Where the objects of a scenario that is written to `path` go, see `held_writers`."""
-    return tuple(path.with_name(f"{path.stem}.{each}") for each in _BESIDE)
+    return tuple(path.with_name(f"{path.stem}.{ending}") for ending in _BESIDE)
 
 
 def write_scenario(content: Content, path: Path, comments: Sequence[str] = ()) -> str:
@@ -219,7 +219,7 @@ def scenario_writers(
     """The text of a scenario's file, and what `write_together` needs for all its files."""
     beside = files_beside(path)
     text = "".join(f"# {printable(line)}\n" for line in comments)
-    text += scenario_text(content, *(each.name for each in beside))
+    text += scenario_text(content, *(file.name for file in beside))
     return text, {path: text_writer(text), **held_writers(content, beside)}
 
 

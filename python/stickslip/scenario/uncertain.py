@@ -58,13 +58,13 @@ class Prior:
         for name, value in ((one, self.first), (two, self.second)):
             if not is_number(value) or not math.isfinite(value):
                 raise ScenarioError(f"{name} = {shown(value)}: allowed is a number")
-        said = f"{one} = {self.first}, {two} = {self.second}"
+        text = f"{one} = {self.first}, {two} = {self.second}"
         if self.kind == "normal" and self.second <= 0.0:
             raise ScenarioError(f"sd = {self.second}: allowed is a number above 0")
         if self.kind == "log-normal" and not (self.first > 0.0 and self.second > 1.0):
-            raise ScenarioError(f"{said}: allowed is median > 0 and factor > 1")
+            raise ScenarioError(f"{text}: allowed is median > 0 and factor > 1")
         if self.kind == "log-uniform" and not 0.0 < self.first < self.second:
-            raise ScenarioError(f"{said}: allowed is 0 < low < high")
+            raise ScenarioError(f"{text}: allowed is 0 < low < high")
 
     def __repr__(self) -> str:
         return f"{self.kind}({self.first:g}, {self.second:g})"
@@ -213,7 +213,7 @@ def as_joint_prior(given: object) -> JointPrior:
         return given
     if not isinstance(given, Mapping):
         raise ScenarioError(f"uncertain = {shown(given)}: allowed is a section [uncertain]")
-    priors = {key: each for key, each in given.items() if key != COVARIANCE}
+    priors = {key: prior for key, prior in given.items() if key != COVARIANCE}
     covariance = given.get(COVARIANCE, {"keys": (), "matrix": ()})
     section = f"[uncertain.{COVARIANCE}]"
     if not isinstance(covariance, Mapping) or covariance.keys() != {"keys", "matrix"}:

@@ -85,4 +85,4 @@ def notes_json(notes: Iterable[Note]) -> str:
 
 def lines_of_json(text: str) -> list[str]:
     """`shown_lines` of such an attribute."""
-    return shown_lines(Note(**each) for each in json.loads(text))
+    return shown_lines(Note(**values) for values in json.loads(text))

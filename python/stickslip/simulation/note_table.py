@@ -139,8 +139,8 @@ def _of_run(facts: Facts, summary: Mapping[str, Any], ok: bool) -> dict[str, Any
 @functools.cache
 def _factors(text: str) -> tuple[float, tuple[str, ...]]:
     words = text.split()
-    number = math.prod([float(each) for each in words if not each[0].isalpha()])
-    return number, tuple(each for each in words if each[0].isalpha())
+    number = math.prod([float(word) for word in words if not word[0].isalpha()])
+    return number, tuple(word for word in words if word[0].isalpha())
 
 
 def product(text: str, facts: Any) -> Any:
@@ -154,8 +154,8 @@ def product(text: str, facts: Any) -> Any:
 def holds(conditions: Iterable[str], facts: Any) -> Any:
     """Whether all conditions hold; of facts that are arrays, at each place."""
     result: Any = True
-    for each in conditions:
-        result = result & _condition(each)(facts)
+    for condition in conditions:
+        result = result & _condition(condition)(facts)
         if result is False:  # what follows is not asked: each run asks a hundred times
             break
     return result
@@ -178,14 +178,14 @@ def _condition(text: str) -> Callable[[Any], Any]:
 
 def notes_of_table(facts: Facts, of: str) -> Iterator[Note]:
     """Notes of the rows that hold, of a "scenario" or of a "run"."""
-    told = set()
+    first_given = set()
     for row in TABLE["notes"]:
-        if row.get("of", "run") != of or row.get("first_of") in told:
+        if row.get("of", "run") != of or row.get("first_of") in first_given:
             continue
-        if holds(row["when"], facts) and (found := _after_trial(row, facts)):
-            told.update([row["first_of"]] if "first_of" in row else [])
+        if holds(row["when"], facts) and (trial := _after_trial(row, facts)):
+            first_given.update([row["first_of"]] if "first_of" in row else [])
             value = facts[row["value"]] if "value" in row else None
-            yield Note(row["code"], _text(row, facts, *found), value)
+            yield Note(row["code"], _text(row, facts, *trial), value)
 
 
 def _after_trial(row: Mapping[str, Any], facts: Facts) -> tuple[Mapping[str, Any], Facts] | None:
@@ -235,7 +235,7 @@ def _text(row: Mapping[str, Any], facts: Facts, changes: Mapping[str, Any], trie
     def filled(place: re.Match[str]) -> str:
         name, given, other, unit = place.groups()
         if name == "advice":
-            advice = (each["text"] for each in row["advice"] if holds(each["when"], facts))
+            advice = (case["text"] for case in row["advice"] if holds(case["when"], facts))
             return _PLACE.sub(filled, next(advice, ""))
         if name == "set":
             if "drive.program" in changes:

@@ -295,9 +295,9 @@ class StoredRecord(Mapping[str, "NDArray[Any]"]):
         return len(self._names)
 
     def _identified(self) -> tuple[int, int]:
-        found = os.stat(self._path)
+        status = os.stat(self._path)
         # One that is being written may grow.
-        return found.st_ino, 0 if self._path.suffix == PART else found.st_mtime_ns
+        return status.st_ino, 0 if self._path.suffix == PART else status.st_mtime_ns
 
 
 @contextlib.contextmanager
@@ -330,7 +330,7 @@ def stored(path: str | PathLike[str]) -> tuple[Scenario, dict[str, Any], StoredR
             program = None
             if "voltage_blocks" in about:
                 blocks = json.loads(about["voltage_blocks"])
-                program = Waveform([(each["t"], each["V"], each["repeats"]) for each in blocks])
+                program = Waveform([(block["t"], block["V"], block["repeats"]) for block in blocks])
             field_map = FieldMap.from_json(about["coil_map"]) if "coil_map" in about else None
             shaken = None
             if "accelerations" in about:

@@ -110,8 +110,8 @@ def rollout(
         if name not in STATE_COLUMNS:
             raise ScenarioError(f"record: {shown(name)}: {suggestion(str(name), STATE_COLUMNS)}")
     several = [scenarios] if isinstance(scenarios, Scenario) else list(scenarios)
-    for index, each in enumerate(several):
-        check_kind(f"scenario {index}", each, Scenario)
+    for index, scenario in enumerate(several):
+        check_kind(f"scenario {index}", scenario, Scenario)
     volts = np.ascontiguousarray(voltages, dtype=float)
     if volts.ndim not in (2, 3) or volts.shape[-1] != len(_core.coil_names):
         raise ScenarioError(
@@ -124,8 +124,8 @@ def rollout(
     if volts.ndim == 3:
         given["voltages"] = len(volts)
     if len({*given.values()}) > 1:
-        told = " and ".join(f"{number} {name}" for name, number in given.items())
-        raise ScenarioError(f"{told}: allowed is the same number of runs")
+        text = " and ".join(f"{number} {name}" for name, number in given.items())
+        raise ScenarioError(f"{text}: allowed is the same number of runs")
     runs = next(iter(given.values()), 1)
     if start is not None and len(start) == 1:
         start = np.repeat(start, runs, axis=0)
@@ -137,7 +137,7 @@ def rollout(
     out.fill(np.nan)
     try:
         status = _core.rollout(
-            [each.to_core() for each in several],
+            [scenario.to_core() for scenario in several],
             runs,
             start,
             volts,
@@ -158,7 +158,7 @@ def _rows(states: Any) -> NDArray[np.float64] | None:
         return None
     states = [states] if isinstance(states, State) else states
     if len(states) and isinstance(states[0], State):
-        states = [each.row for each in states]
+        states = [state.row for state in states]
     rows = np.ascontiguousarray(states, dtype=float)
     if rows.ndim != 2 or rows.shape[1] != len(STATE_COLUMNS):
         raise ScenarioError(

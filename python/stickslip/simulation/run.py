@@ -280,7 +280,7 @@ class Run(Recorded):
         if self.scenario.whole_plane and self.scenario.drive.mode != "program":
             of_the_plane = dict(zip((ALONG, ACROSS), self.velocity, strict=True))
         unasked = [name for name, key in ASKED.items() if self.scenario.get(key) == "no"]
-        numbers = {name: each for name, each in self.numbers.items() if name not in unasked}
+        numbers = {name: number for name, number in self.numbers.items() if name not in unasked}
         counts = {name: dict(numbers[name]) for name in ("events", "steps")}
         return {
             "status": self.status,
@@ -300,7 +300,7 @@ class Run(Recorded):
             "title": "stick-slip motion of a magnetic micro-robot",
             "source": f"stickslip {_core.__version__}",
             **origin(self.scenario),
-            **{key: each for key, each in summary.items() if not isinstance(each, dict | list)},
+            **{key: value for key, value in summary.items() if not isinstance(value, dict | list)},
             "notes": notes_json(self.notes),
             "events": json.dumps(summary["events"]),
             "steps": json.dumps(summary["steps"]),

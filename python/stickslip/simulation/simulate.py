@@ -65,20 +65,20 @@ def _parsed(until: str | None, scenarios: Iterable[Scenario]) -> Condition | Non
     """The condition of a text; a ScenarioError if it is none."""
     if until is None:
         return None
-    found = _CONDITION.fullmatch(until) if isinstance(until, str) else None
+    match = _CONDITION.fullmatch(until) if isinstance(until, str) else None
     try:
-        value = math.nan if found is None else float(found[3])
+        value = math.nan if match is None else float(match[3])
     except ValueError:
         value = math.nan
-    if found is None or found[1] not in _core.stop_quantities or not math.isfinite(value):
+    if match is None or match[1] not in _core.stop_quantities or not math.isfinite(value):
         refuse(
             "until",
             until,
             'a condition such as "x >= 3e-3" or "theta <= -1.5", of '
             f"{', '.join(_core.stop_quantities)} (SI units and rad)",
         )
-    quantity = found[1]
-    if quantity in _core.plane_columns and not all(each.whole_plane for each in scenarios):
+    quantity = match[1]
+    if quantity in _core.plane_columns and not all(scenario.whole_plane for scenario in scenarios):
         refuse(
             "until",
             until,
@@ -87,7 +87,7 @@ def _parsed(until: str | None, scenarios: Iterable[Scenario]) -> Condition | Non
         )
     if quantity == "heading" and abs(value) > math.pi:
         refuse("until", until, "a heading from -pi to pi, beyond which it goes on at -pi")
-    return quantity, found[2] == ">=", value
+    return quantity, match[2] == ">=", value
 
 
 def simulate(

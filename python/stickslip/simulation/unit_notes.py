@@ -88,10 +88,10 @@ def _of_places(field_map: FieldMap, made: _core.Scenario, distance: float) -> li
     if span <= distance:
         return []
     farther = np.median(_decay_lengths(made) / _decay_lengths(_core.Scenario()))
-    found = unit_meant("m", float(farther), _TIMES_TABLE_I)
-    if found is None:
+    meant = unit_meant("m", float(farther), _TIMES_TABLE_I)
+    if meant is None:
         return []
-    unit, factor = found
+    unit, factor = meant
     text = (
         f"coil.map spans {span:.3g} m, {span / distance:.2g} times coil.distance = {distance:g}, "
         f"and its field changes as slowly as that of coils {farther * distance:.2g} m away: are x, "
@@ -102,14 +102,14 @@ def _of_places(field_map: FieldMap, made: _core.Scenario, distance: float) -> li
 
 def _decay_lengths(made: _core.Scenario) -> Array:
     """Field over its derivative along itself, at the centre, of each coil with a field, m."""
-    coils, centre, each = (
+    coils, centre, currents = (
         made.coils(),
         np.zeros((len(_core.coil_names), 3)),
         np.eye(len(_core.coil_names)),
     )
     at = np.arange(len(_core.coil_names))
-    field = coils.field(centre, each)[at, _AXES]
-    slope = coils.gradient(centre, each).reshape(-1, 3, 3)[at, _AXES, _AXES]
+    field = coils.field(centre, currents)[at, _AXES]
+    slope = coils.gradient(centre, currents).reshape(-1, 3, 3)[at, _AXES, _AXES]
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(np.abs(field / slope))
 
@@ -125,8 +125,8 @@ def _of_background(field_map: FieldMap, made: _core.Scenario) -> list[Note]:
     if len(used) < len(_core.coil_names) - 1:
         return []
     across = [fields[used[_AXES[used] != axis], axis] for axis in range(3)]
-    common = np.array([np.mean(each) for each in across])
-    left = np.concatenate([each - np.mean(each) for each in across])
+    common = np.array([np.mean(values) for values in across])
+    left = np.concatenate([values - np.mean(values) for values in across])
     scatter = math.sqrt(float(left @ left) / (len(left) - 3))
     # The error of a mean over all points.
     noise = max(field_map.residual[k] / math.sqrt(field_map.points[k]) for k in used)
@@ -199,10 +199,10 @@ def _of_coils(scenario: Scenario) -> list[Note]:
     notes = []
     for key, usual, within, unit, code, what in cases:
         ratio = _times_default(scenario, key) / usual
-        found = unit_meant(unit, ratio, within)
-        if found is not None:
+        meant = unit_meant(unit, ratio, within)
+        if meant is not None:
             value = float(scenario.get(key))
-            text = f"{key} = {value:g} {unit} is {ratio:.3g} times {what}: {_question(found)}"
+            text = f"{key} = {value:g} {unit} is {ratio:.3g} times {what}: {_question(meant)}"
             notes.append(Note(code, text, value))
     return notes
 
@@ -217,27 +217,27 @@ def _of_robot(scenario: Scenario) -> list[Note]:
 
     Magnets and what is made with them have 2 500 to 25 000 kg/m3.
     """
-    names = [f"robot.{each}" for each in ("length", "width", "height")]
+    names = [f"robot.{name}" for name in ("length", "width", "height")]
     mass, sizes = scenario.robot.mass, np.array([float(scenario.get(name)) for name in names])
-    said = f"a density of {mass / float(np.prod(sizes)):.3g} kg/m3"
+    density = f"a density of {mass / float(np.prod(sizes)):.3g} kg/m3"
     times_usual = _times_default(scenario, "robot.mass") / _times_default(scenario, *names)
-    found = unit_meant("kg", times_usual)
-    if found is not None:
-        text = f"robot.mass = {mass:g} kg makes {said}: {_question(found)}"
+    meant = unit_meant("kg", times_usual)
+    if meant is not None:
+        text = f"robot.mass = {mass:g} kg makes {density}: {_question(meant)}"
         return [Note("unit-mass", text, mass)]
     for wrong in (sizes > _LONG * np.min(sizes), np.ones(3, dtype=bool)):
         share = 1.0 / max(int(wrong.sum()), 1)  # each of them has the factor
-        found = unit_meant("m", times_usual**-share, NEAR**share)
-        if found is not None and wrong.any():
+        meant = unit_meant("m", times_usual**-share, NEAR**share)
+        if meant is not None and wrong.any():
             given = [f"{names[k]} = {sizes[k]:g} m" for k in np.flatnonzero(wrong)]
-            text = f"{' and '.join(given)} make{'s' if len(given) == 1 else ''} {said}"
+            text = f"{' and '.join(given)} make{'s' if len(given) == 1 else ''} {density}"
             largest = float(np.max(sizes[wrong]))
-            return [Note("unit-length", f"{text}: {_question(found, len(given))}", largest)]
+            return [Note("unit-length", f"{text}: {_question(meant, len(given))}", largest)]
     return []
 
 
-def _question(found: tuple[str, float], count: int = 1) -> str:
+def _question(meant: tuple[str, float], count: int = 1) -> str:
     """Whether numbers are in another unit."""
-    unit, factor = found
+    unit, factor = meant
     ask, what = ("is it", "it") if count == 1 else ("are they", "them")
     return f"{ask} in {unit}? Divide {what} by {factor:.7g}"

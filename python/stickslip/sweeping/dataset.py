@@ -103,7 +103,7 @@ def finished(data: xarray.Dataset, points: Points) -> xarray.Dataset:
     """The Dataset with velocities, counts and notes of its results so far."""
     codes, counts = np.unique(data["status"], return_counts=True)
     by_status = dict(zip(codes.tolist(), counts.tolist(), strict=True))
-    columns = {str(name): each.values for name, each in data.items()}
+    columns = {str(name): values.values for name, values in data.items()}
     about = {
         "finished_points": points.count - by_status.get(NOT_RUN, 0),
         "failed_points": sum(n for code, n in by_status.items() if code not in (NOT_RUN, OK)),
@@ -126,8 +126,8 @@ def _seen_from_drive(data: xarray.Dataset, points: Points) -> dict[str, Any]:
     if not np.nan_to_num(y).any() or np.all(mode == "program"):
         return {}
     drive = mode, points.at_each("drive.direction"), points.at_each("drive.heading")
-    found = zip(VELOCITIES.items(), seen_from_drive(x.values, y.values, *drive), strict=True)
+    columns = zip(VELOCITIES.items(), seen_from_drive(x.values, y.values, *drive), strict=True)
     return {
         name: (x.dims, values, {"units": unit, "long_name": meaning}, _ENCODING)
-        for (name, (unit, meaning)), values in found
+        for (name, (unit, meaning)), values in columns
     }

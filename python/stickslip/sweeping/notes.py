@@ -23,16 +23,16 @@ def notes_of(points: Points, columns: Mapping[str, NDArray[Any]], things: str) -
     pulses = pulses_measured(points.at_each("drive.pulses")).reshape(columns["status"].shape)
     facts = {**columns, "measured_pulses": pulses}
     rows = [row for row in TABLE["notes"] if "many" in row]
-    beyond, said = {}, {row["code"]: row["many"] for row in rows}
+    beyond, texts = {}, {row["code"]: row["many"] for row in rows}
     for row in rows:  # by numbers of a sweep alone
-        known = [each for each in row["when"] if each.split()[0] in facts]
+        known = [condition for condition in row["when"] if condition.split()[0] in facts]
         beyond[row["code"]] = holds(known, facts)
     still = (columns["mean_velocity"] == 0.0) & (columns["mean_velocity_y"] == 0.0)
     beyond["rest"] = still & (columns["theta_min"] == columns["theta_max"])
-    said["rest"] = "the robot never moved; the notes of such a run alone say why"
+    texts["rest"] = "the robot never moved; the notes of such a run alone say why"
     counts = {code: int((holds & (columns["status"] == 0)).sum()) for code, holds in beyond.items()}
     notes = [
-        Note(code, f"{count} of {points.count} {things}: {said[code]}", float(count))
+        Note(code, f"{count} of {points.count} {things}: {texts[code]}", float(count))
         for code, count in counts.items()
         if count
     ]

@@ -58,8 +58,8 @@ class Points:
         for key in self.keys:
             if names.setdefault(name_of(key), key) != key:
                 raise ScenarioError(f"{key}: a sweep cannot vary it beside {names[name_of(key)]}")
-        record = {each.name: each.default for each in known_keys().values()
-                  if each.section == "record"}  # fmt: skip
+        record = {field.name: field.default for field in known_keys().values()
+                  if field.section == "record"}  # fmt: skip
         self.scenario = self.scenario.replace(record)
 
     @property
@@ -214,6 +214,6 @@ def _check_axis(key: str, values: list[Value]) -> None:
         one = same.get(value, value)
         if one in seen:
             near = f", as {shown(seen[one])}: the same within {RELATIVE:g} of the spread"
-            said = "this value is given twice" + ("" if value == seen[one] else near)
-            raise ScenarioError(f"{key} = {shown(value)}: {said}")
+            text = "this value is given twice" + ("" if value == seen[one] else near)
+            raise ScenarioError(f"{key} = {shown(value)}: {text}")
         seen[one] = value

@@ -101,7 +101,7 @@ def predict(
     check_whole("draws", draws, 2)
     allowed = "numbers between 0 and 1, each once"
     levels = as_list("quantiles", quantiles, allowed)
-    sound = all(isinstance(each, float) and 0.0 < each < 1.0 for each in levels)
+    sound = all(isinstance(level, float) and 0.0 < level < 1.0 for level in levels)
     if not levels or not sound or len({*levels}) < len(levels):
         raise ScenarioError(f"quantiles = {shown(levels)}: allowed are {allowed}")
     levels = sorted(map(float, levels))
@@ -118,7 +118,7 @@ def predict(
             raise ScenarioError(f"{key}: allowed is either varied or uncertain, not both")
     check_count(points.count * draws)
     scenarios, redrawn = scenario.counted_draws(draws, seed)
-    values = np.array([[each.get(key) for key in prior.names] for each in scenarios])
+    values = np.array([[draw.get(key) for key in prior.names] for draw in scenarios])
     drawn = points.with_draws(prior.names, values)
     data = sweep_points(drawn, threads, executor, out, resume, progress)
 
@@ -128,15 +128,15 @@ def predict(
         (data["status"] != OK).sum("draw").assign_attrs(long_name="draws that failed", units="1")
     )
     made = failed.to_dataset(name="failed").assign_coords(quantile=below)
-    for name, each in data.data_vars.items():
-        if each.dtype != float or name == "simulated_time":
+    for name, figure in data.data_vars.items():
+        if figure.dtype != float or name == "simulated_time":
             continue
-        both = quantiles_with_errors(each.values.reshape(points.count, draws), levels)
-        meaning = each.attrs["long_name"]
+        both = quantiles_with_errors(figure.values.reshape(points.count, draws), levels)
+        meaning = figure.attrs["long_name"]
         meanings = meaning, f"standard error of the quantile: {meaning}"
-        for full, found, said in zip((name, f"{name}_error"), both, meanings, strict=True):
-            shaped = found.reshape(*points.shape, len(levels))
-            made[full] = ((*dims, "quantile"), shaped, {**each.attrs, "long_name": said})
+        for full, array, words in zip((name, f"{name}_error"), both, meanings, strict=True):
+            shaped = array.reshape(*points.shape, len(levels))
+            made[full] = ((*dims, "quantile"), shaped, {**figure.attrs, "long_name": words})
     messages = [text for text in data["message"].values.flat if text] if "message" in data else []
     kept = {
         name: data.attrs[name] for name in ("title", "created_by", "statuses", "notes", "sweep")
@@ -167,7 +167,7 @@ def quantiles_with_errors(values: Array, levels: Sequence[float]) -> tuple[Array
         place = level * last
         low = np.floor(place).astype(np.int64)
         first, second = (
-            np.take_along_axis(ordered, each, axis=1) for each in (low, np.minimum(low + 1, last))
+            np.take_along_axis(ordered, rank, axis=1) for rank in (low, np.minimum(low + 1, last))
         )
         return np.asarray(first + (place - low) * (second - first))
 

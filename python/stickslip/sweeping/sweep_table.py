@@ -63,7 +63,7 @@ def sweep_dataframe(data: xarray.Dataset) -> pd.DataFrame:
         by_code = dict(zip(like.attrs["flag_values"].tolist(), words, strict=True))
         columns["status"] = [by_code[code] for code in columns["status"].tolist()]
     for name, values in data.drop_vars(counted).data_vars.items():
-        over = [str(each) for each in values.dims if each not in like.dims]
+        over = [str(name) for name in values.dims if name not in like.dims]
         if not over:
             add(str(name), values)
         for label in values[over[0]].values.tolist() if over else ():
