@@ -1,5 +1,9 @@
 #include <pybind11/pybind11.h>
 
+#include <exception>
+#include <stdexcept>
+
+#include "refusals.hpp"
 #include "register.hpp"
 #include "stickslip/run/simulation.hpp"
 
@@ -12,6 +16,18 @@ PYBIND11_MODULE(_core, module, py::mod_gil_not_used()) {
     module.attr("has_arkode") = stickslip::has_method(stickslip::Method::arkode);
 
     using namespace stickslip::bindings;
+    // What the core refuses, the package refuses.
+    py::register_local_exception_translator([](std::exception_ptr thrown) {
+        try {
+            std::rethrow_exception(thrown);
+        } catch (const std::invalid_argument& refusal) {
+            try {
+                raise("ScenarioError", refusal.what());
+            } catch (py::error_already_set& error) {
+                error.restore();
+            }
+        }
+    });
     register_field(module);
     register_scenario(module);
     register_user_effect(module);

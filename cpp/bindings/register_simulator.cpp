@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "refusals.hpp"
 #include "register.hpp"
 #include "report_progress.hpp"
 #include "stickslip/batch/rollout.hpp"
@@ -26,6 +28,10 @@ using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 /// Written in place, so that nothing may be converted.
 using Output = py::array_t<double, py::array::c_style>;
 
+constexpr const char* kStepTypes =
+    "a step takes a mapping from coils to V, or five numbers of V (xp, xm, yp, ym, clamp), and a "
+    "duration in s";
+
 double duration_of(double seconds) {
     if (!(seconds > 0.0) || !std::isfinite(seconds)) {
         throw std::invalid_argument("duration = " + digits(seconds) +
@@ -34,26 +40,80 @@ double duration_of(double seconds) {
     return seconds;
 }
 
-double voltage_of(const char* coil, double volts, const std::string& argument = "voltages") {
-    if (!std::isfinite(volts)) {
-        throw std::invalid_argument(argument + ": " + coil + " = " + digits(volts) +
-                                    ": allowed is a finite number of V");
+/// refusal: makes the message for what is no number.
+double number_of(const py::handle& value, auto&& refusal) {
+    if (PyFloat_CheckExact(value.ptr())) return PyFloat_AS_DOUBLE(value.ptr());
+    try {
+        return value.cast<double>();
+    } catch (const py::cast_error&) {
+        throw std::invalid_argument(refusal());
     }
-    return volts;
 }
 
-std::size_t coil_of(const std::string& word, const std::string& argument) {
-    for (const Coil coil : kAllCoils) {
-        if (word == name(coil)) return static_cast<std::size_t>(coil);
+/// Whether voltages go linearly to those of a step.
+bool is_linear(const py::object& hold) {
+    const auto is = [&](const char* word) {
+        return PyUnicode_Check(hold.ptr()) &&
+               PyUnicode_CompareWithASCIIString(hold.ptr(), word) == 0;
+    };
+    if (is("constant")) return false;
+    if (!is("linear")) refuse("hold", hold, "\"constant\" or \"linear\"");
+    return true;
+}
+
+void require_finite(std::size_t coil, double volts, const char* argument = "voltages") {
+    if (!std::isfinite(volts)) {
+        throw std::invalid_argument(std::string(argument) + ": " + name(kAllCoils[coil]) + " = " +
+                                    digits(volts) + ": allowed is a finite number of V");
     }
-    throw std::invalid_argument(argument + ": \"" + word +
-                                "\" is no coil; allowed are xp, xm, yp, ym and clamp");
 }
 
 void require_finite(const Array& voltages) {
     for (py::ssize_t i = 0; i < voltages.size(); ++i) {
-        voltage_of(name(kAllCoils[static_cast<std::size_t>(i % kCoilCount)]), voltages.data()[i]);
+        require_finite(static_cast<std::size_t>(i % kCoilCount), voltages.data()[i]);
     }
+}
+
+/// Sets the voltage of one coil of those of `argument`.
+void change(PerCoil& voltages, const py::handle& coil, const py::handle& volts,
+            const char* argument) {
+    const auto refusal = [&] {
+        return std::string(argument) + ": " + py::repr(coil).cast<std::string>() + " = " +
+               py::repr(volts).cast<std::string>() +
+               ": allowed is a number of V for the name of a coil";
+    };
+    if (!PyUnicode_Check(coil.ptr())) throw std::invalid_argument(refusal());
+    for (std::size_t i = 0; i < voltages.size(); ++i) {
+        if (PyUnicode_CompareWithASCIIString(coil.ptr(), name(kAllCoils[i])) != 0) continue;
+        voltages[i] = number_of(volts, refusal);
+        return require_finite(i, voltages[i], argument);
+    }
+    throw std::invalid_argument(std::string(argument) + ": \"" + coil.cast<std::string>() +
+                                "\" is no coil; allowed are xp, xm, yp, ym and clamp");
+}
+
+/// Voltages with the changes of a mapping from coils to V, or those of an array of five.
+PerCoil changed(PerCoil voltages, const py::object& changes, const char* argument) {
+    if (PyDict_Check(changes.ptr()) || py::hasattr(changes, "keys")) {
+        for (const auto& [coil, volts] : py::dict(changes)) {
+            change(voltages, coil, volts, argument);
+        }
+        return voltages;
+    }
+    const auto row = py::array::ensure(changes);
+    const bool fits = row && std::strchr("iuf", row.dtype().kind()) != nullptr && row.ndim() == 1 &&
+                      row.size() == kCoilCount;
+    if (!fits) {
+        PyErr_Clear();
+        throw std::invalid_argument(std::string(argument) + " = " + shown(changes) + ": " +
+                                    kStepTypes);
+    }
+    const Array given(row);
+    for (std::size_t coil = 0; coil < voltages.size(); ++coil) {
+        voltages[coil] = given.data()[coil];
+        require_finite(coil, voltages[coil], argument);
+    }
+    return voltages;
 }
 
 std::string shape_of(const py::array& array) {
@@ -69,38 +129,50 @@ Scenario placed(Scenario scenario, bool whole_plane) {
     return scenario;
 }
 
-/// Steps whose voltages are named.
-struct Stepper {
-    Stepper(const Scenario& scenario, bool whole_plane)
-        : simulator(placed(scenario, whole_plane)) {}
+py::object state_view(const SimulationState& state) {
+    PYBIND11_CONSTINIT static py::gil_safe_call_once_and_store<py::object> view;
+    return view
+        .call_once_and_store_result([] {
+            return py::module_::import("stickslip.scenario.sections").attr("State").attr("view");
+        })
+        .get_stored()(state);
+}
 
-    SimulationState step(const py::dict& changes, double seconds, bool linear,
-                         const std::optional<py::dict>& jump) {
-        const double duration = duration_of(seconds);
-        const PerCoil before = simulator.voltages();
-        const PerCoil start = jump ? changed(before, *jump, "start") : before;
-        simulator.step(changed(start, changes, "voltages"), duration, linear,
-                       jump ? &start : nullptr);
-        return simulator.state();
+py::object step(Simulator& self, const py::object& voltages, const py::object& duration,
+                const py::object& hold, const py::object& start) {
+    const bool linear = is_linear(hold);
+    if (!start.is_none() && !linear) {
+        throw std::invalid_argument("start: allowed with hold = \"linear\" only");
     }
-
-    static PerCoil changed(PerCoil next, const py::dict& changes, const std::string& argument) {
-        for (const auto& [coil, volts] : changes) {
-            try {
-                const auto word = coil.cast<std::string>();
-                next[coil_of(word, argument)] =
-                    voltage_of(word.c_str(), volts.cast<double>(), argument);
-            } catch (const py::cast_error&) {
-                throw std::invalid_argument(argument + ": " + py::repr(coil).cast<std::string>() +
-                                            " = " + py::repr(volts).cast<std::string>() +
-                                            ": allowed is a number of V for the name of a coil");
-            }
-        }
-        return next;
+    PerCoil jump = self.voltages();
+    if (!start.is_none()) jump = changed(jump, start, "start");
+    const PerCoil end = changed(jump, voltages, "voltages");
+    const double seconds = duration_of(number_of(duration, [] { return kStepTypes; }));
+    if (self.status() != Status::ok) {
+        raise("SimulationError", "the simulation has ended: " + self.message());
     }
+    self.step(end, seconds, linear, start.is_none() ? nullptr : &jump);
+    if (self.status() != Status::ok) raise("SimulationError", self.message());
+    return state_view(self.state());
+}
 
-    Simulator simulator;
-};
+py::dict voltages_of(const Simulator& self) {
+    py::dict result;
+    const PerCoil voltages = self.voltages();
+    for (const Coil coil : kAllCoils) {
+        result[name(coil)] = voltages[static_cast<std::size_t>(coil)];
+    }
+    return result;
+}
+
+RunSnapshot snapshot_of(const py::object& bytes) {
+    const bool fits = PyBytes_Check(bytes.ptr()) || PyByteArray_Check(bytes.ptr()) ||
+                      PyMemoryView_Check(bytes.ptr());
+    if (!fits) refuse("data", bytes, "the bytes of a snapshot");
+    const auto copy = py::reinterpret_steal<py::bytes>(PyBytes_FromObject(bytes.ptr()));
+    if (!copy) throw py::error_already_set();
+    return RunSnapshot::from_bytes(copy);
+}
 
 void set_state(Scenario& scenario, const double* row) {
     for (std::size_t k = 0; k < kStateColumns.size(); ++k) {
@@ -144,9 +216,10 @@ py::array_t<std::int8_t> status_array(const std::vector<Status>& statuses) {
 /// Plays `runs` runs of one scenario, or of as many; writes into `out` (runs, steps, columns).
 py::array_t<std::int8_t> rollout_into(const std::vector<Scenario>& scenarios, std::size_t runs,
                                       const std::optional<Array>& states, const Array& voltages,
-                                      double seconds, bool linear,
+                                      double seconds, const py::object& hold,
                                       const std::vector<std::size_t>& columns, Output out,
                                       int threads, const py::object& progress) {
+    const bool linear = is_linear(hold);
     const double duration = duration_of(seconds);
     if (states) require_states(*states, runs);
     const bool shared = voltages.ndim() == 2;
@@ -206,13 +279,15 @@ struct Steppers {
         require_states(out, batch.size());
         double* to = out.mutable_data();
         for (std::size_t run = 0; run < batch.size(); ++run) {
-            const StateRow row = batch.state(run);
+            const StateRow row = row_of(batch.run(run).state());
             to = std::copy(row.begin(), row.end(), to);
         }
     }
     py::array_t<std::int8_t> statuses() const {
         std::vector<Status> all;
-        for (std::size_t run = 0; run < batch.size(); ++run) all.push_back(batch.status(run));
+        for (std::size_t run = 0; run < batch.size(); ++run) {
+            all.push_back(batch.run(run).status());
+        }
         return status_array(all);
     }
 
@@ -228,26 +303,89 @@ struct Steppers {
 }  // namespace
 
 void register_simulator(py::module_& module) {
-    py::class_<RunSnapshot>(module, "Snapshot")
-        .def("to_bytes", [](const RunSnapshot& self) { return py::bytes(self.to_bytes()); })
-        .def_static("from_bytes",
-                    [](const py::bytes& bytes) { return RunSnapshot::from_bytes(bytes); });
+    const auto bytes_of = [](const RunSnapshot& self) { return py::bytes(self.to_bytes()); };
+    py::class_<RunSnapshot>(
+        module, "Snapshot",
+        "State, time and voltages of a `Simulator`: restored, it goes on with the same bits.")
+        .def("to_bytes", bytes_of, R"(The snapshot as bytes with a checksum.
 
-    py::class_<Stepper>(module, "Simulator")
-        .def(py::init<const Scenario&, bool>(), py::arg("scenario"), py::arg("whole_plane"))
-        .def("step", &Stepper::step, py::arg("voltages"), py::arg("duration"), py::arg("linear"),
-             py::arg("start") = py::none())
-        .def_property_readonly("time", [](const Stepper& self) { return self.simulator.time(); })
-        .def("state", [](const Stepper& self) { return self.simulator.state(); })
-        .def_property_readonly("voltages",
-                               [](const Stepper& self) { return self.simulator.voltages(); })
+        Only the same version, on a machine of the same byte order, can read them.)")
+        .def_static("from_bytes", &snapshot_of, py::arg("data"),
+                    "The snapshot that `to_bytes` wrote; a ScenarioError for anything else.")
+        .def("__eq__",
+             [](const RunSnapshot& self, const py::object& other) {
+                 return py::isinstance<RunSnapshot>(other) &&
+                        self.to_bytes() == other.cast<const RunSnapshot&>().to_bytes();
+             })
+        .def("__hash__", [bytes_of](const RunSnapshot& self) { return py::hash(bytes_of(self)); })
+        .def(py::pickle(bytes_of, &snapshot_of));
+
+    py::class_<Simulator>(module, "Simulator")
+        .def(py::init([](const Scenario& scenario, bool whole_plane) {
+                 return std::make_unique<Simulator>(placed(scenario, whole_plane));
+             }),
+             py::arg("scenario"), py::arg("whole_plane"))
+        .def("step", &step, py::arg("voltages"), py::arg("duration"), py::arg("hold") = "constant",
+             py::arg("start") = py::none(), R"(Play one step.
+
+        Parameters
+        ----------
+        voltages : mapping of str to float, or array_like of shape (5,)
+            New voltages of coils (``xp``, ``xm``, ``yp``, ``ym``, ``clamp``), V; those that are not
+            named keep theirs, which are zero at first. An array has all five, in this order.
+        duration : float
+            s.
+        hold : {"constant", "linear"}
+            Whether the voltages jump to their new values and stay there, or go there linearly over
+            the step.
+        start : mapping of str to float, or array_like of shape (5,), optional
+            With ``hold="linear"`` the voltages to which coils jump at the beginning of the step, V.
+            A coil that it does not name begins where it was, and one that `voltages` does not name
+            stays where it begins.
+
+        Returns
+        -------
+        State
+            At the end of the step.
+
+        Raises
+        ------
+        ScenarioError
+            If a coil, a voltage or the duration is none, if `start` is given to a constant step, or
+            if the voltages turn a robot without ``whole_plane``.
+        SimulationError
+            If the motion cannot be simulated on; `state` is then where it stopped.)")
         .def_property_readonly(
-            "status", [](const Stepper& self) { return row_of(self.simulator.status()).name; })
-        .def_property_readonly("message",
-                               [](const Stepper& self) { return self.simulator.message(); })
-        .def("snapshot", [](const Stepper& self) { return self.simulator.snapshot(); })
-        .def("restore",
-             [](Stepper& self, const RunSnapshot& snapshot) { self.simulator.restore(snapshot); });
+            "time", &Simulator::time,
+            "Simulated time since the start, s; after a step that failed, when it did.")
+        .def_property_readonly(
+            "state", [](const Simulator& self) { return state_view(self.state()); },
+            "Where the last step ended, a `State`.")
+        .def_property_readonly("voltages", &voltages_of,
+                               "The voltage of each coil at the end of the last step, V.")
+        .def_property_readonly(
+            "status", [](const Simulator& self) { return row_of(self.status()).name; },
+            "``\"ok\"``, or how the last step failed; one that failed is the last.")
+        .def_property_readonly("whole_plane", &Simulator::in_whole_plane,
+                               "Whether the robot may turn and move in the whole plane.")
+        .def("snapshot", &Simulator::snapshot,
+             "A snapshot, from which `restore` goes on with the same bits.")
+        .def(
+            "restore",
+            [](Simulator& self, const py::object& snapshot) {
+                if (!py::isinstance<RunSnapshot>(snapshot)) {
+                    refuse("snapshot", snapshot, "a Snapshot");
+                }
+                self.restore(snapshot.cast<const RunSnapshot&>());
+            },
+            py::arg("snapshot"), R"(Go back, or over, to a snapshot of the same scenario.
+
+        The record may differ, and the initial state but for its currents.
+
+        Raises
+        ------
+        ScenarioError
+            If `snapshot` is none, of another scenario, or of a run with another ``whole_plane``.)");
 
     py::class_<Steppers>(module, "SimulatorBatch")
         .def(py::init<const std::vector<Scenario>&, bool>(), py::arg("scenarios"),
@@ -255,8 +393,10 @@ void register_simulator(py::module_& module) {
         .def("step", &Steppers::step)
         .def("states", &Steppers::states, py::arg("out").noconvert())
         .def("statuses", &Steppers::statuses)
-        .def("snapshot", [](const Steppers& self,
-                            std::size_t run) { return self.batch.snapshot(self.checked(run)); })
+        .def("snapshot",
+             [](const Steppers& self, std::size_t run) {
+                 return self.batch.run(self.checked(run)).snapshot();
+             })
         .def("restore",
              [](Steppers& self, std::size_t run, const RunSnapshot& snapshot) {
                  self.batch.restore(self.checked(run), snapshot);
@@ -266,7 +406,7 @@ void register_simulator(py::module_& module) {
         });
 
     module.def("rollout", &rollout_into, py::arg("scenarios"), py::arg("runs"), py::arg("states"),
-               py::arg("voltages"), py::arg("duration"), py::arg("linear"), py::arg("columns"),
+               py::arg("voltages"), py::arg("duration"), py::arg("hold"), py::arg("columns"),
                py::arg("out").noconvert(), py::arg("threads"), py::arg("progress"));
     module.def("set_state", [](Scenario& scenario, const Array& row) {
         if (row.size() != static_cast<py::ssize_t>(kStateColumns.size())) {

@@ -177,10 +177,10 @@ TEST_CASE("rollout: the bits of one simulator each, for any number of threads") 
             }
             together.step(step_voltages.data(), kStep, false, threads, [] {});
             for (std::size_t run = 0; run < kRuns; ++run) {
-                if (together.status(run) != Status::ok) continue;
+                if (together.run(run).status() != Status::ok) continue;
                 for (std::size_t c = 0; c < columns.size(); ++c) {
                     CHECK(out[(run * kSteps + step) * columns.size() + c] ==
-                          together.state(run)[columns[c]]);
+                          row_of(together.run(run).state())[columns[c]]);
                 }
             }
         }
@@ -191,9 +191,9 @@ TEST_CASE("rollout: the bits of one simulator each, for any number of threads") 
                 if (alone.status() == Status::ok) alone.step(row, kStep, false);
             }
             CHECK(status[run] == alone.status());
-            CHECK(together.status(run) == alone.status());
+            CHECK(together.run(run).status() == alone.status());
             if (alone.status() == Status::ok) {
-                check_bits(state_of(together.state(run).data()), alone.state());
+                check_bits(state_of(row_of(together.run(run).state()).data()), alone.state());
             }
         }
     }

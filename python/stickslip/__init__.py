@@ -11,7 +11,7 @@ import importlib
 # it, which a packager may leave out.
 _NAMES = {
     "stickslip": "models plot",
-    "stickslip._core": "__version__",
+    "stickslip._core": "Snapshot __version__",
     "stickslip.design.optimise": "optimise",
     "stickslip.design.optimum": "Optimum",
     "stickslip.diagnosis.data.series": "Series",
@@ -42,7 +42,7 @@ _NAMES = {
     "stickslip.simulation.rollout": "STATE_UNITS Rollout rollout",
     "stickslip.simulation.run": "Run open_run",
     "stickslip.simulation.simulate": "simulate simulate_batch",
-    "stickslip.simulation.simulator": "Simulator Snapshot",
+    "stickslip.simulation.simulator": "Simulator",
     "stickslip.sweeping.predict": "predict",
     "stickslip.sweeping.run_sweep": "sweep",
     "stickslip.sweeping.sweep_table": "sweep_dataframe",

@@ -1,6 +1,7 @@
 # Made by tests/sections_stub.py from the table in __init__.py.
 from stickslip import models as models
 from stickslip import plot as plot
+from stickslip._core import Snapshot as Snapshot
 from stickslip._core import __version__ as __version__
 from stickslip.design.optimise import optimise as optimise
 from stickslip.design.optimum import Optimum as Optimum
@@ -56,7 +57,6 @@ from stickslip.simulation.run import open_run as open_run
 from stickslip.simulation.simulate import simulate as simulate
 from stickslip.simulation.simulate import simulate_batch as simulate_batch
 from stickslip.simulation.simulator import Simulator as Simulator
-from stickslip.simulation.simulator import Snapshot as Snapshot
 from stickslip.sweeping.predict import predict as predict
 from stickslip.sweeping.run_sweep import sweep as sweep
 from stickslip.sweeping.sweep_table import sweep_dataframe as sweep_dataframe

@@ -1,10 +1,12 @@
-"""The compiled core. Thin and unchecked: use the package's public classes."""
+"""The compiled core. Thin and mostly unchecked: use the names of the package."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, TypedDict
+from typing import Any, Literal, TypedDict
 
 from numpy import float64, generic, int8
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+from stickslip.scenario.sections import State as RobotState
 
 __version__: str
 has_arkode: bool
@@ -87,7 +89,7 @@ def rollout(
     states: NDArray[float64] | None,
     voltages: NDArray[float64],
     duration: float,
-    linear: bool,
+    hold: str,
     columns: Sequence[int],
     out: NDArray[float64],
     threads: int,
@@ -185,28 +187,29 @@ class Scenario:
 class Snapshot:
     def to_bytes(self) -> bytes: ...
     @staticmethod
-    def from_bytes(data: bytes) -> Snapshot: ...
+    def from_bytes(data: bytes | bytearray | memoryview) -> Snapshot: ...
 
 class Simulator:
     def __init__(self, scenario: Scenario, whole_plane: bool) -> None: ...
     def step(
         self,
-        voltages: Mapping[str, float],
+        voltages: Mapping[str, float] | ArrayLike,
         duration: float,
-        linear: bool,
-        start: Mapping[str, float] | None = None,
-    ) -> State: ...
-    def state(self) -> State: ...
+        hold: Literal["constant", "linear"] = "constant",
+        start: Mapping[str, float] | ArrayLike | None = None,
+    ) -> RobotState: ...
     def snapshot(self) -> Snapshot: ...
     def restore(self, snapshot: Snapshot) -> None: ...
     @property
     def time(self) -> float: ...
     @property
-    def voltages(self) -> list[float]: ...
+    def state(self) -> RobotState: ...
+    @property
+    def voltages(self) -> dict[str, float]: ...
     @property
     def status(self) -> str: ...
     @property
-    def message(self) -> str: ...
+    def whole_plane(self) -> bool: ...
 
 class SimulatorBatch:
     def __init__(self, scenarios: Sequence[Scenario], whole_plane: bool) -> None: ...

@@ -29,7 +29,7 @@ def prefixed(where: object, kind: type[Exception] = ScenarioError) -> Iterator[N
     try:
         yield
     except kind as error:
-        raise ScenarioError(f"{where}: {error}" if where else error) from None
+        raise ScenarioError(f"{where}: {error}") from None
 
 
 class SimulationError(RuntimeError):

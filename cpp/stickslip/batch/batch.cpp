@@ -74,7 +74,7 @@ void run_workers(int threads, RunControl& control, const std::function<void()>& 
 
 Lane* LaneStore::make(std::size_t index, const Scenario& scenario, RunControl& control,
                       std::optional<StopCondition> stop) {
-    auto lane = std::make_unique<Lane>(index, scenario, control, stop);
+    auto lane = std::make_unique<Lane>(index, scenario, &control, stop);
     Lane* const key = lane.get();
     const std::lock_guard lock(mutex_);
     lanes_.emplace(key, std::move(lane));

@@ -11,9 +11,9 @@ namespace stickslip {
 
 /// A run among others, and its place in their batch.
 struct Lane {
-    Lane(std::size_t place, const Scenario& scenario, RunControl& control,
+    Lane(std::size_t place, const Scenario& scenario, RunControl* control,
          std::optional<StopCondition> stop = std::nullopt)
-        : index(place), run(scenario, &control, stop) {}
+        : index(place), run(scenario, control, stop) {}
 
     std::size_t index;
     Run run;

@@ -26,6 +26,15 @@ void require_tsit5(const Scenario& scenario) {
     }
 }
 
+// What a refusal says is of a run of several.
+auto of_run(std::size_t run, auto&& call) {
+    try {
+        return call();
+    } catch (const std::invalid_argument& refusal) {
+        throw std::invalid_argument("run " + std::to_string(run) + ": " + refusal.what());
+    }
+}
+
 PerCoil per_coil(const double* row) {
     PerCoil result;
     std::copy_n(row, result.size(), result.begin());
@@ -103,97 +112,72 @@ std::vector<Status> rollout(std::size_t count,
     return result;
 }
 
-SimulatorBatch::SimulatorBatch(const std::vector<Scenario>& scenarios) : scenarios_(scenarios) {
-    lanes_.reserve(scenarios.size());
+SimulatorBatch::SimulatorBatch(const std::vector<Scenario>& scenarios) {
+    runs_.reserve(scenarios.size());
     for (std::size_t run = 0; run < scenarios.size(); ++run) {
-        lanes_.push_back(make_lane(run, scenarios[run]));
+        runs_.push_back(make(run, scenarios[run]));
     }
 }
 
-std::unique_ptr<Lane> SimulatorBatch::make_lane(std::size_t run, const Scenario& scenario) {
-    try {
+std::unique_ptr<Simulator> SimulatorBatch::make(std::size_t run, const Scenario& scenario) {
+    return of_run(run, [&] {
         require_tsit5(scenario);
-        check(scenario);
-    } catch (const std::invalid_argument& refusal) {
-        throw std::invalid_argument("run " + std::to_string(run) + ": " + refusal.what());
-    }
-    auto lane = std::make_unique<Lane>(run, without_record(scenario), control_);
-    lane->run.play_steps([] {});
-    return lane;
+        return std::make_unique<Simulator>(scenario, run, &control_);
+    });
 }
 
 void SimulatorBatch::reset(std::size_t run, const Scenario& scenario) {
-    lanes_[run] = make_lane(run, scenario);
-    scenarios_[run] = scenario;
-}
-
-RunSnapshot SimulatorBatch::snapshot(std::size_t run) const {
-    RunSnapshot result = lanes_[run]->run.snapshot();
-    result.scenario = fingerprint(scenarios_[run]);
-    if (result.status != Status::ok) result.message = lanes_[run]->run.message();
-    return result;
-}
-
-void SimulatorBatch::restore(std::size_t run, const RunSnapshot& snapshot) {
-    if (snapshot.scenario != fingerprint(scenarios_[run])) {
-        throw std::invalid_argument("the snapshot is of another scenario");
-    }
-    lanes_[run]->run.restore(snapshot);
+    runs_[run] = make(run, scenario);
 }
 
 // Before any run moves.
-void SimulatorBatch::check_planar_steps(const double* voltages) const {
-    for (std::size_t run = 0; run < lanes_.size(); ++run) {
-        const Run& own = lanes_[run]->run;
+void SimulatorBatch::check_steps(const double* voltages) const {
+    for (std::size_t run = 0; run < runs_.size(); ++run) {
         const double* row = voltages + run * kCoilCount;
-        if (own.player().in_whole_plane() || own.status() != Status::ok || !is_finite(row))
-            continue;
-        try {
-            check_planar_step(scenarios_[run], per_coil(row));
-        } catch (const std::invalid_argument& refusal) {
-            throw std::invalid_argument("run " + std::to_string(run) + ": " + refusal.what());
-        }
+        if (runs_[run]->status() != Status::ok || !is_finite(row)) continue;
+        of_run(run, [&] { runs_[run]->check_step(per_coil(row)); });
     }
 }
 
 void SimulatorBatch::step(const double* voltages, double duration, bool linear, int threads,
                           const std::function<void()>& poll) {
-    check_planar_steps(voltages);
-    for (std::size_t run = 0; run < lanes_.size(); ++run) {
-        Run& own = lanes_[run]->run;
+    check_steps(voltages);
+    for (std::size_t run = 0; run < runs_.size(); ++run) {
+        Simulator& own = *runs_[run];
         if (own.status() != Status::ok) continue;
         const double* row = voltages + run * kCoilCount;
-        if (!is_finite(row)) {
+        if (is_finite(row)) {
+            own.begin_step(row, duration, linear);
+        } else {
             own.give_up(Status::not_finite);
-            continue;
         }
-        own.reset_counts();
-        own.steps().give(row, 1, duration, linear);
     }
     using Clock = std::chrono::steady_clock;
     const Clock::time_point begin = Clock::now();
-    played_.assign(lanes_.size(), 0);
-    const auto lane = [this](std::size_t run) { return lanes_[run].get(); };
-    const auto done = [this](Lane& each) { played_[each.index] = 1; };
+    played_.assign(runs_.size(), 0);
+    const auto lane = [this](std::size_t run) { return &runs_[run]->lane(); };
+    const auto done = [this](Lane& each) {
+        played_[each.index] = 1;
+        runs_[each.index]->end_step();
+    };
     try {
-        play_all(lanes_.size(), threads, control_, lane, done,
-                 is_short(duration) ? nullptr : &poll);
+        play_all(runs_.size(), threads, control_, lane, done, is_short(duration) ? nullptr : &poll);
     } catch (...) {
-        for (std::size_t run = 0; run < lanes_.size(); ++run) {
-            Run& own = lanes_[run]->run;
+        for (std::size_t run = 0; run < runs_.size(); ++run) {
+            Simulator& own = *runs_[run];
             if (!played_[run] && own.status() == Status::ok) own.give_up(Status::interrupted);
         }
         control_.stop = false;
         throw;
     }
     const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-    cost_ = seconds / (duration * static_cast<double>(lanes_.size()));
+    cost_ = seconds / (duration * static_cast<double>(runs_.size()));
 }
 
 // Whether a step as the last one is over before anybody misses a poll.
 bool SimulatorBatch::is_short(double duration) const {
     constexpr double kLong = 0.05;  // s
-    return cost_ * duration * static_cast<double>(lanes_.size()) < kLong;
+    return cost_ * duration * static_cast<double>(runs_.size()) < kLong;
 }
 
 }  // namespace stickslip

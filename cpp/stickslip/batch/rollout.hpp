@@ -10,7 +10,7 @@
 
 #include "stickslip/batch/batch.hpp"
 #include "stickslip/batch/lanes.hpp"
-#include "stickslip/run/run_snapshot.hpp"
+#include "stickslip/batch/simulator.hpp"
 
 namespace stickslip {
 
@@ -47,7 +47,7 @@ public:
     /// that asks for another integrator than tsit5.
     explicit SimulatorBatch(const std::vector<Scenario>& scenarios);
 
-    std::size_t size() const { return lanes_.size(); }
+    std::size_t size() const { return runs_.size(); }
     /// One step of all runs, whose rows are those of `voltages` (size() x 5). A run that has failed
     /// stays where it is, whatever its row is; one whose row is not finite fails before the step.
     /// Throws std::invalid_argument, and moves none, for a row that turns a robot whose scenario
@@ -60,21 +60,16 @@ public:
     /// Begins one run anew.
     void reset(std::size_t run, const Scenario& scenario);
 
-    /// As of a Simulator; `restore` takes one of the run's own scenario.
-    RunSnapshot snapshot(std::size_t run) const;
-    void restore(std::size_t run, const RunSnapshot& snapshot);
-
-    StateRow state(std::size_t run) const { return row_of(lanes_[run]->run.player().world()); }
-    Status status(std::size_t run) const { return lanes_[run]->run.status(); }
+    const Simulator& run(std::size_t index) const { return *runs_[index]; }
+    void restore(std::size_t run, const RunSnapshot& snapshot) { runs_[run]->restore(snapshot); }
 
 private:
-    std::unique_ptr<Lane> make_lane(std::size_t run, const Scenario& scenario);
-    void check_planar_steps(const double* voltages) const;
+    std::unique_ptr<Simulator> make(std::size_t run, const Scenario& scenario);
+    void check_steps(const double* voltages) const;
     bool is_short(double duration) const;
 
-    std::vector<Scenario> scenarios_;
     RunControl control_;
-    std::vector<std::unique_ptr<Lane>> lanes_;
+    std::vector<std::unique_ptr<Simulator>> runs_;
     std::vector<unsigned char> played_;  // whether each run is at the end of the step
     // Of the last step, s a simulated second; none was made yet.
     double cost_ = std::numeric_limits<double>::infinity();

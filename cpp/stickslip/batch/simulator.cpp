@@ -55,40 +55,60 @@ std::uint64_t fingerprint(const Scenario& scenario) {
     return hash.value();
 }
 
-Simulator::Simulator(const Scenario& scenario)
-    : scenario_(scenario), fingerprint_(fingerprint(scenario)), run_([&]() -> const Scenario& {
-          check(scenario);
-          scenario_.record = {};
-          return scenario_;
-      }()) {
-    run_.play_steps([] {});
+Simulator::Simulator(const Scenario& scenario, std::size_t index, RunControl* control)
+    : scenario_(scenario),
+      fingerprint_(fingerprint(scenario)),
+      lane_(
+          index,
+          [&]() -> const Scenario& {
+              check(scenario);
+              scenario_.record = {};
+              return scenario_;
+          }(),
+          control) {
+    run().play_steps([] {});
+}
+
+void Simulator::check_step(const PerCoil& voltages) const {
+    if (!in_whole_plane()) check_planar_step(scenario_, voltages);
+}
+
+void Simulator::begin_step(const double* voltages, double duration, bool linear) {
+    run().reset_counts();
+    run().steps().give(voltages, 1, duration, linear);
+}
+
+void Simulator::give_up(Status status) {
+    run().give_up(status);
+    end_step();
+}
+
+void Simulator::end_step() {
+    if (status() != Status::ok) failure_ = run().message();
 }
 
 void Simulator::step(const PerCoil& voltages, double duration, bool linear, const PerCoil* start) {
     if (status() != Status::ok) throw std::logic_error(failure_);
-    if (!run_.player().in_whole_plane()) {
-        check_planar_step(scenario_, voltages);
-        if (start) check_planar_step(scenario_, *start);
-    }
-    const RunSnapshot before = run_.snapshot();
-    run_.reset_counts();
-    if (start) run_.steps().jump(*start);
-    run_.steps().give(voltages.data(), 1, duration, linear);
+    check_step(voltages);
+    if (start) check_step(*start);
+    const RunSnapshot before = run().snapshot();
+    if (start) run().steps().jump(*start);
+    begin_step(voltages.data(), duration, linear);
     try {
-        run_.go();
+        run().go();
     } catch (...) {  // of an effect of the user
-        run_.restore(before);
+        run().restore(before);
         throw;
     }
-    if (status() != Status::ok) failure_ = run_.message();
+    end_step();
 }
 
 double Simulator::time() const {
-    return status() == Status::ok ? run_.steps().time() : run_.time();
+    return status() == Status::ok ? run().steps().time() : run().time();
 }
 
 RunSnapshot Simulator::snapshot() const {
-    RunSnapshot result = run_.snapshot();
+    RunSnapshot result = run().snapshot();
     result.scenario = fingerprint_;
     result.message = failure_;
     return result;
@@ -98,7 +118,7 @@ void Simulator::restore(const RunSnapshot& snapshot) {
     if (snapshot.scenario != fingerprint_) {
         throw std::invalid_argument("the snapshot is of another scenario");
     }
-    run_.restore(snapshot);
+    run().restore(snapshot);
     failure_ = snapshot.message;
 }
 

@@ -186,7 +186,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         return deepcopy(self)
 
     def __getstate__(self) -> dict[str, Any]:
-        snapshots = [self._batch.snapshot(i).to_bytes() for i in range(self.num_envs)]
+        snapshots = [self._batch.snapshot(i) for i in range(self.num_envs)]
         return {**self.__dict__, "_batch": snapshots}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -194,7 +194,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         robots = [robot.to_core() for robot in self._robots]
         self._batch = _core.SimulatorBatch(robots, self._steered)
         for i, snapshot in enumerate(state["_batch"]):
-            self._batch.restore(i, _core.Snapshot.from_bytes(snapshot))
+            self._batch.restore(i, snapshot)
 
     def _made_targets(self, path: Path | ArrayLike | None, goal: ArrayLike | None) -> Targets:
         """Where the robots are to go, once all that is known of it is checked."""

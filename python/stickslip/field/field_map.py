@@ -83,8 +83,7 @@ class FieldMap:
         for name in ("coefficients", "residual", "field", "points"):
             _check_count(name, getattr(self, name))
         core = _core.Scenario()
-        with prefixed("", ValueError):
-            core.set_map(self.to_core())
+        core.set_map(self.to_core())
         fields = core.coils().centre_field_per_ampere
         for name, axis, value in zip(_core.coil_names, _AXES, fields, strict=True):
             if value < 0.0:

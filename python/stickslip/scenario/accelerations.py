@@ -47,8 +47,7 @@ class Accelerations:
         if given.ndim != 2 or given.shape[1] != len(_COLUMNS):
             raise ScenarioError(f"rows of shape {given.shape}: allowed is (n, 3): t, ax, az")
         self.rows = locked(given)
-        with prefixed("", ValueError):
-            along, up = _core.Scenario().set_accelerations(self.rows)
+        along, up = _core.Scenario().set_accelerations(self.rows)
         self.mean = along, up
 
     @classmethod

@@ -7,6 +7,7 @@ when an object is made, so a scenario that exists can be simulated.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from os import PathLike
 from pathlib import Path
 from types import MappingProxyType
@@ -206,10 +207,9 @@ class Scenario:
             )
         if self._map is not None and self._uncertain is not None:
             refuse_geometry_beside_a_map(self._uncertain.names)
-        with prefixed("", ValueError):
-            self._core.check()
+        self._core.check()
         if self._uncertain is not None:
-            with prefixed("[uncertain]", ValueError):
+            with prefixed("[uncertain]"):
                 for key in self._uncertain.names:  # a law may not be there
                     self._core.get(key)
 
@@ -302,11 +302,9 @@ class Scenario:
         ScenarioError
             If there is no such key.
         """
-        try:
+        with suppress(TypeError, ValueError):  # a short name, or none
             return self._core.get(key)
-        except (TypeError, ValueError):  # a short name, or none
-            with prefixed("", ValueError):
-                return self._core.get(find_key(full_name(key)).name)
+        return self._core.get(find_key(full_name(key)).name)
 
     def replace(self, changes: Mapping[str, Any] | None = None, /, **more: Any) -> Scenario:
         """A copy with other values.
@@ -513,8 +511,7 @@ class Scenario:
 
     def to_core(self) -> _core.Scenario:
         """The same scenario for the compiled core, with the effects registered now."""
-        with prefixed("", ValueError):
-            return _core.Scenario(self._core)
+        return _core.Scenario(self._core)
 
     @property
     def hidden(self) -> Mapping[str, Any]:

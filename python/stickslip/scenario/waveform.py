@@ -187,8 +187,7 @@ class Waveform:
         core = _with_coil(coil)
         changes = {f"drive.{name}": value for name, value in fields.items()}
         Changes({"drive.mode": mode}, changes).apply(core)
-        with prefixed("", ValueError):
-            core.check()
+        core.check()
         return cls(core.program())
 
     @classmethod

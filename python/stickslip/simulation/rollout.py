@@ -15,7 +15,7 @@ from stickslip.errors import ScenarioError
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import STATE_COLUMNS, State
 from stickslip.simulation.simulate import Progress, fraction_of
-from stickslip.simulation.simulator import Hold, check_hold
+from stickslip.simulation.simulator import Hold
 
 STATE_UNITS = {name: unit for name, (unit, _) in _core.state_columns.items()}
 """SI unit of each column of an array of states."""
@@ -105,7 +105,6 @@ def rollout(
     >>> rollout(Scenario(), None, volts, 1e-3).states.shape
     (4, 20, 2)
     """
-    linear = check_hold(hold)
     for name in record:
         if name not in STATE_COLUMNS:
             raise ScenarioError(f"record: {shown(name)}: {suggestion(str(name), STATE_COLUMNS)}")
@@ -135,21 +134,18 @@ def rollout(
     elif out.shape != shape or out.dtype != float or not out.flags.c_contiguous:
         raise ScenarioError(f"out of shape {out.shape}: allowed is a float64 array {shape}")
     out.fill(np.nan)
-    try:
-        status = _core.rollout(
-            [scenario.to_core() for scenario in several],
-            runs,
-            start,
-            volts,
-            duration,
-            linear,
-            [STATE_COLUMNS.index(name) for name in record],
-            out,
-            worker_count(threads, "threads"),
-            fraction_of(runs * shape[1] * float(duration), progress),
-        )
-    except ValueError as error:
-        raise ScenarioError(str(error)) from None
+    status = _core.rollout(
+        [scenario.to_core() for scenario in several],
+        runs,
+        start,
+        volts,
+        duration,
+        hold,
+        [STATE_COLUMNS.index(name) for name in record],
+        out,
+        worker_count(threads, "threads"),
+        fraction_of(runs * shape[1] * float(duration), progress),
+    )
     return Rollout(out, status, tuple(record))
 
 
