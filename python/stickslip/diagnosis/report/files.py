@@ -78,7 +78,7 @@ def save(facts: Facts, out: str | PathLike[str], title: str | None) -> None:
 def figures_of(facts: Facts) -> dict[str, Any]:
     """What a page shows beside its numbers: `change`, a `fit` of each channel, and a `law`."""
     plots, problem = Plots(facts), facts.problem
-    drawable = facts.fitted and any(each.drawable for each in problem.tables)
+    drawable = facts.fitted and any(table.drawable for table in problem.tables)
     return {
         "change": _svg(plots.residuals() if drawable else None),
         "fit": {name: _svg(plots.fit(k)) for k, name in enumerate(problem.table_names)},
@@ -133,8 +133,8 @@ def _svg(figure: Figure | None) -> Markup:
 def _comments(facts: Facts, measurement: Measurement, extended: Scenario) -> list[str]:
     """Where an extended scenario is from, and what it has changed."""
     verdict = facts.verdict
-    said = f"stickslip diagnose {measurement.path.name}: {verdict.kind} {', '.join(verdict.causes)}"
-    lines = [said.rstrip()]
+    head = f"stickslip diagnose {measurement.path.name}: {verdict.kind} {', '.join(verdict.causes)}"
+    lines = [head.rstrip()]
     if verdict.kind == "ambiguous" and verdict.fit is not None:
         lines.append(f"here: {verdict.fit.name}, the first of the set")
     changed = [
@@ -184,10 +184,10 @@ def _files(path: Path) -> Iterator[Path]:
     names: dict[str, None] = {}
     for kind in ("velocity", "tracking", "angle", "field"):
         entries = document.get(kind)
-        for each in entries if isinstance(entries, list) else []:
-            if isinstance(each, dict) and isinstance(each.get("file"), str):
-                names[each["file"]] = None
-    yield from (path.parent / each for each in names)
+        for entry in entries if isinstance(entries, list) else []:
+            if isinstance(entry, dict) and isinstance(entry.get("file"), str):
+                names[entry["file"]] = None
+    yield from (path.parent / name for name in names)
 
 
 def _checksum(path: Path) -> str:

@@ -77,7 +77,7 @@ class Rounds:
         """What was read, whether the name is safe, and else what to measure and why."""
         path, experiments, lines = self.folder / TABLE, self.proposed(facts), []
         read, wanted, budget = (
-            counted(each, "experiment") for each in (self.measured, len(experiments), self.budget)
+            counted(n, "experiment") for n in (self.measured, len(experiments), self.budget)
         )
         if self.measured:
             lines.append(f"  read from {path}: {self.trials} trials of {read}")
@@ -95,13 +95,13 @@ class Rounds:
                 why = f"the budget of {budget} is used up; --budget {more} allows more."
             lines.append(f"  no drive is in {path}: {why}")
         factor, unit = handy("m/s")
-        for number, each in enumerate(experiments, start=1):
+        for number, experiment in enumerate(experiments, start=1):
             expected = "; ".join(
-                f"{amount(factor * said['velocity'], factor * said['sd'], unit)} with "
+                f"{amount(factor * row['velocity'], factor * row['sd'], unit)} with "
                 f"{facts.words.title(name)}"
-                for name, said in each.predictions.items()
+                for name, row in experiment.predictions.items()
             )
-            lines += [f"  {number}. {each}", f"     expected: {expected}"]
+            lines += [f"  {number}. {experiment}", f"     expected: {expected}"]
         causes = facts.verdict.causes if facts.verdict.kind == "ambiguous" else ()
         notes = advice({name: facts.words.title(name) for name in causes}, experiments)
         return lines + [f"  beside the drive: {note}" for note in notes]

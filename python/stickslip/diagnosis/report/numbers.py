@@ -57,7 +57,7 @@ _STANDS_OUT, _A_WORD, _ONE_SIDED, _ENDS = 4.0, 2.0, 0.9, 21
 
 def numbers_of(facts: Facts, title: str | None = None) -> dict[str, Any]:
     """All numbers, by the keys of the reference, in SI units unless a text says its unit."""
-    verdict, found = facts.verdict, facts.findings
+    verdict, findings = facts.verdict, facts.findings
     source = facts.measurement
     lost = [*(() if source is None else map(str, source.left_out)), *_of_tables(facts, "left_out")]
     numbers: dict[str, Any] = {
@@ -69,18 +69,18 @@ def numbers_of(facts: Facts, title: str | None = None) -> dict[str, Any]:
         "share": _or_none(verdict.share),
         "gain": _gain(facts),
         "next": str(facts.next_step),
-        "reasons": [facts.words.in_titles(str(each)) for each in verdict.reasons],
+        "reasons": [facts.words.in_titles(str(reason)) for reason in verdict.reasons],
         "notes": notes_of(facts),
         "left_out": lost,
         "conditions": _conditions(facts),
         "channels": _channels(facts),
         "left": facts.next_step.value if facts.next_step.code == "cause-left" else None,
-        "common": [facts.words.title(each) for each in verdict.common],
+        "common": [facts.words.title(name) for name in verdict.common],
         "beside": _beside(facts),
         "partial": verdict.partial,
-        "offered": len(found.models.offered),
-        "tests": {"lack_of_fit": found.test.lack_of_fit, "score": found.test.score},
-        "seed": found.seed,
+        "offered": len(findings.models.offered),
+        "tests": {"lack_of_fit": findings.test.lack_of_fit, "score": findings.test.score},
+        "seed": findings.seed,
         "version": _core.__version__,
         "of_measurement": source is not None,
     }  # fmt: skip
@@ -90,11 +90,11 @@ def numbers_of(facts: Facts, title: str | None = None) -> dict[str, Any]:
         numbers["data_problem"] = data_problem(verdict.reasons[0])
     if source is not None and verdict.kind == "ambiguous":
         numbers["next_experiments"] = _experiments(facts)
-        names = {each: facts.words.title(each) for each in verdict.causes}
+        names = {name: facts.words.title(name) for name in verdict.causes}
         looks = advice(names, facts.propose_experiments())
         numbers["advice"] = [
-            re.sub(r": this shows (.*), and nothing of .*", r". This shows \1 alone.", str(each))
-            for each in looks
+            re.sub(r": this shows (.*), and nothing of .*", r". This shows \1 alone.", str(look))
+            for look in looks
         ]
     numbers["headline"] = summary_text(numbers).split("\n", 1)[0]
     return numbers
@@ -111,21 +111,21 @@ def _of_tables(facts: Facts, what: str) -> list[str]:
     """Notes of the tables; those of a film, or of one of several tables, with its name."""
     tables = facts.problem.tables
     return [
-        f"{title}: {each}" if len(tables) > 1 or not table.drawable else str(each)
+        f"{title}: {note}" if len(tables) > 1 or not table.drawable else str(note)
         for table, title in zip(tables, facts.problem.titles, strict=True)
-        for each in getattr(table, what)
+        for note in getattr(table, what)
     ]
 
 
 def notes_of(facts: Facts) -> list[dict[str, Any]]:
     """All notes, those that nearly every report has last."""
-    own = [each for table in facts.problem.tables for each in table.notes]
+    of_tables = [note for table in facts.problem.tables for note in table.notes]
     texts = [*map(str, facts.notes), *_of_tables(facts, "notes")]
-    found = [
-        {"code": each.code, "text": text, "routine": each.code in ROUTINE}
-        for each, text in zip([*facts.notes, *own], texts, strict=True)
+    rows = [
+        {"code": note.code, "text": text, "routine": note.code in ROUTINE}
+        for note, text in zip([*facts.notes, *of_tables], texts, strict=True)
     ]
-    return sorted(found, key=lambda each: bool(each["routine"]))
+    return sorted(rows, key=lambda row: bool(row["routine"]))
 
 
 def _or_none(value: float | None) -> float | None:
@@ -144,7 +144,7 @@ def _of_models(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any
     """What there is where models were fitted; `rows` are the conditions."""
     verdict, models = facts.verdict, facts.findings.models
     table, fits = facts.compare(), facts.chance.fits
-    told, best = verdict.told, facts.told
+    subject, best = verdict.told, facts.told
     ranking = [
         {
             "candidate": name, "title": facts.words.title(name), "causes": sorted(fit.names), **row,
@@ -154,11 +154,11 @@ def _of_models(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any
     ]  # fmt: skip
     members = [verdict.fit] if verdict.fit is not None else []
     if verdict.kind == "ambiguous":
-        members = [each for each in verdict.members if each.causes]
-    candidates = [Candidate(each, models) for each in members]
+        members = [fit for fit in verdict.members if fit.causes]
+    candidates = [Candidate(fit, models) for fit in members]
     parameters: dict[str, Any] = {}
-    for each in candidates:
-        for sizes in _sizes(facts, each).values():
+    for candidate in candidates:
+        for sizes in _sizes(facts, candidate).values():
             for name, size in sizes.items():
                 parameters.setdefault(name.removeprefix("effects."), size)
     return {
@@ -166,7 +166,7 @@ def _of_models(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any
         "parameters": parameters,
         "discrepancy": best.left,
         "ranking": ranking,
-        "claimed": [_told(facts, each) for each in candidates],
+        "claimed": [_told(facts, candidate) for candidate in candidates],
         "law": law_of(best),
         "recalibrated": _recalibrated(facts),
         "moved": _moved(facts),
@@ -175,7 +175,7 @@ def _of_models(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any
         "cosines": _cosines(facts),
         "bounds": _bounds(facts),
         "cannot_tell": _cannot_tell(facts, rows),
-        **({} if told is None else _of_told(facts, best, rows)),
+        **({} if subject is None else _of_told(facts, best, rows)),
     }
 
 
@@ -183,53 +183,53 @@ def _of_told(
     facts: Facts, candidate: Candidate, rows: Sequence[Mapping[str, Any]]
 ) -> dict[str, Any]:
     """The model that is told, beside the most probable one without its causes."""
-    told, models, chance = candidate.fit, facts.findings.models, facts.chance
-    other = next((e for e in chance.fits if not e.names >= told.names), models.null)
-    with_cause, own = 1.0 - chance.none, chance.models[told.name]
-    larger = next((each for each in chance.fits if each.names > told.names), None)
+    fit, models, chance = candidate.fit, facts.findings.models, facts.chance
+    other = next((e for e in chance.fits if not e.names >= fit.names), models.null)
+    with_cause, probability = 1.0 - chance.none, chance.models[fit.name]
+    larger = next((larger_fit for larger_fit in chance.fits if larger_fit.names > fit.names), None)
     further = ""
     if larger is not None and chance.models[larger.name] >= _FURTHER:
-        further = facts.words.title(" + ".join(sorted(larger.names - told.names)))
+        further = facts.words.title(" + ".join(sorted(larger.names - fit.names)))
     leader = {
-        "among_causes": own / with_cause if with_cause > 0.0 else 0.0,
-        "in_all": facts.probability_of(told.names),
+        "among_causes": probability / with_cause if with_cause > 0.0 else 0.0,
+        "in_all": facts.probability_of(fit.names),
         "further": further,
         "share": _or_none(candidate.share),
         "left": _left_in_words(facts, candidate if facts.verdict.fit else facts.recalibrated),
     }
     return {
         "leader": {**_told(facts, candidate), **leader},
-        "odds": {"none": _odds(facts, told.name, "none")},
+        "odds": {"none": _odds(facts, fit.name, "none")},
         "runner_up": {
             "candidate": other.name, "title": facts.words.title(other.name),
-            "odds": _odds(facts, told.name, other.name),
+            "odds": _odds(facts, fit.name, other.name),
         },
-        "deciding_readings": _all_deciding(facts, told, other, rows),
+        "deciding_readings": _all_deciding(facts, fit, other, rows),
     }  # fmt: skip
 
 
 def _beside(facts: Facts) -> list[str]:
     """What the members of a set have beside the causes that all of them have."""
     common = frozenset(facts.verdict.common)
-    rest = (" + ".join(sorted(each.names - common)) or "none" for each in facts.verdict.members)
-    return [facts.words.title(each) if each != "none" else "nothing else" for each in rest]
+    rest = (" + ".join(sorted(fit.names - common)) or "none" for fit in facts.verdict.members)
+    return [facts.words.title(name) if name != "none" else "nothing else" for name in rest]
 
 
 def _rows(facts: Facts, candidate: Candidate) -> dict[str, dict[str, Any]]:
     """The parameters of a candidate by full name, with 95 % and their words."""
     ends = candidate.interval(0.95).to_dict("index")
-    known = {each.name: each for each in facts.problem.parameters}
-    found: dict[str, dict[str, Any]] = {
+    known = {parameter.name: parameter for parameter in facts.problem.parameters}
+    rows: dict[str, dict[str, Any]] = {
         name: {
             **row, **ends[name], "before": facts.words.before(known[name]),
             "title": facts.words.parameter(name),
         }
         for name, row in candidate.params.to_dict("index").items()
     }  # fmt: skip
-    for each in facts.problem.constants:
-        middle = each.prior is not None and each.prior.has_middle
-        found[each.name]["stated"] = float(each.value(np.zeros(1))[0]) if middle else None
-    return found
+    for constant in facts.problem.constants:
+        middle = constant.prior is not None and constant.prior.has_middle
+        rows[constant.name]["stated"] = float(constant.value(np.zeros(1))[0]) if middle else None
+    return rows
 
 
 def _sizes(facts: Facts, candidate: Candidate) -> dict[str, dict[str, dict[str, Any]]]:
@@ -238,22 +238,22 @@ def _sizes(facts: Facts, candidate: Candidate) -> dict[str, dict[str, dict[str, 
     return {
         cause.name: {name: rows[name] for name in names or [str(cause.frees)]}
         for cause in candidate.fit.causes
-        for names in [[each.name for each in cause.parameters]]
+        for names in [[parameter.name for parameter in cause.parameters]]
     }
 
 
 def _told(facts: Facts, candidate: Candidate) -> dict[str, Any]:
     sizes = _sizes(facts, candidate)
     causes = []
-    for each in candidate.fit.causes:
-        said: dict[str, Any] = facts.words.told(each, sizes[each.name])
-        if each.curve is not None:
+    for cause in candidate.fit.causes:
+        row: dict[str, Any] = facts.words.told(cause, sizes[cause.name])
+        if cause.curve is not None:
             # Drawings have the names of the laws.
-            article = "an" if each.curve.form.startswith("e") else "a"
-            form = "" if each.has_knots else f", {article} {each.curve.form}"
-            said |= {"finding": f"The law of {each.curve.name} has another shape{form}.",
-                     "drawing": each.curve.law, "interval": ""}  # fmt: skip
-        causes.append(said)
+            article = "an" if cause.curve.form.startswith("e") else "a"
+            form = "" if cause.has_knots else f", {article} {cause.curve.form}"
+            row |= {"finding": f"The law of {cause.curve.name} has another shape{form}.",
+                    "drawing": cause.curve.law, "interval": ""}  # fmt: skip
+        causes.append(row)
     chance = facts.chance.models[candidate.name]
     return {"candidate": candidate.name, "title": facts.words.title(candidate.name),
             "probability": chance, "causes": causes}  # fmt: skip
@@ -261,7 +261,7 @@ def _told(facts: Facts, candidate: Candidate) -> dict[str, Any]:
 
 def _left_in_words(facts: Facts, candidate: Candidate) -> list[str]:
     """What is left beside a cause, and the errors of readings, a text for each table."""
-    left, said, problem = candidate.left, [], facts.problem
+    left, texts, problem = candidate.left, [], facts.problem
     for table, part, name, title in zip(
         problem.tables, problem.rows, problem.table_names, problem.titles, strict=True
     ):
@@ -281,11 +281,11 @@ def _left_in_words(facts: Facts, candidate: Candidate) -> list[str]:
         elif "length" in left:
             text += f", smooth over {amounts.percent(left['length'] / 2.0)} of a setting's range"
         level = float(np.mean(np.abs(problem.y[part])))
-        own = amounts.number(float(np.median(problem.sd[part])) * factor, 2)
+        errors = amounts.number(float(np.median(problem.sd[part])) * factor, 2)
         text += f" ({amounts.percent(size / level)} of their mean)" if 0.0 < size < level else ""
-        text += f", beyond the readings' errors of {own} {unit}".rstrip()
-        said.append(text)
-    return said
+        text += f", beyond the readings' errors of {errors} {unit}".rstrip()
+        texts.append(text)
+    return texts
 
 
 def _odds(facts: Facts, one: str, other: str) -> float:
@@ -298,8 +298,8 @@ def _recalibrated(facts: Facts) -> dict[str, Any]:
     rows = _rows(facts, facts.recalibrated)
     extended = {} if facts.verdict.fit is None else facts.best.params.to_dict("index")
     for name, row in rows.items():
-        own = extended.get(name, {})
-        row |= {"extended": own.get("value"), "pull_extended": own.get("pull")}
+        best = extended.get(name, {})
+        row |= {"extended": best.get("value"), "pull_extended": best.get("pull")}
     return rows
 
 
@@ -313,17 +313,17 @@ def _moved(facts: Facts) -> dict[str, Any] | None:
 
 
 def _all_deciding(
-    facts: Facts, told: Fit, other: Fit, rows: Sequence[Mapping[str, Any]]
+    facts: Facts, subject: Fit, other: Fit, rows: Sequence[Mapping[str, Any]]
 ) -> list[dict[str, Any]]:
     """Against the runner-up; of a pair for each cause, against the other one alone."""
     models = facts.findings.models
-    alone = {name: models.get(told.names - {name}) for name in sorted(told.names)}
+    alone = {name: models.get(subject.names - {name}) for name in sorted(subject.names)}
     if facts.verdict.kind != "pair" or None in alone.values():
-        return _deciding(facts, told, other, rows)
+        return _deciding(facts, subject, other, rows)
     return [
-        {**each, "for": facts.words.title(name)}
+        {**reading, "for": facts.words.title(name)}
         for name, fit in alone.items() if fit is not None
-        for each in _deciding(facts, told, fit, rows)[:2]
+        for reading in _deciding(facts, subject, fit, rows)[:2]
     ]  # fmt: skip
 
 
@@ -347,58 +347,58 @@ def _pattern(facts: Facts) -> dict[str, Any] | None:
     left has a mean and a scatter of its own there; None where none stand out.
     """
     problem, residual = facts.problem, facts.recalibrated.fit.residual
-    z, best, found = residual / problem.sd, _STANDS_OUT, None
+    z, best, pattern = residual / problem.sd, _STANDS_OUT, None
     for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
-        own, settings = z[part], table.named_settings
-        whole = len(own) * math.log(max(float(np.mean(own**2)), 1.0))
-        for rows, said in _regions(settings, len(own)):
-            some, rest = own[rows], own[~rows]
+        left, settings = z[part], table.named_settings
+        whole = len(left) * math.log(max(float(np.mean(left**2)), 1.0))
+        for rows, words in _regions(settings, len(left)):
+            some, rest = left[rows], left[~rows]
             if min(len(some), len(rest)) < 2 or np.mean(some**2) <= np.mean(rest**2):
                 continue
             # No scatter is below that of the readings.
             split = sum(
-                len(each) * math.log(max(float(np.var(each)), 1.0)) for each in (some, rest)
+                len(values) * math.log(max(float(np.var(values)), 1.0)) for values in (some, rest)
             )
-            lead = 0.5 * (whole - split) - _A_WORD * len(said)
+            lead = 0.5 * (whole - split) - _A_WORD * len(words)
             if lead > best:
                 up = float(np.sum(some[some > 0.0] ** 2) / np.sum(some**2))
                 side = "above" if up > _ONE_SIDED else "below" if up < 1.0 - _ONE_SIDED else "both"
-                best, found = lead, {
-                    "table": problem.table_names[k], "where": ", ".join(said), "side": side,
-                    "readings": len(some), "of": len(own),
+                best, pattern = lead, {
+                    "table": problem.table_names[k], "where": ", ".join(words), "side": side,
+                    "readings": len(some), "of": len(left),
                     "share": float(np.sum(some**2) / np.sum(z**2)),
                     "mean": float(np.mean(residual[part][rows])), "unit": table.unit_of(0),
                 }  # fmt: skip
-    return found
+    return pattern
 
 
 def _regions(settings: Settings, count: int) -> Iterator[tuple[Mask, list[str]]]:
     """Parts of the settings' range as rows, (count,), and words: values of words, and ranges."""
     wording = [name for name in settings.varied if settings.is_word(name)]
     groups: dict[tuple[str, ...], Mask] = {(): np.ones(count, dtype=bool)}
-    for names in [*([each] for each in wording), wording]:
-        columns = zip(*(settings[each][0] for each in names), strict=True)
+    for names in [*([name] for name in wording), wording]:
+        columns = zip(*(settings[name][0] for name in names), strict=True)
         for row, value in enumerate(columns):
-            key = tuple(settings.text(*each) for each in zip(names, value, strict=True))
+            key = tuple(settings.text(*pair) for pair in zip(names, value, strict=True))
             groups.setdefault(key, np.zeros(count, dtype=bool))[row] = True
-    for said, rows in groups.items():
-        yield rows, list(said)
+    for key, rows in groups.items():
+        yield rows, list(key)
         for name in set(settings.varied).difference(wording):
             at = np.asarray(settings[name][0], dtype=float)
             ends = np.unique(np.quantile(at, np.linspace(0.0, 1.0, _ENDS), method="nearest"))
             for low, high in itertools.combinations_with_replacement(ends.tolist(), 2):
                 if (low, high) != (ends[0], ends[-1]):
-                    words = [*said, settings.text(name, low, high)]
+                    words = [*key, settings.text(name, low, high)]
                     yield rows & (at >= low) & (at <= high), words
 
 
 def _deciding(
-    facts: Facts, told: Fit, other: Fit, rows: Sequence[Mapping[str, Any]]
+    facts: Facts, fit: Fit, other: Fit, rows: Sequence[Mapping[str, Any]]
 ) -> list[dict[str, Any]]:
     """The readings that tell a model from its runner-up, by the difference of log-likelihood."""
     models, problem = facts.findings.models, facts.problem
-    pair = [models.get(each.names) or each for each in (told, other)]
-    square = problem.whitened(np.stack([each.residual for each in pair], axis=1)) ** 2
+    pair = [models.get(one.names) or one for one in (fit, other)]
+    square = problem.whitened(np.stack([one.residual for one in pair], axis=1)) ** 2
     gain = 0.5 * (square[:, 1] - square[:, 0])
     whole = float(np.sum(gain[gain > 0.0]))
     return [
@@ -413,43 +413,43 @@ def _deciding(
 
 def _cannot_tell(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """What the data cannot tell, in the names of the user."""
-    found, words, told = facts.cannot_tell, facts.words, facts.told.fit.names
+    beyond, words, names = facts.cannot_tell, facts.words, facts.told.fit.names
     alike = [
         {
-            "cause": cause, "title": words.title(cause), "told": cause in told,
+            "cause": cause, "title": words.title(cause), "told": cause in names,
             "others": [
                 {
-                    "cause": each.other, "title": words.title(each.other), "cosine": each.cosine,
-                    "lead": each.lead, "parted": each.parted, "apart": each.apart,
-                    "more": None if math.isinf(each.more) else each.more,
-                    **{key: rows[each.row][key] for key in ("table", "number", "where")},
+                    "cause": pair.other, "title": words.title(pair.other), "cosine": pair.cosine,
+                    "lead": pair.lead, "parted": pair.parted, "apart": pair.apart,
+                    "more": None if math.isinf(pair.more) else pair.more,
+                    **{key: rows[pair.row][key] for key in ("table", "number", "where")},
                 }
-                for each in found.alike if each.cause == cause
+                for pair in beyond.alike if pair.cause == cause
             ],
         }
-        for cause in dict.fromkeys(each.cause for each in found.alike)
+        for cause in dict.fromkeys(pair.cause for pair in beyond.alike)
     ]  # fmt: skip
     groups = [
-        {"parameters": list(each.names), "titles": [words.parameter(n) for n in each.names],
-         "known": [_combination(facts, one) for one in each.known]}
-        for each in found.groups
+        {"parameters": list(group.names), "titles": [words.parameter(n) for n in group.names],
+         "known": [_combination(facts, one) for one in group.known]}
+        for group in beyond.groups
     ]  # fmt: skip
     hidden = [
         {"cause": name, "title": words.title(name), "constants": list(constants),
-         "titles": [words.parameter(each) for each in constants]}
-        for name, constants in found.hidden.items()
+         "titles": [words.parameter(name) for name in constants]}
+        for name, constants in beyond.hidden.items()
     ]  # fmt: skip
-    silent = [{"parameter": each, "title": words.parameter(each)} for each in found.silent]
+    silent = [{"parameter": name, "title": words.parameter(name)} for name in beyond.silent]
     return {"alike": alike, "combinations": groups, "hidden": hidden, "silent": silent}
 
 
 def _combination(facts: Facts, known: Combination) -> dict[str, Any]:
     """A combination of parameters as an expression of their names."""
-    units = {each.name: each.unit for each in facts.problem.parameters}
-    names = {each: facts.words.parameter(each) for each in known.weights}
+    units = {parameter.name: parameter.unit for parameter in facts.problem.parameters}
+    names = {name: facts.words.parameter(name) for name in known.weights}
     if known.product:
         expression = _product(names, known.weights)
-        unit = _product({each: unit_label(units[each]) for each in names}, known.weights)
+        unit = _product({name: unit_label(units[name]) for name in names}, known.weights)
         kind = "ratio" if sorted(known.weights.values()) == [-1.0, 1.0] else "product"
     else:
         terms = [
@@ -468,15 +468,15 @@ def _combination(facts: Facts, known: Combination) -> dict[str, Any]:
 def _product(names: Mapping[str, str], powers: Mapping[str, float]) -> str:
     """``a² · b / c / d``, of names that are not empty."""
     text = ""
-    for each, power in sorted(powers.items(), key=lambda each: each[1] < 0.0):
-        if names[each]:
+    for name, power in sorted(powers.items(), key=lambda item: item[1] < 0.0):
+        if names[name]:
             size = abs(power)
             raised = f"^{size:g}" if size % 1.0 else "⁰ ²³⁴⁵⁶"[int(size)].strip()
             by = (" · " if text else "") if power > 0.0 else " / " if text else "1 / "
             base = (
-                f"({names[each]})"
-                if re.search("[ /]", names[each]) and len(powers) > 1
-                else names[each]
+                f"({names[name]})"
+                if re.search("[ /]", names[name]) and len(powers) > 1
+                else names[name]
             )
             text += f"{by}{base}{raised}"
     return text
@@ -484,19 +484,19 @@ def _product(names: Mapping[str, str], powers: Mapping[str, float]) -> str:
 
 def _cosines(facts: Facts) -> list[dict[str, Any]]:
     """How alike the effects of the leading causes are on these data: one with all before it."""
-    found = facts.cannot_tell
-    names = found.causes[:_COMPARED] if len(found.causes) > 1 else []
+    beyond = facts.cannot_tell
+    names = beyond.causes[:_COMPARED] if len(beyond.causes) > 1 else []
     return [
-        {"cause": name, "title": facts.words.title(name), "cosines": found.cosines[k, :k].tolist()}
+        {"cause": name, "title": facts.words.title(name), "cosines": beyond.cosines[k, :k].tolist()}
         for k, name in enumerate(names)
     ]
 
 
 def _bounds(facts: Facts) -> dict[str, Any]:
     limits = facts.cannot_tell.limits
-    parameters = {each.name: each for each in facts.problem.parameters}
-    causes = ((each, facts.words.title(each.name)) for each in facts.problem.causes)
-    owners = {each.name: title for cause, title in causes for each in cause.parameters}
+    parameters = {parameter.name: parameter for parameter in facts.problem.parameters}
+    causes = ((cause, facts.words.title(cause.name)) for cause in facts.problem.causes)
+    owners = {parameter.name: title for cause, title in causes for parameter in cause.parameters}
     return {
         name.removeprefix("effects."): {
             "value": value, "unit": parameters[name].unit, "falls": parameters[name].falls,
@@ -506,7 +506,7 @@ def _bounds(facts: Facts) -> dict[str, Any]:
             "text": facts.words.limit(name, value, parameters[name].unit),
             "seen": seen,
         }
-        for name, (value, seen) in sorted(limits.items(), key=lambda each: each[1].value)
+        for name, (value, seen) in sorted(limits.items(), key=lambda item: item[1].value)
     }  # fmt: skip
 
 
@@ -518,15 +518,16 @@ def law_of(candidate: Candidate) -> dict[str, Any] | None:
         if curve is None:
             continue
         at, values = np.linspace(curve.low, curve.high, _POINTS), candidate.values()
-        own = values[:, [problem.names.index(each.name) for each in cause.parameters]]
-        law = f = curve.at(at[None, :], own)
+        names = [parameter.name for parameter in cause.parameters]
+        columns = values[:, [problem.names.index(name) for name in names]]
+        law = f = curve.at(at[None, :], columns)
         base = np.full(len(values), curve.stated)
         if curve.relative:
             if curve.constant is not None:
                 base = values[:, problem.names.index(curve.constant)]
             law = base[:, None] * (1.0 + f)
         half = 1.96 * np.sqrt(np.diag(spread_of(law)))
-        numbers = dict(zip([each.name for each in cause.parameters], own[0].tolist(), strict=True))
+        numbers = dict(zip(names, columns[0].tolist(), strict=True))
         return {
             "name": curve.name, "law": curve.law if curve.relative else f"change of {curve.law}",
             "law_unit": curve.law_unit, "argument": curve.argument, "unit": curve.unit,
@@ -543,19 +544,19 @@ def _lines(curve: Curve, base: float, numbers: Mapping[str, float]) -> list[str]
     if not curve.fixed:
         if curve.form == CURVE:
             return []
-        own = "" if curve.law_unit == "-" else f" {curve.law_unit}"
+        law = "" if curve.law_unit == "-" else f" {curve.law_unit}"
         a, scale = [*numbers.values(), curve.reach][:2]
         text = f"{amounts.number(a)} {SHAPES[curve.form].text}"
-        said = f"{amounts.number(base)}{own} (1 + {text})" if curve.relative else f"{text}{own}"
+        right = f"{amounts.number(base)}{law} (1 + {text})" if curve.relative else f"{text}{law}"
         less = f"({curve.argument} - {amounts.number(curve.origin)})"
         argument = less if curve.origin else curve.argument
         unit = "" if curve.unit == "-" else f" {curve.unit}"
-        return [f"{curve.law} = {said}, u = {argument} / {amounts.number(scale)}{unit}"]
+        return [f"{curve.law} = {right}, u = {argument} / {amounts.number(scale)}{unit}"]
     rounded = {key: float(f"{value:.4g}") for key, value in numbers.items()}
     section = next(iter(rounded)).rpartition(".")[0]
-    given = {key.rpartition(".")[2]: each for key, each in {**curve.fixed, **rounded}.items()}
+    given = {key.rpartition(".")[2]: value for key, value in {**curve.fixed, **rounded}.items()}
     if not section.startswith(LAWS):
-        return [f"[{section}]", *(f"{key} = {each}" for key, each in given.items())]
+        return [f"[{section}]", *(f"{key} = {value}" for key, value in given.items())]
     knots = [given.pop(key) for key in list(given) if key.startswith("knot_")]
     return law_lines(section.removeprefix(LAWS), Law(**given, knots=knots or None))[1:]  # type: ignore[arg-type]
 
@@ -565,7 +566,7 @@ def _gain(facts: Facts) -> dict[str, Any] | None:
     gain, problem = facts.gain, facts.problem
     if gain is None:
         return None
-    found, best, records = gain.as_dict(), -math.inf, []
+    entry, best, records = gain.as_dict(), -math.inf, []
     for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
         if not table.drawable:
             continue
@@ -575,27 +576,27 @@ def _gain(facts: Facts) -> dict[str, Any] | None:
         change = abs(one["before"] - one["after"]) / float(np.median(problem.sd[part]))
         if change > best:
             best, level = change, float(np.mean(np.abs(problem.y[part])))
-            found["told"] = {
+            entry["told"] = {
                 "table": problem.titles[k], **one, "unit": table.unit, "level": level,
             }  # fmt: skip
-    found["records"] = sorted(
-        records, key=lambda each: -each["after"] / max(each["before"], 1e-300)
+    entry["records"] = sorted(
+        records, key=lambda record: -record["after"] / max(record["before"], 1e-300)
     )
-    found["change"] = "falls" if gain.certain else "grows" if gain.interval[1] < 0.0 else "not sure"
-    return found
+    entry["change"] = "falls" if gain.certain else "grows" if gain.interval[1] < 0.0 else "not sure"
+    return entry
 
 
 def _experiments(facts: Facts) -> list[dict[str, Any]]:
     return [
         {
-            "drive": dict(each.drive), "why": facts.words.in_titles(str(each.why)),
-            "separation": each.separation,
-            "words": facts.words.in_titles(str(each).split(". ")[0]).replace(
+            "drive": dict(experiment.drive), "why": facts.words.in_titles(str(experiment.why)),
+            "separation": experiment.separation,
+            "words": facts.words.in_titles(str(experiment).split(". ")[0]).replace(
                 "edge ", "sudden edge: "
             ),
-            "predictions": {name: dict(row) for name, row in each.predictions.items()},
+            "predictions": {name: dict(row) for name, row in experiment.predictions.items()},
         }
-        for each in facts.propose_experiments()
+        for experiment in facts.propose_experiments()
     ]  # fmt: skip
 
 
@@ -606,7 +607,7 @@ def predictions(facts: Facts) -> dict[str, Array]:
     problem = facts.problem
     left = problem.residuals(np.zeros((1, problem.size)))[0]
     stated = np.where(left == LOST * problem.sd, np.nan, problem.y - left)
-    fitted = {name: problem.y - each.fit.residual for name, each in facts.candidates.items()}
+    fitted = {name: problem.y - model.fit.residual for name, model in facts.candidates.items()}
     return {"stated": stated, **fitted}
 
 
@@ -632,19 +633,19 @@ def _conditions(facts: Facts) -> list[dict[str, Any]]:
 
 def _channels(facts: Facts) -> dict[str, Any]:
     """Each table: its readings, its errors, and how far both models miss it."""
-    problem, found = facts.problem, {}
+    problem, channels = facts.problem, {}
     for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
         errors = problem.errors[k]
         chi2 = {
-            name: float(problem.chi2_of_tables(each.fit.residual[None, :])[k, 0]) / len(table.mean)
-            for name, each in facts.candidates.items()
+            name: float(problem.chi2_of_tables(model.fit.residual[None, :])[k, 0]) / len(table.mean)
+            for name, model in facts.candidates.items()
         }  # fmt: skip
-        found[problem.table_names[k]] = {
+        channels[problem.table_names[k]] = {
             "title": problem.titles[k], "readings": len(table.y),
             "unit": table.unit if table.drawable else None,
             "conditions": len(table.mean), "errors": dict(errors.told), "dof": errors.dof,
             "median_sd": float(np.median(problem.sd[part])) if errors.known else None,
             "digits": amounts.digits_for(problem.y[part].tolist()), "chi2_per_condition": chi2,
-            "notes": [str(each) for each in table.notes],
+            "notes": [str(note) for note in table.notes],
         }  # fmt: skip
-    return found
+    return channels

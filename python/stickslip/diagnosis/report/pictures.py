@@ -98,8 +98,8 @@ class Plots:
         axes.spines[["top", "right"]].set_visible(False)
         axes.fill_between(law["at"], law["low"], law["high"], color=LIGHT_GREY, label="95 %")
         axes.plot(law["at"], law["value"], color=VERMILION, label=law["form"])
-        own = "" if law["law_unit"] == "-" else f" ({law['law_unit']})"
-        axes.set(xlabel=f"{law['argument']} ({law['unit']})", ylabel=law["law"] + own)
+        unit = "" if law["law_unit"] == "-" else f" ({law['law_unit']})"
+        axes.set(xlabel=f"{law['argument']} ({law['unit']})", ylabel=law["law"] + unit)
         axes.legend(frameon=False)
         return figure
 
@@ -107,12 +107,12 @@ class Plots:
         """The figures of all tables by the names of their files, and that of a law."""
         if not self._facts.fitted:
             return {}
-        found: dict[str, Figure | None] = {}
+        figures: dict[str, Figure | None] = {}
         for k, name in enumerate(self._facts.problem.table_names):
-            found[f"fit-{name}"] = self.fit(k)
+            figures[f"fit-{name}"] = self.fit(k)
             if self._tables[k].drawable:
-                found[f"residuals-{name}"] = self.residuals(k)
-        return found | {"law": self.law()}
+                figures[f"residuals-{name}"] = self.residuals(k)
+        return figures | {"law": self.law()}
 
     def _film(self, film: FilmTable) -> Figure | None:
         names = self._facts.problem.names
@@ -157,7 +157,7 @@ class Plots:
         others = [name for name in settings.varied if name != over]
         words = [name for name in others if settings.is_word(name)]
         usual = {n: value for n, value in settings.usual.items() if n != over}
-        found: dict[str, dict[str, list[int]]] = {}
+        by_panel: dict[str, dict[str, list[int]]] = {}
         for row in np.argsort(settings.along(over)[0], kind="stable").tolist():
             panel = " ".join(settings[name][0][row] for name in words)
             group = ", ".join(
@@ -165,19 +165,19 @@ class Plots:
                 for name, value in usual.items()
                 if settings[name][0][row] != value
             )
-            found.setdefault(panel, {}).setdefault(group, []).append(first + row)
-        names = sorted({group for groups in found.values() for group in groups})
+            by_panel.setdefault(panel, {}).setdefault(group, []).append(first + row)
+        names = sorted({group for groups in by_panel.values() for group in groups})
         if len(names) > len(_MARKERS):
             # Too many to tell apart: all rows alike.
-            found = {
+            by_panel = {
                 panel: {"": sorted(row for rows in groups.values() for row in rows)}
-                for panel, groups in found.items()
+                for panel, groups in by_panel.items()
             }
             names = [""]
         markers = dict(zip(names, _MARKERS, strict=False))
         panels = []
-        for title in sorted(found)[:_MOST_PANELS]:
-            groups = {n: np.array(found[title][n]) for n in names if n in found[title]}
+        for title in sorted(by_panel)[:_MOST_PANELS]:
+            groups = {n: np.array(by_panel[title][n]) for n in names if n in by_panel[title]}
             panels.append(Panel(title, k, over, groups, markers))
         return panels
 
@@ -186,17 +186,17 @@ class Plots:
         problem, models = self._facts.problem, list(self._facts.candidates.values())
         if not models:
             return 0
-        chi2 = [problem.chi2_of_tables(each.fit.residual[None, :])[:, 0] for each in models]
+        chi2 = [problem.chi2_of_tables(model.fit.residual[None, :])[:, 0] for model in models]
         fall = chi2[0] - chi2[1] if len(chi2) > 1 else chi2[0]
-        drawable = [each.drawable for each in self._tables]
+        drawable = [table.drawable for table in self._tables]
         return int(np.argmax(np.where(drawable, fall, -np.inf))) if any(drawable) else 0
 
     @cached_property
     def _predicted(self) -> dict[str, Array]:
-        found, told = predictions(self._facts), self._facts.verdict.told
-        if told is not None and "extended" not in found:
-            found["nearest"] = self._facts.problem.y - told.residual
-        return found
+        curves, subject = predictions(self._facts), self._facts.verdict.told
+        if subject is not None and "extended" not in curves:
+            curves["nearest"] = self._facts.problem.y - subject.residual
+        return curves
 
     @property
     def _tables(self) -> Sequence[Table]:
@@ -228,14 +228,14 @@ class Plots:
         except Exception:  # whatever the user's own model raises where it knows its table only
             return at, {}
         known = np.searchsorted(places, at)
-        found = {}
+        bands = {}
         for name in facts.candidates:
             level, sd = made[name].to_numpy(), made[f"{name}_sd"].to_numpy()
             apart = np.abs(level[known] - self._predicted[name][rows])
             if not np.all(apart <= _SAME * facts.problem.sd[rows]):
                 return at, {}
-            found[name] = level, sd
-        return places, found
+            bands[name] = level, sd
+        return places, bands
 
     def _label(self, name: str) -> str:
         verdict = self._facts.verdict
@@ -256,17 +256,17 @@ class Plots:
         By von Neumann's ratio: squared differences of neighbours beside the variance.
         """
         settings, part = self._tables[k].named_settings, self._facts.problem.rows[k]
-        found, change = self._predicted, np.zeros(0)
-        if "extended" in found:
-            change = (found["extended"] - found["recalibrated"])[part]
+        curves, change = self._predicted, np.zeros(0)
+        if "extended" in curves:
+            change = (curves["extended"] - curves["recalibrated"])[part]
         if not len(change) or not np.var(change) > 0.0:
             return settings.most_varied
         ratios: dict[str, float] = {}
         most = max((len(set(settings[name][0])) for name in settings.numeric), default=0)
         for name in settings.numeric:
             parts = self.panels(k, name)
-            rows = [rows - part.start for each in parts for rows in each.groups.values()]
-            steps = [np.diff(change[each]) for each in rows if len(each) >= _FEW]
+            rows = [rows - part.start for panel in parts for rows in panel.groups.values()]
+            steps = [np.diff(change[group]) for group in rows if len(group) >= _FEW]
             # Over a setting with few values nothing is seen.
             if steps and len(set(settings[name][0])) >= max(_FEW, most / 2):
                 ratios[name] = float(np.mean(np.concatenate(steps) ** 2) / np.var(change))
@@ -330,13 +330,13 @@ def drawing(name: str, way: str = "") -> str:
     symbols = resources.files("stickslip").joinpath("diagnosis/report/drawings.svg")
     text = symbols.read_text("utf-8")
     parts = dict(re.findall(r'<g id="([\w-]+)">(.*?)</g>\n', text))
-    for own in (f"{name} {way}", name):
-        found = re.search(
-            rf'<symbol id="{re.escape(own)}" viewBox="(.*?)"><title>(.*?)</title>(.*?)</symbol>',
+    for key in (f"{name} {way}", name):
+        match = re.search(
+            rf'<symbol id="{re.escape(key)}" viewBox="(.*?)"><title>(.*?)</title>(.*?)</symbol>',
             text, re.S,
         )  # fmt: skip
-        if found:
-            box, title, inside = found.groups()
+        if match:
+            box, title, inside = match.groups()
             shown = re.sub(r'<use href="#([\w-]+)"/>', lambda use: parts[use[1]], inside.strip())
             return (
                 f'<svg class="drawing" viewBox="{box}" role="img" aria-label="{title}">'
@@ -358,15 +358,15 @@ def _figure(panels: Sequence[Panel], draw: Any) -> Figure:
     size = max(7.2, 4.9 * columns), 0.8 + 3.0 * rows
     figure = Picture(figsize=size, layout="constrained")
     frames = figure.subplots(rows, columns, squeeze=False).ravel()
-    for axes, each in zip(frames, panels, strict=False):
-        draw(axes, each)
+    for axes, panel in zip(frames, panels, strict=False):
+        draw(axes, panel)
     for axes in frames[len(panels) :]:
         axes.remove()
     shown: dict[str, Any] = {}
     for axes in frames[: len(panels)]:
         handles, labels = axes.get_legend_handles_labels()
         shown |= {label: handle for handle, label in zip(handles, labels, strict=True)}
-    words = [shortened(each, 50) for each in shown]
+    words = [shortened(word, 50) for word in shown]
     columns = int(9.0 * size[0] / (max(map(len, words), default=1) + 7))
     figure.legend(list(shown.values()), words, loc="outside lower center",
                   ncols=min(max(columns, 1), 4), frameon=False, fontsize=9)  # fmt: skip
