@@ -80,7 +80,7 @@ def test_what_a_set_up_shares_makes_conditions_no_less_different():
     x, setup = np.repeat(np.arange(10), 3), np.tile(np.arange(3), 10)
     y = 1.0 + 0.02 * x + 0.06 * random.standard_normal(3)[setup]
     table = Table({"x": x}, y + 0.01 * random.standard_normal(30), block=setup)
-    assert table.errors.told["shift"] > 1.5
+    assert table.errors.sizes["shift"] > 1.5
     assert code(table) is None
 
 
@@ -176,7 +176,7 @@ def test_without_a_drift_none_is_found(sound):
     curves = [mine[np.argsort(table.sequence[mine])] for mine in curves]
     for seed in range(300):
         noise = random.standard_normal(48)
-        table.errors.told["phi"] = phi = 0.5 * (seed % 2)
+        table.errors.sizes["phi"] = phi = 0.5 * (seed % 2)
         for before, after in (pair for mine in curves for pair in pairwise(mine)):
             noise[after] = phi * noise[before] + (1.0 - phi**2) ** 0.5 * noise[after]
         table.y = table.stated[table.condition] + size * noise
@@ -191,8 +191,8 @@ def test_what_differs_between_set_ups_is_no_drift(sound):
     slower = sound.velocity * (1.0 - 0.06 * sound.trial)
     table = velocities(sound.assign(velocity=slower, order=order, block=sound.trial))
     assert code(table) is None
-    table.errors.told.update(phi=0.0)
-    del table.errors.told["shift"]
+    table.errors.sizes.update(phi=0.0)
+    del table.errors.sizes["shift"]
     assert code(table) == "drift"
 
 

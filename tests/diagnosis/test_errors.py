@@ -84,7 +84,7 @@ def test_many_readings_tell_the_size_as_well_as_they_can(relative):
     mean, errors = estimate(readings.ravel(), np.repeat(np.arange(200), 20))
     assert np.median(errors.of_reading(level) / sd) == pytest.approx(1.0, abs=0.046)
     assert errors.sd * math.sqrt(20) == pytest.approx(errors.of_reading(mean))
-    assert errors.told["rho"] == pytest.approx(relative, rel=0.08)
+    assert errors.sizes["rho"] == pytest.approx(relative, rel=0.08)
     # All levels weigh alike, and all readings tell one size; known to some per cent from draws.
     assert errors.dof == pytest.approx(3800, rel=0.2)
     assert errors.covariance is None
@@ -117,10 +117,10 @@ def test_a_set_up_that_is_faster_is_no_error_of_its_readings(signed):
     # One in five is not known: such a reading is a block of its own.
     setup = np.where(random.random(len(index)) < 0.2, -1, setup)
     _, errors = estimate(y, index, setup=setup)
-    assert errors.told["rho"] == pytest.approx(0.03, rel=0.2)
+    assert errors.sizes["rho"] == pytest.approx(0.03, rel=0.2)
     found, other = ("gain", "shift") if signed else ("shift", "gain")
-    assert errors.told[found] == pytest.approx(2.0, abs=0.9)
-    assert errors.told[other] < 0.4
+    assert errors.sizes[found] == pytest.approx(2.0, abs=0.9)
+    assert errors.sizes[other] < 0.4
     assert codes(errors) == ["blocks"]
     # The means of two conditions that go opposite ways are off by a gain in opposite directions.
     assert errors.covariance[0, 1] * (-1.0 if signed else 1.0) > 0.0
@@ -150,10 +150,10 @@ def test_the_correlation_along_runs_is_found(phi):
     y = np.tile(np.linspace(1.0, 3.0, 20), (30, 1)) + 0.1 * noise
     condition, run = np.tile(np.arange(20), 30), np.repeat(np.arange(30), 20)
     mean, errors = estimate(y.ravel(), condition, run=run)
-    assert errors.told["phi"] == pytest.approx(phi, abs=0.17)
+    assert errors.sizes["phi"] == pytest.approx(phi, abs=0.17)
     correlation = errors.covariance / np.outer(errors.sd, errors.sd)
     # Levels of one run after the other are as alike as errors are.
-    assert np.diag(correlation, 1) == pytest.approx(errors.told["phi"], abs=0.01)
+    assert np.diag(correlation, 1) == pytest.approx(errors.sizes["phi"], abs=0.01)
     # The order of rows says nothing where places are known.
     mixed = random.permutation(600)
     place = 10.0 * np.tile(np.arange(20.0), 30)
@@ -181,7 +181,7 @@ def test_runs_without_repeats_tell_no_correlation():
     # Repeats that no run joins.
     condition = np.concatenate([np.arange(30), np.arange(10)])
     for run in (np.repeat([0, -1], [30, 10]), np.repeat([-1, 0], [30, 10]) * (condition < 0)):
-        assert "phi" in estimate(y, condition, run=run)[1].told
+        assert "phi" in estimate(y, condition, run=run)[1].sizes
 
 
 @pytest.mark.parametrize("setups", [False, True])
@@ -199,11 +199,11 @@ def test_zero_readings_are_no_part_of_the_estimate(setups):
         np.concatenate([y, np.zeros(18)]), np.repeat(np.append(others, still), 3), **known[1]
     )
     # The size is that of all means, of which more are small: some per cent.
-    assert both.told == pytest.approx(moving.told, rel=0.02)
+    assert both.sizes == pytest.approx(moving.sizes, rel=0.02)
     assert both.sd[others] == pytest.approx(moving.sd, rel=0.02)
     assert mean[still].tolist() == [0.0] * 6
     # A condition at rest has the error of the level zero, and no gain.
-    own = both.told["s0"] / math.sqrt(3.0)
+    own = both.sizes["s0"] / math.sqrt(3.0)
     assert own * (1.0 - 1e-6) <= both.sd[still[0]] < 1.5 * own
     if setups:
         np.linalg.cholesky(both.covariance)
@@ -231,7 +231,7 @@ def test_readings_that_differ_by_rounding_do_not_give_the_error():
     for _ in range(20):
         level = np.round(random.uniform(1e-4, 1e-3, 6), 6)
         _, errors = estimate(np.repeat(level, 3), np.repeat(np.arange(6), 3), relative=0.03)
-        assert errors.told["rho"] == 0.03
+        assert errors.sizes["rho"] == 0.03
 
 
 def test_a_stated_error_stays_and_repeats_tell_the_correlation():
@@ -243,7 +243,7 @@ def test_a_stated_error_stays_and_repeats_tell_the_correlation():
     condition, run = np.tile(np.arange(15), 12), np.repeat(np.arange(12), 15)
     mean, errors = estimate(y, condition, sd=sd, run=run)
     assert errors.sd == pytest.approx(0.1 * level / math.sqrt(12.0), rel=0.02)
-    assert errors.told["phi"] == pytest.approx(0.5, abs=0.2)
+    assert errors.sizes["phi"] == pytest.approx(0.5, abs=0.2)
     assert errors.of_reading(level) == pytest.approx(0.1 * level, rel=0.02)
     # What a user has stated follows no level.
     assert errors.at(2.0 * mean).covariance == pytest.approx(errors.covariance)
@@ -295,8 +295,8 @@ def test_the_error_of_a_reading_is_from_repeats_or_a_free_fit():
 
     def told(condition, smallest=1e-3, free=line):
         errors = of_readings(y[: len(condition)], free[: len(condition)], condition, smallest, "T")
-        assert errors.sd == pytest.approx(errors.told["s0"] / np.sqrt(np.bincount(condition)))
-        return errors.told["s0"], errors.dof, errors.notes[0].code
+        assert errors.sd == pytest.approx(errors.sizes["s0"] / np.sqrt(np.bincount(condition)))
+        return errors.sizes["s0"], errors.dof, errors.notes[0].code
 
     assert told(np.arange(20)) == pytest.approx((sd, 18.0, "noise-free-fit"))
     assert told(np.arange(20), 1.0) == (1.0, math.inf, "noise-smallest")

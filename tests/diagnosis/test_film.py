@@ -173,7 +173,7 @@ def test_the_true_model_fits_as_well_as_the_errors_say(rate, stated, errors):
 def test_correlation_and_scatter_of_periods_are_found_and_told():
     run = tracking_run({}, 1000.0, 0, noise={})
     table = FilmTable(with_errors(run, (0.7, 2.0), 0))
-    told = table.errors.told
+    told = table.errors.sizes
     for name in ("theta", "x"):
         # Some 300 frames less 100 phases: the standard error of phi is below 0.05.
         assert told[f"{name}.phi"] == pytest.approx(0.7, abs=0.15)
@@ -187,12 +187,12 @@ def test_correlation_and_scatter_of_periods_are_found_and_told():
 
 def test_a_stated_noise_is_used_unless_the_frames_scatter_more():
     run = tracking_run({}, 500.0, 1)
-    assert FilmTable(run).errors.told["x.sd"] == pytest.approx(NOISE["x"])
+    assert FilmTable(run).errors.sizes["x.sd"] == pytest.approx(NOISE["x"])
     small = FilmTable(replace(run, noise={"x": 0.3 * NOISE["x"], "theta": 2.0 * NOISE["theta"]}))
     assert [each.code for each in small.notes] == ["frame-noise-above-stated"]
     # 100 degrees of freedom tell a scatter to 7 %.
-    assert small.errors.told["x.sd"] == pytest.approx(NOISE["x"], rel=0.25)
-    assert small.errors.told["theta.sd"] == pytest.approx(2.0 * NOISE["theta"])
+    assert small.errors.sizes["x.sd"] == pytest.approx(NOISE["x"], rel=0.25)
+    assert small.errors.sizes["theta.sd"] == pytest.approx(2.0 * NOISE["theta"])
 
 
 def test_camera_parameters_belong_to_one_film():

@@ -156,7 +156,7 @@ def test_repeats_tell_the_error_and_correlation_costs_degrees_of_freedom():
     for noise, correlation in ((white, 0.0), (lasting, 0.9)):
         pair = [Series(t, noise[0], name="a"), Series(t, noise[1], name="b", repeat_of="a")]
         errors = with_repeats(pair)[1].errors
-        assert errors.told["s0"] == pytest.approx(1.0, abs=0.15)
+        assert errors.sizes["s0"] == pytest.approx(1.0, abs=0.15)
         # The sum of the squared correlations is (1 + phi^2) / (1 - phi^2).
         wanted = 2000 * (1 - correlation**2) / (1 + correlation**2)
         assert errors.dof == pytest.approx(wanted, rel=0.5)
@@ -171,7 +171,7 @@ def test_a_gap_in_a_record_leaves_the_other_rows_of_its_repeats():
     whole = [Series(t[known], first[known], name="a"),
              Series(t[known], again[known], name="b", repeat_of="a")]  # fmt: skip
     found, wanted = (with_repeats(each)[0].errors for each in (gappy, whole))
-    assert (found.told, found.dof) == (wanted.told, wanted.dof)
+    assert (found.sizes, found.dof) == (wanted.sizes, wanted.dof)
     with pytest.raises(ScenarioError, match=r"row 4: t = 5: allowed is the same time, 4"):
         with_repeats([gappy[0], Series(t + (t > 3), again, name="b", repeat_of="a")])
 

@@ -87,7 +87,7 @@ def test_a_curve_in_a_sweep_of_a_set_up_is_a_run(found):
     assert np.bincount(twice.condition).tolist() == [6] * 8
     assert np.unique(twice.block).tolist() == [0, 1, 2, 3]
     assert len(np.unique(twice.curve)) == 12
-    assert {"shift", "gain", "phi"} <= set(twice.errors.told)
+    assert {"shift", "gain", "phi"} <= set(twice.errors.sizes)
 
 
 def test_with_an_order_all_sweeps_of_a_curve_are_one_run():
@@ -143,7 +143,7 @@ def test_each_condition_has_the_loosest_tolerance_whose_error_is_far_below_its_n
     # Without uncertain constants, errors from where the loosest will do to where none does.
     readings = trials(1, 0.0, table=drives((20.0, 30.0, 45.0, 70.0, 100.0), pulses=5))
     found = VelocityTable(measurement(readings, {}, velocity_sd=0.01))
-    assert found.errors.told["rho"] == 0.01
+    assert found.errors.sizes["rho"] == 0.01
     assert found.errors.dof == np.inf
     error, chosen = _errors(found.conditions), [each["solver.rtol"] for each in found.conditions]
     assert len(set(chosen)) > 1

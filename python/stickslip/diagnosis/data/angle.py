@@ -88,9 +88,9 @@ class AngleTable(SimulatedTable):
                 f"{self.at}theta of {theta[np.argmax(np.abs(theta))]:.4g} rad; allowed is -pi "
                 "to pi. If angles are in degrees, multiply them by pi/180"
             )
-        for each in theta[beyond].tolist():
-            text = f"theta = {each:.4g} rad is not used, as it is more than half a turn."
-            self.left_out.append(Note("angle-beyond-turn", text, each))
+        for angle in theta[beyond].tolist():
+            text = f"theta = {angle:.4g} rad is not used, as it is more than half a turn."
+            self.left_out.append(Note("angle-beyond-turn", text, angle))
         return rows[~beyond]
 
     def _without_outliers(self, rows: Array) -> Array:
@@ -154,7 +154,7 @@ def _lines(fields: Array, theta: Array) -> Array:
     fields, theta = fields[order], theta[order]
     place = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(fields, axis=0).T))])
     knots = np.unique(np.append(place[::2], place[-1]))
-    design = np.stack([np.interp(place, knots, each) for each in np.eye(len(knots))], axis=1)
+    design = np.stack([np.interp(place, knots, unit) for unit in np.eye(len(knots))], axis=1)
     if len(theta) > 2:
         distance, slope = _bends(fields, theta)
         flat = (distance == 0.0) & (slope == 0.0)

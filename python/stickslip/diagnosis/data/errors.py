@@ -84,7 +84,7 @@ class Errors(OneLine):
         Of the means; None where they are independent.
     dof : float
         Degrees of freedom of their size: infinity where it was stated, 0 where nothing is known.
-    told : dict
+    sizes : dict
         What is reported of them: ``s0`` in the unit of the readings, ``rho``, ``phi``, and
         ``shift`` and ``gain`` in errors of a reading.
     notes : tuple of Note
@@ -95,7 +95,7 @@ class Errors(OneLine):
     sd: Array
     covariance: Array | None = None
     dof: float = math.inf
-    told: dict[str, float] = field(default_factory=dict)
+    sizes: dict[str, float] = field(default_factory=dict)
     notes: tuple[Note, ...] = ()
     _of_level: Callable[[Array], Array] | None = field(default=None, repr=False)
     of_fit: bool = False
@@ -118,8 +118,8 @@ class Errors(OneLine):
 
     def of_reading(self, level: Array) -> Array:
         """Standard deviation of one reading at levels, shape (k,)."""
-        s0 = self.told.get("s0", float(np.median(self.sd)))
-        return np.asarray(np.hypot(s0, self.told.get("rho", 0.0) * level), dtype=float)
+        s0 = self.sizes.get("s0", float(np.median(self.sd)))
+        return np.asarray(np.hypot(s0, self.sizes.get("rho", 0.0) * level), dtype=float)
 
 
 def estimate(
@@ -172,10 +172,10 @@ def estimate(
     order, gap = along_runs(run, place, moves[condition], (count > 1.0)[condition])
     shared = setup is not None or bool(np.any(np.isfinite(gap)))
     if free < FEWEST or (sd is not None and not shared):
-        told, dof = _stated(sd, relative, free, size, mean[condition], notes)
-        one = np.hypot(told["s0"], told["rho"] * mean[condition]) if sd is None else sd
-        own = np.sqrt(np.bincount(condition, one**2)) / count
-        return mean, Errors(own, None, dof, told, tuple(notes))
+        sizes, dof = _stated(sd, relative, free, size, mean[condition], notes)
+        one = np.hypot(sizes["s0"], sizes["rho"] * mean[condition]) if sd is None else sd
+        sds = np.sqrt(np.bincount(condition, one**2)) / count
+        return mean, Errors(sds, None, dof, sizes, tuple(notes))
     pooled = math.sqrt(float(np.sum(away**2)) / free)
     scatter = _Scatter(condition, mean, moves, size, away, sd, pooled, setup, order, gap)
     return mean, scatter.errors(seed, notes)
@@ -195,8 +195,8 @@ def no_finer_than_the_meter(y: Array, condition: Indices, errors: Errors, unit: 
     text = f"Repeats scatter by less than the meter's step; {size}, the step / sqrt(12), is taken "
     note = Note("meter-step", f"{text}for the error of each condition.", least)
     known = errors.notes if errors.dof > 0.0 else ()
-    told = {**errors.told, "s0": least, "rho": 0.0}
-    return Errors(np.maximum(errors.sd, least), None, math.inf, told, (*known, note))
+    sizes = {**errors.sizes, "s0": least, "rho": 0.0}
+    return Errors(np.maximum(errors.sd, least), None, math.inf, sizes, (*known, note))
 
 
 def meter_step(y: Array) -> float:
@@ -326,18 +326,18 @@ def along_runs(
 
 
 def _covariance_at(
-    parts: Array, told: Mapping[str, float], mean: Array, linked: bool, stated: bool, level: Array
+    parts: Array, sizes: Mapping[str, float], mean: Array, linked: bool, stated: bool, level: Array
 ) -> Array:
     """Covariance of the means where what they share follows a level, shape (m,).
 
     `parts` are the covariances of the readings' own errors, of shifts and of gains.
     """
-    own, shift, gain = parts
-    there, here = np.hypot(told["s0"], told["rho"] * np.array([level, mean]))
+    alone, shift, gain = parts
+    there, here = np.hypot(sizes["s0"], sizes["rho"] * np.array([level, mean]))
     ratio = np.ones(len(mean)) if stated else there / here
     signs = np.where(level == 0.0, np.sign(mean), np.sign(level))
     both = np.outer(ratio, ratio)
-    readings = both * own if linked else own
+    readings = both * alone if linked else alone
     return np.asarray(readings + both * (shift + np.outer(signs, signs) * gain))
 
 
@@ -399,35 +399,35 @@ class _Scatter(OneLine):
             free = float(np.sum(np.bincount(self.condition)[self.moves] - 1.0))
             dof = min(dof, free - len({"rho", "phi"}.intersection(self.names)))
             square = factor * self.pooled**2
-            told = {"s0": math.sqrt(square * (weight @ np.exp(2.0 * p["s0"])))}
-            told["rho"] = math.sqrt(square * (weight @ np.exp(2.0 * p["rho"]))) / self.size
+            sizes = {"s0": math.sqrt(square * (weight @ np.exp(2.0 * p["s0"])))}
+            sizes["rho"] = math.sqrt(square * (weight @ np.exp(2.0 * p["rho"]))) / self.size
         else:
-            told, _ = _stated(self.sd, math.nan, 0, self.size, self.mean[self.condition], notes)
+            sizes, _ = _stated(self.sd, math.nan, 0, self.size, self.mean[self.condition], notes)
         if not shared:
-            own = np.bincount(self.condition, self.unit**2) / np.bincount(self.condition) ** 2
-            return Errors(np.sqrt(factor * own * usual), None, dof, told, tuple(notes))
-        told |= {name: math.sqrt(weight @ np.exp(2.0 * p[name])) for name in _SHARED if name in p}
+            of_means = np.bincount(self.condition, self.unit**2) / np.bincount(self.condition) ** 2
+            return Errors(np.sqrt(factor * of_means * usual), None, dof, sizes, tuple(notes))
+        sizes |= {name: math.sqrt(weight @ np.exp(2.0 * p[name])) for name in _SHARED if name in p}
         if "shift" in p:
             text = (
-                f"Blocks differ by a shift of {told['shift']:.2g} and a gain of "
-                f"{told.get('gain', 0.0):.2g} errors of a reading."
+                f"Blocks differ by a shift of {sizes['shift']:.2g} and a gain of "
+                f"{sizes.get('gain', 0.0):.2g} errors of a reading."
             )
-            notes.append(Note("blocks", text, told["shift"]))
+            notes.append(Note("blocks", text, sizes["shift"]))
         if "phi" in p:
             phi = ndtr(p["phi"])
             order = np.argsort(phi)
             low, high = np.interp((0.025, 0.975), np.cumsum(weight[order]), phi[order])
-            told["phi"] = float(weight @ phi)
+            sizes["phi"] = float(weight @ phi)
             text = (
                 f"Errors of readings that follow each other have a correlation of "
-                f"{told['phi']:.2f} ({low:.2f} to {high:.2f})."
+                f"{sizes['phi']:.2f} ({low:.2f} to {high:.2f})."
             )
-            notes.append(Note("errors-correlated", text, told["phi"]))
+            notes.append(Note("errors-correlated", text, sizes["phi"]))
         known = self.mean, "phi" in p, self.sd is not None
-        of_level = partial(_covariance_at, factor * parts, told, *known)
+        of_level = partial(_covariance_at, factor * parts, sizes, *known)
         covariance = of_level(self.mean)
         sd = np.sqrt(np.diag(covariance))
-        return Errors(sd, covariance, dof, told, tuple(notes), of_level)
+        return Errors(sd, covariance, dof, sizes, tuple(notes), of_level)
 
     def _sizes(self, p: dict[str, Array]) -> Array:
         """Errors of a reading of each condition, in `unit`, shape (draws, m)."""
@@ -448,7 +448,7 @@ class _Scatter(OneLine):
         phi = ndtr(p["phi"]) if "phi" in p else np.zeros(len(p["s0"]))
         none = np.full(len(phi), -math.inf)
         parts = zip(self._sizes(p), phi, p.get("shift", none), p.get("gain", none), strict=True)
-        return np.array([self._loss_of(*each) for each in parts])
+        return np.array([self._loss_of(*draw) for draw in parts])
 
     def _loss_of(self, size: Array, phi: float, shift: float, gain: float) -> float:
         """By Henderson's mixed-model equations, linear in the number of readings.
@@ -501,20 +501,20 @@ class _Scatter(OneLine):
             one = np.full(size.shape, root_mean_square(self.sd) / self.pooled)
 
         def parts(k: int) -> Array:
-            own = alone
+            single = alone
             if "phi" in p:
                 half = np.bincount(place, product * float(ndtr(p["phi"][k])) ** lag, m * m)
-                own = alone + half.reshape(m, m) + half.reshape(m, m).T
-            own = own * np.outer(one[k], one[k])
+                single = alone + half.reshape(m, m) + half.reshape(m, m).T
+            single = single * np.outer(one[k], one[k])
             both = alike * np.outer(size[k], size[k])
             factors = [math.exp(2.0 * p[name][k]) if name in p else 0.0 for name in _SHARED]
-            return np.array([own, factors[0] * both, factors[1] * both])
+            return np.array([single, factors[0] * both, factors[1] * both])
 
         signs = np.sign(self.mean)
         gained = np.array([np.ones((m, m)), np.ones((m, m)), np.outer(signs, signs)])
         mean = np.zeros((3, m, m))
-        for k, each in enumerate(weight):
-            mean += each * parts(k)
+        for k, w in enumerate(weight):
+            mean += w * parts(k)
         inverse = gained * np.linalg.inv(np.sum(gained * mean, axis=0))
         return mean, np.array([np.sum(inverse * parts(k)) / m for k in range(len(weight))])
 
@@ -525,15 +525,15 @@ class _Scatter(OneLine):
         """
         m, c = len(self.mean), self.condition[self.order]
         starts = np.flatnonzero(np.isinf(self.gap))
-        found = []
+        blocks = []
         for rows in np.split(np.arange(len(c)), starts[1:]):
             number = np.cumsum(np.r_[0.0, self.gap[rows[1:]]])
             i, j = np.tril_indices(len(rows), -1)
             weights = weight[self.order[rows]]
-            found.append(
+            blocks.append(
                 [m * c[rows[i]] + c[rows[j]], number[i] - number[j], weights[i] * weights[j]]
             )
-        place, lag, product = np.concatenate(found, axis=1)
+        place, lag, product = np.concatenate(blocks, axis=1)
         pairs, which = np.unique(np.stack([place, lag]), axis=1, return_inverse=True)
         together = np.asarray(np.bincount(np.ravel(which), product), dtype=float)
         return np.asarray(pairs[0], dtype=np.int64), np.asarray(pairs[1]), together
@@ -561,15 +561,15 @@ def sample(
     def slope(h: Array) -> Array:
         return np.asarray(density(h + step) - density(h - step)) / 0.1
 
-    found = minimize(lambda h: float(density(h[None])[0]), np.zeros(d), jac=slope, method="BFGS",
+    peak = minimize(lambda h: float(density(h[None])[0]), np.zeros(d), jac=slope, method="BFGS",
                      options={"gtol": 1e-5, "maxiter": 100}).x  # fmt: skip
-    curvature = np.array([(slope(found + each) - slope(found - each)) / 0.1 for each in step])
+    curvature = np.array([(slope(peak + move) - slope(peak - move)) / 0.1 for move in step])
     values, axes = np.linalg.eigh(0.5 * (curvature + curvature.T))
     # The prior alone has a curvature of 1.
     spread = _WIDER * axes / np.sqrt(np.maximum(values, 0.5))
     uniform = np.clip(qmc.Sobol(d + 1, seed=seed).random(_DRAWS), 1e-9, 1.0 - 1e-9)
     z = ndtri(uniform[:, :d]) * np.sqrt(_TAILS / chi2_law.ppf(uniform[:, d:], _TAILS))
-    h = found + z @ spread.T
+    h = peak + z @ spread.T
     log_weight = -density(h) + 0.5 * (_TAILS + d) * np.log1p(np.sum(z**2, axis=1) / _TAILS)
     weight = np.exp(log_weight - np.max(log_weight))
     return dict(zip(names, (centre + width * h).T, strict=True)), weight / np.sum(weight)

@@ -75,8 +75,8 @@ class Exposure:
         read = times + self.trigger
         nodes, weights = _nodes(self.exposure)
         exposed, sharp = (
-            _Grid(motion["t"], each / (1.0 + self.clock_scale))
-            for each in (read[:, None] + nodes, read)
+            _Grid(motion["t"], times / (1.0 + self.clock_scale))
+            for times in (read[:, None] + nodes, read)
         )
         result = {
             name: exposed.cubic(motion[name], motion[_RATES[name]]) @ weights
@@ -122,10 +122,10 @@ def recording_rate(scenario: Scenario) -> float:
     if drive.mode == "program":
         return enough
     fewest = math.ceil(enough / drive.frequency)
-    for each in range(fewest, 2 * fewest + 1):
-        samples = (drive.latency + drive.ramp) * drive.frequency * each
-        if abs(samples - round(samples)) < 1e-9 * each:
-            return each * drive.frequency
+    for number in range(fewest, 2 * fewest + 1):
+        samples = (drive.latency + drive.ramp) * drive.frequency * number
+        if abs(samples - round(samples)) < 1e-9 * number:
+            return number * drive.frequency
     return fewest * drive.frequency
 
 
@@ -143,7 +143,7 @@ def record(
     share = max(threads, int(_AT_A_TIME / (base.duration * rate + 1.0)))
     for start in range(0, len(values), share):
         cores = [_core_with(base, names, row) for row in values[start : start + share]]
-        results = iter(_core.simulate_batch([each for each in cores if each is not None], threads))
+        results = iter(_core.simulate_batch([core for core in cores if core is not None], threads))
         for core in cores:
             result = None if core is None else next(results)
             if result is None or result.status != "ok":

@@ -68,11 +68,11 @@ class FieldTable(SimulatedTable):
         used = self._off_wires(shares)
         used[used] = self._near(currents[used], fields[used], shares[used])
         currents, points, fields, shares = (
-            each[used] for each in (currents, points, fields, shares)
+            array[used] for array in (currents, points, fields, shares)
         )
         _refuse_currents(currents, shares, fields, self.at)
         settings = dict(zip((*COIL_NAMES, *_PLACE), np.hstack([currents, points]).T, strict=True))
-        columns = {key: np.repeat(each, 3) for key, each in settings.items()}
+        columns = {key: np.repeat(values, 3) for key, values in settings.items()}
         columns["component"] = np.tile(_FIELD, len(fields))
         smallest = _smallest(fields)
         super().__init__(columns, fields.reshape(-1), sd=smallest, name="field", unit="T")
@@ -139,7 +139,7 @@ class FieldTable(SimulatedTable):
 
 
 def _numbers(values: Array) -> str:
-    return f"({', '.join(f'{each:.4g}' for each in values)})"
+    return f"({', '.join(f'{value:.4g}' for value in values)})"
 
 
 def _design(shares: Array) -> Array:
@@ -165,7 +165,7 @@ def _refuse_outside(box: tuple[Array, Array] | None, places: Array, at: str) -> 
         return
     outside = np.any((places < box[0]) | (places > box[1]), axis=1)
     if outside.any():
-        first = ", ".join(f"{each:g}" for each in places[int(np.argmax(outside))])
+        first = ", ".join(f"{place:g}" for place in places[int(np.argmax(outside))])
         raise ScenarioError(
             f"{at}{int(outside.sum())} of {len(places)} probes lie outside of coil.map, the "
             f"first at ({first}) m: allowed are probes in the box of the map"

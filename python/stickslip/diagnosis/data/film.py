@@ -73,24 +73,24 @@ class FilmTable(SimulatedTable):
         self.name, self.rate = f"tracking.{number}", recording_rate(film.scenario)
         self.left_out = []
         self.columns: dict[str, tuple[Mask, Array]] = {}
-        self._told: dict[str, float] = {}
-        self._said: list[Note] = []
+        self._sizes: dict[str, float] = {}
+        self._notes: list[Note] = []
         nominal = self._frames_of(next(record(film.scenario, [], np.zeros((1, 0)), self.rate, 1)))
         parts = [self._reduced(key, nominal) for key in _KINDS if key in film.columns]
-        found = [part for part in parts if part is not None]
-        counts = [len(mean) for mean, _, _ in found]
-        number_of = np.concatenate([np.arange(each) for each in counts])
+        reduced = [part for part in parts if part is not None]
+        counts = [len(mean) for mean, _, _ in reduced]
+        number_of = np.concatenate([np.arange(count) for count in counts])
         settings = {"column": np.repeat(list(self.columns), counts), "number": number_of}
-        covariance = np.asarray(block_diag(*(each for _, each, _ in found)), dtype=float)
+        covariance = np.asarray(block_diag(*(block for _, block, _ in reduced)), dtype=float)
         sd = np.sqrt(np.diag(covariance))
-        means = np.concatenate([mean for mean, _, _ in found])
+        means = np.concatenate([mean for mean, _, _ in reduced])
         super().__init__(settings, means, sd=sd, name=self.name)
         # Columns are of different size, each with its own degrees of freedom.
-        dof = [each for _, _, each in found]
+        dof = [freedom for _, _, freedom in reduced]
         spread = np.sum((np.array(counts) / len(sd)) ** 2 / np.maximum(dof, 1e-9))
         dof_of_all = 1.0 / float(spread) if spread > 0.0 else math.inf
-        self.errors = Errors(sd, covariance, dof_of_all, self._told, tuple(self._said))
-        self.notes = self._said
+        self.errors = Errors(sd, covariance, dof_of_all, self._sizes, tuple(self._notes))
+        self.notes = self._notes
         # A film is held out as a whole. What a model misses may follow the bins of a column, and
         # columns share no unit.
         self.group = np.zeros(len(sd), dtype=np.int64)
@@ -108,8 +108,8 @@ class FilmTable(SimulatedTable):
 
     def _parts(self) -> list[tuple[Indices | slice, str, str]]:
         columns = self["column"][self.first]
-        return [(np.flatnonzero(columns == each), f"Column {each}", _KINDS[each][1])
-                for each in ("x", "theta") if each in columns]  # fmt: skip
+        return [(np.flatnonzero(columns == name), f"Column {name}", _KINDS[name][1])
+                for name in ("x", "theta") if name in columns]  # fmt: skip
 
     def predict(self, names: Sequence[str], values: Array) -> Array:
         """Observables; NaN where the simulation fails.
@@ -135,12 +135,12 @@ class FilmTable(SimulatedTable):
         if model is None or not used.any():
             return None
         order = folded.by_phase[used[folded.by_phase]]
-        found = {"phase": folded.phase[order]}
+        traces = {"phase": folded.phase[order]}
         for key in ("theta", "x"):
             for word, of in (("", self.film.columns), ("_model", model)):
                 seen = of[key] if key == "theta" else undrifted(folded, of[key])
-                found[key + word] = seen[order] - (0.0 if key == "theta" else seen[order].mean())
-        return found
+                traces[key + word] = seen[order] - (0.0 if key == "theta" else seen[order].mean())
+        return traces
 
     @property
     def advance(self) -> int | None:
@@ -173,14 +173,14 @@ class FilmTable(SimulatedTable):
             return None
         p = p or {}
         start = f"{self.name}."
-        own = {key.removeprefix(start): each for key, each in p.items() if key.startswith(start)}
+        values = {key.removeprefix(start): p[key] for key in p if key.startswith(start)}
         for name, common in (
             ("trigger", "film_delay.time"),
             ("angle_offset", "angle_offset.angle"),
         ):
-            own[name] = own.get(name, 0.0) + p.get(common, 0.0)
+            values[name] = values.get(name, 0.0) + p.get(common, 0.0)
         camera = Exposure(
-            self.film.exposure, **own, facing=self.film.scenario.drive.facing,
+            self.film.exposure, **values, facing=self.film.scenario.drive.facing,
             length_scale=p.get("length_scale.fraction", 0.0),
             clock_scale=p.get("clock_scale.fraction", 0.0),
             angle_limit=p.get("film_clipping.limit", 0.0),
@@ -241,11 +241,11 @@ class FilmTable(SimulatedTable):
         if not required and nominal is not None:
             size = np.std if name == "z" else root_mean_square
             seen = place[folded.steady if folded.steady.any() else slice(None)]
-            measured, usual = (float(size(each[seen])) for each in (values, nominal[name]))
+            measured, usual = (float(size(column[seen])) for column in (values, nominal[name]))
             # A robot that hardly rises, or a coil without a current, shows noise.
             largest = _LEAST_RISE * film.scenario.robot.height
             if name != "z":
-                largest = max(root_mean_square(nominal[each][seen]) for each in _CURRENTS)
+                largest = max(root_mean_square(nominal[current][seen]) for current in _CURRENTS)
             likely = float(np.clip(measured, usual, max(usual, largest)))
             far = far_size(measured, likely, unit, "what the stated model gives")
             if far is not None:
@@ -254,17 +254,17 @@ class FilmTable(SimulatedTable):
                 return None
         stated = film.noise.get({"x": "x", "z": "x", "theta": "theta"}.get(name, ""))
         pace = 0.0 if drive.mode == "program" else rocking(film.scenario) / drive.frequency
-        found = frame_errors(folded, residual[used], place, kind, pace, stated)
-        if found is None:
+        fitted = frame_errors(folded, residual[used], place, kind, pace, stated)
+        if fitted is None:
             sd = stated or float(np.std(residual[used])) or 1.0
-            draws = {key: np.array([each]) for key, each in
+            draws = {key: np.array([value]) for key, value in
                      (("s2", sd**2), ("phi", 0.0), ("shared2", 0.0), ("weight", 1.0))}  # fmt: skip
             dof = math.inf if stated else 0.0
             if stated is None:
                 text = f"The noise of {name} is not known; the stated model's whole misfit counts."
-                self._said.append(Note("frame-noise-unknown", text, sd))
+                self._notes.append(Note("frame-noise-unknown", text, sd))
         else:
-            draws, dof, scatter = found
+            draws, dof, scatter = fitted
             self._say(name, unit, scatter, stated, dof, draws)
         draws["s2"] = np.maximum(draws["s2"], step**2 / 12.0)
         matrix, covariance, dof = reduce(folded, place, kind, draws, dof)
@@ -279,16 +279,16 @@ class FilmTable(SimulatedTable):
         weight = draws["weight"]
         sd, shared = (math.sqrt(weight @ draws[key]) for key in ("s2", "shared2"))
         phi = float(weight @ draws["phi"])
-        self._told |= {f"{name}.sd": sd, f"{name}.phi": phi, f"{name}.shared": shared}
-        said = f"{name} scatters by {scatter:.3g} {unit} where a phase repeats"
+        self._sizes |= {f"{name}.sd": sd, f"{name}.phi": phi, f"{name}.shared": shared}
+        head = f"{name} scatters by {scatter:.3g} {unit} where a phase repeats"
         if stated is None:
-            self._said.append(Note("frame-noise", f"{said}.", scatter))
+            self._notes.append(Note("frame-noise", f"{head}.", scatter))
         elif math.isfinite(dof):
-            text = f"{said}, more than the stated {stated:.3g} {unit}; the scatter is used."
-            self._said.append(Note("frame-noise-above-stated", text, scatter))
+            text = f"{head}, more than the stated {stated:.3g} {unit}; the scatter is used."
+            self._notes.append(Note("frame-noise-above-stated", text, scatter))
         if phi > _CORRELATED:
             text = f"Errors of {name} in neighbouring frames have a correlation of {phi:.2f}."
-            self._said.append(Note("frames-correlated", text, phi))
+            self._notes.append(Note("frames-correlated", text, phi))
         if shared > sd:
             text = f"Periods of {name} differ by {shared:.2g} {unit}, which counts as noise."
-            self._said.append(Note("periods-differ", text, shared))
+            self._notes.append(Note("periods-differ", text, shared))

@@ -195,7 +195,7 @@ def frame_errors(
     def likelihood(p: dict[str, Array]) -> Array:
         """ln of the determinants, and the sum of squares, shape (2, draws)."""
         pairs = zip(ndtr(p["phi"]), ratio(p), strict=True)
-        return np.array([_solved(grams, *each, axes.shape[1]) for each in pairs]).T
+        return np.array([_solved(grams, *pair, axes.shape[1]) for pair in pairs]).T
 
     def loss(p: dict[str, Array]) -> Array:
         determinants, squares = likelihood(p)
@@ -243,15 +243,15 @@ def _grams(columns: csr_array, place: Indices, combined: Array) -> list[tuple[fl
 
     def products(one: csr_array, before: csr_array) -> Array:
         across = (one.T @ before).toarray()
-        each = [(one.T @ one).toarray(), across + across.T, (before.T @ before).toarray()]
-        return np.array([combined.T @ gram @ combined for gram in each])
+        grams = [(one.T @ one).toarray(), across + across.T, (before.T @ before).toarray()]
+        return np.array([combined.T @ gram @ combined for gram in grams])
 
     gap = np.diff(place)
-    found = [(math.inf, 1, products(columns[:1], 0.0 * columns[:1]))]
-    for each in np.unique(gap).tolist():
-        at = np.flatnonzero(gap == each)
-        found.append((float(each), len(at), products(columns[at + 1], columns[at])))
-    return found
+    result = [(math.inf, 1, products(columns[:1], 0.0 * columns[:1]))]
+    for distance in np.unique(gap).tolist():
+        at = np.flatnonzero(gap == distance)
+        result.append((float(distance), len(at), products(columns[at + 1], columns[at])))
+    return result
 
 
 def _solved(
@@ -259,10 +259,10 @@ def _solved(
 ) -> tuple[float, float]:
     """By Henderson's mixed-model equations, ln of the determinants and the sum of squares."""
     determinant, normal = 0.0, np.zeros(grams[0][2].shape[1:])
-    for gap, count, (own, across, before) in grams:
+    for gap, count, (alone, across, before) in grams:
         link = min(phi, _LONGEST) ** gap
         determinant += count * math.log(1.0 - link**2)
-        normal += (own - link * across + link**2 * before) / (1.0 - link**2)
+        normal += (alone - link * across + link**2 * before) / (1.0 - link**2)
     scale = np.ones(len(normal))
     scale[free:-1] = ratio
     normal *= np.outer(scale, scale)
@@ -301,19 +301,19 @@ def reduce(
     inner = np.eye(parts.shape[1]) + share * parts.T @ (groups.T @ groups) @ parts
     across = parts @ np.linalg.solve(inner, share * parts.T @ (groups.T @ columns))
     weighted = columns - groups @ across
-    found = np.linalg.solve(columns.T @ weighted, weighted.T)
-    matrix = _contrasts(folded, kind, drifts) @ (white.T @ found.T).T
+    solution = np.linalg.solve(columns.T @ weighted, weighted.T)
+    matrix = _contrasts(folded, kind, drifts) @ (white.T @ solution.T).T
     common = matrix @ (of @ parts)
     both = common @ common.T
     # The covariance is smooth in phi, so that a few nodes tell it for all draws.
     likely = draws["phi"][weight > _NEGLIGIBLE * np.max(weight)]
     nodes = np.unique(np.linspace(np.min(likely), np.max(likely), _NODES))
-    near = np.array([np.interp(draws["phi"], nodes, each) for each in np.eye(len(nodes))])
-    halves = [solve_banded((0, 1), _whitening(place, each), matrix.T) for each in nodes.tolist()]
-    own = np.array([each.T @ each for each in halves])
-    mean = np.tensordot(near @ (weight * draws["s2"]), own, 1) + weight @ draws["shared2"] * both
+    near = np.array([np.interp(draws["phi"], nodes, unit) for unit in np.eye(len(nodes))])
+    halves = [solve_banded((0, 1), _whitening(place, node), matrix.T) for node in nodes.tolist()]
+    blocks = np.array([half.T @ half for half in halves])
+    mean = np.tensordot(near @ (weight * draws["s2"]), blocks, 1) + weight @ draws["shared2"] * both
     inverse = np.linalg.inv(mean) / len(mean)
-    scale = draws["s2"] * (np.tensordot(own, inverse, 2) @ near)
+    scale = draws["s2"] * (np.tensordot(blocks, inverse, 2) @ near)
     scale += draws["shared2"] * np.sum(inverse * both)
     factor, of_draws = satterthwaite(scale, weight)
     # What the draws leave of the size, and s itself.

@@ -93,7 +93,7 @@ class Series(Table):
         self.repeat_of = repeat_of.name if isinstance(repeat_of, Series) else repeat_of
         if inputs is not None and not isinstance(inputs, Mapping):
             raise ScenarioError(f"{self.at}inputs = {brief(inputs)}: allowed are rows by name")
-        given = {str(key): each for key, each in (inputs or {}).items()}
+        given = {str(key): values for key, values in (inputs or {}).items()}
         check_indexes(self.at, {"t": t, "y": y, "sd": sd, **given})
         times = row(f"{self.at}t", t, unit="s")
         count = len(times)
@@ -102,7 +102,7 @@ class Series(Table):
             before, time = times[late[0] : late[0] + 2].tolist()
             refuse(f"{self.at}t: row {late[0] + 1}", time, f"a time after {before!r}")
         readings = row(f"{self.at}y", y, count, unit=unit, gaps=True)
-        acting = {key: row(f"{self.at}inputs {key}", each, count) for key, each in given.items()}
+        acting = {key: row(f"{self.at}inputs {key}", array, count) for key, array in given.items()}
         gap = np.isnan(readings)
         stated = None if sd is None else stated_errors(f"{self.at}sd", sd, count, unit)
         gap = gap if stated is None else gap | np.isnan(stated)
@@ -112,7 +112,7 @@ class Series(Table):
             whole = Series(times, read, acting, 1.0, self.name, self.repeat_of, unit=unit)
             self._take_of(whole, np.flatnonzero(~gap))
         self.t, self.y = locked(times[~gap]), locked(readings[~gap])
-        self.inputs = {key: locked(each[~gap]) for key, each in acting.items()}
+        self.inputs = {key: locked(values[~gap]) for key, values in acting.items()}
         count = len(self.t)
         self.rows = np.flatnonzero(~gap)
         self.settings = {"t": self.t, **self.inputs}
@@ -121,8 +121,8 @@ class Series(Table):
         self.run, self.order = np.zeros(count, dtype=np.int64), np.arange(count, dtype=float)
         self.group = np.arange(count) * min(STRETCHES, count) // count
         if stated is not None:
-            each = stated[~gap]
-            self.errors = Errors(each, told={"s0": root_mean_square(each), "rho": 0.0})
+            sds = stated[~gap]
+            self.errors = Errors(sds, sizes={"s0": root_mean_square(sds), "rho": 0.0})
         else:
             self.errors = _about_a_curve(self.t, self.y, unit)
         self.stated = sd is not None
@@ -172,7 +172,7 @@ class Series(Table):
 
     def without(self, gone: Mask, why: str) -> Series:
         """The same without some readings, and a note on their rows that ends with `why`."""
-        inputs = {key: each[~gone] for key, each in self.inputs.items()}
+        inputs = {key: values[~gone] for key, values in self.inputs.items()}
         sd = self.errors.sd[~gone] if self.stated else None
         made = Series(
             self.t[~gone], self.y[~gone], inputs, sd, self.name, self.repeat_of, unit=self.unit
@@ -183,7 +183,7 @@ class Series(Table):
     def with_inputs(self, inputs: Mapping[str, Array]) -> Series:
         """The same record with other inputs, of shape (n,) or (vectors, n)."""
         made = copy.copy(self)
-        made.inputs = {**self.inputs, **{key: locked(each) for key, each in inputs.items()}}
+        made.inputs = {**self.inputs, **{key: locked(values) for key, values in inputs.items()}}
         return made
 
 
@@ -195,27 +195,27 @@ def with_repeats(series: Sequence[Series]) -> list[Table]:
     ScenarioError
         If a record repeats none of the others, or was read at other times or with other inputs.
     """
-    first = {each.name: each for each in series}
+    first = {record.name: record for record in series}
     groups: dict[str, list[Series]] = {}
-    for each in series:
-        if each.repeat_of is None:
+    for record in series:
+        if record.repeat_of is None:
             continue
-        of = first.get(each.repeat_of)
-        if of is None or of is each:
-            names = ", ".join(name for name in first if name != each.name) or "no other record"
+        of = first.get(record.repeat_of)
+        if of is None or of is record:
+            names = ", ".join(name for name in first if name != record.name) or "no other record"
             raise ScenarioError(
-                f"series {each.name}: repeat_of = {each.repeat_of}: allowed is {names}"
+                f"series {record.name}: repeat_of = {record.repeat_of}: allowed is {names}"
             )
-        _check_repeat(of, each)
-        groups.setdefault(of.name, [of]).append(each)
+        _check_repeat(of, record)
+        groups.setdefault(of.name, [of]).append(record)
     known: dict[str, Errors] = {}
     for group in groups.values():
         errors = _from_repeats(group)
-        known |= {each.name: errors for each in group} if errors.dof >= FEWEST else {}
+        known |= {record.name: errors for record in group} if errors.dof >= FEWEST else {}
     return [
-        each if each.stated or each.name not in known
-        else each.with_errors(_of_length(known[each.name], len(each)))
-        for each in series
+        record if record.stated or record.name not in known
+        else record.with_errors(_of_length(known[record.name], len(record)))
+        for record in series
     ]  # fmt: skip
 
 
@@ -226,24 +226,24 @@ def _check_repeat(of: Series, repeat: Series) -> None:
     if len(apart):
         k = int(apart[0])
         time, same = repeat.t[other[k]], of.t[first[k]]
-        said = f"row {rows[k]}: t = {time:g}: allowed is the same time, {same:g}"
-        raise ScenarioError(at + said)
+        text = f"row {rows[k]}: t = {time:g}: allowed is the same time, {same:g}"
+        raise ScenarioError(at + text)
     for key, values in of.inputs.items():
         if key not in repeat.inputs:
             raise ScenarioError(f"{at}allowed is a record with the same inputs; {key} is missing")
         size = root_mean_square(values) or 1.0
-        own = repeat.inputs[key][other]
-        apart = np.flatnonzero(np.abs(values[first] - own) > 0.1 * size)
+        repeated = repeat.inputs[key][other]
+        apart = np.flatnonzero(np.abs(values[first] - repeated) > 0.1 * size)
         if len(apart):
             k = int(apart[0])
-            said = f"row {rows[k]}: {key} = {own[k]:g}: allowed is the same input"
-            raise ScenarioError(f"{at}{said}, {values[first[k]]:g}")
+            text = f"row {rows[k]}: {key} = {repeated[k]:g}: allowed is the same input"
+            raise ScenarioError(f"{at}{text}, {values[first[k]]:g}")
 
 
 def _common_rows(group: Sequence[Series]) -> tuple[Indices, list[Indices]]:
     """Rows, as they were given, that all records still have, and their places in each."""
-    rows = functools.reduce(np.intersect1d, [each.rows for each in group])
-    return rows, [np.searchsorted(each.rows, rows) for each in group]
+    rows = functools.reduce(np.intersect1d, [record.rows for record in group])
+    return rows, [np.searchsorted(record.rows, rows) for record in group]
 
 
 def _from_repeats(group: Sequence[Series]) -> Errors:
@@ -252,7 +252,7 @@ def _from_repeats(group: Sequence[Series]) -> Errors:
     count = len(common)
     if not count:
         return Errors(np.zeros(0), dof=0.0)
-    rows = np.array([each.y[at] for each, at in zip(group, places, strict=True)])
+    rows = np.array([record.y[at] for record, at in zip(group, places, strict=True)])
     away = rows - rows.mean(axis=0)
     sd = math.sqrt(float(np.sum(away**2)) / (count * (len(group) - 1)))
     if sd == 0.0:
@@ -267,8 +267,8 @@ def _from_repeats(group: Sequence[Series]) -> Errors:
 
 
 def _of_length(errors: Errors, count: int) -> Errors:
-    sd = np.full(count, errors.told["s0"])
-    return Errors(sd, None, errors.dof, errors.told, errors.notes)
+    sd = np.full(count, errors.sizes["s0"])
+    return Errors(sd, None, errors.dof, errors.sizes, errors.notes)
 
 
 def _about_a_curve(t: Array, y: Array, unit: str) -> Errors:

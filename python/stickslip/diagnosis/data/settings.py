@@ -66,7 +66,7 @@ class Settings(dict[str, tuple[list[Any], str]]):
             return f"{name} {values[0]}"
         every, unit = self[name]
         factor, shown = handy(unit)
-        texts = [f"{float(each) * factor:.{digits_for(every)}g}" for each in dict.fromkeys(values)]
+        texts = [f"{float(one) * factor:.{digits_for(every)}g}" for one in dict.fromkeys(values)]
         return f"{name} {' to '.join(texts)} {shown}".rstrip()
 
     @property
@@ -75,24 +75,24 @@ class Settings(dict[str, tuple[list[Any], str]]):
 
         None where there is no such value: then each is told.
         """
-        found: dict[str, Any] = {}
+        result: dict[str, Any] = {}
         for name in self.varied:
             values = self[name][0]
             if not isinstance(values[0], str):
                 value = statistics.mode(values)
-                found[name] = value if 2 * values.count(value) > len(values) else None
-        return found
+                result[name] = value if 2 * values.count(value) > len(values) else None
+        return result
 
     @property
     def words(self) -> list[str]:
         """Each condition by its words, the number that varies most, and those that are unusual."""
         usual = self.usual
         most = max(usual, key=lambda name: len(set(self[name][0])), default="")
-        told = [*(name for name in self.varied if name not in usual), *usual]
+        names = [*(name for name in self.varied if name not in usual), *usual]
         return [
             ", ".join(
                 self.text(name, self[name][0][i])
-                for name in told
+                for name in names
                 if name not in usual or name == most or self[name][0][i] != usual[name]
             )
             for i in range(self.count)

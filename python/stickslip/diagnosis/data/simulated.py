@@ -55,10 +55,10 @@ class SimulatedTable(Table):
 
     def own_columns(self, names: Sequence[str]) -> list[int]:
         """Places of the names that count for this table: scenario keys, and its own parameters."""
-        own = {each.name for each in self.nuisance}
-        own |= {each.name for cause in self.instruments for each in cause.parameters}
+        counted = {p.name for p in self.nuisance}
+        counted |= {p.name for cause in self.instruments for p in cause.parameters}
         known = known_keys()
-        return [k for k, name in enumerate(names) if name in known or name in own]
+        return [k for k, name in enumerate(names) if name in known or name in counted]
 
     def elsewhere(self, condition: int, over: str, places: Array) -> Any:
         return None

@@ -142,35 +142,35 @@ class Table:
         gap = np.isnan(readings)
         given = _of_array(f"{at}settings", settings, count) if columns is None else columns
         read = {}
-        for key, each in given.items():
-            read[key], missing = column(f"{at}settings {key}", each, count)
+        for key, values in given.items():
+            read[key], missing = column(f"{at}settings {key}", values, count)
             gap = gap | missing
         stated = None if sd is None else stated_errors(f"{at}sd", sd, count, unit)
         gap = gap if stated is None else gap | np.isnan(stated)
         setup, runs = (
-            None if each is None else labels(f"{at}{key}", each, count)[~gap]
-            for key, each in (("block", block), ("run", run))
+            None if values is None else labels(f"{at}{key}", values, count)[~gap]
+            for key, values in (("block", block), ("run", run))
         )
         self.y = locked(readings[~gap])
-        read = {key: locked(each[~gap]) for key, each in read.items()}
+        read = {key: locked(values[~gap]) for key, values in read.items()}
         self.settings = read
         if columns is None:
             self.settings = _as_array(f"{at}settings", settings, read)
-        said = without_gaps(at, gap)
-        same = [_equal(key, each, said) for key, each in read.items()]
+        notes = without_gaps(at, gap)
+        same = [_equal(key, values, notes) for key, values in read.items()]
         keys = list(zip(*same, strict=True)) or [()] * len(self.y)
         number = {key: k for k, key in enumerate(dict.fromkeys(keys))}
         self.condition = np.array([number[key] for key in keys], dtype=np.int64)
         self.first = np.unique(self.condition, return_index=True)[1]
-        self.places = _places([each[self.first] for each in read.values()])
+        self.places = _places([values[self.first] for values in read.values()])
         self.group = np.arange(len(number), dtype=np.int64)
         stated = None if stated is None else stated[~gap]
         self.mean, self.errors = estimate(self.y, self.condition, sd=stated, run=runs, setup=setup)
         if sd is None:
             self.errors = no_finer_than_the_meter(self.y, self.condition, self.errors, unit)
         self.rows, self._labels = np.flatnonzero(~gap), {"sd": stated, "block": setup, "run": runs}
-        self.own_notes = tuple(said)
-        self.notes = [*said, *self.errors.notes]
+        self.own_notes = tuple(notes)
+        self.notes = [*notes, *self.errors.notes]
         self.run = self.order = None
         if runs is not None and len(number) == len(self.y):
             self.run, self.order = runs, np.arange(len(runs), dtype=float)
@@ -184,10 +184,10 @@ class Table:
     def without(self, gone: Mask, why: str) -> Table:
         """The same without some conditions, and a note on their rows that ends with `why`."""
         kept = ~gone[self.condition]
-        beside = {key: None if each is None else each[kept] for key, each in self._labels.items()}
+        beside = {key: None if one is None else one[kept] for key, one in self._labels.items()}
         settings = self.settings
         if isinstance(settings, dict):
-            settings = {key: each[kept] for key, each in settings.items()}
+            settings = {key: values[kept] for key, values in settings.items()}
         else:
             settings = settings[kept]
         made = Table(settings, self.y[kept], **beside, name=self.name, unit=self.unit)
@@ -296,8 +296,8 @@ class Table:
             return Note("no-noise", text)
         if 0.0 < errors.dof < math.inf and 3 < len(mean) < len(self.y):  # from repeats
             # What blocks share is no error of one condition beside another.
-            own = errors.of_reading(mean) ** 2 / np.bincount(self.condition)
-            ratio = float(np.var(mean) / np.mean(own))
+            variances = errors.of_reading(mean) ** 2 / np.bincount(self.condition)
+            ratio = float(np.var(mean) / np.mean(variances))
             if ratio < _SPREAD:
                 text = (
                     "The conditions differ by no more than their readings do: the variance between "
@@ -356,12 +356,12 @@ class Table:
 
 def stated_errors(what: str, sd: ArrayLike, count: int, unit: str) -> Array:
     """The stated error of each reading, shape (count,); NaN in gaps."""
-    each = numbers(what, sd, unit=unit, gaps=True)
-    if each.shape not in ((), (count,)) or not np.all(np.isnan(each) | (each > 0.0)):
+    values = numbers(what, sd, unit=unit, gaps=True)
+    if values.shape not in ((), (count,)) or not np.all(np.isnan(values) | (values > 0.0)):
         raise ScenarioError(
             f"{what} = {brief(sd)}: allowed is a number above 0, or {count} of them"
         )
-    return np.broadcast_to(each, (count,))
+    return np.broadcast_to(values, (count,))
 
 
 def without_gaps(at: str, gap: Mask) -> list[Note]:
@@ -393,13 +393,13 @@ def _of_array(what: str, settings: Any, count: int) -> dict[Any, Any]:
 
 def _as_array(what: str, settings: Any, columns: Mapping[Any, Array]) -> Array:
     """The columns as an array of the dimensions that were given."""
-    if len({each.dtype.kind == "U" for each in columns.values()}) > 1:
+    if len({values.dtype.kind == "U" for values in columns.values()}) > 1:
         raise ScenarioError(f"{what}: texts beside numbers: allowed are columns by name")
     several = np.ndim(settings) == 2
     return locked(np.stack(list(columns.values()), axis=1)) if several else columns[0]
 
 
-def _equal(key: Any, values: Array, said: list[Note]) -> list[Any]:
+def _equal(key: Any, values: Array, notes: list[Note]) -> list[Any]:
     """What stands for each value of a column, the same for equal settings."""
     if values.dtype.kind != "f":
         return list(values)
@@ -407,11 +407,11 @@ def _equal(key: Any, values: Array, said: list[Note]) -> list[Any]:
     merged = sum(value != one for value, one in same.items())
     if merged:
         text = f"{key} has {counted(merged, 'value')} within {RELATIVE:g} of the spread of another "
-        said.append(Note("equal-settings", f"{text}one; they count as the same setting.", merged))
-    return [same[each] for each in values.tolist()]
+        notes.append(Note("equal-settings", f"{text}one; they count as the same setting.", merged))
+    return [same[value] for value in values.tolist()]
 
 
 def _places(columns: list[Array]) -> Array | None:
     """The columns of numbers that vary; None where there is none."""
-    varying = [each for each in columns if each.dtype.kind == "f" and np.ptp(each) > 0.0]
+    varying = [column for column in columns if column.dtype.kind == "f" and np.ptp(column) > 0.0]
     return np.stack(varying, axis=1) if varying else None

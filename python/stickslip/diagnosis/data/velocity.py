@@ -128,10 +128,10 @@ class VelocityTable(SimulatedTable):
         self.y, self.sequence, place = np.ascontiguousarray(trials[:, 3:].T)
         self.first = np.unique(self.condition, return_index=True)[1].astype(np.int64)
         # One error for all tables: of those that state one, the largest.
-        known = [each.relative_sd for each in measurement.velocity]
+        known = [data.relative_sd for data in measurement.velocity]
         self.mean, self.errors = estimate(
             self.y, self.condition, run=self.curve, place=place, setup=self.block, seed=seed,
-            relative=max((each for each in known if math.isfinite(each)), default=math.nan),
+            relative=max((sd for sd in known if math.isfinite(sd)), default=math.nan),
         )  # fmt: skip
         self.notes = list(self.errors.notes)
         if np.all(self.block < 0):
@@ -143,11 +143,11 @@ class VelocityTable(SimulatedTable):
         self.run = self.order = None
         rtol = self._loosest_tolerances(uncertain, seed)
         self.scenario = self.scenario.replace({"solver.rtol": float(np.min(rtol))})
-        for each, own in zip(self.conditions, rtol.tolist(), strict=True):
-            each["solver.rtol"] = own
+        for condition, tolerance in zip(self.conditions, rtol.tolist(), strict=True):
+            condition["solver.rtol"] = tolerance
         keys = self.conditions[0]
         self.settings = {
-            key: np.array([each[key] for each in self.conditions])[self.condition] for key in keys
+            key: np.array([drive[key] for drive in self.conditions])[self.condition] for key in keys
         }
 
     @property
@@ -159,8 +159,8 @@ class VelocityTable(SimulatedTable):
         return settings_of(self.conditions)
 
     def elsewhere(self, condition: int, over: str, places: Array) -> list[dict[str, Value]]:
-        own = {k: v for k, v in self.conditions[condition].items() if k.startswith("drive.")}
-        return [{**own, f"drive.{over}": place} for place in places.tolist()]
+        drive = {k: v for k, v in self.conditions[condition].items() if k.startswith("drive.")}
+        return [{**drive, f"drive.{over}": place} for place in places.tolist()]
 
     def physics(self, names: Sequence[str], values: Array) -> Array:
         """Velocities, m/s; NaN where a run is refused."""
@@ -169,9 +169,10 @@ class VelocityTable(SimulatedTable):
     def low_fidelity(self, names: Sequence[str], values: Array) -> Array:
         """By fewer pulses and a loose tolerance."""
         loose = [
-            {**each, "solver.rtol": TOLERANCES[0], "drive.pulses": min(count, _FEW_PULSES)}
-            for each, count in zip(self.conditions, map(self._pulses, self.conditions), strict=True)
-        ]
+            {**drive, "solver.rtol": TOLERANCES[0],
+             "drive.pulses": min(self._pulses(drive), _FEW_PULSES)}
+            for drive in self.conditions
+        ]  # fmt: skip
         return self.readings(loose, names, values)
 
     def velocities(self, conditions: Conditions, names: Sequence[str], values: Array) -> Array:
@@ -181,12 +182,12 @@ class VelocityTable(SimulatedTable):
         """
         most = float(self.scenario.get("solver.max_steps"))
         conditions = [
-            {**each, "solver.max_steps": min(most, _STEPS_A_PULSE * self._pulses(each))}
-            for each in conditions
+            {**drive, "solver.max_steps": min(most, _STEPS_A_PULSE * self._pulses(drive))}
+            for drive in conditions
         ]
-        keys = sorted({key for each in conditions for key in each})
+        keys = sorted({key for drive in conditions for key in drive})
         settings = np.array(
-            [[self._number(key, self._setting(each, key)) for key in keys] for each in conditions]
+            [[self._number(key, self._setting(drive, key)) for key in keys] for drive in conditions]
         )
         vectors, count = len(values), len(conditions)
         rows = np.hstack([np.tile(settings, (vectors, 1)), np.repeat(values, count, axis=0)])
@@ -199,7 +200,7 @@ class VelocityTable(SimulatedTable):
         """The same as they are read; `names` may be parameters of `instruments` too."""
         return read_by(
             self.instruments, names, values,
-            lambda keys, own: self.velocities(conditions, keys, own), self,
+            lambda keys, rows: self.velocities(conditions, keys, rows), self,
         )  # fmt: skip
 
     def _setting(self, condition: Mapping[str, Value], key: str) -> Value:
@@ -217,8 +218,8 @@ class VelocityTable(SimulatedTable):
         sound = np.isfinite(self.stated)
         if sound.all() or not sound.any():
             return trials
-        for each in compress(self.named_settings.words, ~sound):
-            text = f"The stated model cannot compute {each}; left out."
+        for words in compress(self.named_settings.words, ~sound):
+            text = f"The stated model cannot compute {words}; left out."
             self.left_out.append(Note("condition-not-computed", text))
         self.conditions = list(compress(self.conditions, sound))
         self.stated = self.stated[sound]
@@ -238,10 +239,10 @@ class VelocityTable(SimulatedTable):
         constants = zip(uncertain.values(), draws.T, strict=True)
         values = np.array([prior.value(u) for prior, u in constants]).reshape(-1, _VECTORS).T
         finest = min(float(self.scenario.get("solver.rtol")), TOLERANCES[-1])
-        tried = np.array([*(each for each in TOLERANCES if each > finest), finest])
+        tried = np.array([*(tolerance for tolerance in TOLERANCES if tolerance > finest), finest])
 
         def velocities(rtol: float) -> Array:
-            exact = [{**each, "solver.rtol": rtol} for each in self.conditions]
+            exact = [{**drive, "solver.rtol": rtol} for drive in self.conditions]
             return self.velocities(exact, list(uncertain), values)
 
         truth = velocities(max(0.01 * finest, 1e-11))
@@ -263,7 +264,7 @@ class VelocityTable(SimulatedTable):
 
     def remarks(self) -> list[Note]:
         notes = []
-        short = sum(float(each["drive.pulses"]) < STEADY_PULSES for each in self.conditions)
+        short = sum(float(drive["drive.pulses"]) < STEADY_PULSES for drive in self.conditions)
         if short:
             text = (
                 f"At {short} of {len(self.mean)} conditions the drive has fewer than "
@@ -294,7 +295,7 @@ class VelocityTable(SimulatedTable):
         rows = points.rows(np.arange(points.count))
         columns, _ = _core.sweep(points.scenario.to_core(), points.keys, rows, self.threads)
         notes = notes_of(points, columns, "conditions")
-        return [each for each in notes if each.code != "tolerance"]
+        return [note for note in notes if note.code != "tolerance"]
 
     def _wrong_size(self) -> Note | None:
         """Velocities of another size than the stated model's, or all of the opposite sign."""
@@ -307,7 +308,7 @@ class VelocityTable(SimulatedTable):
             )
             return Note("nothing-computed", text)
         stated, mean = self.stated[sound], self.mean[sound]
-        usual, measured = (float(np.median(np.abs(each))) for each in (stated, mean))
+        usual, measured = (float(np.median(np.abs(values))) for values in (stated, mean))
         if usual == 0.0 or measured == 0.0:
             return None
         far = far_size(measured, usual, "m/s", "what the stated model gives")
@@ -348,7 +349,7 @@ class VelocityTable(SimulatedTable):
             text = f"The velocities have the model's size without its sign, like speeds. {along}"
             return Note("speeds", text)
         for key in ("direction", "mode"):
-            words = np.array([str(each[f"drive.{key}"]) for each in self.conditions])[clear]
+            words = np.array([str(drive[f"drive.{key}"]) for drive in self.conditions])[clear]
             for word in np.unique(words):
                 if np.array_equal(turned, words == word):
                     text = (
@@ -360,15 +361,15 @@ class VelocityTable(SimulatedTable):
 
     def _drift(self) -> Note | None:
         """Velocities that change with time; what differs between blocks is no drift."""
-        told = self.errors.told
+        parameters = self.errors.sizes
         moves = np.bincount(self.condition, self.y != 0.0) > 0
         used = np.isfinite(self.sequence) & moves[self.condition]
-        if "shift" in told:
+        if "shift" in parameters:
             used &= self.block >= 0  # a trial of no known block has an error of its own
         if np.sum(used) < _FEWEST_ORDERED:
             return None
         rows, gap = along_runs(self.curve, self.sequence, used, used)
-        phi = told.get("phi", 0.0)
+        phi = parameters.get("phi", 0.0)
         link = (phi if phi < _LASTING else 0.0) ** gap[:, None]
 
         def independent(columns: Array) -> Array:
@@ -380,7 +381,7 @@ class VelocityTable(SimulatedTable):
         c = self.condition[rows]
         signs = np.sign(self.mean)[c, None]
         free = [np.eye(len(self.mean))[c]]
-        if "shift" in told:
+        if "shift" in parameters:
             shares = np.eye(int(self.block.max()) + 1)[self.block[rows]]
             free += [shares, shares * signs]
         left, singular, _ = np.linalg.svd(independent(np.hstack(free)), full_matrices=False)
@@ -394,9 +395,9 @@ class VelocityTable(SimulatedTable):
         if dof < 1 or power <= 1e-9 * float(whole[:, 0] @ whole[:, 0]):
             return None
         chances = []
-        for each in changes:
-            slope = float(time @ each) / power
-            rest = float(np.sum((each - slope * time) ** 2)) / dof
+        for change in changes:
+            slope = float(time @ change) / power
+            rest = float(np.sum((change - slope * time) ** 2)) / dof
             chances.append(2.0 * t_law.sf(abs(slope) * math.sqrt(power / max(rest, 1e-12)), dof))
         p_value = 2.0 * min(chances)
         if p_value >= _RARE:
@@ -423,7 +424,7 @@ def settings_of(conditions: Conditions) -> Settings:
     known = known_keys()
     names = [key for key in known if key in conditions[0] and key != "solver.rtol"]
     columns = {
-        key.removeprefix("drive."): ([each[key] for each in conditions], known[key].unit)
+        key.removeprefix("drive."): ([drive[key] for drive in conditions], known[key].unit)
         for key in names
     }
     return Settings(columns, len(conditions))
@@ -443,12 +444,12 @@ def _pooled(tables: Sequence[VelocityData]) -> tuple[list[dict[str, Value]], Arr
         rows = zip(data.velocity, data.condition, data.block, data.order, data.sweep, strict=True)
         for velocity, at, block, order, sweep in rows:
             key = tuple(sorted(data.conditions[at].items()))
-            curve = tuple(each for each in key if each[0] != "drive.frequency")
+            curve = tuple(pair for pair in key if pair[0] != "drive.frequency")
             sort = (table, int(block), 0 if ordered else int(sweep), curve)
             setup = block + above if block >= 0 else -1
             trials.append((key, setup, runs.setdefault(sort, len(runs)), velocity, order, ordered))
         above += int(data.block.max()) + 1
-    keys = sorted({each[0] for each in trials}, key=_rank)
+    keys = sorted({trial[0] for trial in trials}, key=_rank)
     number = {key: k for k, key in enumerate(keys)}
     columns = np.array([(number[key], *others) for key, *others in trials], dtype=float)
     columns = columns[np.argsort(columns[:, 0], kind="stable")]
@@ -480,10 +481,10 @@ def _places(conditions: Conditions) -> Array | None:
     """
     columns = []
     for key in ("frequency", "peak", "hold", "base"):
-        column = np.array([float(each[f"drive.{key}"]) for each in conditions])
+        column = np.array([float(drive[f"drive.{key}"]) for drive in conditions])
         columns.append(np.log(column) if key == "frequency" else column)
     for key in ("drive.mode", "drive.direction"):
-        words = np.array([str(each[key]) for each in conditions])
+        words = np.array([str(drive[key]) for drive in conditions])
         columns += [(words == word).astype(float) for word in np.unique(words)[1:]]
-    varying = [each for each in columns if np.ptp(each) > 0.0]
+    varying = [column for column in columns if np.ptp(column) > 0.0]
     return np.stack(varying, axis=1) if varying else None

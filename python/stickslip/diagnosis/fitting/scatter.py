@@ -57,7 +57,7 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
         spent = _parameters(problem, form, best)
         problem = _scattered(problem, unknown, best.residual, spent)
     rougher = [k for k in curves if _size(problem, k, best.residual, spent)
-               < _LESS * problem.errors[k].told["s0"]]  # fmt: skip
+               < _LESS * problem.errors[k].sizes["s0"]]  # fmt: skip
     if rougher:
         tables = list(problem.tables)
         for k in rougher:

@@ -643,7 +643,7 @@ def _channels(facts: Facts) -> dict[str, Any]:
         channels[problem.table_names[k]] = {
             "title": problem.titles[k], "readings": len(table.y),
             "unit": table.unit if table.drawable else None,
-            "conditions": len(table.mean), "errors": dict(errors.told), "dof": errors.dof,
+            "conditions": len(table.mean), "errors": dict(errors.sizes), "dof": errors.dof,
             "median_sd": float(np.median(problem.sd[part])) if errors.known else None,
             "digits": amounts.digits_for(problem.y[part].tolist()), "chi2_per_condition": chi2,
             "notes": [str(note) for note in table.notes],
