@@ -21,6 +21,8 @@ from stickslip.diagnosis.terms.laws import forms
 _SCANNED = 15  # scales that are looked at, evenly in their logarithm: the fit begins at the best
 _HOPELESS = 100.0  # growth of the cost over that of the curve after which no form comes back
 _OUTER = 2.0  # coordinate of a scale beyond which it is at the end of its range, and no form's own
+_BETWEEN = 0.5  # part of its values at the knots by which a form may leave their curve
+_FINE = 101  # places where that is looked at
 _FLOOR = 1e-3  # least standard deviation of a knot, in its usual size, where a form begins
 _LEAST = 0.1  # part of a stated constant that is left where a form begins
 
@@ -127,11 +129,17 @@ def _begun(models: Models, old: Fit, law: Cause, other: Cause) -> Array:
     covariance = old.covariance[np.ix_(places, places)] + _FLOOR**2 * np.eye(len(at))
     whiten = np.linalg.inv(np.linalg.cholesky(slopes @ covariance @ slopes.T))
     amplitude, *scales = other.parameters
-    grid = np.linspace(-_OUTER, _OUTER, _SCANNED) if scales else np.zeros(1)
+    grid = np.linspace(_OUTER, -_OUTER, _SCANNED) if scales else np.zeros(1)
+    fine = np.linspace(curve.places[0], curve.places[-1], _FINE)
     least, parts, z = math.inf, np.zeros(2), 0.0
     for each in grid.tolist():
         scale = float(scales[0].value(np.array([each]))[0]) if scales else curve.reach
-        column = SHAPES[curve.form].at((curve.places - curve.origin) / scale)
+        column, between = (
+            SHAPES[curve.form].at((u - curve.origin) / scale) for u in (curve.places, fine)
+        )
+        away = np.max(np.abs(curve.design(fine) @ column - between))
+        if least < math.inf and away > _BETWEEN * np.max(np.abs(column)):
+            continue  # the knots do not see how it bends
         rows, wanted = whiten @ np.column_stack([column, level]), whiten @ target
         if stated:
             rows = np.vstack([rows, [0.0, 1.0 / stated[1]]])
