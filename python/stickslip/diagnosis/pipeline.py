@@ -43,7 +43,7 @@ def run(
     found = responses(problem, null.end, (), problem.causes, exact, null.h)
     test = tested(problem, null, found, seed)
     screened(models, found)
-    if fault is None and (test.found or posterior(models).none < 0.5):
+    if fault is None and (test.misfit or posterior(models).none < 0.5):
         models = Models(problem, problem.causes)
         models.add(null)
         search(models, ends, problem.causes, say, seed)

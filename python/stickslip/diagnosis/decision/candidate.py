@@ -79,9 +79,9 @@ class Candidate(OneLine):
         """
         x, root = self.fit.x[self.fit.free], np.abs(self.rates) * self._spread
         rows = [
-            (float(each.value(x[k : k + 1])[0]), float(root[k]), each.unit, each.prior_in_words,
+            (float(p.value(x[k : k + 1])[0]), float(root[k]), p.unit, p.prior_in_words,
              float(x[k]))
-            for k, each in enumerate(self._parameters)
+            for k, p in enumerate(self._parameters)
         ]  # fmt: skip
         return frame("parameter", self._names, rows, ["value", "sd", "unit", "prior", "pull"])
 
@@ -94,11 +94,11 @@ class Candidate(OneLine):
         freedom = min(self.models.problem.freedom, _MOST_FREEDOM)
         reach = float(t_law.ppf(0.5 + 0.5 * level, freedom)) * self._spread
         rows = []
-        for k, each in enumerate(self._parameters):
+        for k, parameter in enumerate(self._parameters):
             x = self.fit.x[self.fit.free[k]]
-            ends = np.clip(x + np.array([-reach[k], reach[k]]), *each.limits)
-            low, high = np.sort(each.smooth_value(ends)).tolist()
-            rows.append((low, high, each.unit))
+            ends = np.clip(x + np.array([-reach[k], reach[k]]), *parameter.limits)
+            low, high = np.sort(parameter.smooth_value(ends)).tolist()
+            rows.append((low, high, parameter.unit))
         return frame("parameter", self._names, rows, ["low", "high", "unit"])
 
     @property
@@ -116,26 +116,26 @@ class Candidate(OneLine):
         more than the first.
         """
         fit, problem = self.fit, self.models.problem
-        found: dict[str, Any] = {"form": fit.form}
+        left: dict[str, Any] = {"form": fit.form}
         if fit.form == "exact":
-            return found
+            return left
         unit, kappa = self.models.forms[fit.form].unit, fit.sizes["kappa"]
         size = fit.sizes.get("s", math.sqrt(max(kappa**2 - 1.0, 0.0)))
         sizes, lasts = {}, {}
         for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
-            name, own = problem.table_names[k], size * float(unit[part][0])
-            if not own:
+            name, level = problem.table_names[k], size * float(unit[part][0])
+            if not level:
                 continue
-            sizes[name] = own
+            sizes[name] = level
             if fit.form == "ar1" and table.run is not None and table.order is not None:
                 spans = [np.ptp(table.order[table.run == run]) for run in np.unique(table.run)]
                 lasts[name] = fit.sizes["tau"] * float(np.median(spans))
-        found |= {"kappa": kappa, "size": sizes}
+        left |= {"kappa": kappa, "size": sizes}
         if fit.form == "ar1":
-            found["correlation"] = lasts
+            left["correlation"] = lasts
         if fit.form == "smooth":
-            found["length"] = fit.sizes["l"]
-        return found
+            left["length"] = fit.sizes["l"]
+        return left
 
     @property
     def prediction(self) -> DataFrame:
@@ -169,7 +169,7 @@ class Candidate(OneLine):
 
     @property
     def _names(self) -> list[str]:
-        return [each.name for each in self._parameters]
+        return [parameter.name for parameter in self._parameters]
 
     @property
     def _spread(self) -> Array:
@@ -186,10 +186,10 @@ class Candidate(OneLine):
     def rates(self) -> Array:
         """Change of each parameter by its coordinate."""
         slopes = np.empty(len(self.fit.free))
-        for k, each in enumerate(self._parameters):
+        for k, parameter in enumerate(self._parameters):
             x = self.fit.x[self.fit.free[k]]
-            ends = np.clip(x + np.array([-_STEP, _STEP]), *each.limits)
-            slopes[k] = float(np.diff(each.smooth_value(ends))[0]) / max(np.ptp(ends), 1e-300)
+            ends = np.clip(x + np.array([-_STEP, _STEP]), *parameter.limits)
+            slopes[k] = float(np.diff(parameter.smooth_value(ends))[0]) / max(np.ptp(ends), 1e-300)
         return slopes
 
     @property

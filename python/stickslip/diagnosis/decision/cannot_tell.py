@@ -135,7 +135,7 @@ class CannotTell(OneLine):
 
 
 def cannot_tell(
-    told: Candidate, null: Candidate, found: Sequence[Response], fits: Sequence[Fit]
+    subject: Candidate, null: Candidate, responses: Sequence[Response], fits: Sequence[Fit]
 ) -> CannotTell:
     """What the data cannot tell beside the model that is told.
 
@@ -150,30 +150,30 @@ def cannot_tell(
     fits : sequence of Fit
         The best one of each set of causes.
     """
-    models = told.models
-    candidate = told if _lead(models, told.fit, null.fit) > PARTS else null
+    models = subject.models
+    candidate = subject if _lead(models, subject.fit, null.fit) > PARTS else null
     groups, silent = combinations(candidate)
-    beside = _Beside(models, candidate.fit, found)
+    beside = _Beside(models, candidate.fit, responses)
     causes, cosines = beside.cosines()
     hidden = beside.hidden()
     alike = _exchanged(models, candidate.fit, fits)
-    alike += beside.alike([each for each in causes if each not in hidden])
+    alike += beside.alike([name for name in causes if name not in hidden])
 
-    def said(*names: str) -> bool:
+    def in_group(*names: str) -> bool:
         """Whether a group says as much of constants that are other than stated."""
-        return any(set(names) <= set(each.names) for each in groups)
+        return any(set(names) <= set(group.names) for group in groups)
 
-    alike = [each for each in alike if not said(each.cause, each.other)]
-    hidden = {name: others for name, others in hidden.items() if not said(name, *others)}
+    alike = [pair for pair in alike if not in_group(pair.cause, pair.other)]
+    hidden = {name: others for name, others in hidden.items() if not in_group(name, *others)}
     return CannotTell(alike, hidden, groups, silent, beside.limits(), causes, cosines)
 
 
 # ------------------------------------------------------------------------------- causes that differ
 def _exchanged(models: Models, fit: Fit, fits: Sequence[Fit]) -> list[Alike]:
     """Causes of a fit beside those that act alike in their place, each refitted."""
-    problem, form, found = models.problem, models.forms[fit.form], []
-    for each in fits:
-        other = models.get(each.names, fit.form) or each
+    problem, form, pairs = models.problem, models.forms[fit.form], []
+    for rival in fits:
+        other = models.get(rival.names, fit.form) or rival
         swapped = fit.names ^ other.names
         if len(swapped) != 2 or len(other.names) != len(fit.names):
             continue
@@ -184,8 +184,8 @@ def _exchanged(models: Models, fit: Fit, fits: Sequence[Fit]) -> list[Alike]:
         lead = _lead(models, fit, other)
         apart = float(form.gram(form.prepared(gap[:, None]), fit.h)[0, 0])
         (cause,), (exchanged,) = fit.names - other.names, other.names - fit.names
-        found.append(_alike(problem, (cause, exchanged), cosine, lead, apart, gap))
-    return found
+        pairs.append(_alike(problem, (cause, exchanged), cosine, lead, apart, gap))
+    return pairs
 
 
 def _lead(models: Models, fit: Fit, other: Fit) -> float:
@@ -193,9 +193,9 @@ def _lead(models: Models, fit: Fit, other: Fit) -> float:
 
     What was stated of the constants is a datum too; the usual size of a cause is none.
     """
-    own = slice(0, len(models.problem.constants))
+    known = slice(0, len(models.problem.constants))
     costs = models.forms[fit.form].cost(np.stack([fit.residual, other.residual]), fit.h)
-    pulls = [each.x[own] @ each.precision[own, own] @ each.x[own] for each in (fit, other)]
+    pulls = [one.x[known] @ one.precision[known, known] @ one.x[known] for one in (fit, other)]
     return float(costs[1] - costs[0] + pulls[1] - pulls[0])
 
 
@@ -226,15 +226,15 @@ class _Effect(NamedTuple):
 class _Beside:
     """Effects of causes beside a fit, in its inner product, beyond what its parameters undo."""
 
-    def __init__(self, models: Models, fit: Fit, found: Sequence[Response]) -> None:
+    def __init__(self, models: Models, fit: Fit, responses: Sequence[Response]) -> None:
         self.models, self.fit, problem = models, fit, models.problem
         self.effects = [
             effect
-            for place, each in enumerate(found)
-            if each.cause.curve is None and each.cause.name not in fit.names
-            for effect in _effects(problem, fit, each, place)
+            for place, response in enumerate(responses)
+            if response.cause.curve is None and response.cause.name not in fit.names
+            for effect in _effects(problem, fit, response, place)
         ]
-        p, gaps = len(fit.free), [each.gap for each in self.effects]
+        p, gaps = len(fit.free), [effect.gap for effect in self.effects]
         columns = np.column_stack([fit.slopes, *gaps, fit.residual])
         form = models.forms[fit.form]
         gram = form.weighted(form.prepared(columns), fit.residual, fit.h)
@@ -242,17 +242,17 @@ class _Beside:
         curvature, across = self.constants + fit.precision, gram[:p, p:-1]
         self.undo = np.linalg.solve(curvature, across)  # shape (free, effects)
         self.raw = np.diag(gram)[p:-1]
-        self.own = gram[p:-1, p:-1] - across.T @ self.undo
+        self.gram = gram[p:-1, p:-1] - across.T @ self.undo
         downhill = gram[:p, -1] - fit.precision @ fit.x[fit.free]
         self.along = gram[p:-1, -1] - self.undo.T @ downhill
-        size2 = np.diag(self.own)
+        size2 = np.diag(self.gram)
         self.seen = (size2 > _UNSEEN**2) & (size2 > _ROUNDING * self.raw)
         # Of each cause the effects that are seen, a list for each response.
         self.rows: dict[str, list[list[int]]] = {}
         for _, same in itertools.groupby(range(len(self.effects)), self._response):
             rows = list(same)
-            own = self.rows.setdefault(self.effects[rows[0]].cause, [])
-            own.append([k for k in rows if self.seen[k]])
+            lists = self.rows.setdefault(self.effects[rows[0]].cause, [])
+            lists.append([k for k in rows if self.seen[k]])
 
     def limits(self) -> dict[str, Limit]:
         """95 % upper limit of the magnitude of every amplitude by name.
@@ -266,75 +266,75 @@ class _Beside:
         sds = float(t_law.ppf(0.5 + 0.5 * BOUND, min(problem.freedom, 1e6)))
         # By amplitude, sign and shape: how far the limit is from the response's size, and it.
         nearest: dict[tuple[int, float, tuple[float, ...]], tuple[float, float]] = {}
-        for k, each in enumerate(self.effects):
-            if each.amplitude < 0:
+        for k, effect in enumerate(self.effects):
+            if effect.amplitude < 0:
                 continue
             multiple = math.inf
             if self.seen[k]:
-                size2 = float(self.own[k, k])
+                size2 = float(self.gram[k, k])
                 multiple = max(float(self.along[k]) / size2, 0.0) + sds / math.sqrt(size2)
             reach = math.inf
             if multiple < _TRUSTED:
-                size = _distance(problem.parameters[each.amplitude], each.u)
+                size = _distance(problem.parameters[effect.amplitude], effect.u)
                 reach = size * max(multiple, 1.0 / _TRUSTED)
-            key = each.amplitude, math.copysign(1.0, each.u), each.shape
+            key = effect.amplitude, math.copysign(1.0, effect.u), effect.shape
             old = nearest.get(key, (math.inf, math.inf))
             nearest[key] = min(old, (abs(math.log(multiple)), reach))
         limits: dict[str, Limit] = {}
         for (k, sign, _), (_, reach) in nearest.items():
             name, end = problem.parameters[k].name, problem.limits[int(sign > 0.0), k]
             end = _distance(problem.parameters[k], end)
-            own = Limit(min(reach, end), reach < end)
-            limits[name] = max(limits.get(name, own), own)
-        falling = {each.name: each.high for each in problem.parameters if each.falls}
-        return {name: Limit(falling[name] - each.value, each.seen) if name in falling else each
-                for name, each in limits.items()}  # fmt: skip
+            limit = Limit(min(reach, end), reach < end)
+            limits[name] = max(limits.get(name, limit), limit)
+        falling = {p.name: p.high for p in problem.parameters if p.falls}
+        return {name: Limit(falling[name] - limit.value, limit.seen) if name in falling else limit
+                for name, limit in limits.items()}  # fmt: skip
 
     def cosines(self) -> tuple[list[str], Array]:
         """Causes, and how alike the first response of each is to the likest of every other."""
         names = list(self.rows)
-        found = np.eye(len(names))
+        squares = np.eye(len(names))
         for a, one in enumerate(names):
             for b, other in enumerate(names):
                 if a != b and self.rows[one][0]:
-                    found[a, b] = min(self._likest(k, other)[0] for k in self.rows[one][0])
-        return names, np.sqrt(np.maximum(found, found.T))
+                    squares[a, b] = min(self._likest(k, other)[0] for k in self.rows[one][0])
+        return names, np.sqrt(np.maximum(squares, squares.T))
 
     def hidden(self) -> dict[str, tuple[str, ...]]:
         """Causes that would be seen but for constants that undo them, and these constants."""
-        found, problem = {}, self.models.problem
-        size2 = np.array([each.usual**2 for each in self.effects])
-        left, raw = np.diag(self.own) * size2, self.raw * size2
+        others, problem = {}, self.models.problem
+        size2 = np.array([effect.usual**2 for effect in self.effects])
+        left, raw = np.diag(self.gram) * size2, self.raw * size2
         undone = (left < PARTS) & (raw > PARTS) & (left < (1.0 - ALIKE**2) * raw)
         for name in self.rows:
-            rows = [k for k, each in enumerate(self.effects) if each.cause == name]
+            rows = [k for k, effect in enumerate(self.effects) if effect.cause == name]
             if not np.all(undone[rows]):
                 continue
             part = np.abs(self.undo[:, rows[0]]) * np.sqrt(np.diag(self.constants))
             moved = np.flatnonzero(part > _TAKES_PART * part.max())
-            found[name] = tuple(
+            others[name] = tuple(
                 problem.parameters[self.fit.free[k]].name for k in moved[np.argsort(-part[moved])]
             )
-        return found
+        return others
 
     def alike(self, names: Sequence[str]) -> list[Alike]:
         """Pairs of causes that these data would not tell apart at the usual size of the first."""
-        found: dict[frozenset[str], Alike] = {}
+        pairs: dict[frozenset[str], Alike] = {}
         for one, other in itertools.permutations(names, 2):
             # Of a cause with several amplitudes there is no usual effect.
-            if len(self.rows[one][0]) != 1 or frozenset((one, other)) in found:
+            if len(self.rows[one][0]) != 1 or frozenset((one, other)) in pairs:
                 continue
             (k,) = self.rows[one][0]
             like, columns = self._likest(k, other)
-            size2 = float(self.own[k, k]) * self.effects[k].usual ** 2
+            size2 = float(self.gram[k, k]) * self.effects[k].usual ** 2
             lead = size2 * (1.0 - like)
             if like > ALIKE**2 and size2 > PARTS > lead:
                 gap = self._left(k, columns) * self.effects[k].usual
                 pair = one, other
-                found[frozenset(pair)] = _alike(
+                pairs[frozenset(pair)] = _alike(
                     self.models.problem, pair, math.sqrt(like), lead, lead, gap
                 )
-        return list(found.values())
+        return list(pairs.values())
 
     def _response(self, k: int) -> int:
         return self.effects[k].response
@@ -345,17 +345,17 @@ class _Beside:
         for rows in self.rows[other]:
             if not rows:
                 continue
-            across = self.own[rows, k]
+            across = self.gram[rows, k]
             if len(rows) == 1:
-                part = float(across[0] ** 2 / self.own[rows[0], rows[0]])
+                part = float(across[0] ** 2 / self.gram[rows[0], rows[0]])
             else:
-                part = float(across @ np.linalg.solve(self.own[np.ix_(rows, rows)], across))
-            best = max(best, (min(part / float(self.own[k, k]), 1.0), rows))
+                part = float(across @ np.linalg.solve(self.gram[np.ix_(rows, rows)], across))
+            best = max(best, (min(part / float(self.gram[k, k]), 1.0), rows))
         return best
 
     def _left(self, k: int, columns: list[int]) -> Array:
         """What is left of an effect without what others and the constants can have of it, (n,)."""
-        factors = np.linalg.solve(self.own[np.ix_(columns, columns)], self.own[columns, k])
+        factors = np.linalg.solve(self.gram[np.ix_(columns, columns)], self.gram[columns, k])
         gaps = np.stack([self.effects[i].gap for i in columns], axis=1)
         moved = self.undo[:, k] - self.undo[:, columns] @ factors
         return np.asarray(self.effects[k].gap - gaps @ factors - self.fit.slopes @ moved)
@@ -365,21 +365,21 @@ def _effects(problem: Problem, fit: Fit, response: Response, place: int) -> list
     cause = response.cause
     if not cause.parameters:
         # A freed constant is moved by its wider prior.
-        names = [each.name for each in problem.constants]
+        names = [constant.name for constant in problem.constants]
         gap = FREED[0] * fit.slopes[:, names.index(str(cause.frees))]
         return [_Effect(cause.name, -1, FREED[0], (), place, 1.0, gap)]
     columns, free = problem.columns([cause]).tolist(), problem.free([cause]).tolist()
     amplitudes = [k for k in columns if problem.parameters[k].is_amplitude]
     shape = tuple(response.x[[k for k in columns if k not in amplitudes]].tolist())
-    found = []
+    effects = []
     for k, gap in zip(amplitudes, response.gaps, strict=True):
         slope = float(gap @ response.slopes[:, free.index(k)])
         # The amplitude at which a response was taken makes its gap of its slope.
         u = float(gap @ gap) / slope if slope else 0.0
-        own = problem.parameters[k]
-        usual = _distance(own, math.copysign(1.0, u)) / (_distance(own, u) or 1.0)
-        found.append(_Effect(cause.name, k, u, shape, place, usual, gap))
-    return found
+        parameter = problem.parameters[k]
+        usual = _distance(parameter, math.copysign(1.0, u)) / (_distance(parameter, u) or 1.0)
+        effects.append(_Effect(cause.name, k, u, shape, place, usual, gap))
+    return effects
 
 
 def _distance(parameter: Parameter, u: float) -> float:
@@ -396,7 +396,7 @@ def combinations(candidate: Candidate) -> tuple[list[Group], list[str]]:
     Cui et al., Inverse Problems 30, 114015, 2014).
     """
     fit, problem = candidate.fit, candidate.models.problem
-    curves = problem.columns([each for each in fit.causes if each.has_knots])
+    curves = problem.columns([cause for cause in fit.causes if cause.has_knots])
     inner = np.flatnonzero((np.diag(fit.covariance) > 0.0) & ~np.isin(fit.free, curves))
     if not len(inner):
         return [], []
@@ -410,14 +410,14 @@ def combinations(candidate: Candidate) -> tuple[list[Group], list[str]]:
     size = np.sqrt(np.diag(project))
     count, label = connected_components(np.abs(project) > _TOGETHER * np.outer(size, size))
     groups, silent = [], []
-    for each in range(count):
-        own = np.flatnonzero(label == each)
-        known = _known(candidate, inner[open_[own]], width[open_[own]], project[np.ix_(own, own)])
-        parameters = [problem.parameters[k] for k in fit.free[inner[open_[own]]]]
+    for number in range(count):
+        at = np.flatnonzero(label == number)
+        known = _known(candidate, inner[open_[at]], width[open_[at]], project[np.ix_(at, at)])
+        parameters = [problem.parameters[k] for k in fit.free[inner[open_[at]]]]
         if known:
-            groups.append(Group(tuple(each.name for each in parameters), tuple(known)))
+            groups.append(Group(tuple(parameter.name for parameter in parameters), tuple(known)))
         else:
-            silent += [each.name for each in parameters if each.cause]
+            silent += [parameter.name for parameter in parameters if parameter.cause]
     return groups, silent
 
 
@@ -434,19 +434,19 @@ def _known(
     if not 0 < idle < len(places):
         return []
     fit, parameters = candidate.fit, candidate.models.problem.parameters
-    own = [parameters[k] for k in fit.free[places]]
+    members = [parameters[k] for k in fit.free[places]]
     value = np.array([
-        each.smooth_value(fit.x[k : k + 1])[0]
-        for each, k in zip(own, fit.free[places], strict=True)
+        parameter.smooth_value(fit.x[k : k + 1])[0]
+        for parameter, k in zip(members, fit.free[places], strict=True)
     ])  # fmt: skip
-    rates, names = candidate.rates[places], [each.name for each in own]
+    rates, names = candidate.rates[places], [parameter.name for parameter in members]
     covariance = candidate.covariance.to_numpy()[np.ix_(places, places)]
     moves, prior = (rates * width)[:, None] * axes[:, -idle:], np.abs(rates * width)
 
-    def told(product: bool) -> tuple[list[Combination], bool]:
+    def combined(product: bool) -> tuple[list[Combination], bool]:
         """Combinations that are known, and whether all their weights are whole."""
         scale = 1.0 / value if product else np.ones(len(value))
-        spread, found, whole = covariance * np.outer(scale, scale), [], True
+        spread, result, whole = covariance * np.outer(scale, scale), [], True
         for row in _determined(scale[:, None] * moves, np.abs(scale) * prior):
             weights, factor, is_whole = _rounded(row, spread, product)
             whole &= is_whole
@@ -454,21 +454,21 @@ def _known(
             if sd > _KNOWN * factor * float(np.linalg.norm(row * scale * prior)):
                 continue
             level = float(np.prod(value**weights) if product else weights @ value)
-            said = {n: float(w) for n, w in zip(names, weights, strict=True) if w}
-            found.append(Combination(said, product, level, sd * (level if product else 1.0)))
-        return found, whole
+            by_name = {n: float(w) for n, w in zip(names, weights, strict=True) if w}
+            result.append(Combination(by_name, product, level, sd * (level if product else 1.0)))
+        return result, whole
 
-    as_sum, whole_sum = told(False)
-    if any(float(each.smooth_value(np.array([-1.0]))[0]) <= 0.0 for each in own):
+    as_sum, whole_sum = combined(False)
+    if any(float(parameter.smooth_value(np.array([-1.0]))[0]) <= 0.0 for parameter in members):
         return as_sum
-    as_product, whole_product = told(True)
+    as_product, whole_product = combined(True)
     # Of quantities of one named unit a sum is likelier meant than a product.
-    units = {each.unit for each in own}
-    added = whole_sum and all(set(each.weights.values()) == {1.0} for each in as_sum)
+    units = {parameter.unit for parameter in members}
+    added = whole_sum and all(set(combination.weights.values()) == {1.0} for combination in as_sum)
     if added and len(units) == 1 and units != {"-"}:
         return as_sum
     # What is known by its order of magnitude is a factor.
-    factors = all(each.prior is not None and each.prior.kind != "normal" for each in own)
+    factors = all(one.prior is not None and one.prior.kind != "normal" for one in members)
     return as_product if whole_product or factors else as_sum
 
 
@@ -505,4 +505,4 @@ def _rounded(row: Array, spread: Array, product: bool) -> tuple[Array, float, bo
         near = off < _NEAR or (off < _FAR and wider < _WIDER)
         if near and np.max(np.abs(whole)) <= _POWER and np.all((whole != 0.0) == (row != 0.0)):
             return whole, abs(factor), True
-    return np.array([float(f"{each / first:.3g}") for each in row]), abs(1.0 / first), False
+    return np.array([float(f"{value / first:.3g}") for value in row]), abs(1.0 / first), False

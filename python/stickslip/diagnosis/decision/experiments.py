@@ -110,15 +110,15 @@ def proposals(conditions: Sequence[Drive]) -> list[dict[str, Value]]:
         return []
 
     def middle(drives: Sequence[Drive], key: str) -> float:
-        return float(np.median([float(each[key]) for each in drives]))
+        return float(np.median([float(drive[key]) for drive in drives]))
 
     by_mode: dict[Value, dict[str, Value]] = {}
     for mode in CHOICES["drive.mode"]:
         # A mode that was not measured has what the others had.
-        mine = [each for each in conditions if each["drive.mode"] == mode] or conditions
+        mine = [drive for drive in conditions if drive["drive.mode"] == mode] or conditions
         by_mode[mode] = {**mine[0], **{k: middle(mine, k) for k in ("drive.base", "drive.hold")}}
     frequency, peak = middle(conditions, "drive.frequency"), middle(conditions, "drive.peak")
-    found: dict[tuple[Value, ...], dict[str, Value]] = {}
+    drives: dict[tuple[Value, ...], dict[str, Value]] = {}
     for mode, direction, pace, field, clamp, edge in itertools.product(*CHOICES.values()):
         drive = by_mode[mode]
         drive = {
@@ -130,9 +130,9 @@ def proposals(conditions: Sequence[Drive]) -> list[dict[str, Value]]:
             "drive.peak": max(_rounded(peak * float(field)), float(drive["drive.base"])),
             "drive.hold": _rounded(float(drive["drive.hold"]) * float(clamp)),
         }
-        if not any(_alike(drive, each) for each in conditions):
-            found[tuple(drive[key] for key in CHOICES)] = drive
-    return list(found.values())
+        if not any(_alike(drive, other) for other in conditions):
+            drives[tuple(drive[key] for key in CHOICES)] = drive
+    return list(drives.values())
 
 
 def _rounded(value: float) -> float:
@@ -227,7 +227,7 @@ def choose(
     reached = np.zeros((len(pairs), 1))
     left = np.ones(len(drives), dtype=bool)
     taken: list[int] = []
-    found = []
+    chosen = []
     while len(taken) < count:
         # First those that are not told apart by what is chosen already.
         undecided = reached <= DECISIVE if np.any(reached <= DECISIVE) else reached >= 0.0
@@ -243,13 +243,13 @@ def choose(
         settings = {key.removeprefix("drive."): value for key, value in drives[best].items()}
         chi2 = float(gains[pair, best])
         why = _why(first, second, chi2, bool(taken))
-        found.append(Experiment(settings, why, chi2, predictions))
+        chosen.append(Experiment(settings, why, chi2, predictions))
         mirrored = np.all(np.isclose(level, -level[:, [best]], rtol=1e-6, atol=0.0), axis=0)
         left &= ~mirrored & [kind != kinds[best] for kind in kinds]
         taken.append(best)
         reached = together[:, [best]]
         together = expected_chi2(level, covariance, noise_variance, pairs, taken)
-    return found
+    return chosen
 
 
 def _why(first: str, second: str, chi2: float, is_later: bool) -> Note:
@@ -271,15 +271,15 @@ def next_step(
     After ``none`` they are the likeliest one, the probability is that of any cause, and `same` are
     settings that were not varied.
     """
-    said, kind = f"{' and '.join(names)}, with a probability of {probability:.3g}", verdict.kind
+    head, kind = f"{' and '.join(names)}, with a probability of {probability:.3g}", verdict.kind
     if verdict.claims and verdict.partial:
         text = (
-            f"Among the listed causes the name is safe: {said}. A cause that is not listed, with a "
+            f"Among the listed causes the name is safe: {head}. A cause that is not listed, with a "
             "similar effect, would get the same name."
         )
         return Note("name-safe", text, probability)
     if verdict.claims:
-        return Note("name-safe", f"The name is safe: {said}. Nothing more has to be measured.",
+        return Note("name-safe", f"The name is safe: {head}. Nothing more has to be measured.",
                     probability)  # fmt: skip
     if kind == "ambiguous":
         return Note("no-safe-name", "No name is safe, as the verdict is ambiguous.")
@@ -298,7 +298,7 @@ def worth_measuring(step: Note, experiments: Sequence[Experiment]) -> list[Exper
     """Of proposed experiments those that the next step needs, up to the last that tells enough."""
     if step.code != "no-safe-name":
         return []
-    enough = [k for k, each in enumerate(experiments) if each.separation >= LEAST_WORTH]
+    enough = [k for k, experiment in enumerate(experiments) if experiment.separation >= LEAST_WORTH]
     return list(experiments[: max(enough, default=-1) + 1])
 
 
@@ -307,16 +307,16 @@ def advice(names: Mapping[str, str], experiments: Sequence[Experiment]) -> list[
 
     `names` are the causes of a set: how each is said, by its name.
     """
-    said = []
-    if experiments and not any(each.decides for each in experiments):
+    notes = []
+    if experiments and not any(experiment.decides for experiment in experiments):
         text = f"No drive that was tried tells the candidates apart with {TRIALS} trials."
-        said.append(Note("none-separates", text))
+        notes.append(Note("none-separates", text))
     for code, (text, shows) in _LOOKS.items():
         seen = " and ".join(word for name, word in names.items() if name in shows)
         unseen = " or ".join(word for name, word in names.items() if name not in shows)
         if seen and unseen:
-            said.append(Note(code, f"{text}: this shows {seen}, and nothing of {unseen}."))
-    return said
+            notes.append(Note(code, f"{text}: this shows {seen}, and nothing of {unseen}."))
+    return notes
 
 
 # ---------------------------------------------------------------- tables of drives
@@ -355,8 +355,8 @@ def trial_table(
     import pandas as pd
 
     rows = [
-        {**{name: each.drive[name] for name in columns}, "trial": trial, **beside}
-        for each in experiments
+        {**{name: experiment.drive[name] for name in columns}, "trial": trial, **beside}
+        for experiment in experiments
         for trial in range(1, trials + 1)
     ]
     table = pd.DataFrame(rows, columns=[*columns, "trial", *beside])
@@ -368,9 +368,9 @@ def prediction_table(experiments: Sequence[Experiment], columns: Sequence[str]) 
     import pandas as pd
 
     rows = []
-    for number, each in enumerate(experiments, start=1):
-        settings = {name: each.drive[name] for name in columns}
-        for candidate, predicted in each.predictions.items():
+    for number, experiment in enumerate(experiments, start=1):
+        settings = {name: experiment.drive[name] for name in columns}
+        for candidate, predicted in experiment.predictions.items():
             rows.append({"experiment": number, **settings, "candidate": candidate, **predicted})
     return pd.DataFrame(rows)
 
@@ -400,11 +400,11 @@ def drive_settings(given: Any, scenario: Scenario) -> list[dict[str, Value]]:
         table = with_index_columns(given)
         labels, rows = index_labels(table), table.to_dict("records")
     if not isinstance(rows, Sequence) or not all(isinstance(row, Mapping) for row in rows):
-        said = "allowed is a DataFrame or a list of dicts of settings"
-        raise ScenarioError(f"conditions = {shown(given)}: {said}")
+        allowed = "allowed is a DataFrame or a list of dicts of settings"
+        raise ScenarioError(f"conditions = {shown(given)}: {allowed}")
     if not rows:
         raise ScenarioError("conditions: there is no row; allowed is one or more")
-    found = []
+    drives = []
     for label, row in zip(labels, rows, strict=True):
         drive: dict[str, Value] = {}
         with prefixed(f"conditions: row {label}"):
@@ -416,5 +416,5 @@ def drive_settings(given: Any, scenario: Scenario) -> list[dict[str, Value]]:
                     is_word = isinstance(value, str)
                     drive[key.name] = in_allowed_case(key, value.strip()) if is_word else value
             scenario.replace(drive)
-        found.append(drive)
-    return found
+        drives.append(drive)
+    return drives

@@ -115,8 +115,8 @@ class Facts:
 
     def probability_of(self, names: Collection[str]) -> float:
         """Probability that all of these causes are in the model, whatever is beside them."""
-        models = (each for each in self.chance.fits if each.names.issuperset(names))
-        return min(1.0, math.fsum(self.chance.models[each.name] for each in models))
+        models = (fit for fit in self.chance.fits if fit.names.issuperset(names))
+        return min(1.0, math.fsum(self.chance.models[fit.name] for fit in models))
 
     def candidate(self, name: str) -> Candidate:
         """A model that was fitted: ``none``, the name of a cause, or a pair as ``"a + b"``.
@@ -129,21 +129,21 @@ class Facts:
             If no such model was fitted.
         """
         self._refuse_without_models("candidate")
-        names = frozenset(each.strip() for each in str(name).split("+")) - {"none"}
+        names = frozenset(word.strip() for word in str(name).split("+")) - {"none"}
         claimed = () if self.verdict.fit is None else (self.verdict.fit,)
-        for each in (*claimed, *self.chance.fits):
-            if each.names == names:
-                return Candidate(each, self.findings.models)
-        hint = meant(name, [each.name for each in self.chance.fits])
-        said = f"candidate({printable(repr(name))}): no such model was fitted; compare() has all"
-        raise ScenarioError(said + hint)
+        for fit in (*claimed, *self.chance.fits):
+            if fit.names == names:
+                return Candidate(fit, self.findings.models)
+        hint = meant(name, [fit.name for fit in self.chance.fits])
+        text = f"candidate({printable(repr(name))}): no such model was fitted; compare() has all"
+        raise ScenarioError(text + hint)
 
     @property
     def recalibrated(self) -> Candidate:
         """The model without a cause: with the discrepancy of the extended one, if there is one."""
         models, fit = self.findings.models, self.verdict.fit
         null = None if fit is None else models.get((), fit.form)
-        best = next((each for each in self.chance.fits if not each.causes), models.null)
+        best = next((fit for fit in self.chance.fits if not fit.causes), models.null)
         return Candidate(null or (models.null if fit else best), models)
 
     @property
@@ -153,22 +153,24 @@ class Facts:
         return self.recalibrated if fit is None else Candidate(fit, self.findings.models)
 
     @property
-    def told(self) -> Candidate:
+    def subject(self) -> Candidate:
         """The model that is told, or what comes nearest; the recalibrated one if there is none."""
-        fit = self.verdict.told
+        fit = self.verdict.subject
         return self.recalibrated if fit is None else Candidate(fit, self.findings.models)
 
     @cached_property
     def cannot_tell(self) -> CannotTell:
         """What these data cannot tell beside the model that is told."""
         self._refuse_without_models("cannot_tell")
-        return cannot_tell(self.told, self.recalibrated, self.findings.responses, self.chance.fits)
+        return cannot_tell(
+            self.subject, self.recalibrated, self.findings.responses, self.chance.fits
+        )
 
     @property
     def candidates(self) -> dict[str, Candidate]:
         """`recalibrated` and, where there is one, `extended`; none for the verdict data-problem."""
-        found = {"recalibrated": self.recalibrated} if self.fitted else {}
-        return found if self.verdict.fit is None else found | {"extended": self.best}
+        models = {"recalibrated": self.recalibrated} if self.fitted else {}
+        return models if self.verdict.fit is None else models | {"extended": self.best}
 
     @property
     def params(self) -> DataFrame:
@@ -210,16 +212,16 @@ class Facts:
         if not self.fitted:
             return frame("candidate", [], [], columns)
         models, fits = self.findings.models, self.chance.fits
-        none = max(each.log_evidence for each in models.best.values() if not each.causes)
+        none = max(fit.log_evidence for fit in models.best.values() if not fit.causes)
         rows = []
-        for each in fits:
-            plain = models.get(each.names) or each
-            taken = share(models, each) if each.causes else 0.0
+        for fit in fits:
+            plain = models.get(fit.names) or fit
+            taken = share(models, fit) if fit.causes else 0.0
             rows.append(
-                (each.log_evidence - none, self.chance.models[each.name], plain.chi2,
-                 adequacy(self.problem, plain), each.form, taken)
+                (fit.log_evidence - none, self.chance.models[fit.name], plain.chi2,
+                 adequacy(self.problem, plain), fit.form, taken)
             )  # fmt: skip
-        return frame("candidate", [each.name for each in fits], rows, columns)
+        return frame("candidate", [fit.name for fit in fits], rows, columns)
 
     # ------------------------------------------------------------------ predictions
     def predict(self, conditions: Any) -> DataFrame:
@@ -247,8 +249,8 @@ class Facts:
         """
         self._refuse_without_models("predict")
         at, settings = self._conditions(conditions)
-        for name, each in self.candidates.items():
-            made = self._predicted(each, at)
+        for name, candidate in self.candidates.items():
+            made = self._predicted(candidate, at)
             sd = np.sqrt(np.diag(spread_of(made)))
             settings |= {name: made[0].tolist(), f"{name}_sd": sd.tolist()}
         return _table(settings)
@@ -281,9 +283,9 @@ class Facts:
         settings["separation"] = np.max(chi2, axis=0).tolist()
         for k, word in enumerate(("first", "second")):
             settings[word] = [candidates[pairs[pair][k]].name for pair in best.tolist()]
-        for k, each in enumerate(candidates):
+        for k, candidate in enumerate(candidates):
             sd = np.sqrt(np.diagonal(covariance[k]))
-            settings |= {each.name: level[k].tolist(), f"{each.name}_sd": sd.tolist()}
+            settings |= {candidate.name: level[k].tolist(), f"{candidate.name}_sd": sd.tolist()}
         return _table(settings)
 
     def propose_experiments(self, count: int = design.PROPOSED) -> list[design.Experiment]:
@@ -313,11 +315,11 @@ class Facts:
         if verdict.kind == "none":
             causes = tuple(self.chance.causes)[:1]
             probability = 1.0 - self.chance.none
-        names = [self.words.title(each) for each in causes]
+        names = [self.words.title(name) for name in causes]
         tables = () if self.measurement is None else self.measurement.velocity
-        drives = [drive for each in tables for drive in each.conditions]
+        drives = [drive for table in tables for drive in table.conditions]
         keys = ("direction", "frequency", "mode", "peak")
-        same = [key for key in keys if len({each[f"drive.{key}"] for each in drives}) == 1]
+        same = [key for key in keys if len({drive[f"drive.{key}"] for drive in drives}) == 1]
         return design.next_step(verdict, names, probability, same[:2])
 
     def worth_measuring(self, count: int = design.PROPOSED) -> list[design.Experiment]:
@@ -339,10 +341,10 @@ class Facts:
         assert self.measurement is not None  # for a model of one's own none are proposed
         tables = self.measurement.velocity
         beside: dict[str, Any] = {}
-        if any(np.any(each.block >= 0) for each in tables):
+        if any(np.any(table.block >= 0) for table in tables):
             # All rounds may stand in one table; the number of conditions grows with each.
-            beside["block"] = f"after-{sum(len(each.conditions) for each in tables)}"
-        if any(np.any(np.isfinite(each.order)) for each in tables):
+            beside["block"] = f"after-{sum(len(table.conditions) for table in tables)}"
+        if any(np.any(np.isfinite(table.order)) for table in tables):
             beside["order"] = math.nan
         columns = design.setting_columns(self.measurement)
         return design.trial_table(experiments, columns, trials, **beside)
@@ -364,8 +366,8 @@ class Facts:
         values: dict[str, Any] = {}
         if self.fitted:
             values = self.best.params["value"].to_dict()
-            for each in self.best.fit.causes:
-                values |= {} if each.curve is None else each.curve.fixed
+            for cause in self.best.fit.causes:
+                values |= {} if cause.curve is None else cause.curve.fixed
         if self.measurement is None:
             return values
         keys = known_keys()
@@ -381,7 +383,7 @@ class Facts:
         if not self.fitted:
             return None
         matrix = self.best.covariance
-        names = [each for each in matrix.columns if each in changes and matrix.loc[each, each] > 0]
+        names = [name for name in matrix.columns if name in changes and matrix.loc[name, name] > 0]
         if not names:
             return None
         rows = matrix.loc[names, names].to_numpy().tolist()
@@ -397,9 +399,9 @@ class Facts:
         if self.measurement is None:
             return given, {}
         drives = design.drive_settings(given, self.measurement.scenario)
-        keys = dict.fromkeys(key for each in drives for key in each)
+        keys = dict.fromkeys(key for drive in drives for key in drive)
         scenario = self.measurement.scenario
-        return drives, {key: [each.get(key, scenario.get(key)) for each in drives] for key in keys}
+        return drives, {key: [row.get(key, scenario.get(key)) for row in drives] for key in keys}
 
     def _predicted(self, candidate: Candidate, at: Any) -> Array:
         """Readings at new conditions for the values of a candidate, (values, conditions)."""
@@ -410,9 +412,9 @@ class Facts:
 
     @cached_property
     def _velocity(self) -> VelocityTable:
-        for each in self.problem.tables:
-            if isinstance(each, VelocityTable):
-                return each
+        for table in self.problem.tables:
+            if isinstance(table, VelocityTable):
+                return table
         raise ScenarioError(
             "there are no velocities in this measurement; stickslip.predict(result.extended, ...) "
             "predicts those of any drive"
@@ -438,23 +440,23 @@ class Facts:
         claim = self.verdict.fit if self.verdict.claims else None
         if claim is not None:
             # What has the claimed causes and more is no rival of the claim.
-            fits = [claim, *(each for each in fits if not each.names >= claim.names)]
+            fits = [claim, *(fit for fit in fits if not fit.names >= claim.names)]
         elif self.verdict.kind == "ambiguous":
             fits = list(self.verdict.members)
         # The first rival is told apart however small its probability is, others only beside it.
         least = self.chance.models[fits[min(1, len(fits) - 1)].name] * _RIVAL
-        fits = [each for each in fits[:_COMPARED] if self.chance.models[each.name] >= least]
-        found = [Candidate(each, self.findings.models) for each in fits]
-        pairs = itertools.combinations(range(len(found)), 2)
-        return found, [each for each in pairs if claim is None or each[0] == 0]
+        fits = [fit for fit in fits[:_COMPARED] if self.chance.models[fit.name] >= least]
+        rivals = [Candidate(fit, self.findings.models) for fit in fits]
+        pairs = itertools.combinations(range(len(rivals)), 2)
+        return rivals, [pair for pair in pairs if claim is None or pair[0] == 0]
 
     def _apart(
         self, candidates: Sequence[Candidate], at: Any, trials: int
     ) -> tuple[Array, Array, Array]:
         """Level, covariance and variance of the noise, as `expected_chi2` takes them."""
-        made = [self._predicted(each, at) for each in candidates]
-        level = np.array([each[0] for each in made])
-        covariance = np.array([spread_of(each) for each in made])
+        made = [self._predicted(candidate, at) for candidate in candidates]
+        level = np.array([values[0] for values in made])
+        covariance = np.array([spread_of(values) for values in made])
         first = 0
         if self.measurement is not None:
             first = self.problem.tables.index(self._velocity)
@@ -470,15 +472,15 @@ class Facts:
     def _proposed(self, count: int) -> list[design.Experiment]:
         candidates, pairs = self._rivals
         assert self.measurement is not None
-        if not pairs or not any(len(each.conditions) for each in self.measurement.velocity):
+        if not pairs or not any(len(data.conditions) for data in self.measurement.velocity):
             return []
         measured_at = [
-            {key: value for key, value in each.items() if key.startswith("drive.")}
-            for each in self._velocity.conditions
+            {key: value for key, value in drive.items() if key.startswith("drive.")}
+            for drive in self._velocity.conditions
         ]
         drives = design.proposals(measured_at)
         level, covariance, noise = self._apart(candidates, drives, design.TRIALS)
-        names = [each.name for each in candidates]
+        names = [candidate.name for candidate in candidates]
         return design.choose(drives, names, level, covariance, noise, count=count, pairs=pairs)
 
 

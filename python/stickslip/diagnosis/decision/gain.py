@@ -84,8 +84,8 @@ def _finer(problem: Problem, effect: Array, parts: list[Indices]) -> list[Indice
     unit[order] = np.cumsum(begins | alone[order]) - 1
     shares = np.bincount(unit, effect**2) / whole
     place = np.floor(MOST_PARTS * (np.cumsum(shares) - 0.5 * shares))
-    found = _numbered(place.astype(np.int64)[unit])
-    return found if len(found) >= _FEWEST else []
+    parts = _numbered(place.astype(np.int64)[unit])
+    return parts if len(parts) >= _FEWEST else []
 
 
 def _numbered(part: Indices) -> list[Indices]:
@@ -110,19 +110,19 @@ def measured(problem: Problem, before: Fit, after: Fit, form: str = "exact") -> 
     finer = _finer(problem, (before.residual - after.residual) / problem.sd, parts)
     parts = finer or parts
     errors = [
-        held_out(problem, each, each.form if form == "own" else "exact", parts, not finer)
-        for each in (before, after)
+        held_out(problem, fit, fit.form if form == "own" else "exact", parts, not finer)
+        for fit in (before, after)
     ]
-    size = [np.abs(each) / problem.sd for each in errors]
+    size = [np.abs(values) / problem.sd for values in errors]
     falls = np.array([np.mean(size[0][rows]) - np.mean(size[1][rows]) for rows in parts])
     half = float(t_law.ppf(0.975, len(parts) - 1) * falls.std(ddof=1) / math.sqrt(len(parts)))
     middle = float(falls.mean())
     maes = [
         {
-            name: float(np.mean(np.abs(each[part])))
+            name: float(np.mean(np.abs(values[part])))
             for name, part in zip(problem.table_names, problem.rows, strict=True)
         }
-        for each in errors
+        for values in errors
     ]
     return Gain(
         before=float(np.mean(size[0])),
@@ -147,8 +147,8 @@ def held_out(
     columns = np.column_stack([fit.slopes, fit.residual])
     room = problem.limits[:, fit.free] - fit.x[fit.free]
     if not shapes:
-        own = fit.free[len(problem.constants) :].tolist()
-        still = [not problem.parameters[k].is_amplitude for k in own]
+        terms = fit.free[len(problem.constants) :].tolist()
+        still = [not problem.parameters[k].is_amplitude for k in terms]
         room[:, len(problem.constants) :][:, still] = 0.0
     for rows in parts:
         kept = np.setdiff1d(np.arange(len(problem.y)), rows)
@@ -186,7 +186,7 @@ def _gram(problem: Problem, form: Form, fit: Fit, columns: Array, kept: Indices)
     """
     only = np.zeros_like(columns)
     only[kept] = columns[kept]
-    independent = all(each.covariance is None for each in problem.errors)
+    independent = all(errors.covariance is None for errors in problem.errors)
     h = fit.h if form.name == fit.form else np.zeros(len(form.names))
     if form.name in ("exact", "white") and independent:
         return form.weighted(form.prepared(only), fit.residual, h)
@@ -194,8 +194,8 @@ def _gram(problem: Problem, form: Form, fit: Fit, columns: Array, kept: Indices)
         form = form.of_rows(kept)
         return form.gram(form.prepared(columns), h)
     left_out = np.setdiff1d(np.arange(len(columns)), kept)
-    own = np.zeros((len(columns), len(left_out)))
-    own[left_out, np.arange(len(left_out))] = 1.0
-    gram = form.gram(form.prepared(np.hstack([columns, own])), h)
+    ones = np.zeros((len(columns), len(left_out)))
+    ones[left_out, np.arange(len(left_out))] = 1.0
+    gram = form.gram(form.prepared(np.hstack([columns, ones])), h)
     k = columns.shape[1]
     return np.asarray(gram[:k, :k] - gram[:k, k:] @ np.linalg.solve(gram[k:, k:], gram[k:, :k]))

@@ -55,28 +55,28 @@ class Posterior(OneLine):
     def smallest_set(self) -> list[Fit]:
         """The most probable models that have 95 % together."""
         total, members = 0.0, []
-        for each in self.fits:
-            members.append(each)
-            total += self.models[each.name]
+        for fit in self.fits:
+            members.append(fit)
+            total += self.models[fit.name]
             if total >= SURE:
                 break
         return members
 
     def among_small(self, name: str) -> float:
         """Probability of a single cause among the models with one cause at most."""
-        small = {each.name: self.models[each.name] for each in self.fits if len(each.causes) < 2}
+        small = {fit.name: self.models[fit.name] for fit in self.fits if len(fit.causes) < 2}
         return small.get(name, 0.0) / max(math.fsum(small.values()), 1e-300)
 
 
 def posterior(models: Models) -> Posterior:
     """Probabilities of all fitted models and forms."""
-    weights = {key: models.log_posterior(each) for key, each in models.best.items()}
+    weights = {key: models.log_posterior(fit) for key, fit in models.best.items()}
     first = models.leaders(1)[0]
     top = models.log_posterior(first)
-    for key, each in models.best.items():
-        swapped = each.names ^ first.names
-        exchanged = len(swapped) == 2 and len(each.names) == len(first.names)
-        if exchanged and abs(cosine_of_swap(models, first, each)) > ALIKE:
+    for key, fit in models.best.items():
+        swapped = fit.names ^ first.names
+        exchanged = len(swapped) == 2 and len(fit.names) == len(first.names)
+        if exchanged and abs(cosine_of_swap(models, first, fit)) > ALIKE:
             weights[key] = top - 0.5 * (top - weights[key])
     total = float(logsumexp(list(weights.values())))
     by_set: dict[frozenset[str], float] = {}
@@ -87,12 +87,12 @@ def posterior(models: Models) -> Posterior:
             best[key[0]] = weight, models.best[key]
     order = sorted(by_set, key=lambda names: -by_set[names])
     fits = tuple(best[names][1] for names in order)
-    causes = {each.name: 0.0 for each in models.offered}
+    causes = {cause.name: 0.0 for cause in models.offered}
     for names, chance in by_set.items():
         for name in names:
             causes[name] = min(1.0, causes[name] + chance)  # rounding may pass 1
-    causes = dict(sorted(causes.items(), key=lambda each: -each[1]))
-    return Posterior(fits, {each.name: by_set[each.names] for each in fits}, causes)
+    causes = dict(sorted(causes.items(), key=lambda item: -item[1]))
+    return Posterior(fits, {fit.name: by_set[fit.names] for fit in fits}, causes)
 
 
 def cosine_of_swap(models: Models, one: Fit, other: Fit) -> float:
@@ -144,5 +144,5 @@ def share(models: Models, fit: Fit) -> float:
 
 def _left(models: Models, names: frozenset[str]) -> float:
     """The discrepancy of a set of causes by its best form other than ``exact``."""
-    fits = [each for key, each in models.best.items() if key[0] == names and key[1] != "exact"]
+    fits = [fit for key, fit in models.best.items() if key[0] == names and key[1] != "exact"]
     return discrepancy(max(fits, key=models.log_posterior)) if fits else math.nan

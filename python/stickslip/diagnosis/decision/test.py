@@ -42,7 +42,7 @@ class Test:
     score: float
 
     @property
-    def found(self) -> bool:
+    def misfit(self) -> bool:
         """Whether something is left."""
         return self.p_value < ALPHA
 
@@ -76,18 +76,18 @@ def follows_settings(problem: Problem, fit: Fit) -> bool:
             pairs.append((part, np.argsort(apart, axis=1, kind="stable")[:, :2]))
 
     def alike(mixed: bool) -> float:
-        own = [random.permutation(centred[part]) if mixed else centred[part] for part, _ in pairs]
+        drawn = [random.permutation(centred[part]) if mixed else centred[part] for part, _ in pairs]
         return sum(
-            float(np.sum(each[:, None] * each[near]))
-            for each, (_, near) in zip(own, pairs, strict=True)
+            float(np.sum(value[:, None] * value[near]))
+            for value, (_, near) in zip(drawn, pairs, strict=True)
         )
 
-    found = alike(False)
-    larger = sum(alike(True) >= found for _ in range(_PERMUTED))
+    observed = alike(False)
+    larger = sum(alike(True) >= observed for _ in range(_PERMUTED))
     return bool(pairs) and 1.0 + larger < ALPHA * (_PERMUTED + 1.0)
 
 
-def tested(problem: Problem, null: Fit, found: list[Response], seed: int) -> Test:
+def tested(problem: Problem, null: Fit, responses: list[Response], seed: int) -> Test:
     """Test the recalibrated model, with responses of causes about it."""
     n, p = len(problem.y), len(null.free)
     lower = np.linalg.cholesky(null.precision)
@@ -96,13 +96,13 @@ def tested(problem: Problem, null: Fit, found: list[Response], seed: int) -> Tes
     residual = np.concatenate([
         problem.whitened(null.residual[:, None])[:, 0], -lower.T @ null.x[null.free]
     ])  # fmt: skip
-    gaps = np.vstack([each.gaps for each in found]) if found else np.zeros((0, n))
+    gaps = np.vstack([response.gaps for response in responses]) if responses else np.zeros((0, n))
     raw = np.hstack([problem.whitened(gaps.T).T, np.zeros((len(gaps), p))])
-    for each in found:
-        if each.cause.frees is not None and not each.cause.parameters:
+    for response in responses:
+        if response.cause.frees is not None and not response.cause.parameters:
             row = np.zeros(n + p)
             names = [one.name for one in problem.constants]
-            row[n + names.index(each.cause.frees)] = 1.0
+            row[n + names.index(response.cause.frees)] = 1.0
             raw = np.vstack([raw, row, -row])
     directions = raw - (raw @ basis) @ basis.T
     size = np.linalg.norm(directions, axis=1)

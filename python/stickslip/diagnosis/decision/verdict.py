@@ -83,7 +83,7 @@ class Verdict(OneLine):
         return self.kind in CLAIMS
 
     @property
-    def told(self) -> Fit | None:
+    def subject(self) -> Fit | None:
         """The model that is told: `fit`, or what comes nearest; None where no cause is sought."""
         return None if self.kind in ("none", "data-problem") else self.fit or self.leader
 
@@ -96,12 +96,12 @@ class Verdict(OneLine):
 def decide(models: Models, test: Test) -> Verdict:
     """The verdict on the fitted models by the rules of the documentation."""
     chance = posterior(models)
-    leader = next((each for each in chance.fits if each.causes), None)
-    said = {**chance.causes, "none": chance.none}
+    leader = next((fit for fit in chance.fits if fit.causes), None)
+    probabilities = {**chance.causes, "none": chance.none}
     members = tuple(chance.smallest_set())
-    common = frozenset.intersection(*(each.names for each in members))
+    common = frozenset.intersection(*(fit.names for fit in members))
     verdict = Verdict(
-        "unexplained", probabilities=said, members=members, leader=leader,
+        "unexplained", probabilities=probabilities, members=members, leader=leader,
         common=tuple(sorted(common)),
     )  # fmt: skip
     if leader is None or chance.none >= 0.5:
@@ -109,14 +109,14 @@ def decide(models: Models, test: Test) -> Verdict:
     sure = chance.sure
     if not sure:
         return _set(verdict, models, chance)
-    most = next(each for each in chance.fits if each.names & set(sure))
+    most = next(fit for fit in chance.fits if fit.names & set(sure))
     if len(most.causes) < 2:
         return _claimed(verdict, models, test, most)
     return _with_second(verdict, models, test, chance, most, sure)
 
 
 def _without_cause(verdict: Verdict, models: Models, test: Test, leader: Fit | None) -> Verdict:
-    if test.found:
+    if test.misfit:
         reason = Note(
             "no-cause-leads",
             f"A misfit is left (p = {test.p_value:.2g}); no cause is more probable than an unknown "
@@ -140,18 +140,18 @@ def _with_second(
 
     Else the better one alone. If only one of them is sure, what is beside it is left open.
     """
-    alone = [each for each in chance.fits if each.names < pair.names and each.names & set(sure)]
+    alone = [fit for fit in chance.fits if fit.names < pair.names and fit.names & set(sure)]
     if not alone:
         return _claimed(verdict, models, test, pair)
     member = max(alone, key=models.log_posterior)
     if not pair.names <= set(sure) and pair.form == "exact":
         # The stated errors ask for a second cause, but not for which one.
-        explains = [adequacy(models.problem, each) >= ADEQUATE for each in (member, pair)]
+        explains = [adequacy(models.problem, fit) >= ADEQUATE for fit in (member, pair)]
         if explains == [False, True]:
             return _set(verdict, models, chance)
     if pair.names <= set(sure) and _only_pair(models, pair):
         return _claimed(verdict, models, test, pair)
-    one, two = (models.get(each.names) or each for each in (member, pair))
+    one, two = (models.get(fit.names) or fit for fit in (member, pair))
     second = measured(models.problem, one, two)
     if second is None:  # too few parts to hold some out
         return _set(verdict, models, chance)
@@ -169,8 +169,8 @@ def _only_pair(models: Models, pair: Fit) -> bool:
     plain = models.get(pair.names)
     if plain is None or adequacy(models.problem, plain) < ADEQUATE:
         return False
-    smaller = [each for each in models.best.values() if len(each.causes) < len(pair.causes)]
-    return all(adequacy(models.problem, each) < FAR for each in smaller)
+    smaller = [fit for fit in models.best.values() if len(fit.causes) < len(pair.causes)]
+    return all(adequacy(models.problem, fit) < FAR for fit in smaller)
 
 
 def _refused(pair: Fit, member: Fit, second: Gain) -> Note:
@@ -198,14 +198,14 @@ def _claimed(
     explains = plain and adequacy(problem, plain) >= ADEQUATE and not _at_end(models, plain)
     beside = fit
     if fit.form == "exact":
-        beside = next((each for each in models.leaders() if each.names == fit.names
-                       and each.form != "exact"), fit)  # fmt: skip
+        beside = next((other for other in models.leaders() if other.names == fit.names
+                       and other.form != "exact"), fit)  # fmt: skip
     # Errors that were taken from the fit of all causes explain what it leaves by themselves.
-    by_itself = any(each.of_fit for each in problem.errors)
+    by_itself = any(errors.of_fit for errors in problem.errors)
     against = [] if explains and proven and not by_itself else _against(models, beside, gains)
     if against:
-        told = (*reasons, *against)
-        return _with(verdict, "unexplained", (), None, told, models, beside, gains[0])
+        notes = (*reasons, *against)
+        return _with(verdict, "unexplained", (), None, notes, models, beside, gains[0])
     if plain and explains and proven:
         # Errors that are larger, or alike along a run, leave more of the sizes open.
         likelier = fit if discrepancy(fit) > 0.0 else plain
@@ -216,17 +216,17 @@ def _claimed(
 
 def _against(models: Models, fit: Fit, gains: Sequence[Gain | None]) -> list[Note]:
     """What speaks against causes beside a discrepancy."""
-    found = _takes_little(fit, share(models, fit) if fit.form != "exact" else 0.0, gains)
+    notes = _takes_little(fit, share(models, fit) if fit.form != "exact" else 0.0, gains)
     if _long_correlation(models, fit):
         text = "The discrepancy beside it has the longest correlation time that is allowed."
-        found.append(Note("long-correlation", text, fit.sizes["tau"]))
+        notes.append(Note("long-correlation", text, fit.sizes["tau"]))
     if fit.form == "white" and follows_settings(models.problem, fit):
         text = f"What {fit.name} leaves follows the settings: it is no scatter."
-        found.append(Note("pattern-left", text))
+        notes.append(Note("pattern-left", text))
     if _at_end(models, fit):
         text = f"A size of {fit.name} is at the end of its range."
-        found.append(Note("size-at-end", text))
-    return found
+        notes.append(Note("size-at-end", text))
+    return notes
 
 
 def _proven(models: Models, test: Test, fit: Fit, gains: Sequence[Gain | None]) -> bool:
@@ -237,28 +237,28 @@ def _proven(models: Models, test: Test, fit: Fit, gains: Sequence[Gain | None]) 
     such proof, as it moves within its prior without a cause too: there the test decides.
     """
     problem = models.problem
-    if any(each is not None and each.interval[1] < 0.0 for each in gains):
+    if any(gain is not None and gain.interval[1] < 0.0 for gain in gains):
         return False
     spare = adequacy(problem, models.null) >= ADEQUATE
-    if all(each.frees is not None and not each.parameters for each in fit.causes):
+    if all(cause.frees is not None and not cause.parameters for cause in fit.causes):
         spare = spare and test.p_value >= ADEQUATE
     return not spare or gains[0] is None or gains[0].certain
 
 
 def _takes_little(fit: Fit, part: float, gains: Sequence[Gain | None]) -> list[Note]:
     """What speaks against causes beside a discrepancy: a small share, or an uncertain gain."""
-    found = []
+    notes = []
     if not part >= DOMINANT:
         part = 0.0 if math.isnan(part) else part
         text = (
             f"{fit.name} takes {100.0 * part:.0f} % of the model's error; a claim asks for "
             f"{100.0 * DOMINANT:.0f} %."
         )
-        found.append(Note("small-share", text, part))
-    if not all(each is not None and each.certain for each in gains):
+        notes.append(Note("small-share", text, part))
+    if not all(gain is not None and gain.certain for gain in gains):
         text = f"It is not certain that {fit.name} predicts held-out readings better."
-        found.append(Note("uncertain-gain", text))
-    return found
+        notes.append(Note("uncertain-gain", text))
+    return notes
 
 
 def _set(
@@ -270,16 +270,16 @@ def _set(
     the model's error, nothing explains the data.
     """
     members = verdict.members
-    first = next(each for each in members if each.causes)
+    first = next(member for member in members if member.causes)
     against, gain = list(reasons), gain_of(models, first)
     if first.form != "exact":
-        parts = [share(models, each) for each in members if each.causes]
-        part = max((each for each in parts if not math.isnan(each)), default=0.0)
+        parts = [share(models, member) for member in members if member.causes]
+        part = max((value for value in parts if not math.isnan(value)), default=0.0)
         against += _takes_little(first, part, [gain])
     if len(members) == 1 or len(against) > len(reasons):
         return _with(verdict, "unexplained", (), None, tuple(against), models, first, gain)
-    names = dict.fromkeys(name for each in members for name in sorted(each.names))
-    together = sum(chance.models[each.name] for each in members)
+    names = dict.fromkeys(name for member in members for name in sorted(member.names))
+    together = sum(chance.models[member.name] for member in members)
     text = (
         f"{len(members)} models have {100.0 * together:.0f} % of the probability together; the "
         f"first, {first.name}, has {100.0 * chance.models[first.name]:.0f} %."
@@ -290,27 +290,27 @@ def _set(
 
 
 def _with(verdict: Verdict, kind: Kind, causes: tuple[str, ...], fit: Fit | None,
-          reasons: tuple[Note, ...], models: Models, told: Fit | None,
+          reasons: tuple[Note, ...], models: Models, subject: Fit | None,
           gain: Gain | None = None) -> Verdict:  # fmt: skip
     """The verdict with the share and gain of the model that is told."""
     notes = list(reasons)
-    leader = told or models.leaders(1)[0]
-    likeliest = next(each for each in models.leaders() if each.names == leader.names)
+    leader = subject or models.leaders(1)[0]
+    likeliest = next(other for other in models.leaders() if other.names == leader.names)
     kappa = likeliest.sizes.get("kappa", 1.0)
     if kappa < CALM:
         text = f"The scatter is {kappa:.2g} times the stated errors: they are stated too large."
         notes.append(Note("errors-too-large", text, kappa))
     return Verdict(
         kind, causes, fit, tuple(notes), verdict.probabilities, verdict.members, verdict.common,
-        None if told is None else share(models, told), told or verdict.leader, gain,
+        None if subject is None else share(models, subject), subject or verdict.leader, gain,
     )  # fmt: skip
 
 
 def _at_end(models: Models, fit: Fit) -> bool:
     """Whether an amplitude, or a freed constant, is at the farther end of its range."""
     problem, (low, high) = models.problem, models.problem.limits
-    names = [each.name for each in problem.constants]
-    freed = [names.index(each.frees) for each in fit.causes if each.frees is not None]
+    names = [constant.name for constant in problem.constants]
+    freed = [names.index(cause.frees) for cause in fit.causes if cause.frees is not None]
     for k in [*problem.columns(fit.causes).tolist(), *freed]:
         # The end at which an amplitude does nothing is no end of its range.
         amplitude = problem.parameters[k].is_amplitude

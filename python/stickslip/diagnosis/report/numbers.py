@@ -144,7 +144,7 @@ def _of_models(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any
     """What there is where models were fitted; `rows` are the conditions."""
     verdict, models = facts.verdict, facts.findings.models
     table, fits = facts.compare(), facts.chance.fits
-    subject, best = verdict.told, facts.told
+    subject, best = verdict.subject, facts.subject
     ranking = [
         {
             "candidate": name, "title": facts.words.title(name), "causes": sorted(fit.names), **row,
@@ -413,7 +413,7 @@ def _deciding(
 
 def _cannot_tell(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """What the data cannot tell, in the names of the user."""
-    beyond, words, names = facts.cannot_tell, facts.words, facts.told.fit.names
+    beyond, words, names = facts.cannot_tell, facts.words, facts.subject.fit.names
     alike = [
         {
             "cause": cause, "title": words.title(cause), "told": cause in names,

@@ -193,7 +193,7 @@ class Plots:
 
     @cached_property
     def _predicted(self) -> dict[str, Array]:
-        curves, subject = predictions(self._facts), self._facts.verdict.told
+        curves, subject = predictions(self._facts), self._facts.verdict.subject
         if subject is not None and "extended" not in curves:
             curves["nearest"] = self._facts.problem.y - subject.residual
         return curves
@@ -239,9 +239,9 @@ class Plots:
 
     def _label(self, name: str) -> str:
         verdict = self._facts.verdict
-        if name not in ("extended", "nearest") or verdict.told is None:
+        if name not in ("extended", "nearest") or verdict.subject is None:
             return f"{name} model"
-        title = self._facts.words.title(verdict.told.name)
+        title = self._facts.words.title(verdict.subject.name)
         return f"{'nearest, ' if name == 'nearest' else ''}with {title}"
 
     def _table(self, number: int) -> Table:
