@@ -154,8 +154,8 @@ def _with_terms(
     """What a model that has `terms` says of data, and the other causes."""
     if not hasattr(predict, "terms"):
         raise ScenarioError("uncertain: allowed is a list of Parameter, or a model of `models`")
-    uncertain, own = predict.terms(data)
-    return uncertain, [*own, *causes] if isinstance(causes, Sequence) else causes
+    uncertain, terms = predict.terms(data)
+    return uncertain, [*terms, *causes] if isinstance(causes, Sequence) else causes
 
 
 def _silent(fraction: float, stage: str) -> None:
@@ -167,9 +167,9 @@ def fault_of(problem: Problem) -> Note | None:
     alone = len(problem.tables) == 1
     stated = problem.model(problem.physical(np.zeros((1, problem.size))))[0]
     for table, part in zip(problem.tables, problem.rows, strict=True):
-        found = table.problem(stated[part], alone)
-        if found is not None:
-            return found if alone else replace(found, text=f"{table.at}{found.text}")
+        fault = table.problem(stated[part], alone)
+        if fault is not None:
+            return fault if alone else replace(fault, text=f"{table.at}{fault.text}")
     count, free = len(problem.y), len(problem.constants)
     if count <= free:
         text = f"{count} conditions cannot tell {free} uncertain constants, let alone causes."

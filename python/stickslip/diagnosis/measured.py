@@ -36,22 +36,22 @@ def tables_of(measurement: Measurement, threads: int, seed: int) -> list[Simulat
     ScenarioError
         If nothing was measured that the diagnosis can use.
     """
-    found: list[SimulatedTable] = []
-    if any(len(each.velocity) for each in measurement.velocity):
-        found.append(VelocityTable(measurement, threads=threads, seed=seed))
-    found += [
+    tables: list[SimulatedTable] = []
+    if any(len(data.velocity) for data in measurement.velocity):
+        tables.append(VelocityTable(measurement, threads=threads, seed=seed))
+    tables += [
         FilmTable(run, number, threads) for number, run in enumerate(measurement.tracking, start=1)
     ]
     scenario = measurement.scenario
     try:
         for kind, several in ((AngleTable, measurement.angle), (FieldTable, measurement.field)):
             first = 0 if len(several) == 1 else 1  # a single one needs no number
-            found += [kind(each, scenario, k) for k, each in enumerate(several, start=first)]
+            tables += [kind(table, scenario, k) for k, table in enumerate(several, start=first)]
     except ScenarioError as error:
         raise ScenarioError(f"{measurement.path}: {error}") from None
-    if not found:
+    if not tables:
         raise ScenarioError(f"{measurement.path}: nothing was measured that can be diagnosed")
-    return found
+    return tables
 
 
 def problem_of(measurement: Measurement, threads: int = 1, seed: int = 0) -> Problem:
@@ -70,18 +70,18 @@ def problem_of(measurement: Measurement, threads: int = 1, seed: int = 0) -> Pro
     constants = [
         Parameter(key, prior, keys[key].unit) for key, prior in measurement.uncertain.items()
     ]
-    constants += [each for table in tables for each in table.nuisance]
+    constants += [parameter for table in tables for parameter in table.nuisance]
     driven = _driven(measurement)
-    volts = max(max(peak_voltages(each).values()) for each in driven)
+    volts = max(max(peak_voltages(one).values()) for one in driven)
     settled = {*measurement.uncertain}
-    if any(each.drive.edge_time != scenario.drive.edge_time for each in driven):
+    if any(one.drive.edge_time != scenario.drive.edge_time for one in driven):
         settled.add("drive.edge_time")
     effects = library(scenario, settled, volts)
     # Tables of one kind share instruments: that of the widest readings stands for all, as a limit
     # may lie anywhere below them.
-    every = [each for table in tables for each in table.instruments]
-    every.sort(key=lambda each: each.parameters[0].high)
-    instruments = {each.name: each for each in every}
+    every = [instrument for table in tables for instrument in table.instruments]
+    every.sort(key=lambda instrument: instrument.parameters[0].high)
+    instruments = {instrument.name: instrument for instrument in every}
     causes = (*effects, *instruments.values(), *freed(constants))
     parts = tables, constants, effects, list(instruments.values())
     model, draft = model_of(*parts)
@@ -93,8 +93,8 @@ def _with_laws(
     measurement: Measurement, parts: tuple[Any, Any, Any, Any], problem: Problem, x: Array
 ) -> Problem:
     tables, _, effects, _ = parts
-    found = _laws(measurement, tables[0], problem, x) if effects else ()
-    return _beside(parts, (), problem, found)
+    further = _laws(measurement, tables[0], problem, x) if effects else ()
+    return _beside(parts, (), problem, further)
 
 
 def _beside(
@@ -115,12 +115,12 @@ def _laws(
         return ()
     values = problem.physical(x[None, :])[0].tolist()
     constants = {
-        each.name: value
-        for each, value in zip(problem.constants, values, strict=False)
-        if each.name in known_keys()
+        constant.name: value
+        for constant, value in zip(problem.constants, values, strict=False)
+        if constant.name in known_keys()
     }
     scenario = measurement.scenario.replace(constants)
-    spans = find_spans([scenario.replace(each) for each in table.conditions], table.threads)
+    spans = find_spans([scenario.replace(drive) for drive in table.conditions], table.threads)
     stated = {key.split(".")[1] for key in constants if key.startswith("effects.")}
     # What a diagnosis has found before may be stated, in whichever form.
     stated |= {f"free_{name.rpartition('_')[0]}" for name in scenario.laws}
@@ -132,9 +132,9 @@ def _laws(
 def freed(constants: Sequence[Parameter]) -> list[Cause]:
     """A cause for each constant that is stated with a middle: it is other than stated."""
     return [
-        Cause(each.name, (), f"{each.name} is other than stated", frees=each.name)
-        for each in constants
-        if each.cause and each.prior is not None and each.prior.has_middle
+        Cause(constant.name, (), f"{constant.name} is other than stated", frees=constant.name)
+        for constant in constants
+        if constant.cause and constant.prior is not None and constant.prior.has_middle
     ]
 
 
@@ -150,16 +150,16 @@ def model_of(
     Their columns are the constants, the parameters of the effects, of the instruments, and of the
     laws of another shape, `beside`.
     """
-    amplitudes = [each.name for cause in effects for each in cause.parameters]
-    names = [*(each.name for each in constants), *amplitudes]
-    names += [each.name for cause in instruments for each in cause.parameters]
-    knots = [each.name for cause in beside for each in cause.parameters]
+    amplitudes = [parameter.name for cause in effects for parameter in cause.parameters]
+    names = [*(constant.name for constant in constants), *amplitudes]
+    names += [parameter.name for cause in instruments for parameter in cause.parameters]
+    knots = [parameter.name for cause in beside for parameter in cause.parameters]
     reach = fixed_numbers(beside)
     names += [*knots, *reach]
     columns = [table.own_columns(names) for table in tables]
     full, cheap = list[Model](), list[Model]()
-    for table, own in zip(tables, columns, strict=True):
-        mine = [names[k] for k in own]
+    for table, places in zip(tables, columns, strict=True):
+        mine = [names[k] for k in places]
         full.append(Cached(partial(table.predict, mine)))
         # What has no cheaper model is predicted once for both.
         same = type(table).low_fidelity is SimulatedTable.low_fidelity
@@ -172,26 +172,26 @@ def _rows(
     columns: Sequence[Sequence[int]], fixed: Array, predict: Sequence[Model], values: Array
 ) -> Array:
     values = np.hstack([values, np.broadcast_to(fixed, (len(values), len(fixed)))])
-    return np.hstack([each(values[:, at]) for each, at in zip(predict, columns, strict=True)])
+    return np.hstack([model(values[:, at]) for model, at in zip(predict, columns, strict=True)])
 
 
 def _driven(measurement: Measurement) -> list[Scenario]:
     """The scenario of each drive that was measured; the stated one if there is none."""
     stated = measurement.scenario
     drives = [
-        stated.replace({"drive.program": None, **each})
+        stated.replace({"drive.program": None, **drive})
         for data in measurement.velocity
-        for each in data.conditions
+        for drive in data.conditions
     ]
     return [*drives, *(run.scenario for run in measurement.tracking)] or [stated]
 
 
 def _refuse_turns(measurement: Measurement) -> None:
     """Refuse drives that turn the robot: velocities and films are compared along x."""
-    for each in _driven(measurement):
-        if each.whole_plane and each.coil.map is None:
+    for driven in _driven(measurement):
+        if driven.whole_plane and driven.coil.map is None:
             raise ScenarioError(
-                f"{measurement.path}: with drive.heading = {each.drive.heading:g} or what else "
+                f"{measurement.path}: with drive.heading = {driven.drive.heading:g} or what else "
                 "pushes it across the robot leaves its plane; allowed in a diagnosis are robots "
                 "that walk along x"
             )

@@ -69,15 +69,15 @@ def problem_of_model(
     if (
         not isinstance(tables, Sequence)
         or not tables
-        or not all(isinstance(each, Table) for each in tables)
+        or not all(isinstance(table, Table) for table in tables)
     ):
         raise ScenarioError(
             f"data = {brief(data)}: allowed is a Table or a Series, or a list of them"
         )
     _check_list("uncertain", uncertain, Parameter)
     _check_list("causes", causes, Cause)
-    if any(each.prior is None for each in uncertain):
-        (name, *_) = (each.name for each in uncertain if each.prior is None)
+    if any(constant.prior is None for constant in uncertain):
+        (name, *_) = (constant.name for constant in uncertain if constant.prior is None)
         raise ScenarioError(f"uncertain: {name} has no prior; an amplitude belongs to a Cause")
     tables = _records(tables)
     constants = _of_each_record(uncertain, tables)
@@ -88,7 +88,7 @@ def problem_of_model(
     _check_inputs(tables, named)
     model = OwnModel(predict, tuple(uncertain), tuple(named))
     _check_predict(predict, model)
-    names = [*(each.name for each in constants), *(p.name for c in every for p in c.parameters)]
+    names = [*(c.name for c in constants), *(p.name for c in every for p in c.parameters)]
 
     rows = partial(_of_tables, model, tuple(tables), names)
     forms = partial(_with_forms, model)
@@ -100,7 +100,7 @@ def problem_of_model(
 def _with_forms(model: OwnModel, problem: Problem, more: Sequence[Cause]) -> Problem:
     """The problem with further forms of the free laws of its model."""
     wider = replace(model, causes=(*model.causes, *more))
-    names = [*problem.names, *(one.name for each in more for one in each.parameters)]
+    names = [*problem.names, *(one.name for cause in more for one in cause.parameters)]
     rows = Cached(partial(_of_tables, wider, problem.tables, names))
     causes, forms = (*problem.causes, *more), partial(_with_forms, wider)
     return replace(problem, model=rows, causes=causes, forms=forms)
@@ -109,7 +109,7 @@ def _with_forms(model: OwnModel, problem: Problem, more: Sequence[Cause]) -> Pro
 def _of_tables(
     model: OwnModel, tables: Sequence[Table], names: Sequence[str], values: Array
 ) -> Array:
-    return np.hstack([_of_conditions(model, each, names, values) for each in tables])
+    return np.hstack([_of_conditions(model, table, names, values) for table in tables])
 
 
 def _of_conditions(model: OwnModel, table: Table, names: Sequence[str], values: Array) -> Array:
@@ -140,7 +140,7 @@ def computed_tables(problem: Problem, seed: int) -> tuple[Table, ...]:
     lost = _not_computed(problem, np.zeros(problem.size))
     if lost.any():
         lost &= _not_computed(problem, recalibrated(problem, seed)[0].x)
-    found = []
+    checked = []
     for table, part in zip(problem.tables, problem.rows, strict=True):
         gone = lost[part]
         if gone.any():
@@ -152,8 +152,8 @@ def computed_tables(problem: Problem, seed: int) -> tuple[Table, ...]:
                 )
             why = "the model without causes computes no reading there; left out of all models."
             table = table.without(gone, why)
-        found.append(table)
-    return tuple(found)
+        checked.append(table)
+    return tuple(checked)
 
 
 def _not_computed(problem: Problem, x: Array) -> Mask:
@@ -181,7 +181,7 @@ class OwnModel(OneLine):
     @property
     def laws(self) -> list[Cause]:
         """Causes that are a law of a free shape."""
-        return [each for each in self.causes if each.curve is not None]
+        return [cause for cause in self.causes if cause.curve is not None]
 
     def __call__(self, table: Table, names: Sequence[str], values: Array) -> Array:
         """Readings of a table, shape (vectors, rows), for values by name, (vectors, names).
@@ -190,13 +190,13 @@ class OwnModel(OneLine):
         """
         at = self.columns(table.name, names)
         vectors, place = np.unique(values[:, list(at.values())], axis=0, return_inverse=True)
-        acting = [each for each in self.causes if each.table in (None, table.name)]
+        acting = [cause for cause in self.causes if cause.table in (None, table.name)]
 
         def physics(keys: Sequence[str], rows: Array) -> Array:
             p = Values({key: locked(rows[:, [k]]) for k, key in enumerate(keys)})
             return _rows(table, self.predicted(_seen(table, acting, p), p), len(rows))
 
-        readers = [each for each in acting if each.input is None]
+        readers = [cause for cause in acting if cause.input is None]
         return read_by(readers, list(at), vectors, physics, table)[place.reshape(-1)]
 
     def predicted(self, table: Any, p: Values) -> Any:
@@ -212,20 +212,20 @@ class OwnModel(OneLine):
 
     def columns(self, table: str, names: Sequence[str]) -> dict[str, int]:
         """Columns of `names` that count for a table, by the names that the model knows."""
-        records = {each.name for each in self.uncertain if each.each_record}
+        records = {constant.name for constant in self.uncertain if constant.each_record}
         elsewhere = {
             one.name
             for cause in self.causes
             if cause.read is not None and cause.table not in (None, table)
             for one in cause.parameters
         }
-        found = {}
+        places = {}
         for k, name in enumerate(names):
             base, bracket, record = name.partition("[")
             if name in elsewhere or (bracket and base in records and record != f"{table}]"):
                 continue
-            found[base if base in records else name] = k
-        return found
+            places[base if base in records else name] = k
+        return places
 
     def of_new(self, names: Sequence[str], conditions: Any, values: Array) -> Array:
         """Readings of a table, or of settings, that were not measured, (vectors, rows).
@@ -233,10 +233,10 @@ class OwnModel(OneLine):
         A record of another name begins at the middles of its start states.
         """
         table = conditions if isinstance(conditions, Table) else _unread(conditions)
-        starts = [each for each in self.uncertain if each.each_record]
-        middles = [float(each.value(np.zeros(1))[0]) for each in starts]
+        starts = [constant for constant in self.uncertain if constant.each_record]
+        middles = [float(start.value(np.zeros(1))[0]) for start in starts]
         values = np.hstack([np.tile(middles, (len(values), 1)), values])
-        return self(table, [*(each.name for each in starts), *names], values)
+        return self(table, [*(start.name for start in starts), *names], values)
 
 
 def of_record(parameter: Parameter, table: Table) -> str:
@@ -256,51 +256,51 @@ def _unread(settings: Any) -> Table:
 
 def _seen(table: Table, causes: Sequence[Cause], p: Mapping[str, Array]) -> Table:
     """A record with its inputs as they act."""
-    acting = [each for each in causes if each.input is not None and each.read is not None]
+    acting = [cause for cause in causes if cause.input is not None and cause.read is not None]
     if not acting or not isinstance(table, Series):
         return table
     inputs: dict[str, Array] = {}
-    for each in acting:
-        assert each.input is not None
-        assert each.read is not None
-        own = {one.name: p[one.name] for one in each.parameters}
-        given = np.tile(table[each.input], (len(next(iter(own.values()))), 1))
-        inputs[each.input] = each.read(inputs.get(each.input, given), given, own, table)
+    for cause in acting:
+        assert cause.input is not None
+        assert cause.read is not None
+        values = {one.name: p[one.name] for one in cause.parameters}
+        given = np.tile(table[cause.input], (len(next(iter(values.values()))), 1))
+        inputs[cause.input] = cause.read(inputs.get(cause.input, given), given, values, table)
     return table.with_inputs(inputs)
 
 
 def _records(tables: Sequence[Table]) -> list[Table]:
     """Tables where each series has a name, and the errors that its repeats tell."""
-    series = [each for each in tables if isinstance(each, Series)]
+    series = [table for table in tables if isinstance(table, Series)]
     number = itertools.count(1)
     if len(tables) > 1:
-        series = [each if each.name else each.named(f"record {next(number)}") for each in series]
+        series = [one if one.name else one.named(f"record {next(number)}") for one in series]
     known = iter(with_repeats(series))
-    return [next(known) if isinstance(each, Series) else each for each in tables]
+    return [next(known) if isinstance(table, Series) else table for table in tables]
 
 
 def _of_each_record(
     uncertain: Sequence[Parameter], tables: Sequence[Table]
 ) -> tuple[Parameter, ...]:
     """The constants, with one for each record where a parameter has a value of its own there."""
-    found = []
-    for each in uncertain:
-        if not each.each_record:
-            found.append(each)
+    constants = []
+    for parameter in uncertain:
+        if not parameter.each_record:
+            constants.append(parameter)
             continue
         records = [table for table in tables if isinstance(table, Series)]
         if not records:
-            raise ScenarioError(f"parameter {each.name}: each_record: allowed beside a Series")
-        found += [
-            replace(each, name=of_record(each, table), cause=False, each_record=False)
+            raise ScenarioError(f"parameter {parameter.name}: each_record: allowed beside a Series")
+        constants += [
+            replace(parameter, name=of_record(parameter, table), cause=False, each_record=False)
             for table in records
         ]
-    return tuple(found)
+    return tuple(constants)
 
 
 def overflows(problem: Problem) -> list[Note]:
     """A note for each cause whose usual size makes predictions that are none, or overflow."""
-    causes = [each for each in problem.causes if each.parameters]
+    causes = [cause for cause in problem.causes if cause.parameters]
     low, high = problem.limits
     x = np.zeros((len(causes) + 1, problem.size))
     for row, cause in zip(x[1:], causes, strict=True):
@@ -327,7 +327,7 @@ def without_effect(problem: Problem) -> list[Note]:
     """
     low, high = problem.limits
     usual = np.clip(1.0, low, high)
-    falls = np.array([each.falls for each in problem.parameters])
+    falls = np.array([parameter.falls for parameter in problem.parameters])
     # What begins to act as it falls is looked at where it acts most.
     strong = np.where(falls, high, usual)
     stated = np.diag(strong)
@@ -336,14 +336,14 @@ def without_effect(problem: Problem) -> list[Note]:
         others = np.tile(usual, (problem.size, 1))
         np.fill_diagonal(others, np.where(falls, strong, 0.0))
         dead &= _unchanged(problem, usual[None, :], others)
-    notes, said = [], set[str]()
+    notes, named = [], set[str]()
     for cause in problem.causes:
         outside = _outside(cause, problem.tables)
         notes += outside
         if outside or cause.curve is not None:
-            said |= {each.name for each in cause.parameters}
+            named |= {parameter.name for parameter in cause.parameters}
     for name in itertools.compress(problem.names, dead):
-        if name not in said:
+        if name not in named:
             text = (
                 f"{name} changes no prediction anywhere in its range: the model does not read it, "
                 "or these data do not show it."
@@ -355,9 +355,9 @@ def without_effect(problem: Problem) -> list[Note]:
 def _outside(cause: Cause, tables: Sequence[Table]) -> list[Note]:
     """A note where an event happens outside every record."""
     records = [
-        (each.t[0], each.t[-1])
-        for each in tables
-        if isinstance(each, Series) and cause.table in (None, each.name)
+        (table.t[0], table.t[-1])
+        for table in tables
+        if isinstance(table, Series) and cause.table in (None, table.name)
     ]
     if cause.between is None or not records:
         return []
@@ -392,7 +392,7 @@ def _rows(table: Table, made: Any, vectors: int) -> Array:
 
 
 def _check_list(key: str, given: object, kind: type[Parameter] | type[Cause]) -> None:
-    if not isinstance(given, Sequence) or not all(isinstance(each, kind) for each in given):
+    if not isinstance(given, Sequence) or not all(isinstance(item, kind) for item in given):
         raise ScenarioError(f"{key} = {brief(given)}: allowed is a list of {kind.__name__}")
 
 
@@ -429,7 +429,7 @@ def _check_names(
 ) -> None:
     """Refuse names that come twice."""
     groups: Mapping[str, list[str]] = {
-        "tables": [each.name for each in tables] if len(tables) > 1 else [],
+        "tables": [table.name for table in tables] if len(tables) > 1 else [],
         "causes and uncertain": [*(one.name for one in constants), *(c.name for c in causes)],
         "parameters": [p.name for p in (*constants, *(p for c in causes for p in c.parameters))],
     }
@@ -437,7 +437,7 @@ def _check_names(
         twice = [name for name, count in Counter(names).items() if count > 1]
         if twice:
             raise ScenarioError(f"{where}: {twice[0] or 'no name'} comes twice; allowed is once")
-    of_tables = {each.name for each in tables}
+    of_tables = {table.name for table in tables}
     for cause in causes:
         if cause.table is not None and cause.table not in of_tables:
             hint = meant(cause.table, of_tables)
@@ -449,7 +449,7 @@ def _check_inputs(tables: Sequence[Table], causes: Sequence[Cause]) -> None:
     for cause in causes:
         if cause.input is None:
             continue
-        read = [each for each in tables if cause.table in (None, each.name)]
+        read = [table for table in tables if cause.table in (None, table.name)]
         for table in read:
             if cause.input not in table.inputs:
                 at = f" of {table.name}" if table.name else ""

@@ -40,9 +40,9 @@ def run(
     models = Models(problem, problem.causes)
     models.add(null)
     exact = models.forms["exact"]
-    found = responses(problem, null.end, (), problem.causes, exact, null.h)
-    test = tested(problem, null, found, seed)
-    screened(models, found)
+    effects = responses(problem, null.end, (), problem.causes, exact, null.h)
+    test = tested(problem, null, effects, seed)
+    screened(models, effects)
     if fault is None and (test.misfit or posterior(models).none < 0.5):
         models = Models(problem, problem.causes)
         models.add(null)
@@ -58,11 +58,11 @@ def run(
     if models.null.cost < null.cost - _BETTER:
         # The search has led to a better recalibrated model, which is what is tested.
         exact, null = models.forms["exact"], models.null
-        found = responses(models.problem, null.end, (), problem.causes, exact, null.h)
-        test = tested(models.problem, null, found, seed)
+        effects = responses(models.problem, null.end, (), problem.causes, exact, null.h)
+        test = tested(models.problem, null, effects, seed)
     verdict = Verdict("data-problem", (), None, (fault,)) if fault else decide(models, test)
     say(1.0, "done")
-    return Findings(models, test, found, verdict, seed)
+    return Findings(models, test, effects, verdict, seed)
 
 
 def moved_constants(findings: Findings) -> list[Note]:
@@ -70,10 +70,11 @@ def moved_constants(findings: Findings) -> list[Note]:
     fit = findings.verdict.fit or findings.models.null
     freed = {cause.frees for cause in fit.causes}
     notes = []
-    for k, each in enumerate(findings.problem.constants):
-        known = each.prior is not None and each.prior.has_middle
-        if known and each.name not in freed and abs(fit.x[k]) > _FAR:
-            text = f"{each.name} is {abs(fit.x[k]):.0f} of its stated errors from its stated value."
+    for k, constant in enumerate(findings.problem.constants):
+        known = constant.prior is not None and constant.prior.has_middle
+        if known and constant.name not in freed and abs(fit.x[k]) > _FAR:
+            far = f"{abs(fit.x[k]):.0f} of its stated errors"
+            text = f"{constant.name} is {far} from its stated value."
             notes.append(Note("constant-far", text, float(fit.x[k])))
     return notes
 

@@ -108,10 +108,10 @@ class Plan:
     def protocol(self) -> str:
         """What to do, on a page."""
         words = settings_of(self.drives).words
-        seen = [self.words[each] for each, can in zip(self.causes, self.seen, strict=True) if can]
-        unseen = [self.words[each] for each in self.causes if self.words[each] not in seen]
+        seen = [self.words[name] for name, can in zip(self.causes, self.seen, strict=True) if can]
+        unseen = [self.words[name] for name in self.causes if self.words[name] not in seen]
         alike = [f"- {self.words[one]} and {self.words[other]}" for one, other in self.alike]
-        pairs = [advice({each: self.words[each] for each in pair}, []) for pair in self.alike]
+        pairs = [advice({name: self.words[name] for name in pair}, []) for pair in self.alike]
         beside = [f"- {note}" for note in dict.fromkeys(itertools.chain(*pairs))]
         trial = f"{100.0 * self.noise:g} % for one trial"
         lines = [
@@ -131,8 +131,8 @@ class Plan:
             f"| | drive | the stated model, with {trial} (mm/s) |",
             "| --- | --- | --- |",
             *(
-                f"| {k} | {each} | {1e3 * v:+.2f} |"
-                for k, (each, v) in enumerate(zip(words, self.expected, strict=True), start=1)
+                f"| {k} | {drive} | {1e3 * v:+.2f} |"
+                for k, (drive, v) in enumerate(zip(words, self.expected, strict=True), start=1)
             ),
             "",
             "## What it would tell",
@@ -215,8 +215,8 @@ def plan(
     floor = _FLOOR * float(np.median(speed[sound]))
     variance = (noise * np.maximum(speed, floor)) ** 2 / trials + rough**2
     chosen = _chosen(slopes, gaps, variance, sound.tolist(), count)
-    apart, seen = _told(*(each[..., chosen] for each in (slopes, gaps, variance)))
-    names, words = [each.name for each in problem.causes], Words(False, problem.causes)
+    apart, seen = _distances(*(array[..., chosen] for array in (slopes, gaps, variance)))
+    names, words = [cause.name for cause in problem.causes], Words(False, problem.causes)
     return Plan(
         scenario, [drives[k] for k in chosen], level[chosen], noise, trials, seed, names,
         seen > DECISIVE, apart > DECISIVE, {name: words.title(name) for name in names},
@@ -237,7 +237,7 @@ def _posed(
     problem = problem_of(data, threads)
     table = problem.tables[0]
     assert isinstance(table, VelocityTable)
-    at = [each["drive.frequency"] for each in table.conditions]
+    at = [condition["drive.frequency"] for condition in table.conditions]
     if drive.frequency not in at:
         raise ScenarioError("the scenario's own drive cannot be simulated")
     base = table.conditions[at.index(drive.frequency)]
@@ -261,30 +261,30 @@ def _predicted(
         points[1 + 2 * k, k], points[2 + 2 * k, k] = -0.5, 0.5
     for at, cause in enumerate(problem.causes, start=1 + 2 * constants):
         if cause.frees is not None:
-            points[at, [each.name for each in problem.constants].index(cause.frees)] = _OFF
+            points[at, [constant.name for constant in problem.constants].index(cause.frees)] = _OFF
         for k in problem.columns([cause]).tolist():
             if problem.parameters[k].is_amplitude:
                 points[at, k] = 1.0 if high[k] > 0.0 else max(-1.0, low[k])
     names = problem.names
-    own = table.own_columns(names)
-    values = problem.physical(points)[:, own]
-    found = table.readings(drives, [names[k] for k in own], values)
-    ends = found[1 : 1 + 2 * constants]
-    slopes, gaps = ends[1::2] - ends[::2], found[1 + 2 * constants : -_DRAWS] - found[0]
-    missed = found[-_DRAWS:] - found[0] - points[-_DRAWS:, :constants] @ slopes
-    return found[0], slopes, gaps, np.sqrt(np.mean(missed**2, axis=0)) / _ROUGH
+    columns = table.own_columns(names)
+    values = problem.physical(points)[:, columns]
+    velocities = table.readings(drives, [names[k] for k in columns], values)
+    ends = velocities[1 : 1 + 2 * constants]
+    slopes, gaps = ends[1::2] - ends[::2], velocities[1 + 2 * constants : -_DRAWS] - velocities[0]
+    missed = velocities[-_DRAWS:] - velocities[0] - points[-_DRAWS:, :constants] @ slopes
+    return velocities[0], slopes, gaps, np.sqrt(np.mean(missed**2, axis=0)) / _ROUGH
 
 
-def _told(slopes: Array, gaps: Array, variance: Array) -> tuple[Array, Array]:
+def _distances(slopes: Array, gaps: Array, variance: Array) -> tuple[Array, Array]:
     """Squared standard errors between any two causes, and of each from none.
 
     The other cause has the size that is nearest, and the constants move within their priors.
     """
     errors = slopes.T @ slopes + np.diag(variance)
     inner = gaps @ np.linalg.solve(errors, gaps.T)
-    own = np.maximum(np.diag(inner), 1e-300)
-    left = own[:, None] - inner**2 / own
-    return np.minimum(left, left.T), own
+    alone = np.maximum(np.diag(inner), 1e-300)
+    left = alone[:, None] - inner**2 / alone
+    return np.minimum(left, left.T), alone
 
 
 def _chosen(
@@ -294,7 +294,7 @@ def _chosen(
     pairs = np.triu_indices(len(gaps), 1)
 
     def worth(rows: list[int]) -> float:
-        apart, seen = _told(slopes[:, rows], gaps[:, rows], variance[rows])
+        apart, seen = _distances(slopes[:, rows], gaps[:, rows], variance[rows])
         chi2 = np.concatenate([seen, apart[pairs]])
         return float(np.sum(chi2 > DECISIVE) + np.mean(np.minimum(chi2 / DECISIVE, 1.0)))
 

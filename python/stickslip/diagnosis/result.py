@@ -38,10 +38,10 @@ class Diagnosis(Facts, ShownBySummary):
 
     def __repr__(self) -> str:
         causes = [*self.verdict.causes[:3], "..."][: len(self.verdict.causes)]
-        said = f"{self.verdict.kind} {printable(', '.join(causes))}".strip()
+        text = f"{self.verdict.kind} {printable(', '.join(causes))}".strip()
         if self.fitted:
-            said += f", p = {self.findings.test.p_value:.2g}"
-        return f"<Diagnosis of {len(self.problem.y)} readings: {said}>"
+            text += f", p = {self.findings.test.p_value:.2g}"
+        return f"<Diagnosis of {len(self.problem.y)} readings: {text}>"
 
     def summary(self) -> str:
         """The verdict, what it rests on, the parameters and the leading candidates as text."""

@@ -96,8 +96,8 @@ def diagnose_in_rounds(
     rounds: list[Round] = []
     left = budget
     while True:
-        told = None if progress is None else _of_round(progress, len(rounds), budget)
-        result = diagnose(measurement, seed=seed, threads=threads, progress=told)
+        report = None if progress is None else _of_round(progress, len(rounds), budget)
+        result = diagnose(measurement, seed=seed, threads=threads, progress=report)
         tables = _measured(result, measure, min(at_once, left)) if left > 0 else []
         if not tables:
             break
@@ -113,28 +113,28 @@ def diagnose_in_rounds(
 def _measured(result: Diagnosis, measure: _Measure, count: int) -> list[DataFrame]:
     """A table of trials for each of the drives to measure next that could be measured."""
     tables = []
-    for each in result.worth_measuring(count):
-        velocities = _velocities(measure, dict(each.drive))
+    for experiment in result.worth_measuring(count):
+        velocities = _velocities(measure, dict(experiment.drive))
         if len(velocities):
-            trials = result.trial_table([each], len(velocities))
+            trials = result.trial_table([experiment], len(velocities))
             tables.append(trials.assign(velocity=velocities))
     return tables
 
 
 def _velocities(measure: _Measure, drive: dict[str, Value]) -> Array:
     """What is measured at a drive, without gaps."""
-    said = measure(drive)
+    readings = measure(drive)
     what, allowed = f"measure({shown(drive)})", "numbers in m/s, one for each trial"
-    found = np.atleast_1d(numbers(what, said, allowed, unit="m/s", gaps=True))
-    if found.ndim != 1:
-        refuse(what, said, allowed)
-    return np.asarray(found[~np.isnan(found)])
+    velocities = np.atleast_1d(numbers(what, readings, allowed, unit="m/s", gaps=True))
+    if velocities.ndim != 1:
+        refuse(what, readings, allowed)
+    return np.asarray(velocities[~np.isnan(velocities)])
 
 
 def _of_round(progress: Progress, done: int, budget: int) -> Progress:
     """The progress of one diagnosis among as many as there can be."""
 
-    def told(fraction: float, stage: str) -> None:
+    def report(fraction: float, stage: str) -> None:
         progress((done + fraction) / (budget + 1), f"diagnosis {done + 1}: {stage}")
 
-    return told
+    return report

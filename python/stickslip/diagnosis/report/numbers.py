@@ -166,7 +166,7 @@ def _of_models(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any
         "parameters": parameters,
         "discrepancy": best.left,
         "ranking": ranking,
-        "claimed": [_told(facts, candidate) for candidate in candidates],
+        "claimed": [_claim(facts, candidate) for candidate in candidates],
         "law": law_of(best),
         "recalibrated": _recalibrated(facts),
         "moved": _moved(facts),
@@ -175,11 +175,11 @@ def _of_models(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any
         "cosines": _cosines(facts),
         "bounds": _bounds(facts),
         "cannot_tell": _cannot_tell(facts, rows),
-        **({} if subject is None else _of_told(facts, best, rows)),
+        **({} if subject is None else _of_subject(facts, best, rows)),
     }
 
 
-def _of_told(
+def _of_subject(
     facts: Facts, candidate: Candidate, rows: Sequence[Mapping[str, Any]]
 ) -> dict[str, Any]:
     """The model that is told, beside the most probable one without its causes."""
@@ -198,7 +198,7 @@ def _of_told(
         "left": _left_in_words(facts, candidate if facts.verdict.fit else facts.recalibrated),
     }
     return {
-        "leader": {**_told(facts, candidate), **leader},
+        "leader": {**_claim(facts, candidate), **leader},
         "odds": {"none": _odds(facts, fit.name, "none")},
         "runner_up": {
             "candidate": other.name, "title": facts.words.title(other.name),
@@ -242,11 +242,11 @@ def _sizes(facts: Facts, candidate: Candidate) -> dict[str, dict[str, dict[str, 
     }
 
 
-def _told(facts: Facts, candidate: Candidate) -> dict[str, Any]:
+def _claim(facts: Facts, candidate: Candidate) -> dict[str, Any]:
     sizes = _sizes(facts, candidate)
     causes = []
     for cause in candidate.fit.causes:
-        row: dict[str, Any] = facts.words.told(cause, sizes[cause.name])
+        row: dict[str, Any] = facts.words.description(cause, sizes[cause.name])
         if cause.curve is not None:
             # Drawings have the names of the laws.
             article = "an" if cause.curve.form.startswith("e") else "a"

@@ -12,9 +12,9 @@ _DIGITS = 4  # of a setting
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-def in_unit(value: float, unit: str, digits: int = 2, own: bool = False) -> str:
-    """A number in the handy unit of an SI unit: ``0.095 mm/s``; an `own` unit stays."""
-    factor, shown = (1.0, unit_label(unit)) if own else handy(unit)
+def in_unit(value: float, unit: str, digits: int = 2, kept: bool = False) -> str:
+    """A number in the handy unit of an SI unit: ``0.095 mm/s``; the unit itself if `kept`."""
+    factor, shown = (1.0, unit_label(unit)) if kept else handy(unit)
     return f"{number(value * factor, digits)} {shown}".rstrip()
 
 
@@ -48,17 +48,17 @@ def joined(values: list[float], step: float, by: str, unit: str) -> str:
     # Seconds since 1970 have more digits than a power of ten would save.
     plain = _PLAIN[0] <= size and (size < _PLAIN[1] or step < size / _PLAIN[1])
     ten = 0 if plain else math.floor(math.log10(size))
-    values, step = [each / 10.0**ten for each in values], step / 10.0**ten
+    values, step = [value / 10.0**ten for value in values], step / 10.0**ten
     places = 1 - math.floor(math.log10(step))
     if round(step, places) >= 9.5 * 10.0 ** (1 - places):
         places -= 1  # two digits just below a power of ten are one
-    text = by.join(f"{round(each, places) + 0.0:.{max(places, 0)}f}" for each in values)
+    text = by.join(f"{round(value, places) + 0.0:.{max(places, 0)}f}" for value in values)
     return f"{text} {unit}".rstrip() if ten == 0 else f"({text})·{power(ten)} {unit}".rstrip()
 
 
 def digits_for(values: Iterable[float]) -> int:
     """Digits that tell these numbers apart: four of their spread, and at least four."""
-    known = [each for each in values if math.isfinite(each)]
+    known = [value for value in values if math.isfinite(value)]
     spread = max(known, default=0.0) - min(known, default=0.0)
     if not 0.0 < spread < math.inf:
         return _DIGITS

@@ -109,12 +109,12 @@ def pickled_as_call(factory: Callable[_P, _Made]) -> Callable[_P, _Made]:
 
     @functools.wraps(factory)
     def made(*args: _P.args, **options: _P.kwargs) -> Any:
-        found = factory(*args, **options)
+        given = factory(*args, **options)
         call: tuple[Any, ...] = made, args, options  # type: ignore[has-type]
         causes = tuple(
-            each if each.read is None else replace(each, read=_Remade(each.read, call, place))
-            for place, each in enumerate(found if isinstance(found, tuple) else (found,))
+            cause if cause.read is None else replace(cause, read=_Remade(cause.read, call, place))
+            for place, cause in enumerate(given if isinstance(given, tuple) else (given,))
         )
-        return causes if isinstance(found, tuple) else causes[0]
+        return causes if isinstance(given, tuple) else causes[0]
 
     return made

@@ -131,8 +131,8 @@ class Curve(OneLine):
     def precisions(self) -> list[Array]:
         """Inverse prior covariances of the knots' coordinates, one for each size and length."""
         nugget = _NUGGET * np.eye(len(self.places))
-        inverse = [np.linalg.inv(self._alike(self.places, each) + nugget) for each in LENGTHS]
-        return [np.asarray(each / size**2) for size in SIZES for each in inverse]
+        inverse = [np.linalg.inv(self._alike(self.places, length) + nugget) for length in LENGTHS]
+        return [np.asarray(matrix / size**2) for size in SIZES for matrix in inverse]
 
     def between_knots(self, argument: Array, knots: Array) -> Array:
         """Covariance of a smooth law about the curve that fits it best, shape (points, points).
@@ -149,12 +149,12 @@ class Curve(OneLine):
         knots : ndarray, shape (knots,)
             Their coordinates. The covariance is in squares of the knots' usual size.
         """
-        logs = [np.linalg.slogdet(each)[1] - knots @ each @ knots for each in self.precisions()]
+        logs = [np.linalg.slogdet(inner)[1] - knots @ inner @ knots for inner in self.precisions()]
         share = np.exp(0.5 * (np.array(logs) - max(logs))).reshape(len(SIZES), len(LENGTHS))
         share *= np.square(SIZES)[:, None] / np.sum(share)
         design = self.design(argument)
         left = np.eye(len(argument)) - design @ np.linalg.pinv(design)
-        law = [self._alike(argument, each) for each in LENGTHS]
+        law = [self._alike(argument, length) for length in LENGTHS]
         return np.asarray(left @ np.tensordot(np.sum(share, axis=0), law, 1) @ left.T)
 
     def _alike(self, argument: Array, length: float) -> Array:

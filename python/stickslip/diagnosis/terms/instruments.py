@@ -206,9 +206,9 @@ def delay(
     check_indexes("", {"times": times, "curve": curve})
     at = row("times", times, unit="s")
     of = np.zeros(len(at), dtype=int) if curve is None else labels("curve", curve, len(at))
-    curves = [np.flatnonzero(of == each) for each in np.unique(of)]
-    curves = [each[np.argsort(at[each], kind="stable")] for each in curves]
-    if any(len(each) < 2 or not np.all(np.diff(at[each]) > 0.0) for each in curves):
+    curves = [np.flatnonzero(of == label) for label in np.unique(of)]
+    curves = [rows_of[np.argsort(at[rows_of], kind="stable")] for rows_of in curves]
+    if any(len(rows_of) < 2 or not np.all(np.diff(at[rows_of]) > 0.0) for rows_of in curves):
         raise ScenarioError("times: allowed are two or more of each curve, all different")
     parameter = _either_way(f"{name}.time", "s", size, largest)
 
@@ -218,9 +218,9 @@ def delay(
         result = some.copy()
         # A row that was not computed stays so, and a delay of zero leaves the very numbers.
         for vector in np.flatnonzero((delays != 0.0) & np.all(np.isfinite(some), axis=1)):
-            for each in curves:
-                spline = CubicSpline(at[each], some[vector, each])
-                result[vector, each] = spline(at[each] - delays[vector])
+            for rows_of in curves:
+                spline = CubicSpline(at[rows_of], some[vector, rows_of])
+                result[vector, rows_of] = spline(at[rows_of] - delays[vector])
         return _changed(readings, rows, result)
 
     return Cause(name, (parameter,), "a delay of the readings", read=read, table=table)
@@ -288,7 +288,7 @@ def marker_place(
 
     def read(readings: Array, predicted: Array, p: dict[str, Array], _: Table) -> Array:
         turned = _some(predicted, theta) if theta is not None else known
-        shifts = marker(turned, *(p[each.name] for each in parameters))
+        shifts = marker(turned, *(p[parameter.name] for parameter in parameters))
         for rows, shift in zip((x, z), shifts, strict=True):
             if rows is not None:
                 some = _some(readings, rows)
@@ -333,8 +333,8 @@ def _changed(readings: Array, rows: Rows, values: Array) -> Array:
 def _fitting(given: Array, some: Array) -> Array:
     """What was given for some rows, if it is one for each."""
     if given.shape[-1] != some.shape[1]:
-        said = f"{given.shape[-1]} times or angles were given for {some.shape[1]} rows"
-        raise ScenarioError(f"instruments: {said}; allowed is one for each")
+        text = f"{given.shape[-1]} times or angles were given for {some.shape[1]} rows"
+        raise ScenarioError(f"instruments: {text}; allowed is one for each")
     return given
 
 
@@ -360,18 +360,18 @@ def read_by(
     table : Table
         What is read.
     """
-    acting = [each for each in causes if each.read and each.parameters[0].name in names]
+    acting = [cause for cause in causes if cause.read and cause.parameters[0].name in names]
     if not acting:
         return physics(names, values)
-    own = {parameter.name for each in acting for parameter in each.parameters}
-    kept = [k for k, name in enumerate(names) if name not in own]
+    parameters = {parameter.name for cause in acting for parameter in cause.parameters}
+    kept = [k for k, name in enumerate(names) if name not in parameters]
     vectors, at = np.unique(values[:, kept], axis=0, return_inverse=True)
     predicted = physics([names[k] for k in kept], vectors)[at.reshape(-1)]
-    p = {name: values[:, [names.index(name)]] for name in own}
+    p = {name: values[:, [names.index(name)]] for name in parameters}
     readings = predicted
-    for each in acting:
-        assert each.read is not None
-        readings = each.read(readings, predicted, p, table)
+    for cause in acting:
+        assert cause.read is not None
+        readings = cause.read(readings, predicted, p, table)
     return readings
 
 
@@ -431,11 +431,11 @@ def of_angles(theta: Array) -> tuple[Cause, ...]:
 def of_fields(fields: Array) -> tuple[Cause, ...]:
     """A probe that is turned against the coils, and its limit; fields in T, shape (n, 3)."""
     about = [f"probe_turned.about_{axis}" for axis in "xyz"]
-    angles = tuple(_either_way(each, "rad", _TURN_OF_PROBE, _LARGEST_TURN) for each in about)
+    angles = tuple(_either_way(name, "rad", _TURN_OF_PROBE, _LARGEST_TURN) for name in about)
 
     def read(readings: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
         # The probe's axes are those of the coils after the rotation vector.
-        turns = Rotation.from_rotvec(np.hstack([p[each] for each in about])).as_matrix()
+        turns = Rotation.from_rotvec(np.hstack([p[name] for name in about])).as_matrix()
         seen = np.einsum("vji,vnj->vni", turns, readings.reshape(len(turns), -1, 3))
         return np.asarray(seen.reshape(readings.shape))
 
@@ -460,7 +460,7 @@ def of_films(theta: Array) -> tuple[Cause, ...]:
         _clock_scale(),
         _angle_offset(),
         Cause("film_delay", (late,), "frames are taken later than their times say"),
-        *(Cause(each.name, each.parameters, each.meaning) for each in limits),
+        *(Cause(limit.name, limit.parameters, limit.meaning) for limit in limits),
         Cause("marker_place", places, "the tracked point is not the centre of mass"),
     )
 

@@ -78,9 +78,9 @@ def free_law(
         If a value is not allowed.
     """
     texts = {"law": law, "argument": argument, "unit": unit, "law_unit": law_unit}
-    for each, text in texts.items():
+    for word, text in texts.items():
         if not isinstance(text, str) or not text:
-            refuse(f"{each} of a free law", text, "a text")
+            refuse(f"{word} of a free law", text, "a text")
     name = f"{law} over {argument}"
 
     def not_allowed(value: str, allowed: str) -> NoReturn:
@@ -124,8 +124,8 @@ def _law(
 ) -> Cause:  # fmt: skip
     # No shapes, which would end at a few sizes: a law may be far from what was expected.
     knots = [Parameter(key, Prior("normal", 0.0, size), unit, low, high) for key in keys]
-    said = f"{curve.name} has another shape"
-    return Cause(name, tuple(knots), said, frees=curve.constant, curve=curve, odds=odds)
+    meaning = f"{curve.name} has another shape"
+    return Cause(name, tuple(knots), meaning, frees=curve.constant, curve=curve, odds=odds)
 
 
 def forms(law: Cause) -> list[Cause]:
@@ -138,7 +138,7 @@ def forms(law: Cause) -> list[Cause]:
     assert knot.prior is not None
     words = {key.rpartition(".")[2]: value for key, value in curve.fixed.items()}
     allowed = SHAPES if not curve.fixed else _FORMS.get(str(words.get("over")), ())
-    found = []
+    others = []
     for form in allowed:
         section, fixed = f"{law.name}.{form}", dict[str, Value]()
         if curve.fixed:
@@ -156,9 +156,9 @@ def forms(law: Cause) -> list[Cause]:
             numbers.append(Parameter(f"{section}.scale", prior, curve.unit, cause=False))
         elif curve.fixed:
             fixed[f"{section}.scale"] = curve.reach
-        own = replace(curve, form=form, fixed=fixed)
-        found.append(replace(law, parameters=tuple(numbers), curve=own))
-    return found
+        other = replace(curve, form=form, fixed=fixed)
+        others.append(replace(law, parameters=tuple(numbers), curve=other))
+    return others
 
 
 def fixed_numbers(causes: Iterable[Cause]) -> dict[str, float]:
@@ -167,10 +167,10 @@ def fixed_numbers(causes: Iterable[Cause]) -> dict[str, float]:
     It has to be set wherever one of their parameters is.
     """
     return {
-        key: float(known_keys()[key].words.index(each) if isinstance(each, str) else each)
+        key: float(known_keys()[key].words.index(value) if isinstance(value, str) else value)
         for law in causes
         if law.curve is not None
-        for key, each in law.curve.fixed.items()
+        for key, value in law.curve.fixed.items()
     }
 
 
@@ -182,7 +182,7 @@ def beside_constants(causes: Iterable[Cause], constants: Sequence[Parameter]) ->
     ScenarioError
         If a law is a factor of what is no uncertain constant of the model.
     """
-    known = {each.name: each for each in constants}
+    known = {constant.name: constant for constant in constants}
     made = []
     for cause in causes:
         curve = cause.curve
@@ -191,9 +191,9 @@ def beside_constants(causes: Iterable[Cause], constants: Sequence[Parameter]) ->
                 hint = meant(curve.constant, known)
                 refuse(f"free law {cause.name}: factor_of", curve.constant,
                        f"an uncertain constant{hint}")  # fmt: skip
-            own = known[curve.constant]
-            stated = float(own.value(np.zeros(1))[0])
-            cause = replace(cause, curve=replace(curve, law_unit=own.unit, stated=stated))
+            constant = known[curve.constant]
+            stated = float(constant.value(np.zeros(1))[0])
+            cause = replace(cause, curve=replace(curve, law_unit=constant.unit, stated=stated))
         made.append(cause)
     return made
 
@@ -216,15 +216,15 @@ class Curves(dict[str, Callable[[ArrayLike], Array]]):
 
     def __init__(self, causes: Iterable[Cause], values: Mapping[str, ArrayLike]) -> None:
         super().__init__()
-        vectors = max((np.size(each) for each in values.values()), default=1)
-        own: dict[str, list[tuple[Curve, Array]]] = {}
+        vectors = max((np.size(value) for value in values.values()), default=1)
+        pairs: dict[str, list[tuple[Curve, Array]]] = {}
         for cause in causes:
             if cause.curve is not None:
-                said = [np.ravel(values.get(each.name, 0.0)) for each in cause.parameters]
-                columns = [np.broadcast_to(each, (vectors,)) for each in said]
+                values_of = [np.ravel(values.get(p.name, 0.0)) for p in cause.parameters]
+                columns = [np.broadcast_to(value, (vectors,)) for value in values_of]
                 pair = cause.curve, np.stack(columns, axis=1)
-                own.setdefault(cause.name, []).append(pair)
-        self |= {name: partial(_law_at, each) for name, each in own.items()}
+                pairs.setdefault(cause.name, []).append(pair)
+        self |= {name: partial(_law_at, parts) for name, parts in pairs.items()}
 
     def __missing__(self, name: str) -> NoReturn:
         raise ScenarioError(f"curves: there is no free law {shown(name)}{meant(name, self)}")
@@ -333,7 +333,7 @@ def laws(
         Of `find_spans`: by effect, in the argument's unit.
     """
     odds = 1.0 / max(len(spans), 1)
-    return tuple(_own_law(scenario, uncertain, *each, odds) for each in spans.items())
+    return tuple(_own_law(scenario, uncertain, *span, odds) for span in spans.items())
 
 
 def _own_law(
@@ -389,8 +389,8 @@ def find_spans(scenarios: Sequence[Scenario], threads: int) -> dict[str, float]:
     A law is left out if its argument does not vary between or within the runs, or if the model
     does not have it at all.
     """
-    rates = [{"record.rate": _SAMPLES * each.drive.frequency} for each in scenarios]
-    recorded = [each.replace(rate) for each, rate in zip(scenarios, rates, strict=True)]
+    rates = [{"record.rate": _SAMPLES * scenario.drive.frequency} for scenario in scenarios]
+    recorded = [scenario.replace(rate) for scenario, rate in zip(scenarios, rates, strict=True)]
     runs = [run for run in simulate_batch(recorded, threads=threads) if run.ok]
     if not runs:
         return {}
@@ -399,7 +399,7 @@ def find_spans(scenarios: Sequence[Scenario], threads: int) -> dict[str, float]:
         return np.concatenate([getattr(run, name) for run in runs])
 
     currents = np.concatenate([run.current[:, :4] for run in runs])
-    frequencies = np.array([each.drive.frequency for each in scenarios])
+    frequencies = np.array([scenario.drive.frequency for scenario in scenarios])
     # Arguments that do not vary within a run reach about as far as the largest.
     arguments = {
         "slip speed": joined("slip_velocity"),

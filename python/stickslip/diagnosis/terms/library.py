@@ -109,20 +109,20 @@ def library(scenario: Scenario, uncertain: Collection[str], volts: float) -> tup
     volts : float
         Largest voltage of the drives, V, where the amplifiers' limit begins to act.
     """
-    own = {key.split(".")[1] for key in uncertain if key.startswith(PREFIX)}
+    named = {key.split(".")[1] for key in uncertain if key.startswith(PREFIX)}
     same = {name for name, constant in _ALIKE.items() if constant in uncertain}
     known = {**CONSTANTS, **SHAKEN}
     constants = [_constant(name, *known[name], scenario) for name in known if name not in same]
     return tuple(filter(None, constants)) + tuple(
         Cause(
-            each.name,
-            tuple(_parameter(key, volts) for key in each.parameters if key.name not in _ACROSS),
-            each.meaning,
+            effect.name,
+            tuple(_parameter(key, volts) for key in effect.parameters if key.name not in _ACROSS),
+            effect.meaning,
         )
-        for each in effects()
-        if each.parameters
-        and each.name not in {*scenario.effects, *own, *same}
-        and not is_free_shape(each.name)
+        for effect in effects()
+        if effect.parameters
+        and effect.name not in {*scenario.effects, *named, *same}
+        and not is_free_shape(effect.name)
     )
 
 
@@ -133,8 +133,8 @@ def _constant(name: str, key: str, changes: tuple[float, ...], scenario: Scenari
     low, high = max(known.low, stated + low), min(known.high, stated + high)
     if not low < high:
         return None
-    own = Parameter(key, unit=known.unit, low=low, high=high, size=size, absent=stated)
-    return Cause(name, (own,), f"{key} is other than stated")
+    parameter = Parameter(key, unit=known.unit, low=low, high=high, size=size, absent=stated)
+    return Cause(name, (parameter,), f"{key} is other than stated")
 
 
 def _parameter(key: Key, volts: float) -> Parameter:

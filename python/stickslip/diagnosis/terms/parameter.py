@@ -91,8 +91,8 @@ class Parameter:
             if not is_number(value) and not (field == "size" and value is None):
                 refuse(at + field, value, "a number")
         if not self.low < self.high:
-            said = f"low = {shown(self.low)}, high = {shown(self.high)}"
-            raise ScenarioError(f"{at}{said}: allowed is low < high")
+            text = f"low = {shown(self.low)}, high = {shown(self.high)}"
+            raise ScenarioError(f"{at}{text}: allowed is low < high")
         if self.negligible < 0.0:
             refuse(at + "negligible", self.negligible, "a number from 0")
         if not 1e-4 <= self.fineness <= 1.0:

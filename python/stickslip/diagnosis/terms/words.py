@@ -36,10 +36,10 @@ class Words:
     user, whatever names it shares with the simulator. `causes` are those of a problem.
     """
 
-    def __init__(self, own: bool, causes: Sequence[Cause] = ()) -> None:
-        self._own, self._known = own, {each.name: each for each in causes}
-        self._causes: Mapping[str, Mapping[str, Any]] = {} if own else _CAUSES
-        self._constants: Mapping[str, Mapping[str, Any]] = {} if own else _WORDS["constants"]
+    def __init__(self, of_user: bool, causes: Sequence[Cause] = ()) -> None:
+        self._of_user, self._known = of_user, {cause.name: cause for cause in causes}
+        self._causes: Mapping[str, Mapping[str, Any]] = {} if of_user else _CAUSES
+        self._constants: Mapping[str, Mapping[str, Any]] = {} if of_user else _WORDS["constants"]
 
     def title(self, name: str) -> str:
         """A model in plain words that follow ``of``.
@@ -62,7 +62,7 @@ class Words:
             return f"another {constant['name'] if constant else name} than stated"
         meaning = "" if cause is None else cause.meaning.strip().rstrip(".")
         # A meaning of a user's effect of the robot may be a sentence.
-        noun = meaning and (self._own or re.match(r"an? ", meaning))
+        noun = meaning and (self._of_user or re.match(r"an? ", meaning))
         return meaning if noun else f"“{name}”"
 
     def parameter(self, name: str) -> str:
@@ -74,13 +74,13 @@ class Words:
 
     def in_titles(self, text: str) -> str:
         """A sentence with causes in plain words in place of their names, and p as elsewhere."""
-        text = re.sub(r"\bp = (\d(?:\S*\d)?)", lambda each: p_text(float(each[1])), text)
+        text = re.sub(r"\bp = (\d(?:\S*\d)?)", lambda match: p_text(float(match[1])), text)
         names = sorted(map(re.escape, self._known), key=len, reverse=True)
         if not names:
             return text
-        found = rf"(?<![\w.'])(?:{'|'.join(names)})(?![\w.])"
-        text = re.sub(rf"({found}) \+ (?={found})", r"\1 and ", text)
-        return re.sub(found, lambda each: self.title(each[0]), text)
+        pattern = rf"(?<![\w.'])(?:{'|'.join(names)})(?![\w.])"
+        text = re.sub(rf"({pattern}) \+ (?={pattern})", r"\1 and ", text)
+        return re.sub(pattern, lambda match: self.title(match[0]), text)
 
     def shown_in(self, name: str, unit: str) -> tuple[float, str]:
         """Factor from the SI unit of a parameter to the one in which it is told, and its name."""
@@ -90,10 +90,10 @@ class Words:
             size = self._constants[name]
         if size is None:
             known = name in known_keys() or name.startswith("tracking.")
-            return handy(unit) if known and not self._own else (1.0, unit_label(unit))
+            return handy(unit) if known and not self._of_user else (1.0, unit_label(unit))
         return float(_WORDS["units"][size["unit"]]), str(size["unit"])
 
-    def told(self, cause: Cause, sizes: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
+    def description(self, cause: Cause, sizes: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
         """A cause in words: `title`, `meaning`, `finding`, `interval`, `remedy`, `drawing`, `way`.
 
         `sizes` are its parameters, or the constant that it frees, by full name, with `value`,
@@ -101,44 +101,44 @@ class Words:
         sign of the largest; `meaning` is empty where the title says as much.
         """
         name, meaning, known = cause.name, cause.meaning, self._causes.get(cause.name)
-        said = {"name": name, "title": self.title(name), "remedy": "", "way": ""}
-        new = set(re.findall(r"\w+", meaning)) - set(re.findall(r"\w+", said["title"]))
-        said["meaning"] = meaning if len(new) >= _NEW_WORDS else ""
-        said["drawing"] = known["drawing"] if known else ""
+        row = {"name": name, "title": self.title(name), "remedy": "", "way": ""}
+        new = set(re.findall(r"\w+", meaning)) - set(re.findall(r"\w+", row["title"]))
+        row["meaning"] = meaning if len(new) >= _NEW_WORDS else ""
+        row["drawing"] = known["drawing"] if known else ""
         amounts: dict[str, str] = {}
         largest, intervals = -math.inf, []
-        for full, each in sizes.items():
-            factor, unit = self.shown_in(full, each["unit"])
-            value, sd = each["value"] * factor, each["sd"] * factor
+        for full, entry in sizes.items():
+            factor, unit = self.shown_in(full, entry["unit"])
+            value, sd = entry["value"] * factor, entry["sd"] * factor
             short = full.rpartition(".")[2]
             words = known["sizes"].get(short, {}) if known else {}
             way = words.get("up" if value >= 0.0 else "down", "")
             amounts[short] = amount(abs(value) if way else value, sd, unit)
             amounts[f"{short}_way"] = way
-            ends = each["low"], each["high"]
+            ends = entry["low"], entry["high"]
             if way and min(ends) * max(ends) > 0.0:
                 ends = abs(ends[0]), abs(ends[1])
-            intervals.append(self.between(full, *ends, each["unit"]))
+            intervals.append(self.between(full, *ends, entry["unit"]))
             if abs(value) > largest:
-                largest, said["way"] = abs(value), way
-        said["interval"] = " and ".join(intervals)
+                largest, row["way"] = abs(value), way
+        row["interval"] = " and ".join(intervals)
         if known is not None:
-            said |= {"finding": known["finding"].format(**amounts), "remedy": known["remedy"]}
-            return said
+            row |= {"finding": known["finding"].format(**amounts), "remedy": known["remedy"]}
+            return row
         constant = self._constants.get(name)
         if not cause.parameters:
             what, size = constant["name"] if constant else name, sizes[name]
             stated = self.near(name, size["stated"], size["sd"], size["unit"])
-            found = amounts[name.rpartition(".")[2]]
-            said["finding"] = f"The {what} is {found}, and was stated as {stated}."
-            said["remedy"] = "Measure it again"
-            said["drawing"] = constant["drawing"] if constant else ""
-            return said
-        shorts = [each.rpartition(".")[2] for each in sizes]
-        values = [f"{each} = {amounts[each]}" for each in shorts]
-        what = said["title"]
-        said["finding"] = f"{what[:1].upper()}{what[1:]}: {', '.join(values)}."
-        return said
+            amount_of = amounts[name.rpartition(".")[2]]
+            row["finding"] = f"The {what} is {amount_of}, and was stated as {stated}."
+            row["remedy"] = "Measure it again"
+            row["drawing"] = constant["drawing"] if constant else ""
+            return row
+        shorts = [name_of.rpartition(".")[2] for name_of in sizes]
+        values = [f"{short} = {amounts[short]}" for short in shorts]
+        what = row["title"]
+        row["finding"] = f"{what[:1].upper()}{what[1:]}: {', '.join(values)}."
+        return row
 
     def between(self, name: str, low: float, high: float, unit: str) -> str:
         """The ends of an interval of a parameter, with its unit: ``13.5 to 16.4 %``."""
@@ -173,7 +173,7 @@ class Words:
         if prior.kind == "log-normal":
             middle = self.limit(name, prior.first, unit, 4)
             return f"log-normal, {middle} to a factor of {prior.second:.3g}"
-        low, high = (self.limit(name, each, unit) for each in (prior.first, prior.second))
+        low, high = (self.limit(name, end, unit) for end in (prior.first, prior.second))
         return f"log-uniform, {low} to {high}"
 
     def size(self, name: str, value: float, sd: float, unit: str) -> str:
