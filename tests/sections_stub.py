@@ -133,10 +133,10 @@ def names_stub_text() -> str:
 
 
 def run_stub_text() -> str:
-    """The stub of the recorded quantities of a run."""
+    """The stub of the numbers and recorded quantities of a run."""
     return "\n".join(
         [
-            "# Made by tests/sections_stub.py from the core's table of recorded quantities.",
+            "# Made by tests/sections_stub.py from the core's tables of a run's quantities.",
             "from abc import ABC, abstractmethod",
             "from typing import Any",
             "",
@@ -144,7 +144,10 @@ def run_stub_text() -> str:
             "",
             "class Recorded(ABC):",
             "    @abstractmethod",
+            "    def _number(self, name: str) -> float: ...",
+            "    @abstractmethod",
             "    def _recorded(self, name: str) -> NDArray[Any]: ...",
+            *(f"    {name}: float" for name in _core.summary_numbers),
             *(f"    {name}: NDArray[Any]" for name in _core.record_columns),
             "",
         ]

@@ -19,7 +19,7 @@ from stickslip import (
     open_run,
     simulate,
 )
-from stickslip.simulation.quantities import COLUMNS, INNER_COLUMNS, PLANE_COLUMNS
+from stickslip.simulation.quantities import COLUMNS, INNER_COLUMNS, NUMBERS, PLANE_COLUMNS
 
 
 # Mean velocities in mm/s on which two independent programs agree within 0.05 %.
@@ -101,6 +101,15 @@ def test_the_summary_has_the_documented_keys(walk_ipp):
     assert "painleve" not in summary["events"]
     summary["events"]["lift_off"] = -1
     assert run.summary()["events"]["lift_off"] > 0
+
+
+def test_the_numbers_of_the_summary_are_attributes(walk_ipp):
+    summary = walk_ipp.summary()
+    for name in NUMBERS.keys() - {"pull_share"}:
+        np.testing.assert_equal(getattr(walk_ipp, name), summary[name])
+    with pytest.raises(AttributeError, match="pull_share: set"):
+        walk_ipp.pull_share  # noqa: B018
+    assert "pull_share" not in summary
 
 
 def test_a_record_of_events_holds_each_event():

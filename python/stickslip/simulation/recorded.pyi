@@ -1,4 +1,4 @@
-# Made by tests/sections_stub.py from the core's table of recorded quantities.
+# Made by tests/sections_stub.py from the core's tables of a run's quantities.
 from abc import ABC, abstractmethod
 from typing import Any
 
@@ -6,7 +6,28 @@ from numpy.typing import NDArray
 
 class Recorded(ABC):
     @abstractmethod
+    def _number(self, name: str) -> float: ...
+    @abstractmethod
     def _recorded(self, name: str) -> NDArray[Any]: ...
+    mean_velocity: float
+    mean_velocity_y: float
+    turning_speed: float
+    theta_min: float
+    theta_max: float
+    slip_up: float
+    slip_down: float
+    slip_flat: float
+    airborne_fraction: float
+    velocity_growth: float
+    pull_ratio: float
+    pull_share: float
+    field_change: float
+    field_max: float
+    field_min: float
+    current_max: float
+    voltage_max: float
+    power_mean: float
+    simulated_time: float
     t: NDArray[Any]
     x: NDArray[Any]
     z: NDArray[Any]

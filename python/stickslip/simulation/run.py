@@ -58,12 +58,13 @@ SUFFIXES = (*NETCDF_SUFFIXES, ".csv")
 class Run(Recorded):
     """One simulation's result. SI units and radians; x and velocities in the world's frame.
 
-    Each recorded quantity is an attribute, an array with an entry for each of the n samples: `t`,
-    `x`, `theta`, ... of shape (n,), `current` of shape (n, 5) for the coils xp, xm, yp, ym, clamp.
-    The page *What a run gives* lists them with units and meanings. `contact` and `event` are
-    indices (int8) of `contact_names` and `event_names`. A contact without a value, in flight, is
-    NaN. The heading jumps between -pi and pi; ``np.unwrap`` takes the jumps away. Arrays of a run
-    that is in a file are read when they are first asked for.
+    Each number of the summary is an attribute, such as `mean_velocity` and `theta_max`; NaN if it
+    was not measured. So is each recorded quantity, an array with an entry for each of the n
+    samples: `t`, `x`, `theta`, ... of shape (n,), `current` of shape (n, 5) for the coils xp, xm,
+    yp, ym, clamp. The page *What a run gives* lists all with units and meanings. `contact` and
+    `event` are indices (int8) of `contact_names` and `event_names`. A contact without a value, in
+    flight, is NaN. The heading jumps between -pi and pi; ``np.unwrap`` takes the jumps away. Arrays
+    of a run that is in a file are read when they are first asked for.
 
     Attributes
     ----------
@@ -141,6 +142,14 @@ class Run(Recorded):
         }
         return cls(scenario, outcome, {} if record is None else record)
 
+    def _number(self, name: str) -> float:
+        if name in self._unasked():
+            raise AttributeError(f'this run has no {name}: set {ASKED[name]} to "yes"')
+        return float(self.numbers[name])
+
+    def _unasked(self) -> list[str]:
+        return [name for name, key in ASKED.items() if self.scenario.get(key) == "no"]
+
     def _recorded(self, name: str) -> NDArray[Any]:
         if name in self._record:
             values = vars(self)[name] = self._record[name]
@@ -164,7 +173,7 @@ class Run(Recorded):
         return np.full(self.samples, getattr(state, name), dtype=self.scenario.record.dtype)
 
     def __dir__(self) -> Iterable[str]:
-        return [*super().__dir__(), *self._record]
+        return [*super().__dir__(), *NUMBERS, *self._record]
 
     def __repr__(self) -> str:
         return f"<Run: {self._headline()}>"
@@ -212,15 +221,6 @@ class Run(Recorded):
     def recorded(self) -> bool:
         """Whether there are arrays."""
         return bool(self._record)
-
-    @property
-    def mean_velocity(self) -> float:
-        """dx/dt over the measuring window, m/s (section VII of the paper); NaN if not measured.
-
-        Of a robot that is driven another way than along x see `velocity`.
-        """
-        velocity: float = self.numbers["mean_velocity"]
-        return velocity
 
     @property
     def velocity(self) -> tuple[float, float]:
@@ -279,7 +279,7 @@ class Run(Recorded):
         of_the_plane = {}
         if self.scenario.whole_plane and self.scenario.drive.mode != "program":
             of_the_plane = dict(zip((ALONG, ACROSS), self.velocity, strict=True))
-        unasked = [name for name, key in ASKED.items() if self.scenario.get(key) == "no"]
+        unasked = self._unasked()
         numbers = {name: number for name, number in self.numbers.items() if name not in unasked}
         counts = {name: dict(numbers[name]) for name in ("events", "steps")}
         return {
