@@ -60,16 +60,16 @@ def drawn(problem: Problem, form: Form, fit: Fit, seed: int) -> Draws | None:
     if not len(fit.free) or np.any(np.diag(fit.covariance) <= 0.0):
         return None
     middle, covariance = fit.x[fit.free], fit.covariance
-    found = _drawn(problem, form, fit, middle, covariance, seed)
-    if found is not None and found.effective < FEWEST:
-        own = found.x[:, fit.free]
-        middle = found.weight @ own
-        spread = (own - middle).T @ (found.weight[:, None] * (own - middle))
+    draws = _drawn(problem, form, fit, middle, covariance, seed)
+    if draws is not None and draws.effective < FEWEST:
+        free = draws.x[:, fit.free]
+        middle = draws.weight @ free
+        spread = (free - middle).T @ (draws.weight[:, None] * (free - middle))
         # Few draws say little of some directions: there it stays as wide as it was.
         again = _drawn(problem, form, fit, middle, spread + 0.5 * covariance, seed + 1)
-        if again is not None and again.effective > found.effective:
-            found = again
-    return found
+        if again is not None and again.effective > draws.effective:
+            draws = again
+    return draws
 
 
 def _drawn(
@@ -79,16 +79,16 @@ def _drawn(
     lower = _WIDER * np.linalg.cholesky(covariance)
     share = np.clip(qmc.Sobol(k + 1, seed=seed).random(COUNT), 1e-9, 1.0 - 1e-9)
     z = ndtri(share[:, :k]) / np.sqrt(chi2_law.ppf(share[:, k], _DOF) / _DOF)[:, None]
-    own = middle + z @ lower.T
+    points = middle + z @ lower.T
     low, high = problem.limits[:, free]
-    inside = np.all((own >= low) & (own <= high), axis=1)
+    inside = np.all((points >= low) & (points <= high), axis=1)
     if not inside.any():
         return None
     x = np.tile(fit.x, (int(inside.sum()), 1))
-    x[:, free] = own[inside]
+    x[:, free] = points[inside]
     residual = problem.residuals(x)
     sides = sum(problem.parameters[int(column)].one_sided for column in free)
-    prior = -0.5 * np.einsum("vi,ij,vj->v", own[inside], fit.precision, own[inside])
+    prior = -0.5 * np.einsum("vi,ij,vj->v", points[inside], fit.precision, points[inside])
     prior += 0.5 * float(np.linalg.slogdet(fit.precision)[1]) + sides * math.log(2.0)
     prior -= 0.5 * k * math.log(2.0 * math.pi)
     squares = np.sum(z[inside] ** 2, axis=1)

@@ -177,8 +177,8 @@ class Softened(Form):
         return np.asarray(prepared.T @ prepared)
 
     def weighted(self, prepared: Any, residual: Array, h: Array) -> Array:
-        own = self.prepared(residual[:, None])
-        return np.asarray(prepared.T @ (prepared / (1.0 + (own / self._outlier) ** 2)))
+        whitened = self.prepared(residual[:, None])
+        return np.asarray(prepared.T @ (prepared / (1.0 + (whitened / self._outlier) ** 2)))
 
     def cost(self, residual: Array, h: Array) -> Array:
         squares = self.prepared(residual.T) ** 2
@@ -318,7 +318,7 @@ class Smooth(Form):
         """Cholesky factors of the tables' covariances, in whitened rows."""
         if self._factors[0] != h.tobytes():
             kappa2, s2, length2 = np.exp(2.0 * h)
-            found = []
+            factors = []
             for part, apart in self._apart:
                 rows = np.zeros((self.n, len(apart)))
                 rows[part] = self.unit[part, None] * np.exp(-0.5 * apart / length2)
@@ -326,8 +326,8 @@ class Smooth(Form):
                 both = np.zeros((self.n, len(apart)))
                 both[part] = rows.T
                 process = s2 * self.problem.whitened(both)[part]
-                found.append(np.linalg.cholesky(process + kappa2 * np.eye(len(apart))))
-            self._factors = h.tobytes(), found
+                factors.append(np.linalg.cholesky(process + kappa2 * np.eye(len(apart))))
+            self._factors = h.tobytes(), factors
         return self._factors[1]
 
     def _independent(self, whitened: Array, h: Array) -> Array:
@@ -377,10 +377,10 @@ def _along_runs(table: Table, errors: Errors) -> bool:
 
 def forms(problem: Problem, wanted: Sequence[str] = tuple(PRIOR)) -> dict[str, Form]:
     """The forms of the discrepancy that the data allow."""
-    found: dict[str, Form] = {"exact": Exact(problem), "white": Form(problem)}
+    allowed: dict[str, Form] = {"exact": Exact(problem), "white": Form(problem)}
     pairs = zip(problem.tables, problem.errors, strict=True)
-    if any(_along_runs(*each) for each in pairs):
-        found["ar1"] = Correlated(problem)
-    if any(_is_smooth(each) for each in problem.tables):
-        found["smooth"] = Smooth(problem)
-    return {name: each for name, each in found.items() if name in wanted}
+    if any(_along_runs(*pair) for pair in pairs):
+        allowed["ar1"] = Correlated(problem)
+    if any(_is_smooth(table) for table in problem.tables):
+        allowed["smooth"] = Smooth(problem)
+    return {name: form for name, form in allowed.items() if name in wanted}

@@ -55,23 +55,23 @@ def _compared(models: Models, names: frozenset[str], law: Cause) -> Models:
         # A form may explain what no curve through knots does.
         if old is None or (name != "exact" and models.log_posterior(old) < least):
             continue
-        found = in_step(problem, [_fitted(models, old, law, each) for each in others])
+        refits = in_step(problem, [_fitted(models, old, law, other) for other in others])
         correction = models.corrections.get(names, 0.0)
-        own = {"curve": replace(old, log_evidence=old.log_evidence + correction)}
-        own |= {form: each for form, each in zip(map(_form, others), found, strict=True) if each}
-        evidence[name] = own
+        by_form = {"curve": replace(old, log_evidence=old.log_evidence + correction)}
+        by_form |= {form: fit for form, fit in zip(map(_form, others), refits, strict=True) if fit}
+        evidence[name] = by_form
     weight = {
         form: float(logsumexp([
-            math.log(PRIOR[name]) + each[form].log_evidence
-            for name, each in evidence.items() if form in each
+            math.log(PRIOR[name]) + by_form[form].log_evidence
+            for name, by_form in evidence.items() if form in by_form
         ]))
-        for form in dict.fromkeys(form for each in evidence.values() for form in each)
+        for form in dict.fromkeys(form for by_form in evidence.values() for form in by_form)
     }  # fmt: skip
     total = float(logsumexp(list(weight.values())))
-    chance = {form: math.exp(each - total) for form, each in weight.items()}
+    chance = {form: math.exp(value - total) for form, value in weight.items()}
     order = sorted(chance, key=lambda form: -chance[form])
     for name, fits in evidence.items():
-        mean = logsumexp([each.log_evidence for each in fits.values()]) - math.log(1 + len(others))
+        mean = logsumexp([fit.log_evidence for fit in fits.values()]) - math.log(1 + len(others))
         best = next(fits[form] for form in order if form in fits)
         models.best[names, name] = replace(best, log_evidence=float(mean))
     models.corrections[names] = 0.0
@@ -87,22 +87,22 @@ def _form(law: Cause) -> str:
 def _fitted(models: Models, old: Fit, law: Cause, other: Cause) -> Asking[Fit | None]:
     """A fit of a model with another form of its law; None where it is none, or comes not near."""
     problem, form = models.problem, models.forms[old.form]
-    causes = [each for each in old.causes if each is not law] + [other]
+    causes = [cause for cause in old.causes if cause is not law] + [other]
     try:
-        own = yield from minimise(
+        fit = yield from minimise(
             problem, form, causes, _begun(models, old, law, other), h=old.h,
             hopeless=old.cost + _HOPELESS,
         )  # fmt: skip
-        if own.cost > old.cost + _HOPELESS or _at_end(models, own, other):
+        if fit.cost > old.cost + _HOPELESS or _at_end(models, fit, other):
             return None
-        return (yield from sharpened(problem, form, own))
+        return (yield from sharpened(problem, form, fit))
     except np.linalg.LinAlgError:
         return None
 
 
-def _at_end(models: Models, own: Fit, law: Cause) -> bool:
+def _at_end(models: Models, fit: Fit, law: Cause) -> bool:
     """Whether the amplitude is at its end, or the scale near one, where it is another form."""
-    at = own.x[models.problem.columns([law])]
+    at = fit.x[models.problem.columns([law])]
     low, high = law.parameters[0].limits
     return bool(not low + 1e-3 < at[0] < high - 1e-3 or np.any(np.abs(at[1:]) > _OUTER))
 
@@ -132,8 +132,8 @@ def _begun(models: Models, old: Fit, law: Cause, other: Cause) -> Array:
     grid = np.linspace(_OUTER, -_OUTER, _SCANNED) if scales else np.zeros(1)
     fine = np.linspace(curve.places[0], curve.places[-1], _FINE)
     least, parts, z = math.inf, np.zeros(2), 0.0
-    for each in grid.tolist():
-        scale = float(scales[0].value(np.array([each]))[0]) if scales else curve.reach
+    for value in grid.tolist():
+        scale = float(scales[0].value(np.array([value]))[0]) if scales else curve.reach
         column, between = (
             SHAPES[curve.form].at((u - curve.origin) / scale) for u in (curve.places, fine)
         )
@@ -144,10 +144,10 @@ def _begun(models: Models, old: Fit, law: Cause, other: Cause) -> Array:
         if stated:
             rows = np.vstack([rows, [0.0, 1.0 / stated[1]]])
             wanted = np.append(wanted, stated[0] / stated[1])
-        found = np.linalg.lstsq(rows, wanted, rcond=None)[0]
-        left = float(np.sum((wanted - rows @ found) ** 2))
+        solution = np.linalg.lstsq(rows, wanted, rcond=None)[0]
+        left = float(np.sum((wanted - rows @ solution) ** 2))
         if left < least:
-            least, parts, z = left, found, each
+            least, parts, z = left, solution, value
     x[problem.columns([law])] = 0.0
     a = float(parts[0])
     if stated:

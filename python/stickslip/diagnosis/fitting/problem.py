@@ -78,18 +78,18 @@ class Problem(OneLine):
 
     def __post_init__(self) -> None:
         if not self.errors:
-            object.__setattr__(self, "errors", tuple(each.errors for each in self.tables))
+            object.__setattr__(self, "errors", tuple(table.errors for table in self.tables))
 
     # ------------------------------------------------------------------ parameters
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
         """The constants and then the parameters of all causes."""
-        return (*self.constants, *(each for cause in self.causes for each in cause.parameters))
+        return (*self.constants, *(p for cause in self.causes for p in cause.parameters))
 
     @property
     def names(self) -> list[str]:
         """Names of `parameters`."""
-        return [each.name for each in self.parameters]
+        return [parameter.name for parameter in self.parameters]
 
     @property
     def size(self) -> int:
@@ -99,16 +99,16 @@ class Problem(OneLine):
     @cached_property
     def limits(self) -> Array:
         """Lowest and highest coordinates, shape (2, size)."""
-        return np.array([each.limits for each in self.parameters], dtype=float).reshape(-1, 2).T
+        return np.array([p.limits for p in self.parameters], dtype=float).reshape(-1, 2).T
 
     @cached_property
     def fineness(self) -> Array:
         """Share of each coordinate's unit over which predictions change, shape (size,)."""
-        return np.array([each.fineness for each in self.parameters])
+        return np.array([parameter.fineness for parameter in self.parameters])
 
     def columns(self, causes: Sequence[Cause]) -> Indices:
         """Coordinates of the parameters of some causes."""
-        chosen = {each.name for cause in causes for each in cause.parameters}
+        chosen = {parameter.name for cause in causes for parameter in cause.parameters}
         places = enumerate(self.names[len(self.constants) :], len(self.constants))
         return np.array([k for k, name in places if name in chosen], dtype=np.int64)
 
@@ -122,32 +122,32 @@ class Problem(OneLine):
         A model's evidence is the mean over them, of which there are several where a constant is
         freed or a cause is a law: see `Curve`.
         """
-        names, at = [each.name for each in self.constants], len(self.constants)
-        found = [np.eye(len(self.free(causes)))]
+        names, at = [constant.name for constant in self.constants], len(self.constants)
+        parts = [np.eye(len(self.free(causes)))]
         for cause in causes:
             if cause.frees is not None:
                 place = names.index(cause.frees)
                 widths = FREED if cause.curve is None else FREED[:1]
-                found = [_with_block(each, slice(place, place + 1), np.array(width**-2))
-                         for each in found for width in widths]  # fmt: skip
-        for cause in sorted(causes, key=lambda each: self.causes.index(each)):
+                parts = [_with_block(part, slice(place, place + 1), np.array(width**-2))
+                         for part in parts for width in widths]  # fmt: skip
+        for cause in sorted(causes, key=lambda law: self.causes.index(law)):
             end = at + len(cause.parameters)
             if cause.curve is not None and cause.has_knots:
                 blocks = cause.curve.precisions()
-                found = [_with_block(each, slice(at, end), one) for each in found for one in blocks]
+                parts = [_with_block(part, slice(at, end), one) for part in parts for one in blocks]
             at = end
-        return found
+        return parts
 
     def physical(self, x: Array) -> Array:
         """Values of the parameters at coordinates, shape (vectors, size)."""
-        columns = [each.value(x[:, k]) for k, each in enumerate(self.parameters)]
+        columns = [parameter.value(x[:, k]) for k, parameter in enumerate(self.parameters)]
         return np.stack(columns, axis=1) if columns else np.zeros((len(x), 0))
 
     # ------------------------------------------------------------------------ rows
     @property
     def table_names(self) -> list[str]:
         """Names of the tables, with their numbers where others are called the same."""
-        names = [each.name for each in self.tables]
+        names = [table.name for table in self.tables]
         return [
             f"{name or 'table'} {k}" if names.count(name) > 1 or not name else name
             for k, name in enumerate(names, start=1)
@@ -156,17 +156,17 @@ class Problem(OneLine):
     @property
     def titles(self) -> list[str]:
         """What the readings of each table are called."""
-        return [each.title or f"table {k}" for k, each in enumerate(self.tables, start=1)]
+        return [table.title or f"table {k}" for k, table in enumerate(self.tables, start=1)]
 
     @cached_property
     def y(self) -> Array:
         """Means of all conditions of all tables, shape (n,)."""
-        return np.concatenate([each.mean for each in self.tables])
+        return np.concatenate([table.mean for table in self.tables])
 
     @cached_property
     def rows(self) -> list[slice]:
         """Rows of each table."""
-        ends = np.cumsum([0, *(len(each.mean) for each in self.tables)]).tolist()
+        ends = np.cumsum([0, *(len(table.mean) for table in self.tables)]).tolist()
         return [slice(*pair) for pair in itertools.pairwise(ends)]
 
     @cached_property
@@ -177,20 +177,20 @@ class Problem(OneLine):
         has a part of every record.
         """
         first, groups = 0, []
-        stretches = [each.group for each in self.tables if isinstance(each, Series)]
-        after = max((int(each.max()) + 1 for each in stretches), default=0)
-        for each in self.tables:
-            if isinstance(each, Series):
-                groups.append(each.group)
+        stretches = [table.group for table in self.tables if isinstance(table, Series)]
+        after = max((int(group.max()) + 1 for group in stretches), default=0)
+        for table in self.tables:
+            if isinstance(table, Series):
+                groups.append(table.group)
             else:
-                groups.append(each.group + after + first)
-                first += int(each.group.max()) + 1
+                groups.append(table.group + after + first)
+                first += int(table.group.max()) + 1
         return np.concatenate(groups)
 
     @cached_property
     def dof(self) -> Array:
         """Degrees of freedom of each table's errors."""
-        return np.array([each.dof if each.dof > 0 else math.inf for each in self.errors])
+        return np.array([errors.dof if errors.dof > 0 else math.inf for errors in self.errors])
 
     @property
     def freedom(self) -> float:
@@ -203,7 +203,7 @@ class Problem(OneLine):
     @cached_property
     def sd(self) -> Array:
         """Standard deviation of each row, with the model's roughness, shape (n,)."""
-        sd = np.concatenate([each.sd for each in self.errors])
+        sd = np.concatenate([errors.sd for errors in self.errors])
         return sd if self.roughness is None else np.hypot(sd, self.roughness)
 
     def covariance(self, table: int) -> Array | None:
@@ -216,9 +216,7 @@ class Problem(OneLine):
     @cached_property
     def _lower(self) -> list[Array | None]:
         covariances = [self.covariance(k) for k in range(len(self.tables))]
-        return [
-            None if each is None else np.asarray(np.linalg.cholesky(each)) for each in covariances
-        ]
+        return [None if one is None else np.asarray(np.linalg.cholesky(one)) for one in covariances]
 
     @cached_property
     def log_dets(self) -> list[float]:
@@ -227,7 +225,7 @@ class Problem(OneLine):
             self.sd[part] if lower is None else np.diag(lower)
             for part, lower in zip(self.rows, self._lower, strict=True)
         ]
-        return [2.0 * float(np.sum(np.log(each))) for each in sizes]
+        return [2.0 * float(np.sum(np.log(size))) for size in sizes]
 
     @property
     def log_det(self) -> float:
@@ -250,7 +248,7 @@ class Problem(OneLine):
     def with_shared_errors_at(self, level: Array) -> Problem:
         """The same where errors that conditions share follow the predictions `level`, (n,)."""
         level = np.where(np.isfinite(level), level, self.y)
-        moved = [each.at(level[part]) for each, part in zip(self.errors, self.rows, strict=True)]
+        moved = [one.at(level[part]) for one, part in zip(self.errors, self.rows, strict=True)]
         return replace(self, errors=tuple(moved))
 
     # ----------------------------------------------------------------- predictions
@@ -292,9 +290,9 @@ class Cached:
             made = np.asarray(self._model(np.stack(list(new.values()))), dtype=float)
             # A row by itself, as a view would keep all rows of its call.
             self._rows |= {key: row.copy() for key, row in zip(new, made, strict=True)}
-        found = np.stack([self._rows[key] for key in keys])
+        rows = np.stack([self._rows[key] for key in keys])
         for key in dict.fromkeys(keys):
             self._rows.move_to_end(key)
-        while len(self._rows) * found.shape[1] > _MOST_CACHED and len(self._rows) > len(keys):
+        while len(self._rows) * rows.shape[1] > _MOST_CACHED and len(self._rows) > len(keys):
             self._rows.popitem(last=False)
-        return found
+        return rows

@@ -86,12 +86,12 @@ def responses(
     product, `sizes` the coordinates at which amplitudes are tried; those of the largest gain come
     first.
     """
-    probes = [each for cause in offered for each in _probes(problem, cause, sizes)]
+    probes = [probe for cause in offered for probe in _probes(problem, cause, sizes)]
     points = []
-    for each in probes:
-        for column, value in zip(each.columns, each.values, strict=True):
+    for probe in probes:
+        for column, value in zip(probe.columns, probe.values, strict=True):
             points.append(end.x.copy())
-            points[-1][[*each.shapes, column]] = [*each.shapes.values(), value]
+            points[-1][[*probe.shapes, column]] = [*probe.shapes.values(), value]
     gaps = np.zeros((0, len(problem.y)))
     if points:
         drafted = draft and problem.draft is not None
@@ -102,13 +102,13 @@ def responses(
     # One product for all: the slopes of what is fitted, the gaps, the residual.
     prepared = form.prepared(np.column_stack([end.slopes, gaps.T, end.residual]))
     gram = form.weighted(prepared, end.residual, h)
-    found, at = [], end.slopes.shape[1]
-    for each in probes:
-        rows = range(at, at + len(each.columns))
-        at += len(each.columns)
-        own = gaps[rows.start - end.slopes.shape[1] : rows.stop - end.slopes.shape[1]]
-        found.append(_best(problem, end, causes, each, gram, rows, own))
-    return sorted(found, key=lambda each: -each.gain)
+    result, at = [], end.slopes.shape[1]
+    for probe in probes:
+        rows = range(at, at + len(probe.columns))
+        at += len(probe.columns)
+        effects = gaps[rows.start - end.slopes.shape[1] : rows.stop - end.slopes.shape[1]]
+        result.append(_best(problem, end, causes, probe, gram, rows, effects))
+    return sorted(result, key=lambda response: -response.gain)
 
 
 def _probes(problem: Problem, cause: Cause, sizes: Sequence[float]) -> list[_Probe]:
@@ -118,10 +118,10 @@ def _probes(problem: Problem, cause: Cause, sizes: Sequence[float]) -> list[_Pro
     moved = [k for k in columns if k not in shapes]
     signs = (1.0,) if all(0.0 in (low[k], high[k]) for k in moved) else (1.0, -1.0)
     places = [_SHAPES if problem.fineness[k] > FINE else _scanned(problem, k) for k in shapes]
-    if any(each is not _SHAPES for each in places):
+    if any(shapes is not _SHAPES for shapes in places):
         sizes = (USUAL,)
     if len(moved) > 1:
-        sizes = [each for each in sizes if each <= _UNSURPRISING]
+        sizes = [size for size in sizes if size <= _UNSURPRISING]
     return [
         _Probe(
             cause,

@@ -37,8 +37,8 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
     A cause that is not listed counts as noise. Readings that follow an input of many jumps scatter
     about each smooth curve; if the fit leaves less than that, it tells their error too.
     """
-    unknown = [k for k, each in enumerate(problem.errors) if each.dof == 0.0]
-    curves = [k for k, each in enumerate(problem.errors) if SMOOTH in {n.code for n in each.notes}]
+    unknown = [k for k, errors in enumerate(problem.errors) if errors.dof == 0.0]
+    curves = [k for k, e in enumerate(problem.errors) if SMOOTH in {n.code for n in e.notes}]
     if not unknown and not curves:
         return problem
     null, ends = recalibrated(problem, seed)
@@ -47,12 +47,12 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
     if unknown:
         starts = _searched(problem, null, ends, seed)
     else:
-        found = responses(problem, null.end, (), problem.causes, Exact(problem), h)
-        starts = [null.x, *(each.x for each in found[:_STARTS])]
+        effects = responses(problem, null.end, (), problem.causes, Exact(problem), h)
+        starts = [null.x, *(effect.x for effect in effects[:_STARTS])]
     for _ in range(_ROUNDS):
         form = Exact(problem)
         every = [descend(problem, form, h, problem.causes, x, steps=_STEPS) for x in starts]
-        best = min(in_step(problem, every), key=lambda each: each.cost)
+        best = min(in_step(problem, every), key=lambda fit: fit.cost)
         starts = [best.x]
         spent = _parameters(problem, form, best)
         problem = _scattered(problem, unknown, best.residual, spent)
@@ -71,8 +71,8 @@ def _searched(problem: Problem, null: Fit, ends: Sequence[End], seed: int) -> li
     models = Models(problem, problem.causes, ["exact"])
     models.add_fits([Start("exact", (), null.x)])
     search(models, ends, problem.causes, seed=seed)
-    found = sorted(models.best.values(), key=lambda each: each.cost)
-    return [null.x, *(each.x for each in found[:_STARTS])]
+    fits = sorted(models.best.values(), key=lambda fit: fit.cost)
+    return [null.x, *(fit.x for fit in fits[:_STARTS])]
 
 
 def _parameters(problem: Problem, form: Exact, end: End) -> float:
@@ -102,9 +102,9 @@ def _scattered(problem: Problem, unknown: Sequence[int], residual: Array, spent:
             f"A reading scatters by {size:.2g} {table.unit} about the fit of all causes "
             f"({free:.0f} degrees of freedom): a cause that is none of them counts as noise."
         )
-        told = {"s0": size, "rho": 0.0}
+        sizes = {"s0": size, "rho": 0.0}
         weight = np.sqrt(np.bincount(table.condition))
         note = Note("noise-fit", text, size)
-        errors = Errors(size / weight, None, free, told, (note,), of_fit=True)
+        errors = Errors(size / weight, None, free, sizes, (note,), of_fit=True)
         tables[k] = table.with_errors(errors)
     return replace(problem, tables=tuple(tables), errors=())
