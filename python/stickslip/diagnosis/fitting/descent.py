@@ -118,7 +118,8 @@ def descend(
 
     Without `draft`, softened forms use the problem's draft, and others do not. `begin` is an end at
     `x` of the same model, whose residual and slopes are taken over; `slopes` are some that were
-    found near by. A descent that is above `hopeless` after two steps ends.
+    found near by. A descent that is above `hopeless` after two steps ends, or after one if the next
+    does not promise less.
     """
     free = problem.free(causes)
     draft = isinstance(form, Softened) and form.is_soft if draft is None else draft
@@ -140,13 +141,15 @@ def descend(
     longest = _longest_steps(problem)[free]
     factor = 1.0
     for count in range(steps):
-        if count >= 2 and now > hopeless:
-            break
         prepared = form.prepared(np.column_stack([slopes, residual]))
         gram = form.weighted(prepared, residual, h)
         curvature = gram[:-1, :-1] + precision
         downhill = gram[:-1, -1] - precision @ x[free]
         stuck = ((x[free] <= low) & (downhill < 0.0)) | ((x[free] >= high) & (downhill > 0.0))
+        if count and now > hopeless:
+            promised = downhill @ _step(curvature, downhill, stuck, 0.0)
+            if count > 1 or now - promised > hopeless:
+                break
         fall, there, made = -np.inf, x, residual
         for dampings in (DAMPINGS[:1], DAMPINGS[1:]):
             tries = np.tile(x, (len(dampings), 1))

@@ -124,16 +124,17 @@ def minimise(
             slopes=slopes, hopeless=hopeless,
         )  # fmt: skip
         x = end.x
-        if not end.exact and end.cost < hopeless:
+        given_up = end.cost >= hopeless
+        if not end.exact and not given_up:
             slopes = yield from derivatives(problem, x, free, end.residual)
             end = replace(end, slopes=slopes, exact=True)
         h, log_evidence, precision, covariance, left = evidence(problem, form, causes, end, h)
-        if (not form.names and len(problem.precisions(causes)) == 1) or (
-            left < _AT_MINIMUM and turn
-        ):
+        settled = left < _AT_MINIMUM and turn > 0
+        alone = not form.names and len(problem.precisions(causes)) == 1
+        if given_up or settled or alone:
             break
         steps = 6
-    else:
+    if given_up or not (settled or alone):
         # No minimum was reached: what was only promised does not count.
         log_evidence -= 0.5 * left
     assert end is not None

@@ -141,14 +141,24 @@ class Models:
         return best < _NEAR_DATA * len(self.problem.y)
 
     @property
+    def hopeless(self) -> float:
+        """Cost with the errors as stated from which a model is far behind the best one."""
+        best = self.leaders(1, "exact")
+        return best[0].cost + _HOPELESS if best else math.inf
+
+    @property
     def null(self) -> Fit:
         """The recalibrated model with the errors as they are stated."""
         return self.best[frozenset(), "exact"]
 
     def log_posterior(self, one: Fit) -> float:
         """Log-evidence and log prior probability of a model, up to what all have."""
-        prior = log_prior(one.causes, one.form, self._odds)
+        prior = self.log_prior(one.causes, one.form)
         return one.log_evidence + self.corrections.get(one.names, 0.0) + prior
+
+    def log_prior(self, causes: Sequence[Cause], form: str = "exact") -> float:
+        """Log prior probability of a model."""
+        return log_prior(causes, form, self._odds)
 
     def linear(self, about: Fit, form: str) -> Fit | None:
         """The model with another form of the discrepancy as it is about a fit; it is kept."""
@@ -173,9 +183,7 @@ class Models:
                 self.add(found)
 
     def _fitted(self, start: Start) -> Asking[Fit | None]:
-        hopeless = math.inf
-        if start.form == "exact" and start.causes and self.best:
-            hopeless = self.leaders(1, start.form)[0].cost + _HOPELESS
+        hopeless = self.hopeless if start.form == "exact" and start.causes else math.inf
         try:
             return (
                 yield from minimise(
@@ -279,6 +287,7 @@ def search(
             each
             for each in _worth_a_look(models)
             if each.log_evidence > done.get(each.names, -math.inf) + _BETTER
+            and not (each.names in done and _leaves_too_little(models, each))
         ]
         # Where the best model leaves ten errors in each row, few looks beside others explain more.
         reaches = models.reaches
@@ -304,14 +313,15 @@ def search(
 def _draw(models: Models, seed: int) -> None:
     """Correct the evidence of the leading sets of causes by draws, or their fit by a better one.
 
-    Where no model comes near the data, leads are far larger than what Laplace's rule misses.
+    Where no model comes near the data, or only one is near the best, leads are far larger than what
+    Laplace's rule misses.
     """
     problem = models.problem
-    if not models.reaches:
-        return
     sets: dict[frozenset[str], Fit] = {}
     for each in _near(models):
         sets.setdefault(each.names, each)
+    if not models.reaches or len(sets) == 1:
+        return
     for names, each in [pair for pair in sets.items() if pair[0] not in models.corrections][
         :_DRAWN
     ]:
@@ -367,12 +377,9 @@ def _worth_a_look(models: Models) -> list[Fit]:
 def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -> None:
     """A fit of each cause by itself, begun where first looks promise most."""
     problem = models.problem
-    long, short = list[_Look](), list[_Look]()
-    for each in _first_looks(models, ends, causes):
-        (long if each[-1] == _LONGER_LOOK else short).append(each)
-    looks = in_step(problem, [_looked(problem, *each) for each in short])
-    rival = min((end for end, _ in looks), key=lambda end: end.cost, default=None)
-    looks += in_step(problem, [_looked(problem, *each, rival) for each in long])
+    every = _first_looks(models, ends, causes)
+    looks = in_step(problem, [_looked(problem, *each) for each in every[:1]])
+    looks += in_step(problem, [_looked(problem, *each, looks[0][0]) for each in every[1:]])
     looks.sort(key=lambda each: each[0].cost)
     first = {cause.name: (end, cause) for end, cause in reversed(looks)}
     hopeful = [each for each in looks if each[0].cost < looks[0][0].cost + _HOPELESS]
@@ -389,7 +396,7 @@ def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -
     worse = []
     for cause in causes:
         own = models.get([cause.name])
-        if own is None or own.cost > null.cost + SETTLED:
+        if own is None or (own.cost > null.cost + SETTLED and null.cost < models.hopeless):
             worse.append(Start("exact", (cause,), null.x))  # no fit is worse than what it contains
     models.add_fits(worse)
 
@@ -399,7 +406,8 @@ _Look = tuple[Cause, Array, Array | None, Sequence[Softened], int]
 
 
 def _first_looks(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -> list[_Look]:
-    """Where responses about several ends promise most, and where a freed constant is near the data.
+    """Where responses about several ends promise most, the best first, and where a freed constant
+    is near the data.
 
     A cause with a fine shape has many minima, and gains about one end do not compare with those
     about another: it is followed from each, the stated constants too, and farther.
@@ -423,11 +431,12 @@ def _first_looks(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -
         ):
             own.get(each.cause.name, together.get(each.cause.name, [])).append(each)
         bundles += [(each, own[each.name]) for each in fine]
-    looks: list[_Look] = []
+    hopes: list[tuple[float, _Look]] = []
     for promising in in_step(problem, [_promising(soft, found) for _, found in bundles]):
-        for each in promising:
+        for cost, each in promising:
             steps = _LONGER_LOOK if each.cause in fine else _LOOK
-            looks.append((each.cause, each.x, each.slopes, (soft, robust), steps))
+            hopes.append((cost, (each.cause, each.x, each.slopes, (soft, robust), steps)))
+    looks = [look for _, look in sorted(hopes, key=lambda each: each[0])]
     freed = [each for each in causes if each.frees is not None and not each.parameters]
     stages = (*(Softened(problem, *each) for each in STAGES[:2]), robust)
     for cause, starts in zip(
@@ -437,11 +446,12 @@ def _first_looks(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -
     return looks
 
 
-def _promising(soft: Softened, found: Sequence[Response]) -> Asking[list[Response]]:
-    """The best two starts of a cause: responses are right to first order, so they are tried."""
+def _promising(soft: Softened, found: Sequence[Response]) -> Asking[list[tuple[float, Response]]]:
+    """The best two starts of a cause, with their costs, as responses are right to first order."""
     near = list(_separated(found, lambda each: each.x, _APART))[:_LOOKED_AT]
     residual = yield np.array([each.x for each in near]), True
-    return [near[k] for k in np.argsort(soft.cost(residual, np.zeros(0)))[:_FOLLOWED].tolist()]
+    cost = soft.cost(residual, np.zeros(0))
+    return [(float(cost[k]), near[k]) for k in np.argsort(cost)[:_FOLLOWED].tolist()]
 
 
 def _along(problem: Problem, cause: Cause, null: Fit) -> Asking[list[Array]]:
@@ -495,12 +505,25 @@ def _end_at(problem: Problem, causes: Sequence[Cause], x: Array) -> Asking[End]:
     return End(x, residual, slopes, math.nan)
 
 
+def _leaves_too_little(models: Models, leader: Fit) -> bool:
+    """Whether no further cause could lead, even one that explains all that the leader leaves.
+
+    Its log-evidence would be half the cost larger, and ln 2 where it has one side only.
+    """
+    plain = models.get(leader.names)
+    chances = (models.log_prior((*leader.causes, each)) for each in models.offered)
+    price = models.log_prior(leader.causes) - max(chances)
+    return plain is not None and 0.5 * plain.cost + math.log(2.0) < price
+
+
 def _look_beside(models: Models, leader: Fit) -> None:
     """Fit the models with one cause more, less or exchanged, from where a leader is."""
     problem, metric, h = models.problem, models.forms[leader.form], leader.h
     if leader.form == "exact":
         metric, h = _softened(problem, leader), np.zeros(0)
-    bases = [(leader.causes, leader.end)] if len(leader.causes) < MOST_CAUSES else []
+    bases = []
+    if len(leader.causes) < MOST_CAUSES and not _leaves_too_little(models, leader):
+        bases = [(leader.causes, leader.end)]
     smaller = [
         tuple(each for each in leader.causes if each is not cause) for cause in leader.causes
     ]
