@@ -117,10 +117,13 @@ def decide(models: Models, test: Test) -> Verdict:
 
 def _without_cause(verdict: Verdict, models: Models, test: Test, leader: Fit | None) -> Verdict:
     if test.misfit:
+        likeliest = next(each for each in models.leaders() if not each.causes)
+        rival = "an unknown model error"
+        if likeliest.form == "ar1":
+            rival = "correlated errors along a run, of the readings or of the model"
         reason = Note(
             "no-cause-leads",
-            f"A misfit is left (p = {test.p_value:.2g}); no cause is more probable than an unknown "
-            "model error.",
+            f"A misfit is left (p = {test.p_value:.2g}); no cause is more probable than {rival}.",
             test.p_value,
         )
         gain = gain_of(models, leader) if leader else None
