@@ -303,15 +303,22 @@ struct Steppers {
 }  // namespace
 
 void register_simulator(py::module_& module) {
+    // A docstring begins with its own signature.
+    py::options options;
+    options.disable_function_signatures();
+
     const auto bytes_of = [](const RunSnapshot& self) { return py::bytes(self.to_bytes()); };
     py::class_<RunSnapshot>(
         module, "Snapshot",
         "State, time and voltages of a `Simulator`: restored, it goes on with the same bits.")
-        .def("to_bytes", bytes_of, R"(The snapshot as bytes with a checksum.
+        .def("to_bytes", bytes_of, R"(to_bytes()
+
+        The snapshot as bytes with a checksum.
 
         Only the same version, on a machine of the same byte order, can read them.)")
         .def_static("from_bytes", &snapshot_of, py::arg("data"),
-                    "The snapshot that `to_bytes` wrote; a ScenarioError for anything else.")
+                    "from_bytes(data)\n\nThe snapshot that `to_bytes` wrote; a ScenarioError for "
+                    "anything else.")
         .def("__eq__",
              [](const RunSnapshot& self, const py::object& other) {
                  return py::isinstance<RunSnapshot>(other) &&
@@ -326,7 +333,9 @@ void register_simulator(py::module_& module) {
              }),
              py::arg("scenario"), py::arg("whole_plane"))
         .def("step", &step, py::arg("voltages"), py::arg("duration"), py::arg("hold") = "constant",
-             py::arg("start") = py::none(), R"(Play one step.
+             py::arg("start") = py::none(), R"(step(voltages, duration, hold="constant", start=None)
+
+        Play one step.
 
         Parameters
         ----------
@@ -369,7 +378,7 @@ void register_simulator(py::module_& module) {
         .def_property_readonly("whole_plane", &Simulator::in_whole_plane,
                                "Whether the robot may turn and move in the whole plane.")
         .def("snapshot", &Simulator::snapshot,
-             "A snapshot, from which `restore` goes on with the same bits.")
+             "snapshot()\n\nA snapshot, from which `restore` goes on with the same bits.")
         .def(
             "restore",
             [](Simulator& self, const py::object& snapshot) {
@@ -378,7 +387,9 @@ void register_simulator(py::module_& module) {
                 }
                 self.restore(snapshot.cast<const RunSnapshot&>());
             },
-            py::arg("snapshot"), R"(Go back, or over, to a snapshot of the same scenario.
+            py::arg("snapshot"), R"(restore(snapshot)
+
+        Go back, or over, to a snapshot of the same scenario.
 
         The record may differ, and the initial state but for its currents.
 
