@@ -13,14 +13,13 @@ from stickslip.diagnosis.data.errors import FEWEST, Errors
 from stickslip.diagnosis.data.series import SMOOTH
 from stickslip.diagnosis.fitting.descent import End, descend, in_step, precision_of
 from stickslip.diagnosis.fitting.forms import Exact
-from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.responses import responses
-from stickslip.diagnosis.fitting.search import Models, Start, recalibrated, search
+from stickslip.diagnosis.fitting.search import recalibrated
 from stickslip.simulation.note import Note
 
-# Rounds of fit and scatter, steps of each, and models, or single causes at their best amplitude,
-# from which a fit of all begins too. Chosen.
+# Rounds of fit and scatter, steps of each, and single causes at their best amplitude, from which a
+# fit of all begins too. Chosen.
 _ROUNDS, _STEPS, _STARTS = 4, 15, 3
 
 _SMALLEST = 1e-9
@@ -41,14 +40,11 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
     curves = [k for k, e in enumerate(problem.errors) if SMOOTH in {n.code for n in e.notes}]
     if not unknown and not curves:
         return problem
-    null, ends = recalibrated(problem, seed)
+    null, _ = recalibrated(problem, seed)
     problem = _scattered(problem, unknown, null.residual, len(null.free))
     h = np.zeros(0)
-    if unknown:
-        starts = _searched(problem, null, ends, seed)
-    else:
-        effects = responses(problem, null.end, (), problem.causes, Exact(problem), h)
-        starts = [null.x, *(effect.x for effect in effects[:_STARTS])]
+    effects = responses(problem, null.end, (), problem.causes, Exact(problem), h)
+    starts = [null.x, *(effect.x for effect in effects[:_STARTS])]
     for _ in range(_ROUNDS):
         form = Exact(problem)
         every = [descend(problem, form, h, problem.causes, x, steps=_STEPS) for x in starts]
@@ -64,15 +60,6 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
             tables[k] = tables[k].with_errors(replace(tables[k].errors, dof=0.0, notes=()))
         return with_scatter(replace(problem, tables=tuple(tables), errors=()), seed)
     return problem
-
-
-def _searched(problem: Problem, null: Fit, ends: Sequence[End], seed: int) -> list[Array]:
-    """Coordinates of the recalibrated model, and of the models that come nearest to the data."""
-    models = Models(problem, problem.causes, ["exact"])
-    models.add_fits([Start("exact", (), null.x)])
-    search(models, ends, problem.causes, seed=seed)
-    fits = sorted(models.best.values(), key=lambda fit: fit.cost)
-    return [null.x, *(fit.x for fit in fits[:_STARTS])]
 
 
 def _parameters(problem: Problem, form: Exact, end: End) -> float:
