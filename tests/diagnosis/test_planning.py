@@ -15,7 +15,7 @@ from stickslip import (
     read_measurement,
     simulate_batch,
 )
-from stickslip.diagnosis.planning import FILES, _chosen, _told, plan
+from stickslip.diagnosis.planning import FILES, _chosen, _distances, plan
 
 PRIORS = {
     "contact.kinetic_friction": {"mean": 0.145, "sd": 0.01},
@@ -34,7 +34,7 @@ def test_told_apart_is_the_least_distance_over_sizes_and_constants():
     random = np.random.default_rng(1)
     slopes, gaps = random.standard_normal((2, 6)), random.standard_normal((3, 6))
     variance = random.uniform(0.1, 1.0, 6)
-    apart, seen = _told(slopes, gaps, variance)
+    apart, seen = _distances(slopes, gaps, variance)
     weights = np.sqrt(np.concatenate([1.0 / variance, np.ones(2)]))
 
     def least(target, *free):
@@ -57,7 +57,7 @@ def test_chosen_drives_are_hardly_worse_than_the_best_of_all():
     variance = np.ones(9)
 
     def told(rows):
-        apart, seen = _told(slopes[:, rows], gaps[:, rows], variance[rows])
+        apart, seen = _distances(slopes[:, rows], gaps[:, rows], variance[rows])
         return np.sum(seen > 4.0) + np.sum(np.triu(apart, 1) > 4.0)
 
     every = [[i, j, k] for i in range(9) for j in range(i) for k in range(j)]
