@@ -24,6 +24,7 @@ from stickslip import (
     Coil,
     EffectParameter,
     FieldMap,
+    Forces,
     Run,
     Scenario,
     ScenarioError,
@@ -175,8 +176,7 @@ HARD: dict[str, dict[str, Any]] = {
         "inner.duty": 0.3,
         "inner.stop_low": -4e-6,
         "inner.stop_high": 6e-6,
-        "inner.stop_stiffness": 0.5,
-        "inner.stop_damping": 4e-6,
+        "inner.restitution": 0.5,
     },
     "hammer on a shaken surface": {
         "inner.mass": 8e-9,
@@ -185,9 +185,17 @@ HARD: dict[str, dict[str, Any]] = {
         "inner.direction": 1.3,
         "inner.frequency": 128.0,
         "inner.amplitude": -2e-7,
+        "inner.stop_high": 2e-6,
         "shake.frequency": 128.0,
         "shake.amplitude_x": 8e-6,
         "shake.amplitude_z": 2e-6,
+    },
+    "capsule by rows": {
+        "inner.mass": 8e-9,
+        "inner.stiffness": 0.02,
+        "inner.damping": 2e-6,
+        "inner.stop_high": 5e-6,
+        "inner.forces": Forces([[0.0, 2e-7], [2.0**-9, -1e-7], [2.0**-8, -5e-8], [2.0**-7, 1e-7]]),
     },
     "shaken by rows": {
         "shake.accelerations": Accelerations(

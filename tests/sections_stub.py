@@ -19,7 +19,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Literal, NamedTuple
 
 from stickslip.field.field_map import FieldMap
-from stickslip.scenario.accelerations import Accelerations
+from stickslip.scenario.played_rows import Accelerations, Forces
 from stickslip.scenario.section import Section
 from stickslip.scenario.waveform import Waveform
 
@@ -65,6 +65,10 @@ BY_HAND = {
         magnetization: float | None = None,
     ) -> Robot: ...
 """,
+    "Inner": """\
+    @property
+    def forces(self) -> Forces | None: ...
+""",
     "Shake": """\
     @property
     def accelerations(self) -> Accelerations | None: ...
@@ -80,6 +84,7 @@ BY_HAND = {
 
 ARGUMENTS = {
     "Drive": ["program: Waveform | None = None"],
+    "Inner": ["forces: Forces | None = None"],
     "Shake": ["accelerations: Accelerations | None = None"],
     "Coil": [
         "map: FieldMap | None = None",

@@ -182,7 +182,7 @@ def test_a_shaken_surface(name):
 
 SPRUNG = {"mass": 10e-9, "stiffness": 0.02, "damping": 2e-6, "frequency": 200.0,
           "amplitude": 2e-7, "harmonic_2": 0.5, "phase_2": 1.0}  # fmt: skip
-STOPS = {"stop_low": -5e-6, "stop_high": 4e-6, "stop_stiffness": 0.5, "stop_damping": 5e-6}
+STOPS = {"stop_low": -5e-6, "stop_high": 4e-6, "restitution": 0.6}
 # inner, contact, shake
 CAPSULES = {
     "two sines": ({}, {}, {}),

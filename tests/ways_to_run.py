@@ -135,10 +135,11 @@ def _misread(run: Run, scale: float) -> str:
 def swept(table: Table) -> Iterator[str]:
     """As points of sweeps on two threads; a sweep has one map and one program."""
 
-    def together(case: Case) -> tuple[int, int, int]:
+    def together(case: Case) -> tuple[int, ...]:
         scenario = case.scenario
         return (
-            id(scenario.coil.map), hash(scenario.drive.program), id(scenario.shake.accelerations)
+            id(scenario.coil.map), hash(scenario.drive.program), id(scenario.shake.accelerations),
+            id(scenario.inner.forces),
         )  # fmt: skip
 
     for _, group in itertools.groupby(sorted(table.to_the_bit, key=together), key=together):
@@ -261,8 +262,6 @@ def restored(table: Table) -> Iterator[str]:
 # They know the time since the run began, or how the voltage came to where it is, or will.
 NOT_BEGUN_AGAIN = {
     *("late", "sample_hold", "free_friction_age", "free_field_time", *OWN),
-    # A state does not say where the inner mass is.
-    *("capsule", "capsule with stops", "hammer on a shaken surface"),
 }
 
 

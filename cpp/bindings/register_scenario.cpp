@@ -139,6 +139,7 @@ void take_section(Scenario& scenario, const Scenario& other, const std::string& 
     if (section == "drive") scenario.program = other.program;
     if (section == "coil") scenario.map = other.map;
     if (section == "shake") scenario.shake.accelerations = other.shake.accelerations;
+    if (section == "inner") scenario.inner.drive.rows = other.inner.drive.rows;
 }
 
 py::dict describe(const std::string& key, const char* kind, const char* meaning,
@@ -296,12 +297,24 @@ std::array<double, 2> set_accelerations(Scenario& scenario, const std::optional<
     if (!rows) return {};
     const auto r = rows->unchecked<2>();
     std::vector<Accelerations::Point> points;
+    points.reserve(static_cast<std::size_t>(r.shape(0)));
     for (py::ssize_t i = 0; i < r.shape(0); ++i) {
         points.push_back({.time = r(i, 0), .x = r(i, 1), .z = r(i, 2)});
     }
     const auto made = std::make_shared<const Accelerations>(std::move(points));
     scenario.shake.accelerations = made;
     return made->mean();
+}
+
+/// Rows of time and force on the inner mass, or none.
+void set_forces(Scenario& scenario, const std::optional<Array>& rows) {
+    scenario.inner.drive.rows = nullptr;
+    if (!rows) return;
+    const auto r = rows->unchecked<2>();
+    std::vector<InnerDrive::Row> given;
+    given.reserve(static_cast<std::size_t>(r.shape(0)));
+    for (py::ssize_t i = 0; i < r.shape(0); ++i) given.push_back({r(i, 0), r(i, 1)});
+    scenario.inner.drive.set_rows(std::move(given));
 }
 
 /// The voltages as the coils get them, in the world's frame.
@@ -368,6 +381,7 @@ void register_scenario(py::module_& module) {
             },
             py::arg("map"))
         .def("set_accelerations", &set_accelerations, py::arg("rows"))
+        .def("set_forces", &set_forces, py::arg("rows"))
         .def("check", &check)
         .def("coils", [](const Scenario& self) { return world_coil_set(self); })
         .def("resistances",

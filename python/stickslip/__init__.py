@@ -29,10 +29,10 @@ _NAMES = {
     "stickslip.measurement.reading": "Measurement read_measurement",
     "stickslip.measurement.track": "velocity_of_track",
     "stickslip.reproduction.study": "reproduce",
-    "stickslip.scenario.accelerations": "Accelerations",
     "stickslip.scenario.effects": "EffectParameter effects register_effect",
     "stickslip.scenario.keys": "COIL_NAMES",
     "stickslip.scenario.law": "Law",
+    "stickslip.scenario.played_rows": "Accelerations Forces",
     "stickslip.scenario.scenario": "Scenario load",
     "stickslip.scenario.sections": "STATE_COLUMNS Coil Contact Drag Drive Environment Inner Record "
     "Robot Shake Solver State",

@@ -24,12 +24,13 @@ from stickslip.measurement.reading import Measurement as Measurement
 from stickslip.measurement.reading import read_measurement as read_measurement
 from stickslip.measurement.track import velocity_of_track as velocity_of_track
 from stickslip.reproduction.study import reproduce as reproduce
-from stickslip.scenario.accelerations import Accelerations as Accelerations
 from stickslip.scenario.effects import EffectParameter as EffectParameter
 from stickslip.scenario.effects import effects as effects
 from stickslip.scenario.effects import register_effect as register_effect
 from stickslip.scenario.keys import COIL_NAMES as COIL_NAMES
 from stickslip.scenario.law import Law as Law
+from stickslip.scenario.played_rows import Accelerations as Accelerations
+from stickslip.scenario.played_rows import Forces as Forces
 from stickslip.scenario.scenario import Scenario as Scenario
 from stickslip.scenario.scenario import load as load
 from stickslip.scenario.sections import STATE_COLUMNS as STATE_COLUMNS

@@ -267,8 +267,7 @@ def _capsule(draw: Draw) -> Scenario:
         "inner.duty": draw.uniform(0.1, 0.7) if draw.chance(0.4) else 0.0,
         "inner.stop_high": draw.uniform(1e-6, 1e-5),
         "inner.stop_low": draw.uniform(-1e-5, -1e-6),
-        "inner.stop_stiffness": draw.word(0.0, 0.5),
-        "inner.stop_damping": draw.uniform(0.0, 1e-5),
+        "inner.restitution": draw.uniform(0.0, 1.0) if draw.chance(0.7) else 0.0,
     }
     return _shaken(draw).replace(inner)
 

@@ -29,7 +29,7 @@ from .contact import (
     solve_two,
 )
 from .field import wire_loop_planar
-from .shaken import ANGLE, EXISTS, MASS, inner_force, surface
+from .shaken import ANGLE, EXISTS, MASS, inner_force, strike, surface
 
 # SI throughout. moment is V M in A m^2; mirror is -1 if the robot faces the world's -x; gain (n,)
 # is each coil's field over what the field model gives; gradient is the same of all gradients.
@@ -378,10 +378,20 @@ def march(
         if shaken.inner[EXISTS] > 0.0:
             gained = (new_vx - vx + jump_x) * line_x + (new_vz - vz + jump_z) * line_z
             weight = model.gravity_x * line_x + model.gravity_z * line_z
-            inner_velocity += step * (spring / shaken.inner[MASS] + weight) - gained
+            gain = step * (spring / shaken.inner[MASS] + weight) - gained
+            inner_velocity += gain
             inner_place += step * inner_velocity
+            corners = (first, chosen[1] if closed == 2 else first)
+            (inner_place, inner_velocity), (vx, vz, omega), since = strike(
+                shaken, model, (inner_place, inner_velocity), (new_vx, new_vz, new_omega), corners,
+                (line_x, line_z), touching, slip, (rx, rz), gain,
+            )  # fmt: skip
+            x += since * (vx - new_vx)
+            z += since * (vz - new_vz)
+            theta += since * (omega - new_omega)
+        else:
+            vx, vz, omega = new_vx, new_vz, new_omega
         was_x, was_z, now_x, now_z = now_x, now_z, next_x, next_z
-        vx, vz, omega = new_vx, new_vz, new_omega
         segment = advance_circuits(
             t, t_next, decay, segment, seg_start, seg_level, seg_slope, current, lagged, circuit
         )

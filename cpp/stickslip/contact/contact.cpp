@@ -17,11 +17,14 @@ public:
     // onset: see resolve_contact.
     Resolution corner(int quadrant, double angle, const Vector& slip, int onset) {
         look_at(quadrant, angle);
-        const auto load = frame_.load(seen_, tau_, pose_, velocity(), body_.vz, body_.omega);
-        if (!frame_.is_slow(slip)) return sliding(load, slip);
-        const CornerStick stick = corner_stick(dynamics_.robot(), pose_, body_.omega, load);
-        // That would hold it; it would slip the other way.
-        const Vector friction = frame_.vector(stick.reaction.friction, -frame_.across(load));
+        if (!frame_.is_slow(slip)) return sliding(slip);
+        CornerStick stick;
+        Vector friction;  // that would hold it; it would slip the other way
+        move_corner([&](const Load& load) {
+            stick = corner_stick(dynamics_.robot(), pose_, body_.omega, load);
+            friction = frame_.vector(stick.reaction.friction, -frame_.across(load));
+            return MovingCorner{0.0, stick.angular_acceleration};
+        });
         const double normal = stick.reaction.normal;
         if (onset == 0 && normal >= 0.0) {
             const double way = frame_.against(friction).along;
@@ -29,16 +32,21 @@ public:
                 dynamics_.static_limit(way, contact_x(), pose_, normal, tau_) * normal;
             if (friction.size() <= limit) return {{Touch::corner, 0}, quadrant};
         }
-        if (frame_.has_begun(slip)) return sliding(load, slip);
-        return breaking_loose(load, friction, onset);
+        if (frame_.has_begun(slip)) return sliding(slip);
+        return breaking_loose(friction, onset);
     }
     Resolution face(int quadrant, Vector slip, int onset) {
         look_at(quadrant, 0.0);
         const Model& model = dynamics_.model();
-        const auto load = frame_.load(seen_, tau_, pose_, velocity(), 0.0, 0.0);
-        FaceReaction reaction = face_reaction(model, quadrant, load, true, 0.0);
+        FaceReaction reaction;
+        Vector friction;
+        dynamics_.move_with(tau_, pose_, [&] {
+            const Load load = this->load(0.0, 0.0);
+            reaction = face_reaction(model, quadrant, load, true, 0.0);
+            friction = frame_.vector(reaction.friction, -frame_.across(load));
+            return std::array{0.0, 0.0};
+        });
         const double normal = reaction.normal();
-        const Vector friction = frame_.vector(reaction.friction, -frame_.across(load));
         bool slips = !frame_.is_slow(slip) || onset != 0;
         if (!slips) {
             const double way = frame_.against(friction).along;
@@ -49,9 +57,14 @@ public:
         if (slips) {
             slip = frame_.begun(slip, frame_.against(friction));
             const Vector way = frame_.way_of(slip, friction, onset);
-            const double coefficient =
-                dynamics_.kinetic(way.along, slip.size(), body_.x, pose_, normal, tau_);
-            reaction = face_reaction(model, quadrant, load, false, way.along * coefficient);
+            dynamics_.move_with(tau_, pose_, [&] {
+                const Load load = this->load(0.0, 0.0);
+                const double pressing = load.contact_adhesion - load.fz;
+                const double coefficient =
+                    dynamics_.kinetic(way.along, slip.size(), body_.x, pose_, pressing, tau_);
+                reaction = face_reaction(model, quadrant, load, false, way.along * coefficient);
+                return std::array{(load.fx + reaction.friction) * dynamics_.robot().per_mass, 0.0};
+            });
             mark = frame_.mark(way);
         } else {
             slip = {};
@@ -77,22 +90,45 @@ private:
         seen_ = frame_.seen_at(frame_.field_at(tau_), place(), body_.z);
     }
 
-    // At `speed` (m/s) the way that is `way`.
-    struct Slipping {
-        double coefficient;
-        CornerSlip motion;
-    };
-    Slipping slipping(const Load& load, const Vector& way, double speed) const {
-        const double coefficient =
-            dynamics_.corner_kinetic(way.along, speed, contact_x(), pose_, body_.omega, load, tau_);
-        return {coefficient,
-                corner_slip(dynamics_.robot(), pose_, body_.omega, load, way.along * coefficient)};
+    Load load(double vz, double omega) const {
+        return frame_.load(seen_, tau_, pose_, velocity(), vz, omega);
     }
 
-    Resolution sliding(const Load& load, const Vector& slip) {
+    // Accelerations of a corner along the surface and of the body about it, m/s^2 and rad/s^2.
+    struct MovingCorner {
+        double slip, angular;
+    };
+    // `motion`: what a load makes of it.
+    void move_corner(auto&& motion) {
+        dynamics_.move_with(tau_, pose_, [&] {
+            const MovingCorner a = motion(load(body_.vz, body_.omega));
+            return centre_acceleration(pose_, a.slip, body_.omega, a.angular);
+        });
+    }
+
+    // At `speed` (m/s) the way that is `way`.
+    struct Slipping {
+        CornerSlip motion;
+        double across;  // m/s^2
+    };
+    Slipping slipping(const Vector& way, double speed) {
+        Slipping result;
+        move_corner([&](const Load& load) {
+            const double coefficient = dynamics_.corner_kinetic(way.along, speed, contact_x(),
+                                                                pose_, body_.omega, load, tau_);
+            const CornerSlip motion =
+                corner_slip(dynamics_.robot(), pose_, body_.omega, load, way.along * coefficient);
+            const double across = frame_.across(load) - way.across * coefficient * motion.normal;
+            result = {motion, across * dynamics_.robot().per_mass};
+            return MovingCorner{motion.slip_acceleration, motion.angular_acceleration};
+        });
+        return result;
+    }
+
+    Resolution sliding(const Vector& slip) {
         const int quadrant = dynamics_.quadrant();
         const Vector way = frame_.way_of(slip, {}, 0);
-        const CornerSlip motion = slipping(load, way, slip.size()).motion;
+        const CornerSlip motion = slipping(way, slip.size()).motion;
         if (motion.effective_inertia <= 0.0) {
             // A reaction that lifts presses here: the formula's N is positive where the free corner
             // rises (flight is consistent) and negative where nothing is, and the slip jams.
@@ -108,15 +144,14 @@ private:
     // inertia the corner is free to rise: at slip velocity zero an inconsistent slip cannot occur,
     // so what is left is the indeterminate case, and of its answers flight is the one that is
     // stable.
-    Resolution breaking_loose(const Load& load, const Vector& friction, int onset) {
+    Resolution breaking_loose(const Vector& friction, int onset) {
         const int quadrant = dynamics_.quadrant();
         const auto acceleration = [&](const Vector& way) {
-            const auto [coefficient, motion] = slipping(load, way, 0.0);
-            const double across = frame_.across(load) - way.across * coefficient * motion.normal;
-            return frame_.vector(motion.slip_acceleration, across * dynamics_.robot().per_mass);
+            const auto [motion, across] = slipping(way, 0.0);
+            return frame_.vector(motion.slip_acceleration, across);
         };
         const Vector way = frame_.way_to_slip(friction, onset, acceleration);
-        const CornerSlip motion = slipping(load, way, 0.0).motion;
+        const CornerSlip motion = slipping(way, 0.0).motion;
         if (motion.effective_inertia <= 0.0 || motion.normal < 0.0) {
             return {{Touch::none, 0}, quadrant};
         }

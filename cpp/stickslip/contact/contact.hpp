@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <limits>
 #include <type_traits>
 
@@ -90,6 +91,15 @@ template <class Real>
     const Real ax = fma(alpha, pose.height, ww * pose.lever);
     const Real az = fnma(ww, pose.height - pose.bend, alpha * pose.lever);
     return {fma(robot.mass, az, load.contact_adhesion - load.fz), fma(robot.mass, ax, -load.fx)};
+}
+
+/// Acceleration (m/s^2) of the centre of mass of a body whose pivot on the surface has one along
+/// it.
+inline std::array<double, 2> centre_acceleration(const Pose& pose, double slip, double omega,
+                                                 double alpha) {
+    const double ww = omega * omega;
+    return {slip + alpha * pose.height + ww * pose.lever,
+            alpha * pose.lever - ww * (pose.height - pose.bend)};
 }
 
 /// Inertia about the point that touches, kg m^2.

@@ -79,8 +79,12 @@ void ContactTransitions::react(Event event, double tau) {
         case Event::none:
         case Event::slip_quickens:
         case Event::heading:  // the contact does not know of it
+            break;
         case Event::inner_ahead:
+            meet_stop(1, tau);
+            break;
         case Event::inner_behind:
+            meet_stop(-1, tau);
             break;
         case Event::slip_slows:
             settle(state_.mode.touch, slip(), 0, tau);
@@ -218,9 +222,22 @@ void ContactTransitions::pivot_on_rear_end() {
 void ContactTransitions::settle(Touch touch, const Slip& slip, int onset, double tau) {
     const ContactMode before = state_.mode;
     follow_with_inner();
-    const Resolution found =
-        plane_ ? resolve_contact(TurningFrame(*plane_), tau, state_.body, touch, slip, onset)
-               : resolve_contact(FixedFrame(dynamics_), tau, state_.body, touch, slip, onset);
+    int& stop = state_.inner.stop;
+    if (stop * state_.inner.velocity > 0.0) {
+        strike_stop(stop, touch, slip.size() > 0.0, tau);
+        return;
+    }
+    const auto resolve = [&] {
+        return plane_
+                   ? resolve_contact(TurningFrame(*plane_), tau, state_.body, touch, slip, onset)
+                   : resolve_contact(FixedFrame(dynamics_), tau, state_.body, touch, slip, onset);
+    };
+    Resolution found = resolve();
+    if (stop != 0 && touch != Touch::none && dynamics_.push() < 0.0) {
+        stop = 0;
+        dynamics_.set_inner(state_.inner);
+        found = resolve();
+    }
     if (found.quadrant != state_.body.quadrant) pivot_on_rear_end();
     // A slow slip that static friction holds; a jam has its impulse below.
     const bool sticks = !found.impulse && slip.size() > 0.0 && found.mode.touch == Touch::corner &&
@@ -246,9 +263,44 @@ double ContactTransitions::along_inner() const {
 void ContactTransitions::follow_with_inner() {
     if (model().inner.absent()) return;
     const double now = along_inner();
-    state_.inner.velocity += along_inner_ - now;
+    InnerState& inner = state_.inner;
+    inner.velocity += along_inner_ - now;
     along_inner_ = now;
-    dynamics_.set_inner(state_.inner);
+    if (inner.stop != 0) {
+        if (std::abs(inner.velocity) <= kCaptureSpeed) inner.velocity = 0.0;
+        if (inner.stop * inner.velocity < 0.0) inner.stop = 0;
+    }
+    dynamics_.set_inner(inner);
+}
+
+void ContactTransitions::meet_stop(int stop, double tau) {
+    InnerState& inner = state_.inner;
+    if (inner.stop == stop) {
+        inner.stop = 0;
+        return;
+    }
+    inner.place = model().inner.place(stop);
+    strike_stop(stop, state_.mode.touch, state_.mode.slip != 0, tau);
+}
+
+void ContactTransitions::strike_stop(int stop, Touch touch, bool slips, double tau) {
+    InnerState& inner = state_.inner;
+    BodyState& body = state_.body;
+    const auto [c, s] = cosine_and_sine(body.theta() + model().inner.direction);
+    const double speed = stop * inner.velocity, rebound = model().inner.restitution * speed;
+    Strike strike = {stop * c, -stop * s, speed,
+                     rebound > kCaptureSpeed ? model().inner.restitution : 0.0};
+    const int quadrant = body.quadrant;
+    dynamics_.set_quadrant(quadrant);
+    const ImpactResult impact =
+        stop_impact(model(), pose(), body, touch, slips, strike, dynamics_.start() + tau);
+    body = impact.body;
+    if (body.quadrant != quadrant) move_contact(-2.0 * model().shape.half_base(quadrant));
+    dynamics_.set_quadrant(body.quadrant);
+    inner.velocity = -strike.restitution * inner.velocity;
+    inner.stop = strike.restitution == 0.0 ? stop : 0;
+    along_inner_ = along_inner();
+    settle(impact.touch, {impact.slip_velocity, impact.slip_across}, 0, tau);
 }
 
 void ContactTransitions::count(EventKind kind) {

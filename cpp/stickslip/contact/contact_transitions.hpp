@@ -86,6 +86,9 @@ private:
     // that mass, which nothing strikes.
     double along_inner() const;
     void follow_with_inner();
+    // The inner mass meets a stop, or lets go of it.
+    void meet_stop(int stop, double tau);
+    void strike_stop(int stop, Touch touch, bool slips, double tau);
     void count(EventKind kind);
     void count_change(const ContactMode& before);
 

@@ -89,8 +89,8 @@ Dynamics::InnerPull Dynamics::inner_pull(double tau, const Pose& pose) const {
     const double cosine = now_.turn_cosine * pose.cosine - now_.turn_sine * pose.sine;
     const double sine = now_.turn_sine * pose.cosine + now_.turn_cosine * pose.sine;
     const double c = std::cos(model_->inner.direction), s = std::sin(model_->inner.direction);
-    return {model_->inner.force(inner_, now_.start + tau, now_.start + inside_),
-            cosine * c - sine * s, -(sine * c + cosine * s)};
+    const double force = model_->inner.force(inner_, now_.start + tau, now_.start + inside_);
+    return {force - inner_.stop * push_, cosine * c - sine * s, -(sine * c + cosine * s)};
 }
 
 // What is across the line the body carries: there the mass has weight, and no inertia of its own.
@@ -98,8 +98,14 @@ double Dynamics::inner_acceleration(double tau, const Pose& pose, double ax, dou
     const InnerPull pull = inner_pull(tau, pose);
     SurfaceMotion surface;
     if (is_shaken_) surface = surface_at(tau);
-    return pull.force / model_->inner.mass + pull.x * (model_->gravity_x - surface.ax - ax) +
-           pull.z * (model_->gravity_z - surface.az - az);
+    const double driven = pull.force / model_->inner.mass;
+    const double along = pull.x * (model_->gravity_x - surface.ax - ax);
+    const double up = pull.z * (model_->gravity_z - surface.az - az);
+    // What is left of terms that cancel is rounding, by which no push can be found.
+    constexpr double kRounding = 64.0 * std::numeric_limits<double>::epsilon();
+    const double size = std::abs(driven) + std::abs(along) + std::abs(up);
+    const double sum = driven + along + up;
+    return std::abs(sum) > kRounding * size ? sum : 0.0;
 }
 
 // The normal force N of a corner that slips is A / (B - C mu(N)), with A, B and C from

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 #include "stickslip/body/model.hpp"
 #include "stickslip/field/expansion.hpp"
@@ -143,6 +144,32 @@ public:
 
     /// Where the inner mass is, if there is one, until it is told again.
     void set_inner(const InnerState& inner) { inner_ = inner; }
+    /// N, by which the inner mass presses on the stop that it rests on, of the last `move_with`.
+    double push() const { return push_; }
+    /// Calls `move`, which computes a motion of the body by its loads and returns the acceleration
+    /// of its centre of mass against the surface, until the push on the stop keeps an inner mass
+    /// there that rests on it.
+    template <class Move>
+    void move_with(double tau, const Pose& pose, Move&& move) {
+        push_ = 0.0;
+        // In any motion but one whose friction depends on the load the second is right.
+        constexpr int kMost = 8;
+        double last = 0.0, step = 0.0;
+        for (int n = 0; n < kMost; ++n) {
+            const auto [ax, az] = move();
+            if (inner_.stop == 0) return;
+            const double towards = inner_.stop * inner_acceleration(tau, pose, ax, az);
+            if (n == 0) {
+                step = model_->inner.mass * towards;  // of a body that does not move
+            } else {
+                step *= towards / (last - towards);
+            }
+            last = towards;
+            constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon();
+            if (!(std::abs(step) > kRounding * std::abs(push_))) return;
+            push_ += step;
+        }
+    }
     /// m/s^2, of the inner mass in the body, whose centre of mass has this acceleration against the
     /// surface.
     double inner_acceleration(double tau, const Pose& pose, double ax, double az) const;
@@ -245,6 +272,7 @@ private:
     int quadrant_ = kNoQuadrant;
     LawMoment<double> now_;
     InnerState inner_;
+    double push_ = 0.0;    // N
     double inside_ = 0.0;  // s, of the segment, away from the kinks of a shake at its ends
     PlainDynamics<double> robot_;
 };

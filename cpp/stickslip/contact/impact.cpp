@@ -38,7 +38,7 @@ class ImpactProblem {
 public:
     // x, time: where and when friction is taken, m and s.
     ImpactProblem(const Model& model, double height, double x, double time, const BodyState& before)
-        : model_(model), height_(height), before_(before) {
+        : model_(model), height_(height), before_(before), start_(before) {
         if (model.laws.empty()) return;
         at_.tau = time;
         at_.place = x;
@@ -58,6 +58,16 @@ public:
         }
         contacts_[count_++] = contact;
     }
+
+    // The inner mass strikes the body at the same instant.
+    void strike(const Strike& strike) {
+        strike_ = strike;
+        share_ = model_.inner.share(model_.mass);
+        set_part(1.0);
+    }
+    // Velocity (m/s) at which a corner leaves before any impulse of the surface.
+    double leaving(std::size_t i) const { return contacts_[i].approach; }
+    double restitution_of_strike() const { return part_ * strike_.restitution; }
 
     // Newton's restitution, or the largest part of it with which the kinetic energy does not grow:
     // with friction it can grow, without restitution it cannot (docs/theory/contact.md).
@@ -103,7 +113,7 @@ private:
     // Tries the sets of acting corners, all first, then those that arrive; the complementarity
     // problem has one solution but for ties, where the larger set keeps what touches touching.
     bool solve_newton(double part) {
-        part_ = part;
+        set_part(part);
         if (count_ == 1) return try_set({true, false});
         if (try_set({true, true})) return true;
         for (const bool arriving : {true, false}) {
@@ -114,17 +124,40 @@ private:
         return false;
     }
 
+    // A strike goes on as if the body had the inner mass along its line too: first of a body that
+    // nothing touches, then with that mass against the impulses of the surface.
+    void set_part(double part) {
+        part_ = part;
+        if (share_ == 0.0) return;
+        const double gained = share_ * (1.0 + restitution_of_strike()) * strike_.speed;
+        before_.vx = start_.vx + gained * strike_.x;
+        before_.vz = start_.vz + gained * strike_.z;
+        for (std::size_t i = 0; i < count_; ++i) {
+            contacts_[i].approach = before_.vz - before_.omega * contacts_[i].lever;
+        }
+    }
+    // Part of the mass's inverse that is left along two of the axes.
+    double freedom(double own, double one, double other) const {
+        return own - share_ * one * other;
+    }
+
     double rebound(std::size_t i) const { return part_ * contacts_[i].restitution; }
 
-    double kinetic_energy(const BodyState& body) const {
+    // inner: velocity of the inner mass in the body along the strike, m/s.
+    double kinetic_energy(const BodyState& body, double inner) const {
         const double across = 0.5 * model_.mass * body.vy * body.vy;
-        return 0.5 * model_.mass * (body.vx * body.vx + body.vz * body.vz) +
-               0.5 * model_.inertia * body.omega * body.omega + across;
+        const double own = 0.5 * model_.mass * (body.vx * body.vx + body.vz * body.vz) +
+                           0.5 * model_.inertia * body.omega * body.omega + across;
+        if (share_ == 0.0) return own;
+        const double moves = inner + body.vx * strike_.x + body.vz * strike_.z;
+        return own + 0.5 * model_.inner.mass * moves * moves;
     }
     bool gains_energy() const {
         // Of an impulse from a system whose condition is about 100.
         constexpr double kRounding = 1e-13;
-        return kinetic_energy(after_) > kinetic_energy(before_) * (1.0 + kRounding);
+        const double back = -restitution_of_strike() * strike_.speed;
+        return kinetic_energy(after_, back) >
+               kinetic_energy(start_, strike_.speed) * (1.0 + kRounding);
     }
 
     // Velocities that `impulse` gives.
@@ -135,8 +168,9 @@ private:
             normal += impulse.normal[i];
             turning -= contacts_[i].lever * impulse.normal[i];
         }
-        body.vx += impulse.tangential / model_.mass;
-        body.vz += normal / model_.mass;
+        const double shared = share_ * (strike_.x * impulse.tangential + strike_.z * normal);
+        body.vx += (impulse.tangential - shared * strike_.x) / model_.mass;
+        body.vz += (normal - shared * strike_.z) / model_.mass;
         body.omega += turning / model_.inertia;
         body.vy += impulse.across / model_.mass;
         return body;
@@ -161,6 +195,9 @@ private:
     // lies in the plane of motion, +-1 for one that lies there altogether.
     Impulse impulse(const std::array<bool, 2>& acting, std::optional<double> slip) const {
         const double per_mass = 1.0 / model_.mass, per_inertia = 1.0 / model_.inertia;
+        const double x = strike_.x, z = strike_.z;
+        const double along = per_mass * freedom(1.0, x, x), up = per_mass * freedom(1.0, z, z);
+        const double both = per_mass * freedom(0.0, x, z);
         Eigen::Matrix3d a = Eigen::Matrix3d::Identity();
         Eigen::Vector3d b = Eigen::Vector3d::Zero();
         for (int i = 0; i < 2; ++i) {
@@ -169,18 +206,18 @@ private:
             const double lever = contacts_[u].lever;
             for (int j = 0; j < 2; ++j) {
                 const auto v = static_cast<std::size_t>(j);
-                a(i, j) = acting[v] ? per_mass + lever * contacts_[v].lever * per_inertia : 0.0;
+                a(i, j) = acting[v] ? up + lever * contacts_[v].lever * per_inertia : 0.0;
             }
-            a(i, 2) = lever * height_ * per_inertia;
+            a(i, 2) = both + lever * height_ * per_inertia;
             b(i) = -(1.0 + rebound(u)) * contacts_[u].approach;
             if (!slip) {
-                a(2, i) = lever * height_ * per_inertia;
+                a(2, i) = both + lever * height_ * per_inertia;
             } else {
                 a(2, i) = *slip * coefficient(contacts_[u], *slip);
             }
         }
         if (!slip) {
-            a(2, 2) = per_mass + height_ * height_ * per_inertia;
+            a(2, 2) = along + height_ * height_ * per_inertia;
             // In this order: without a target the bits are those of stopping, signed zeros too.
             b(2) = -(tangential_velocity(before_) - tangential_target(acting).along);
         }
@@ -267,7 +304,9 @@ private:
     // Angle and time are counted from the first quadrant and the start of the run.
     static constexpr LawMoment<double> kFromStart = {};
     LawInput<double> at_;
-    BodyState before_;
+    BodyState before_, start_;  // the second: before a strike
+    Strike strike_;
+    double share_ = 0.0;  // of a strike's mass in that of both
     std::array<ImpactContact, 2> contacts_ = {};
     std::size_t count_ = 0;
     double part_ = 1.0;  // of both restitutions
@@ -305,6 +344,17 @@ ImpactResult touching(const Model& model, const BodyState& after, double slip_ve
     return result;
 }
 
+// What a pivot corner makes of the body whose impact is solved.
+void on_corner(const ImpactProblem& problem, const Pose& pose, ImpactResult& result) {
+    result.slip_velocity = problem.slip_velocity();
+    result.slip_across = problem.slip_across();
+    if (!problem.closed(0)) return;
+    result.touch = Touch::corner;
+    result.body.vy = result.slip_across;
+    result.body.vz = result.body.omega * pose.lever;
+    result.body.vx = result.body.omega * pose.height + result.slip_velocity;
+}
+
 }  // namespace
 
 ImpactResult corner_impact(const Model& model, const Pose& pose, const BodyState& before,
@@ -317,14 +367,7 @@ ImpactResult corner_impact(const Model& model, const Pose& pose, const BodyState
     // arrived by rounding.
     if (!problem.solve()) problem.hold({true, false}, true);
     result.body = problem.after();
-    result.slip_velocity = problem.slip_velocity();
-    result.slip_across = problem.slip_across();
-    if (problem.closed(0)) {
-        result.touch = Touch::corner;
-        result.body.vy = result.slip_across;
-        result.body.vz = result.body.omega * pose.lever;
-        result.body.vx = result.body.omega * pose.height + result.slip_velocity;
-    }
+    on_corner(problem, pose, result);
     return result;
 }
 
@@ -347,6 +390,36 @@ ImpactResult face_impact(const Model& model, const BodyState& before, Arrival ar
     }
     return touching(model, problem.after(), problem.slip_velocity(), problem.slip_across(),
                     problem.closed(0), problem.closed(1));
+}
+
+ImpactResult stop_impact(const Model& model, const Pose& pose, const BodyState& before, Touch touch,
+                         bool slips, Strike& strike, double time) {
+    const Face face = model.face(before.quadrant);
+    const bool lies = touch == Touch::face;
+    ImpactProblem problem(model, lies ? face.height : pose.height,
+                          lies ? before.x : before.x + pose.lever, time, before);
+    const std::size_t count = lies ? 2 : touch == Touch::corner ? 1 : 0;
+    if (lies) problem.add(face.half_base + face.shift, false, !slips);
+    if (lies) problem.add(-face.half_base + face.shift, false, !slips);
+    if (touch == Touch::corner) problem.add(pose.lever, false, !slips);
+    problem.strike(strike);
+    std::array<bool, 2> stays = {};
+    bool presses = false;  // by more than rounding
+    const double least = 1e-12 * (strike.speed + std::hypot(before.vx, before.vz));
+    for (std::size_t i = 0; i < count; ++i) {
+        stays[i] = problem.leaving(i) <= kCaptureSpeed;
+        presses = presses || problem.leaving(i) < -least;
+    }
+    // The surface answers a blow along it by no impulse, so that friction gives none either.
+    if (!presses || !problem.solve()) problem.hold(stays, true);
+    strike.restitution = problem.restitution_of_strike();
+    if (lies) {
+        return touching(model, problem.after(), problem.slip_velocity(), problem.slip_across(),
+                        problem.closed(0), problem.closed(1));
+    }
+    ImpactResult result{problem.after(), Touch::none};
+    on_corner(problem, pose, result);
+    return result;
 }
 
 }  // namespace stickslip

@@ -8,6 +8,13 @@ namespace stickslip {
 /// before.
 enum class Arrival { ahead, behind, both };
 
+/// The inner mass as it meets a stop.
+struct Strike {
+    double x = 0.0, z = 0.0;   ///< unit vector along which it strikes the body
+    double speed = 0.0;        ///< m/s, in the body, before
+    double restitution = 0.0;  ///< Newton's
+};
+
 /// Robot and contact just after an impact.
 struct ImpactResult {
     BodyState body;
@@ -34,5 +41,12 @@ ImpactResult corner_impact(const Model& model, const Pose& pose, const BodyState
 /// where it stuck (`old_slips` false), else the kinetic.
 ImpactResult face_impact(const Model& model, const BodyState& before, Arrival arrival,
                          bool old_slips, double time = 0.0);
+
+/// Impact of the inner mass on its stop, whose impulse passes through the centre of mass, and at
+/// the same instant of what touches on the surface, without restitution: with the static
+/// coefficient where it stuck (`slips` false), else the kinetic. Adhesion gives no impulse. The
+/// restitution of the strike is reduced as above, and then is what it was.
+ImpactResult stop_impact(const Model& model, const Pose& pose, const BodyState& before, Touch touch,
+                         bool slips, Strike& strike, double time = 0.0);
 
 }  // namespace stickslip

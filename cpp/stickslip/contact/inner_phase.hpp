@@ -30,19 +30,25 @@ public:
     void rates(const Field& field, const State& y, State& dydt, Values& g) const {
         const Own body = own(y);
         const InnerState mass = inner(y);
+        Dynamics& dynamics = Root::dynamics();
+        const Pose pose = dynamics.pose(Phase::angle(body));
         Own slopes;
         typename Phase::Values values;
-        look_at(mass);
-        Phase::rates(field, body, slopes, values);
-        const auto [ax, az] = Phase::acceleration(body, slopes);
-        const double along = Root::dynamics().inner_acceleration(
-            field.tau, Root::dynamics().pose(Phase::angle(body)), ax, az);
-        put(dydt, slopes, mass.velocity, along);
+        std::array<double, 2> a = {};
+        dynamics.set_inner(mass);
+        dynamics.move_with(field.tau, pose, [&] {
+            Phase::rates(field, body, slopes, values);
+            return a = Phase::acceleration(body, slopes);
+        });
+        const bool rests = mass.stop != 0;
+        put(dydt, slopes, mass.velocity,
+            rests ? 0.0 : dynamics.inner_acceleration(field.tau, pose, a[0], a[1]));
         put(g, values, left(mass, 1), left(mass, -1));
     }
     double event(std::size_t i, double tau, const auto& y) const {
         const State state = y;
-        look_at(inner(state));
+        if (start_.stop != 0) return Root::event_by_rates(*this, i, tau, state);
+        look_at(tau, state);
         if (i < Phase::kEvents) return Phase::event(i, tau, own(state));
         return left(inner(state), kEvent[i] == Event::inner_ahead ? 1 : -1);
     }
@@ -57,7 +63,7 @@ public:
         return result;
     }
     Sample sample(double tau, const State& y) const {
-        look_at(inner(y));
+        look_at(tau, y);
         Sample result = Phase::sample(tau, own(y));
         result.inner = inner(y);
         return result;
@@ -78,7 +84,7 @@ public:
         phase.nearly_jams(tau, body);
     }
     {
-        look_at(inner(y));
+        look_at(tau, y);
         return Phase::nearly_jams(tau, own(y));
     }
 
@@ -88,8 +94,14 @@ private:
         for (std::size_t i = 0; i < kOwn; ++i) result[i] = y[i];
         return result;
     }
-    void look_at(const InnerState& mass) const { Root::dynamics().set_inner(mass); }
+    // The inner mass as the phase's own formulas are to see it, with its push on a stop.
+    void look_at(double tau, const State& y) const {
+        Root::dynamics().set_inner(inner(y));
+        if (start_.stop != 0) Root::event_by_rates(*this, 0, tau, y);
+    }
+    // To the stop, or until it presses on it no more.
     double left(const InnerState& mass, int stop) const {
+        if (mass.stop == stop) return Root::dynamics().push();
         return Root::model().inner.left(mass, stop);
     }
 

@@ -96,13 +96,6 @@ protected:
         return frame_.centre(frame_.moved(corner, frame_.last_heading(), -pose.place()),
                              pose.height);
     }
-    /// Of the centre of mass whose corner has an acceleration along the surface, m/s^2.
-    static std::array<double, 2> acceleration_behind(const Pose& pose, double slip, double omega,
-                                                     double alpha) {
-        const double ww = omega * omega;
-        return {slip + alpha * pose.height + ww * pose.lever,
-                alpha * pose.lever - ww * (pose.height - pose.bend)};
-    }
     /// A body whose pivot corner is on the surface and slips.
     BodyState body_on(double tau, const Place& corner, double angle, const Place& slip,
                       double omega) const {
@@ -165,7 +158,7 @@ public:
         return frame_.in_ground(tau, centre(y, dynamics().pose(y[0])));
     }
     std::array<double, 2> acceleration(const State& y, const State& rates) const {
-        return Base::acceleration_behind(dynamics().pose(y[0]), 0.0, y[1], rates[1]);
+        return centre_acceleration(dynamics().pose(y[0]), 0.0, y[1], rates[1]);
     }
     State begin(const BodyState& body) const { return {body.angle, body.omega}; }
     BodyState body(double tau, const State& y) const {
@@ -258,8 +251,8 @@ public:
         return frame_.in_ground(tau, centre(y, dynamics().pose(y[kAngle])));
     }
     std::array<double, 2> acceleration(const State& y, const State& rates) const {
-        return Base::acceleration_behind(dynamics().pose(y[kAngle]), rates[kSlip], y[kOmega],
-                                         rates[kOmega]);
+        return centre_acceleration(dynamics().pose(y[kAngle]), rates[kSlip], y[kOmega],
+                                   rates[kOmega]);
     }
     State begin(const BodyState& body) const {
         return gather<State>(contact_, body.angle, slide_.begin(), body.omega);

@@ -3,7 +3,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
+#include "stickslip/drive/played_rows.hpp"
 #include "stickslip/numbers/elementary.hpp"
 
 namespace stickslip {
@@ -13,11 +15,23 @@ constexpr double kTurn = 2.0 * std::numbers::pi;
 
 }  // namespace
 
+void InnerDrive::set_rows(std::vector<Row> given) {
+    check_rows("forces", given, [](const Row& row) { return row.force; });
+    rows = std::make_shared<const std::vector<Row>>(std::move(given));
+}
+
 double InnerDrive::turns(double time) const {
     return frequency * time + phase / kTurn;
 }
 
 double InnerDrive::at(double time, double inside) const {
+    if (rows) {
+        const double played = period_before(*rows, inside);
+        const Row& from = row_before(*rows, inside - played);
+        const Row& to = *(&from + 1);
+        const double part = (time - (played + from.time)) / (to.time - from.time);
+        return from.force + part * (to.force - from.force);
+    }
     if (duty > 0.0) {
         const double part = turns(inside);
         return part - std::floor(part) < duty ? amplitude : 0.0;
@@ -34,6 +48,7 @@ double InnerDrive::at(double time, double inside) const {
 }
 
 double InnerDrive::next_jump(double after) const {
+    if (rows) return next_row(*rows, after);
     if (amplitude == 0.0 || duty == 0.0) return std::numeric_limits<double>::infinity();
     const double whole = std::floor(turns(after));
     const auto time_of = [this](double part) { return (part - phase / kTurn) / frequency; };
@@ -44,7 +59,7 @@ double InnerDrive::next_jump(double after) const {
 }
 
 double InnerDrive::shortest_period() const {
-    if (amplitude == 0.0 || duty > 0.0) return std::numeric_limits<double>::infinity();
+    if (absent() || duty > 0.0 || rows) return std::numeric_limits<double>::infinity();
     double highest = 1.0;
     for (std::size_t k = 0; k < harmonics.size(); ++k) {
         if (harmonics[k].part != 0.0) highest = static_cast<double>(k + 2);

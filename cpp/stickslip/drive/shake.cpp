@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
-#include <string>
 #include <utility>
 
+#include "stickslip/drive/played_rows.hpp"
 #include "stickslip/numbers/elementary.hpp"
-#include "stickslip/numbers/number_text.hpp"
 
 namespace stickslip {
 namespace {
@@ -30,25 +28,10 @@ Point after(const Point& from, const Point& to, double t) {
     return result;
 }
 
-void check_points(const std::vector<Point>& points) {
-    if (points.size() < 2) throw std::invalid_argument("accelerations: needs at least two rows");
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const Point& p = points[i];
-        const std::string where = "accelerations, row " + std::to_string(i + 1) + ": ";
-        if (!std::isfinite(p.time) || !std::isfinite(p.x) || !std::isfinite(p.z)) {
-            throw std::invalid_argument(where + "allowed are finite numbers");
-        }
-        if (i == 0 ? p.time != 0.0 : !(p.time > points[i - 1].time)) {
-            throw std::invalid_argument(where + "t = " + digits(p.time) + " s: allowed is " +
-                                        (i == 0 ? "0 in the first row" : "a time that rises"));
-        }
-    }
-}
-
 }  // namespace
 
 Accelerations::Accelerations(std::vector<Point> points) : points_(std::move(points)) {
-    check_points(points_);
+    check_rows("accelerations", points_, [](const Point& p) { return p.x + p.z; });
     const auto integrate = [this] {
         for (std::size_t i = 1; i < points_.size(); ++i) {
             const Point& from = points_[i - 1];
@@ -67,12 +50,6 @@ Accelerations::Accelerations(std::vector<Point> points) : points_(std::move(poin
     points_[0].vx = -points_.back().sx / period();
     points_[0].vz = -points_.back().sz / period();
     integrate();
-}
-
-const Accelerations::Point& Accelerations::before(double time) const {
-    const auto next = std::upper_bound(points_.begin() + 1, points_.end() - 1, time,
-                                       [](double t, const Point& point) { return t < point.time; });
-    return *(next - 1);
 }
 
 Shake::Shake(const ShakeParameters& p, double sign)
@@ -118,20 +95,14 @@ void Shake::bound() {
 
 double Shake::next_kink(double time) const {
     if (!accelerations_) return std::numeric_limits<double>::infinity();
-    const double period = accelerations_->period();
-    const double played = std::floor(time / period) * period;
-    const std::vector<Point>& points = accelerations_->points();
-    for (const Point* p = &accelerations_->before(time - played) + 1; p <= &points.back(); ++p) {
-        if (played + p->time > time) return played + p->time;
-    }
-    return played + period + points[1].time;
+    return next_row(accelerations_->points(), time);
 }
 
 SurfaceMotion Shake::at(double time, double inside) const {
     if (accelerations_) {
-        const double period = accelerations_->period();
-        const double played = std::floor(inside / period) * period;
-        const Point& from = accelerations_->before(inside - played);
+        const std::vector<Point>& points = accelerations_->points();
+        const double played = period_before(points, inside);
+        const Point& from = row_before(points, inside - played);
         const Point p = after(from, *(&from + 1), time - (played + from.time));
         return {sign_ * p.sx, p.sz, sign_ * p.vx, p.vz, sign_ * p.x, p.z};
     }

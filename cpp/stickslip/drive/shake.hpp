@@ -30,8 +30,6 @@ public:
     double period() const { return points_.back().time; }  ///< s
     /// What was taken out along x and z, m/s^2.
     const std::array<double, 2>& mean() const { return mean_; }
-    /// The point that the piece with a time of the period begins with.
-    const Point& before(double time) const;
 
 private:
     std::vector<Point> points_;

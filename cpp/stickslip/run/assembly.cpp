@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <numbers>
 #include <stdexcept>
 #include <string>
@@ -76,7 +77,7 @@ void check_work(const Scenario& s, double duration) {
 
 // Whether neither a shake nor an inner mass moves the robot.
 bool is_alone(const Scenario& s) {
-    return s.shake.absent() && (s.inner.absent() || s.inner.drive.amplitude == 0.0);
+    return s.shake.absent() && (s.inner.absent() || s.inner.drive.absent());
 }
 
 // A program of voltages says all of the drive but which way the robot faces; without a drive there
@@ -108,15 +109,19 @@ void check_no_sawtooth(const Scenario& s) {
     for (const Choice& row : choices()) require_default(row);
 }
 
-// Accelerations say all of a shake but what the liquid does.
-void check_no_sines(const Scenario& s) {
+// Rows say all of what they are in place of.
+void check_no_sines(const Scenario& s, std::initializer_list<std::string_view> starts,
+                    const std::string& rows) {
     static const Scenario kDefaults{};
     for (const Parameter& row : parameters()) {
         const std::string key = row.key;
-        if (!key.starts_with("shake.") || row.get(s) == row.get(kDefaults)) continue;
-        throw std::invalid_argument(key +
-                                    ": not allowed with shake.file (shake.accelerations in "
-                                    "Python), which says it all; leave it out");
+        const bool is_said = std::any_of(starts.begin(), starts.end(), [&](std::string_view each) {
+            return key.starts_with(each);
+        });
+        if (!is_said || row.get(s) == row.get(kDefaults)) continue;
+        std::string refused = key;
+        refused.append(": not allowed with ").append(rows);
+        throw std::invalid_argument(refused.append(", which says it all; leave it out"));
     }
 }
 
@@ -160,7 +165,19 @@ void check(const Scenario& s) {
     const RobotFrame frame = frame_of(s);
     check_plane(s, frame);
     check_own_laws(s);
-    if (s.shake.accelerations) check_no_sines(s);
+    if (s.shake.accelerations) {
+        check_no_sines(s, {"shake."}, "shake.file (shake.accelerations in Python)");
+    }
+    if (s.inner.drive.rows) {
+        check_no_sines(
+            s,
+            {"inner.amplitude", "inner.frequency", "inner.phase", "inner.harmonic_", "inner.duty"},
+            "inner.file (inner.forces in Python)");
+    }
+    if (!(s.inner.low < s.inner.high)) {
+        refuse_pair("inner.stop_low", s.inner.low, "inner.stop_high", s.inner.high,
+                    "a stop behind that is below the one ahead");
+    }
     if (s.solver.max_step > 0.0 && s.solver.max_step < kLeastMaxStep) {
         refuse("solver.max_step", s.solver.max_step, "0 (no limit) or at least 1e-9 s");
     }
@@ -403,12 +420,6 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
     const double rtol = scenario.solver.rtol;
     result.tolerance = std::max(rtol * std::clamp(damping / kForgetting, kLeastPart, 1.0),
                                 std::min(rtol, kLeastTolerance));
-    if (!model.inner.absent()) {
-        // The first step of a phase is not to leap over the touch of a stop.
-        const double stiffness = std::max(model.inner.stiffness, model.inner.stop_stiffness);
-        const double per_mass = 1.0 / model.inner.mass + 1.0 / model.mass;
-        result.swing_rate = std::max(result.swing_rate, std::sqrt(stiffness * per_mass));
-    }
     result.stop = stop;
     return result;
 }
@@ -467,7 +478,7 @@ Decay fastest_decay(const Model& model, double swing_rate) {
 double pulse_rate(const Scenario& s) {
     if (s.drive.mode == DriveMode::program) return 0.0;
     if (s.drive.mode != DriveMode::none || is_alone(s)) return s.drive.frequency;
-    return s.shake.absent() ? s.inner.drive.frequency : s.shake.rate();
+    return s.shake.absent() ? s.inner.drive.rate() : s.shake.rate();
 }
 
 double pulse_period(const Scenario& s) {

@@ -34,6 +34,7 @@ public:
 
     Start start() {
         place();
+        place_inner();
         start_.contact_age = given_.contact_age;
         const double gap = check_height();
         BodyState& body = start_.state.body;
@@ -105,6 +106,21 @@ private:
         }
         body.vz = given_.vz;
         body.omega = given_.omega;
+    }
+
+    // A mass that is at a stop, and does not move, rests there as long as it presses on it.
+    void place_inner() {
+        const InnerMass& inner = model_.inner;
+        if (inner.absent()) return;
+        InnerState& state = start_.state.inner;
+        state = {given_.inner_place, given_.inner_velocity, 0};
+        if (state.place < inner.low || state.place > inner.high) {
+            refuse("initial.inner_place", state.place,
+                   "from inner.stop_low to inner.stop_high, " + digits(inner.low) + " to " +
+                       digits(inner.high) + " m");
+        }
+        if (state.velocity != 0.0) return;
+        state.stop = state.place == inner.high ? 1 : state.place == inner.low ? -1 : 0;
     }
 
     // Height of the lowest corner above the surface, m.
@@ -274,6 +290,8 @@ SimulationState world_state(const HybridState& state, double contact_age, double
     result.vz = body.vz;
     result.omega = body.omega;
     result.contact = static_cast<ContactWord>(1 + contact_code(mode, frame_sign));
+    result.inner_place = state.inner.place;
+    result.inner_velocity = state.inner.velocity;
     result.contact_age = state.mode.touch == Touch::none ? 0.0 : contact_age;
     return result;
 }

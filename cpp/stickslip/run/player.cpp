@@ -84,9 +84,6 @@ Status Player::handle(Event event) {
         const Status status = plane_->watch().pass(now, time());
         if (status != Status::ok) return status;
     }
-    int& stop = state_.inner.stop;
-    if (event == Event::inner_ahead) stop = stop == 0 ? 1 : 0;
-    if (event == Event::inner_behind) stop = stop == 0 ? -1 : 0;
     transitions_.handle(event, tau_);
     memory_ = {};
     memory_.stalled = watch_.stalled();

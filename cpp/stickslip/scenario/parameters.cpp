@@ -139,16 +139,13 @@ std::vector<Parameter> make_parameters() {
         {.key = "inner.direction", .unit = "rad", .low = -6.3, .high = 6.3,
          .meaning = "angle from the body's long axis to its line, nose-down positive",
          STICKSLIP_MEMBER(inner.direction)},
-        {.key = "inner.stop_low", .unit = "m", .low = -1, .high = 0,
+        {.key = "inner.stop_low", .unit = "m", .low = -10, .high = 0,
          .meaning = "place of the stop behind, beside that at rest", STICKSLIP_MEMBER(inner.low)},
-        {.key = "inner.stop_high", .unit = "m", .low = 0, .high = 1,
+        {.key = "inner.stop_high", .unit = "m", .low = 0, .high = 10,
          .meaning = "the same ahead", STICKSLIP_MEMBER(inner.high)},
-        {.key = "inner.stop_stiffness", .unit = "N/m", .low = 0, .high = 1e9,
-         .meaning = "of the springs that the stops are; 0: no stops",
-         STICKSLIP_MEMBER(inner.stop_stiffness)},
-        {.key = "inner.stop_damping", .unit = "N s/m", .low = 0, .high = 1e6,
-         .meaning = "of the stops, while the mass presses on them",
-         STICKSLIP_MEMBER(inner.stop_damping)},
+        {.key = "inner.restitution", .unit = "-", .low = 0, .high = 1,
+         .meaning = "Newton restitution of an impact on a stop",
+         STICKSLIP_MEMBER(inner.restitution)},
         {.key = "inner.amplitude", .unit = "N", .low = -1e6, .high = 1e6,
          .meaning = "amplitude of the force on the mass, which the body has the other way",
          STICKSLIP_MEMBER(inner.drive.amplitude)},
@@ -380,8 +377,9 @@ std::vector<Section> make_sections() {
         {"inner",
          "A mass within the body, on a spring and a damper along a line through its centre.\n"
          "\n"
-         "A force between both drives it. Stops are stiffer springs. Across its line the mass has\n"
-         "weight, and no inertia of its own. It begins at rest in the middle."},
+         "A force between both drives it. It rebounds from stops. Across its line the mass has\n"
+         "weight, and no inertia of its own. Where it begins is in `initial`; by default at rest in\n"
+         "the middle."},
         {"initial",
          "Robot and coils at an instant, in the world's frame.\n"
          "\n"

@@ -31,6 +31,7 @@ struct SimulationState {
     ContactWord contact = ContactWord::from_motion;
     double contact_age = 0.0;
     double y = 0.0, vy = 0.0, heading = 0.0;
+    double inner_place = 0.0, inner_velocity = 0.0;
 
     friend bool operator==(const SimulationState&, const SimulationState&) = default;
 };
@@ -95,6 +96,10 @@ inline constexpr auto kStateColumns = std::to_array<StateColumn>({
     {"heading", "rad", -6.3, 6.3,
      "way that the robot faces, from +x to the left; at the start it counts where the field is too "
      "weak to say", STICKSLIP_STATE(heading)},
+    {"inner_place", "m", -1, 1, "place of the inner mass in the body, beside that at rest",
+     STICKSLIP_STATE(inner_place)},
+    {"inner_velocity", "m/s", -1000, 1000, "velocity of the inner mass in the body",
+     STICKSLIP_STATE(inner_velocity)},
 });
 
 #undef STICKSLIP_CAPACITOR

@@ -25,7 +25,7 @@ enum class Event {
     sliding_jams,      ///< sliding loses its solution (Painleve)
     pivot_touches,     ///< in flight, the lowest corner reaches the surface
     opposite_touches,  ///< in flight, the corner opposite to it does
-    inner_ahead,       ///< the inner mass meets its stop ahead, or leaves it
+    inner_ahead,       ///< the inner mass meets its stop ahead, or lets go of it
     inner_behind,      ///< the same behind
     // In the whole plane:
     breaks_loose,   ///< friction holds no more, whichever way

@@ -21,6 +21,8 @@ FILES = {
     "and turns; columns x, y, z (m), coil, Bx, By, Bz (T/A); relative to the scenario",
     "shake": 'file = "accelerations.csv": those of the surface in place of sines, over a period; '
     "columns t (s), ax, az (m/s^2); relative to the scenario",
+    "inner": 'file = "forces.csv": those on the mass in place of sines and pulses, over a period; '
+    "columns t (s), force (N); relative to the scenario",
 }
 """Keys that name a file, by their section."""
 

@@ -11,7 +11,16 @@ from typing import Any
 
 import stickslip
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.keys import ACCELERATIONS, COIL_MAP, FILE, PATHS, PROGRAM, SHAKE_FILE
+from stickslip.scenario.keys import (
+    ACCELERATIONS,
+    COIL_MAP,
+    FILE,
+    FORCES,
+    INNER_FILE,
+    PATHS,
+    PROGRAM,
+    SHAKE_FILE,
+)
 from stickslip.scenario.scenario import Scenario, with_uncertain_of
 from stickslip.scenario.toml_file import named_files
 
@@ -33,6 +42,8 @@ def load_with(path: Path, set: Mapping[str, Any]) -> tuple[Scenario, list[Path]]
             changes[COIL_MAP] = stickslip.FieldMap.from_file(changes[COIL_MAP])
         if SHAKE_FILE in changes:
             changes[ACCELERATIONS] = stickslip.Accelerations.from_csv(changes.pop(SHAKE_FILE))
+        if INNER_FILE in changes:
+            changes[FORCES] = stickslip.Forces.from_csv(changes.pop(INNER_FILE))
         scenario = scenario.replace(changes)
     return scenario, [path, *named_files(path).values(), *(set[key] for key in PATHS if key in set)]
 

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure, SubFigure
 
 BEST, FIGURE = "best.toml", "best.png"
-HELD = "best.csv", "best.map.json", "best.accelerations.csv"
+HELD = "best.csv", "best.map.json", "best.accelerations.csv", "best.forces.csv"
 FILES = (BEST, *HELD, FIGURE)
 """Names of the files of `Optimum.save_report`; voltages and map are there where there are any."""
 
@@ -247,7 +247,8 @@ class Optimum(OneLine):
 
         ``best.toml`` is an ordinary scenario, ``best.csv`` the voltages of a free waveform,
         ``best.map.json`` the field of ``coil.map``, ``best.accelerations.csv`` those of a shake,
-        and ``best.png`` is `figure`. An OSError says that one cannot be written.
+        ``best.forces.csv`` those on an inner mass, and ``best.png`` is `figure`. An OSError says
+        that one cannot be written.
         """
         folder = Path(out)
         text = scenario_text(self.scenario.content, *HELD)

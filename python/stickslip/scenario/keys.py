@@ -46,7 +46,13 @@ ACCELERATIONS = "shake.accelerations"
 SHAKE_FILE = "shake.file"
 """The CSV file of accelerations, which only a scenario's file and --set know."""
 
-OBJECTS = (PROGRAM, COIL_MAP, ACCELERATIONS)
+FORCES = "inner.forces"
+"""Those on the inner mass, a `Forces`: in Python only, as a file has `INNER_FILE`."""
+
+INNER_FILE = "inner.file"
+"""The CSV file of forces, which only a scenario's file and --set know."""
+
+OBJECTS = (PROGRAM, COIL_MAP, ACCELERATIONS, FORCES)
 """Keys whose value in Python is an object."""
 
 ROUND_HINT = (
@@ -63,6 +69,7 @@ PATHS = {
     FILE: f"in Python, {PROGRAM} takes a Waveform, such as Waveform.from_csv(path)",
     COIL_MAP: MAP_HINT,
     SHAKE_FILE: f"in Python, {ACCELERATIONS} takes Accelerations.from_csv(path)",
+    INNER_FILE: f"in Python, {FORCES} takes Forces.from_csv(path)",
 }
 """Keys that hold a path in a scenario's file and with --set, with what Python has instead."""
 

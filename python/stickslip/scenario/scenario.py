@@ -21,12 +21,12 @@ from stickslip._util.messages import check_kind, check_whole
 from stickslip._util.units import handy
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.field.field_map import FieldMap
-from stickslip.scenario.accelerations import Accelerations
 from stickslip.scenario.changes import Changes
 from stickslip.scenario.effects import flat_effects
 from stickslip.scenario.keys import (
     ACCELERATIONS,
     COIL_MAP,
+    FORCES,
     LAWS,
     OBJECTS,
     PREFIX,
@@ -41,6 +41,7 @@ from stickslip.scenario.keys import (
 )
 from stickslip.scenario.law import Law, flat_laws, is_law, laws_of, refuse_unknown_laws, set_law
 from stickslip.scenario.matter import Fluid, fluid_of
+from stickslip.scenario.played_rows import Accelerations, Forces
 from stickslip.scenario.section import Section
 from stickslip.scenario.sections import (
     SECTIONS,
@@ -77,7 +78,7 @@ _S = TypeVar("_S", bound=Section)
 # fail once in 170 times; a prior of which less is allowed is a mistake.
 _MOST_DRAWS = 100
 
-_Objects = tuple[Waveform | None, FieldMap | None, Accelerations | None]
+_Objects = tuple[Waveform | None, FieldMap | None, Accelerations | None, Forces | None]
 """The values of `OBJECTS`."""
 
 
@@ -126,8 +127,8 @@ class Scenario:
     """
 
     __slots__ = (
-        *("__weakref__", "_accelerations", "_core", "_fluid", "_hidden", "_map", "_program"),
-        "_uncertain",
+        *("__weakref__", "_accelerations", "_core", "_fluid", "_forces", "_hidden", "_map"),
+        *("_program", "_uncertain"),
     )
 
     drive = _View(Drive, "_program")
@@ -137,7 +138,7 @@ class Scenario:
     drag = _View(Drag)
     environment = _View(Environment)
     shake = _View(Shake, "_accelerations")
-    inner = _View(Inner)
+    inner = _View(Inner, "_forces")
     initial = _View(State)
     solver = _View(Solver)
     record = _View(Record)
@@ -164,6 +165,7 @@ class Scenario:
         self._program: Waveform | None = None
         self._map: FieldMap | None = None
         self._accelerations: Accelerations | None = None
+        self._forces: Forces | None = None
         self._fluid: Fluid | None = None
         self._hidden: dict[str, Any] = {}
         given = (
@@ -190,6 +192,8 @@ class Scenario:
             self._map, self._hidden = coil.map, coil._hidden
         if shake is not None:
             self._accelerations = shake.accelerations
+        if inner is not None:
+            self._forces = inner.forces
         if effects is not None:
             Changes(flat_effects(effects)).apply(self._core)
         if laws is not None:
@@ -265,8 +269,9 @@ class Scenario:
         ----------
         path : path-like, optional
             Where to write it too. The voltages of a program go beside it, to
-            ``<stem>.voltages.csv``, the fitted field of ``coil.map`` to ``<stem>.map.json`` and
-            the accelerations of a shake to ``<stem>.accelerations.csv``.
+            ``<stem>.voltages.csv``, the fitted field of ``coil.map`` to ``<stem>.map.json``, the
+            accelerations of a shake to ``<stem>.accelerations.csv`` and the forces on an inner mass
+            to ``<stem>.forces.csv``.
 
         Returns
         -------
@@ -284,8 +289,11 @@ class Scenario:
     @property
     def content(self) -> Content:
         """What its file states."""
-        objects = (self._program, self._map, self._accelerations)
-        return Content(self._core, *objects, self._fluid, self._uncertain)
+        return Content(self._core, *self._objects, self._fluid, self._uncertain)
+
+    @property
+    def _objects(self) -> _Objects:
+        return self._program, self._map, self._accelerations, self._forces
 
     @staticmethod
     def keys() -> tuple[str, ...]:
@@ -314,9 +322,10 @@ class Scenario:
         changes : mapping
             New values by dotted key, of effects also by short name. ``"coil.turns"`` sets all five
             coils, ``"coil.xp.turns"`` one. ``"drive.program"`` takes a `Waveform`,
-            ``"coil.map"`` a `FieldMap`, ``"shake.accelerations"`` an `Accelerations` and
-            ``"laws.NAME"`` a `Law`, each also None. With a change of ``"drive.mode"`` to
-            ``"program"`` or ``"none"`` the keys of the sawtooth get their defaults.
+            ``"coil.map"`` a `FieldMap`, ``"shake.accelerations"`` an `Accelerations`,
+            ``"inner.forces"`` a `Forces` and ``"laws.NAME"`` a `Law`, each also None. With a change
+            of ``"drive.mode"`` to ``"program"`` or ``"none"`` the keys of the sawtooth get their
+            defaults.
         **more
             The same, as ``**{"drive.frequency": 30.0}``.
 
@@ -347,6 +356,10 @@ class Scenario:
                 Shake(accelerations=value)
                 made._accelerations = value
                 made._core.set_accelerations(None if value is None else value.rows)
+            elif key == FORCES:
+                Inner(forces=value)
+                made._forces = value
+                made._core.set_forces(None if value is None else value.rows)
             elif is_law(key):
                 set_law(made._core, key, value)
             else:
@@ -358,7 +371,7 @@ class Scenario:
     def _copy(self) -> Scenario:
         made = object.__new__(type(self))
         made._core, made._program, made._map = self.to_core(), self._program, self._map
-        made._accelerations = self._accelerations
+        made._accelerations, made._forces = self._accelerations, self._forces
         made._uncertain, made._hidden = self._uncertain, self._hidden
         made._fluid = self._fluid
         return made
@@ -522,8 +535,7 @@ class Scenario:
         return MappingProxyType(self._hidden)
 
     def _state(self) -> tuple[dict[str, Value], _Objects, Any]:
-        objects = (self._program, self._map, self._accelerations)
-        return self._core.changed(), objects, self._uncertain
+        return self._core.changed(), self._objects, self._uncertain
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Scenario) and self._state() == other._state()
@@ -601,7 +613,7 @@ def load(path: str | PathLike[str]) -> Scenario:
 
 
 def scenario_of(text: str, objects: _Objects) -> Scenario:
-    """The scenario of a text from `to_toml`, with its voltages, map and accelerations."""
+    """The scenario of a text from `to_toml`, with its voltages, map, accelerations and forces."""
     changes, uncertain, fluid = changes_of(parse_toml(text), None)
     return _of_changes({**changes, **_named(objects)}, uncertain, fluid)
 

@@ -12,11 +12,12 @@ from stickslip._util.messages import check_above_zero, refuse, shown
 from stickslip.errors import ScenarioError
 from stickslip.field.coils import Coils
 from stickslip.field.field_map import FieldMap
-from stickslip.scenario.accelerations import Accelerations
 from stickslip.scenario.keys import (
     ACCELERATIONS,
     COIL_MAP,
     COIL_NAMES,
+    FORCES,
+    INNER_FILE,
     MAP_HINT,
     PATHS,
     PROGRAM,
@@ -27,6 +28,7 @@ from stickslip.scenario.keys import (
     keys_of,
 )
 from stickslip.scenario.matter import magnet_of
+from stickslip.scenario.played_rows import Accelerations, Forces
 from stickslip.scenario.section import Section
 from stickslip.scenario.waveform import Waveform
 
@@ -231,8 +233,26 @@ class Environment(Section, key="environment"):
     __slots__ = ()
 
 
-class Inner(Section, key="inner"):
-    __slots__ = ()
+class Inner(
+    Section,
+    key="inner",
+    forces="Forces, optional: Those on the mass, in place of sines and pulses, whose keys then "
+    "have their defaults.",
+):
+    __slots__ = ("_forces",)
+
+    def __init__(self, *, forces=None, **values):
+        super().__init__(**values)
+        if forces is not None:
+            if not isinstance(forces, Forces):
+                refuse(FORCES, forces, PATHS[INNER_FILE])
+            self._core.set_forces(forces.rows)
+        self._forces = forces
+
+    @property
+    def forces(self):
+        """Forces on the mass; None for sines and pulses."""
+        return self._forces
 
 
 class Shake(

@@ -3,7 +3,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Literal, NamedTuple
 
 from stickslip.field.field_map import FieldMap
-from stickslip.scenario.accelerations import Accelerations
+from stickslip.scenario.played_rows import Accelerations, Forces
 from stickslip.scenario.section import Section
 from stickslip.scenario.waveform import Waveform
 
@@ -271,10 +271,9 @@ class Inner(Section, key="inner"):
         stiffness: float = 0.0,
         damping: float = 0.0,
         direction: float = 0.0,
-        stop_low: float = 0.0,
-        stop_high: float = 0.0,
-        stop_stiffness: float = 0.0,
-        stop_damping: float = 0.0,
+        stop_low: float = -1.0,
+        stop_high: float = 1.0,
+        restitution: float = 0.0,
         amplitude: float = 0.0,
         frequency: float = 100.0,
         phase: float = 0.0,
@@ -285,6 +284,7 @@ class Inner(Section, key="inner"):
         harmonic_4: float = 0.0,
         phase_4: float = 0.0,
         duty: float = 0.0,
+        forces: Forces | None = None,
     ) -> None: ...
     @property
     def mass(self) -> float: ...
@@ -299,9 +299,7 @@ class Inner(Section, key="inner"):
     @property
     def stop_high(self) -> float: ...
     @property
-    def stop_stiffness(self) -> float: ...
-    @property
-    def stop_damping(self) -> float: ...
+    def restitution(self) -> float: ...
     @property
     def amplitude(self) -> float: ...
     @property
@@ -322,6 +320,8 @@ class Inner(Section, key="inner"):
     def phase_4(self) -> float: ...
     @property
     def duty(self) -> float: ...
+    @property
+    def forces(self) -> Forces | None: ...
 
 class State(Section, key="initial"):
     def __init__(
@@ -362,6 +362,8 @@ class State(Section, key="initial"):
         y: float = 0.0,
         vy: float = 0.0,
         heading: float = 0.0,
+        inner_place: float = 0.0,
+        inner_velocity: float = 0.0,
     ) -> None: ...
     @property
     def contact(
@@ -426,6 +428,10 @@ class State(Section, key="initial"):
     def vy(self) -> float: ...
     @property
     def heading(self) -> float: ...
+    @property
+    def inner_place(self) -> float: ...
+    @property
+    def inner_velocity(self) -> float: ...
     @property
     def row(self) -> list[float]: ...
     @staticmethod

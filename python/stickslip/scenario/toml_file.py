@@ -13,13 +13,14 @@ from stickslip._util.messages import refuse, shown, suggestion
 from stickslip._util.text import printable, quoted
 from stickslip.errors import ScenarioError
 from stickslip.field.field_map import FieldMap
-from stickslip.scenario.accelerations import Accelerations
 from stickslip.scenario.effects import flat_effects
 from stickslip.scenario.keys import (
     ACCELERATIONS,
     COIL_MAP,
     FILE,
+    FORCES,
     IDLE,
+    INNER_FILE,
     PATHS,
     PROGRAM,
     PROGRAM_HINT,
@@ -32,6 +33,7 @@ from stickslip.scenario.keys import (
 )
 from stickslip.scenario.law import flat_laws, law_lines, laws_of
 from stickslip.scenario.matter import Fluid, fluid_of_table
+from stickslip.scenario.played_rows import Accelerations, Forces
 from stickslip.scenario.sections import SECTIONS
 from stickslip.scenario.uncertain import JointPrior
 from stickslip.scenario.waveform import Waveform
@@ -46,7 +48,7 @@ FORMAT_VERSION = 1
 # Chosen: a scenario is a page of text; what is longer is another file, or a device without end.
 _MOST_BYTES = 1 << 20
 
-_T = TypeVar("_T", Waveform, FieldMap, Accelerations)
+_T = TypeVar("_T", Waveform, FieldMap, Accelerations, Forces)
 
 
 class Content(NamedTuple):
@@ -56,6 +58,7 @@ class Content(NamedTuple):
     program: Waveform | None
     field_map: FieldMap | None
     accelerations: Accelerations | None
+    forces: Forces | None
     fluid: Fluid | None
     uncertain: JointPrior | None
 
@@ -125,6 +128,8 @@ def changes_of(
     if folder is not None and SHAKE_FILE in changes:
         file = changes.pop(SHAKE_FILE)
         changes[ACCELERATIONS] = _read(SHAKE_FILE, file, folder, Accelerations.from_csv)
+    if folder is not None and INNER_FILE in changes:
+        changes[FORCES] = _read(INNER_FILE, changes.pop(INNER_FILE), folder, Forces.from_csv)
     fluid = fluid_of_table(document["fluid"]) if "fluid" in document else None
     return changes, document.get("uncertain"), fluid
 
@@ -184,16 +189,18 @@ def named_files(path: Path) -> dict[str, Path]:
     return files
 
 
-_BESIDE = ("voltages.csv", "map.json", "accelerations.csv")
+_BESIDE = ("voltages.csv", "map.json", "accelerations.csv", "forces.csv")
 
 
 def held_writers(content: Content, names: Sequence[Path]) -> dict[Path, Callable[[Path], object]]:
-    """What writes the objects that a scenario has to `names`: voltages, map, accelerations."""
-    program, field_map, shaken = content.program, content.field_map, content.accelerations
+    """What writes the objects that a scenario has to `names`, which are those of `_BESIDE`."""
+    program, field_map = content.program, content.field_map
+    shaken, forces = content.accelerations, content.forces
     writers = (
         None if program is None else program.write,
         None if field_map is None else text_writer(field_map.to_json()),
         None if shaken is None else shaken.write,
+        None if forces is None else forces.write,
     )
     return {name: writer for name, writer in zip(names, writers, strict=True) if writer is not None}
 
@@ -228,12 +235,14 @@ def scenario_text(
     voltages: str = _BESIDE[0],
     field_map: str = _BESIDE[1],
     accelerations: str = _BESIDE[2],
+    forces: str = _BESIDE[3],
 ) -> str:
     """The TOML text, with the files that the objects of the scenario are in."""
     core, fluid = content.core, content.fluid
     changed = core.changed()
     given = {key.partition(".")[0] for key in changed}
     given |= {"shake"} if content.accelerations is not None else set()
+    given |= {"inner"} if content.forces is not None else set()
     left_out = {"initial", "inner", "shake"} - given
     idle = IDLE.get(str(core.get("drive.mode")), ())
     lines = [f"stickslip = {FORMAT_VERSION}"]
@@ -251,6 +260,8 @@ def scenario_text(
             lines.append(f"map = {quoted(field_map)}")
         if section == "shake" and content.accelerations is not None:
             lines.append(f"file = {quoted(accelerations)}")
+        if section == "inner" and content.forces is not None:
+            lines.append(f"file = {quoted(forces)}")
     for name, law in laws_of(core):
         lines += law_lines(name, law)
     if fluid is not None:

@@ -25,7 +25,7 @@ from stickslip._util.messages import refuse
 from stickslip.errors import NotWritten, ScenarioError, prefixed
 from stickslip.extras import naming_the_extra
 from stickslip.field.field_map import FieldMap
-from stickslip.scenario.accelerations import Accelerations
+from stickslip.scenario.played_rows import Accelerations, Forces
 from stickslip.scenario.scenario import Scenario, scenario_of
 from stickslip.scenario.sections import State
 from stickslip.scenario.waveform import Waveform
@@ -70,6 +70,8 @@ def origin(scenario: Scenario) -> dict[str, str]:
         about["coil_map"] = scenario.coil.map.to_json()
     if scenario.shake.accelerations is not None:
         about["accelerations"] = json.dumps(scenario.shake.accelerations.rows.tolist())
+    if scenario.inner.forces is not None:
+        about["forces"] = json.dumps(scenario.inner.forces.rows.tolist())
     return about
 
 
@@ -332,10 +334,12 @@ def stored(path: str | PathLike[str]) -> tuple[Scenario, dict[str, Any], StoredR
                 blocks = json.loads(about["voltage_blocks"])
                 program = Waveform([(block["t"], block["V"], block["repeats"]) for block in blocks])
             field_map = FieldMap.from_json(about["coil_map"]) if "coil_map" in about else None
-            shaken = None
+            shaken = forces = None
             if "accelerations" in about:
                 shaken = Accelerations(json.loads(about["accelerations"]))
-            scenario = scenario_of(about["scenario"], (program, field_map, shaken))
+            if "forces" in about:
+                forces = Forces(json.loads(about["forces"]))
+            scenario = scenario_of(about["scenario"], (program, field_map, shaken, forces))
             record = StoredRecord(path, recorded_names(scenario))
             about = {**dict.fromkeys(ASKED, math.nan), **about}
             outcome = {

@@ -1,0 +1,131 @@
+"""What shakes a surface, or drives a mass in the body, by rows that are played again and again."""
+
+from __future__ import annotations
+
+import csv
+from os import PathLike
+from typing import Any, ClassVar, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stickslip import _core
+from stickslip._util.arrays import Array, locked, numbers
+from stickslip._util.tables import read_table
+from stickslip.errors import ScenarioError, prefixed
+
+_P = TypeVar("_P", bound="PlayedRows")
+
+
+class PlayedRows:
+    """Rows over one period, linear from one to the next, that are played again and again."""
+
+    __slots__ = ("rows",)
+
+    _columns: ClassVar[dict[str, str]]
+    """The unit of each."""
+
+    rows: Array
+    """As given, with the time in the first column."""
+
+    def __init__(self, rows: ArrayLike) -> None:
+        units = " and ".join(dict.fromkeys(self._columns.values()))
+        given = numbers("rows", rows, f"numbers of {units}")
+        if given.ndim != 2 or given.shape[1] != len(self._columns):
+            shape = f"(n, {len(self._columns)}): {', '.join(self._columns)}"
+            raise ScenarioError(f"rows of shape {given.shape}: allowed is {shape}")
+        self.rows = locked(given)
+
+    @classmethod
+    def from_csv(cls: type[_P], path: str | PathLike[str]) -> _P:
+        """Read a CSV file with these columns, whose headings may state other units."""
+        rows = read_table(path, cls._columns).numbers
+        with prefixed(path):
+            return cls(rows)
+
+    @property
+    def period(self) -> float:
+        """The last time, s."""
+        return float(self.rows[-1, 0])
+
+    @property
+    def most(self) -> float:
+        """The largest size of any number but the times."""
+        return float(np.abs(self.rows[:, 1:]).max())
+
+    def write(self, path: str | PathLike[str]) -> None:
+        """Write the CSV file that `from_csv` reads."""
+        with open(path, "w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(self._columns)
+            writer.writerows(self.rows.tolist())
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, type(self)) and np.array_equal(self.rows, other.rows)
+
+    def __hash__(self) -> int:
+        return hash((self.rows + 0.0).tobytes())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.rows,)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {len(self.rows)} rows, period {self.period:g} s>"
+
+
+class Accelerations(PlayedRows):
+    """Accelerations of a shaken surface over one period, linear between rows.
+
+    The surface plays them again and again. Its velocity and place follow by integration; so that it
+    does not drift away, the mean of the accelerations is taken out, and that of the velocity is
+    zero.
+
+    Parameters
+    ----------
+    rows : array_like, shape (n, 3)
+        Time from 0 on, s, and accelerations along x and z, m/s^2. The last time is the period. In a
+        CSV file the columns are t, ax and az.
+
+    Raises
+    ------
+    ScenarioError
+        If there are fewer than two rows, or one is not allowed.
+    """
+
+    __slots__ = ("mean",)
+
+    _columns: ClassVar = {"t": "s", "ax": "m/s^2", "az": "m/s^2"}
+
+    mean: tuple[float, float]
+    """What is taken out along x and z, m/s^2."""
+
+    def __init__(self, rows: ArrayLike) -> None:
+        super().__init__(rows)
+        along, up = _core.Scenario().set_accelerations(self.rows)
+        self.mean = along, up
+
+
+class Forces(PlayedRows):
+    """Forces on a mass within the body over one period, linear between rows.
+
+    They are played again and again, and have any mean.
+
+    Parameters
+    ----------
+    rows : array_like, shape (n, 2)
+        Time from 0 on, s, and force, N. The last time is the period. In a CSV file the columns are
+        t and force.
+
+    Raises
+    ------
+    ScenarioError
+        If there are fewer than two rows, or one is not allowed.
+    """
+
+    __slots__ = ()
+
+    _columns: ClassVar = {"t": "s", "force": "N"}
+
+    def __init__(self, rows: ArrayLike) -> None:
+        super().__init__(rows)
+        _core.Scenario().set_forces(self.rows)
