@@ -262,6 +262,8 @@ def test_the_examples_do_what_their_names_say(opened):
     assert found["Slides back"]["forward"] < -1e-4
     assert found["Flies"]["flight"] > 0.5
     assert found["Tips over"]["rolls"] > 2
+    assert found["Rides a stage"]["story"].startswith("The stage carries it")
+    assert abs(found["Rides a stage"]["forward"]) > 1e-4
     assert "magnet is too weak" in found["Stays: weak magnet"]["story"]
     assert "the field is steady" in found["Stays: steady field"]["story"]
     assert "adhesion = 3000 nN holds the edge" in found["Stays: adhesion"]["story"]

@@ -63,6 +63,7 @@ const EFFECTS = [
   ["Adhesion that ages", slider("effects.adhesion_ageing.rate", "Rate", "", 1, 0, 2, 0.05), 0.5],
   ["Drag by angle", slider("effects.angle_drag.strength", "Strength", "", 1, 0, 30, 0.5), 10],
   ["Quadratic drag", slider("effects.quadratic_drag.coefficient", "Coefficient", "N s²/m²", 1, 0, 0.01, 0.0002), 2e-3],
+  ["Surface that is shaken", slider("shake.amplitude_x", "Amplitude", "µm", 1e-6, -60, 60, 1), 20e-6, { "shake.frequency": 80, "shake.harmonic_2_x": 0.25, "shake.phase_2_x": -1.57 }],
   ["Rotational drag", slider("effects.rotational_drag.coefficient", "Coefficient", "pN m s", 1e-12, 0, 10, 0.1), 2e-12],
 ];
 
@@ -82,6 +83,7 @@ const PRESETS = [
   ["Stays: weak magnet", { "robot.magnetization": 2e4 }],
   ["Stays: steady field", { "drive.base": 1.5e-3 }],
   ["Stays: adhesion", { "contact.adhesion": 3e-6 }],
+  ["Rides a stage", { "drive.frequency": 80, "drive.peak": 0, "drive.base": 0, "drive.hold": 0, "shake.amplitude_x": 20e-6, "shake.frequency": 80, "shake.harmonic_2_x": 0.25, "shake.phase_2_x": -1.57 }],
 ];
 
 /** Settings of which the first may not exceed the second. */

@@ -143,6 +143,7 @@ function storyOf(changes, run) {
   const codes = new Set(notes.map(({ code }) => code));
   const [, verb] = [
     [codes.has("steep-surface") && facts("downhill") > 0, "It slides downhill"],
+    [settingOf(changes, "shake.amplitude_x") !== 0 && run.field_max === 0, "The stage carries it"],
     [codes.has("no-friction"), "It is pulled along"],
     [codes.has("roll-over"), "It tips over"],
     [holds(["goes_back"], facts), "It slides back"],
@@ -150,6 +151,6 @@ function storyOf(changes, run) {
     [true, "It walks"],
   ].find(([does]) => does);
   const story = `${verb}: ${mm(Math.abs(forward))} ${way}, ${um(Math.abs(forward) * period)} a pulse.`;
-  if (verb === "It slides downhill") return { story, notes };
+  if (["It slides downhill", "The stage carries it"].includes(verb)) return { story, notes };
   return { story: `${story} In each pulse of ${ms(period)} ${list}.`, notes };
 }
