@@ -212,8 +212,16 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m bench peers", description=__doc__)
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--out", type=Path, default=MEASURED / "peers.json")
+    parser.add_argument(
+        "--shaken", action="store_true", help="print a block on a shaken surface, and nothing else"
+    )
     options = parser.parse_args()
     core = pin()
+    if options.shaken:
+        from peers.shaken import rows as shaken_rows
+
+        show(shaken_rows(options.repeats))
+        return 0
 
     versions = {name: installed_version(name) for name in TARGETS}
     missing = [name for name, version in versions.items() if version is None]
