@@ -321,3 +321,70 @@ TEST_CASE("impacts: what is captured below its least speed gains no energy") {
     CHECK(faces > 1000);
     CHECK(corners > 1000);
 }
+
+TEST_CASE("stop impact: restitution, momentum, Coulomb's cone and energy, whatever touches") {
+    Random random(4);
+    int stuck = 0, slid = 0, left = 0;
+    for (int n = 0; n < 6000; ++n) {
+        CAPTURE(n);
+        CornerImpact drawn(random, 1.3, 0.0);
+        Model& model = drawn.model;
+        BodyState& before = drawn.before;
+        model.inner.mass = model.mass * random.between(0.05, 3.0);
+        const Touch touch = static_cast<Touch>(random.integer(0, 2));
+        const bool lies = touch == Touch::face, slips = random.coin();
+        if (lies) before.angle = before.omega = 0.0;
+        const Pose pose = model.pose(before.quadrant, before.angle);
+        if (touch != Touch::none) {
+            before.vz = lies ? 0.0 : before.omega * pose.lever;
+            if (!slips) before.vx = before.omega * pose.height;
+        }
+        const double angle = random.between(-3.1, 3.1);
+        Strike strike = {std::cos(angle), std::sin(angle), random.between(0.01, 2.0),
+                         random.coin() ? 0.0 : random.between(0.0, 1.0)};
+        const double asked = strike.restitution, inner = model.inner.mass;
+        const ImpactResult result = stop_impact(model, pose, before, touch, slips, strike);
+        const BodyState& after = result.body;
+
+        // What the mass has lost, the body has gained, and more by the surface.
+        const auto along = [&](const BodyState& body) {
+            return body.vx * strike.x + body.vz * strike.z;
+        };
+        const double was = strike.speed + along(before);
+        const double is = -strike.restitution * strike.speed + along(after);
+        const double blow = inner * (was - is);
+        const double tangential = model.mass * (after.vx - before.vx) - blow * strike.x;
+        const double normal = model.mass * (after.vz - before.vz) - blow * strike.z;
+        const double turning = model.inertia * (after.omega - before.omega);
+        const double small = 10.0 * impulse_tolerance(model);
+        CHECK(blow >= 0.0);
+        CHECK(normal >= -small);
+        const double mu =
+            slips ? model.friction.kinetic_coefficient : model.friction.static_coefficient;
+        CHECK(std::abs(tangential) <= mu * normal + small);
+        if (!lies) {
+            const double moment = turning + pose.height * tangential + pose.lever * normal;
+            CHECK(std::abs(moment) <= small * model.shape.radius());
+        }
+        const double energy = kinetic_energy(model, before) + 0.5 * inner * was * was;
+        const double kept = (kinetic_energy(model, after) + 0.5 * inner * is * is) / energy;
+        CHECK(kept <= 1.0 + kEnergyTolerance);
+        CHECK((strike.restitution == asked || kept >= 1.0 - kEnergyTolerance));
+        CHECK(strike.restitution <= asked);
+
+        if (touch == Touch::none) CHECK(std::abs(turning) <= small * model.shape.radius());
+        if (touch == Touch::none || result.touch == Touch::none) {
+            left += touch != Touch::none;
+            CHECK(std::hypot(normal, tangential) <= small);
+        } else if (result.slip_velocity == 0.0) {
+            ++stuck;
+        } else {
+            ++slid;
+            const double way = result.slip_velocity > 0.0 ? 1.0 : -1.0;
+            CHECK(std::abs(tangential + way * mu * normal) <= small);
+        }
+    }
+    CHECK(stuck > 300);
+    CHECK(slid > 300);
+    CHECK(left > 300);
+}
