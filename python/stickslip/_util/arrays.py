@@ -322,12 +322,12 @@ def _as_floats(what: str, given: Elements, missing: Mask, allowed: str) -> Array
     elif given.dtype.kind in "biu":
         result[sound] = given[sound]
     else:
-        for place in map(tuple, np.argwhere(sound)):
+        for index in map(tuple, np.argwhere(sound)):
             try:
-                result[place] = float(given[place])
+                result[index] = float(given[index])
             except (TypeError, ValueError, OverflowError):
                 wrong = np.zeros(given.shape, dtype=bool)
-                wrong[place] = True
+                wrong[index] = True
                 _refuse_element(what, given, wrong, allowed)
     return result
 
@@ -361,8 +361,8 @@ def _refuse_element(what: str, given: Elements, wrong: Mask, allowed: str) -> No
 
 def _at(what: str, wrong: Mask) -> str:
     """The name of the first of the wrong elements."""
-    place = np.argwhere(wrong)[0].tolist()
-    where = f": row {place[0]}" if len(place) == 1 else f"{place}" if place else ""
+    index = np.argwhere(wrong)[0].tolist()
+    where = f": row {index[0]}" if len(index) == 1 else f"{index}" if index else ""
     return f"{what}{where}"
 
 

@@ -144,19 +144,19 @@ class CsvTable:
         lines = enumerate(text_lines(data), start=1)
         comments = []
         stated = None
-        for place, line in lines:
-            if place == 1 and (stated := _SEPARATOR_LINE.fullmatch(line)):
+        for at, line in lines:
+            if at == 1 and (stated := _SEPARATOR_LINE.fullmatch(line)):
                 continue
             if line.lstrip().startswith("#"):
-                comments.append((place, line))
+                comments.append((at, line))
             elif line.strip():
                 break
         else:
             return
         self.separator = stated[1] if stated else _separator_of(line)
-        self._rows = self._parsed(itertools.chain([(place, line)], lines))
+        self._rows = self._parsed(itertools.chain([(at, line)], lines))
         if any(map(_is_number, self._cells(line))):
-            self._take_header(comments, columns, (place, line), lines)
+            self._take_header(comments, columns, (at, line), lines)
         if not self.line:
             self.line, self.header = next(self._rows)
         if len(self.header) == 1 and " " in split_unit(self.header[0])[0]:
@@ -177,11 +177,11 @@ class CsvTable:
         """Make the last comment that names columns of the first row the header, if there is one."""
         count = len(named_cells(self._cells(first[1])))
         for k in reversed(range(len(comments))):
-            place, line = comments[k]
+            at, line = comments[k]
             names = named_cells(self._cells(line.lstrip().lstrip("#")))
             known = any(split_unit(name)[0] in columns for name in names)
             if known and len(names) == count and not any(map(_is_number, names)):
-                self.line, self.header = place, names
+                self.line, self.header = at, names
                 self._rows = self._parsed(itertools.chain(comments[k + 1 :], [first], below))
                 return
 
@@ -191,12 +191,12 @@ class CsvTable:
         A line that begins with # is a row if it has as many cells as the header, else a comment.
         """
         width = len(self.header)
-        for place, row in self._rows:
+        for at, row in self._rows:
             if not any(row):
                 continue
             if len(row) != width:
                 row = self._fitted(row)
-            yield place, row
+            yield at, row
 
     def with_point(self, line: int, column: int, cell: str) -> str:
         """A cell of numbers whose decimal comma, if it has one, is a decimal point.
@@ -236,14 +236,14 @@ class CsvTable:
         taken: list[int] = []
 
         def kept() -> Iterator[str]:
-            for place, line in lines:
+            for at, line in lines:
                 text = line.lstrip()
                 if not text:
                     continue
                 if text[0] == "#" and len(self._fitted(self._cells(line))) != len(self.header):
                     self.comments += 1
                     continue
-                taken.append(place)
+                taken.append(at)
                 yield line
 
         try:

@@ -111,7 +111,7 @@ def _values(key: str, text: str) -> list[Value]:
     if log:
         ratio = (stop / start).ln() / max(count - 1, 1)
         return [float(start), *(float(start * (k * ratio).exp()) for k in range(1, count))]
-    return [float(start + place * step) for place in range(count)]
+    return [float(start + k * step) for k in range(count)]
 
 
 def _of_a_file(key: str, text: str) -> Value | Path:

@@ -56,12 +56,12 @@ def check_files(read: Iterable[Path], /, **written: tuple[Path | None, tuple[str
             continue
         with prefixed(f"--{name}", OSError):
             check_writable(path)
-        place = path.resolve()
-        if place in taken:
-            raise ScenarioError(f"--{name}: {path} {taken[place]}")
+        target = path.resolve()
+        if target in taken:
+            raise ScenarioError(f"--{name}: {path} {taken[target]}")
         with prefixed(f"--{name}", ValueError):
             check_suffix(path, suffixes) if suffixes else stickslip.plot.check_format(path)
-        taken[place] = f"is that of --{name} too"
+        taken[target] = f"is that of --{name} too"
 
 
 def write_new(name: str, path: Path, text: str) -> None:

@@ -173,7 +173,7 @@ def _extremes(data: xarray.Dataset, table: DataFrame) -> dict[str, dict[str, Any
         return {}
     columns = table[[*_keys(data).values(), figure]]
     places = {"lowest": table[figure].idxmin(), "highest": table[figure].idxmax()}
-    return {name: columns.loc[[place]].to_dict("records")[0] for name, place in places.items()}
+    return {name: columns.loc[[label]].to_dict("records")[0] for name, label in places.items()}
 
 
 def _print(data: xarray.Dataset, table: DataFrame) -> None:

@@ -335,9 +335,9 @@ def neighbours(space: Space, values: Values) -> list[Values]:
     """Drives that differ in one number, within its range."""
     others: list[Values] = []
     for name in space.ranges:
-        place = space.coordinate(name, float(values[name]))
-        for other in dict.fromkeys(np.clip(place + np.array(OFFSETS), 0.0, 1.0).tolist()):
-            if other != place:
+        coordinate = space.coordinate(name, float(values[name]))
+        for other in dict.fromkeys(np.clip(coordinate + np.array(OFFSETS), 0.0, 1.0).tolist()):
+            if other != coordinate:
                 others.append({**values, name: space.number(name, other)})
     return others
 
@@ -355,13 +355,13 @@ def landscape(
         values = pd.Series([float(drive[name]) for drive in drives])
         along = table.assign(value=values)[(values != values[0]) | (values.index == 0)]
         along = along.sort_values("value")
-        place = space.coordinate(name, values[0])
-        away = np.array([space.coordinate(name, value) for value in along["value"]]) - place
+        coordinate = space.coordinate(name, values[0])
+        away = np.array([space.coordinate(name, value) for value in along["value"]]) - coordinate
         near = along[np.abs(away) <= NEAR * (1.0 + 1e-9)]  # but for rounding
         score = table["score"][0]
         lost = goal.sign * (score - near["score"]) / (abs(score) or 1.0)
         loss = float(lost.fillna(math.inf).max())
-        end = "low" if place < 0.01 else "high" if place > 0.99 else ""
+        end = "low" if coordinate < 0.01 else "high" if coordinate > 0.99 else ""
         beyond = bool((lost < -RISE)[near["exceeding"] > 0].any())
         steep = loss > LOSS
         limited = beyond or (steep and end)

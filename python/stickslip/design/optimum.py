@@ -304,12 +304,12 @@ class Optimum(OneLine):
 
     def _draw_scores(self, axes: Axes) -> None:
         factor, label = units.in_handy_units(self.goal.figure, self.goal.unit)
-        for place, (name, scores) in enumerate(self.fresh.items()):
+        for rank, (name, scores) in enumerate(self.fresh.items()):
             values = np.sort(scores) * factor
-            spread = place + 0.28 * np.sin(2.4 * np.arange(len(values)))  # not on one another
+            spread = rank + 0.28 * np.sin(2.4 * np.arange(len(values)))  # not on one another
             axes.plot(values, spread, ".", color=palette.BLUE, markersize=4, alpha=0.7)
             score = self.table["score"][name] * factor
-            axes.vlines(score, place - 0.42, place + 0.42, palette.BLACK)
+            axes.vlines(score, rank - 0.42, rank + 0.42, palette.BLACK)
         axes.set_yticks(range(len(self.table)), list(self.table.index))
         axes.grid(visible=False, axis="y")
         axes.set_xlabel(label)
@@ -352,5 +352,5 @@ class Optimum(OneLine):
         if self.scenario.uncertain is not None:
             title += f", on {ABOUT} other draws: see its shape, not its level"
         handles = [Line2D([], [], **look) for look in (_WITHIN, _BEYOND, _BEST)]
-        place: Any = {"loc": "outside upper center", "ncols": len(handles), "frameon": False}
-        part.legend(handles=handles, title=title, title_fontsize=9.0, **place)
+        legend: Any = {"loc": "outside upper center", "ncols": len(handles), "frameon": False}
+        part.legend(handles=handles, title=title, title_fontsize=9.0, **legend)

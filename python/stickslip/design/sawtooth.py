@@ -54,7 +54,7 @@ def sawtooths(space: Space, goal: Goal, of_start: Array, probe: Probe) -> list[d
         for values in itertools.product(*GRID.values())
     ]
     start = {key: space.start.get(key) for key in ("drive.peak", *GRID)}
-    growing = {name: 1 + place for place, name in enumerate(goal.limits) if name in _GROWTH}
+    growing = {name: 1 + rank for rank, name in enumerate(goal.limits) if name in _GROWTH}
     if not (ends or space.knots):
         growing = {}
     drives = _each_once(space, shapes, FIELDS if growing else ())

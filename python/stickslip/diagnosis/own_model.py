@@ -189,7 +189,7 @@ class OwnModel(OneLine):
         Vectors that differ only in what belongs to other tables share a prediction.
         """
         at = self.columns(table.name, names)
-        vectors, place = np.unique(values[:, list(at.values())], axis=0, return_inverse=True)
+        vectors, inverse = np.unique(values[:, list(at.values())], axis=0, return_inverse=True)
         acting = [cause for cause in self.causes if cause.table in (None, table.name)]
 
         def physics(keys: Sequence[str], rows: Array) -> Array:
@@ -197,7 +197,7 @@ class OwnModel(OneLine):
             return _rows(table, self.predicted(_seen(table, acting, p), p), len(rows))
 
         readers = [cause for cause in acting if cause.input is None]
-        return read_by(readers, list(at), vectors, physics, table)[place.reshape(-1)]
+        return read_by(readers, list(at), vectors, physics, table)[inverse.reshape(-1)]
 
     def predicted(self, table: Any, p: Values) -> Any:
         """What the own function returns."""

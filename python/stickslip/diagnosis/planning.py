@@ -101,8 +101,8 @@ class Plan:
         for block in range(1, self.trials + 1):
             for at in random.permutation(len(self.drives)):
                 settings = {name: self.drives[at][f"drive.{name}"] for name in names}
-                place = {"trial": block, "block": f"block-{block}", "order": len(rows) + 1}
-                rows.append({**settings, **place, "velocity": np.nan})
+                labels = {"trial": block, "block": f"block-{block}", "order": len(rows) + 1}
+                rows.append({**settings, **labels, "velocity": np.nan})
         return pd.DataFrame(rows)
 
     def protocol(self) -> str:
@@ -303,8 +303,8 @@ def _chosen(
         chosen.append(max((k for k in sound if k not in chosen), key=lambda k: worth([*chosen, k])))
     for _ in range(_PASSES):
         before = worth(chosen)
-        for place in range(len(chosen)):
-            others = chosen[:place] + chosen[place + 1 :]
+        for k in range(len(chosen)):
+            others = chosen[:k] + chosen[k + 1 :]
             best = max((k for k in sound if k not in others), key=lambda k: worth([*others, k]))
             if worth([*others, best]) > worth(chosen):
                 chosen = [*others, best]

@@ -81,12 +81,12 @@ def filmstrip(
     low[1] = -_MARGIN
     with matplotlib.rc_context(RC):
         panels = _new_panels(len(times), high - low) if ax is None else list(ax)
-        for place, (axes, outline, title) in enumerate(zip(panels, outlines, titles, strict=True)):
+        for k, (axes, outline, title) in enumerate(zip(panels, outlines, titles, strict=True)):
             axes.axhline(0.0, color=palette.BLACK, linewidth=1.0)
             style.body(axes, outline)
-            axes.plot(touches[place], _TRIANGLE, **_TOUCH)
-            if place:
-                axes.axvline(touches[place - 1], **_BEFORE)
+            axes.plot(touches[k], _TRIANGLE, **_TOUCH)
+            if k:
+                axes.axvline(touches[k - 1], **_BEFORE)
             axes.set_title(title, loc="left")
             axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
             axes.grid(visible=False)
@@ -108,8 +108,8 @@ def _new_panels(count: int, view: Array) -> list[Axes]:
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     for free in grid.flat[count:]:
         free.remove()
-    for place, column in enumerate(grid.T):  # the lowest panel of a column has the numbers
-        lowest = column[(count - 1 - place) // columns]
+    for k, column in enumerate(grid.T):  # the lowest panel of a column has the numbers
+        lowest = column[(count - 1 - k) // columns]
         lowest.set_xlabel("way along the heading (µm)" if columns < 3 else "way (µm)")
         lowest.tick_params(labelbottom=True)
     for first in grid[:, 0]:

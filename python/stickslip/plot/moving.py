@@ -299,12 +299,12 @@ def _side_view(
     apart = abs(gone) / passed if passed else _TICKS * width
     ticks = apart * np.arange((camera.min() - width) // apart, (camera.max() + width) // apart)
     axes.vlines(ticks, -7.0, 0.0, color=palette.DARK_GREY, linewidth=0.9)
-    place: Any = {"transform": axes.transAxes, "va": "top", "fontsize": 11.0}
-    axes.text(0.03, 0.96, caption, **place)
-    lines, place["fontweight"] = {}, "bold"
+    words: Any = {"transform": axes.transAxes, "va": "top", "fontsize": 11.0}
+    axes.text(0.03, 0.96, caption, **words)
+    lines, words["fontweight"] = {}, "bold"
     for name, right in (("stick", 0.789), ("slip", 0.868), ("flight", 0.97)):
         colour = style.KIND_COLOURS[name]
-        axes.text(right, 0.96, name, color=colour, ha="right", **place)
+        axes.text(right, 0.96, name, color=colour, ha="right", **words)
         look = _BAR if name == "stick" else _LINE
         (lines[name],) = axes.plot([], [], color=colour, zorder=_TRACE_ORDER[name], **look)
     _draw_scale(axes, width)
@@ -357,8 +357,8 @@ def _view_from_above(axes: Axes, shown: Motion, first: int, last: int) -> Callab
     path = np.column_stack([shown.x, shown.y]) * factor
     (line,) = axes.plot([], [], color=palette.BLACK, linewidth=0.9)
     arrows = {
-        first + place: style.arrow(axes, *ends, palette.DARK_GREY)
-        for place, ends in heading_arrows(part, factor).items()
+        first + k: style.arrow(axes, *ends, palette.DARK_GREY)
+        for k, ends in heading_arrows(part, factor).items()
     }
     body = style.body(axes, footprint(shown, first) * factor)
     # The body stays in the view however it is turned.

@@ -354,9 +354,9 @@ def judge(walks: Walks) -> tuple[pd.DataFrame, dict[str, Setting]]:
             for name in Setting._fields[1:]
         }
     )
-    place = {mode: int(at[mode][_reference(walks, at, holds)]) for mode in MODES}
+    pair = {mode: int(at[mode][_reference(walks, at, holds)]) for mode in MODES}
     reference = {
-        mode: Setting(*(walks[mode][name].values.tolist()[place[mode]] for name in Setting._fields))
+        mode: Setting(*(walks[mode][name].values.tolist()[pair[mode]] for name in Setting._fields))
         for mode in MODES
     }
     rows = []
@@ -373,10 +373,10 @@ def judge(walks: Walks) -> tuple[pd.DataFrame, dict[str, Setting]]:
                 "condition": condition,
                 "verdict": verdict,
                 "share": share if name in holds else np.nan,
-                "at_reference": bool(where.isel(place, missing_dims="ignore").all()),
+                "at_reference": bool(where.isel(pair, missing_dims="ignore").all()),
                 "settings": _deciding(holds[name], factors) if depends else "",
                 "numbers": {
-                    what: float(DataArray(value).isel(place, missing_dims="ignore"))
+                    what: float(DataArray(value).isel(pair, missing_dims="ignore"))
                     for what, value in numbers.items()
                 },
             }

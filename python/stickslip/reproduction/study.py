@@ -172,8 +172,8 @@ def reproduce(
     statements, reference = judge(walks)
     runs = reference_runs(reference, threads)
     tables, figures = {}, {}
-    for place, name in enumerate(names):
-        report(_SURVEY + (1.0 - _SURVEY) * place / len(names), "drawing figures")
+    for done, name in enumerate(names):
+        report(_SURVEY + (1.0 - _SURVEY) * done / len(names), "drawing figures")
         if name in MOTIONS:
             run = runs[MOTIONS[name][0]]
             tables[name], figures[name] = motion_table(name, run), draw_motion(name, run)

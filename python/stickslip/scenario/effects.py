@@ -284,9 +284,9 @@ def _address(effect: str, function: Any) -> int:
             f"effect {effect}: function = {shown(function)}: allowed is an address, an object with "
             "one, a ctypes function or a callable"
         )
-    place = int(address)
-    if not 0 < place < most:
-        raise ValueError(f"effect {effect}: address = {shown(place)}: there can be no function")
+    number = int(address)
+    if not 0 < number < most:
+        raise ValueError(f"effect {effect}: address = {shown(number)}: there can be no function")
     # A cfunc of numba shows its signature as a ctypes function.
     arguments = getattr(getattr(function, "ctypes", function), "argtypes", None)
     if arguments is not None and len(arguments) != 3:
@@ -294,7 +294,7 @@ def _address(effect: str, function: Any) -> int:
             f"effect {effect}: the function takes other arguments: allowed is "
             "void function(const double* state, const double* parameters, double* wrench)"
         )
-    return place
+    return number
 
 
 def _checked(effect: str, function: Wrench) -> Wrench:

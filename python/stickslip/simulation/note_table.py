@@ -232,8 +232,8 @@ def _tried(scenario: Scenario, changes: Mapping[str, Any]) -> Facts | None:
 
 
 def _text(row: Mapping[str, Any], facts: Facts, changes: Mapping[str, Any], tried: Facts) -> str:
-    def filled(place: re.Match[str]) -> str:
-        name, given, other, unit = place.groups()
+    def filled(match: re.Match[str]) -> str:
+        name, given, other, unit = match.groups()
         if name == "advice":
             advice = (case["text"] for case in row["advice"] if holds(case["when"], facts))
             return _PLACE.sub(filled, next(advice, ""))

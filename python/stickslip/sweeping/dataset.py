@@ -95,8 +95,8 @@ def put(
     flat(data, "events")[indices] = np.column_stack([columns[kind] for kind in EVENTS])
     flat(data, "painleve_events")[indices] = columns[PAINLEVE]
     flat(data, "status")[indices] = columns["status"]
-    for place, text in messages.items():
-        flat(data, "message")[indices[place]] = text
+    for row, text in messages.items():
+        flat(data, "message")[indices[row]] = text
 
 
 def finished(data: xarray.Dataset, points: Points) -> xarray.Dataset:

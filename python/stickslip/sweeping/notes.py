@@ -37,8 +37,8 @@ def notes_of(points: Points, columns: Mapping[str, NDArray[Any]], things: str) -
         if count
     ]
     ends = []
-    for place in (0, -1):
-        changes = {key: points.at_each(key).flat[place].item() for key in points.keys}
+    for end in (0, -1):
+        changes = {key: points.at_each(key).flat[end].item() for key in points.keys}
         try:
             ends.append(scenario_notes(points.scenario.replace(changes)))
         except ScenarioError:  # a point that is refused

@@ -140,9 +140,9 @@ def points_of(scenario: Scenario, vary: Vary | None) -> Points:
         columns_of("vary", table)  # refuses a column that is there twice
         table = table.to_dict("records")
     rows = as_list("vary", table, "values by key, or a list of changes by key")
-    for place, row in enumerate(rows):
+    for number, row in enumerate(rows):
         if not isinstance(row, Mapping):
-            raise ScenarioError(f"vary, point {place} = {shown(row)}: allowed is a mapping")
+            raise ScenarioError(f"vary, point {number} = {shown(row)}: allowed is a mapping")
     return from_changes(scenario, [Changes(row) for row in rows])
 
 

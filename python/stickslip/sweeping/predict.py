@@ -164,12 +164,12 @@ def quantiles_with_errors(values: Array, levels: Sequence[float]) -> tuple[Array
     last = np.maximum(count - 1, 0)
 
     def at(level: Array) -> Array:
-        place = level * last
-        low = np.floor(place).astype(np.int64)
+        position = level * last
+        low = np.floor(position).astype(np.int64)
         first, second = (
             np.take_along_axis(ordered, rank, axis=1) for rank in (low, np.minimum(low + 1, last))
         )
-        return np.asarray(first + (place - low) * (second - first))
+        return np.asarray(first + (position - low) * (second - first))
 
     level = np.broadcast_to(levels, (len(values), len(levels)))
     share = np.sqrt(level * (1.0 - level) / np.maximum(count, 1))

@@ -230,9 +230,9 @@ class _Beside:
         self.models, self.fit, problem = models, fit, models.problem
         self.effects = [
             effect
-            for place, response in enumerate(responses)
+            for number, response in enumerate(responses)
             if response.cause.curve is None and response.cause.name not in fit.names
-            for effect in _effects(problem, fit, response, place)
+            for effect in _effects(problem, fit, response, number)
         ]
         p, gaps = len(fit.free), [effect.gap for effect in self.effects]
         columns = np.column_stack([fit.slopes, *gaps, fit.residual])
@@ -361,13 +361,13 @@ class _Beside:
         return np.asarray(self.effects[k].gap - gaps @ factors - self.fit.slopes @ moved)
 
 
-def _effects(problem: Problem, fit: Fit, response: Response, place: int) -> list[_Effect]:
+def _effects(problem: Problem, fit: Fit, response: Response, number: int) -> list[_Effect]:
     cause = response.cause
     if not cause.parameters:
         # A freed constant is moved by its wider prior.
         names = [constant.name for constant in problem.constants]
         gap = FREED[0] * fit.slopes[:, names.index(str(cause.frees))]
-        return [_Effect(cause.name, -1, FREED[0], (), place, 1.0, gap)]
+        return [_Effect(cause.name, -1, FREED[0], (), number, 1.0, gap)]
     columns, free = problem.columns([cause]).tolist(), problem.free([cause]).tolist()
     amplitudes = [k for k in columns if problem.parameters[k].is_amplitude]
     shape = tuple(response.x[[k for k in columns if k not in amplitudes]].tolist())
@@ -378,7 +378,7 @@ def _effects(problem: Problem, fit: Fit, response: Response, place: int) -> list
         u = float(gap @ gap) / slope if slope else 0.0
         parameter = problem.parameters[k]
         usual = _distance(parameter, math.copysign(1.0, u)) / (_distance(parameter, u) or 1.0)
-        effects.append(_Effect(cause.name, k, u, shape, place, usual, gap))
+        effects.append(_Effect(cause.name, k, u, shape, number, usual, gap))
     return effects
 
 

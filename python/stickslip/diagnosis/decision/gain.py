@@ -83,8 +83,8 @@ def _finer(problem: Problem, effect: Array, parts: list[Indices]) -> list[Indice
     unit = np.empty(len(effect), dtype=np.int64)
     unit[order] = np.cumsum(begins | alone[order]) - 1
     shares = np.bincount(unit, effect**2) / whole
-    place = np.floor(MOST_PARTS * (np.cumsum(shares) - 0.5 * shares))
-    parts = _numbered(place.astype(np.int64)[unit])
+    number = np.floor(MOST_PARTS * (np.cumsum(shares) - 0.5 * shares))
+    parts = _numbered(number.astype(np.int64)[unit])
     return parts if len(parts) >= _FEWEST else []
 
 

@@ -137,6 +137,6 @@ def _parts(count: int, size: int) -> list[slice]:
 
 def _shares(values: Array, observed: float) -> tuple[Array, float]:
     """Share of the draws that are at least as large, of each draw and of what was observed."""
-    place = np.searchsorted(np.sort(values), [*values, observed], side="left")
-    share = (1.0 + len(values) - place) / (len(values) + 1.0)
+    rank = np.searchsorted(np.sort(values), [*values, observed], side="left")
+    share = (1.0 + len(values) - rank) / (len(values) + 1.0)
     return np.asarray(share[:-1]), float(share[-1])

@@ -126,9 +126,9 @@ class Problem(OneLine):
         parts = [np.eye(len(self.free(causes)))]
         for cause in causes:
             if cause.frees is not None:
-                place = names.index(cause.frees)
+                index = names.index(cause.frees)
                 widths = FREED if cause.curve is None else FREED[:1]
-                parts = [_with_block(part, slice(place, place + 1), np.array(width**-2))
+                parts = [_with_block(part, slice(index, index + 1), np.array(width**-2))
                          for part in parts for width in widths]  # fmt: skip
         for cause in sorted(causes, key=lambda law: self.causes.index(law)):
             end = at + len(cause.parameters)

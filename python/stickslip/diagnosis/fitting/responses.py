@@ -163,8 +163,8 @@ def _best(
     scale = np.concatenate([np.ones(p), 1.0 / values])
     inner = scale[:, None] * gram[np.ix_(used, used)] * scale
     along = scale * gram[used, -1]
-    place = [free.index(k) for k in (*fitted.tolist(), *probe.columns)]
-    precision = precision_of(problem, both)[np.ix_(place, place)]
+    columns = [free.index(k) for k in (*fitted.tolist(), *probe.columns)]
+    precision = precision_of(problem, both)[np.ix_(columns, columns)]
     before = precision_of(problem, causes)
     here = end.x[fitted]
     curvature = inner + precision
@@ -187,5 +187,5 @@ def _best(
     x[probe.columns] = amplitudes
     x[list(probe.shapes)] = list(probe.shapes.values())
     slopes = np.zeros((len(end.residual), len(free)))
-    slopes[:, place] = np.hstack([end.slopes, gaps.T / values])
+    slopes[:, columns] = np.hstack([end.slopes, gaps.T / values])
     return Response(probe.cause, x, gain, gaps, slopes)

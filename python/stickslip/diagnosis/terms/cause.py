@@ -89,8 +89,8 @@ _Made = TypeVar("_Made", Cause, tuple[Cause, ...])
 class _Remade:
     """How an instrument reads: a function of a call that makes causes, and pickled as that call."""
 
-    def __init__(self, read: Read, call: tuple[Any, ...], place: int) -> None:
-        self._read, self._made_by = read, (*call, place)
+    def __init__(self, read: Read, call: tuple[Any, ...], index: int) -> None:
+        self._read, self._made_by = read, (*call, index)
 
     def __call__(self, *given: Any) -> Array:
         return self._read(*given)
@@ -99,9 +99,9 @@ class _Remade:
         return _made_again, self._made_by
 
 
-def _made_again(factory: Any, args: Any, options: Any, place: int) -> Read:
+def _made_again(factory: Any, args: Any, options: Any, index: int) -> Read:
     made = factory(*args, **options)
-    return cast(Read, (made if isinstance(made, tuple) else (made,))[place].read)
+    return cast(Read, (made if isinstance(made, tuple) else (made,))[index].read)
 
 
 def pickled_as_call(factory: Callable[_P, _Made]) -> Callable[_P, _Made]:
@@ -112,8 +112,8 @@ def pickled_as_call(factory: Callable[_P, _Made]) -> Callable[_P, _Made]:
         given = factory(*args, **options)
         call: tuple[Any, ...] = made, args, options  # type: ignore[has-type]
         causes = tuple(
-            cause if cause.read is None else replace(cause, read=_Remade(cause.read, call, place))
-            for place, cause in enumerate(given if isinstance(given, tuple) else (given,))
+            cause if cause.read is None else replace(cause, read=_Remade(cause.read, call, index))
+            for index, cause in enumerate(given if isinstance(given, tuple) else (given,))
         )
         return causes if isinstance(given, tuple) else causes[0]
 
