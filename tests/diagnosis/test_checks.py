@@ -77,9 +77,9 @@ def test_conditions_that_are_all_alike_may_have_mixed_labels():
 def test_what_a_set_up_shares_makes_conditions_no_less_different():
     # Blocks differ by as much as the conditions do, and all conditions were in all blocks.
     random = np.random.default_rng(2)
-    x, setup = np.repeat(np.arange(10), 3), np.tile(np.arange(3), 10)
-    y = 1.0 + 0.02 * x + 0.06 * random.standard_normal(3)[setup]
-    table = Table({"x": x}, y + 0.01 * random.standard_normal(30), block=setup)
+    x, block = np.repeat(np.arange(10), 3), np.tile(np.arange(3), 10)
+    y = 1.0 + 0.02 * x + 0.06 * random.standard_normal(3)[block]
+    table = Table({"x": x}, y + 0.01 * random.standard_normal(30), block=block)
     assert table.errors.sizes["shift"] > 1.5
     assert code(table) is None
 
@@ -185,7 +185,7 @@ def test_without_a_drift_none_is_found(sound):
     assert blamed < 5
 
 
-def test_what_differs_between_set_ups_is_no_drift(sound):
+def test_what_differs_between_blocks_is_no_drift(sound):
     # Blocks one after the other, each slower than the one before by three errors of a trial.
     order = sound.trial * 100 + np.random.default_rng(1).permutation(len(sound))
     slower = sound.velocity * (1.0 - 0.06 * sound.trial)

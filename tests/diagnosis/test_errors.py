@@ -39,16 +39,16 @@ def test_the_likelihood_is_that_of_the_whole_covariance(stated):
     known = condition != 3
     run = np.repeat([0, 1, -1], [15, 8, 1])
     mean = np.bincount(condition, y) / 3.0
-    setup = random.integers(0, 3, 24)
+    block = random.integers(0, 3, 24)
     sd = 2e-5 * random.uniform(0.5, 2.0, 24) if stated else None
     chain = along_runs(run, None, known, known)
     scatter = _Scatter(
-        condition, mean, mean != 0.0, 1e-3, y - mean[condition], sd, 2e-5, setup, *chain
+        condition, mean, mean != 0.0, 1e-3, y - mean[condition], sd, 2e-5, block, *chain
     )
     lag = np.abs(np.subtract.outer(np.arange(24.0), np.arange(24.0)))
     lag[(run[:, None] != run) | (run[:, None] < 0)] = np.inf
     np.fill_diagonal(lag, 0.0)
-    shares = np.eye(3)[setup]
+    shares = np.eye(3)[block]
     gains = shares * np.sign(mean)[condition, None]
     levels = np.delete(np.eye(8)[condition][known], 3, axis=1)
 
@@ -111,12 +111,12 @@ def test_a_set_up_that_is_faster_is_no_error_of_its_readings(signed):
     # known to 0.3 from 24 blocks.
     random = np.random.default_rng(3)
     level = (1.0 + np.arange(12)) * (-1.0) ** np.arange(12)
-    index, setup = np.repeat(np.arange(12), 24), np.tile(np.arange(24), 12)
-    off = 0.06 * random.standard_normal(24)[setup] * (level if signed else abs(level))[index]
+    index, block = np.repeat(np.arange(12), 24), np.tile(np.arange(24), 12)
+    off = 0.06 * random.standard_normal(24)[block] * (level if signed else abs(level))[index]
     y = level[index] + off + 0.03 * level[index] * random.standard_normal(len(index))
     # One in five is not known: such a reading is a block of its own.
-    setup = np.where(random.random(len(index)) < 0.2, -1, setup)
-    _, errors = estimate(y, index, setup=setup)
+    block = np.where(random.random(len(index)) < 0.2, -1, block)
+    _, errors = estimate(y, index, block=block)
     assert errors.sizes["rho"] == pytest.approx(0.03, rel=0.2)
     found, other = ("gain", "shift") if signed else ("shift", "gain")
     assert errors.sizes[found] == pytest.approx(2.0, abs=0.9)
@@ -127,16 +127,16 @@ def test_a_set_up_that_is_faster_is_no_error_of_its_readings(signed):
 
 
 @pytest.mark.parametrize(
-    ("setup", "said"),
+    ("block", "said"),
     [
         (None, []), (np.full(12, -1), []), (np.zeros(12, dtype=int), ["one-block"]),
         (np.tile([0, 1, 2], 4), ["blocks"]), (np.repeat([0, 1], 6), ["blocks-not-crossed"]),
     ],
 )  # fmt: skip
-def test_set_ups_are_used_where_conditions_were_repeated_in_another(setup, said):
+def test_blocks_are_used_where_conditions_were_repeated_in_another(block, said):
     index = np.repeat(np.arange(4), 3)
     y = (1.0 + index) * (1.0 + 0.03 * np.random.default_rng(4).standard_normal(12))
-    _, errors = estimate(y, index, setup=setup)
+    _, errors = estimate(y, index, block=block)
     assert codes(errors) == said
     assert (errors.covariance is None) == ("blocks" not in said)
 
@@ -184,8 +184,8 @@ def test_runs_without_repeats_tell_no_correlation():
         assert "phi" in estimate(y, condition, run=run)[1].sizes
 
 
-@pytest.mark.parametrize("setups", [False, True])
-def test_zero_readings_are_no_part_of_the_estimate(setups):
+@pytest.mark.parametrize("blocks", [False, True])
+def test_zero_readings_are_no_part_of_the_estimate(blocks):
     # Readings of exactly zero, as below the resolution of a camera, have no scatter at all.
     random = np.random.default_rng(21)
     level = np.linspace(0.2e-3, 2e-3, 20)
@@ -193,7 +193,7 @@ def test_zero_readings_are_no_part_of_the_estimate(setups):
     y = level[index] + np.hypot(1e-5, 0.03 * level)[index] * random.standard_normal(60)
     still = np.array([0, 4, 9, 14, 21, 25])
     others = np.setdiff1d(np.arange(26), still)
-    known = [{"setup": np.tile(np.arange(3), count)} if setups else {} for count in (20, 26)]
+    known = [{"block": np.tile(np.arange(3), count)} if blocks else {} for count in (20, 26)]
     _, moving = estimate(y, index, **known[0])
     mean, both = estimate(
         np.concatenate([y, np.zeros(18)]), np.repeat(np.append(others, still), 3), **known[1]
@@ -205,7 +205,7 @@ def test_zero_readings_are_no_part_of_the_estimate(setups):
     # A condition at rest has the error of the level zero, and no gain.
     own = both.sizes["s0"] / math.sqrt(3.0)
     assert own * (1.0 - 1e-6) <= both.sd[still[0]] < 1.5 * own
-    if setups:
+    if blocks:
         np.linalg.cholesky(both.covariance)
 
 
@@ -255,12 +255,12 @@ def test_errors_that_readings_share_follow_the_fitted_level():
     # draw it down.
     random = np.random.default_rng(8)
     x = np.linspace(1.0, 3.0, 12)
-    index, setup = np.repeat(np.arange(12), 4), np.tile(np.arange(4), 12)
+    index, block = np.repeat(np.arange(12), 4), np.tile(np.arange(4), 12)
     slopes = []
     for seed in range(30):
         share = 1.0 + 0.1 * random.standard_normal(4)
-        y = x[index] * share[setup] * (1.0 + 0.03 * random.standard_normal(48))
-        mean, errors = estimate(y, index, setup=setup, seed=seed)
+        y = x[index] * share[block] * (1.0 + 0.03 * random.standard_normal(48))
+        mean, errors = estimate(y, index, block=block, seed=seed)
         slope = 1.0
         for _ in range(20):
             weight = np.linalg.inv(errors.at(slope * x).covariance)
@@ -320,9 +320,9 @@ def made(kind, random, draw):
     condition, noise, known = np.repeat(np.arange(30), 3), draw(90), {}
     size = (np.full(30, 3e-5) if kind == "constant" else SIZE)[condition]
     if kind == "blocks":
-        known["setup"] = setup = np.tile(np.arange(3), 30)
-        gain = 0.5 * random.standard_normal(3)[setup] * np.sign(LEVEL[condition])
-        noise = noise + 0.8 * random.standard_normal(3)[setup] + gain
+        known["block"] = block = np.tile(np.arange(3), 30)
+        gain = 0.5 * random.standard_normal(3)[block] * np.sign(LEVEL[condition])
+        noise = noise + 0.8 * random.standard_normal(3)[block] + gain
     return LEVEL[condition] + size * noise, condition, known
 
 

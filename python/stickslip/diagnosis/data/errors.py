@@ -130,7 +130,7 @@ def estimate(
     relative: float = math.nan,
     run: Indices | None = None,
     place: Array | None = None,
-    setup: Indices | None = None,
+    block: Indices | None = None,
     seed: int = 0,
 ) -> tuple[Array, Errors]:
     """Means of the conditions, shape (m,), and their errors.
@@ -150,7 +150,7 @@ def estimate(
         Run of each reading; -1 where it is not known.
     place : ndarray, shape (n,), optional
         Place in the run, counted in the usual step; the order of the rows, if not given.
-    setup : ndarray of int, shape (n,), optional
+    block : ndarray of int, shape (n,), optional
         Block of each reading; -1 where it is not known: such a reading has one of its own. Used
         where conditions were repeated in another one.
     seed : int
@@ -168,16 +168,16 @@ def estimate(
     if not np.any(np.abs(away) > _ALIKE * size):
         free = 0
     notes: list[Note] = []
-    setup = _crossed(condition, setup, moves[condition], notes)
+    block = _crossed(condition, block, moves[condition], notes)
     order, gap = along_runs(run, place, moves[condition], (count > 1.0)[condition])
-    shared = setup is not None or bool(np.any(np.isfinite(gap)))
+    shared = block is not None or bool(np.any(np.isfinite(gap)))
     if free < FEWEST or (sd is not None and not shared):
         sizes, dof = _stated(sd, relative, free, size, mean[condition], notes)
         one = np.hypot(sizes["s0"], sizes["rho"] * mean[condition]) if sd is None else sd
         sds = np.sqrt(np.bincount(condition, one**2)) / count
         return mean, Errors(sds, None, dof, sizes, tuple(notes))
     pooled = math.sqrt(float(np.sum(away**2)) / free)
-    scatter = _Scatter(condition, mean, moves, size, away, sd, pooled, setup, order, gap)
+    scatter = _Scatter(condition, mean, moves, size, away, sd, pooled, block, order, gap)
     return mean, scatter.errors(seed, notes)
 
 
@@ -276,24 +276,24 @@ def _stated(
 
 
 def _crossed(
-    condition: Indices, setup: Indices | None, known: Mask, notes: list[Note]
+    condition: Indices, block: Indices | None, known: Mask, notes: list[Note]
 ) -> Indices | None:
     """Blocks, numbered from 0, if their errors can be told from the levels of conditions."""
-    if setup is None or np.all(setup < 0):
+    if block is None or np.all(block < 0):
         return None
-    lost = setup < 0
-    numbers = np.where(lost, np.max(setup) + np.cumsum(lost), setup)
-    setup = np.unique(numbers, return_inverse=True)[1].astype(np.int64)
-    most = max(len(np.unique(condition[known])), len(np.unique(setup[known])) + 1)
-    if np.max(setup) == 0:
+    lost = block < 0
+    numbers = np.where(lost, np.max(block) + np.cumsum(lost), block)
+    block = np.unique(numbers, return_inverse=True)[1].astype(np.int64)
+    most = max(len(np.unique(condition[known])), len(np.unique(block[known])) + 1)
+    if np.max(block) == 0:
         text = "All readings are of one block: what they share is not known."
         notes.append(Note("one-block", text))
         return None
-    if len(np.unique(condition[known] * len(setup) + setup[known])) <= most:
+    if len(np.unique(condition[known] * len(block) + block[known])) <= most:
         text = "No condition was repeated in another block: what readings of one share is unknown."
         notes.append(Note("blocks-not-crossed", text))
         return None
-    return setup
+    return block
 
 
 def along_runs(
@@ -356,7 +356,7 @@ class _Scatter(OneLine):
     away: Array
     sd: Array | None
     pooled: float
-    setup: Indices | None
+    block: Indices | None
     order: Indices
     gap: Array
 
@@ -367,7 +367,7 @@ class _Scatter(OneLine):
         names = ["s0"] + ["rho"] * (self.sd is None)
         names += ["phi"] * bool(np.any(np.isfinite(self.gap)))
         # Where all levels have one sign, a shift and a gain are the same.
-        return names + (["shift"] + ["gain"] * signed) * (self.setup is not None)
+        return names + (["shift"] + ["gain"] * signed) * (self.block is not None)
 
     @cached_property
     def unit(self) -> Array:
@@ -379,9 +379,9 @@ class _Scatter(OneLine):
     @cached_property
     def shares(self) -> Array:
         """Block of each reading as columns of 0 and 1, shape (n, blocks)."""
-        if self.setup is None:
+        if self.block is None:
             return np.zeros((len(self.away), 0))
-        return np.eye(int(self.setup.max()) + 1)[self.setup]
+        return np.eye(int(self.block.max()) + 1)[self.block]
 
     def errors(self, seed: int, notes: list[Note]) -> Errors:
         """Errors of the means, over draws of the hyperparameters."""
@@ -459,9 +459,9 @@ class _Scatter(OneLine):
         rows, c, m = self.order, self.condition[self.order], len(self.mean)
         link = min(float(phi), _STRONGEST) ** self.gap
         fresh = 1.0 / np.sqrt(1.0 - link**2)
-        of_setups = [self.shares[rows] * np.sign(self.mean)[c, None] ** k for k in range(2)]
+        of_blocks = [self.shares[rows] * np.sign(self.mean)[c, None] ** k for k in range(2)]
         target = self.away[rows] / (self.unit[rows] * size[c])
-        columns = np.column_stack([math.exp(shift) * of_setups[0], math.exp(gain) * of_setups[1],
+        columns = np.column_stack([math.exp(shift) * of_blocks[0], math.exp(gain) * of_blocks[1],
                                    target])  # fmt: skip
         white = columns.copy()
         white[1:] -= link[1:, None] * columns[:-1]

@@ -147,7 +147,7 @@ class Table:
             gap = gap | missing
         stated = None if sd is None else stated_errors(f"{at}sd", sd, count, unit)
         gap = gap if stated is None else gap | np.isnan(stated)
-        setup, runs = (
+        blocks, runs = (
             None if values is None else labels(f"{at}{key}", values, count)[~gap]
             for key, values in (("block", block), ("run", run))
         )
@@ -165,10 +165,10 @@ class Table:
         self.places = _places([values[self.first] for values in read.values()])
         self.group = np.arange(len(number), dtype=np.int64)
         stated = None if stated is None else stated[~gap]
-        self.mean, self.errors = estimate(self.y, self.condition, sd=stated, run=runs, setup=setup)
+        self.mean, self.errors = estimate(self.y, self.condition, sd=stated, run=runs, block=blocks)
         if sd is None:
             self.errors = no_finer_than_the_meter(self.y, self.condition, self.errors, unit)
-        self.rows, self._labels = np.flatnonzero(~gap), {"sd": stated, "block": setup, "run": runs}
+        self.rows, self._labels = np.flatnonzero(~gap), {"sd": stated, "block": blocks, "run": runs}
         self.own_notes = tuple(notes)
         self.notes = [*notes, *self.errors.notes]
         self.run = self.order = None

@@ -130,7 +130,7 @@ class VelocityTable(SimulatedTable):
         # One error for all tables: of those that state one, the largest.
         known = [data.relative_sd for data in measurement.velocity]
         self.mean, self.errors = estimate(
-            self.y, self.condition, run=self.curve, place=place, setup=self.block, seed=seed,
+            self.y, self.condition, run=self.curve, place=place, block=self.block, seed=seed,
             relative=max((sd for sd in known if math.isfinite(sd)), default=math.nan),
         )  # fmt: skip
         self.notes = list(self.errors.notes)
@@ -446,8 +446,8 @@ def _pooled(tables: Sequence[VelocityData]) -> tuple[list[dict[str, Value]], Arr
             key = tuple(sorted(data.conditions[at].items()))
             curve = tuple(pair for pair in key if pair[0] != "drive.frequency")
             sort = (table, int(block), 0 if ordered else int(sweep), curve)
-            setup = block + above if block >= 0 else -1
-            trials.append((key, setup, runs.setdefault(sort, len(runs)), velocity, order, ordered))
+            block = block + above if block >= 0 else -1
+            trials.append((key, block, runs.setdefault(sort, len(runs)), velocity, order, ordered))
         above += int(data.block.max()) + 1
     keys = sorted({trial[0] for trial in trials}, key=_rank)
     number = {key: k for k, key in enumerate(keys)}
