@@ -117,7 +117,7 @@ def decide(models: Models, test: Test) -> Verdict:
 
 def _without_cause(verdict: Verdict, models: Models, test: Test, leader: Fit | None) -> Verdict:
     if test.misfit:
-        likeliest = next(each for each in models.leaders() if not each.causes)
+        likeliest = next(fit for fit in models.leaders() if not fit.causes)
         rival = "an unknown model error"
         if likeliest.form == "ar1":
             rival = "correlated errors along a run, of the readings or of the model"

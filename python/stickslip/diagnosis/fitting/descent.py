@@ -65,9 +65,9 @@ def precision_of(problem: Problem, causes: Sequence[Cause]) -> Array:
     return every[len(every) // 2]
 
 
-def cost(form: Form, h: Array, own: Array, precision: Array, residual: Array) -> Array:
+def cost(form: Form, h: Array, free: Array, precision: Array, residual: Array) -> Array:
     """Misfit of residuals, (vectors, n), and prior of the free coordinates `own`, (vectors, k)."""
-    return np.asarray(form.cost(residual, h) + np.einsum("vi,ij,vj->v", own, precision, own))
+    return np.asarray(form.cost(residual, h) + np.einsum("vi,ij,vj->v", free, precision, free))
 
 
 def in_step(problem: Problem, searches: Sequence[Asking[_Result]]) -> list[_Result]:
@@ -198,7 +198,7 @@ def _updated(slopes: Array, change: Array, move: Array, sd: Array) -> Array:
 
 
 def _longest_steps(problem: Problem) -> Array:
-    linear = [each.prior is not None and each.prior.kind == "normal" for each in problem.parameters]
+    linear = [p.prior is not None and p.prior.kind == "normal" for p in problem.parameters]
     return np.where(linear, _LINEAR_STEP, _STEP)
 
 

@@ -76,7 +76,7 @@ class Fit(OneLine):
     @property
     def names(self) -> frozenset[str]:
         """Names of the causes."""
-        return frozenset(each.name for each in self.causes)
+        return frozenset(cause.name for cause in self.causes)
 
     @property
     def name(self) -> str:
@@ -93,8 +93,8 @@ def log_prior(causes: Sequence[Cause], form: str, odds: float) -> float:
     """Log prior probability of a model where all causes have these odds together."""
     if not causes:
         return math.log(PRIOR_NONE * PRIOR[form])
-    own = sum(math.log(PRIOR_CAUSES * each.odds / odds) for each in causes)
-    return own + (len(causes) - 1) * math.log(PRIOR_MORE) + math.log(PRIOR[form])
+    prior = sum(math.log(PRIOR_CAUSES * cause.odds / odds) for cause in causes)
+    return prior + (len(causes) - 1) * math.log(PRIOR_MORE) + math.log(PRIOR[form])
 
 
 def minimise(
@@ -112,7 +112,7 @@ def minimise(
 
     They take turns until the coordinates are at the minimum of the new inner product.
     """
-    causes = tuple(sorted(causes, key=lambda each: each.name))
+    causes = tuple(sorted(causes, key=lambda cause: cause.name))
     free, precision = problem.free(causes), precision_of(problem, causes)
     end = None
     if h is None:
@@ -144,8 +144,8 @@ def minimise(
 def _fit(problem: Problem, form: Form, causes: tuple[Cause, ...], free: Indices, end: End,
          h: Array, precision: Array, covariance: Array, log_evidence: float) -> Fit:  # fmt: skip
     chi2 = float(np.sum(problem.chi2_of_tables(end.residual[None, :])))
-    own = end.x[free]
-    total = float(form.cost(end.residual[None, :], h)[0] + own @ precision @ own)
+    x = end.x[free]
+    total = float(form.cost(end.residual[None, :], h)[0] + x @ precision @ x)
     return Fit(
         causes, form.name, end.x, h, free, end.residual, end.slopes, precision, covariance,
         log_evidence, chi2, total, form.sizes(h),
@@ -165,7 +165,7 @@ def sharpened(problem: Problem, form: Form, old: Fit) -> Asking[Fit]:
 
 def linear(problem: Problem, form: Form, causes: Sequence[Cause], end: End) -> Fit:
     """A fit that stays where it is, with the evidence of the linear model there."""
-    causes = tuple(sorted(causes, key=lambda each: each.name))
+    causes = tuple(sorted(causes, key=lambda cause: cause.name))
     h = form.begin(end.residual)
     h, log_evidence, precision, covariance, _ = evidence(problem, form, causes, end, h)
     free = problem.free(causes)
@@ -179,8 +179,8 @@ def laplace(problem: Problem, form: Form, of: Fit) -> float:
     misfit = float(form.cost(of.residual[None, :], of.h)[0])
     beside = form.log_det(of.h) + form.n * math.log(2.0 * math.pi)
     at_end = _At(problem, of.causes, of.end)
-    own = np.array([misfit]), np.array([beside])
-    return float(at_end.integrals(gram[None], *own, of.precision)[0][0])
+    costs = np.array([misfit]), np.array([beside])
+    return float(at_end.integrals(gram[None], *costs, of.precision)[0][0])
 
 
 def evidence(
@@ -197,13 +197,13 @@ def evidence(
 
     def values(points: Array, precision: Array) -> tuple[Array, Array, Array]:
         grams, misfits, beside = [], [], []
-        for each in points:
-            grams.append(form.weighted(prepared, end.residual, each))
+        for point in points:
+            grams.append(form.weighted(prepared, end.residual, point))
             # A normal form has its misfit in the last column, that of the residual.
             normal = bool(form.names)
-            misfit = grams[-1][-1, -1] if normal else form.cost(end.residual[None, :], each)[0]
+            misfit = grams[-1][-1, -1] if normal else form.cost(end.residual[None, :], point)[0]
             misfits.append(float(misfit))
-            beside.append(form.log_det(each) + form.n * math.log(2.0 * math.pi))
+            beside.append(form.log_det(point) + form.n * math.log(2.0 * math.pi))
         return at_end.integrals(np.stack(grams), np.array(misfits), np.array(beside), precision)
 
     total = 0.0
@@ -214,22 +214,22 @@ def evidence(
         def loss(points: Array) -> Array:
             price = 0.5 * np.sum(((points - middle) / sd) ** 2, axis=1)
             try:
-                own = price - values(points, first)[0]
+                losses = price - values(points, first)[0]
             except np.linalg.LinAlgError:
                 if len(points) == 1:
                     return np.array([_IMPOSSIBLE])
-                return np.concatenate([loss(each[None]) for each in points])
-            return np.where(np.isfinite(own), own, _IMPOSSIBLE)
+                return np.concatenate([loss(point[None]) for point in points])
+            return np.where(np.isfinite(losses), losses, _IMPOSSIBLE)
 
         h, second = _minimum(loss, np.clip(h, low, high), low, high)
         # At the edge of a range the curvature says little: no more than the prior is left open.
         scale = np.maximum(np.linalg.eigvalsh(second), 1.0 / np.max(sd) ** 2)
         total -= 0.5 * float(np.sum(np.log(scale))) + float(np.sum(np.log(sd)))
         total -= 0.5 * float(np.sum(((h - middle) / sd) ** 2))
-    each = [[part[0] for part in values(h[None], precision)] for precision in every]
-    best = int(np.argmax([one[0] for one in each]))
-    total += float(logsumexp([one[0] for one in each])) - math.log(len(every))
-    return h, total, every[best], each[best][1], float(each[best][2])
+    results = [[part[0] for part in values(h[None], precision)] for precision in every]
+    best = int(np.argmax([one[0] for one in results]))
+    total += float(logsumexp([one[0] for one in results])) - math.log(len(every))
+    return h, total, every[best], results[best][1], float(results[best][2])
 
 
 def _minimum(
@@ -258,8 +258,8 @@ def _minimum(
             least, last, longest = here, h, min(2.0 * longest, _LONGEST_H)
         else:
             longest *= 0.25
-        own = move * min(1.0, longest / max(float(np.max(np.abs(move))), 1e-300))
-        h = np.clip(last + own, low, high)
+        step = move * min(1.0, longest / max(float(np.max(np.abs(move))), 1e-300))
+        h = np.clip(last + step, low, high)
         if downhill @ (h - last) < _SETTLED_H:
             break
     else:
@@ -277,8 +277,8 @@ class _At:
         self._low, self._high = self._x <= low + 1e-9, self._x >= high - 1e-9
         # The side of zero on which an amplitude of one side may be; 0 for all others.
         sides = [
-            math.copysign(1.0, sum(each.limits)) if each.one_sided else 0.0
-            for each in problem.parameters
+            math.copysign(1.0, sum(parameter.limits)) if parameter.one_sided else 0.0
+            for parameter in problem.parameters
         ]
         self._sides = np.array(sides)[free]
 
@@ -307,19 +307,19 @@ class _At:
             down = downhill[np.ix_(rows, inner)]
             move = np.einsum("rij,rj->ri", inverse, down)
             fall[rows] = np.sum(down * move, axis=1)
-            own = 0.5 * fall[rows] - np.sum(np.log(np.diagonal(lower, 0, 1, 2)), axis=1)
+            part = 0.5 * fall[rows] - np.sum(np.log(np.diagonal(lower, 0, 1, 2)), axis=1)
             for k in np.flatnonzero(mask).tolist():
                 # With the others where they are best for it.
                 beyond = curvature[rows, k][:, inner]
                 across = np.einsum("rj,rji->ri", beyond, inverse)
                 bend = curvature[rows, k, k] - np.sum(across * beyond, axis=1)
                 score = -np.abs(downhill[rows, k] - np.sum(across * down, axis=1)) / np.sqrt(bend)
-                own += 0.5 * score**2 + log_ndtr(score) - 0.5 * np.log(bend)
+                part += 0.5 * score**2 + log_ndtr(score) - 0.5 * np.log(bend)
             for place, k in enumerate(inner.tolist()):
                 if self._sides[k]:
                     inside = self._sides[k] * (x[k] + move[:, place])
                     inside /= np.sqrt(inverse[:, place, place])
-                    own += log_ndtr(np.maximum(inside, -5.0))
-            total[rows] += own
+                    part += log_ndtr(np.maximum(inside, -5.0))
+            total[rows] += part
             covariance[mine] = inverse
         return total, covariance, fall

@@ -102,7 +102,7 @@ class Models:
         self, problem: Problem, offered: Sequence[Cause], wanted: Sequence[str] = tuple(PRIOR)
     ) -> None:
         self.problem, self.offered = problem, tuple(offered)
-        self._odds = sum(each.odds for each in offered)
+        self._odds = sum(cause.odds for cause in offered)
         self.forms: dict[str, Form] = forms(problem, wanted)
         self.best: dict[tuple[frozenset[str], str], Fit] = {}
         self.begun = 0  # fits so far
@@ -124,9 +124,9 @@ class Models:
     def widened(self, problem: Problem, offered: Sequence[Cause]) -> Models:
         """The same fits where the problem has further causes, whose coordinates come last."""
         wider = Models(problem, offered)
-        for key, each in self.best.items():
-            x = np.concatenate([each.x, np.zeros(problem.size - len(each.x))])
-            wider.best[key] = replace(each, x=x)
+        for key, fit in self.best.items():
+            x = np.concatenate([fit.x, np.zeros(problem.size - len(fit.x))])
+            wider.best[key] = replace(fit, x=x)
         wider.corrections, wider.of_forms = dict(self.corrections), dict(self.of_forms)
         return wider
 
@@ -137,7 +137,7 @@ class Models:
     @property
     def reaches(self) -> bool:
         """Whether some model comes near the data, to ten errors in the mean."""
-        best = min(each.chi2 for each in self.leaders(form="exact"))
+        best = min(fit.chi2 for fit in self.leaders(form="exact"))
         return best < _NEAR_DATA * len(self.problem.y)
 
     @property
@@ -164,23 +164,23 @@ class Models:
         """The model with another form of the discrepancy as it is about a fit; it is kept."""
         if (about, form) not in self._linear:
             try:
-                found = linear(self.problem, self.forms[form], about.causes, about.end)
+                fit = linear(self.problem, self.forms[form], about.causes, about.end)
             except np.linalg.LinAlgError:
-                found = None
-            self._linear[about, form] = found
+                fit = None
+            self._linear[about, form] = fit
         return self._linear[about, form]
 
     def leaders(self, count: int | None = None, form: str | None = None) -> list[Fit]:
         """Models by their posterior, the best first."""
-        fits = [each for each in self.best.values() if form in (None, each.form)]
+        fits = [fit for fit in self.best.values() if form in (None, fit.form)]
         return sorted(fits, key=self.log_posterior, reverse=True)[:count]
 
     def add_fits(self, starts: Sequence[Start]) -> None:
         """Fit models from starts, in step, unless nothing can be fitted there."""
         self.begun += len(starts)
-        for found in in_step(self.problem, [self._fitted(each) for each in starts]):
-            if found is not None:
-                self.add(found)
+        for fit in in_step(self.problem, [self._fitted(start) for start in starts]):
+            if fit is not None:
+                self.add(fit)
 
     def _fitted(self, start: Start) -> Asking[Fit | None]:
         hopeless = self.hopeless if start.form == "exact" and start.causes else math.inf
@@ -210,12 +210,12 @@ def recalibrated(problem: Problem, seed: int) -> tuple[Fit, list[End]]:
     """
     exact = forms(problem, ["exact"])["exact"]
     count = _SCAN if len(problem.constants) > 1 else _SCAN // 4
-    starts = list(_separated(_scan(problem, count, seed), lambda each: each, _APART))
+    starts = list(_separated(_scan(problem, count, seed), lambda x: x, _APART))
     best, ends = _descended(problem, exact, starts)
     if problem.constants and lack_of_fit(problem, best.chi2, len(problem.y)) < _DOUBTFUL:
         again, more = _descended(problem, exact, _strata(problem, _scan(problem, _SCAN, seed + 1)))
-        best = min((best, again), key=lambda each: each.cost)
-        ends = sorted([*ends, *more], key=lambda each: each.cost)
+        best = min((best, again), key=lambda fit: fit.cost)
+        ends = sorted([*ends, *more], key=lambda end: end.cost)
     return best, ends
 
 
@@ -225,12 +225,12 @@ def _descended(problem: Problem, exact: Form, starts: Sequence[Array]) -> tuple[
     for stage, most in zip(STAGES, _DESCENTS, strict=False):
         soft = Softened(problem, *stage)
         every = [descend(problem, soft, np.zeros(0), (), x) for x in starts[:most]]
-        found = sorted(in_step(problem, every), key=lambda each: each.cost)
-        distinct = list(_separated(found, lambda each: each.x, _SAME))
+        ends = sorted(in_step(problem, every), key=lambda end: end.cost)
+        distinct = list(_separated(ends, lambda end: end.x, _SAME))
         softest = softest or distinct
-        starts = [each.x for each in distinct]
+        starts = [end.x for end in distinct]
     fits = [minimise(problem, exact, (), x) for x in starts[: _DESCENTS[-1]]]
-    return min(in_step(problem, fits), key=lambda each: each.cost), softest
+    return min(in_step(problem, fits), key=lambda fit: fit.cost), softest
 
 
 def _scan(problem: Problem, count: int, seed: int) -> Array:
@@ -246,13 +246,13 @@ def _scan(problem: Problem, count: int, seed: int) -> Array:
 
 def _strata(problem: Problem, points: Array) -> list[Array]:
     """The best point of each stratum of the constants that are known in range only."""
-    priors = [each.prior for each in problem.constants]
+    priors = [constant.prior for constant in problem.constants]
     wide = [k for k, prior in enumerate(priors) if prior is not None and not prior.has_middle]
-    chosen = list(_separated(points, lambda each: each, _APART))[: _STRATA // 2]
+    chosen = list(_separated(points, lambda point: point, _APART))[: _STRATA // 2]
     for k in wide:
         edges = np.quantile(points[:, k], np.linspace(0.0, 1.0, max(_STRATA // len(wide), 3) + 1))
         place = np.searchsorted(edges[1:-1], points[:, k])
-        chosen += [points[np.flatnonzero(place == each)[0]] for each in np.unique(place)]
+        chosen += [points[np.flatnonzero(place == stratum)[0]] for stratum in np.unique(place)]
     return chosen
 
 
@@ -284,10 +284,10 @@ def search(
     for turn in range(ROUNDS):
         say(0.3 + 0.5 * turn / ROUNDS, "comparing models")
         new = [
-            each
-            for each in _worth_a_look(models)
-            if each.log_evidence > done.get(each.names, -math.inf) + _BETTER
-            and not (each.names in done and _leaves_too_little(models, each))
+            fit
+            for fit in _worth_a_look(models)
+            if fit.log_evidence > done.get(fit.names, -math.inf) + _BETTER
+            and not (fit.names in done and _leaves_too_little(models, fit))
         ]
         # Where the best model leaves ten errors in each row, few looks beside others explain more.
         reaches = models.reaches
@@ -303,10 +303,10 @@ def search(
         _fit_exact_again(models)
         if not reaches and models.leaders(1, "exact")[0].chi2 > _PAYS * before:
             break
-    compared = [each for each in models.leaders() if each in _near(models) or not each.causes]
-    sharper = [sharpened(problem, models.forms[each.form], each) for each in compared]
-    for each in in_step(problem, sharper):
-        models.best[each.names, each.form] = each
+    compared = [fit for fit in models.leaders() if fit in _near(models) or not fit.causes]
+    sharper = [sharpened(problem, models.forms[fit.form], fit) for fit in compared]
+    for fit in in_step(problem, sharper):
+        models.best[fit.names, fit.form] = fit
     _draw(models, seed)
 
 
@@ -318,32 +318,30 @@ def _draw(models: Models, seed: int) -> None:
     """
     problem = models.problem
     sets: dict[frozenset[str], Fit] = {}
-    for each in _near(models):
-        sets.setdefault(each.names, each)
+    for fit in _near(models):
+        sets.setdefault(fit.names, fit)
     if not models.reaches or len(sets) == 1:
         return
-    for names, each in [pair for pair in sets.items() if pair[0] not in models.corrections][
-        :_DRAWN
-    ]:
-        form = models.forms[each.form]
-        found = drawn(problem, form, each, seed)
-        if found is None:
+    for names, fit in [pair for pair in sets.items() if pair[0] not in models.corrections][:_DRAWN]:
+        form = models.forms[fit.form]
+        draws = drawn(problem, form, fit, seed)
+        if draws is None:
             continue
-        own = found.best
-        cost = form.cost(found.residual[[int(np.argmax(found.weight))]], each.h)[0]
-        if float(cost + own[each.free] @ each.precision @ own[each.free]) < each.cost - _BETTER:
-            models.add_fits([Start(each.form, each.causes, own, h=each.h)])
-            each = models.best[names, each.form]
-            found = drawn(problem, form, each, seed) or found
-        models.corrections[names] = found.correction if found.effective > FEWEST else 0.0
+        best = draws.best
+        cost = form.cost(draws.residual[[int(np.argmax(draws.weight))]], fit.h)[0]
+        if float(cost + best[fit.free] @ fit.precision @ best[fit.free]) < fit.cost - _BETTER:
+            models.add_fits([Start(fit.form, fit.causes, best, h=fit.h)])
+            fit = models.best[names, fit.form]
+            draws = drawn(problem, form, fit, seed) or draws
+        models.corrections[names] = draws.correction if draws.effective > FEWEST else 0.0
 
 
-def screened(models: Models, found: Sequence[Response]) -> None:
+def screened(models: Models, effects: Sequence[Response]) -> None:
     """Add every single cause and form by the linear model about the recalibrated one."""
     problem, null = models.problem, models.null
     ends: dict[tuple[Cause, ...], End] = {(): null.end}
-    for each in found:
-        ends.setdefault((each.cause,), End(null.x, null.residual, each.slopes, math.nan))
+    for effect in effects:
+        ends.setdefault((effect.cause,), End(null.x, null.residual, effect.slopes, math.nan))
     for form in models.forms.values():
         for causes, end in ends.items():
             models.add(linear(problem, form, causes, end))
@@ -353,7 +351,7 @@ def _near(models: Models) -> list[Fit]:
     """The models that a verdict compares."""
     leaders = models.leaders()
     least = models.log_posterior(leaders[0]) - NEAR
-    return [each for each in leaders if models.log_posterior(each) > least]
+    return [fit for fit in leaders if models.log_posterior(fit) > least]
 
 
 def _worth_a_look(models: Models) -> list[Fit]:
@@ -363,40 +361,40 @@ def _worth_a_look(models: Models) -> list[Fit]:
     costs most of all.
     """
     sets: dict[frozenset[str], Fit] = {}
-    for each in _near(models):
-        sets.setdefault(each.names, each)
-    found = [each for each in sets.values() if each.causes][:LEADERS]
+    for fit in _near(models):
+        sets.setdefault(fit.names, fit)
+    fits = [fit for fit in sets.values() if fit.causes][:LEADERS]
     best = models.leaders(form="exact")
-    laws = any(each.curve is not None for each in models.offered)
+    laws = any(cause.curve is not None for cause in models.offered)
     if best[0].chi2 > _COMFORTABLE * len(models.problem.y) and not laws:
-        singles = [each for each in best if len(each.causes) == 1][: 2 * LEADERS]
-        found += [each for each in singles if each.names not in sets]
-    return found
+        singles = [fit for fit in best if len(fit.causes) == 1][: 2 * LEADERS]
+        fits += [fit for fit in singles if fit.names not in sets]
+    return fits
 
 
 def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -> None:
     """A fit of each cause by itself, begun where first looks promise most."""
     problem = models.problem
     every = _first_looks(models, ends, causes)
-    looks = in_step(problem, [_looked(problem, *each) for each in every[:1]])
-    looks += in_step(problem, [_looked(problem, *each, looks[0][0]) for each in every[1:]])
-    looks.sort(key=lambda each: each[0].cost)
+    looks = in_step(problem, [_looked(problem, *look) for look in every[:1]])
+    looks += in_step(problem, [_looked(problem, *look, looks[0][0]) for look in every[1:]])
+    looks.sort(key=lambda look: look[0].cost)
     first = {cause.name: (end, cause) for end, cause in reversed(looks)}
-    hopeful = [each for each in looks if each[0].cost < looks[0][0].cost + _HOPELESS]
-    hopeful += [each for each in first.values() if each not in hopeful]
+    hopeful = [look for look in looks if look[0].cost < looks[0][0].cost + _HOPELESS]
+    hopeful += [look for look in first.values() if look not in hopeful]
     fits = [Start("exact", (cause,), end.x, end.slopes) for end, cause in hopeful]
     models.add_fits(fits[:1])
     models.add_fits(fits[1:])
     # The recalibrated model gets as many searches as its rivals, from where they are.
-    singles = [each for each in models.leaders(form="exact") if len(each.causes) == 1][:_RIVALS]
+    singles = [fit for fit in models.leaders(form="exact") if len(fit.causes) == 1][:_RIVALS]
     constants = len(problem.constants)
-    rivals = _separated(singles, lambda each: each.x[:constants], _APART)
-    models.add_fits([Start("exact", (), each.x) for each in rivals])
+    rivals = _separated(singles, lambda fit: fit.x[:constants], _APART)
+    models.add_fits([Start("exact", (), fit.x) for fit in rivals])
     null = models.null
     worse = []
     for cause in causes:
-        own = models.get([cause.name])
-        if own is None or (own.cost > null.cost + SETTLED and null.cost < models.hopeless):
+        fit = models.get([cause.name])
+        if fit is None or (fit.cost > null.cost + SETTLED and null.cost < models.hopeless):
             worse.append(Start("exact", (cause,), null.x))  # no fit is worse than what it contains
     models.add_fits(worse)
 
@@ -415,41 +413,42 @@ def _first_looks(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -
     problem, null = models.problem, models.null
     soft, robust = _softened(problem, null), Softened(problem, *STAGES[-1])
     # A view has to show where it is with the stated model, not with a draft.
-    apart = itertools.islice(_separated(ends, lambda each: each.x, _APART), _VIEWS - 1)
-    places = [*(each.x for each in apart), np.zeros(problem.size)]
+    apart = itertools.islice(_separated(ends, lambda end: end.x, _APART), _VIEWS - 1)
+    places = [*(end.x for end in apart), np.zeros(problem.size)]
     *views, stated = [null.end, *in_step(problem, [_end_at(problem, (), x) for x in places])]
-    fine = [each for each in causes if np.any(problem.fineness[problem.columns([each])] <= FINE)]
+    fine = [cause for cause in causes if np.any(problem.fineness[problem.columns([cause])] <= FINE)]
     bundles: list[tuple[Cause, list[Response]]] = [
-        (each, []) for each in causes if each not in fine
+        (cause, []) for cause in causes if cause not in fine
     ]
-    together = {cause.name: found for cause, found in bundles}
+    together = {cause.name: group for cause, group in bundles}
     for view in [*views, stated]:
-        own: dict[str, list[Response]] = {each.name: [] for each in fine}
+        of_fine: dict[str, list[Response]] = {cause.name: [] for cause in fine}
         seen = fine if view is stated else causes
-        for each in (
+        for response in (
             responses(problem, view, (), seen, soft, np.zeros(0), draft=True) if seen else ()
         ):
-            own.get(each.cause.name, together.get(each.cause.name, [])).append(each)
-        bundles += [(each, own[each.name]) for each in fine]
+            of_fine.get(response.cause.name, together.get(response.cause.name, [])).append(response)
+        bundles += [(cause, of_fine[cause.name]) for cause in fine]
     hopes: list[tuple[float, _Look]] = []
-    for promising in in_step(problem, [_promising(soft, found) for _, found in bundles]):
-        for cost, each in promising:
-            steps = _LONGER_LOOK if each.cause in fine else _LOOK
-            hopes.append((cost, (each.cause, each.x, each.slopes, (soft, robust), steps)))
-    looks = [look for _, look in sorted(hopes, key=lambda each: each[0])]
-    freed = [each for each in causes if each.frees is not None and not each.parameters]
-    stages = (*(Softened(problem, *each) for each in STAGES[:2]), robust)
+    for promising in in_step(problem, [_promising(soft, group) for _, group in bundles]):
+        for cost, response in promising:
+            steps = _LONGER_LOOK if response.cause in fine else _LOOK
+            look = response.cause, response.x, response.slopes, (soft, robust), steps
+            hopes.append((cost, look))
+    looks = [look for _, look in sorted(hopes, key=lambda hope: hope[0])]
+    freed = [cause for cause in causes if cause.frees is not None and not cause.parameters]
+    stages = (*(Softened(problem, *stage) for stage in STAGES[:2]), robust)
     for cause, starts in zip(
-        freed, in_step(problem, [_along(problem, each, null) for each in freed]), strict=True
+        freed, in_step(problem, [_along(problem, cause, null) for cause in freed]), strict=True
     ):
         looks += [(cause, x, None, stages, 2 * _LOOK) for x in starts]
     return looks
 
 
-def _promising(soft: Softened, found: Sequence[Response]) -> Asking[list[tuple[float, Response]]]:
+def _promising(soft: Softened, several: Sequence[Response]) -> Asking[list[tuple[float, Response]]]:
     """The best two starts of a cause, with their costs, as responses are right to first order."""
-    near = list(_separated(found, lambda each: each.x, _APART))[:_LOOKED_AT]
-    residual = yield np.array([each.x for each in near]), True
+    near = list(_separated(several, lambda response: response.x, _APART))[:_LOOKED_AT]
+    residual = yield np.array([response.x for response in near]), True
     cost = soft.cost(residual, np.zeros(0))
     return [(float(cost[k]), near[k]) for k in np.argsort(cost)[:_FOLLOWED].tolist()]
 
@@ -461,7 +460,7 @@ def _along(problem: Problem, cause: Cause, null: Fit) -> Asking[list[Array]]:
     recalibrated constants and two about the stated ones: a fit without the cause may have bent the
     others to where no descent leads back. For the same reason their priors do not rank.
     """
-    k = [each.name for each in problem.constants].index(str(cause.frees))
+    k = [constant.name for constant in problem.constants].index(str(cause.frees))
     low, high = problem.limits[:, k]
     values = np.linspace(-_WIDENED, _WIDENED, _PLACES)
     values = values[(values >= low) & (values <= high)]
@@ -472,7 +471,7 @@ def _along(problem: Problem, cause: Cause, null: Fit) -> Asking[list[Array]]:
         residual = yield x, True
         order = np.argsort(soft.cost(residual, np.zeros(0)), kind="stable")
         starts += [x[j] for j in order[:count]]
-    return list(_separated(starts, lambda each: each, _APART))
+    return list(_separated(starts, lambda x: x, _APART))
 
 
 def _looked(
@@ -511,7 +510,7 @@ def _leaves_too_little(models: Models, leader: Fit) -> bool:
     Its log-evidence would be half the cost larger, and ln 2 where it has one side only.
     """
     plain = models.get(leader.names)
-    chances = (models.log_prior((*leader.causes, each)) for each in models.offered)
+    chances = (models.log_prior((*leader.causes, cause)) for cause in models.offered)
     price = models.log_prior(leader.causes) - max(chances)
     return plain is not None and 0.5 * plain.cost + math.log(2.0) < price
 
@@ -525,54 +524,54 @@ def _look_beside(models: Models, leader: Fit) -> None:
     if len(leader.causes) < MOST_CAUSES and not _leaves_too_little(models, leader):
         bases = [(leader.causes, leader.end)]
     smaller = [
-        tuple(each for each in leader.causes if each is not cause) for cause in leader.causes
+        tuple(other for other in leader.causes if other is not cause) for cause in leader.causes
     ]
     points = np.tile(leader.x, (len(smaller), 1))
     for x, cause in zip(points, leader.causes, strict=True):
         x[problem.columns([cause])] = 0.0
-    at = [_end_at(problem, *each) for each in zip(smaller, points, strict=True)]
+    at = [_end_at(problem, *pair) for pair in zip(smaller, points, strict=True)]
     bases += zip(smaller, in_step(problem, at), strict=True)
     starts = [Start(leader.form, rest, end.x, end.slopes) for rest, end in bases
               if rest != leader.causes]  # fmt: skip
     for rest, end in bases:
-        offered = [each for each in models.offered if each not in (*rest, *leader.causes)]
+        offered = [cause for cause in models.offered if cause not in (*rest, *leader.causes)]
         least = _WORTH if rest == leader.causes else -math.inf
         tried: dict[str, int] = {}
-        for each in responses(problem, end, rest, offered, metric, h, (USUAL,), draft=True):
-            name = each.cause.name
-            if each.gain < least or (name not in tried and len(tried) == _MORE):
+        for response in responses(problem, end, rest, offered, metric, h, (USUAL,), draft=True):
+            name = response.cause.name
+            if response.gain < least or (name not in tried and len(tried) == _MORE):
                 continue
             tried[name] = tried.get(name, 0) + 1
             if tried[name] > 2:
                 continue
-            both = (*rest, each.cause)
-            places = [each.x]
+            both = (*rest, response.cause)
+            places = [response.x]
             if rest == leader.causes and tried[name] == 1:
                 places.append(leader.x)  # nested: never worse than what it contains
-            own = h if metric.names else None
-            starts += [Start(leader.form, both, x, each.slopes, own) for x in places]
+            hyper = h if metric.names else None
+            starts += [Start(leader.form, both, x, response.slopes, hyper) for x in places]
     models.add_fits(starts)
 
 
 def _fit_other_forms(models: Models) -> None:
     """Fit the most promising models with each further form of the discrepancy."""
-    for name in [each for each in models.forms if each != "exact"]:
+    for name in [form for form in models.forms if form != "exact"]:
         hopes = []
-        for place, old in enumerate(models.leaders(form="exact")):
+        for rank, old in enumerate(models.leaders(form="exact")):
             known = hope = models.get(old.names, name)
             # A fit beside a large discrepancy may have stayed where the cause does nothing.
-            stuck = known is not None and known.chi2 > old.chi2 + _HOPELESS and place < _OTHER_FORMS
+            stuck = known is not None and known.chi2 > old.chi2 + _HOPELESS and rank < _OTHER_FORMS
             if known is None or stuck:
                 hope = models.linear(old, name)
             if hope is None:
                 continue
             better = known is None or hope.log_evidence > known.log_evidence + _BETTER
             hopes.append((models.log_posterior(hope), old, hope, better))
-        hopes.sort(key=lambda each: -each[0])
+        hopes.sort(key=lambda hope: -hope[0])
         models.add_fits([
             Start(name, old.causes, old.x, old.slopes, hope.h)
-            for place, (_, old, hope, better) in enumerate(hopes)
-            if better and (place < _OTHER_FORMS or not old.causes)
+            for rank, (_, old, hope, better) in enumerate(hopes)
+            if better and (rank < _OTHER_FORMS or not old.causes)
         ])  # fmt: skip
 
 
@@ -590,8 +589,8 @@ def _fit_exact_again(models: Models) -> None:
             if other is old or not (alike or (other.form == "exact" and other.names < old.names)):
                 continue
             cost = exact.cost(other.residual[None, :], np.zeros(0))[0]
-            own = other.x[old.free]
-            if float(cost + own @ old.precision @ own) < old.cost - _BETTER:
+            free = other.x[old.free]
+            if float(cost + free @ old.precision @ free) < old.cost - _BETTER:
                 slopes = other.slopes if alike else None
                 starts.append(Start("exact", old.causes, other.x, slopes))
     models.add_fits(starts)
