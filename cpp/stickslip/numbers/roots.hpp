@@ -106,10 +106,12 @@ Extreme least_value(double low, double high, int parts, auto&& f, auto&& worth) 
             const double curve = (r2 - r0) / (d2 - d0), slope = r0 - curve * d0;
             double next = x[1].at - 0.5 * slope / curve;
             if (!(curve > 0.0 && next > x[0].at && next < x[2].at)) {
-                // It is at an end, or so near to one that the parabola does not tell.
+                // It is at an end, or so near to one that the parabola does not tell. A second
+                // parabola that turns far beyond the end, or the other way, tells.
                 const Extreme& side = slope < 0.0 ? x[2] : x[0];
-                const double apart = kUntold * (side.at - x[1].at);
-                if (!worth(side.value - std::abs(curve) * apart * apart)) break;
+                const double d = side.at - x[1].at, apart = kUntold * d;
+                const bool tells = std::abs(slope + 2.0 * curve * d) > std::abs(curve * d);
+                if ((k > 0 && tells) || !worth(side.value - std::abs(curve) * apart * apart)) break;
                 next = 0.5 * (x[1].at + side.at);
             } else if (!worth(x[1].value - 0.25 * slope * slope / curve)) {
                 break;

@@ -178,11 +178,9 @@ private:
         for (int k = 0; k < kHalvings; ++k) {
             s *= 0.5;
             const double there = value(i, s);
-            if (there > 0.0) {
-                bracket.low = s;
-                bracket.at_low = there;
-                return true;
-            }
+            (there > 0.0 ? bracket.low : bracket.high) = s;
+            (there > 0.0 ? bracket.at_low : bracket.at_high) = there;
+            if (there > 0.0) return true;
         }
         return false;
     }
