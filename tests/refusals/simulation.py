@@ -210,7 +210,12 @@ REFUSALS = [
         ScenarioError,
         ['record.rate = "none"', "allowed with out"],
     ),
-    ("suffix", recorded("run.txt"), ValueError, ["run.txt", "names that end in", ".csv"]),
+    (
+        "suffix before all else",
+        recorded("run.txt", **{"record.rate": "none"}),
+        ValueError,
+        ["run.txt", "names that end in", ".csv"],
+    ),
     ("no folder", recorded("missing/run.nc"), OSError, ["there is no folder"]),
     ("no folder for a table", recorded("missing/run.csv"), OSError, ["there is no folder"]),
     ("suffix to save", saved("run.txt"), ValueError, ["names that end in"]),
