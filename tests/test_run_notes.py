@@ -222,6 +222,7 @@ def test_a_velocity_that_still_grows_is_noted_until_it_is_steady():
     (note,) = [each for each in run.notes if each.code == "velocity-grows"]
     assert note.value == run.summary()["velocity_growth"] > 0.03
     assert "more drive.pulses" in note.text
+    assert "no-slip" not in codes(run)
     assert "velocity-grows" not in codes(run_of({**glide, "drive.pulses": 3 + 4 * 100}))
     # Too few pulses to tell from chance.
     few = run_of({**glide, "drive.pulses": FEWEST_PULSES + 2})
