@@ -9,9 +9,11 @@ import pytest
 from own_effects import register, unregister
 from steps import STEP, random_rows
 from stickslip import (
+    Accelerations,
     Coil,
     Coils,
     FieldMap,
+    Forces,
     Scenario,
     ScenarioError,
     SimulationError,
@@ -39,21 +41,28 @@ def test_snapshots_of_equal_simulators_are_equal_bytes_and_damage_is_seen():
         Snapshot.from_bytes(data[:16] + b"\xff" * (len(data) - 16))
 
 
-def test_a_snapshot_of_another_map_is_refused():
+def _with_map(size):
     axes = [np.linspace(-half, half, 5) for half in (8e-3, 3e-3, 3e-3)]
     points = np.stack([each.ravel() for each in np.meshgrid(*axes, indexing="ij")], axis=1)
-    scenarios = [
-        Scenario(
-            coil=Coil(
-                map=FieldMap.from_points(
-                    points,
-                    np.stack([Coils(turns=turns).field(points, one) for one in np.eye(5)], axis=1),
-                )
-            )
-        )
-        for turns in (510.0, 511.0)
-    ]
-    first, second = (Simulator(each) for each in scenarios)
+    fields = [Coils(turns=510.0 * size).field(points, one) for one in np.eye(5)]
+    return Scenario(coil=Coil(map=FieldMap.from_points(points, np.stack(fields, axis=1))))
+
+
+def _with_accelerations(size):
+    return Scenario().replace(
+        {"shake.accelerations": Accelerations([[0, 0, 0], [1e-3, size, 0], [2e-3, 0, 0]])}
+    )
+
+
+def _with_forces(size):
+    return Scenario().replace(
+        {"inner.mass": 1e-8, "inner.forces": Forces([[0, 0], [1e-3, 1e-7 * size], [2e-3, 0]])}
+    )
+
+
+@pytest.mark.parametrize("scenario", [_with_map, _with_accelerations, _with_forces])
+def test_a_snapshot_of_another_file_is_refused(scenario):
+    first, second = (Simulator(scenario(size)) for size in (1.0, 1.001))
     second.restore(second.snapshot())
     with pytest.raises(ScenarioError, match="another scenario"):
         second.restore(first.snapshot())

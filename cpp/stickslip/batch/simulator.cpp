@@ -8,6 +8,7 @@
 #include "stickslip/scenario/parameters.hpp"
 
 namespace stickslip {
+
 std::uint64_t fingerprint(const Scenario& scenario) {
     Hash hash;
     // Initial currents say how strong the fields are, to which the tolerance is relative.
@@ -39,6 +40,11 @@ std::uint64_t fingerprint(const Scenario& scenario) {
     if (const auto& accelerations = scenario.shake.accelerations) {
         for (const Accelerations::Point& point : accelerations->points()) {
             for (const double each : {point.time, point.x, point.z}) hash.add(each);
+        }
+    }
+    if (const auto& forces = scenario.inner.drive.rows) {
+        for (const InnerDrive::Row& row : *forces) {
+            for (const double each : {row.time, row.force}) hash.add(each);
         }
     }
     if (scenario.map) {
