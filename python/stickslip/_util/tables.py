@@ -296,7 +296,7 @@ def _is_number(cell: str) -> bool:
 
 
 def _separator_of(line: str) -> str:
-    """The separator of a line's cells: commas, unless there is another one."""
+    """The separator of a line's cells: a semicolon if there is one, else a tab, else a comma."""
     bare = _QUOTED.sub("", line)
     if ";" in bare:
         return ";"

@@ -48,20 +48,22 @@ class Placer:
         The robot, its coils, what is uncertain of it, and a drive (IPP, along x) with which it
         walks.
     camera : Camera, optional
-        By default an exact one of 1000 frames a second.
+        By default one without errors, of 1000 frames a second.
     tolerance : float
         Distance from the goal that is good enough, m.
     draws, seed : int
-        Robots that are simulated for the tables.
+        How many robots are drawn for the tables, and by which seed.
+    threads : int, optional
+        How many robots are simulated at a time; as many as there are processors, if not given.
 
     Attributes
     ----------
     step : float
-        Duration of a voltage, s; a decision holds for 20.
+        Duration of a voltage, s; a decision holds for 20 of them.
     steps : numpy.ndarray
         Median steps of single pulses, ascending, m.
     speeds : numpy.ndarray
-        That 90 % of the robots exceed with each kind of pulse of a walk, m/s.
+        What 90 % of the robots exceed, for each kind of pulse of a walk, m/s.
 
     Raises
     ------
@@ -85,9 +87,9 @@ class Placer:
         self.camera = Camera(frame_rate=1000.0) if camera is None else camera
         check_kind("camera", self.camera, Camera)
         self.scenario, self.tolerance, self._threads = scenario, float(tolerance), threads
-        self._fields = pulse_fields(scenario)
         if scenario.whole_plane:
             raise ScenarioError("scenario: allowed is a robot that moves along x, not in the plane")
+        self._fields = pulse_fields(scenario)
         self.step = 0.1 / scenario.drive.frequency
         robots = [scenario] if scenario.uncertain is None else scenario.draws(draws, seed)
         standing = self._standing(robots)

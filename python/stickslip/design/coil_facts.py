@@ -10,7 +10,7 @@ import numpy as np
 from stickslip._util.arrays import Array
 from stickslip._util.messages import check_above_zero, check_kind
 from stickslip.field.coils import Coils
-from stickslip.scenario.keys import COIL_NAMES
+from stickslip.scenario.keys import COIL_NAMES, GEOMETRY
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.scenario_notes import field_swing, peak_voltages
 
@@ -20,8 +20,6 @@ ROOM = 5e-3
 SHARE = 0.05
 """By which a dimension is off where it is told what that changes. Chosen: a tape measure's error of
 the middle of a winding."""
-
-DIMENSIONS = ("side", "distance", "turns", "resistance", "inductance")
 
 _AXES = dict(zip(COIL_NAMES, (0, 0, 1, 1, 2), strict=True))
 _COPPER = 1.72e-8 * 8960.0 * 385.0  # ohm m kg/m^3 J/(kg K), of copper at 20 degrees C; CRC Handbook
@@ -121,8 +119,9 @@ def coil_facts(
 def dimension_changes(scenario: Scenario, name: str) -> dict[str, dict[str, float]]:
     """What 5 % more of a dimension of one coil changes in its numbers, as parts, by dimension."""
     before = coil_facts(scenario)[name]
+    geometry = () if scenario.coil.map is not None else GEOMETRY
     changes = {}
-    for dimension in DIMENSIONS[3:] if scenario.coil.map is not None else DIMENSIONS:
+    for dimension in (*geometry, "resistance", "inductance"):
         key = f"coil.{name}.{dimension}"
         after = coil_facts(scenario.replace({key: (1.0 + SHARE) * float(scenario.get(key))}))[name]
         per_field = (after.gradient / after.field) / (before.gradient / before.field)

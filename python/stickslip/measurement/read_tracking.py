@@ -119,7 +119,7 @@ def read_tracking(
     if not stated:
         rate = 1.0 / spacing
         with prefixed(where):
-            _exposure(exposure, rate * (1 - 1e-6))
+            _exposure(exposure, rate)
     elif abs(rate * spacing - 1.0) > _OTHER_RATE:
         text = f"{path.name}: frame_rate = {rate:g} Hz is not used, as most frames are "
         left_out.append(Note("frame-rate-not-used", f"{text}{spacing:g} s apart.", rate))
@@ -139,10 +139,9 @@ def _own_scenario(drive: object, scenario: Scenario) -> Scenario:
 
 
 def _exposure(value: object, rate: float) -> float:
-    if is_number(value) and value == 0:
-        return 0.0
     top = 1.0 / rate if math.isfinite(rate) else math.inf
-    if not is_number(value) or not 0.0 <= float(value) <= top * (1 + 1e-9):
+    # Both come rounded from files.
+    if not is_number(value) or not 0.0 <= float(value) <= top * (1 + 1e-6):
         most = f", {highest(top)} s" if math.isfinite(top) else ""
         refuse("exposure", value, f"from 0 to the time between two frames{most}")
     return float(value)

@@ -31,6 +31,9 @@ FIELDS = ("drive.peak", "drive.base", "drive.hold")
 COIL_NAMES = _core.coil_names
 """Order of the coils in every array of currents or voltages: +x, -x, +y, -y, and below (-z)."""
 
+GEOMETRY = ("side", "distance", "turns")
+"""Dimensions of a coil that only its field depends on, so that a map takes their place."""
+
 PROGRAM = "drive.program"
 """The waveform of a drive: in Python only, as a file has `FILE`."""
 

@@ -16,7 +16,7 @@ from stickslip._util.arrays import Array
 from stickslip._util.messages import shown
 from stickslip._util.text import is_number
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.keys import COIL_MAP, checked, find_key, full_name, known_keys
+from stickslip.scenario.keys import COIL_MAP, GEOMETRY, checked, find_key, full_name, known_keys
 
 _FORMS = "{ mean, sd }, { median, factor } or { low, high }"
 _EDGE = 5.0
@@ -249,7 +249,7 @@ def parse_priors(table: object) -> dict[str, Prior]:
 def refuse_geometry_beside_a_map(keys: Iterable[str]) -> None:
     """Refuse the first key of the coils' geometry, which has no effect beside a map."""
     for key in keys:
-        if key.startswith("coil.") and key.rpartition(".")[2] in ("side", "distance", "turns"):
+        if key.startswith("coil.") and key.rpartition(".")[2] in GEOMETRY:
             raise ScenarioError(
                 f"{key}: cannot be uncertain beside {COIL_MAP}, which has the field of the coils; "
                 "effects.field_gain.in_plane and effects.field_gain.clamp can"

@@ -302,7 +302,7 @@ class _Beside:
 
     def hidden(self) -> dict[str, tuple[str, ...]]:
         """Causes that would be seen but for constants that undo them, and these constants."""
-        others, problem = {}, self.models.problem
+        undone_by, problem = {}, self.models.problem
         size2 = np.array([effect.usual**2 for effect in self.effects])
         left, raw = np.diag(self.gram) * size2, self.raw * size2
         undone = (left < PARTS) & (raw > PARTS) & (left < (1.0 - ALIKE**2) * raw)
@@ -312,10 +312,10 @@ class _Beside:
                 continue
             part = np.abs(self.undo[:, rows[0]]) * np.sqrt(np.diag(self.constants))
             moved = np.flatnonzero(part > _TAKES_PART * part.max())
-            others[name] = tuple(
+            undone_by[name] = tuple(
                 problem.parameters[self.fit.free[k]].name for k in moved[np.argsort(-part[moved])]
             )
-        return others
+        return undone_by
 
     def alike(self, names: Sequence[str]) -> list[Alike]:
         """Pairs of causes that these data would not tell apart at the usual size of the first."""

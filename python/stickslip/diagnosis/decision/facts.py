@@ -230,22 +230,22 @@ class Facts:
         Parameters
         ----------
         conditions : DataFrame or sequence of dict, or whatever the own model takes
-            Of a measurement drive settings by name, such as ``frequency``; what is not given is as
-            in the scenario, and what a table of trials has besides, such as `velocity`, is ignored.
+            For a measurement, drive settings by name, such as ``frequency``. Those not given are
+            the scenario's; further columns of a table of trials, such as `velocity`, are ignored.
 
         Returns
         -------
         DataFrame
             A row for each condition: the settings that were given, then `recalibrated` and
             `recalibrated_sd` and, where there is an extended model, `extended` and `extended_sd`.
-            In m/s or the own readings' unit, without the noise of a reading; NaN where a model
-            computes nothing.
+            In m/s, or in the unit of an own model's readings; `_sd` leaves out the noise of a
+            reading. NaN where a model computes nothing.
 
         Raises
         ------
         ScenarioError
-            If the data allow no diagnosis, a setting is not one that a drive can have, or the
-            measurement has no velocities.
+            If the data allow no diagnosis, a drive cannot have a setting, or the measurement has
+            no velocities.
         """
         self._refuse_without_models("predict")
         at, settings = self._conditions(conditions)

@@ -36,6 +36,7 @@ CALM = 0.5
 """Scatter, in the stated errors, below which these are said to be stated too large. Chosen."""
 
 _AT_BOUND = 0.02  # distance of the logarithm of a correlation time from its largest
+_AT_END = 0.01  # distance of a coordinate from the end of its range
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -318,7 +319,7 @@ def _at_end(models: Models, fit: Fit) -> bool:
         # The end at which an amplitude does nothing is no end of its range.
         amplitude = problem.parameters[k].is_amplitude
         ends = [end for end in (low[k], high[k]) if math.isfinite(end) and (end or not amplitude)]
-        if any(abs(fit.x[k] - end) < 0.01 for end in ends):
+        if any(abs(fit.x[k] - end) < _AT_END for end in ends):
             return True
     return False
 

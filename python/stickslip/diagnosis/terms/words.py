@@ -66,10 +66,10 @@ class Words:
         return meaning if noun else f"“{name}”"
 
     def parameter(self, name: str) -> str:
-        """A parameter in plain words: of a cause, a constant, or its key where none are known."""
-        cause, _, short = name.removeprefix("effects.").rpartition(".")
+        """A constant, or a parameter of a cause, in plain words; else its key."""
         if name in self._constants:
             return str(self._constants[name]["name"])
+        cause, _, short = name.removeprefix("effects.").rpartition(".")
         return f"{self._title(cause)}: {short.replace('_', ' ')}" if cause in self._causes else name
 
     def in_titles(self, text: str) -> str:
