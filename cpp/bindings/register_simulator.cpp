@@ -310,7 +310,7 @@ void register_simulator(py::module_& module) {
     const auto bytes_of = [](const RunSnapshot& self) { return py::bytes(self.to_bytes()); };
     py::class_<RunSnapshot>(
         module, "Snapshot",
-        "State, time and voltages of a `Simulator`: restored, it goes on with the same bits.")
+        "State, time and voltages of a `Simulator`, which goes on from them with the same bits.")
         .def("to_bytes", bytes_of, R"(to_bytes()
 
         The snapshot as bytes with a checksum.
@@ -340,10 +340,10 @@ void register_simulator(py::module_& module) {
         Parameters
         ----------
         voltages : mapping of str to float, or array_like of shape (5,)
-            New voltages of coils (``xp``, ``xm``, ``yp``, ``ym``, ``clamp``), V; those that are not
-            named keep theirs, which are zero at first. An array has all five, in this order.
+            New voltages of coils (``xp``, ``xm``, ``yp``, ``ym``, ``clamp``), V. A coil that is not
+            named keeps its voltage, which is zero at first. An array has all five, in this order.
         duration : float
-            s.
+            Of the step, s.
         hold : {"constant", "linear"}
             Whether the voltages jump to their new values and stay there, or go there linearly over
             the step.
@@ -360,21 +360,21 @@ void register_simulator(py::module_& module) {
         Raises
         ------
         ScenarioError
-            If a coil, a voltage or the duration is none, if `start` is given to a constant step, or
-            if the voltages turn a robot without ``whole_plane``.
+            If a coil is unknown, a voltage or the duration is not allowed, `start` is given to a
+            constant step, or the voltages turn a robot without ``whole_plane``.
         SimulationError
-            If the motion cannot be simulated on; `state` is then where it stopped.)")
+            If the simulation cannot go on; `state` is then where it stopped.)")
         .def_property_readonly(
             "time", &Simulator::time,
-            "Simulated time since the start, s; after a step that failed, when it did.")
+            "Simulated time since the start, s; after a step that failed, the time of the failure.")
         .def_property_readonly(
             "state", [](const Simulator& self) { return state_view(self.state()); },
-            "Where the last step ended, a `State`.")
+            "The `State` in which the last step ended.")
         .def_property_readonly("voltages", &voltages_of,
                                "The voltage of each coil at the end of the last step, V.")
         .def_property_readonly(
             "status", [](const Simulator& self) { return row_of(self.status()).name; },
-            "``\"ok\"``, or how the last step failed; one that failed is the last.")
+            "``\"ok\"``, or how the last step failed; no step follows a failed one.")
         .def_property_readonly("whole_plane", &Simulator::in_whole_plane,
                                "Whether the robot may turn and move in the whole plane.")
         .def("snapshot", &Simulator::snapshot,
@@ -389,14 +389,14 @@ void register_simulator(py::module_& module) {
             },
             py::arg("snapshot"), R"(restore(snapshot)
 
-        Go back, or over, to a snapshot of the same scenario.
+        Go on from a snapshot, of this simulator or of another one of the same scenario.
 
-        The record may differ, and the initial state but for its currents.
+        The scenarios may differ in `record`, and in the initial state except its currents.
 
         Raises
         ------
         ScenarioError
-            If `snapshot` is none, of another scenario, or of a run with another ``whole_plane``.)");
+            If `snapshot` is no Snapshot, or of another scenario, or of another ``whole_plane``.)");
 
     py::class_<Steppers>(module, "SimulatorBatch")
         .def(py::init<const std::vector<Scenario>&, bool>(), py::arg("scenarios"),

@@ -4,7 +4,7 @@
 
 namespace stickslip {
 
-/// Where the inner mass is, beside its place at rest, and how fast it moves in the body.
+/// Place of the inner mass in the body, from where its spring is slack, and its velocity.
 struct InnerState {
     double place = 0.0;     ///< m
     double velocity = 0.0;  ///< m/s
@@ -25,16 +25,16 @@ struct InnerMass {
     InnerDrive drive;
 
     bool absent() const { return mass == 0.0; }
-    /// Part of the mass of both.
+    /// Its part of the mass of both.
     double share(double body) const { return mass / (mass + body); }
 
-    /// N, on the mass along the line, but for the stops; the body has the opposite. Times as of an
-    /// InnerDrive.
+    /// N, on the mass along the line, without that of the stops; the opposite acts on the body.
+    /// Times as of an InnerDrive.
     double force(const InnerState& at, double time, double inside) const {
         return drive.at(time, inside) - stiffness * at.place - damping * at.velocity;
     }
     double place(int stop) const { return stop > 0 ? high : low; }  ///< m, of a stop
-    /// m, what is left to the stop ahead or behind.
+    /// m, from the mass to the stop ahead or behind.
     double left(const InnerState& at, int stop) const { return stop * (place(stop) - at.place); }
 };
 

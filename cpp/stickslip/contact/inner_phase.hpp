@@ -94,12 +94,12 @@ private:
         for (std::size_t i = 0; i < kOwn; ++i) result[i] = y[i];
         return result;
     }
-    // The inner mass as the phase's own formulas are to see it, with its push on a stop.
+    // Gives the phase's own formulas this inner mass, and its push on a stop.
     void look_at(double tau, const State& y) const {
         Root::dynamics().set_inner(inner(y));
         if (start_.stop != 0) Root::event_by_rates(*this, 0, tau, y);
     }
-    // To the stop, or until it presses on it no more.
+    // The distance to a stop, m, or the push on the one it rests on, N: zero at the event.
     double left(const InnerState& mass, int stop) const {
         if (mass.stop == stop) return Root::dynamics().push();
         return Root::model().inner.left(mass, stop);

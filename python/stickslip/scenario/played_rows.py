@@ -1,4 +1,4 @@
-"""What shakes a surface, or drives a mass in the body, by rows that are played again and again."""
+"""Tables that shake the surface or drive the inner mass, one period again and again."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ _P = TypeVar("_P", bound="PlayedRows")
 
 
 class PlayedRows:
-    """Rows over one period, linear from one to the next, that are played again and again."""
+    """A table over one period, linear between its rows, that repeats."""
 
     __slots__ = ("rows",)
 
     _columns: ClassVar[dict[str, str]]
-    """The unit of each."""
+    """Their units."""
 
     rows: Array
     """As given, with the time in the first column."""
@@ -50,7 +50,7 @@ class PlayedRows:
 
     @property
     def most(self) -> float:
-        """The largest size of any number but the times."""
+        """The largest magnitude of all numbers but the times."""
         return float(np.abs(self.rows[:, 1:]).max())
 
     def write(self, path: str | PathLike[str]) -> None:
@@ -76,9 +76,8 @@ class PlayedRows:
 class Accelerations(PlayedRows):
     """Accelerations of a shaken surface over one period, linear between rows.
 
-    The surface plays them again and again. Its velocity and place follow by integration; so that it
-    does not drift away, the mean of the accelerations is taken out, and that of the velocity is
-    zero.
+    The period repeats. Velocity and place of the surface follow by integration; so that it does not
+    drift away, the mean of the accelerations is subtracted, and that of the velocity is zero.
 
     Parameters
     ----------
@@ -97,7 +96,7 @@ class Accelerations(PlayedRows):
     _columns: ClassVar = {"t": "s", "ax": "m/s^2", "az": "m/s^2"}
 
     mean: tuple[float, float]
-    """What is taken out along x and z, m/s^2."""
+    """What is subtracted along x and z, m/s^2."""
 
     def __init__(self, rows: ArrayLike) -> None:
         super().__init__(rows)
@@ -106,9 +105,9 @@ class Accelerations(PlayedRows):
 
 
 class Forces(PlayedRows):
-    """Forces on a mass within the body over one period, linear between rows.
+    """Forces on the inner mass over one period, linear between rows.
 
-    They are played again and again, and have any mean.
+    The period repeats. The mean of the forces may be other than zero.
 
     Parameters
     ----------
