@@ -329,3 +329,8 @@ def test_the_value_of_every_key_of_a_file_is_judged(tmp_path, wrong):
         path.write_text(f"stickslip = 1\n[drive]\n{section}{key.name.rpartition('.')[2]} = {wrong}")
         with pytest.raises(ScenarioError, match=re.escape(f"{path}: {key.name} = ")):
             load(path)
+
+
+@pytest.mark.parametrize(("direction", "facing"), [("+x", 1.0), ("-x", -1.0)])
+def test_a_robot_faces_the_way_of_its_drive(direction, facing):
+    assert Scenario().replace({"drive.direction": direction}).drive.facing == facing

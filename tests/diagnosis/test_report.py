@@ -370,6 +370,12 @@ def test_a_setting_has_the_digits_of_its_spread(values, said):
     assert Settings({"t": (values, "s")}, len(values)).text("t", *values) == said
 
 
+def test_a_condition_is_its_words_what_varies_most_and_what_is_unusual():
+    columns = {"t": [1.0, 2.0, 3.0, 3.0], "u": [5.0, 5.0, 5.0, 9.0], "way": [*"abbb"]}
+    settings = Settings({name: (values, "s") for name, values in columns.items()}, 4)
+    assert settings.words == ["way a, t 1 s", "way b, t 2 s", "way b, t 3 s", "way b, t 3 s, u 9 s"]
+
+
 @pytest.mark.parametrize(
     ("value", "sd", "said"),
     [
