@@ -137,14 +137,15 @@ class Models:
     @property
     def reaches(self) -> bool:
         """Whether some model comes near the data, to ten errors in the mean."""
-        best = min(fit.chi2 for fit in self.leaders(form="exact"))
-        return best < _NEAR_DATA * len(self.problem.y)
+        return any(_is_near_data(self.problem, fit.residual) for fit in self.leaders(form="exact"))
 
     @property
     def hopeless(self) -> float:
-        """Cost with the errors as stated from which a model is far behind the best one."""
-        best = self.leaders(1, "exact")
-        return best[0].cost + _HOPELESS if best else math.inf
+        """Cost with the errors as stated from which a model is far behind the best one.
+
+        Where none is near the data, a few errors less say nothing of where a search would end.
+        """
+        return self.leaders(1, "exact")[0].cost + _HOPELESS if self.reaches else math.inf
 
     @property
     def null(self) -> Fit:
@@ -193,6 +194,11 @@ class Models:
             )  # fmt: skip
         except np.linalg.LinAlgError:
             return None
+
+
+def _is_near_data(problem: Problem, residual: Array) -> bool:
+    """Whether a residual is below ten errors in the mean."""
+    return float(np.sum(problem.chi2_of_tables(residual[None]))) < _NEAR_DATA * len(problem.y)
 
 
 def _is_better(new: Fit, old: Fit) -> bool:
@@ -377,7 +383,9 @@ def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -
     problem = models.problem
     every = _first_looks(models, ends, causes)
     looks = in_step(problem, [_looked(problem, *look) for look in every[:1]])
-    looks += in_step(problem, [_looked(problem, *look, looks[0][0]) for look in every[1:]])
+    near = (end for end, _ in looks if _is_near_data(problem, end.residual))
+    rival = next(near, None)
+    looks += in_step(problem, [_looked(problem, *look, rival) for look in every[1:]])
     looks.sort(key=lambda look: look[0].cost)
     first = {cause.name: (end, cause) for end, cause in reversed(looks)}
     hopeful = [look for look in looks if look[0].cost < looks[0][0].cost + _HOPELESS]
