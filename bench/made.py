@@ -15,14 +15,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from measure import MEASURED, saved
+from measure import ROOT, saved
 from scipy.integrate import solve_ivp
 
 from stickslip import Cause, Parameter, Prior, Series, Table, diagnose_model, events, instruments
 
 Array = np.ndarray
 TRIED = 23000  # first of the old seeds, by which thresholds and searches are chosen
-JUDGED, OUT = 27000, MEASURED / "made.json"  # first of the seeds whose verdicts are kept, and where
+JUDGED = 27000  # first of the seeds whose verdicts are kept
+OUT = ROOT / "bench" / "made.json"
 _WITHIN, _PART = 4.0, 0.05
 
 

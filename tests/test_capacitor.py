@@ -130,7 +130,7 @@ def test_a_resonance_is_where_the_capacitor_puts_it():
 
 
 @pytest.mark.timeout(60)
-@pytest.mark.parametrize("farad", [5e-324, 1e-15, 1e-12])
+@pytest.mark.parametrize("farad", [5e-324, pytest.param(1e-15, marks=pytest.mark.nightly), 1e-12])
 def test_a_swing_that_is_far_too_fast_ends(farad):
     run = simulate(Scenario().replace({"coil.xp.capacitance": farad, "drive.pulses": 2}))
     assert run.status in ("ok", "step_underflow", "max_steps"), run.message

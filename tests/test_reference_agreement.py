@@ -43,9 +43,9 @@ def _name(case):
     return "-".join([case[0], f"{case[1]}Hz", *case[2:4], *words])
 
 
-# Every third drive for each change; those at the limit always.
+# Every third drive for each change, but for slow pulses; those at the limit always.
 DRIVES = [
-    pytest.param(case, marks=pytest.mark.nightly if number % 3 else ())
+    pytest.param(case, marks=pytest.mark.nightly if number % 3 or case[1] < 20 else ())
     for number, case in enumerate(SCENARIOS)
 ]
 
