@@ -184,12 +184,11 @@ class Models:
                 self.add(fit)
 
     def _fitted(self, start: Start) -> Asking[Fit | None]:
-        hopeless = self.hopeless if start.form == "exact" and start.causes else math.inf
         try:
             return (
                 yield from minimise(
                     self.problem, self.forms[start.form], start.causes, start.x, h=start.h,
-                    slopes=start.slopes, hopeless=hopeless,
+                    slopes=start.slopes,
                 )
             )  # fmt: skip
         except np.linalg.LinAlgError:
