@@ -309,25 +309,24 @@ def rolled_out(table: Table) -> Iterator[str]:
             yield f"{case}: {states[-1].tolist()} instead of {final}"
 
 
-# Pairs whose two programs may differ by more, each for a reason, on "opp back unequal". A contact
-# that slows down to 0.43 um/s and does not stop sticks in the whole plane, where it is captured,
-# and goes on in one. The other pair is sensitive: at rtol = 1e-10 the two agree.
-WIDER = {
-    ("free_field_amplitude", "free_friction_age"): 3e-3,
-    ("angle_adhesion", "free_drag_rate"): 2e-4,
-}
+# A corner that slows down to the capture speed, 1 um/s, sticks in the whole plane and may slip on
+# in one: rare, and a difference of this share of the velocity at most.
+CAPTURED = 5e-3
+RARE = 0.005
 
 
 def in_both_planes(table: Table) -> Iterator[str]:
     """In the whole plane, where the field moves the robot as in one."""
-    for case, run in table.alone.items():
-        if not case.push:
-            continue
-        wider = case.drive == "opp back unequal" and WIDER.get(tuple(sorted(case.effects)))
-        what = _apart(
-            run, table.alone[case.planar], 1.0, table.scale(case.drive), wider or TWO_PROGRAMS
-        )
-        if what:
+    pushed = [case for case in table.alone if case.push]
+
+    def apart(case: Case, tolerance: float) -> str:
+        run, planar = table.alone[case], table.alone[case.planar]
+        return _apart(run, planar, 1.0, table.scale(case.drive), tolerance)
+
+    differences = {case: what for case in pushed if (what := apart(case, TWO_PROGRAMS))}
+    many = len(differences) > RARE * len(pushed)
+    for case, what in differences.items():
+        if many or apart(case, CAPTURED):
             yield f"{case}: {what}"
 
 
