@@ -6,9 +6,10 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from pandas import DataFrame
 
 from stickslip._util.arrays import Array, are_equal
 from stickslip._util.messages import shown
@@ -21,9 +22,6 @@ from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import Value, find_key, in_allowed_case
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.note import Note
-
-if TYPE_CHECKING:
-    from pandas import DataFrame
 
 Drive = Mapping[str, Value]
 """Settings of ``[drive]`` by dotted key."""
@@ -352,27 +350,23 @@ def trial_table(
     `columns` are those of `setting_columns`; `beside` are columns with one value, such as a `block`
     that no earlier trial has.
     """
-    import pandas as pd
-
     rows = [
         {**{name: experiment.drive[name] for name in columns}, "trial": trial, **beside}
         for experiment in experiments
         for trial in range(1, trials + 1)
     ]
-    table = pd.DataFrame(rows, columns=[*columns, "trial", *beside])
+    table = DataFrame(rows, columns=[*columns, "trial", *beside])
     return table.assign(velocity=math.nan)
 
 
 def prediction_table(experiments: Sequence[Experiment], columns: Sequence[str]) -> DataFrame:
     """What each candidate predicts of each experiment, counted from 1: `velocity`, `sd`, m/s."""
-    import pandas as pd
-
     rows = []
     for number, experiment in enumerate(experiments, start=1):
         settings = {name: experiment.drive[name] for name in columns}
         for candidate, predicted in experiment.predictions.items():
             rows.append({"experiment": number, **settings, "candidate": candidate, **predicted})
-    return pd.DataFrame(rows)
+    return DataFrame(rows)
 
 
 def drive_settings(given: Any, scenario: Scenario) -> list[dict[str, Value]]:
@@ -392,11 +386,9 @@ def drive_settings(given: Any, scenario: Scenario) -> list[dict[str, Value]]:
         With the row (its index label, or its number from 0), if a name is no key of ``[drive]`` or
         a value is not allowed.
     """
-    import pandas as pd
-
     labels: Sequence[Line] = range(len(given)) if isinstance(given, Sequence) else ()
     rows = given
-    if isinstance(given, pd.DataFrame):
+    if isinstance(given, DataFrame):
         table = with_index_columns(given)
         labels, rows = index_labels(table), table.to_dict("records")
     if not isinstance(rows, Sequence) or not all(isinstance(row, Mapping) for row in rows):

@@ -7,9 +7,10 @@ import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from pandas import DataFrame
 
 from stickslip._util.arrays import Array
 from stickslip._util.messages import check_whole, meant, refuse
@@ -33,9 +34,6 @@ from stickslip.scenario.keys import Value, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.uncertain import JointPrior
 from stickslip.simulation.note import Note
-
-if TYPE_CHECKING:
-    from pandas import DataFrame
 
 Forward = Callable[[Any, Array], Array]
 """``forward(conditions, values)``: readings that a model predicts at new conditions, shape
@@ -253,7 +251,7 @@ class Facts:
             made = self._predicted(candidate, at)
             sd = np.sqrt(np.diag(spread_of(made)))
             settings |= {name: made[0].tolist(), f"{name}_sd": sd.tolist()}
-        return _table(settings)
+        return DataFrame(settings)
 
     def separate(self, conditions: Any, trials: int = design.TRIALS) -> DataFrame | None:
         """How well the leading models could be told apart at conditions not measured yet.
@@ -286,7 +284,7 @@ class Facts:
         for k, candidate in enumerate(candidates):
             sd = np.sqrt(np.diagonal(covariance[k]))
             settings |= {candidate.name: level[k].tolist(), f"{candidate.name}_sd": sd.tolist()}
-        return _table(settings)
+        return DataFrame(settings)
 
     def propose_experiments(self, count: int = design.PROPOSED) -> list[design.Experiment]:
         """The drives that would tell the leading models apart best, each of another kind.
@@ -482,9 +480,3 @@ class Facts:
         level, covariance, noise = self._apart(candidates, drives, design.TRIALS)
         names = [candidate.name for candidate in candidates]
         return design.choose(drives, names, level, covariance, noise, count=count, pairs=pairs)
-
-
-def _table(columns: Mapping[str, Sequence[Any]]) -> DataFrame:
-    import pandas as pd
-
-    return pd.DataFrame(dict(columns))

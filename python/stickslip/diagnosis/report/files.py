@@ -13,11 +13,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy
 import scipy
 from markupsafe import Markup
+from matplotlib.figure import Figure
 
 from stickslip import _core
 from stickslip._util.files import check_folder, sha256_of, text_writer, write_together
@@ -41,9 +42,6 @@ from stickslip.scenario.toml_file import (
     read_document,
     scenario_writers,
 )
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 PAGE, JSON, EXTENDED = "report.html", "report.json", "extended.toml"
 

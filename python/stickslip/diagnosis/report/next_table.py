@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from pandas import DataFrame
 
 from stickslip._util.files import text_writer, write_together
 from stickslip._util.messages import shown
@@ -26,9 +28,6 @@ from stickslip.measurement.new_trials import unmeasured
 from stickslip.measurement.read_table import check_columns, read_rows
 from stickslip.measurement.read_velocity import velocity_units
 from stickslip.measurement.reading import Measurement
-
-if TYPE_CHECKING:
-    from pandas import DataFrame
 
 TABLES = TABLE, PREDICTIONS = "next.csv", "next-predictions.csv"
 

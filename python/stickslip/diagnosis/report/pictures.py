@@ -12,10 +12,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import resources
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import matplotlib
 import numpy as np
+from matplotlib.figure import Figure
 
 from stickslip._util.arrays import Array, Indices
 from stickslip._util.palette import BLACK, BLUE, DARK_GREY, GREY, LIGHT_GREY, VERMILION
@@ -28,9 +29,6 @@ from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.facts import Facts
 from stickslip.diagnosis.report.numbers import law_of, predictions
 from stickslip.errors import ScenarioError
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 _COLOURS = {"stated": GREY, "recalibrated": BLUE, "extended": VERMILION, "nearest": DARK_GREY}
 _MARKERS, _MOST_PANELS = "osD^v<>Ph*", 8
