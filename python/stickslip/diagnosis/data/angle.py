@@ -68,7 +68,6 @@ class AngleTable(SimulatedTable):
         self.fields = np.stack([bx, bz], axis=1)[self.first]
         design = _lines(self.fields, self.mean)[self.condition]
         self.errors = of_readings(theta, design, self.condition, READING, "rad")
-        self.notes = list(self.errors.notes)
         self.instruments = of_angles(self.mean)
 
     def setting_unit(self, name: str) -> str:

@@ -80,7 +80,6 @@ class FieldTable(SimulatedTable):
         rows = self.first[::3] // 3
         self.currents, self.points = currents[rows], points[rows]
         self.errors = of_readings(self.y, _design(shares), self.condition, smallest, "T")
-        self.notes = list(self.errors.notes)
         self.instruments = of_fields(self.mean)
 
     def setting_unit(self, name: str) -> str:

@@ -90,7 +90,6 @@ class FilmTable(SimulatedTable):
         spread = np.sum((np.array(counts) / len(sd)) ** 2 / np.maximum(dof, 1e-9))
         dof_of_all = 1.0 / float(spread) if spread > 0.0 else math.inf
         self.errors = Errors(sd, covariance, dof_of_all, self._sizes, tuple(self._notes))
-        self.notes = self._notes
         # A film is held out as a whole. What a model misses may follow the bins of a column, and
         # columns share no unit.
         self.group = np.zeros(len(sd), dtype=np.int64)

@@ -126,7 +126,6 @@ class Series(Table):
         else:
             self.errors = _about_a_curve(self.t, self.y, unit)
         self.stated = sd is not None
-        self.notes = [*self.own_notes, *self.errors.notes]
 
     @property
     def at(self) -> str:
@@ -167,7 +166,6 @@ class Series(Table):
         """The same with notes on how it was read."""
         made = copy.copy(self)
         made.own_notes = (*notes, *self.own_notes)
-        made.notes = [*made.own_notes, *made.errors.notes]
         return made
 
     def without(self, gone: Mask, why: str) -> Series:

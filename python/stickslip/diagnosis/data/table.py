@@ -95,7 +95,6 @@ class Table:
         Conditions that are held out together, numbered from 0.
     rows : ndarray of int, shape (n,)
         Numbers of the rows among those that were given.
-    notes : list of Note
 
     Raises
     ------
@@ -108,7 +107,6 @@ class Table:
     order: Array | None
     places: Array | None
     settings: Any
-    notes: list[Note]
     whole: Table | None = None
     """The table that a model predicts, of which this one has the rows `kept`; this one, if None."""
     kept: Indices
@@ -170,7 +168,6 @@ class Table:
             self.errors = no_finer_than_the_meter(self.y, self.condition, self.errors, unit)
         self.rows, self._labels = np.flatnonzero(~gap), {"sd": stated, "block": blocks, "run": runs}
         self.own_notes = tuple(notes)
-        self.notes = [*notes, *self.errors.notes]
         self.run = self.order = None
         if runs is not None and len(number) == len(self.y):
             self.run, self.order = runs, np.arange(len(runs), dtype=float)
@@ -199,7 +196,6 @@ class Table:
         self.rows, lost = whole.rows[kept], whole.rows[~kept]
         text = f"{whole.at}{rows_in_words(lost)}: {why}"
         self.own_notes = (*whole.own_notes, Note("rows-not-computed", text, len(lost)))
-        self.notes = [*self.own_notes, *self.errors.notes]
         return self
 
     def _take_of(self, whole: Table, kept: Indices) -> None:
@@ -213,6 +209,11 @@ class Table:
         return f"table {self.name}: " if self.name else "table: "
 
     # ------------------------------------------------------------------ how it is told
+    @property
+    def notes(self) -> list[Note]:
+        """On the rows, and on the errors."""
+        return [*self.own_notes, *self.errors.notes]
+
     @property
     def title(self) -> str:
         """What its readings are called; "" where they have no name."""
@@ -342,9 +343,9 @@ class Table:
             yield y / factor, "readings-unit", f"{size} times as large: look at its unit"
 
     def with_errors(self, errors: Errors) -> Table:
-        """The same readings with other errors, and notes of these alone."""
+        """The same readings with other errors."""
         made = copy.copy(self)
-        made.errors, made.notes = errors, [*self.own_notes, *errors.notes]
+        made.errors = errors
         return made
 
     def __len__(self) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import compress
 
 import numpy as np
@@ -23,7 +24,7 @@ from stickslip.scenario.uncertain import Prior
 from stickslip.simulation.note import Note
 from stickslip.simulation.note_table import STEADY_PULSES
 from stickslip.sweeping.notes import notes_of
-from stickslip.sweeping.points import from_changes
+from stickslip.sweeping.points import encoded, from_changes
 
 Conditions = Sequence[Mapping[str, Value]]
 """Drive settings by dotted key, of each condition."""
@@ -114,9 +115,6 @@ class VelocityTable(SimulatedTable):
     def __init__(self, measurement: Measurement, *, threads: int = 1, seed: int = 0) -> None:
         self.name, self.unit = "velocity", "m/s"
         self.scenario, self.threads, self.simulated = measurement.scenario, threads, 0
-        self._words = {
-            key.name: list(key.words) for key in known_keys().values() if key.kind == "word"
-        }
         uncertain = measurement.uncertain
         self.conditions, trials = _pooled(measurement.velocity)
         middle = np.array([[float(prior.value(0.0)) for prior in uncertain.values()]])
@@ -133,10 +131,10 @@ class VelocityTable(SimulatedTable):
             self.y, self.condition, run=self.curve, place=place, block=self.block, seed=seed,
             relative=max((sd for sd in known if math.isfinite(sd)), default=math.nan),
         )  # fmt: skip
-        self.notes = list(self.errors.notes)
         if np.all(self.block < 0):
             text = "There is no column block: what trials of a block share is not known."
-            self.notes.append(Note("no-block-column", text))
+            note = Note("no-block-column", text)
+            self.errors = replace(self.errors, notes=(*self.errors.notes, note))
         self.instruments = of_velocities(self.mean)
         self.places = _places(self.conditions)
         self.group = np.arange(len(self.conditions), dtype=np.int64)
@@ -186,8 +184,8 @@ class VelocityTable(SimulatedTable):
             for drive in conditions
         ]
         keys = sorted({key for drive in conditions for key in drive})
-        settings = np.array(
-            [[self._number(key, self._setting(drive, key)) for key in keys] for drive in conditions]
+        settings = np.column_stack(
+            [encoded(key, [self._setting(drive, key) for drive in conditions]) for key in keys]
         )
         vectors, count = len(values), len(conditions)
         rows = np.hstack([np.tile(settings, (vectors, 1)), np.repeat(values, count, axis=0)])
@@ -208,10 +206,6 @@ class VelocityTable(SimulatedTable):
 
     def _pulses(self, condition: Mapping[str, Value]) -> float:
         return float(self._setting(condition, "drive.pulses"))
-
-    def _number(self, key: str, value: Value) -> float:
-        """A setting as the core takes it."""
-        return float(self._words[key].index(value) if isinstance(value, str) else value)
 
     def _without_refused(self, trials: Array) -> Array:
         """Leave out the conditions that the stated model cannot compute, if it computes others."""
