@@ -55,7 +55,7 @@ def tracking_run(changes, rate, seed, exposure=3e-4, stated=True, drive=None, **
     drive = drive or {}
     columns = film({**TRUE, **drive, **changes}, Exposure(exposure), rate, seed, **more)
     noise = {"x": NOISE["x"], "theta": NOISE["theta"]} if stated else {}
-    return TrackingRun("film.csv", columns, ROBOT.replace(drive), rate, exposure, noise)
+    return TrackingRun("film.csv", columns, ROBOT.replace(drive), exposure, noise)
 
 
 _MOTIONS = {}

@@ -306,13 +306,6 @@ def test_a_column_like_a_known_one_is_refused(tmp_path, kind, header, meant):
         FILES[kind][0](write(tmp_path / "a.csv", [header, row]))
 
 
-def test_information_of_the_sound_trials_is_kept(tmp_path):
-    lines = ["frequency,velocity,operator,", "20,1e-3,Ada,", "20,lost,Ben,", "30,2e-3,Cleo,late"]
-    path = write(tmp_path / "a.csv", lines)
-    data, _ = read_velocity(read_rows(path, velocity_units()), Scenario(), 0.01)
-    assert data.extra == {"operator": ("Ada", "Cleo"), "column 4": ("", "late")}
-
-
 def test_a_table_in_memory_has_units_and_information_too():
     table = pd.DataFrame(
         {
@@ -327,7 +320,6 @@ def test_a_table_in_memory_has_units_and_information_too():
     assert data.velocity.tolist() == [1e-3, 2e-3]
     assert [each["drive.frequency"] for each in data.conditions] == [20.0, 30.0]
     assert data.order.tolist() == [0.0, 60.0]
-    assert data.extra == {"day": ("2024-05-01 00:00:00", "")}
     assert [each.code for each in found.left_out] == ["columns-not-used"]
 
 

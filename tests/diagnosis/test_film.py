@@ -198,7 +198,7 @@ def test_a_stated_noise_is_used_unless_the_frames_scatter_more():
 def test_camera_parameters_belong_to_one_film():
     own = [f"tracking.2.{key}" for key in ("angle_offset", "angle_scale", "trigger")]
     camera = Exposure(3e-4, trigger=3e-4, angle_offset=0.02, angle_scale=1.02)
-    run = TrackingRun("a.csv", film(TRUE, camera, 500.0, 0), ROBOT, 500.0, 3e-4, NOISE)
+    run = TrackingRun("a.csv", film(TRUE, camera, 500.0, 0), ROBOT, 3e-4, NOISE)
     table = FilmTable(run, 2)
     assert (table.name, [each.name for each in table.nuisance]) == ("tracking.2", own)
     assert not any(each.cause for each in table.nuisance)
@@ -263,7 +263,7 @@ def test_a_program_of_voltages_is_binned_in_time():
     times = np.arange(0.0, scenario.window[1], 1e-3)
     shown = next(record(scenario.replace(TRUE), [], np.zeros((1, 0)), 9e4, 1))
     frames = noisy(Exposure(3e-4).frames(shown, times), NOISE, np.random.default_rng(2))
-    run = TrackingRun("a.csv", {"t": times, **frames}, scenario, 1000.0, 3e-4, NOISE)
+    run = TrackingRun("a.csv", {"t": times, **frames}, scenario, 3e-4, NOISE)
     table = FilmTable(run)
     assert len(table.mean) == 24 + 23  # levels of theta; of x all but the origin
     assert misfit(table)[1] > 0.001

@@ -142,8 +142,8 @@ def far_from_their_phase(level: Array, quantum: float) -> Mask:
     return np.asarray(np.abs(level - middle) > FAR_FROM_PHASE * np.maximum(spread, usual))
 
 
-def one_place_each(t: Array, x: Array) -> tuple[Array, Array]:
-    """Times and places of frames in the order of time, each once; two places at one are refused."""
+def one_place_each(t: Array, x: Array) -> Indices:
+    """Frames in the order of time, each time once; two places at one are refused."""
     order = np.argsort(t, kind="stable")
     t, x = t[order], x[order]
     again = np.append(False, np.diff(t) == 0.0)
@@ -154,7 +154,7 @@ def one_place_each(t: Array, x: Array) -> tuple[Array, Array]:
             f"x: two places at t = {t[k]:.6g} s, {x[k - 1]:.6g} and {x[k]:.6g} m: allowed is one, "
             "the track of one robot"
         )
-    return t[~again], x[~again]
+    return order[~again]
 
 
 def lost_frames(t: Array, x: Array, size: float) -> Mask:

@@ -60,10 +60,9 @@ class Rows(NamedTuple):
 
 
 class NothingSound(ScenarioError):
-    """A table without a sound row; `why` is what is wrong with the first rows."""
+    """A table without a sound row."""
 
     def __init__(self, path: Path, why: Note) -> None:
-        self.why = why
         self.note = Note("no-sound-row", f"{path}: no row is sound. {why}")
         super().__init__(self.note)
 

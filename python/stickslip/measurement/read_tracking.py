@@ -68,8 +68,6 @@ class TrackingRun(OneLine):
         and ``current_clamp`` (A) where they were measured, NaN in frames that lack them.
     scenario : Scenario
         Of this run: the measurement's with this run's drive.
-    frame_rate : float
-        Hz; from the times, where it was not stated.
     exposure : float
         s; 0 where it was not stated.
     noise : dict of float
@@ -79,7 +77,6 @@ class TrackingRun(OneLine):
     file: str
     columns: Mapping[str, Array]
     scenario: Scenario
-    frame_rate: float
     exposure: float = 0.0
     noise: Mapping[str, float] = field(default_factory=dict)
 
@@ -117,13 +114,12 @@ def read_tracking(
         return None, [*left_out, Note(code, text, value)]
     spacing = float(np.median(np.diff(columns["t"])))
     if not stated:
-        rate = 1.0 / spacing
         with prefixed(where):
-            _exposure(exposure, rate)
+            _exposure(exposure, 1.0 / spacing)
     elif abs(rate * spacing - 1.0) > _OTHER_RATE:
         text = f"{path.name}: frame_rate = {rate:g} Hz is not used, as most frames are "
         left_out.append(Note("frame-rate-not-used", f"{text}{spacing:g} s apart.", rate))
-    return TrackingRun(path.name, columns, driven, rate, exposure, noise), left_out
+    return TrackingRun(path.name, columns, driven, exposure, noise), left_out
 
 
 def _own_scenario(drive: object, scenario: Scenario) -> Scenario:
@@ -185,13 +181,11 @@ def _usable_frames(
     What the coils do after that is not known. A ScenarioError says that there are two bodies.
     """
     end, length = scenario.window[1], scenario.robot.length
-    one_place_each(table["t"], table["x"])
-    order = np.argsort(table["t"], kind="stable")
-    times, first = np.unique(table["t"][order], return_index=True)
-    inside = times < end
+    order = one_place_each(table["t"], table["x"])
+    inside = table["t"][order] < end
     sound, late = int(inside.sum()), int((~inside).sum())
-    again = len(order) - len(times)
-    if np.any(np.diff(order) < 0):
+    again = len(table["t"]) - len(order)
+    if np.any(np.diff(table["t"]) < 0.0):
         text = f"{name}: the rows were not in the order of time; they were sorted."
         left_out.append(Note("frames-sorted", text))
     if again:
@@ -203,12 +197,13 @@ def _usable_frames(
     if sound > _LIMIT:
         text = f"{name}: the first {_LIMIT} of {sound} frames are enough."
         left_out.append(Note("frames-not-needed", text, sound))
-    used = order[first][inside][:_LIMIT]
+    used = order[inside][:_LIMIT]
     if len(used) > 2:
-        lost = lost_frames(table["t"][used], table["x"][used], length)
+        times = table["t"][used]
+        lost = lost_frames(times, table["x"][used], length)
         if lost.any():
             text = f"{name}: in {counted(int(lost.sum()), 'frame')} x is not where the robot can "
-            text += f"be, the first at {times[inside][:_LIMIT][lost][0]:.5g} s; left out."
+            text += f"be, the first at {times[lost][0]:.5g} s; left out."
             left_out.append(Note("lost-frames", text, int(lost.sum())))
         used = used[~lost]
     return {key: column[used] for key, column in table.items()}

@@ -6,7 +6,7 @@ import itertools
 import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -78,8 +78,6 @@ class VelocityData(OneLine):
         order of the rows of a condition.
     relative_sd : float
         Stated relative error of one trial; NaN where it is not known.
-    extra : dict of tuple of str
-        Cells of the columns that are neither settings nor known otherwise, one for each trial.
     """
 
     conditions: tuple[Mapping[str, Value], ...]
@@ -89,7 +87,6 @@ class VelocityData(OneLine):
     order: Array
     sweep: Indices
     relative_sd: float = math.nan
-    extra: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 class _Unsound(Exception):
@@ -105,7 +102,6 @@ class _Trial(NamedTuple):
     label: str
     order: float
     line: Line
-    extra: tuple[str, ...]
 
 
 def velocity_units() -> Units:
@@ -135,15 +131,16 @@ def read_velocity(
     scenario: Scenario,
     relative_sd: float,
     earlier: Sequence[VelocityData] = (),
+    strict: bool = False,
 ) -> tuple[VelocityData, list[Note]]:
     """The sound rows of a table of velocities, and what was left out of it.
 
     The scenario gives the drive settings that have no column; `relative_sd` is the relative error
     of one trial, NaN if not known. Settings that are equal to one of the scenario or of the
-    `earlier` tables become that one.
+    `earlier` tables become that one. If `strict`, the first row that is not sound is refused.
     """
     others = check_columns(table.path, table.header, ["velocity"], list(velocity_units()))
-    trials, left_out = _sound_rows(table, scenario, others)
+    trials, left_out = _sound_rows(table, scenario, strict)
     left_out += [*table.left_out, *not_used(table.name, others)]
     known = [condition for data in earlier for condition in data.conditions]
     trials = _with_equal_settings(table.name, trials, scenario, known, left_out)
@@ -161,6 +158,8 @@ def read_velocity(
         at = table.at([trials[k].line for k in np.flatnonzero(fast)])
         text = f"{at}: the velocity is above {FASTEST:g} m/s; divide velocities in mm/s or um/s by "
         left_out.append(Note("too-fast", f"{text}1e3 or 1e6.", int(fast.sum())))
+        if strict:
+            raise ScenarioError(left_out[-1])
         sound &= ~fast
     kept = [trials[k] for k in np.flatnonzero(sound)]
     data = VelocityData(
@@ -171,9 +170,52 @@ def read_velocity(
         np.array([trial.order for trial in kept]),
         _sweeps(trials)[sound],
         relative_sd,
-        {name: tuple(trial.extra[k] for trial in kept) for k, name in enumerate(others)},
     )
     return data, left_out
+
+
+def read_new_trials(
+    table: Rows, scenario: Scenario, earlier: Sequence[VelocityData]
+) -> tuple[VelocityData, list[Note]]:
+    """The trials of a table of proposed drives, and which of them are left out as outliers.
+
+    Rows without a velocity were not measured. All others have to be sound, as whoever has just
+    filled them in can correct them: where a long table of old data is used as far as it goes, this
+    one is refused. What `earlier` tables state of the error of a trial counts for all.
+
+    Raises
+    ------
+    ScenarioError
+        With the first row that is not sound, if none has a velocity, or if all trials are among the
+        `earlier` ones.
+    """
+    path = table.path
+    check_columns(path, table.header, ["velocity"])
+    empty = set(unmeasured(table))
+    filled = [(line, row) for line, row in table.rows if line not in empty]
+    if not filled:
+        raise ScenarioError(f"{path}: no row has a velocity; allowed is one or more")
+    # Whoever filled it in has to find it, so notes name its whole path.
+    whole = table._replace(rows=filled, name=str(path))
+    data, left_out = read_velocity(whole, scenario, math.nan, earlier, strict=True)
+    known = {trial for old in earlier for trial in _trials(old)}
+    if known.issuperset(_trials(data)):
+        twice = "all its trials are in the measurement already"
+        raise ScenarioError(f"{path}: {twice}: allowed is once, or they would count twice")
+    return data, left_out
+
+
+def unmeasured(table: Rows) -> list[Line]:
+    """Lines of the rows whose velocity is empty."""
+    at = table.header.index("velocity")
+    return [line for line, row in table.rows if at < len(row) and not row[at]]
+
+
+def _trials(data: VelocityData) -> list[tuple[object, ...]]:
+    """Each trial's settings and velocity."""
+    settings = [tuple(sorted(condition.items())) for condition in data.conditions]
+    pairs = zip(data.condition.tolist(), data.velocity.tolist(), strict=True)
+    return [(settings[at], velocity) for at, velocity in pairs]
 
 
 def _with_equal_settings(
@@ -220,9 +262,7 @@ def _sweeps(trials: Sequence[_Trial]) -> Indices:
     return np.array(places, dtype=np.int64)
 
 
-def _sound_rows(
-    table: Rows, scenario: Scenario, others: Sequence[str]
-) -> tuple[list[_Trial], list[Note]]:
+def _sound_rows(table: Rows, scenario: Scenario, strict: bool) -> tuple[list[_Trial], list[Note]]:
     """Rows that can be used, at least one, and why the others cannot."""
     header, count = table.header, len(table.rows)
     counts_once = "trial" in header or "order" in header
@@ -237,7 +277,7 @@ def _sound_rows(
             if counts_once and tuple(row) in seen:
                 raise _Unsound("repeated-row", "the row repeats an earlier one.")
             cells = dict(zip(header, row, strict=True))
-            kept.append(_trial(line, cells, others, scenario))
+            kept.append(_trial(line, cells, scenario))
             seen.add(tuple(row))
         except _Unsound as error:
             wrong.setdefault(error.args, []).append(line)
@@ -251,6 +291,9 @@ def _sound_rows(
         Note(code, f"{table.at(lines)}: {text}", len(lines))
         for (code, text), lines in wrong.items()
     ]
+    if left_out and strict:
+        hint = " Allowed are numbers; a velocity that was not measured stays empty."
+        raise ScenarioError(f"{left_out[0]}{hint if left_out[0].code == 'not-a-number' else ''}")
     if not kept:
         raise NothingSound(table.path, left_out[0])
     lost = count - len(kept)
@@ -260,15 +303,12 @@ def _sound_rows(
     return kept, left_out
 
 
-def _trial(
-    line: Line, cells: Mapping[str, str], others: Sequence[str], scenario: Scenario
-) -> _Trial:
+def _trial(line: Line, cells: Mapping[str, str], scenario: Scenario) -> _Trial:
     """A row of the table, if it is sound."""
     velocity = _number("velocity", cells["velocity"])
     setting = _setting(cells, scenario)
     order = _number("order", cells["order"]) if cells.get("order") else math.nan
-    words = (cells.get("block", ""), cells.get("trial", ""))
-    return _Trial(velocity, setting, *words, order, line, tuple(cells[name] for name in others))
+    return _Trial(velocity, setting, cells.get("block", ""), cells.get("trial", ""), order, line)
 
 
 def _number(column: str, cell: str) -> float:

@@ -16,7 +16,6 @@ from stickslip._util.messages import refuse, shown, suggestion
 from stickslip._util.text import OneLine, printable
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.measurement.first_lines import TableGiven, refuse_table
-from stickslip.measurement.new_trials import read_new_trials
 from stickslip.measurement.read_table import (
     NothingSound,
     read_numbers,
@@ -27,6 +26,7 @@ from stickslip.measurement.read_table import (
 from stickslip.measurement.read_tracking import REQUIRED, TrackingRun, read_tracking
 from stickslip.measurement.read_velocity import (
     VelocityData,
+    read_new_trials,
     read_velocity,
     velocity_units,
     with_index_columns,
@@ -183,8 +183,7 @@ class Measurement(OneLine):
             rows = read_rows(Path(table), units)
         else:
             rows = rows_of_frame(with_index_columns(table), units)
-        no_sd = _relative_sd(None)  # what the other tables state counts for all
-        data, lost = read_new_trials(rows, self.scenario, no_sd, self.velocity)
+        data, lost = read_new_trials(rows, self.scenario, self.velocity)
         return replace(self, velocity=(*self.velocity, data), left_out=(*self.left_out, *lost))
 
 

@@ -173,7 +173,9 @@ def _frames(
     sound = np.isfinite(times) & np.isfinite(places)
     if not sound.any():
         raise ScenarioError("t and x: no frame has both: allowed are numbers in s and m")
-    times, places = one_place_each(times[sound], places[sound])
+    times, places = times[sound], places[sound]
+    order = one_place_each(times, places)
+    times, places = times[order], places[order]
     window = scenario.window
     inside = (times >= window[0]) & (times <= window[1])
     _check_count(times, inside, window)

@@ -24,9 +24,8 @@ from stickslip.diagnosis.decision.facts import Facts
 from stickslip.diagnosis.report.files import JSON
 from stickslip.diagnosis.terms.amounts import amount
 from stickslip.errors import ScenarioError
-from stickslip.measurement.new_trials import unmeasured
 from stickslip.measurement.read_table import check_columns, read_rows
-from stickslip.measurement.read_velocity import velocity_units
+from stickslip.measurement.read_velocity import unmeasured, velocity_units
 from stickslip.measurement.reading import Measurement
 
 TABLES = TABLE, PREDICTIONS = "next.csv", "next-predictions.csv"
