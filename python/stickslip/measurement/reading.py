@@ -33,7 +33,7 @@ from stickslip.measurement.read_velocity import (
 )
 from stickslip.scenario.keys import COIL_NAMES, known_keys
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.toml_file import read_document
+from stickslip.scenario.toml_file import named_files, read_document
 from stickslip.scenario.uncertain import COVARIANCE, Prior, parse_priors
 from stickslip.simulation.note import Note
 
@@ -87,6 +87,8 @@ class Measurement(OneLine):
         What was not used and why; each is a sentence as a `str`.
     path : Path
         Of the file; of a table in memory ``DataFrame``.
+    files : tuple of Path
+        All that was read: the file, and what it and its scenario name.
     """
 
     name: str
@@ -98,6 +100,7 @@ class Measurement(OneLine):
     field: tuple[Table, ...]
     left_out: tuple[Note, ...]
     path: Path
+    files: tuple[Path, ...] = ()
 
     def __repr__(self) -> str:
         trials = sum(len(data.velocity) for data in self.velocity)
@@ -179,12 +182,15 @@ class Measurement(OneLine):
             sound, no row has one, or all trials are in the measurement already.
         """
         units = velocity_units()
-        if isinstance(table, str | PathLike):
-            rows = read_rows(Path(table), units)
-        else:
-            rows = rows_of_frame(with_index_columns(table), units)
+        files = (Path(table),) if isinstance(table, str | PathLike) else ()
+        rows = (
+            read_rows(*files, units) if files else rows_of_frame(with_index_columns(table), units)
+        )
         data, lost = read_new_trials(rows, self.scenario, self.velocity)
-        return replace(self, velocity=(*self.velocity, data), left_out=(*self.left_out, *lost))
+        return replace(
+            self, velocity=(*self.velocity, data), left_out=(*self.left_out, *lost),
+            files=(*self.files, *files),
+        )  # fmt: skip
 
 
 def read_measurement(path: str | PathLike[str]) -> Measurement:
@@ -234,7 +240,8 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
     nominal = _path_of(document, "scenario", "", "a scenario file")
     scenario = Scenario.from_toml(path.parent / nominal)
     uncertain = _uncertain(document.get("uncertain"), scenario)
-    tables, left_out = _tables(document, path, scenario)
+    files = [path, path.parent / nominal, *named_files(path.parent / nominal).values()]
+    tables, left_out = _tables(document, path, scenario, files)
     if not any(tables.values()):
         if left_out:
             raise ScenarioError(f"nothing sound is left. {left_out[-1]}")
@@ -246,13 +253,17 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
         **{observable: tuple(data) for observable, data in tables.items()},
         left_out=tuple(left_out),
         path=path,
+        files=tuple(dict.fromkeys(files)),
     )
 
 
 def _tables(
-    document: dict[str, Any], path: Path, scenario: Scenario
+    document: dict[str, Any], path: Path, scenario: Scenario, read: list[Path]
 ) -> tuple[dict[str, list[Any]], list[Note]]:
-    """What can be used of the tables of each observable, and what was left out of them."""
+    """What can be used of the tables of each observable, and what was left out of them.
+
+    Their files join those that were `read`.
+    """
     tables: dict[str, list[Any]] = {observable: [] for observable in _ENTRIES}
     left_out: list[Note] = []
     for observable in _ENTRIES:
@@ -263,6 +274,7 @@ def _tables(
                 twice = f"[[{observable}]] file = {shown(entry['file'])} is there twice"
                 raise ScenarioError(f"{twice}: allowed is once, or its rows would count twice")
             files.add(os.path.realpath(file))
+            read.append(file)
             try:
                 data, lost = _table(observable, file, entry, scenario, tables["velocity"])
             except NothingSound as error:

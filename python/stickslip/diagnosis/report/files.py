@@ -9,7 +9,7 @@ import platform
 import re
 import shlex
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from datetime import datetime
 from os import PathLike
 from pathlib import Path
@@ -31,15 +31,12 @@ from stickslip.diagnosis.report.numbers import numbers_of
 from stickslip.diagnosis.report.pictures import Plots, drawing
 from stickslip.diagnosis.terms import amounts
 from stickslip.diagnosis.terms.words import Words
-from stickslip.errors import ScenarioError
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import is_of_one_coil, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.toml_file import (
     files_beside,
     held_writers,
-    named_files,
-    read_document,
     scenario_writers,
 )
 
@@ -162,30 +159,8 @@ def _origin(facts: Facts) -> list[list[str]]:
         ["Python", f"{python}, numpy {numpy.__version__}, scipy {scipy.__version__}"],
     ]
     if facts.measurement is not None:
-        rows += [[f"file {path.name}", _checksum(path)] for path in _files(facts.measurement.path)]
+        rows += [[f"file {path.name}", _checksum(path)] for path in facts.measurement.files]
     return rows
-
-
-def _files(path: Path) -> Iterator[Path]:
-    """The measurement file and what it and its scenario name; nothing of a table in memory."""
-    if not path.is_file():
-        return
-    yield path
-    try:
-        document = read_document(path, "measurement")
-    except (ScenarioError, OSError):  # it was changed meanwhile
-        return
-    scenario = document.get("scenario")
-    if isinstance(scenario, str):
-        yield path.parent / scenario
-        yield from named_files(path.parent / scenario).values()
-    names: dict[str, None] = {}
-    for kind in ("velocity", "tracking", "angle", "field"):
-        entries = document.get(kind)
-        for entry in entries if isinstance(entries, list) else []:
-            if isinstance(entry, dict) and isinstance(entry.get("file"), str):
-                names[entry["file"]] = None
-    yield from (path.parent / name for name in names)
 
 
 def _checksum(path: Path) -> str:
