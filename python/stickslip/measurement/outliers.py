@@ -154,7 +154,7 @@ def one_place_each(t: Array, x: Array) -> Indices:
             f"x: two places at t = {t[k]:.6g} s, {x[k - 1]:.6g} and {x[k]:.6g} m: allowed is one, "
             "the track of one robot"
         )
-    return order[~again]
+    return np.asarray(order[~again])
 
 
 def lost_frames(t: Array, x: Array, size: float) -> Mask:

@@ -183,9 +183,8 @@ class Measurement(OneLine):
         """
         units = velocity_units()
         files = (Path(table),) if isinstance(table, str | PathLike) else ()
-        rows = (
-            read_rows(*files, units) if files else rows_of_frame(with_index_columns(table), units)
-        )
+        in_memory = with_index_columns(table)
+        rows = read_rows(*files, units) if files else rows_of_frame(in_memory, units)
         data, lost = read_new_trials(rows, self.scenario, self.velocity)
         return replace(
             self, velocity=(*self.velocity, data), left_out=(*self.left_out, *lost),
