@@ -165,6 +165,9 @@ def test_a_drift_is_found(sound):
         found = problem(drifting)
         assert found.code == "drift"
         assert float(re.search(r"p = (\S+),", found.text)[1]) < 1e-3
+        # Errors are a few per cent of the velocities, and 48 of them tell the slope to a sixth.
+        part = np.median(slope * table.sequence.max() / 48.0 / np.abs(table.mean) * toward)
+        assert found.value == pytest.approx(part, rel=0.3)
 
 
 def test_without_a_drift_none_is_found(sound):

@@ -181,7 +181,7 @@ def test_correlation_and_scatter_of_periods_are_found_and_told():
         assert 0.5 < told[f"{name}.shared"] / (2.0 * NOISE[name]) < 1.75
     assert {each.code for each in table.notes} >= {"frames-correlated", "periods-differ"}
     # The advance is as uncertain as nine random steps make it.
-    row = table.advance
+    row = np.flatnonzero(table.settings["column"] == "x")[0]
     assert 0.5 < table.errors.sd[row] / (2.0 * NOISE["x"] / 3.0) < 1.75
 
 
@@ -267,7 +267,6 @@ def test_a_program_of_voltages_is_binned_in_time():
     table = FilmTable(run)
     assert len(table.mean) == 24 + 23  # levels of theta; of x all but the origin
     assert misfit(table)[1] > 0.001
-    assert table.advance is None
     assert table.over_phase(NAMES, VALUES[0]) is None
     unknown = FilmTable(replace(run, noise={}))
     assert [each.code for each in unknown.notes] == ["frame-noise-unknown"] * 2
@@ -278,7 +277,8 @@ def test_a_short_or_slow_film_is_used_for_what_it_shows(rate, frames):
     run = tracking_run({}, rate, 1)
     table = FilmTable(replace(run, columns={k: v[frames] for k, v in run.columns.items()}))
     assert misfit(table)[1] > 0.001
-    assert (table.advance is None) == (rate == 1000.0)  # 25 ms are less than a period
+    times = run.columns["t"][frames]
+    assert fold(times, run.scenario).advances == (rate == 70.0)  # 25 ms are less than a period
 
 
 def test_frames_lie_on_the_true_model_over_the_phase():

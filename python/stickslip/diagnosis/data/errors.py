@@ -325,6 +325,13 @@ def along_runs(
     return order, gap
 
 
+def independent(columns: Array, link: Array) -> Array:
+    """Columns, shape (n, k), whose rows are independent of the ones before, to which they link."""
+    fresh = columns.copy()
+    fresh[1:] -= link[1:, None] * columns[:-1]
+    return np.asarray(fresh * (1.0 / np.sqrt(1.0 - link**2))[:, None])
+
+
 def _covariance_at(
     parts: Array, sizes: Mapping[str, float], mean: Array, linked: bool, stated: bool, level: Array
 ) -> Array:
@@ -463,9 +470,7 @@ class _Scatter(OneLine):
         target = self.away[rows] / (self.unit[rows] * size[c])
         columns = np.column_stack([math.exp(shift) * of_blocks[0], math.exp(gain) * of_blocks[1],
                                    target])  # fmt: skip
-        white = columns.copy()
-        white[1:] -= link[1:, None] * columns[:-1]
-        white *= fresh[:, None]
+        white = independent(columns, link)
         inner = white.T @ white + np.diag([*np.ones(columns.shape[1] - 1), 0.0])
         # R^-1 times the columns, and the three diagonals between the conditions' levels.
         back = fresh[:, None] * white

@@ -10,7 +10,7 @@ from scipy.linalg import block_diag
 
 from stickslip._util.arrays import Array, Indices, Mask, root_mean_square
 from stickslip._util.units import far_size
-from stickslip.diagnosis.data.errors import Errors
+from stickslip.diagnosis.data.errors import Errors, meter_step
 from stickslip.diagnosis.data.exposure import Exposure, Recording, record, recording_rate, rocking
 from stickslip.diagnosis.data.folding import Kind, fold, frame_errors, reduce, undrifted
 from stickslip.diagnosis.data.simulated import SimulatedTable
@@ -141,13 +141,6 @@ class FilmTable(SimulatedTable):
                 traces[key + word] = seen[order] - (0.0 if key == "theta" else seen[order].mean())
         return traces
 
-    @property
-    def advance(self) -> int | None:
-        """Row of the way per pulse in the world, m; None where no two periods show it."""
-        rows = np.flatnonzero(self.settings["column"] == "x")
-        times = self.film.columns["t"][self.columns["x"][0]]
-        return int(rows[0]) if fold(times, self.film.scenario).advances else None
-
     def _simulated(
         self, names: Sequence[str], values: Array
     ) -> Iterator[tuple[int, dict[str, Array]]]:
@@ -218,9 +211,7 @@ class FilmTable(SimulatedTable):
             self.left_out.append(Note("column-too-short", text, int(used.sum())))
             return None
         residual = values - (0.0 if nominal is None else nominal[name])
-        # A rounded column has one step, and any other a far smaller least difference.
-        step = float(np.min(np.diff(np.unique(values[used])), initial=math.inf))
-        step = step if math.isfinite(step) else 0.0
+        step = meter_step(values[used])
         folded, lost = fold(times[used], film.scenario), np.zeros(len(times), dtype=bool)
         # The advance may be wrong by much, so neighbours are compared without it.
         level = undrifted(folded, residual[used])[folded.by_phase]

@@ -6,6 +6,7 @@ import copy
 import functools
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -206,15 +207,14 @@ def with_repeats(series: Sequence[Series]) -> list[Table]:
             )
         _check_repeat(of, record)
         groups.setdefault(of.name, [of]).append(record)
-    known: dict[str, Errors] = {}
+    known: dict[str, Table] = {}
     for group in groups.values():
         errors = _from_repeats(group)
-        known |= {record.name: errors for record in group} if errors.dof >= FEWEST else {}
-    return [
-        record if record.stated or record.name not in known
-        else record.with_errors(_of_length(known[record.name], len(record)))
-        for record in series
-    ]  # fmt: skip
+        for record in group:
+            if not record.stated and errors.dof >= FEWEST:
+                sd = np.full(len(record), errors.sizes["s0"])
+                known[record.name] = record.with_errors(replace(errors, sd=sd))
+    return [known.get(record.name, record) for record in series]
 
 
 def _check_repeat(of: Series, repeat: Series) -> None:
@@ -262,11 +262,6 @@ def _from_repeats(group: Sequence[Series]) -> Errors:
     text = f"A reading scatters by {sd:.2g}, from {len(group)} repeats of a record."
     note = Note("noise-repeats", text, sd)
     return Errors(np.full(count, sd), None, dof, {"s0": sd, "rho": 0.0}, (note,))
-
-
-def _of_length(errors: Errors, count: int) -> Errors:
-    sd = np.full(count, errors.sizes["s0"])
-    return Errors(sd, None, errors.dof, errors.sizes, errors.notes)
 
 
 def _about_a_curve(t: Array, y: Array, unit: str) -> Errors:

@@ -103,9 +103,9 @@ class Table:
         that is not converted to that of the readings.
     """
 
-    run: Indices | None
-    order: Array | None
-    places: Array | None
+    run: Indices | None = None
+    order: Array | None = None
+    places: Array | None = None
     settings: Any
     whole: Table | None = None
     """The table that a model predicts, of which this one has the rows `kept`; this one, if None."""
@@ -168,7 +168,6 @@ class Table:
             self.errors = no_finer_than_the_meter(self.y, self.condition, self.errors, unit)
         self.rows, self._labels = np.flatnonzero(~gap), {"sd": stated, "block": blocks, "run": runs}
         self.own_notes = tuple(notes)
-        self.run = self.order = None
         if runs is not None and len(number) == len(self.y):
             self.run, self.order = runs, np.arange(len(runs), dtype=float)
             if len(np.unique(runs)) >= _FEWEST_RUNS:

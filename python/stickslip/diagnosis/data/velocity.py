@@ -13,7 +13,7 @@ from scipy.stats import t as t_law
 from stickslip import _core
 from stickslip._util.arrays import Array
 from stickslip._util.units import far_size
-from stickslip.diagnosis.data.errors import along_runs, estimate
+from stickslip.diagnosis.data.errors import along_runs, estimate, independent
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.diagnosis.data.simulated import SimulatedTable
 from stickslip.diagnosis.terms.instruments import of_velocities, read_by
@@ -103,8 +103,6 @@ class VelocityTable(SimulatedTable):
         Run of each trial.
     sequence : ndarray, shape (n,)
         Place of each trial in time, where the column order tells it; else NaN.
-    simulated : int
-        Number of simulations so far.
 
     The others are those of `Table`. Conditions that the stated model cannot compute are left out,
     unless it computes none.
@@ -114,7 +112,7 @@ class VelocityTable(SimulatedTable):
 
     def __init__(self, measurement: Measurement, *, threads: int = 1, seed: int = 0) -> None:
         self.name, self.unit = "velocity", "m/s"
-        self.scenario, self.threads, self.simulated = measurement.scenario, threads, 0
+        self.scenario, self.threads = measurement.scenario, threads
         uncertain = measurement.uncertain
         self.conditions, trials = _pooled(measurement.velocity)
         middle = np.array([[float(prior.value(0.0)) for prior in uncertain.values()]])
@@ -138,7 +136,6 @@ class VelocityTable(SimulatedTable):
         self.instruments = of_velocities(self.mean)
         self.places = _places(self.conditions)
         self.group = np.arange(len(self.conditions), dtype=np.int64)
-        self.run = self.order = None
         rtol = self._loosest_tolerances(uncertain, seed)
         self.scenario = self.scenario.replace({"solver.rtol": float(np.min(rtol))})
         for condition, tolerance in zip(self.conditions, rtol.tolist(), strict=True):
@@ -190,7 +187,6 @@ class VelocityTable(SimulatedTable):
         vectors, count = len(values), len(conditions)
         rows = np.hstack([np.tile(settings, (vectors, 1)), np.repeat(values, count, axis=0)])
         columns, _ = _core.sweep(self.scenario.to_core(), [*keys, *names], rows, self.threads)
-        self.simulated += len(rows)
         velocity = np.where(columns["status"] == 0, columns["mean_velocity"], np.nan)
         return np.asarray(velocity.reshape(vectors, count), dtype=float)
 
@@ -354,7 +350,7 @@ class VelocityTable(SimulatedTable):
         return None
 
     def _drift(self) -> Note | None:
-        """Velocities that change with time; what differs between blocks is no drift."""
+        """Velocities that change with time, and by which part; of blocks it is no drift."""
         parameters = self.errors.sizes
         moves = np.bincount(self.condition, self.y != 0.0) > 0
         used = np.isfinite(self.sequence) & moves[self.condition]
@@ -364,26 +360,20 @@ class VelocityTable(SimulatedTable):
             return None
         rows, gap = along_runs(self.curve, self.sequence, used, used)
         phi = parameters.get("phi", 0.0)
-        link = (phi if phi < _LASTING else 0.0) ** gap[:, None]
-
-        def independent(columns: Array) -> Array:
-            """Columns, shape (trials, k), in which errors along a run are independent."""
-            fresh = columns.copy()
-            fresh[1:] -= link[1:] * columns[:-1]
-            return np.asarray(fresh / np.sqrt(1.0 - link**2))
-
+        link = (phi if phi < _LASTING else 0.0) ** gap
         c = self.condition[rows]
         signs = np.sign(self.mean)[c, None]
         free = [np.eye(len(self.mean))[c]]
         if "shift" in parameters:
             shares = np.eye(int(self.block.max()) + 1)[self.block[rows]]
             free += [shares, shares * signs]
-        left, singular, _ = np.linalg.svd(independent(np.hstack(free)), full_matrices=False)
+        left, singular, _ = np.linalg.svd(independent(np.hstack(free), link), full_matrices=False)
         basis = left[:, singular > 1e-9 * singular[0]]
         # A drift shifts all velocities alike, or all in proportion, whatever their sign.
-        scatter = (self.y[rows] - self.mean[c]) / self.errors.of_reading(self.mean)[c]
+        error = self.errors.of_reading(self.mean)[c]
+        scatter = (self.y[rows] - self.mean[c]) / error
         columns = np.column_stack([self.sequence[rows], scatter, scatter * signs[:, 0]])
-        whole = independent(columns)
+        whole = independent(columns, link)
         time, *changes = (whole - basis @ (basis.T @ whole)).T
         dof, power = len(rows) - basis.shape[1] - 1, float(time @ time)
         if dof < 1 or power <= 1e-9 * float(whole[:, 0] @ whole[:, 0]):
@@ -392,25 +382,18 @@ class VelocityTable(SimulatedTable):
         for change in changes:
             slope = float(time @ change) / power
             rest = float(np.sum((change - slope * time) ** 2)) / dof
-            chances.append(2.0 * t_law.sf(abs(slope) * math.sqrt(power / max(rest, 1e-12)), dof))
-        p_value = 2.0 * min(chances)
+            chance = 2.0 * t_law.sf(abs(slope) * math.sqrt(power / max(rest, 1e-12)), dof)
+            chances.append((chance, abs(slope)))
+        chance, slope = min(chances)
+        p_value = 2.0 * chance
         if p_value >= _RARE:
             return None
+        part = slope * float(np.ptp(self.sequence[rows]) * np.median(error / np.abs(self.mean[c])))
         text = (
             "The velocities drift with the order in which they were measured (p = "
             f"{p_value:.1g}, below {_RARE:g}); measure the conditions again in random order."
         )
-        return Note("drift", text, self.drift)
-
-    @property
-    def drift(self) -> float:
-        """Part by which repeats of a condition change over all trials, in their order."""
-        mean = self.mean[self.condition]
-        used = np.isfinite(self.sequence) & (mean != 0.0)
-        c, order = self.condition[used], self.sequence[used]
-        at = order - (np.bincount(c, order) / np.maximum(np.bincount(c), 1))[c]
-        slope = float(at @ (self.y[used] / mean[used])) / max(float(at @ at), 1e-300)
-        return abs(slope) * float(np.ptp(order)) if len(c) else 0.0
+        return Note("drift", text, part)
 
 
 def settings_of(conditions: Conditions) -> Settings:
