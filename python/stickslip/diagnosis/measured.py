@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import cast
 
 import numpy as np
 
@@ -83,34 +83,26 @@ def problem_of(measurement: Measurement, threads: int = 1, seed: int = 0) -> Pro
     every.sort(key=lambda instrument: instrument.parameters[0].high)
     instruments = {instrument.name: instrument for instrument in every}
     causes = (*effects, *instruments.values(), *freed(constants))
-    parts = tables, constants, effects, list(instruments.values())
-    model, draft = model_of(*parts)
-    laws = partial(_with_laws, measurement, parts)
+    model, draft = model_of(tables, constants, causes)
+    laws = partial(_with_laws, measurement)
     return Problem(tuple(tables), model, tuple(constants), causes, draft, laws)
 
 
-def _with_laws(
-    measurement: Measurement, parts: tuple[Any, Any, Any, Any], problem: Problem, x: Array
-) -> Problem:
-    tables, _, effects, _ = parts
-    further = _laws(measurement, tables[0], problem, x) if effects else ()
-    return _beside(parts, (), problem, further)
+def _with_laws(measurement: Measurement, problem: Problem, x: Array) -> Problem:
+    return _beside(problem, _laws(measurement, problem, x))
 
 
-def _beside(
-    parts: tuple[Any, Any, Any, Any], laws: Sequence[Cause], problem: Problem, more: Sequence[Cause]
-) -> Problem:
+def _beside(problem: Problem, more: Sequence[Cause]) -> Problem:
     """The problem with further laws, or further forms of them, beside those that it has."""
-    every = (*laws, *more)
-    model, draft = model_of(*parts, beside=every)
-    causes, forms = (*problem.causes, *more), partial(_beside, parts, every)
-    return replace(problem, model=model, draft=draft, causes=causes, forms=forms)
+    causes = (*problem.causes, *more)
+    tables = cast(Sequence[SimulatedTable], problem.tables)
+    model, draft = model_of(tables, problem.constants, causes)
+    return replace(problem, model=model, draft=draft, causes=causes, forms=_beside)
 
 
-def _laws(
-    measurement: Measurement, table: SimulatedTable, problem: Problem, x: Array
-) -> tuple[Cause, ...]:
+def _laws(measurement: Measurement, problem: Problem, x: Array) -> tuple[Cause, ...]:
     """The simulator's laws of a free shape at recalibrated constants; none without velocities."""
+    table = problem.tables[0]
     if not isinstance(table, VelocityTable):
         return ()
     values = problem.physical(x[None, :])[0].tolist()
@@ -139,23 +131,16 @@ def freed(constants: Sequence[Parameter]) -> list[Cause]:
 
 
 def model_of(
-    tables: Sequence[SimulatedTable],
-    constants: Sequence[Parameter],
-    effects: Sequence[Cause],
-    instruments: Sequence[Cause],
-    beside: Sequence[Cause] = (),
+    tables: Sequence[SimulatedTable], constants: Sequence[Parameter], causes: Sequence[Cause]
 ) -> tuple[Model, Model]:
     """The model of all rows and its draft, in which velocities have fewer pulses.
 
-    Their columns are the constants, the parameters of the effects, of the instruments, and of the
-    laws of another shape, `beside`.
+    Their columns are the constants and the parameters of the causes.
     """
-    amplitudes = [parameter.name for cause in effects for parameter in cause.parameters]
-    names = [*(constant.name for constant in constants), *amplitudes]
-    names += [parameter.name for cause in instruments for parameter in cause.parameters]
-    knots = [parameter.name for cause in beside for parameter in cause.parameters]
-    reach = fixed_numbers(beside)
-    names += [*knots, *reach]
+    names = [constant.name for constant in constants]
+    names += [parameter.name for cause in causes for parameter in cause.parameters]
+    reach = fixed_numbers(causes)
+    names += reach
     columns = [table.own_columns(names) for table in tables]
     full, cheap = list[Model](), list[Model]()
     for table, places in zip(tables, columns, strict=True):
