@@ -201,7 +201,9 @@ class OwnModel(OneLine):
 
     def predicted(self, table: Any, p: Values) -> Any:
         """What the own function returns."""
-        curves = (Curves(self.laws, p),) if self.laws or _needs(self.predict, 3) else ()
+        # Defaults and `*rest` need no curves.
+        needed = self.laws or not _takes(self.predict, 2)
+        curves = (Curves(self.laws, p),) if needed else ()
         try:
             return self.predict(table, p, *curves)
         except (TypeError, ValueError) as error:
@@ -402,7 +404,7 @@ def _check_predict(predict: object, model: OwnModel) -> None:
     wanted = f"allowed is a function of ({', '.join(arguments)})"
     if not callable(predict):
         raise ScenarioError(f"predict = {brief(predict)}: {wanted}")
-    if not (_takes(predict, len(arguments)) or _needs(predict, 3)):
+    if not any(_takes(predict, count) for count in ((3,) if model.laws else (2, 3))):
         raise ScenarioError(f"predict takes {inspect.signature(predict)}: {wanted}")
 
 
@@ -417,11 +419,6 @@ def _takes(function: Callable[..., Any], count: int) -> bool:
     except TypeError:
         return False
     return True
-
-
-def _needs(function: Callable[..., Any], count: int) -> bool:
-    """Whether a function takes so many arguments and no fewer; `*rest` and defaults are no need."""
-    return not _takes(function, count - 1) and _takes(function, count)
 
 
 def _check_names(
