@@ -198,25 +198,27 @@ def test_advice_is_given_where_it_tells_causes_apart():
 def test_a_table_has_a_row_for_each_trial_and_each_prediction():
     ramp, covariance = {"drive.ramp": 0.01}, diagonal([[0.0, 0.0], [0.04, 0.04]])
     found = chosen([[0.0, 0.0], [5.0, 4.0]], covariance, more=ramp)
-    velocity = [SimpleNamespace(conditions=[condition(**ramp)])]
-    columns = design.setting_columns(SimpleNamespace(velocity=velocity, scenario=Scenario()))
+    velocity = SimpleNamespace(conditions=[condition(**ramp)] * 7, block=np.array([0]), order=[])
+    known = SimpleNamespace(velocity=[velocity], scenario=Scenario())
+    columns = design.setting_columns(known)
     varied = [key.removeprefix("drive.") for key in design.CHOICES]
     assert columns[:6] == varied
     assert "ramp" in columns
     assert "coils" not in columns
-    table = design.trial_table(found, columns, 2, block="after-7")
+    table = design.trial_table(known, found, 2)
     assert list(table) == [*columns, "trial", "block", "velocity"]
     assert table["frequency"].tolist() == [30.0, 30.0, 45.0, 45.0]
     assert table["trial"].tolist() == [1, 2, 1, 2]
+    assert set(table["block"]) == {"after-7"}
     assert table["velocity"].isna().all()
-    predicted = design.prediction_table(found, columns)
+    predicted = design.prediction_table(known, found)
     assert predicted["experiment"].tolist() == [1, 1, 2, 2]
     assert predicted["candidate"].tolist() == ["a", "b"] * 2
     assert predicted["velocity"].tolist() == [0.0, 5.0, 0.0, 4.0]
     assert predicted["sd"].tolist() == [0.0, 0.2, 0.0, 0.2]
     # What is filled in is read again as it is.
     assert design.drive_settings(table, Scenario())[2]["drive.frequency"] == 45.0
-    assert list(design.trial_table([], columns)) == [*columns, "trial", "velocity"]
+    assert list(design.trial_table(known, [], 2)) == list(table)
 
 
 def test_drives_are_read_as_a_person_writes_them():

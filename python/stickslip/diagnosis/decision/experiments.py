@@ -340,16 +340,19 @@ def setting_columns(measurement: Measurement) -> list[str]:
 
 
 def trial_table(
-    experiments: Sequence[Experiment],
-    columns: Sequence[str],
-    trials: int = TRIALS,
-    **beside: Any,
+    measurement: Measurement, experiments: Sequence[Experiment], trials: int
 ) -> DataFrame:
-    """A row for each trial of each experiment, without a velocity.
+    """A row for each trial of each experiment, with an empty column `velocity`.
 
-    `columns` are those of `setting_columns`; `beside` are columns with one value, such as a `block`
-    that no earlier trial has.
+    With a block that no earlier trial has, and an empty `order`, where the measured ones have such.
     """
+    columns, tables = setting_columns(measurement), measurement.velocity
+    beside: dict[str, Any] = {}
+    if any(np.any(table.block >= 0) for table in tables):
+        # All rounds may stand in one table; the number of conditions grows with each.
+        beside["block"] = f"after-{sum(len(table.conditions) for table in tables)}"
+    if any(np.any(np.isfinite(table.order)) for table in tables):
+        beside["order"] = math.nan
     rows = [
         {**{name: experiment.drive[name] for name in columns}, "trial": trial, **beside}
         for experiment in experiments
@@ -359,9 +362,9 @@ def trial_table(
     return table.assign(velocity=math.nan)
 
 
-def prediction_table(experiments: Sequence[Experiment], columns: Sequence[str]) -> DataFrame:
+def prediction_table(measurement: Measurement, experiments: Sequence[Experiment]) -> DataFrame:
     """What each candidate predicts of each experiment, counted from 1: `velocity`, `sd`, m/s."""
-    rows = []
+    rows, columns = [], setting_columns(measurement)
     for number, experiment in enumerate(experiments, start=1):
         settings = {name: experiment.drive[name] for name in columns}
         for candidate, predicted in experiment.predictions.items():

@@ -337,15 +337,7 @@ class Facts:
     ) -> DataFrame:
         """A row for each trial of some experiments, with an empty column `velocity`."""
         assert self.measurement is not None  # for a model of one's own none are proposed
-        tables = self.measurement.velocity
-        beside: dict[str, Any] = {}
-        if any(np.any(table.block >= 0) for table in tables):
-            # All rounds may stand in one table; the number of conditions grows with each.
-            beside["block"] = f"after-{sum(len(table.conditions) for table in tables)}"
-        if any(np.any(np.isfinite(table.order)) for table in tables):
-            beside["order"] = math.nan
-        columns = design.setting_columns(self.measurement)
-        return design.trial_table(experiments, columns, trials, **beside)
+        return design.trial_table(self.measurement, experiments, trials)
 
     @property
     def extended(self) -> Scenario | dict[str, float]:

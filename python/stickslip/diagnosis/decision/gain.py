@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from scipy.stats import t as t_law
@@ -50,13 +49,6 @@ class Gain(OneLine):
     def certain(self) -> bool:
         """Whether the interval lies above zero."""
         return self.interval[0] > 0.0
-
-    def as_dict(self) -> dict[str, Any]:
-        """For JSON."""
-        return {
-            "before": self.before, "after": self.after, "interval": list(self.interval),
-            "mae_before": self.mae_before, "mae_after": self.mae_after, "parts": self.parts,
-        }  # fmt: skip
 
 
 def parts_of(problem: Problem) -> list[Indices]:

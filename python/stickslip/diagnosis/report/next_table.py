@@ -64,7 +64,7 @@ class Rounds:
         if not experiments or facts.measurement is None:
             return
         path = self.folder / TABLE
-        predictions = prediction_table(experiments, setting_columns(facts.measurement))
+        predictions = prediction_table(facts.measurement, experiments)
         texts = {
             path: _below_what_was_measured(path, facts.trial_table(experiments)),
             self.folder / PREDICTIONS: predictions.to_csv(index=False, float_format="%.6g"),

@@ -6,6 +6,7 @@ import itertools
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
 from html import unescape
 from typing import Any
 
@@ -566,7 +567,7 @@ def _gain(facts: Facts) -> dict[str, Any] | None:
     gain, problem = facts.gain, facts.problem
     if gain is None:
         return None
-    entry, best, records = gain.as_dict(), -math.inf, []
+    entry, best, records = asdict(gain), -math.inf, []
     for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
         if not table.drawable:
             continue
