@@ -140,13 +140,10 @@ def test_a_bias_reverses_one_direction_and_makes_the_other_faster(sound):
     assert code(velocities(sound.assign(velocity=sound.velocity + bias))) is None
 
 
-def test_a_model_that_computes_nothing_says_why(sound):
+def test_a_model_that_computes_nothing_is_said(sound):
     table = velocities(sound)
     table.stated = np.full(len(table.mean), np.nan)
-    table.refusal = "contact.static_friction = 0.1: too small"
-    found = problem(table)
-    assert found.code == "nothing-computed"
-    assert "contact.static_friction" in found.text
+    assert code(table) == "nothing-computed"
 
 
 def in_order(table, seed=0):

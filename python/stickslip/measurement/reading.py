@@ -31,7 +31,7 @@ from stickslip.measurement.read_velocity import (
     velocity_units,
     with_index_columns,
 )
-from stickslip.scenario.keys import COIL_NAMES, known_keys
+from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.toml_file import named_files, read_document
 from stickslip.scenario.uncertain import COVARIANCE, Prior, parse_priors
@@ -49,9 +49,6 @@ _ENTRIES = {
     "field": ("file",),
 }
 _KNOWN = ("stickslip_measurement", "name", "scenario", "uncertain", *_ENTRIES)
-_KINETIC, _STATIC = "contact.kinetic_friction", "contact.static_friction"
-_WIDE = 3.0
-"""Standard deviations of a prior that are looked at. Chosen: one value in 400 lies beyond."""
 
 _COLUMNS = {
     "angle": {"Bx": "T", "Bz": "T", "theta": "rad"},
@@ -112,15 +109,6 @@ class Measurement(OneLine):
         return (
             f"<Measurement {shown(self.name)}: {', '.join(parts)}, {len(self.left_out)} left out>"
         )
-
-    def refusal(self) -> str | None:
-        """Why no scenario has the middles of all that is uncertain; None if one has."""
-        middles = {name: float(prior.value(0.0)) for name, prior in self.uncertain.items()}
-        try:
-            self.scenario.replace(middles)
-        except ScenarioError as error:
-            return str(error)
-        return None
 
     @staticmethod
     def from_dataframe(
@@ -312,7 +300,10 @@ def _are_tables(value: object) -> bool:
 
 
 def _uncertain(table: object, scenario: Scenario) -> dict[str, Prior]:
-    """Priors of a measurement, or those of its scenario where it says nothing of them."""
+    """Priors of a measurement, or those of its scenario where it says nothing of them.
+
+    The stated model is at their middles, which are to make a scenario together.
+    """
     known = "allowed are priors of single keys, as a diagnosis takes its constants as independent"
     if table is None and scenario.uncertain is not None:
         if scenario.uncertain.keys:
@@ -324,24 +315,12 @@ def _uncertain(table: object, scenario: Scenario) -> dict[str, Prior]:
     if isinstance(table, Mapping) and COVARIANCE in table:
         raise ScenarioError(f"[uncertain.{COVARIANCE}]: {known}")
     priors = parse_priors({} if table is None else table)
-    for name, prior in priors.items():
-        if name != _KINETIC:  # whose middle may be above the static one's
-            with prefixed(f'[uncertain] "{name}" = {prior}'):
-                scenario.replace({name: float(prior.value(0.0))})
-    if _KINETIC in priors:
-        _check_friction(priors, scenario)
+    try:
+        scenario.replace({name: float(prior.value(0.0)) for name, prior in priors.items()})
+    except ScenarioError as error:
+        wrong = (f' "{name}" = {prior}' for name, prior in priors.items() if name in str(error))
+        raise ScenarioError(f"[uncertain]{next(wrong, '')}: {error}") from None
     return priors
-
-
-def _check_friction(priors: Mapping[str, Prior], scenario: Scenario) -> None:
-    """Refuse a kinetic friction that even at its lowest is above the highest static one."""
-    kinetic, static = priors[_KINETIC], priors.get(_STATIC)
-    lowest = max(float(kinetic.value(-_WIDE)), known_keys()[_KINETIC].low)
-    highest = {}
-    if static is not None:
-        highest[_STATIC] = min(float(static.value(_WIDE)), known_keys()[_STATIC].high)
-    with prefixed(f'[uncertain] "{_KINETIC}" = {kinetic}'):
-        scenario.replace({_KINETIC: lowest, **highest})
 
 
 def _entries(document: dict[str, Any], observable: str) -> list[dict[str, Any]]:

@@ -95,8 +95,6 @@ class VelocityTable(SimulatedTable):
     stated : ndarray, shape (m,)
         Velocities of the stated model, with all constants at the middle of their priors, m/s; NaN
         where it has none.
-    refusal : str or None
-        Why the stated model is refused, if it is.
     block : ndarray of int, shape (n,)
         Block of each trial; -1 where it is not known.
     curve : ndarray of int, shape (n,)
@@ -117,7 +115,6 @@ class VelocityTable(SimulatedTable):
         self.conditions, trials = _pooled(measurement.velocity)
         middle = np.array([[float(prior.value(0.0)) for prior in uncertain.values()]])
         self.stated = self.velocities(self.conditions, list(uncertain), middle)[0]
-        self.refusal = measurement.refusal()
         self.left_out = []
         trials = self._without_refused(trials)
         self.condition, self.block, self.curve = trials[:, :3].T.astype(np.int64)
@@ -291,10 +288,9 @@ class VelocityTable(SimulatedTable):
         """Velocities of another size than the stated model's, or all of the opposite sign."""
         sound = np.isfinite(self.stated)
         if not sound.any():
-            why = self.refusal or "look at the settings, and whether [uncertain] has refused values"
             text = (
                 "No condition can be simulated with the stated scenario and the middles of what is "
-                f"uncertain: {why}."
+                "uncertain: look at the settings."
             )
             return Note("nothing-computed", text)
         stated, mean = self.stated[sound], self.mean[sound]
