@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import warnings
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -40,9 +39,19 @@ def velocity_of_track(t: ArrayLike, x: ArrayLike, drive: Drive | Scenario) -> di
     """One row for a table of velocities, from the tracked centre of a robot.
 
     The velocity is the mean over the whole pulses that the track holds, from the end of the third
-    one on (`Scenario.window`), as in the summary of a run. It is a fit to the frames within: a
-    steady motion, and one that repeats with every pulse. Frames without a place of the robot, lost
-    ones or specks, are left out; a warning says how many.
+    one on (`Scenario.window`), as in the summary of a run. Frames without a place of the robot,
+    lost ones or specks, are left out; a warning says how many.
+
+    The others are fitted with a + v t + b t^2, t from the middle of the window, a function of the
+    phase of the pulse, and white noise. The function is a series of harmonics whose coefficients
+    are normal, with a standard deviation of a tenth of the robot's length over the harmonic's
+    number. The noise is that of greatest restricted likelihood. So no frame has to fall on an end
+    of the window, and the frame rate can be any. Where frames nearly keep step with the pulses, the
+    motion within a pulse looks like a slow motion of the robot; the standard error includes that.
+
+    Of n frames with noise s spread evenly over a window of the duration T the error is near
+    ``s * sqrt(12 / n) / T``. Not in it is what the start leaves after the third pulse, up to 0.1 %
+    of the velocity.
 
     Parameters
     ----------
@@ -77,67 +86,36 @@ def velocity_of_track(t: ArrayLike, x: ArrayLike, drive: Drive | Scenario) -> di
     """
     scenario = Scenario(drive=drive) if isinstance(drive, Drive) else drive
     check_kind("drive", scenario, Scenario)
-    velocity, error, pulses = fitted_velocity(t, x, scenario)
-    names = [key for key in known_keys() if key.startswith("drive.")]
-    settings = {name[6:]: scenario.get(name) for name in names}
-    return {"velocity": velocity, "standard_error": error, **settings, "pulses": pulses}
-
-
-def fitted_velocity(t: ArrayLike, x: ArrayLike, scenario: Scenario) -> tuple[float, float, int]:
-    """Mean velocity of a track, its standard error, m/s, and the pulses of such a drive.
-
-    The places are fitted with a + v t + b t^2, t from the middle of the window, a function of the
-    phase of the pulse, and white noise. The function is a series of harmonics whose coefficients
-    are normal, with a standard deviation of a tenth of the robot's length over the harmonic's
-    number. The noise is that of greatest restricted likelihood. So no frame has to fall on an end
-    of the window, and the frame rate can be any. Where frames nearly keep step with the pulses, the
-    motion within a pulse looks like a slow motion of the robot; the standard error includes that.
-
-    Of n frames with noise s spread evenly over a window of the duration T the error is near
-    ``s * sqrt(12 / n) / T``. Not in it is what the start leaves after the third pulse, up to 0.1 %
-    of the velocity. Parameters and errors are those of `velocity_of_track`.
-    """
     if scenario.drive.mode == "program":
         refuse("drive.mode", "program", "IPP or OPP, whose pulses say what is measured")
     length, period = scenario.robot.length, 1.0 / scenario.drive.frequency
     times, places, (start, end) = _frames(t, x, scenario)
 
-    def fit(rows: Mask) -> _Fit | None:
-        enough = int(rows.sum()) >= FEWEST
-        return _fit(times[rows], places[rows], start, end, period, length) if enough else None
+    def fit(rows: Mask) -> tuple[float, float, Array]:
+        return _fit(times[rows], places[rows], start, end, period, length)
 
     def left_by(rows: Mask) -> Array | None:
-        line = fit(rows)
-        return None if line is None else line.residual[:, None]
+        return fit(rows)[2][:, None] if rows.sum() >= FEWEST else None
 
     far = far_from_a_fit(left_by, len(times), _FINEST * length)
     _say_left_out(times[far], len(times), "far from what the others let expect")
-    line = fit(~far)
-    assert line is not None
-    if abs(line.velocity) > FASTEST:
+    velocity, error, _ = fit(~far)
+    if abs(velocity) > FASTEST:
         raise ScenarioError(
-            f"x: gives a velocity of {line.velocity:.6g} m/s: allowed is {FASTEST:g} m/s at most, "
+            f"x: gives a velocity of {velocity:.6g} m/s: allowed is {FASTEST:g} m/s at most, "
             "with x in m and t in s; x may be in um or in pixels"
         )
     whole = scenario.window[1] - scenario.window[0]
-    return (
-        line.velocity,
-        line.error,
-        scenario.drive.pulses - round((whole - end + start) / period),
-    )
-
-
-class _Fit(NamedTuple):
-    """Mean velocity and its standard error, m/s, and what the fit leaves of each frame, m."""
-
-    velocity: float
-    error: float
-    residual: Array
+    pulses = scenario.drive.pulses - round((whole - end + start) / period)
+    names = [key for key in known_keys() if key.startswith("drive.")]
+    settings = {name[6:]: scenario.get(name) for name in names}
+    return {"velocity": velocity, "standard_error": error, **settings, "pulses": pulses}
 
 
 def _fit(
     times: Array, places: Array, start: float, end: float, period: float, length: float
-) -> _Fit:
+) -> tuple[float, float, Array]:
+    """Mean velocity and its standard error, m/s, and what the fit leaves of each frame, m."""
     middle, half, unit = (start + end) / 2, (end - start) / 2, _SWAY * length
     since = (times - middle) / half
     # The square takes up a velocity that changes, and is orthogonal to its mean.
@@ -156,7 +134,7 @@ def _fit(
     solution = inverse @ (q.T @ data)
     scale = unit / half
     error = float(scale * np.linalg.norm(inverse[1]))
-    return _Fit(float(scale * solution[1]), error, places - unit * (columns @ solution))
+    return float(scale * solution[1]), error, places - unit * (columns @ solution)
 
 
 def _frames(
@@ -181,7 +159,7 @@ def _frames(
     _check_count(times, inside, window)
     length = scenario.robot.length
     off = lost_frames(times[inside], places[inside], length)
-    _say_left_out(times[inside][off], len(off), f"not where the robot of {length:g} m can be", 5)
+    _say_left_out(times[inside][off], len(off), f"not where the robot of {length:g} m can be", 4)
     times, places = times[inside][~off], places[inside][~off]
     held = _held(times, window, 1.0 / scenario.drive.frequency)
     inside = (times >= held[0]) & (times <= held[1])
@@ -212,7 +190,7 @@ def _check_count(times: Array, inside: Mask, window: tuple[float, float]) -> Non
     )
 
 
-def _say_left_out(times: Array, count: int, why: str, level: int = 4) -> None:
+def _say_left_out(times: Array, count: int, why: str, level: int = 3) -> None:
     if len(times):
         text = f"{len(times)} of {count} frames are {why}, the first at t = {times[0]:.6g} s"
         warnings.warn(f"{text}; they are left out", stacklevel=level)
