@@ -84,8 +84,7 @@ def problem_of_model(
     named = beside_constants(causes, constants)
     every = (*named, *freed(constants))
     _check_names(tables, constants, named)
-    _check_constants(constants, named)
-    _check_inputs(tables, named)
+    _check_causes(tables, constants, named)
     model = OwnModel(predict, tuple(uncertain), tuple(named))
     _check_predict(predict, model)
     names = [*(c.name for c in constants), *(p.name for c in every for p in c.parameters)]
@@ -93,7 +92,8 @@ def problem_of_model(
     rows = partial(_of_tables, model, tuple(tables), names)
     forms = partial(_with_forms, model)
     problem = Problem(tuple(tables), Cached(rows), constants, every, forms=forms)
-    _check_rows(problem)
+    if np.all(_not_computed(problem, np.zeros(problem.size))):
+        raise ScenarioError("predict: with the stated parameters it computes no reading")
     return problem
 
 
@@ -117,13 +117,6 @@ def _of_conditions(model: OwnModel, table: Table, names: Sequence[str], values: 
     if table.whole is None:
         return model(table, names, values)[:, table.first]
     return model(table.whole, names, values)[:, table.kept[table.first]]
-
-
-def _check_rows(problem: Problem) -> None:
-    """Refuse a model that computes no reading."""
-    stated = np.zeros((1, problem.size))
-    if not np.any(np.isfinite(problem.model(problem.physical(stated)))):
-        raise ScenarioError("predict: with the stated parameters it computes no reading")
 
 
 def computed_tables(problem: Problem, seed: int) -> tuple[Table, ...]:
@@ -434,35 +427,25 @@ def _check_names(
         twice = [name for name, count in Counter(names).items() if count > 1]
         if twice:
             raise ScenarioError(f"{where}: {twice[0] or 'no name'} comes twice; allowed is once")
-    of_tables = {table.name for table in tables}
+
+
+def _check_causes(
+    tables: Sequence[Table], constants: Sequence[Parameter], causes: Sequence[Cause]
+) -> None:
+    """Refuse causes of a table, a constant or an input that is not there."""
+    of_tables, known = {table.name for table in tables}, {one.name for one in constants}
     for cause in causes:
+        wrong = ""
         if cause.table is not None and cause.table not in of_tables:
-            hint = meant(cause.table, of_tables)
-            raise ScenarioError(f"cause {cause.name}: there is no table {cause.table}{hint}")
-
-
-def _check_inputs(tables: Sequence[Table], causes: Sequence[Cause]) -> None:
-    """Refuse causes that act on an input that no record has."""
-    for cause in causes:
-        if cause.input is None:
-            continue
-        read = [table for table in tables if cause.table in (None, table.name)]
-        for table in read:
-            if cause.input not in table.inputs:
-                at = f" of {table.name}" if table.name else ""
-                allowed = ", ".join(table.inputs) or "none"
-                raise ScenarioError(
-                    f"cause {cause.name}: input = {cause.input}: allowed is an input{at}: {allowed}"
-                )
-
-
-def _check_constants(constants: Sequence[Parameter], causes: Sequence[Cause]) -> None:
-    """Refuse causes that free what is no uncertain constant."""
-    known = {one.name for one in constants}
-    for cause in causes:
+            wrong = f"there is no table {cause.table}{meant(cause.table, of_tables)}"
         if cause.frees is not None and cause.frees not in known:
             hint = meant(cause.frees, known)
-            raise ScenarioError(
-                f"cause {cause.name}: frees = {cause.frees}: allowed is an uncertain parameter"
-                f"{hint}"
-            )
+            wrong = f"frees = {cause.frees}: allowed is an uncertain parameter{hint}"
+        for table in tables:
+            acts = cause.input is not None and cause.table in (None, table.name)
+            if acts and cause.input not in table.inputs:
+                at = f" of {table.name}" if table.name else ""
+                allowed = ", ".join(table.inputs) or "none"
+                wrong = f"input = {cause.input}: allowed is an input{at}: {allowed}"
+        if wrong:
+            raise ScenarioError(f"cause {cause.name}: {wrong}")

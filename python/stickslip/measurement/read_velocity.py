@@ -277,7 +277,10 @@ def _sound_rows(table: Rows, scenario: Scenario, strict: bool) -> tuple[list[_Tr
             if counts_once and tuple(row) in seen:
                 raise _Unsound("repeated-row", "the row repeats an earlier one.")
             cells = dict(zip(header, row, strict=True))
-            kept.append(_trial(line, cells, scenario))
+            velocity, setting = _number("velocity", cells["velocity"]), _setting(cells, scenario)
+            order = _number("order", cells["order"]) if cells.get("order") else math.nan
+            labels = cells.get("block", ""), cells.get("trial", "")
+            kept.append(_Trial(velocity, setting, *labels, order, line))
             seen.add(tuple(row))
         except _Unsound as error:
             wrong.setdefault(error.args, []).append(line)
@@ -301,14 +304,6 @@ def _sound_rows(table: Rows, scenario: Scenario, strict: bool) -> tuple[list[_Tr
         text = f"{table.name}: {lost} of {count} rows were left out."
         left_out.insert(0, Note("rows-left-out", text, lost))
     return kept, left_out
-
-
-def _trial(line: Line, cells: Mapping[str, str], scenario: Scenario) -> _Trial:
-    """A row of the table, if it is sound."""
-    velocity = _number("velocity", cells["velocity"])
-    setting = _setting(cells, scenario)
-    order = _number("order", cells["order"]) if cells.get("order") else math.nan
-    return _Trial(velocity, setting, cells.get("block", ""), cells.get("trial", ""), order, line)
 
 
 def _number(column: str, cell: str) -> float:

@@ -160,7 +160,9 @@ class Table:
         number = {key: k for k, key in enumerate(dict.fromkeys(keys))}
         self.condition = np.array([number[key] for key in keys], dtype=np.int64)
         self.first = np.unique(self.condition, return_index=True)[1]
-        self.places = _places([values[self.first] for values in read.values()])
+        numeric = [values[self.first] for values in read.values() if values.dtype.kind == "f"]
+        varying = [column for column in numeric if np.ptp(column) > 0.0]
+        self.places = np.stack(varying, axis=1) if varying else None
         self.group = np.arange(len(number), dtype=np.int64)
         stated = None if stated is None else stated[~gap]
         self.mean, self.errors = estimate(self.y, self.condition, sd=stated, run=runs, block=blocks)
@@ -409,9 +411,3 @@ def _equal(key: Any, values: Array, notes: list[Note]) -> list[Any]:
         text = f"{key} has {counted(merged, 'value')} within {RELATIVE:g} of the spread of another "
         notes.append(Note("equal-settings", f"{text}one; they count as the same setting.", merged))
     return [same[value] for value in values.tolist()]
-
-
-def _places(columns: list[Array]) -> Array | None:
-    """The columns of numbers that vary; None where there is none."""
-    varying = [column for column in columns if column.dtype.kind == "f" and np.ptp(column) > 0.0]
-    return np.stack(varying, axis=1) if varying else None

@@ -249,8 +249,8 @@ class _Beside:
         self.seen = (size2 > _UNSEEN**2) & (size2 > _ROUNDING * self.raw)
         # Of each cause the effects that are seen, a list for each response.
         self.rows: dict[str, list[list[int]]] = {}
-        for _, same in itertools.groupby(range(len(self.effects)), self._response):
-            rows = list(same)
+        for _, same in itertools.groupby(enumerate(self.effects), lambda item: item[1].response):
+            rows = [k for k, _ in same]
             lists = self.rows.setdefault(self.effects[rows[0]].cause, [])
             lists.append([k for k in rows if self.seen[k]])
 
@@ -335,9 +335,6 @@ class _Beside:
                     self.models.problem, pair, math.sqrt(like), lead, lead, gap
                 )
         return list(pairs.values())
-
-    def _response(self, k: int) -> int:
-        return self.effects[k].response
 
     def _likest(self, k: int, other: str) -> tuple[float, list[int]]:
         """Share of an effect that one response of a cause can have, and the columns of that."""

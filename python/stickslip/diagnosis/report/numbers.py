@@ -64,7 +64,8 @@ def numbers_of(facts: Facts, title: str | None = None) -> dict[str, Any]:
     numbers: dict[str, Any] = {
         **dict.fromkeys(_NULL), **{key: [] for key in _LISTS}, **{key: {} for key in _TABLES},
         "verdict": verdict.kind,
-        "cause": _cause(facts),
+        "cause": verdict.causes[0] if verdict.kind in ("named", "dominant")
+        else list(verdict.causes) or None,
         "name": title or ("Diagnosis" if source is None else source.name),
         "probabilities": dict(verdict.probabilities),
         "share": _or_none(verdict.share),
@@ -132,13 +133,6 @@ def notes_of(facts: Facts) -> list[dict[str, Any]]:
 def _or_none(value: float | None) -> float | None:
     """A number of JSON, which has no NaN."""
     return None if value is None or math.isnan(value) else value
-
-
-def _cause(facts: Facts) -> str | list[str] | None:
-    verdict = facts.verdict
-    if verdict.kind in ("named", "dominant"):
-        return verdict.causes[0]
-    return list(verdict.causes) if verdict.causes else None
 
 
 def _of_models(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:

@@ -10,7 +10,7 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from importlib import resources
 from typing import Any
 
@@ -83,7 +83,8 @@ class Plots:
         """
         k = self.main_table() if table is None else table
         self._table(k)
-        return _figure(self.panels(k, self._best_setting(k)), self._draw_change)
+        draw = partial(self._draw, base=self._predicted.get("recalibrated"))
+        return _figure(self.panels(k, self._best_setting(k)), draw)
 
     @matplotlib.rc_context(PLAIN)
     def law(self) -> Figure | None:
@@ -269,9 +270,6 @@ class Plots:
             if steps and len(set(settings[name][0])) >= max(_FEW, most / 2):
                 ratios[name] = float(np.mean(np.concatenate(steps) ** 2) / np.var(change))
         return min(ratios, key=lambda name: ratios[name]) if ratios else settings.most_varied
-
-    def _draw_change(self, axes: Any, panel: Panel) -> None:
-        self._draw(axes, panel, self._predicted.get("recalibrated"))
 
     def _draw(self, axes: Any, panel: Panel, base: Array | None = None) -> None:
         """Readings and models, or what they are beyond `base`: curves where they are computed."""
