@@ -253,29 +253,26 @@ class Facts:
             settings |= {name: made[0].tolist(), f"{name}_sd": sd.tolist()}
         return DataFrame(settings)
 
-    def separate(self, conditions: Any, trials: int = design.TRIALS) -> DataFrame | None:
+    def separate(self, conditions: Any) -> DataFrame | None:
         """How well the leading models could be told apart at conditions not measured yet.
 
         Parameters
         ----------
         conditions : as for `predict`
-        trials : int
-            Readings of each new condition, with the noise of the others.
 
         Returns
         -------
         DataFrame, optional
             A row for each condition: the settings, `separation`, the expected chi-square between
-            the two models `first` and `second` that it tells apart best, and of each model a
-            column with what it predicts and one with its sd. None where there is nothing to
-            separate.
+            the two models `first` and `second` that it tells apart best, by three readings with the
+            noise of the others, and of each model a column with what it predicts and one with its
+            sd. None where there is nothing to separate.
         """
-        check_whole("trials", trials, 1)
         candidates, pairs = self._rivals
         if not pairs:
             return None
         at, settings = self._conditions(conditions)
-        level, covariance, noise = self._apart(candidates, at, trials)
+        level, covariance, noise = self._apart(candidates, at)
         chi2 = design.expected_chi2(level, covariance, noise, pairs)
         best = np.argmax(chi2, axis=0)
         settings["separation"] = np.max(chi2, axis=0).tolist()
@@ -440,9 +437,7 @@ class Facts:
         pairs = itertools.combinations(range(len(rivals)), 2)
         return rivals, [pair for pair in pairs if claim is None or pair[0] == 0]
 
-    def _apart(
-        self, candidates: Sequence[Candidate], at: Any, trials: int
-    ) -> tuple[Array, Array, Array]:
+    def _apart(self, candidates: Sequence[Candidate], at: Any) -> tuple[Array, Array, Array]:
         """Level, covariance and variance of the noise, as `expected_chi2` takes them."""
         made = [self._predicted(candidate, at) for candidate in candidates]
         level = np.array([values[0] for values in made])
@@ -453,7 +448,7 @@ class Facts:
         sd = self.problem.errors[first].of_reading(np.mean(level, axis=0))
         rough = self.problem.roughness
         scatter = 0.0 if rough is None else float(np.median(rough[self.problem.rows[first]]))
-        return level, covariance, sd**2 / trials + scatter**2
+        return level, covariance, sd**2 / design.TRIALS + scatter**2
 
     @cached_property
     def _experiments(self) -> list[design.Experiment]:
@@ -469,6 +464,6 @@ class Facts:
             for drive in self._velocity.conditions
         ]
         drives = design.proposals(measured_at)
-        level, covariance, noise = self._apart(candidates, drives, design.TRIALS)
+        level, covariance, noise = self._apart(candidates, drives)
         names = [candidate.name for candidate in candidates]
         return design.choose(drives, names, level, covariance, noise, count=count, pairs=pairs)
