@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "stickslip/numbers/roots.hpp"
 #include "stickslip/solver/event_location.hpp"
 
 using namespace stickslip;
@@ -22,8 +23,6 @@ using Function = std::function<double(double)>;
 template <std::size_t M>
 class Step {
 public:
-    using Finder = EventFinder<M>;
-
     explicit Step(std::array<Function, M> functions) : functions_(std::move(functions)) {
         armed.fill(true);
     }
@@ -33,8 +32,8 @@ public:
         for (std::size_t i = 0; i < M; ++i) {
             const Function& g = functions_[i];
             samples.start[i] = g(0.0);
-            samples.early[i] = g(Finder::kEarly);
-            samples.late[i] = g(Finder::kLate);
+            samples.early[i] = g(samples.kEarly);
+            samples.late[i] = g(samples.kLate);
             samples.end[i] = g(1.0);
             samples.lowest[i] = samples.start[i];
             for (const double s : {0.161, 0.327, 0.9, 0.9800255409045097, 1.0}) {
@@ -42,7 +41,7 @@ public:
             }
         }
         evaluations = 0;
-        return Finder::find(samples, armed, false, [&](std::size_t i, double s) {
+        return find_event(samples, armed, false, [&](std::size_t i, double s) {
             ++evaluations;
             return functions_[i](s);
         });

@@ -44,6 +44,22 @@ Status HeadingWatch::pass(const Facing& now, double time) {
     return Status::ok;
 }
 
+HeadingEnd HeadingWatch::see(double start, double from, double to, const Facing& now,
+                             FacingAt facing) {
+    // The angle within a step beyond which its halves are looked at, and the time below which they
+    // are not: a field that goes through zero is then far below a weak one on the way.
+    constexpr double kFar = 0.1, kShort = 1e-8;
+    const double angle = std::abs(state_.heading.angle_to(now.heading));
+    if (angle > kFar && to - from > kShort) {
+        const double middle = 0.5 * (from + to);
+        const HeadingEnd end = see(start, from, middle, facing(middle), facing);
+        return end.status == Status::ok ? see(start, middle, to, now, facing) : end;
+    }
+    state_.turned += angle;
+    state_.heading = now.heading;
+    return judge(start, to, now.horizontal);
+}
+
 // The rate over no less than the time that the robot itself takes to yaw: within that, a field that
 // fades while it turns leaves the robot behind, and is another matter.
 HeadingEnd HeadingWatch::judge(double start, double tau, double horizontal) {

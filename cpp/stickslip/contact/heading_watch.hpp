@@ -5,6 +5,7 @@
 
 #include "stickslip/body/model.hpp"
 #include "stickslip/field/heading.hpp"
+#include "stickslip/numbers/function_ref.hpp"
 #include "stickslip/solver/stepping.hpp"
 
 namespace stickslip {
@@ -27,6 +28,8 @@ struct HeadingEnd {
 /// had. From one to the other is an event.
 class HeadingWatch {
 public:
+    using FacingAt = FunctionRef<Facing(double tau)>;
+
     explicit HeadingWatch(const Model& model);
 
     /// What goes on from phase to phase.
@@ -60,9 +63,9 @@ public:
     Status pass(const Facing& now, double time);
     /// Follows a strong field over a part of a segment that began at `start` s, from where it was
     /// last seen; `facing(tau)` is had at any time of it. Says where it turns too fast, if it does.
-    HeadingEnd follow(double start, double from, double to, auto&& facing) {
+    HeadingEnd follow(double start, double from, double to, FacingAt facing) {
         if (state_.is_weak || !(to > from) || start + to < state_.next_look) return {};
-        return see(start, from, to, facing);
+        return see(start, from, to, facing(to), facing);
     }
 
     /// Of the angle by which the heading lags behind the field, in the linear motion of yaw that
@@ -71,32 +74,12 @@ public:
     static constexpr double kMostTurning = 0.2;
 
 private:
-    // Rare, and kept out of the loop over steps.
-    [[gnu::noinline]] HeadingEnd see(double start, double from, double to, auto&& facing) {
-        return see(start, from, to, facing(to), facing);
-    }
-    HeadingEnd see(double start, double from, double to, const Facing& now, auto&& facing);
+    HeadingEnd see(double start, double from, double to, const Facing& now, FacingAt facing);
     HeadingEnd judge(double start, double tau, double horizontal);
 
     double weak_field_;  // T
     double yaw_;  // rad/s over the root of the horizontal field in T, the yaw's own frequency
     State state_;
 };
-
-HeadingEnd HeadingWatch::see(double start, double from, double to, const Facing& now,
-                             auto&& facing) {
-    // The angle within a step beyond which its halves are looked at, and the time below which they
-    // are not: a field that goes through zero is then far below a weak one on the way.
-    constexpr double kFar = 0.1, kShort = 1e-8;
-    const double angle = std::abs(state_.heading.angle_to(now.heading));
-    if (angle > kFar && to - from > kShort) {
-        const double middle = 0.5 * (from + to);
-        const HeadingEnd end = see(start, from, middle, facing(middle), facing);
-        return end.status == Status::ok ? see(start, middle, to, now, facing) : end;
-    }
-    state_.turned += angle;
-    state_.heading = now.heading;
-    return judge(start, to, now.horizontal);
-}
 
 }  // namespace stickslip

@@ -179,6 +179,26 @@ void Run::finish() {
     window_observer_.close(player_.duration());
 }
 
+// Samples of the uniform grid in (…, limit] s of absolute time; `sample_at` in the segment.
+void Run::sample_until(double limit, double from, FunctionRef<Sample(double tau)> sample_at) {
+    for (double t = recorder_.next_time(); t <= limit && !is_interrupted();
+         t = recorder_.next_time()) {
+        const double tau = std::max(t, from) - player_.segment().start;
+        record(t, tau, sample_at(tau));
+    }
+}
+
+double Run::find_stop(double start, double width, double s,
+                      FunctionRef<BodyState(double tau, double part)> body_of) const {
+    if (stop_->quantity == StopCondition::Quantity::time) return kGoesOn;
+    const EventHit hit = find_fall([&](double part) {
+        const double at = part * s;
+        const double tau = start + at * width;
+        return distance(player_.absolute(tau), body_of(tau, at));
+    });
+    return hit ? hit.s * s : kGoesOn;
+}
+
 void Run::record(double t, double tau, const Sample& sample) {
     Sample seen = sample;
     seen.body = player_.in_ground(sample.body, t);

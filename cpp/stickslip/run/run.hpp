@@ -114,12 +114,14 @@ private:
     }
     void handle(Event event);
     void after_event();
-    void sample_until(double limit, double from, auto&& snapshot_at);
+    void sample_until(double limit, double from, FunctionRef<Sample(double tau)> sample_at);
     void record(double t, double tau, const Sample& sample);
     double distance(double t, const BodyState& body) const {
         return stop_->distance(t, player_.sign(), player_.in_ground(body, t));
     }
-    double find_stop(auto& phase, const auto& step, double s) const;
+    // The fraction, up to s, of a step at which the condition is met, or kGoesOn.
+    double find_stop(double start, double width, double s,
+                     FunctionRef<BodyState(double tau, double part)> body_of) const;
     void fail(const WrenchNotFinite& failure);
     Decay decay() const {
         return fastest_decay(player_.model(), player_.options().swing_rate);
@@ -139,24 +141,17 @@ private:
     std::int64_t segments_played_ = 0;
 };
 
-// Samples of the uniform grid in (…, limit] s of absolute time; `snapshot_at(t)` in absolute time.
-void Run::sample_until(double limit, double from, auto&& snapshot_at) {
-    for (double t = recorder_.next_time(); t <= limit && !is_interrupted();
-         t = recorder_.next_time()) {
-        const double tau = std::max(t, from) - player_.segment().start;
-        record(t, tau, snapshot_at(tau));
-    }
-}
-
 template <class Phase>
 auto Run::observer(Phase& phase) {
     return [this, &phase](const auto& step, double s) {
-        const auto body_at = [&](double tau) {
-            const double part = (tau - step.start) / step.width;
+        const auto body_of = [&](double tau, double part) {
             return phase.body(tau, part == 0.0 ? step.first : step.dense(part));
         };
+        const auto body_at = [&](double tau) {
+            return body_of(tau, (tau - step.start) / step.width);
+        };
         double stop = kGoesOn;
-        const double met = stop_ ? find_stop(phase, step, s) : kGoesOn;
+        const double met = stop_ ? find_stop(step.start, step.width, s, body_of) : kGoesOn;
         if (met <= s) s = stop = met;
         if constexpr (Phase::kTurns) {
             PlaneDynamics& plane = player_.plane();
@@ -182,18 +177,6 @@ auto Run::observer(Phase& phase) {
         }
         return stop;
     };
-}
-
-/// The fraction, up to s, of a step at which the condition is met, or kGoesOn.
-double Run::find_stop(auto& phase, const auto& step, double s) const {
-    if (stop_->quantity == StopCondition::Quantity::time) return kGoesOn;
-    const EventHit hit = find_fall([&](double part) {
-        const double at = part * s;
-        const double tau = step.start + at * step.width;
-        return distance(player_.absolute(tau),
-                        phase.body(tau, at == 0.0 ? step.first : step.dense(at)));
-    });
-    return hit ? hit.s * s : kGoesOn;
 }
 
 inline double Run::next_look() const {

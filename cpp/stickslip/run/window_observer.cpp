@@ -1,6 +1,9 @@
 #include "stickslip/run/window_observer.hpp"
 
+#include <algorithm>
 #include <cmath>
+
+#include "stickslip/numbers/roots.hpp"
 
 namespace stickslip {
 namespace {
@@ -65,6 +68,41 @@ void WindowObserver::plan_looks() {
         std::reverse(looks_.begin(), looks_.end());
     }
     next_look_ = looks_.empty() ? kNoLook : looks_.back().turn.from;
+}
+
+// Gauss's quadrature with three points, of the order of the steps.
+void WindowObserver::weigh(double from, double to, BodyAt body_at) {
+    static const double kAside = std::sqrt(0.15);
+    for (const double at : {0.5 - kAside, 0.5, 0.5 + kAside}) {
+        const double tau = from + at * (to - from);
+        const double weight = (at == 0.5 ? 8.0 : 5.0) / 18.0 * (to - from);
+        const Pull pull = player_.pull(tau, body_at(tau));
+        pulled_.x += weight * pull.x;
+        pulled_.y += weight * pull.y;
+        pulled_.pressing += weight * pull.pressing;
+    }
+}
+
+void WindowObserver::look_at_field(double from, double to, BodyAt body_at) {
+    const bool in_window = observer_.is_open();
+    const auto square = [&](double tau) {
+        const double value = squared_field(tau, body_at(tau));
+        drive_.see_field(value, in_window);
+        return value;
+    };
+    const auto worth = [this](double value) { return drive_.would_be_least(value); };
+    const auto negative = [&](double tau) { return -square(tau); };
+    const auto worth_negative = [this](double value) { return drive_.would_be_most(-value); };
+    while (next_look_ <= to) {
+        const FieldLook& look = looks_.back();
+        const FieldTurn& turn = look.turn;
+        const double begin = std::max(turn.from, from), end = std::min(turn.to, to);
+        const int parts = end - begin > 0.5 * (to - from) ? 2 : 1;
+        if (look.for_least) least_value(begin, end, parts, square, worth);
+        if (look.for_most) least_value(begin, end, parts, negative, worth_negative);
+        if (turn.to > to) break;  // it goes on after these
+        end_look();
+    }
 }
 
 void WindowObserver::end_look() {

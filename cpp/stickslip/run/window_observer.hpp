@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "stickslip/numbers/roots.hpp"
+#include "stickslip/numbers/function_ref.hpp"
 #include "stickslip/run/drive_observer.hpp"
 #include "stickslip/run/player.hpp"
 #include "stickslip/run/summary.hpp"
@@ -17,6 +17,8 @@ namespace stickslip {
 /// and over the whole run.
 class WindowObserver {
 public:
+    using BodyAt = FunctionRef<BodyState(double tau)>;
+
     /// The player has to outlive this.
     WindowObserver(const Scenario& scenario, const Player& player)
         : player_(player),
@@ -40,11 +42,11 @@ public:
     double next_look() const { return next_look_; }
     /// The field in what has been played from one time of the segment to another, where it may
     /// turn. `body_at(tau)` gives the body at any time in that span.
-    void look_at_field(double from, double to, auto&& body_at);
+    void look_at_field(double from, double to, BodyAt body_at);
     /// Whether `weigh` has to see every step.
     bool weighs() const { return asks_pull_ && observer_.is_open(); }
     /// The pull in a step, or its part, from one time of the segment to another.
-    void weigh(double from, double to, auto&& body_at);
+    void weigh(double from, double to, BodyAt body_at);
     /// A phase, or its part within a segment, that took `duration` s.
     template <class Phase>
     void phase(const Phase& phase, const PhaseEnd<Phase>& end, double duration) {
@@ -85,40 +87,5 @@ private:
     Pull pulled_;       // N s, over the window
     Summary of_window_;
 };
-
-// Gauss's quadrature with three points, of the order of the steps.
-void WindowObserver::weigh(double from, double to, auto&& body_at) {
-    static const double kAside = std::sqrt(0.15);
-    for (const double at : {0.5 - kAside, 0.5, 0.5 + kAside}) {
-        const double tau = from + at * (to - from);
-        const double weight = (at == 0.5 ? 8.0 : 5.0) / 18.0 * (to - from);
-        const Pull pull = player_.pull(tau, body_at(tau));
-        pulled_.x += weight * pull.x;
-        pulled_.y += weight * pull.y;
-        pulled_.pressing += weight * pull.pressing;
-    }
-}
-
-void WindowObserver::look_at_field(double from, double to, auto&& body_at) {
-    const bool in_window = observer_.is_open();
-    const auto square = [&](double tau) {
-        const double value = squared_field(tau, body_at(tau));
-        drive_.see_field(value, in_window);
-        return value;
-    };
-    const auto worth = [this](double value) { return drive_.would_be_least(value); };
-    const auto negative = [&](double tau) { return -square(tau); };
-    const auto worth_negative = [this](double value) { return drive_.would_be_most(-value); };
-    while (next_look_ <= to) {
-        const FieldLook& look = looks_.back();
-        const FieldTurn& turn = look.turn;
-        const double begin = std::max(turn.from, from), end = std::min(turn.to, to);
-        const int parts = end - begin > 0.5 * (to - from) ? 2 : 1;
-        if (look.for_least) least_value(begin, end, parts, square, worth);
-        if (look.for_most) least_value(begin, end, parts, negative, worth_negative);
-        if (turn.to > to) break;  // it goes on after these
-        end_look();
-    }
-}
 
 }  // namespace stickslip

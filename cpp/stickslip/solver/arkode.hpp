@@ -35,13 +35,13 @@ template <class Phase>
 struct ArkodeProgress {
     using State = typename Phase::State;
     using Values = typename Phase::Values;
-    using Finder = EventFinder<Phase::kEvents>;
+    using Samples = EventSamples<Phase::kEvents>;
 
     double tau, tau_end;  ///< s
     double most_steps, accepted;
     MotionTrace<double> trace;
     ArkodeStep<Phase> step;
-    EventSamples<Phase::kEvents> samples;
+    Samples samples;
     std::unique_ptr<ArkodeSession> session;
 
     bool attempt(Phase& phase) {
@@ -87,10 +87,10 @@ private:
             }
             return g;
         };
-        samples.early = see(Finder::kEarly);
+        samples.early = see(Samples::kEarly);
         see(0.4);
         see(0.65);
-        samples.late = see(Finder::kLate);
+        samples.late = see(Samples::kLate);
         samples.end = see(1.0);
     }
 };

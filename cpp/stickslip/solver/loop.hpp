@@ -106,7 +106,7 @@ public:
         };
         EventHit hit;
         if (may_fire) {
-            hit = EventFinder<Phase::kEvents>::find(p.samples, memory.armed, memory.stalled, value);
+            hit = find_event(p.samples, memory.armed, memory.stalled, value);
         } else {
             memory.armed.fill(true);  // those that had not risen have
         }
