@@ -1,5 +1,6 @@
 """The command: in this process, which costs no start, and as a process where that is tested."""
 
+import contextlib
 import io
 import math
 import os
@@ -61,6 +62,17 @@ def stickslip(*arguments, cwd=None):
             errors.flush()
     texts = [each.buffer.getvalue().decode() for each in (output, errors)]
     return subprocess.CompletedProcess([*map(str, arguments)], code, *texts)
+
+
+@contextlib.contextmanager
+def files_up_to(largest):
+    """No file of this process can become larger, bytes."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (largest, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 def stickslip_process(*arguments, largest_file=None, **options):

@@ -433,7 +433,7 @@ def cases_of(chosen: Iterable[tuple[str, ...]], drives: int) -> list[Case]:
 
 
 SEED = 20261125
-PAIRS_OF_A_TEST, WITH_OWN = 60, 4
+PAIRS_OF_A_TEST, WITH_OWN = 12, 2
 # How many of the drives an effect is on, and a pair: one of any three is simulated in both planes.
 DRIVES, DRIVES_OF_A_PAIR = 7, 3
 # They meet in one formula.

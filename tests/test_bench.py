@@ -28,12 +28,16 @@ from stickslip.diagnosis.own_model import problem_of_model
 ROOT = Path(__file__).resolve().parents[1]
 
 
-def test_every_file_of_the_package_and_the_tests_belongs_to_one_part(capsys, monkeypatch):
+def test_every_file_of_the_package_and_the_tests_belongs_to_one_part():
     parts = {name: set(lines.files(pattern)) for name, (pattern, _) in lines.PARTS.items()}
     assert sum(map(len, parts.values())) == len(set.union(*parts.values()))
     assert set(lines.files(r"(python|cpp|tests|bench)/.*\.(py|cpp|h|hpp)")) <= set.union(
         *parts.values()
     )
+
+
+@pytest.mark.nightly
+def test_lines_counts_what_it_says(capsys, monkeypatch):
     monkeypatch.setattr(sys, "argv", ["lines", "--list"])
     lines.main()
     said = capsys.readouterr().out

@@ -192,8 +192,8 @@ def test_a_full_disk_ends_the_run_and_keeps_whole_blocks(tmp_path, limit, sample
     assert_same_record(run, simulate(scenario), slice(samples))
 
 
-# Two within the writing of a block, and two at any time.
-@pytest.mark.parametrize("k", range(4))
+# One within the writing of a block, and one at any time.
+@pytest.mark.parametrize("k", range(2))
 def test_a_killed_recording_leaves_whole_blocks_or_no_file(tmp_path, k):
     killed(tmp_path, np.random.default_rng([7, k]), inside=k % 2 == 0)
 
@@ -222,7 +222,7 @@ def test_memory_does_not_grow_with_the_record(tmp_path):
         "import resource, sys\n"
         "from stickslip import *\n"
         "scenario = load(sys.argv[1])\n"
-        "for pulses in (12, 48):\n"
+        "for pulses in (12, 30):\n"
         "    run = simulate(scenario.replace({'drive.pulses': pulses}), out=sys.argv[2])\n"
         "    print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)\n"
     )
@@ -230,8 +230,8 @@ def test_memory_does_not_grow_with_the_record(tmp_path):
     arguments = [sys.executable, "-c", code, tmp_path / "scenario.toml", tmp_path / "run.nc"]
     done = subprocess.run(list(map(str, arguments)), capture_output=True, text=True, check=True)
     short, long = map(int, done.stdout.split())  # KiB
-    # 0.36 s at 500 kHz are 180 000 samples more, which would be 30 MB.
-    assert long - short < 12_000
+    # 0.18 s at 500 kHz are 90 000 samples more, which would be 15 MB.
+    assert long - short < 8_000
 
 
 def test_a_picture_needs_all_that_it_draws(tmp_path):

@@ -161,6 +161,7 @@ def test_runs_of_a_batch_end_as_they_do_alone(scenarios):
         assert repr(simulate(some[index]).summary()) == repr(runs[index].summary())
 
 
+@settings(max_examples=share(0.4))
 @given(scenario=USUAL)
 def test_a_motion_keeps_the_laws_of_contact_momentum_and_energy(scenario):
     if scenario.whole_plane:

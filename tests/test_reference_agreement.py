@@ -112,12 +112,14 @@ EFFECTS = {
 @pytest.mark.parametrize("mode", BASES)
 @pytest.mark.parametrize("effect", EFFECTS)
 def test_mean_velocity_with_an_effect(effect, mode):
-    # Steady from the third pulse on, so that three more show as much as nine.
-    drive = {**BASES[mode], "frequency": 60.0, "pulses": 6}
+    # Steady from the third pulse on, so that one more shows as much as seven.
+    drive = {**BASES[mode], "frequency": 60.0, "pulses": 4}
     mine, others = EFFECTS[effect]
     keys = {key if "." in key else f"effects.{effect}.{key}": each for key, each in mine.items()}
     velocity = run(keys, **drive).mean_velocity
-    reference = simulate_reference(drive, effects={effect: others}, dt=STEP / 2)
+    # Rebounds scatter with the step, by up to a third of what is allowed.
+    step = STEP if effect == "restitution" else 2 * STEP
+    reference = simulate_reference(drive, effects={effect: others}, dt=step)
     # An effect may all but stop the robot, and then its own velocity is no measure.
     plain = run(**drive).mean_velocity
     close = {"rel": AGREEMENT, "abs": AGREEMENT * abs(plain)}

@@ -189,7 +189,7 @@ def test_the_advice_of_a_note_helps(code):
         ({"drive.hold": 0.0}, "rest-torque"),
         ({"contact.static_friction": 100.0}, "rest-friction"),
         ({"contact.static_friction": 100.0, "contact.kinetic_friction": 100.0}, "rest-friction"),
-        ({"drag.linear": 1.0}, "rest-drag"),
+        ({"drag.linear": 0.05}, "rest-drag"),
         ({"contact.adhesion": 1e-3}, "rest-adhesion"),
         ({"robot.magnetization": 500.0}, "rest-torque"),
     ],

@@ -77,7 +77,7 @@ def test_a_part_stays_until_it_is_saved(tmp_path):
     assert_same_record(open_run(tmp_path / "run.nc"), open_run(tmp_path / "run.nc.part"))
 
 
-@pytest.mark.parametrize("count", [60, pytest.param(500, marks=pytest.mark.nightly)])
+@pytest.mark.parametrize("count", [25, pytest.param(500, marks=pytest.mark.nightly)])
 def test_a_damaged_file_is_refused_or_read_as_it_was(count):
     code = Path(__file__).with_name("damaged_files.py")
     command = [sys.executable, code, str(count), "1"]

@@ -48,14 +48,11 @@ def frozen(folder):
     return {"PYTHONPATH": str(folder), "PYTHONOPTIMIZE": "2"}
 
 
-def ascii_locale(folder):
-    """Names of files are ASCII to Python, and all other bytes in them escapes."""
-    return {"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}
-
-
-def own_style(folder):
+def another_user(folder):
+    """With a style of plots, and names of files in ASCII: all other bytes in them are escapes."""
     (folder / "matplotlibrc").write_text(STYLE)
-    return {"MATPLOTLIBRC": str(folder)}
+    locale = {"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}
+    return {"MATPLOTLIBRC": str(folder), **locale}
 
 
 def done_in(folder, where):
@@ -79,9 +76,7 @@ def at_home(tmp_path_factory):
     return printed, files
 
 
-@pytest.mark.parametrize(
-    "where", [pytest.param(frozen, marks=pytest.mark.nightly), ascii_locale, own_style]
-)
+@pytest.mark.parametrize("where", [another_user, pytest.param(frozen, marks=pytest.mark.nightly)])
 def test_all_is_as_at_home(tmp_path, at_home, where):
     printed, files = done_in(tmp_path, where)
     assert printed.decode("utf-8", "replace") == at_home[0].decode()

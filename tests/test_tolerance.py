@@ -63,7 +63,7 @@ def fine():
 
 def test_the_motions_do_not_amplify_what_is_small(fine):
     mass = Scenario().robot.mass
-    for part in (-1e-9, -0.4e-9, 0.6e-9, 1e-9):
+    for part in (-1e-9, 0.6e-9):
         other = velocities(**{"solver.rtol": FINE, "robot.mass": mass * (1.0 + part)})
         np.testing.assert_allclose(other, fine, rtol=1e-5)
 

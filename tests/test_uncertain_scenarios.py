@@ -1,5 +1,6 @@
 """What is uncertain in a scenario: its file, its draws, and what is refused."""
 
+import functools
 import math
 import pickle
 
@@ -36,10 +37,14 @@ def scenario():
     )
 
 
-def drawn(count, seed=0):
+DRAWS = 1000
+
+
+@functools.cache
+def drawn():
     given = scenario()
     return {
-        key: np.array([each.get(key) for each in given.draws(count, seed)])
+        key: np.array([each.get(key) for each in given.draws(DRAWS)])
         for key in given.uncertain.names
     }
 
@@ -99,8 +104,7 @@ def test_a_draw_is_the_same_however_many_there_are():
 def test_draws_have_the_covariance_that_was_stated():
     # A sample covariance of n normal draws has the variance (c_ii c_jj + c_ij^2) / n. Five standard
     # errors: one of six entries is farther off once in 3e5 seeds.
-    n = 4000
-    found = drawn(n)
+    n, found = DRAWS, drawn()
     values = np.array([found[key] for key in KEYS])
     error = np.sqrt((np.outer(SD, SD) ** 2 + MATRIX**2) / n)
     assert (np.abs(np.cov(values) - MATRIX) < 5.0 * error).all()
@@ -114,8 +118,7 @@ def test_draws_have_the_covariance_that_was_stated():
 
 def test_draws_have_the_quantiles_of_their_priors():
     # A share q of n draws lies below the quantile q, to within sqrt(q (1 - q) / n).
-    n = 4000
-    found = drawn(n)
+    n, found = DRAWS, drawn()
     for key, prior in PRIORS.items():
         for z, share in ((-1.2816, 0.1), (0.0, 0.5), (1.2816, 0.9)):
             below = np.mean(found[key] < float(prior.value(z)))
@@ -136,11 +139,11 @@ def test_a_prior_says_itself_where_it_lies_and_a_covariance_lies_about_the_keys(
 def test_values_that_make_no_scenario_are_drawn_again():
     # Half of the normal law lies below zero, which a drag cannot.
     given = Scenario(uncertain={"drag.linear": {"mean": 0.0, "sd": 1e-5}})
-    values = np.array([each.drag.linear for each in given.draws(2000)])
+    values = np.array([each.drag.linear for each in given.draws(500)])
     assert (values >= 0.0).all()
     # Mean of a half-normal law, and its standard error.
     assert values.mean() == pytest.approx(
-        1e-5 * math.sqrt(2.0 / math.pi), abs=5e-5 * math.sqrt((1.0 - 2.0 / math.pi) / 2000)
+        1e-5 * math.sqrt(2.0 / math.pi), abs=5e-5 * math.sqrt((1.0 - 2.0 / math.pi) / 500)
     )
 
 

@@ -34,16 +34,16 @@ def film(drive, rate, random, noise=NOISE):
 @pytest.mark.parametrize("rate", [100.0, 237.0, 1000.0])
 @pytest.mark.parametrize("drive", [IPP, OPP], ids=["IPP", "OPP"])
 def test_noisy_frames_give_the_velocity_of_the_run_with_the_error_that_is_stated(drive, rate):
-    random, scenario, films = np.random.default_rng(2), Scenario(drive=drive), 200
+    random, scenario, films = np.random.default_rng(2), Scenario(drive=drive), 80
     truth = run_of(drive).mean_velocity
     found = pd.DataFrame(
         [velocity_of_track(*film(drive, rate, random), drive) for _ in range(films)]
     )
     velocity, error = found["velocity"].to_numpy(), found["standard_error"].to_numpy()
     stated = np.sqrt(np.mean(error**2))
-    # 200 films tell a standard deviation to 5 %, and the mean to 7 % of it: three of each.
-    assert velocity.std() == pytest.approx(stated, rel=0.15)
-    assert abs(velocity.mean() - truth) < 0.21 * stated + SETTLING * truth
+    # 80 films tell a standard deviation to 8 %, and the mean to 11 % of it: three of each.
+    assert velocity.std() == pytest.approx(stated, rel=0.24)
+    assert abs(velocity.mean() - truth) < 0.33 * stated + SETTLING * truth
     start, end = scenario.window
     line = NOISE * np.sqrt(12.0 / ((end - start) * rate)) / (end - start)
     assert 0.9 * line < stated
@@ -58,7 +58,7 @@ def test_frames_that_nearly_keep_step_with_the_pulses_have_a_larger_error_that_h
     random, scenario = np.random.default_rng(4), Scenario(drive=OPP)
     truth = run_of(OPP).mean_velocity
     rate = OPP.frequency + beat
-    found = pd.DataFrame([velocity_of_track(*film(OPP, rate, random), OPP) for _ in range(100)])
+    found = pd.DataFrame([velocity_of_track(*film(OPP, rate, random), OPP) for _ in range(60)])
     velocity, error = found["velocity"].to_numpy(), found["standard_error"].to_numpy()
     off = np.sqrt(np.mean((velocity - truth) ** 2))
     assert off < 1.2 * np.sqrt(np.mean(error**2)) + SETTLING * truth

@@ -87,10 +87,10 @@ def test_what_a_plan_cannot_do_it_says(planned):
     assert rough.seen.sum() < planned.seen.sum()
 
 
-def test_a_plan_that_is_filled_in_is_diagnosed(planned, tmp_path, monkeypatch):
-    few_causes(monkeypatch, ("friction_anisotropy", "surface_tilt", "stribeck_friction"))
+@pytest.fixture
+def filled_in(planned, tmp_path):
+    """The measurement that a plan's files make once velocities are in them."""
     planned.save(tmp_path)
-    assert sorted(each.name for each in tmp_path.iterdir()) == sorted(FILES)
     table = pd.read_csv(tmp_path / "velocity.csv")
     truth = NOMINAL.with_uncertain(None).replace(ANISOTROPY)
     names = ["mode", "direction", "frequency", "peak", "hold", "edge"]
@@ -100,10 +100,21 @@ def test_a_plan_that_is_filled_in_is_diagnosed(planned, tmp_path, monkeypatch):
     table["velocity"] = found * (1.0 + 0.02 * random.standard_normal(len(found)))
     table.loc[5, "velocity"] = np.nan  # that trial was lost
     table.to_csv(tmp_path / "velocity.csv", index=False)
-    data = read_measurement(tmp_path / "measurement.toml")
-    assert isinstance(data, Measurement)
-    assert dict(data.uncertain) == dict(NOMINAL.uncertain.priors)
-    verdict = diagnose(data, threads=1).verdict
+    return read_measurement(tmp_path / "measurement.toml")
+
+
+def test_a_plan_that_is_filled_in_is_a_measurement(filled_in, tmp_path):
+    assert sorted(each.name for each in tmp_path.iterdir()) == sorted(FILES)
+    assert isinstance(filled_in, Measurement)
+    assert dict(filled_in.uncertain) == dict(NOMINAL.uncertain.priors)
+    (data,) = filled_in.velocity
+    assert len(data.velocity) == 23
+
+
+@pytest.mark.nightly
+def test_a_plan_that_is_filled_in_is_diagnosed(filled_in, monkeypatch):
+    few_causes(monkeypatch, ("friction_anisotropy", "surface_tilt", "stribeck_friction"))
+    verdict = diagnose(filled_in, threads=1).verdict
     assert (verdict.kind, verdict.causes) == ("named", ("friction_anisotropy",))
 
 

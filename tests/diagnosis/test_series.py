@@ -89,7 +89,7 @@ def test_a_cause_is_named_over_records_of_unequal_length_with_starts_of_their_ow
 @pytest.mark.parametrize(
     ("name", "size", "value", "change"),
     [
-        ("slow valve", "slow valve.time", 0.4, "lag"),
+        pytest.param("slow valve", "slow valve.time", 0.4, "lag", marks=pytest.mark.nightly),
         ("late valve", "late valve.time", 0.33, "delay"),
         ("leak", "leak.height", -0.25, "step"),
     ],
