@@ -14,7 +14,7 @@ from collections.abc import Iterator
 EXTRAS = {
     "netcdf": ("h5netcdf", "h5py", "xarray", "pandas"),
     "plot": ("matplotlib",),
-    "diagnosis": ("scipy", "pandas", "matplotlib", "jinja2"),
+    "diagnosis": ("scipy", "pandas", "matplotlib", "jinja2", "threadpoolctl"),
     "optimise": ("cma", "pandas", "matplotlib"),
     "gym": ("gymnasium",),
     "dask": ("distributed",),

@@ -8,6 +8,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from stickslip._util.arrays import worker_count
 from stickslip._util.messages import check_whole, shown
@@ -73,7 +74,8 @@ def diagnose(
     check_whole("seed", seed)
     problem = problem_of(measurement, worker_count(threads, "threads"), seed)
     notes = [note for table in problem.tables for note in table.remarks()]
-    findings = run(problem, int(seed), progress or _silent, fault_of(problem))
+    with _one_blas_thread():
+        findings = run(problem, int(seed), progress or _silent, fault_of(problem))
     return Diagnosis(findings, measurement, (*notes, *moved_constants(findings)))
 
 
@@ -138,9 +140,10 @@ def diagnose_model(
     tables = computed_tables(problem, int(seed))
     if tables != problem.tables:
         problem = problem_of_model(predict, tables, uncertain, causes)
-    problem = with_scatter(problem, int(seed))
-    notes = [*overflows(problem), *without_effect(problem)]
-    findings = run(problem, int(seed), progress or _silent, fault_of(problem))
+    with _one_blas_thread():
+        problem = with_scatter(problem, int(seed))
+        notes = [*overflows(problem), *without_effect(problem)]
+        findings = run(problem, int(seed), progress or _silent, fault_of(problem))
     notes += moved_constants(findings)
 
     problem = findings.problem  # with the forms of its laws
@@ -156,6 +159,10 @@ def _with_terms(
         raise ScenarioError("uncertain: allowed is a list of Parameter, or a model of `models`")
     uncertain, terms = predict.terms(data)
     return uncertain, [*terms, *causes] if isinstance(causes, Sequence) else causes
+
+
+# Matrices are small: further threads of their products wait for each other longer than they work.
+_one_blas_thread = partial(threadpool_limits, limits=1, user_api="blas")
 
 
 def _silent(fraction: float, stage: str) -> None:

@@ -65,7 +65,7 @@ def precision_of(problem: Problem, causes: Sequence[Cause]) -> Array:
     return every[len(every) // 2]
 
 
-def cost(form: Form, h: Array, free: Array, precision: Array, residual: Array) -> Array:
+def costs_of(form: Form, h: Array, free: Array, precision: Array, residual: Array) -> Array:
     """Misfit of residuals, (vectors, n), and prior of the free coordinates `own`, (vectors, k)."""
     return np.asarray(form.cost(residual, h) + np.einsum("vi,ij,vj->v", free, precision, free))
 
@@ -137,7 +137,7 @@ def descend(
             slopes = yield from derivatives(problem, x, free, residual, draft)
     else:
         residual, slopes, exact = begin.residual, begin.slopes, begin.exact
-    now = float(cost(form, h, x[None, free], precision, residual[None, :])[0])
+    now = float(costs_of(form, h, x[None, free], precision, residual[None, :])[0])
     longest = _longest_steps(problem)[free]
     factor = 1.0
     for count in range(steps):
@@ -157,7 +157,7 @@ def descend(
                 step = _step(curvature, downhill, stuck, damping)
                 row[free] = np.clip(x[free] + np.clip(step, -longest, longest), low, high)
             residuals = yield tries, draft
-            costs = cost(form, h, tries[:, free], precision, residuals)
+            costs = costs_of(form, h, tries[:, free], precision, residuals)
             best = int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))
             if now - float(costs[best]) > fall:
                 fall, there, made = now - float(costs[best]), tries[best], residuals[best]
@@ -254,6 +254,13 @@ def derivatives(
     milder = np.where(np.abs(near[:, again]) < np.abs(far), near[:, again], far)
     near[:, again] = np.where(jumped, milder, 0.5 * (near[:, again] + far))
     return near
+
+
+def end_at(problem: Problem, causes: Sequence[Cause], x: Array) -> Asking[End]:
+    """Where a model is at given coordinates, with slopes there."""
+    (residual,) = yield x[None, :], False
+    slopes = yield from derivatives(problem, x, problem.free(causes), residual)
+    return End(x, residual, slopes, np.nan)
 
 
 def _differences(

@@ -114,7 +114,7 @@ def minimise(
     """
     causes = tuple(sorted(causes, key=lambda cause: cause.name))
     free, precision = problem.free(causes), precision_of(problem, causes)
-    end = None
+    end, reached = None, -math.inf
     if h is None:
         (residual,) = yield x[None, :], False
         h = form.begin(residual)
@@ -131,7 +131,10 @@ def minimise(
         h, log_evidence, precision, covariance, left = evidence(problem, form, causes, end, h)
         settled = left < _AT_MINIMUM and turn > 0
         alone = not form.names and len(problem.precisions(causes)) == 1
-        if given_up or settled or alone:
+        # Where predictions jump, what is promised may be out of reach.
+        before, reached = reached, log_evidence - 0.5 * left
+        stays = not form.names and reached < before + 0.5 * _AT_MINIMUM
+        if given_up or settled or alone or stays:
             break
         steps = 6
     if given_up or not (settled or alone):

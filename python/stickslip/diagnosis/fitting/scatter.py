@@ -11,16 +11,17 @@ import numpy as np
 from stickslip._util.arrays import Array, root_mean_square
 from stickslip.diagnosis.data.errors import FEWEST, Errors
 from stickslip.diagnosis.data.series import SMOOTH
-from stickslip.diagnosis.fitting.descent import End, descend, in_step, precision_of
+from stickslip.diagnosis.fitting.descent import End, descend, end_at, in_step, precision_of
 from stickslip.diagnosis.fitting.forms import Exact
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.responses import responses
-from stickslip.diagnosis.fitting.search import recalibrated
+from stickslip.diagnosis.fitting.search import APART, recalibrated, separated
 from stickslip.simulation.note import Note
 
-# Rounds of fit and scatter, steps of each, and single causes at their best amplitude, from which a
-# fit of all begins too. Chosen.
-_ROUNDS, _STEPS, _STARTS = 4, 15, 3
+# Rounds of fit and scatter and steps of each; ends beside the recalibrated model about which single
+# causes are tried, steps of a look from each of them, and looks that are followed. A cause that
+# leads to the minimum may look worst where it begins. Chosen.
+_ROUNDS, _STEPS, _VIEWS, _LOOK, _FOLLOWED = 4, 15, 2, 4, 4
 
 _SMALLEST = 1e-9
 """Least error, in the scatter of the readings: below it is rounding."""
@@ -40,15 +41,20 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
     curves = [k for k, e in enumerate(problem.errors) if SMOOTH in {n.code for n in e.notes}]
     if not unknown and not curves:
         return problem
-    null, _ = recalibrated(problem, seed)
+    null, ends = recalibrated(problem, seed)
     problem = _scattered(problem, unknown, null.residual, len(null.free))
-    h = np.zeros(0)
-    effects = responses(problem, null.end, (), problem.causes, Exact(problem), h)
-    starts = [null.x, *(effect.x for effect in effects[:_STARTS])]
+    form, h = Exact(problem), np.zeros(0)
+    views = [null.end, *in_step(problem, [end_at(problem, (), end.x) for end in ends[:_VIEWS]])]
+    starts = [view.x for view in views]
+    for view in views:
+        effects = responses(problem, view, (), problem.causes, form, h)
+        starts += [effect.x for effect in effects]
+    apart = list(separated(starts, lambda x: x, APART))
+    looks = _descended(problem, form, apart, _LOOK)
+    starts = [look.x for look in looks[:_FOLLOWED]]
     for _ in range(_ROUNDS):
         form = Exact(problem)
-        every = [descend(problem, form, h, problem.causes, x, steps=_STEPS) for x in starts]
-        best = min(in_step(problem, every), key=lambda fit: fit.cost)
+        best = _descended(problem, form, starts, _STEPS)[0]
         starts = [best.x]
         spent = _parameters(problem, form, best)
         problem = _scattered(problem, unknown, best.residual, spent)
@@ -60,6 +66,12 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
             tables[k] = tables[k].with_errors(replace(tables[k].errors, dof=0.0, notes=()))
         return with_scatter(replace(problem, tables=tuple(tables), errors=()), seed)
     return problem
+
+
+def _descended(problem: Problem, form: Exact, starts: Sequence[Array], steps: int) -> list[End]:
+    """Ends of fits of all causes, the best first."""
+    every = [descend(problem, form, np.zeros(0), problem.causes, x, steps=steps) for x in starts]
+    return sorted(in_step(problem, every), key=lambda end: end.cost)
 
 
 def _parameters(problem: Problem, form: Exact, end: End) -> float:

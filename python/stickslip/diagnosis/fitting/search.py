@@ -23,9 +23,11 @@ from stickslip.diagnosis.fitting.descent import (
     STAGES,
     Asking,
     End,
-    derivatives,
+    costs_of,
     descend,
+    end_at,
     in_step,
+    precision_of,
 )
 from stickslip.diagnosis.fitting.draws import FEWEST, drawn
 from stickslip.diagnosis.fitting.forms import PRIOR, Form, Softened, forms
@@ -51,8 +53,11 @@ _SCAN, _DESCENTS, _STRATA = 128, (12, 5, 4, 2), 12
 # p-value of the lack of fit below which more starts follow: a right model has a smaller one in one
 # case of five, and then pays for a second scan. Chosen.
 _DOUBTFUL = 0.2
-# Distance, in coordinates, of starts that lead elsewhere, and below which ends are one.
-_APART, _SAME = 0.7, 0.05
+APART = 0.7
+"""Distance, in coordinates, of starts that lead elsewhere. Chosen."""
+
+# Distance below which ends are one. Chosen.
+_SAME = 0.05
 # Steps of a first look at a model, and how far behind the best cost one may be to go on.
 _LOOK, _HOPELESS = 3, 30.0
 # Chi-square per row up to which a model is near the data. Chosen.
@@ -67,6 +72,8 @@ _MOST_FITS = 250
 # more has to promise (with less its model is not compared); and least growth of the log-evidence
 # after which a leader is looked beside again.
 _MORE, _WORTH, _BETTER = 6, 2.0, 1.0
+# Amplitudes at which a cause is tried about the recalibrated model. Chosen.
+_SMALL = (0.15, USUAL)
 # Sets of causes whose evidence is corrected by draws. Chosen.
 _DRAWN = 4
 # Single causes from whose constants the recalibrated model is fitted again. Chosen.
@@ -215,7 +222,7 @@ def recalibrated(problem: Problem, seed: int) -> tuple[Fit, list[End]]:
     """
     exact = forms(problem, ["exact"])["exact"]
     count = _SCAN if len(problem.constants) > 1 else _SCAN // 4
-    starts = list(_separated(_scan(problem, count, seed), lambda x: x, _APART))
+    starts = list(separated(_scan(problem, count, seed), lambda x: x, APART))
     best, ends = _descended(problem, exact, starts)
     if problem.constants and lack_of_fit(problem, best.chi2, len(problem.y)) < _DOUBTFUL:
         again, more = _descended(problem, exact, _strata(problem, _scan(problem, _SCAN, seed + 1)))
@@ -231,7 +238,7 @@ def _descended(problem: Problem, exact: Form, starts: Sequence[Array]) -> tuple[
         soft = Softened(problem, *stage)
         every = [descend(problem, soft, np.zeros(0), (), x) for x in starts[:most]]
         ends = sorted(in_step(problem, every), key=lambda end: end.cost)
-        distinct = list(_separated(ends, lambda end: end.x, _SAME))
+        distinct = list(separated(ends, lambda end: end.x, _SAME))
         softest = softest or distinct
         starts = [end.x for end in distinct]
     fits = [minimise(problem, exact, (), x) for x in starts[: _DESCENTS[-1]]]
@@ -253,7 +260,7 @@ def _strata(problem: Problem, points: Array) -> list[Array]:
     """The best point of each stratum of the constants that are known in range only."""
     priors = [constant.prior for constant in problem.constants]
     wide = [k for k, prior in enumerate(priors) if prior is not None and not prior.has_middle]
-    chosen = list(_separated(points, lambda point: point, _APART))[: _STRATA // 2]
+    chosen = list(separated(points, lambda point: point, APART))[: _STRATA // 2]
     for k in wide:
         edges = np.quantile(points[:, k], np.linspace(0.0, 1.0, max(_STRATA // len(wide), 3) + 1))
         place = np.searchsorted(edges[1:-1], points[:, k])
@@ -261,7 +268,7 @@ def _strata(problem: Problem, points: Array) -> list[Array]:
     return chosen
 
 
-def _separated(
+def separated(
     items: Iterable[_Item], place: Callable[[_Item], Array], distance: float
 ) -> Iterator[_Item]:
     """Those that are not closer than a distance to an earlier one."""
@@ -395,15 +402,35 @@ def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -
     # The recalibrated model gets as many searches as its rivals, from where they are.
     singles = [fit for fit in models.leaders(form="exact") if len(fit.causes) == 1][:_RIVALS]
     constants = len(problem.constants)
-    rivals = _separated(singles, lambda fit: fit.x[:constants], _APART)
+    rivals = separated(singles, lambda fit: fit.x[:constants], APART)
     models.add_fits([Start("exact", (), fit.x) for fit in rivals])
-    null = models.null
-    worse = []
-    for cause in causes:
+    _nest_singles(models, causes)
+
+
+def _nest_singles(models: Models, causes: Sequence[Cause]) -> None:
+    """Fit causes that are behind the recalibrated model again, from where it is.
+
+    No fit is worse than what it contains: where a cause promises too little there, its fit is the
+    linear model.
+    """
+    problem, null, exact = models.problem, models.null, models.forms["exact"]
+
+    def behind(cause: Cause) -> bool:
         fit = models.get([cause.name])
-        if fit is None or (fit.cost > null.cost + SETTLED and null.cost < models.hopeless):
-            worse.append(Start("exact", (cause,), null.x))  # no fit is worse than what it contains
-    models.add_fits(worse)
+        return fit is None or (fit.cost > null.cost + SETTLED and null.cost < models.hopeless)
+
+    best: dict[str, Response] = {}
+    worse = [cause for cause in causes if behind(cause)]
+    for response in responses(problem, null.end, (), worse, exact, null.h, _SMALL, draft=True):
+        best.setdefault(response.cause.name, response)
+    models.add_fits([
+        Start("exact", (response.cause,), response.x, response.slopes)
+        for response in best.values() if response.gain > _BETTER
+    ])  # fmt: skip
+    for response in best.values():
+        if behind(response.cause):
+            end = End(null.x, null.residual, response.slopes, math.nan)
+            models.add(linear(problem, exact, (response.cause,), end))
 
 
 _Look = tuple[Cause, Array, Array | None, Sequence[Softened], int]
@@ -420,9 +447,9 @@ def _first_looks(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -
     problem, null = models.problem, models.null
     soft, robust = _softened(problem, null), Softened(problem, *STAGES[-1])
     # A view has to show where it is with the stated model, not with a draft.
-    apart = itertools.islice(_separated(ends, lambda end: end.x, _APART), _VIEWS - 1)
+    apart = itertools.islice(separated(ends, lambda end: end.x, APART), _VIEWS - 1)
     places = [*(end.x for end in apart), np.zeros(problem.size)]
-    *views, stated = [null.end, *in_step(problem, [_end_at(problem, (), x) for x in places])]
+    *views, stated = [null.end, *in_step(problem, [end_at(problem, (), x) for x in places])]
     fine = [cause for cause in causes if np.any(problem.fineness[problem.columns([cause])] <= FINE)]
     bundles: list[tuple[Cause, list[Response]]] = [
         (cause, []) for cause in causes if cause not in fine
@@ -454,7 +481,7 @@ def _first_looks(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -
 
 def _promising(soft: Softened, several: Sequence[Response]) -> Asking[list[tuple[float, Response]]]:
     """The best two starts of a cause, with their costs, as responses are right to first order."""
-    near = list(_separated(several, lambda response: response.x, _APART))[:_LOOKED_AT]
+    near = list(separated(several, lambda response: response.x, APART))[:_LOOKED_AT]
     residual = yield np.array([response.x for response in near]), True
     cost = soft.cost(residual, np.zeros(0))
     return [(float(cost[k]), near[k]) for k in np.argsort(cost)[:_FOLLOWED].tolist()]
@@ -478,7 +505,7 @@ def _along(problem: Problem, cause: Cause, null: Fit) -> Asking[list[Array]]:
         residual = yield x, True
         order = np.argsort(soft.cost(residual, np.zeros(0)), kind="stable")
         starts += [x[j] for j in order[:count]]
-    return list(_separated(starts, lambda x: x, _APART))
+    return list(separated(starts, lambda x: x, APART))
 
 
 def _looked(
@@ -503,12 +530,6 @@ def _softened(problem: Problem, base: Fit) -> Softened:
     """Errors as large as a fit misses the data."""
     inflation = math.sqrt(max(base.chi2 / len(problem.y), 1.0))
     return Softened(problem, min(inflation, STAGES[0][0]))
-
-
-def _end_at(problem: Problem, causes: Sequence[Cause], x: Array) -> Asking[End]:
-    (residual,) = yield x[None, :], False
-    slopes = yield from derivatives(problem, x, problem.free(causes), residual)
-    return End(x, residual, slopes, math.nan)
 
 
 def _leaves_too_little(models: Models, leader: Fit) -> bool:
@@ -536,10 +557,11 @@ def _look_beside(models: Models, leader: Fit) -> None:
     points = np.tile(leader.x, (len(smaller), 1))
     for x, cause in zip(points, leader.causes, strict=True):
         x[problem.columns([cause])] = 0.0
-    at = [_end_at(problem, *pair) for pair in zip(smaller, points, strict=True)]
+    at = [end_at(problem, *pair) for pair in zip(smaller, points, strict=True)]
     bases += zip(smaller, in_step(problem, at), strict=True)
     starts = [Start(leader.form, rest, end.x, end.slopes) for rest, end in bases
               if rest != leader.causes]  # fmt: skip
+    nested: dict[str, Start] = {}
     for rest, end in bases:
         offered = [cause for cause in models.offered if cause not in (*rest, *leader.causes)]
         least = _WORTH if rest == leader.causes else -math.inf
@@ -549,15 +571,34 @@ def _look_beside(models: Models, leader: Fit) -> None:
             if response.gain < least or (name not in tried and len(tried) == _MORE):
                 continue
             tried[name] = tried.get(name, 0) + 1
-            if tried[name] > 2:
+            if tried[name] > 2 or not _may_improve(models, leader, rest, end, response):
                 continue
-            both = (*rest, response.cause)
-            places = [response.x]
-            if rest == leader.causes and tried[name] == 1:
-                places.append(leader.x)  # nested: never worse than what it contains
-            hyper = h if metric.names else None
-            starts += [Start(leader.form, both, x, response.slopes, hyper) for x in places]
+            both, hyper = (*rest, response.cause), h if metric.names else None
+            starts.append(Start(leader.form, both, response.x, response.slopes, hyper))
+            if rest == leader.causes:
+                nested.setdefault(name, replace(starts[-1], x=leader.x))
     models.add_fits(starts)
+    # No model is worse than what it contains.
+    models.add_fits([
+        start for start in nested.values()
+        if (fit := models.get({cause.name for cause in start.causes}, leader.form)) is None
+        or not _is_better(fit, leader)
+    ])  # fmt: skip
+
+
+def _may_improve(
+    models: Models, leader: Fit, rest: Sequence[Cause], end: End, response: Response
+) -> bool:
+    """Whether a response promises, to first order, a better fit than its model has."""
+    problem, form, both = models.problem, models.forms[leader.form], (*rest, response.cause)
+    known = models.get({cause.name for cause in both}, leader.form)
+    if known is None:
+        return True
+    free, precision = problem.free(both), precision_of(problem, both)
+    left = end.residual - response.slopes @ (response.x - end.x)[free]
+    x = np.stack([response.x, known.x])[:, free]
+    promised, reached = costs_of(form, leader.h, x, precision, np.stack([left, known.residual]))
+    return bool(promised < reached - _BETTER)
 
 
 def _fit_other_forms(models: Models) -> None:

@@ -217,10 +217,10 @@ def delay(
         _fitting(at, some)
         result = some.copy()
         # A row that was not computed stays so, and a delay of zero leaves the very numbers.
-        for vector in np.flatnonzero((delays != 0.0) & np.all(np.isfinite(some), axis=1)):
-            for rows_of in curves:
-                spline = CubicSpline(at[rows_of], some[vector, rows_of])
-                result[vector, rows_of] = spline(at[rows_of] - delays[vector])
+        late = np.flatnonzero((delays != 0.0) & np.all(np.isfinite(some), axis=1))
+        for rows_of in curves:
+            mine = np.ix_(late, rows_of)
+            result[mine] = _delayed(at[rows_of], some[mine], delays[late])
         return _changed(readings, rows, result)
 
     return Cause(name, (parameter,), "a delay of the readings", read=read, table=table)
@@ -235,16 +235,26 @@ def _delay_in_time(
     def read(values: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
         t, delays = _in_time(table, name).t, p[parameter.name][:, 0]
         result = values.copy()
-        for vector in np.flatnonzero((delays != 0.0) & np.all(np.isfinite(values), axis=1)):
-            at = t - delays[vector]
-            if input is None:
-                result[vector] = CubicSpline(t, values[vector])(at)
-            else:
-                result[vector] = np.interp(at, t, values[vector])
+        late = np.flatnonzero((delays != 0.0) & np.all(np.isfinite(values), axis=1))
+        if input is None:
+            result[late] = _delayed(t, values[late], delays[late])
+        else:
+            for vector in late:
+                result[vector] = np.interp(t - delays[vector], t, values[vector])
         return result
 
     what = f"a delay of {input or 'the readings'}"
     return Cause(name, (parameter,), what, read=read, table=table, input=input)
+
+
+def _delayed(t: Array, values: Array, delays: Array) -> Array:
+    """Splines of values at times t, shape (vectors, times), each late by its own delay."""
+    if not len(values):
+        return values
+    at = t - delays[:, None]
+    piece = np.clip(np.searchsorted(t, at, side="right") - 1, 0, len(t) - 2)
+    coefficients = np.take_along_axis(CubicSpline(t, values, axis=1).c, piece.T[None], axis=1)
+    return np.asarray(np.polyval(coefficients, (at - t[piece]).T).T)
 
 
 def _in_time(table: Table, name: str) -> Series:
