@@ -118,8 +118,8 @@ def descend(
 
     Without `draft`, softened forms use the problem's draft, and others do not. `begin` is an end at
     `x` of the same model, whose residual and slopes are taken over; `slopes` are some that were
-    found near by. A descent that is above `hopeless` after two steps ends, or after one if the next
-    does not promise less.
+    found near by. A descent ends where steps like the last one, or as the next one promises, would
+    not bring it below `hopeless`.
     """
     free = problem.free(causes)
     draft = isinstance(form, Softened) and form.is_soft if draft is None else draft
@@ -139,7 +139,7 @@ def descend(
         residual, slopes, exact = begin.residual, begin.slopes, begin.exact
     now = float(costs_of(form, h, x[None, free], precision, residual[None, :])[0])
     longest = _longest_steps(problem)[free]
-    factor = 1.0
+    factor, fall = 1.0, 0.0
     for count in range(steps):
         prepared = form.prepared(np.column_stack([slopes, residual]))
         gram = form.weighted(prepared, residual, h)
@@ -147,8 +147,9 @@ def descend(
         downhill = gram[:-1, -1] - precision @ x[free]
         stuck = ((x[free] <= low) & (downhill < 0.0)) | ((x[free] >= high) & (downhill > 0.0))
         if count and now > hopeless:
-            promised = downhill @ _step(curvature, downhill, stuck, 0.0)
-            if count > 1 or now - promised > hopeless:
+            promised = float(downhill @ _step(curvature, downhill, stuck, 0.0))
+            # Falls become smaller: those of the steps that are left count for half of them.
+            if now - 0.5 * (steps - count) * max(fall, promised) > hopeless:
                 break
         fall, there, made = -np.inf, x, residual
         for dampings in (DAMPINGS[:1], DAMPINGS[1:]):

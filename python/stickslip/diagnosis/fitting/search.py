@@ -191,11 +191,12 @@ class Models:
                 self.add(fit)
 
     def _fitted(self, start: Start) -> Asking[Fit | None]:
+        hopeless = self.hopeless if start.causes and start.form == "exact" else math.inf
         try:
             return (
                 yield from minimise(
                     self.problem, self.forms[start.form], start.causes, start.x, h=start.h,
-                    slopes=start.slopes,
+                    slopes=start.slopes, hopeless=hopeless,
                 )
             )  # fmt: skip
         except np.linalg.LinAlgError:
@@ -421,6 +422,8 @@ def _nest_singles(models: Models, causes: Sequence[Cause]) -> None:
 
     best: dict[str, Response] = {}
     worse = [cause for cause in causes if behind(cause)]
+    if not worse:
+        return
     for response in responses(problem, null.end, (), worse, exact, null.h, _SMALL, draft=True):
         best.setdefault(response.cause.name, response)
     models.add_fits([
