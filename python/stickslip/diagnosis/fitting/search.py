@@ -564,7 +564,6 @@ def _look_beside(models: Models, leader: Fit) -> None:
     bases += zip(smaller, in_step(problem, at), strict=True)
     starts = [Start(leader.form, rest, end.x, end.slopes) for rest, end in bases
               if rest != leader.causes]  # fmt: skip
-    nested: dict[str, Start] = {}
     for rest, end in bases:
         offered = [cause for cause in models.offered if cause not in (*rest, *leader.causes)]
         least = _WORTH if rest == leader.causes else -math.inf
@@ -578,15 +577,10 @@ def _look_beside(models: Models, leader: Fit) -> None:
                 continue
             both, hyper = (*rest, response.cause), h if metric.names else None
             starts.append(Start(leader.form, both, response.x, response.slopes, hyper))
-            if rest == leader.causes:
-                nested.setdefault(name, replace(starts[-1], x=leader.x))
+            if rest == leader.causes and tried[name] == 1:
+                # Nested: never worse than what it contains.
+                starts.append(replace(starts[-1], x=leader.x))
     models.add_fits(starts)
-    # No model is worse than what it contains.
-    models.add_fits([
-        start for start in nested.values()
-        if (fit := models.get({cause.name for cause in start.causes}, leader.form)) is None
-        or not _is_better(fit, leader)
-    ])  # fmt: skip
 
 
 def _may_improve(
