@@ -230,9 +230,10 @@ def test_what_is_hidden_is_as_strong_as_asked_for(kind):
 @pytest.mark.parametrize("name", MODEL_ERRORS)
 def test_errors_of_the_model_are_of_size_one_and_the_same_for_every_trial(name):
     drives = conditions("none", ("velocity",))
-    several = np.array([MODEL_ERRORS[name](drives, number) for number in range(400)])
-    # A mean of squares of 400 numbers, if they were normal.
-    assert np.mean(several**2, axis=0) == pytest.approx(1.0, abs=5 * np.sqrt(2.0 / 400))
+    count = 100
+    several = np.array([MODEL_ERRORS[name](drives, number) for number in range(count)])
+    # A mean of squares of as many numbers, if they were normal.
+    assert np.mean(several**2, axis=0) == pytest.approx(1.0, abs=5 * np.sqrt(2.0 / count))
     assert np.array_equal(several[3], MODEL_ERRORS[name](drives, 3))
     # Of fewer conditions they are the same.
     assert np.array_equal(several[3][::2], MODEL_ERRORS[name](drives[::2], 3))
@@ -240,7 +241,7 @@ def test_errors_of_the_model_are_of_size_one_and_the_same_for_every_trial(name):
     near, far = several[:, curve[0]] * several[:, curve[1]], several[:, curve[0]] * several[:, 15]
     assert np.mean(near) > 0.3
     if name == "correlated_error":
-        assert abs(np.mean(far)) < 5 / np.sqrt(400)
+        assert abs(np.mean(far)) < 5 / np.sqrt(count)
     # They change velocities in proportion.
     none, one, two = (
         velocities(replace(PLAIN, hidden={name: Hidden(size, {"number": 5.0})}), DRIVES)

@@ -33,9 +33,13 @@ def modules():
 
 
 def _is_slow(page):
-    # Whole diagnoses, and films.
+    # Whole diagnoses and searches, films, and what learns.
     code = [block.text for block in blocks(page) if block.language != "text"]
-    return any(word in text for text in code for word in ("diagnose", "animation("))
+    return any(
+        word in text
+        for text in code
+        for word in ("diagnose", "animation(", "optimise(", "gymnasium")
+    )
 
 
 @pytest.mark.parametrize(

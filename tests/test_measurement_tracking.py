@@ -141,11 +141,11 @@ def test_a_film_that_goes_on_long_after_the_drive_is_in_s(tmp_path, frames, toml
     assert "run-time-unit" not in [each.code for each in found.left_out]
 
 
-@pytest.mark.parametrize("factor", [1e3, 1e-3])
 @pytest.mark.parametrize(
-    ("column", "unit"), [("z", "m"), ("current_x", "A"), ("current_clamp", "A")]
+    ("column", "unit", "factor"),
+    [("z", "m", 1e3), ("current_x", "A", 1e-3), ("current_clamp", "A", 1e3)],
 )
-def test_a_column_in_a_wrong_unit_is_reported(tmp_path, full_frames, factor, column, unit):
+def test_a_column_in_a_wrong_unit_is_reported(tmp_path, full_frames, column, unit, factor):
     in_unit = {**full_frames, column: factor * full_frames[column]}
     columns, (note,) = used(tmp_path, in_unit)
     assert columns == set(ALL) - {column}
@@ -159,11 +159,9 @@ def test_a_column_in_a_wrong_unit_is_reported(tmp_path, full_frames, factor, col
     "drive",
     [
         {},
-        {"mode": "OPP"},
-        {"direction": "-x"},
+        {"mode": "OPP", "direction": "-x"},
         {"hold": 0.0},  # nothing but noise through the clamp coil
-        {"hold": 1e-6},
-        {"frequency": 150.0},  # currents lag
+        {"hold": 1e-6, "frequency": 150.0},  # currents lag
     ],
 )
 def test_columns_in_the_right_unit_pass_whatever_the_drive(tmp_path, drive):

@@ -19,7 +19,7 @@ HOPS = (
     "--set", "drive.mode=OPP", "--set", "drive.frequency=400", "--set", "robot.length=0.4e-3",
     "--set", "robot.width=0.25e-3", "--set", "robot.height=0.15e-3",
 )  # fmt: skip
-FEW = ("--evaluations", 60, "--draws", 3, "--fresh", 5)
+FEW = ("--evaluations", 25, "--draws", 3, "--fresh", 5)
 WAVE = ("--maximise", "mean_velocity", "--limit", "voltage_max=26", "--knots", 4)
 
 

@@ -62,13 +62,8 @@ def python(code, folder):
     )
 
 
-def test_every_module_is_imported_without_what_other_systems_lack(tmp_path):
-    result = python(HIDDEN + IMPORTS, tmp_path)
-    assert result.returncode == 0, result.stderr
-
-
-def test_runs_and_sweeps_need_nothing_that_other_systems_lack(tmp_path):
-    result = python(HIDDEN + WORK, tmp_path)
+def test_modules_runs_and_sweeps_need_nothing_that_other_systems_lack(tmp_path):
+    result = python(HIDDEN + IMPORTS + WORK, tmp_path)
     assert result.returncode == 0, result.stderr
     written = {each.name for each in tmp_path.iterdir()}
     assert written == {"run.nc", "sweep.nc", "s.toml", "again.csv", "run.png"}

@@ -86,7 +86,9 @@ def test_a_notebook_shows_an_animation_without_a_network():
         assert picture.n_frames == 8
 
 
-@pytest.mark.parametrize("name", ["a turn", "along -x", "opp"])
+@pytest.mark.parametrize(
+    "name", [pytest.param("a turn", marks=pytest.mark.nightly), "along -x", "opp"]
+)
 def test_every_frame_has_body_contact_and_field_of_its_instant(name):
     run = recorded(name)
     first, last = float(run.t[-1]) - 1 / 30, float(run.t[-1])

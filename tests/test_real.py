@@ -105,6 +105,7 @@ def test_tanks_keep_the_water_and_empty_as_torricelli_says():
     assert lost - late == pytest.approx(0.05 * np.sqrt(5.0) * 200.0, rel=1e-3)
 
 
+@pytest.mark.nightly
 def test_the_drops_give_no_confident_wrong_angle():
     found = diagnose_impacts(heights, first_impacts(read_drops(study.DROPS)))
     # Nineteen heights are too few to choose; of 151 a pair is claimed, with the known offset.
