@@ -130,7 +130,10 @@ def test_limits_hold_in_every_draw_of_the_search(few, batches):
     assert 0.98 < most <= 1.0
 
 
-@pytest.mark.parametrize("robot", [{}, HOPPER], ids=["default", "hopper"])
+@pytest.mark.parametrize(
+    "robot",
+    [pytest.param({}, id="default", marks=pytest.mark.nightly), pytest.param(HOPPER, id="hopper")],
+)
 def test_the_drive_that_is_written_walks(few, robot, tmp_path):
     start = Scenario(drive=Drive(pulses=12)).replace(robot)
     walk, hop = (
