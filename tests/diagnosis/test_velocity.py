@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from made_velocities import FRICTION, SCENARIO, drives, measurement, trials, velocities
+from made_velocities import SCENARIO, drives, measurement, trials, velocities
 from stickslip import simulate_batch
 from stickslip.diagnosis import Prior
-from stickslip.diagnosis.data.velocity import TOLERANCES, VelocityTable
+from stickslip.diagnosis.data.velocity import VelocityTable
 
 NAMES = ["contact.kinetic_friction", "velocity_offset.shift"]
 
@@ -131,46 +131,3 @@ def test_places_are_the_settings_that_vary():
     assert opp.tolist() == [each["drive.mode"] == "OPP" for each in found.conditions]
     assert back.tolist() == [each["drive.direction"] == "-x" for each in found.conditions]
     assert found.group.tolist() == list(range(16))
-
-
-def _errors(conditions, **changes):
-    """Of each tolerance against one a hundred times finer than the finest, m/s."""
-    truth = simulated(conditions, **changes, solver__rtol=0.01 * TOLERANCES[-1])
-    made = {rtol: simulated(conditions, **changes, solver__rtol=rtol) for rtol in TOLERANCES}
-    return {rtol: np.abs(each - truth) for rtol, each in made.items()}
-
-
-def test_each_condition_has_the_loosest_tolerance_whose_error_is_far_below_its_noise():
-    # Without uncertain constants, errors from where the loosest will do to where none does.
-    readings = trials(1, 0.0, table=drives((20.0, 30.0, 45.0, 70.0, 100.0), pulses=5))
-    found = VelocityTable(measurement(readings, {}, velocity_sd=0.01))
-    assert found.errors.sizes["rho"] == 0.01
-    assert found.errors.dof == np.inf
-    error, chosen = _errors(found.conditions), [each["solver.rtol"] for each in found.conditions]
-    assert len(set(chosen)) > 1
-    for k, rtol in enumerate(chosen):
-        assert error[rtol][k] < found.errors.sd[k] / 20.0 or rtol == TOLERANCES[-1]
-        for looser in TOLERANCES[: TOLERANCES.index(rtol)]:
-            assert error[looser][k] > found.errors.sd[k] / 20.0
-    assert found.scenario.get("solver.rtol") == min(chosen)
-    # A twentieth is the limit: where the error is that of a stated one, it is just used or not.
-    k = int(np.argmax(error[1e-4] / np.abs(found.mean)))
-    share = error[1e-4][k] / abs(found.mean[k])
-    for stated, loosest in ((share / 0.045, True), (share / 0.055, False)):
-        table = VelocityTable(measurement(readings, {}, velocity_sd=stated))
-        assert (table.conditions[k]["solver.rtol"] == 1e-4) is loosest
-
-
-def test_tolerances_hold_over_the_prior():
-    # Chosen by three quarters of eight draws, so of others most are as good.
-    found = VelocityTable(measurement(trials(1, 0.0), velocity_sd=0.5))
-    prior = FRICTION["contact.kinetic_friction"]
-    others = prior.value(np.random.default_rng(7).standard_normal(20))
-    errors = [_errors(found.conditions, contact__kinetic_friction=each) for each in others.tolist()]
-    looser = 0
-    for k, rtol in enumerate(each["solver.rtol"] for each in found.conditions):
-        if rtol != TOLERANCES[-1]:
-            looser += 1
-            within = [each[rtol][k] < found.errors.sd[k] / 20.0 for each in errors]
-            assert np.mean(within) > 0.5
-    assert looser > 4

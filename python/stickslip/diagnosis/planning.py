@@ -240,8 +240,7 @@ def _posed(
     at = [condition["drive.frequency"] for condition in table.conditions]
     if drive.frequency not in at:
         raise ScenarioError("the scenario's own drive cannot be simulated")
-    base = table.conditions[at.index(drive.frequency)]
-    return problem, table, {key: base[key] for key in base if key.startswith("drive.")}
+    return problem, table, dict(table.conditions[at.index(drive.frequency)])
 
 
 def _predicted(

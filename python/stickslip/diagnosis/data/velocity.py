@@ -20,7 +20,6 @@ from stickslip.diagnosis.terms.instruments import of_velocities, read_by
 from stickslip.measurement.read_velocity import VelocityData
 from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import Value, known_keys
-from stickslip.scenario.uncertain import Prior
 from stickslip.simulation.note import Note
 from stickslip.simulation.note_table import STEADY_PULSES
 from stickslip.sweeping.notes import notes_of
@@ -29,16 +28,9 @@ from stickslip.sweeping.points import encoded, from_changes
 Conditions = Sequence[Mapping[str, Value]]
 """Drive settings by dotted key, of each condition."""
 
-TOLERANCES = (1e-4, 1e-5, 1e-6)
-"""Relative tolerances of the simulator that are tried, the loosest first. Chosen: decades."""
-
-_MODEL_ERROR = 0.05
-"""Largest error of a simulation beside that of the data. Chosen: derivatives are taken over steps
-whose effect is about the latter."""
-
-_VECTORS, _QUANTILE = 8, 0.75
-"""Draws of the constants at which tolerances are judged, and the quantile of the errors that
-counts. Chosen: at one draw of four the motion may jump, where no tolerance helps."""
+RTOL, _LOOSE = 1e-6, 1e-4
+"""Relative tolerance of a simulation, and of one of low fidelity. Chosen: its error is below a
+twentieth of that of a reading of 1 %. What a finer one would change is roughness, which counts."""
 
 _FEW_PULSES = 4.0
 """Most pulses of a low-fidelity simulation. Chosen: the first that is measured differs from the
@@ -83,15 +75,14 @@ class VelocityTable(SimulatedTable):
         With at least one trial.
     threads : int
     seed : int
-        Of the draws at which tolerances are judged, and of those of the errors.
+        Of the draws of the errors.
 
     Attributes
     ----------
     scenario : Scenario
-        What neither a condition nor a parameter sets, with the finest tolerance in use.
+        What neither a condition nor a parameter sets, with the tolerance in use.
     conditions : list of dict
-        Drive settings by dotted key, with ``solver.rtol``: the loosest tolerance whose error is far
-        below that of the data.
+        Drive settings by dotted key.
     stated : ndarray, shape (m,)
         Velocities of the stated model, with all constants at the middle of their priors, m/s; NaN
         where it has none.
@@ -110,7 +101,7 @@ class VelocityTable(SimulatedTable):
 
     def __init__(self, measurement: Measurement, *, threads: int = 1, seed: int = 0) -> None:
         self.name, self.unit = "velocity", "m/s"
-        self.scenario, self.threads = measurement.scenario, threads
+        self.scenario, self.threads = measurement.scenario.replace({"solver.rtol": RTOL}), threads
         uncertain = measurement.uncertain
         self.conditions, trials = _pooled(measurement.velocity)
         middle = np.array([[float(prior.value(0.0)) for prior in uncertain.values()]])
@@ -133,10 +124,6 @@ class VelocityTable(SimulatedTable):
         self.instruments = of_velocities(self.mean)
         self.places = _places(self.conditions)
         self.group = np.arange(len(self.conditions), dtype=np.int64)
-        rtol = self._loosest_tolerances(uncertain, seed)
-        self.scenario = self.scenario.replace({"solver.rtol": float(np.min(rtol))})
-        for condition, tolerance in zip(self.conditions, rtol.tolist(), strict=True):
-            condition["solver.rtol"] = tolerance
         keys = self.conditions[0]
         self.settings = {
             key: np.array([drive[key] for drive in self.conditions])[self.condition] for key in keys
@@ -151,7 +138,7 @@ class VelocityTable(SimulatedTable):
         return settings_of(self.conditions)
 
     def elsewhere(self, condition: int, over: str, places: Array) -> list[dict[str, Value]]:
-        drive = {k: v for k, v in self.conditions[condition].items() if k.startswith("drive.")}
+        drive = self.conditions[condition]
         return [{**drive, f"drive.{over}": place} for place in places.tolist()]
 
     def physics(self, names: Sequence[str], values: Array) -> Array:
@@ -161,7 +148,7 @@ class VelocityTable(SimulatedTable):
     def low_fidelity(self, names: Sequence[str], values: Array) -> Array:
         """By fewer pulses and a loose tolerance."""
         loose = [
-            {**drive, "solver.rtol": TOLERANCES[0],
+            {**drive, "solver.rtol": _LOOSE,
              "drive.pulses": min(self._pulses(drive), _FEW_PULSES)}
             for drive in self.conditions
         ]  # fmt: skip
@@ -213,34 +200,6 @@ class VelocityTable(SimulatedTable):
         trials = trials[sound[trials[:, 0].astype(np.int64)]]
         trials[:, 0] = np.unique(trials[:, 0], return_inverse=True)[1]
         return trials
-
-    def _loosest_tolerances(self, uncertain: Mapping[str, Prior], seed: int) -> Array:
-        """For each condition the loosest tolerance whose error is far below that of the data.
-
-        Judged against a tolerance a hundred times finer than the finest that is tried. Where the
-        motion is so sensitive that no tolerance is good enough, one suffices whose error is at most
-        1.5 times that of the finest.
-        """
-        random = np.random.default_rng([seed, 31])
-        draws = random.standard_normal((_VECTORS, len(uncertain)))
-        constants = zip(uncertain.values(), draws.T, strict=True)
-        values = np.array([prior.value(u) for prior, u in constants]).reshape(-1, _VECTORS).T
-        finest = min(float(self.scenario.get("solver.rtol")), TOLERANCES[-1])
-        tried = np.array([*(tolerance for tolerance in TOLERANCES if tolerance > finest), finest])
-
-        def velocities(rtol: float) -> Array:
-            exact = [{**drive, "solver.rtol": rtol} for drive in self.conditions]
-            return self.velocities(exact, list(uncertain), values)
-
-        truth = velocities(max(0.01 * finest, 1e-11))
-        apart = np.abs([velocities(rtol) - truth for rtol in tried.tolist()])
-        # Where nothing could be computed no tolerance is good.
-        apart[:, :, np.isnan(apart).all(axis=(0, 1))] = math.inf
-        errors = np.nanquantile(apart, _QUANTILE, axis=1)
-        allowed = np.maximum(_MODEL_ERROR * self.errors.sd, 1.5 * errors[-1])
-        good = errors <= allowed
-        good[-1] = True
-        return np.asarray(tried[np.argmax(good, axis=0)])
 
     # ------------------------------------------------------------------ what is wrong with it
     def problem(self, stated: Array, alone: bool = True) -> Note | None:
@@ -395,7 +354,7 @@ class VelocityTable(SimulatedTable):
 def settings_of(conditions: Conditions) -> Settings:
     """Settings of drives as a reader sees them."""
     known = known_keys()
-    names = [key for key in known if key in conditions[0] and key != "solver.rtol"]
+    names = [key for key in known if key in conditions[0]]
     columns = {
         key.removeprefix("drive."): ([drive[key] for drive in conditions], known[key].unit)
         for key in names

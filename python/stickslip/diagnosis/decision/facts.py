@@ -459,11 +459,7 @@ class Facts:
         assert self.measurement is not None
         if not pairs or not any(len(data.conditions) for data in self.measurement.velocity):
             return []
-        measured_at = [
-            {key: value for key, value in drive.items() if key.startswith("drive.")}
-            for drive in self._velocity.conditions
-        ]
-        drives = design.proposals(measured_at)
+        drives = design.proposals(self._velocity.conditions)
         level, covariance, noise = self._apart(candidates, drives)
         names = [candidate.name for candidate in candidates]
         return design.choose(drives, names, level, covariance, noise, count=count, pairs=pairs)
