@@ -201,14 +201,15 @@ def test_spans_are_what_the_runs_reach():
     assert FREE - set(alone) == absent
 
 
-def test_forms_of_the_simulator_compete_with_the_curve_that_is_fitted():
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_forms_of_the_simulator_compete_with_the_curve_that_is_fitted(seed):
     # Adhesion that grows with the age of a contact, beside the curve that was fitted to it.
     hidden = Law(quantity="adhesion", over="age", form="saturation", scale=4e-3, fraction=2.0)
     base = BASE.replace({"contact.adhesion": 1e-7})
     drives = [{"drive.frequency": f, "drive.mode": mode} for mode in ("IPP", "OPP")
               for f in (15.0, 25.0, 40.0, 60.0, 80.0, 100.0, 130.0, 160.0)]  # fmt: skip
     truth = [simulate(base.replace({**each, "laws.age": hidden})).mean_velocity for each in drives]
-    random = np.random.default_rng(1)
+    random = np.random.default_rng(seed)
     rows = [{"frequency": each["drive.frequency"], "mode": each["drive.mode"], "velocity": v}
             for each, at in zip(drives, truth, strict=True)
             for v in at + 2e-5 * random.standard_normal(4)]  # fmt: skip
