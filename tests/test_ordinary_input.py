@@ -106,6 +106,14 @@ def test_numbers_of_any_kind_are_the_same_numbers(door, kind):
     np.testing.assert_array_equal(make(SAME[kind](V)), make(V))
 
 
+@pytest.mark.parametrize("matrix", [V[:, None], V[None, :]], ids=["column", "row"])
+@pytest.mark.parametrize("door", sorted(DOORS.keys() - {"Table array", "Waveform", "Coils"}))
+def test_a_matrix_of_one_row_or_column_is_a_row(door, matrix):
+    # As MATLAB stores a vector. The doors that are left out take matrices.
+    make, _, _ = DOORS[door]
+    np.testing.assert_array_equal(make(matrix), make(V))
+
+
 @pytest.mark.parametrize("kind", GAPS)
 @pytest.mark.parametrize("door", DOORS)
 def test_a_gap_is_left_out_or_refused_with_its_row(door, kind):

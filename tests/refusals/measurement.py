@@ -118,7 +118,7 @@ GIVEN = [
      ['[uncertain] "robot.mass" = normal(', ": allowed"]),
 ]  # fmt: skip
 TRACKS = [
-    (T, T[1:], "t and x have the shapes"),
+    (T, T[1:], "x: 104 values; allowed are 105"),
     (T + np.nan, T, "no frame has both"),
     (T[:12], 1e-3 * T[:12], ["t = 0 to 0.11: 0 frames are in ", "0.15 to 1.05 s"]),
     (T[::15], 1e-3 * T[::15], ["5 frames are in ", "8 frames or more"]),

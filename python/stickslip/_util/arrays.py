@@ -140,6 +140,11 @@ def numbers(
     return locked(array)
 
 
+def flat(array: Elements) -> Elements:
+    """A matrix of one row or one column, as MATLAB stores each vector, as a vector."""
+    return array.reshape(-1) if array.ndim == 2 and 1 in array.shape else array
+
+
 def row(
     what: str,
     values: object,
@@ -150,7 +155,7 @@ def row(
 ) -> Array:
     """`numbers` of shape (n,), not empty; of shape (count,) where a count is given."""
     allowed = "one row of finite numbers"
-    array = numbers(what, values, allowed, unit=unit, gaps=gaps)
+    array = flat(numbers(what, values, allowed, unit=unit, gaps=gaps))
     if array.ndim != 1 or not len(array):
         refuse(what, values, allowed)
     if count is not None and len(array) != count:
@@ -164,7 +169,7 @@ def column(what: str, values: object, count: int) -> tuple[Elements, Mask]:
     It holds floats, with NaN in gaps, or texts or truths, which are labels, empty or False in gaps.
     """
     allowed = "numbers or texts"
-    given, missing = _elements(what, _without_unit(what, values, None), allowed)
+    given, missing = map(flat, _elements(what, _without_unit(what, values, None), allowed))
     if given.shape != (count,):
         raise ScenarioError(f"{what}: allowed are {count} rows, one for each reading")
     kind = _kind_of_all(what, given, missing, allowed)

@@ -8,7 +8,7 @@ import warnings
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip._util.arrays import Array, Mask, check_indexes, numbers
+from stickslip._util.arrays import Array, Mask, check_indexes, row
 from stickslip._util.messages import check_kind, refuse
 from stickslip.errors import ScenarioError
 from stickslip.measurement.outliers import far_from_a_fit, lost_frames, one_place_each
@@ -142,12 +142,8 @@ def _frames(
 ) -> tuple[Array, Array, tuple[float, float]]:
     """Frames of the robot in the order of time, s and m, and the whole pulses that they hold, s."""
     check_indexes("", {"t": t, "x": x})
-    times, places = numbers("t", t, unit="s", gaps=True), numbers("x", x, unit="m", gaps=True)
-    if times.ndim != 1 or times.shape != places.shape:
-        raise ScenarioError(
-            f"t and x have the shapes {times.shape} and {places.shape}: allowed is one number of "
-            "each for every frame"
-        )
+    times = row("t", t, unit="s", gaps=True)
+    places = row("x", x, len(times), unit="m", gaps=True)
     sound = np.isfinite(times) & np.isfinite(places)
     if not sound.any():
         raise ScenarioError("t and x: no frame has both: allowed are numbers in s and m")
