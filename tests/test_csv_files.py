@@ -246,20 +246,24 @@ def test_a_column_in_another_unit_is_converted(tmp_path, kind):
     names = lines[0].split(",")
     at = names.index(name)
 
-    def with_column(heading, n):
+    def with_column(heading, n, *below):
         rows = [each.split(",") for each in lines[1:-1]]
         changed = [
             [repr(float(c) * n) if k == at and float_or_word(c) else c for k, c in enumerate(row)]
             for row in rows
         ]
         head = ",".join([*names[:at], heading, *names[at + 1 :]])
-        return write(tmp_path / "a.csv", [head, *map(",".join, changed)])
+        return write(tmp_path / "a.csv", [head, *below, *map(",".join, changed)])
 
     plain, _ = read(with_column(name, 1.0))
     found, left_out = read(with_column(heading, n))
     # A decimal number times n and over n again is rounded twice, by half a last bit each.
     assert numbers_in(found) == pytest.approx(numbers_in(plain), rel=4e-16, abs=0.0)
     assert list(left_out) == []
+    for unit in (allowed, f"[{allowed}]"):
+        units = ",".join(unit if k == at else "" for k in range(len(names)))
+        below, _ = read(with_column(name, n, units))
+        assert numbers_in(below) == numbers_in(found)
     with pytest.raises(ScenarioError, match="the unit is not known; allowed are") as error:
         read(with_column(wrong, 1.0))
     assert allowed in str(error.value).split("allowed are ")[1].split(", ")

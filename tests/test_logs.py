@@ -51,6 +51,21 @@ def test_a_column_is_known_by_its_name_or_its_unit(headings, tmp_path):
     assert told == (["column-by-unit"] * 3 if headings == "units alone" else [])
 
 
+@pytest.mark.parametrize("begin", ["2026-11-27 23:59:58", "2026-11-27T23:59:58Z", "10:00:00"])
+def test_times_may_be_dates_or_clocks(begin, tmp_path):
+    first = np.datetime64(begin.strip("Z") if "-" in begin else f"1970-01-01T{begin}", "ms")
+    stamps = np.datetime_as_string(first + (1000 * T + 0.5).astype("timedelta64[ms]"))
+    shown = [each if "T" in begin else each.replace("T", " ") for each in stamps]
+    shown = [each if "-" in begin else each.split()[1] for each in shown]
+    columns = {"t": [f"{each}{begin[19:]}" for each in shown], "speed": np.cos(T), "torque": TORQUE}
+    log = models.read_log(write(tmp_path / "a.csv", columns), JOINT)
+    assert np.diff(log.t) == pytest.approx(np.diff(T), abs=1e-6)
+    columns["t"][3] = "10:61:00"
+    write(tmp_path / "a.csv", columns)
+    with pytest.raises(ScenarioError, match='line 5, column t = "10:61:00": allowed is a finite'):
+        models.read_log(tmp_path / "a.csv", JOINT)
+
+
 def test_what_a_log_lacks_or_has_besides_is_told(tmp_path):
     speed = [f"{each:.4f}" for each in np.cos(T)]
     speed[7] = "nan"

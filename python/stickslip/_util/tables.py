@@ -20,7 +20,7 @@ from stickslip._util.arrays import Array
 from stickslip._util.files import read_bytes, replacing
 from stickslip._util.messages import nearest, refuse, shown
 from stickslip._util.text import comma_hint, number
-from stickslip._util.units import per_si, split_unit, to_si
+from stickslip._util.units import is_unit, per_si, split_unit, to_si
 from stickslip.errors import ScenarioError, prefixed
 
 if TYPE_CHECKING:
@@ -106,7 +106,7 @@ class CsvTable:
     Commas, semicolons or tabs separate the cells; a first line such as ``sep=;`` says which. Lines
     above the header that begin with # are comments. If the first other line has a number, the
     header is the last of them that has as many cells, names one of `columns` and has no number, as
-    `numpy.savetxt` writes it.
+    `numpy.savetxt` writes it. A row of units below the names belongs to them.
 
     Parameters
     ----------
@@ -159,6 +159,7 @@ class CsvTable:
             self._take_header(comments, columns, (at, line), lines)
         if not self.line:
             self.line, self.header = next(self._rows)
+        self._take_units()
         if len(self.header) == 1 and " " in split_unit(self.header[0])[0]:
             names = textwrap.shorten(self.header[0], 60, placeholder=" ...")
             raise ScenarioError(
@@ -184,6 +185,21 @@ class CsvTable:
                 self.line, self.header = at, names
                 self._rows = self._parsed(itertools.chain(comments[k + 1 :], [first], below))
                 return
+
+    def _take_units(self) -> None:
+        """Join a row of units below the names with them."""
+        below = next(self._rows, None)
+        if below is None:
+            return
+        units = [cell.strip("()[] ") for cell in below[1]]
+        if any(map(is_unit, units)) and not any(map(_is_number, units)):
+            pairs = itertools.zip_longest(self.header, units, fillvalue="")
+            self.header = [
+                f"{name} ({unit})" if unit and split_unit(name)[1] is None else name
+                for name, unit in pairs
+            ]
+        else:
+            self._rows = itertools.chain([below], self._rows)
 
     def rows(self) -> Iterator[tuple[int, list[str]]]:
         """Line and cells of each row that has any, without the spaces around the cells.

@@ -81,6 +81,11 @@ def per_si(unit: str, si: str) -> float:
     return known[unit]
 
 
+def is_unit(text: str) -> bool:
+    """Whether a text is a unit of a file."""
+    return any(text in _known(si) for si in {*_OTHERS, *_SHOWN, "A", "Hz", "V", "W"})
+
+
 def same_unit(unit: str, si: str) -> bool:
     """Whether a unit is an SI unit under any of its names."""
     return _known(si).get(unit) == 1.0

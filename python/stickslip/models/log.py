@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Collection, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
@@ -25,6 +26,7 @@ _TIME, _ERROR = "t", "sd"
 _ALSO = {_TIME: ("time",), _ERROR: ("error",)}  # what columns are called, too
 _JUMP = 20.0
 """Steps of a clock that has jumped. Chosen: a link loses a few readings, and a break loses many."""
+_ISO = re.compile(r"(\d{4}-\d\d-\d\d[T ])?\d\d:\d\d(:\d\d([.,]\d+)?)?Z?")
 _CUT = "cut the log into two files there"
 
 
@@ -74,7 +76,8 @@ def read_log(path: str | PathLike[str], model: object) -> Series:
 
     A column is known by its name, in whatever case, and else by its unit, where it is the only one
     of it: the time, what is read, and the first input. ``speed (rpm)`` is converted. A column
-    ``sd`` has the error of each reading. Rows without a reading are left out.
+    ``sd`` has the error of each reading. Times may be dates or clocks, ``2026-05-01 12:00:00.25``.
+    Rows without a reading are left out.
 
     Parameters
     ----------
@@ -181,12 +184,13 @@ def _values(
     """Columns by name, NaN where a reading is missing; the last row may be cut off."""
     width, rows = len(table.header), list(table.rows)
     strict = [name for name in used if name not in (wanted.reads, _ERROR)]
+    read = {name: _seconds if name == _TIME else _number for name in used}
 
     def wrong(cells: list[str]) -> str | None:
         """A column without a number, or "" of a row of another length."""
         if len(cells) != width:
             return ""
-        bad = (name for name in strict if math.isnan(number(cells[used[name]], LARGEST)))
+        bad = (name for name in strict if math.isnan(read[name](cells[used[name]])))
         return next(bad, None)
 
     if len(rows) > 1 and wrong(rows[-1][1]) is not None:
@@ -205,10 +209,26 @@ def _values(
                 f"{at}, column {name} = {cell}: allowed is a finite number: write it, or {_CUT}"
             )
     columns = {
-        name: np.array([number(cells[k], LARGEST) for _, cells in rows]) for name, k in used.items()
+        name: np.array([read[name](cells[k]) for _, cells in rows]) for name, k in used.items()
     }
     _check_clock(table, [line for line, _ in rows], columns[_TIME])
     return columns
+
+
+def _number(cell: str) -> float:
+    return number(cell, LARGEST)
+
+
+def _seconds(cell: str) -> float:
+    """A time, s, as a number or as ISO 8601 writes a date or a clock; NaN if it is none."""
+    if not _ISO.fullmatch(cell):
+        return _number(cell)
+    stamp = cell.replace(",", ".").removesuffix("Z")
+    try:
+        since = np.datetime64(stamp if "-" in cell else f"1970-01-01T{stamp}", "us")
+    except ValueError:
+        return math.nan
+    return float((since - np.datetime64(0, "us")) / np.timedelta64(1, "s"))
 
 
 def _check_clock(table: Rows, lines: Sequence[object], t: Array) -> None:
