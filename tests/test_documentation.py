@@ -19,7 +19,7 @@ from test_reference_agreement import AGREEMENT, SCENARIOS
 
 sys.path.append(str(ROOT / "bench"))
 from blind import own
-from blind.scoring import read
+from blind.scoring import Case, read
 from blind.study import lines
 
 MEASURED = DOCS / "measured"
@@ -147,8 +147,24 @@ def measured_words():
         f" {claimed['unlisted'] or 'none'}, and of {len(nothing)} with nothing hidden in"
         f" {claimed['nothing'] or 'none'}.",
     ]
-    walkers = read(STUDY)
-    (former,) = {row["state"]["commit"] for row in walkers}
+    record = read(STUDY)
+    (judged,) = {row["state"]["commit"] for row in record}
+    walkers = [case for case in map(Case, record) if case.counted]
+    hiding, other, empty = (
+        [case for case in walkers if case.group == each]
+        for each in ("listed", "unlisted", "nothing")
+    )
+    correct = sum(case.any_claim and case.causes <= case.all_hidden for case in hiding)
+    counts_of_walkers = [
+        f"{len(record)} sets of walkers, as of commit `{judged}`",
+        f"Of {len(hiding)} with hidden causes or constants that are listed it claims such ones in"
+        f" {correct}, and another in {sum(case.any_claim for case in hiding) - correct or 'none'}; in"
+        f" {sum(case.ambiguous and case.in_set for case in hiding)} more it gives a set that holds"
+        " them.",
+        f"Of {len(other)} whose cause is not listed it claims a listed one in"
+        f" {sum(case.any_claim and not case.place_right for case in other) or 'none'}, and of"
+        f" {len(empty)} with nothing hidden in {sum(case.any_claim for case in empty) or 'none'}.",
+    ]
     return {
         "README.md": [
             f"within {100 * AGREEMENT:g} % in velocity in each of {len(SCENARIOS)} different walks",
@@ -164,7 +180,7 @@ def measured_words():
         ],
         "docs/accuracy.md": [
             *counts,
-            f"{len(walkers)} sets of walkers are judged, by the engine as of commit `{former}`",
+            *counts_of_walkers,
             f"none is claimed wrongly; {len(true)} of {len(sure)} end right or as a set",
         ],
         "docs/howto/diagnose.md": [

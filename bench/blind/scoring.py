@@ -81,10 +81,22 @@ class Case:
     alike = property(lambda self: bool(self.answer["cosine"] >= ALIKE))
 
     @property
+    def all_hidden(self) -> set[str]:
+        """The causes and constants that are hidden, a model error too."""
+        return self.truth | set(self.answer["hidden"])
+
+    @property
+    def group(self) -> str:
+        """Whether something ``listed`` or ``unlisted`` is hidden, or ``nothing``."""
+        family = KINDS[self.kind].family
+        if family.startswith("none") or family == "shuffled":
+            return "nothing"
+        return "listed" if self.truth else "unlisted"
+
+    @property
     def right_beside_error(self) -> bool:
         """A claim that has the cause beside a model error, which may be a second cause itself."""
-        hidden = self.truth | set(self.answer["hidden"])
-        return self.any_claim and self.truth <= self.causes <= hidden
+        return self.any_claim and self.truth <= self.causes <= self.all_hidden
 
     @property
     def structure_blamed(self) -> bool:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import click
-from blind import own, study
+from blind import own, scoring, study
 from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
@@ -20,7 +20,8 @@ from stickslip.scenario.keys import Key, known_keys
 from stickslip.simulation.note_table import TABLE, tomllib
 
 MEASURED = Path(__file__).parents[1] / "measured"
-OWN = Path(own.__file__).parent / "study" / "own.jsonl"
+STUDIES = {"own": (study.HERE / "study" / "own.jsonl", own.tables),
+           "walkers": (study.HERE / "study" / study.RECORD, scoring.table)}  # fmt: skip
 
 
 def _markdown_table(header: list[str], rows: list[list[str]]) -> str:
@@ -188,12 +189,15 @@ class BenchResults(SphinxDirective):
         return [nodes.container("", *parsed, classes=["measured"])]
 
 
-class OwnStudy(SphinxDirective):
-    """The counts of the blind study of models of one's own."""
+class Study(SphinxDirective):
+    """The counts of the blind study of models of one's own, or of walkers."""
+
+    required_arguments = 1
 
     def run(self) -> list[nodes.Node]:
-        self.env.note_dependency(str(OWN))
-        parsed = self.parse_text_to_nodes(own.tables(list(study.lines(OWN))))
+        path, tables = STUDIES[self.arguments[0]]
+        self.env.note_dependency(str(path))
+        parsed = self.parse_text_to_nodes(tables(list(study.lines(path))))
         return [nodes.container("", *parsed, classes=["measured"])]
 
 
@@ -331,5 +335,5 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.add_directive("report-keys", ReportKeys)
     app.add_directive("result-table", ResultTable)
     app.add_directive("bench-results", BenchResults)
-    app.add_directive("own-study", OwnStudy)
+    app.add_directive("study", Study)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}
