@@ -126,28 +126,6 @@ def test_the_prior_prefers_a_smooth_law_to_a_rough_one_of_the_same_size():
     assert np.exp(-25.0) < large < np.exp(-8.0)
 
 
-@pytest.mark.parametrize("size", [0.5, 2.0])
-def test_a_smooth_law_lies_about_its_curve_as_far_as_is_said(size):
-    # Laws of a process as smooth as the prior has it; what its curve leaves of them is known.
-    curve = free_law("friction", "speed", "m/s", 1.0, 3.0).curve
-    u = np.linspace(1.0, 3.0, 61)
-    alike = np.exp(-0.5 * (np.subtract.outer(u, u) / 2.0 / LENGTHS[0]) ** 2) + 1e-10 * np.eye(61)
-    drawn = size * np.random.default_rng(2).standard_normal((300, 61)) @ np.linalg.cholesky(alike).T
-    design = curve.design(u)
-    inverse = np.linalg.pinv(design).T
-    knots = drawn @ inverse
-    off, said = drawn - knots @ design.T, [curve.between_knots(u, each) for each in knots]
-    # Five knots tell the size to a neighbour in its grid, 4 times or a fourth in variance; half of
-    # each makes 2.5, and 0.6.
-    ratio = np.mean([np.trace(each) for each in said]) / np.mean(np.sum(off**2, axis=1))
-    assert 0.6 < ratio < 2.5
-    largest = np.max(np.abs(off) / np.sqrt([np.diag(each) for each in said]), axis=1)
-    # In its standard deviations the largest of some five free directions is within 3.
-    assert np.mean(largest < 3.0) > 0.8
-    # There is nothing in it of what knots can do.
-    assert np.max(np.abs(said[0] @ inverse)) < 1e-9
-
-
 # ---------------------------------------------------------------------------------- the simulator
 def test_the_curve_is_the_law_of_the_core():
     span = 0.01

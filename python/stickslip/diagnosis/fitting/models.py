@@ -106,7 +106,6 @@ def minimise(
     h: Array | None = None,
     slopes: Array | None = None,
     hopeless: float = math.inf,
-    steps: int = 10,
 ) -> Asking[Fit]:
     """Fit a model from `x`: its coordinates in the inner product of h, and h at the coordinates.
 
@@ -114,7 +113,7 @@ def minimise(
     """
     causes = tuple(sorted(causes, key=lambda cause: cause.name))
     free, precision = problem.free(causes), precision_of(problem, causes)
-    end, reached = None, -math.inf
+    end, reached, steps = None, -math.inf, 10
     if h is None:
         (residual,) = yield x[None, :], False
         h = form.begin(residual)

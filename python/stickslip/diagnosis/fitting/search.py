@@ -30,7 +30,7 @@ from stickslip.diagnosis.fitting.descent import (
     precision_of,
 )
 from stickslip.diagnosis.fitting.draws import FEWEST, drawn
-from stickslip.diagnosis.fitting.forms import PRIOR, Form, Softened, forms
+from stickslip.diagnosis.fitting.forms import Form, Softened, forms
 from stickslip.diagnosis.fitting.models import Fit, linear, log_prior, minimise, sharpened
 from stickslip.diagnosis.fitting.problem import Problem, lack_of_fit
 from stickslip.diagnosis.fitting.responses import FINE, USUAL, Response, responses
@@ -105,12 +105,10 @@ class Start:
 class Models:
     """The best fit of each model, by the names of its causes and its form."""
 
-    def __init__(
-        self, problem: Problem, offered: Sequence[Cause], wanted: Sequence[str] = tuple(PRIOR)
-    ) -> None:
+    def __init__(self, problem: Problem, offered: Sequence[Cause]) -> None:
         self.problem, self.offered = problem, tuple(offered)
         self._odds = sum(cause.odds for cause in offered)
-        self.forms: dict[str, Form] = forms(problem, wanted)
+        self.forms: dict[str, Form] = forms(problem)
         self.best: dict[tuple[frozenset[str], str], Fit] = {}
         self.begun = 0  # fits so far
         # The linear model of another form about a fit, None where there is none.

@@ -130,33 +130,8 @@ class Curve(OneLine):
 
     def precisions(self) -> list[Array]:
         """Inverse prior covariances of the knots' coordinates, one for each size and length."""
+        apart = np.subtract.outer(self.places, self.places) / (self.high - self.low)
         nugget = _NUGGET * np.eye(len(self.places))
-        inverse = [np.linalg.inv(self._alike(self.places, length) + nugget) for length in LENGTHS]
+        alike = [np.exp(-0.5 * (apart / length) ** 2) + nugget for length in LENGTHS]
+        inverse = [np.linalg.inv(matrix) for matrix in alike]
         return [np.asarray(matrix / size**2) for size in SIZES for matrix in inverse]
-
-    def between_knots(self, argument: Array, knots: Array) -> Array:
-        """Covariance of a smooth law about the curve that fits it best, shape (points, points).
-
-        The knots' own covariance does not have it: a law may bend between them. It is what the
-        curve's least squares leave of a process, averaged over the sizes and lengths by how likely
-        each makes the knots (Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006,
-        section 4.2).
-
-        Parameters
-        ----------
-        argument : ndarray, shape (points,)
-            Evenly over the range.
-        knots : ndarray, shape (knots,)
-            Their coordinates. The covariance is in squares of the knots' usual size.
-        """
-        logs = [np.linalg.slogdet(inner)[1] - knots @ inner @ knots for inner in self.precisions()]
-        share = np.exp(0.5 * (np.array(logs) - max(logs))).reshape(len(SIZES), len(LENGTHS))
-        share *= np.square(SIZES)[:, None] / np.sum(share)
-        design = self.design(argument)
-        left = np.eye(len(argument)) - design @ np.linalg.pinv(design)
-        law = [self._alike(argument, length) for length in LENGTHS]
-        return np.asarray(left @ np.tensordot(np.sum(share, axis=0), law, 1) @ left.T)
-
-    def _alike(self, argument: Array, length: float) -> Array:
-        apart = np.subtract.outer(argument, argument) / (self.high - self.low)
-        return np.asarray(np.exp(-0.5 * (apart / length) ** 2))

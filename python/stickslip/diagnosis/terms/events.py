@@ -4,11 +4,9 @@ Each public function but `edge` makes a `stickslip.Cause` for data in time (`sti
 They share these parameters:
 
 size : float
-    Usual height, above 0, in `unit`; its sign is free.
+    Usual height, above 0, in `unit`; its sign is free. Heights of up to 30 times it are searched.
 begin, end : float
     Times between which it happens, s.
-largest : float
-    Largest height that is searched, to both sides; 30 times `size`, if not given.
 unit : str
     Of what is changed.
 input : str
@@ -48,14 +46,13 @@ def step(
     begin: float,
     end: float,
     *,
-    largest: float | None = None,
     unit: str = "-",
     input: str | None = None,
     table: str | None = None,
     name: str = "step",
 ) -> Cause:
     """A change that stays: ``height`` is added from ``time``, s, on."""
-    height = _height(name, unit, size, largest)
+    height = _height(name, unit, size)
     time = _time(name, begin, end)
 
     def read(values: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
@@ -74,7 +71,6 @@ def pulse(
     end: float,
     longest: float,
     *,
-    largest: float | None = None,
     unit: str = "-",
     input: str | None = None,
     table: str | None = None,
@@ -90,7 +86,7 @@ def pulse(
     """
     if not is_number(longest) or not 0.0 < longest < math.inf:
         refuse("longest", longest, "a time above 0, s")
-    height, time = _height(name, unit, size, largest), _time(name, begin, end)
+    height, time = _height(name, unit, size), _time(name, begin, end)
     length = Parameter(
         f"{name}.length", Prior("log-uniform", longest / 100.0, longest), unit="s", cause=False
     )
@@ -117,8 +113,8 @@ def edge(table: Table, time: Array) -> Array:
     return np.asarray(at**2 * (3.0 - 2.0 * at))
 
 
-def _height(name: str, unit: str, size: float, largest: float | None) -> Parameter:
-    end = LARGEST_ERROR * size if largest is None else largest
+def _height(name: str, unit: str, size: float) -> Parameter:
+    end = LARGEST_ERROR * size
     return Parameter(f"{name}.height", unit=unit, low=-end, high=end, size=size)
 
 

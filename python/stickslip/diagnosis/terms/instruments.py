@@ -9,9 +9,7 @@ predictions, one after another in the order of the causes::
 They share these parameters:
 
 size : float
-    Usual size of the error, above 0.
-largest : float
-    Largest size that is searched, to both sides; 30 times `size`, if not given.
+    Usual size of the error, above 0. Errors of up to 30 times it are searched.
 rows : array_like or slice
     Rows that are read, of those without a gap: indices, or a mask of shape (m,).
 table : str
@@ -65,18 +63,20 @@ _SOUND = 0.98
 def scale(
     size: float = 0.02,
     *,
-    largest: float = 0.5,
     rows: Rows = _EVERY,
     table: str | None = None,
     name: str = "scale",
 ) -> Cause:
-    """A wrong calibration: readings are (1 + ``error``) times what they should be."""
+    """A wrong calibration: readings are (1 + ``error``) times what they should be.
+
+    Errors of up to a half are searched.
+    """
     error = f"{name}.error"
 
     def read(readings: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
         return _changed(readings, rows, _some(readings, rows) * (1.0 + p[error]))
 
-    parameter = Parameter(error, low=-largest, high=largest, size=size)
+    parameter = Parameter(error, low=-0.5, high=0.5, size=size)
     return Cause(name, (parameter,), "a wrong scale of the readings", read=read, table=table)
 
 
@@ -85,7 +85,6 @@ def offset(
     unit: str,
     size: float,
     *,
-    largest: float | None = None,
     rows: Rows = _EVERY,
     table: str | None = None,
     name: str = "offset",
@@ -94,7 +93,7 @@ def offset(
 
     A turned camera or marker is ``offset("rad", 0.03)``.
     """
-    parameter = _either_way(f"{name}.shift", unit, size, largest)
+    parameter = _either_way(f"{name}.shift", unit, size)
 
     def read(readings: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
         return _changed(readings, rows, _some(readings, rows) + p[parameter.name])
@@ -141,7 +140,6 @@ def clipping(
 def lag(
     size: float,
     *,
-    largest: float | None = None,
     input: str | None = None,
     table: str | None = None,
     name: str = "lag",
@@ -150,8 +148,7 @@ def lag(
 
     Between two readings what lags is linear; before the first it is at rest.
     """
-    end = LARGEST_ERROR * size if largest is None else largest
-    time = Parameter(f"{name}.time", unit="s", low=0.0, high=end, size=size)
+    time = Parameter(f"{name}.time", unit="s", low=0.0, high=LARGEST_ERROR * size, size=size)
 
     def read(values: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
         gap = np.diff(_in_time(table, name).t)
@@ -177,7 +174,6 @@ def delay(
     times: ArrayLike | None = None,
     size: float | None = None,
     *,
-    largest: float | None = None,
     curve: ArrayLike | None = None,
     input: str | None = None,
     rows: Rows = _EVERY,
@@ -202,7 +198,7 @@ def delay(
     if size is None:
         refuse("size", size, "a number above 0")
     if times is None:
-        return _delay_in_time(size, largest, input, table, name)
+        return _delay_in_time(size, input, table, name)
     check_indexes("", {"times": times, "curve": curve})
     at = row("times", times, unit="s")
     of = np.zeros(len(at), dtype=int) if curve is None else labels("curve", curve, len(at))
@@ -210,7 +206,7 @@ def delay(
     curves = [rows_of[np.argsort(at[rows_of], kind="stable")] for rows_of in curves]
     if any(len(rows_of) < 2 or not np.all(np.diff(at[rows_of]) > 0.0) for rows_of in curves):
         raise ScenarioError("times: allowed are two or more of each curve, all different")
-    parameter = _either_way(f"{name}.time", "s", size, largest)
+    parameter = _either_way(f"{name}.time", "s", size)
 
     def read(readings: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
         some, delays = _some(readings, rows), p[parameter.name][:, 0]
@@ -226,11 +222,9 @@ def delay(
     return Cause(name, (parameter,), "a delay of the readings", read=read, table=table)
 
 
-def _delay_in_time(
-    size: float, largest: float | None, input: str | None, table: str | None, name: str
-) -> Cause:
+def _delay_in_time(size: float, input: str | None, table: str | None, name: str) -> Cause:
     """A delay of the readings, or of an input, of a `stickslip.Series`."""
-    parameter = _either_way(f"{name}.time", "s", size, largest)
+    parameter = _either_way(f"{name}.time", "s", size)
 
     def read(values: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
         t, delays = _in_time(table, name).t, p[parameter.name][:, 0]
@@ -288,6 +282,8 @@ def marker_place(
         Rows of the predicted angles that belong to them, rad.
     angle : array_like, shape (number of rows,), optional
         The angles themselves, rad, where they are known and not predicted.
+    largest : float, optional
+        Largest distance that is searched, to all sides, m; 30 times `size`, if not given.
     """
     if (theta is None) == (angle is None):
         raise ScenarioError("theta, angle: allowed is one of them")
