@@ -169,15 +169,14 @@ class Measurement(OneLine):
             With one line, if a column is missing or like a known one, a row with a velocity is not
             sound, no row has one, or all trials are in the measurement already.
         """
-        units = velocity_units()
-        files = (Path(table),) if isinstance(table, str | PathLike) else ()
-        in_memory = with_index_columns(table)
-        rows = read_rows(*files, units) if files else rows_of_frame(in_memory, units)
+        units, files = velocity_units(), self.files
+        if isinstance(table, str | PathLike):
+            rows, files = read_rows(Path(table), units), (*files, Path(table))
+        else:
+            rows = rows_of_frame(with_index_columns(table), units)
         data, lost = read_new_trials(rows, self.scenario, self.velocity)
-        return replace(
-            self, velocity=(*self.velocity, data), left_out=(*self.left_out, *lost),
-            files=(*self.files, *files),
-        )  # fmt: skip
+        velocity, left_out = (*self.velocity, data), (*self.left_out, *lost)
+        return replace(self, velocity=velocity, left_out=left_out, files=files)
 
 
 def read_measurement(path: str | PathLike[str]) -> Measurement:
