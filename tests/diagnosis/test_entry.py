@@ -51,12 +51,6 @@ def test_the_result_does_not_depend_on_threads_and_little_on_the_seed(table, sou
     assert (moved < 0.2 * result.params["sd"]).all()
 
 
-def test_a_tolerance_that_the_diagnosis_chose_is_not_noted(table):
-    first = problem_of(measurement(table), threads=1).tables[0]
-    first.conditions[0]["solver.rtol"] = 1e-4
-    assert "tolerance" not in [each.code for each in first.remarks()]
-
-
 # ---------------------------------------------------------------------------------- the problem
 def test_a_measurement_poses_its_tables_constants_and_instruments(table):
     posed = problem_of(measurement(table), threads=1)

@@ -28,9 +28,9 @@ from stickslip.sweeping.points import encoded, from_changes
 Conditions = Sequence[Mapping[str, Value]]
 """Drive settings by dotted key, of each condition."""
 
-RTOL, _LOOSE = 1e-6, 1e-4
-"""Relative tolerance of a simulation, and of one of low fidelity. Chosen: its error is below a
-twentieth of that of a reading of 1 %. What a finer one would change is roughness, which counts."""
+_RTOL, _LOOSE = 1e-6, 1e-4
+"""Relative tolerances of a simulation and of one of low fidelity. Chosen: the error of the first is
+below a twentieth of that of a reading of 1 %. Where it is larger it counts as roughness."""
 
 _FEW_PULSES = 4.0
 """Most pulses of a low-fidelity simulation. Chosen: the first that is measured differs from the
@@ -80,7 +80,7 @@ class VelocityTable(SimulatedTable):
     Attributes
     ----------
     scenario : Scenario
-        What neither a condition nor a parameter sets, with the tolerance in use.
+        What neither a condition nor a parameter sets, with the tolerance of the simulations.
     conditions : list of dict
         Drive settings by dotted key.
     stated : ndarray, shape (m,)
@@ -101,7 +101,7 @@ class VelocityTable(SimulatedTable):
 
     def __init__(self, measurement: Measurement, *, threads: int = 1, seed: int = 0) -> None:
         self.name, self.unit = "velocity", "m/s"
-        self.scenario, self.threads = measurement.scenario.replace({"solver.rtol": RTOL}), threads
+        self.scenario, self.threads = measurement.scenario.replace({"solver.rtol": _RTOL}), threads
         uncertain = measurement.uncertain
         self.conditions, trials = _pooled(measurement.velocity)
         middle = np.array([[float(prior.value(0.0)) for prior in uncertain.values()]])
@@ -233,15 +233,11 @@ class VelocityTable(SimulatedTable):
         return notes + self._notes_of_runs()
 
     def _notes_of_runs(self) -> list[Note]:
-        """What the stated model's runs at the measured conditions are noted for.
-
-        Not for the tolerance, which was chosen here.
-        """
+        """What the stated model's runs at the measured conditions are noted for."""
         points = from_changes(self.scenario, self.conditions)
         rows = points.rows(np.arange(points.count))
         columns, _ = _core.sweep(points.scenario.to_core(), points.keys, rows, self.threads)
-        notes = notes_of(points, columns, "conditions")
-        return [note for note in notes if note.code != "tolerance"]
+        return notes_of(points, columns, "conditions")
 
     def _wrong_size(self) -> Note | None:
         """Velocities of another size than the stated model's, or all of the opposite sign."""
@@ -305,7 +301,10 @@ class VelocityTable(SimulatedTable):
         return None
 
     def _drift(self) -> Note | None:
-        """Velocities that change with time, and by which part; of blocks it is no drift."""
+        """Velocities that change with time; what differs between blocks is no drift.
+
+        The value is the part by which they change from the first trial to the last.
+        """
         parameters = self.errors.sizes
         moves = np.bincount(self.condition, self.y != 0.0) > 0
         used = np.isfinite(self.sequence) & moves[self.condition]
