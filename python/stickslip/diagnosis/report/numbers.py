@@ -562,6 +562,7 @@ def _gain(facts: Facts) -> dict[str, Any] | None:
     if gain is None:
         return None
     entry, best, records = asdict(gain), -math.inf, []
+    entry["interval"] = list(gain.interval)
     for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
         if not table.drawable:
             continue
