@@ -66,7 +66,7 @@ def precision_of(problem: Problem, causes: Sequence[Cause]) -> Array:
 
 
 def costs_of(form: Form, h: Array, free: Array, precision: Array, residual: Array) -> Array:
-    """Misfit of residuals, (vectors, n), and prior of the free coordinates `own`, (vectors, k)."""
+    """Misfit of residuals, (vectors, n), and prior of the free coordinates, (vectors, k)."""
     return np.asarray(form.cost(residual, h) + np.einsum("vi,ij,vj->v", free, precision, free))
 
 
@@ -118,8 +118,8 @@ def descend(
 
     Without `draft`, softened forms use the problem's draft, and others do not. `begin` is an end at
     `x` of the same model, whose residual and slopes are taken over; `slopes` are some that were
-    found near by. A descent ends where steps like the last one, or as the next one promises, would
-    not bring it below `hopeless`.
+    found near by. A descent ends where its last steps, each half as good as the last one or as the
+    next one promises, would not bring it below `hopeless`.
     """
     free = problem.free(causes)
     draft = isinstance(form, Softened) and form.is_soft if draft is None else draft
@@ -148,7 +148,7 @@ def descend(
         stuck = ((x[free] <= low) & (downhill < 0.0)) | ((x[free] >= high) & (downhill > 0.0))
         if count and now > hopeless:
             promised = float(downhill @ _step(curvature, downhill, stuck, 0.0))
-            # Falls become smaller: those of the steps that are left count for half of them.
+            # Falls become smaller: each step that is left counts for half of one like these.
             if now - 0.5 * (steps - count) * max(fall, promised) > hopeless:
                 break
         fall, there, made = -np.inf, x, residual
