@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stickslip import COIL_NAMES, Drive, Scenario, Waveform, simulate
+from stickslip import COIL_NAMES, Accelerations, Drive, Scenario, Waveform, simulate
 from stickslip.simulation.scenario_notes import field_swing, scenario_notes
 
 WEIGHT = 25.6e-9 * 9.81
@@ -65,6 +65,7 @@ def test_nonsense_gets_a_note(changes, code, value):
         # What shakes it is not the field.
         {"drive.base": 2.5e-3, "shake.amplitude_x": 1e-6, "shake.frequency": 100.0},
         {"drive.base": 2.5e-3, "shake.amplitude_z": 1e-6, "shake.frequency": 100.0},
+        {"drive.base": 2.5e-3, "shake.accelerations": Accelerations([[0, 1, 0], [1e-2, -1, 0]])},
         {"drive.base": 2.5e-3, "inner.mass": 1e-9, "inner.stiffness": 1.0},
     ],
 )

@@ -36,6 +36,7 @@ function factsOf(changes, run) {
     downhill: run.mean_velocity * Math.sign(slope),
     swing: of("drive.peak") - of("drive.base"),
     middle_field: 0.5 * (of("drive.base") + of("drive.peak")),
+    shaken: Number(["shake.amplitude_x", "shake.amplitude_z", "inner.mass"].some((key) => of(key) > 0)),
     measured_pulses: pulses >= 4 ? pulses - 3 : pulses,
     step: run.status === "ok" ? Math.abs(forward) * pulse : NaN,
     advance: run.status === "ok" ? forward * pulse : NaN,

@@ -83,7 +83,7 @@ class Facts:
 
 def _of_scenario(scenario: Scenario) -> dict[str, Any]:
     robot, drive, contact = scenario.robot, scenario.drive, scenario.contact
-    pull = robot.mass * scenario.environment.gravity
+    shake, pull = scenario.shake, robot.mass * scenario.environment.gravity
     pulsed = drive.mode != "program"
     volume = robot.length * robot.width * robot.height
     tilt = abs(float(scenario.get("effects.surface_tilt.angle")))
@@ -100,6 +100,9 @@ def _of_scenario(scenario: Scenario) -> dict[str, Any]:
         "slope_hold": contact.static_friction * pressed,
         "swing": drive.peak - drive.base if pulsed else math.inf,
         "middle_field": 0.5 * (drive.base + drive.peak),
+        # By the surface or by a mass inside; a table has no amplitude.
+        "shaken": shake.accelerations is not None
+        or max(shake.amplitude_x, shake.amplitude_z, scenario.inner.mass) > 0.0,
         "measured_pulses": pulses_measured(drive.pulses) if pulsed else 0,
     }
 
