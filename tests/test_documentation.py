@@ -154,16 +154,18 @@ def measured_words():
         [case for case in walkers if case.group == each]
         for each in ("listed", "unlisted", "nothing")
     )
-    correct = sum(case.any_claim and case.causes <= case.all_hidden for case in hiding)
+    claims = sum(case.any_claim for case in hiding)
+    right_ones = sum(case.any_claim and case.causes <= case.all_hidden for case in hiding)
+    in_sets = sum(case.ambiguous and case.in_set for case in hiding)
+    wrong_ones = sum(case.any_claim and not case.place_right for case in other)
     counts_of_walkers = [
         f"{len(record)} sets of walkers, as of commit `{judged}`",
         f"Of {len(hiding)} with hidden causes or constants that are listed it claims such ones in"
-        f" {correct}, and another in {sum(case.any_claim for case in hiding) - correct or 'none'}; in"
-        f" {sum(case.ambiguous and case.in_set for case in hiding)} more it gives a set that holds"
-        " them.",
+        f" {right_ones}, and others in {claims - right_ones or 'none'}; in {in_sets} more it gives"
+        " a set that holds them.",
         f"Of {len(other)} whose cause is not listed it claims a listed one in"
-        f" {sum(case.any_claim and not case.place_right for case in other) or 'none'}, and of"
-        f" {len(empty)} with nothing hidden in {sum(case.any_claim for case in empty) or 'none'}.",
+        f" {wrong_ones or 'none'}, and of {len(empty)} with nothing hidden in"
+        f" {sum(case.any_claim for case in empty) or 'none'}.",
     ]
     return {
         "README.md": [

@@ -7,6 +7,7 @@ contains.
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -169,11 +170,8 @@ class Models:
     def linear(self, about: Fit, form: str) -> Fit | None:
         """The model with another form of the discrepancy as it is about a fit; it is kept."""
         if (about, form) not in self._linear:
-            try:
-                fit = linear(self.problem, self.forms[form], about.causes, about.end)
-            except np.linalg.LinAlgError:
-                fit = None
-            self._linear[about, form] = fit
+            fits = _linear(self.problem, self.forms[form], about.causes, about.end)
+            self._linear[about, form] = next(fits, None)
         return self._linear[about, form]
 
     def leaders(self, count: int | None = None, form: str | None = None) -> list[Fit]:
@@ -199,6 +197,12 @@ class Models:
             )  # fmt: skip
         except np.linalg.LinAlgError:
             return None
+
+
+def _linear(problem: Problem, form: Form, causes: Sequence[Cause], end: End) -> Iterator[Fit]:
+    """The linear model about an end, unless it is singular there."""
+    with contextlib.suppress(np.linalg.LinAlgError):
+        yield linear(problem, form, causes, end)
 
 
 def _is_near_data(problem: Problem, residual: Array) -> bool:
@@ -355,7 +359,8 @@ def screened(models: Models, effects: Sequence[Response]) -> None:
         ends.setdefault((effect.cause,), End(null.x, null.residual, effect.slopes, math.nan))
     for form in models.forms.values():
         for causes, end in ends.items():
-            models.add(linear(problem, form, causes, end))
+            for fit in _linear(problem, form, causes, end):
+                models.add(fit)
 
 
 def _near(models: Models) -> list[Fit]:
@@ -431,7 +436,8 @@ def _nest_singles(models: Models, causes: Sequence[Cause]) -> None:
     for response in best.values():
         if behind(response.cause):
             end = End(null.x, null.residual, response.slopes, math.nan)
-            models.add(linear(problem, exact, (response.cause,), end))
+            for fit in _linear(problem, exact, (response.cause,), end):
+                models.add(fit)
 
 
 _Look = tuple[Cause, Array, Array | None, Sequence[Softened], int]
