@@ -51,10 +51,11 @@ def _transmission(force: str, of: str, compliance: str) -> tuple[Term, ...]:
 
 
 def _sensors(name: str, *, slow: str = "", zero: bool = False, size: float = 0.05,
-             meter: str = "sensor") -> tuple[Sensor, ...]:  # fmt: skip
+             meter: str = "sensor", scale: bool = True) -> tuple[Sensor, ...]:  # fmt: skip
     """Usual errors of instruments, and of the input of that name; `slow` is what lags there."""
     return (
         *([Sensor("zero", "offset", 0.05, "reading")] if zero else []),
+        *([Sensor("scale", "scale", 0.05, "")] if scale else []),
         Sensor(f"late {name}", "delay", size, "time", name),
         *([Sensor(f"slow {slow}", "lag", size, "time", name)] if slow else []),
         Sensor(f"slow {meter}", "lag", size, "time"),
@@ -152,7 +153,8 @@ KINDS = {
             (("start_temperature", "K"),),
             {"temperature": (0, 0)},
             {"power": "W", "ambient": "K"},
-            _sensors("power", zero=True, size=0.02, meter="thermometer"), inertia="capacity",
+            # Of a temperature above the surroundings, another scale is another power.
+            _sensors("power", zero=True, size=0.02, meter="thermometer", scale=False), inertia="capacity",
         ),
     )
 }  # fmt: skip

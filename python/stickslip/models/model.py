@@ -122,6 +122,8 @@ class Sensor:
 
     def cause(self, scales: Mapping[str, float], unit: str) -> Cause:
         """As a cause of its usual size."""
+        if self.makes == "scale":
+            return instruments.scale(self.size, name=self.name)
         size = Term("", "", "", self.size, self.of).usual(scales)
         if self.makes == "offset":
             return instruments.offset(unit, size, name=self.name)

@@ -302,7 +302,7 @@ def _with(verdict: Verdict, kind: Kind, causes: tuple[str, ...], fit: Fit | None
     likeliest = next(other for other in models.leaders() if other.names == leader.names)
     kappa = likeliest.sizes.get("kappa", 1.0)
     if kappa < CALM:
-        text = f"The scatter is {kappa:.2g} times the stated errors: they are stated too large."
+        text = f"The scatter is {kappa:.2g} times the errors, which are stated or estimated too large."
         notes.append(Note("errors-too-large", text, kappa))
     return Verdict(
         kind, causes, fit, tuple(notes), verdict.probabilities, verdict.members, verdict.common,
