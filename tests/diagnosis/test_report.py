@@ -86,6 +86,22 @@ def test_each_verdict_has_a_page_of_its_numbers(results, kind, tmp_path):
     assert "Verdict" in result._repr_html_()
 
 
+def test_a_leader_that_takes_most_is_told_first_though_it_is_not_named(rough):
+    reason = Note("pattern-left", "What bump leaves follows the settings: it is no scatter.")
+    first = {}
+    for name in ("bump", "wave"):
+        leader = rough.findings.models.get([name])
+        told = made.said(
+            rough, "unexplained", fit=None, causes=(), leader=leader, reasons=(reason,)
+        )
+        first[name] = told.summary().split("\n")[0]
+    assert first["bump"].startswith(
+        "A bump in the middle takes 85 % of the model's squared error, but is not named: what a"
+        " bump in the middle leaves follows the settings"
+    )
+    assert first["wave"].startswith("Something is wrong that none of the 5 listed causes explains.")
+
+
 def test_the_page_has_no_number_that_the_dictionary_lacks(results, rough, none):
     """A page of report.json as it is read again, and one in which a number was changed."""
     for result in (rough, none, results["data-problem"]):

@@ -154,7 +154,8 @@ KINDS = {
             {"temperature": (0, 0)},
             {"power": "W", "ambient": "K"},
             # Of a temperature above the surroundings, another scale is another power.
-            _sensors("power", zero=True, size=0.02, meter="thermometer", scale=False), inertia="capacity",
+            _sensors("power", zero=True, size=0.02, meter="thermometer", scale=False),
+            inertia="capacity",
         ),
     )
 }  # fmt: skip

@@ -23,7 +23,10 @@ from stickslip.measurement.read_table import LARGEST, MOST_BYTES, Rows, not_used
 from stickslip.simulation.note import Note
 
 _TIME, _ERROR = "t", "sd"
-_ALSO = {_TIME: ("time", "timestamp", "date", "datetime"), _ERROR: ("error",)}  # what columns are called, too
+_ALSO = {
+    _TIME: ("time", "timestamp", "date", "datetime"),
+    _ERROR: ("error",),
+}  # what columns are called, too
 _JUMP = 20.0
 """Steps of a clock that has jumped. Chosen: a link loses a few readings, and a break loses many."""
 _ISO = re.compile(r"(\d{4}-\d\d-\d\d[T ])?\d\d:\d\d(:\d\d([.,]\d+)?)?Z?")

@@ -221,9 +221,9 @@ def _claimed(
 def _against(models: Models, fit: Fit, gains: Sequence[Gain | None]) -> list[Note]:
     """What speaks against causes beside a discrepancy."""
     notes = _takes_little(fit, share(models, fit) if fit.form != "exact" else 0.0, gains)
-    if _long_correlation(models, fit):
-        text = "The discrepancy beside it has the longest correlation time that is allowed."
-        notes.append(Note("long-correlation", text, fit.sizes["tau"]))
+    slow = _slow_rest(models, fit)
+    if slow:
+        notes.append(Note("long-correlation", slow, fit.sizes["tau"]))
     if fit.form == "white" and follows_settings(models.problem, fit):
         text = f"What {fit.name} leaves follows the settings: it is no scatter."
         notes.append(Note("pattern-left", text))
@@ -302,7 +302,9 @@ def _with(verdict: Verdict, kind: Kind, causes: tuple[str, ...], fit: Fit | None
     likeliest = next(other for other in models.leaders() if other.names == leader.names)
     kappa = likeliest.sizes.get("kappa", 1.0)
     if kappa < CALM:
-        text = f"The scatter is {kappa:.2g} times the errors, which are stated or estimated too large."
+        text = (
+            f"The scatter is {kappa:.2g} times the errors, which are stated or estimated too large."
+        )
         notes.append(Note("errors-too-large", text, kappa))
     return Verdict(
         kind, causes, fit, tuple(notes), verdict.probabilities, verdict.members, verdict.common,
@@ -324,8 +326,12 @@ def _at_end(models: Models, fit: Fit) -> bool:
     return False
 
 
-def _long_correlation(models: Models, fit: Fit) -> bool:
+def _slow_rest(models: Models, fit: Fit) -> str:
+    """What speaks against causes beside a discrepancy that is correlated along a run."""
     if fit.form != "ar1":
-        return False
-    grew = discrepancy(fit) > discrepancy(models.get((), "ar1") or fit)
-    return grew or math.log(fit.sizes["tau"]) > HYPER["tau"][3] - _AT_BOUND
+        return ""
+    if discrepancy(fit) > discrepancy(models.get((), "ar1") or fit):
+        return f"The discrepancy beside {fit.name} is larger than that of the model without it."
+    if math.log(fit.sizes["tau"]) > HYPER["tau"][3] - _AT_BOUND:
+        return f"What {fit.name} leaves changes as slowly as is allowed: something else is missing."
+    return ""

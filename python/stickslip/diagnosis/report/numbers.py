@@ -21,6 +21,8 @@ from stickslip.diagnosis.decision.candidate import Candidate, spread_of
 from stickslip.diagnosis.decision.cannot_tell import Combination
 from stickslip.diagnosis.decision.experiments import advice
 from stickslip.diagnosis.decision.facts import Facts
+from stickslip.diagnosis.decision.posterior import SURE
+from stickslip.diagnosis.decision.verdict import DOMINANT
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import LOST
 from stickslip.diagnosis.terms import amounts
@@ -185,11 +187,13 @@ def _of_subject(
     further = ""
     if larger is not None and chance.models[larger.name] >= _FURTHER:
         further = facts.words.title(" + ".join(sorted(larger.names - fit.names)))
+    in_all, part = facts.probability_of(fit.names), _or_none(candidate.share)
     leader = {
         "among_causes": probability / with_cause if with_cause > 0.0 else 0.0,
-        "in_all": facts.probability_of(fit.names),
+        "in_all": in_all,
         "further": further,
-        "share": _or_none(candidate.share),
+        "share": part,
+        "takes_most": in_all >= SURE and part is not None and part >= DOMINANT,
         "left": _left_in_words(facts, candidate if facts.verdict.fit else facts.recalibrated),
     }
     return {
