@@ -41,7 +41,7 @@ ABOVE_0, FROM_0 = "allowed is a number above 0", "allowed is a whole number from
 TABLES = [
     (lambda: Table({"x": ROW}, [math.nan] * 3), "table: rows 0, 1, 2: every row has a gap"),
     (lambda: Table({"x": ROW}, [1.0, "b", 2.0], name="t"), 'table t: y: row 1 = "b": allowed'),
-    (lambda: Table({"x": ROW}, np.ones((3, 1))), ["y = ", "one row"]),
+    (lambda: Table({"x": ROW}, np.ones((3, 2))), ["y = ", "one row"]),
     (lambda: Table({"x": []}, []), ["y = ", "one row"]),
     (lambda: Table({"x": ROW}, np.ones(4)), "settings x: allowed are 4 rows"),
     (lambda: Table({"x": [1.0, math.inf, 2.0]}, ROW), "settings x: row 1 = inf: allowed is"),
