@@ -84,6 +84,11 @@ def test_the_study_is_made_diagnosed_and_judged_in_parts(tmp_path, monkeypatch):
     kinds = [row["answer"]["kind"] for row in study.judge(tmp_path)]
     assert sorted(kinds) == ["none", *3 * ["none, fields"]]
     assert [row["answer"]["kind"] for row in read(tmp_path / study.RECORD)] == kinds
+    # A later engine, which has judged nothing, leaves the record.
+    now["engine"] = "c"
+    with pytest.raises(SystemExit, match="no row of this engine"):
+        study.judge(tmp_path)
+    assert len(read(tmp_path / study.RECORD)) == 4
 
 
 def test_kinds_of_a_family_are_counted_together():

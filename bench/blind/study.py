@@ -197,6 +197,8 @@ def diagnose_sets(folder: Path, minutes: float, part: int = 1, parts: int = 1) -
 def judge(folder: Path) -> list[Row]:
     """Open the answers of what was diagnosed, and write the record; its rows."""
     rows, record = said(folder, state()), []
+    if not rows:
+        raise SystemExit(f"{folder / SAID}: no row of this engine; {RECORD} stays as it is")
     answers = {each["name"]: each["answer"] for each in sets(folder / ANSWERS)}
     for one in sets(folder / SETS):
         row = rows.get(one["name"])
