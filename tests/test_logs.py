@@ -1,12 +1,15 @@
 """Logs in CSV files and ``stickslip diagnose LOG.csv --model``, from headings to a verdict."""
 
 import json
+import os
 import re
+import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from command_line import stickslip
+from command_line import COMMAND, stickslip
 from report_page import without_pictures
 from stickslip import Cause, Parameter, Prior, ScenarioError, models
 
@@ -49,6 +52,22 @@ def test_a_column_is_known_by_its_name_or_its_unit(headings, tmp_path):
     assert (log.name, log.unit) == ("a", "rad/s")
     told = [each.code for each in log.own_notes]
     assert told == (["column-by-unit"] * 3 if headings == "units alone" else [])
+
+
+@pytest.mark.nightly
+def test_a_reader_that_closes_the_pipe_loses_no_file(tmp_path):
+    reading, writing = os.pipe()
+    os.close(reading)
+    log = Path(__file__).parents[1] / "examples" / "joint.csv"
+    stated = ["--set", "inertia=0.012,0.0005", "--set", "viscous=0.02,0.01"]
+    subprocess.run(
+        [*COMMAND, "diagnose", log, "--model", "joint", *stated, "--out", "found"],
+        stdout=writing, stderr=subprocess.PIPE, timeout=120, cwd=tmp_path, check=False,
+    )  # fmt: skip
+    os.close(writing)
+    assert sorted(each.name for each in (tmp_path / "found").iterdir()) == [
+        "report.html", "report.json",
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize("begin", ["2026-11-27 23:59:58", "2026-11-27T23:59:58Z", "10:00:00"])

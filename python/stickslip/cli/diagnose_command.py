@@ -165,13 +165,15 @@ def command(
         bar(1.0, "next experiment")
         result.propose_experiments()
     next_ = {} if rounds is None else {"next": rounds.as_dict(result)}
-    _print(result, as_json, next_, rounds.lines(result) if rounds else [])
-    if out is not None:
-        result.save_report(out)
-        if rounds is not None:
-            rounds.write(result)
-        if not as_json:
-            say(f"  in {out}: {', '.join(written)}")
+    try:
+        _print(result, as_json, next_, rounds.lines(result) if rounds else [])
+    finally:  # a reader that closes the pipe loses no file
+        if out is not None:
+            result.save_report(out)
+            if rounds is not None:
+                rounds.write(result)
+    if out is not None and not as_json:
+        say(f"  in {out}: {', '.join(written)}")
 
 
 def _plan(
@@ -220,11 +222,13 @@ def _diagnose_logs(
             say(f"stickslip: {log.name}: {note}", err=True)
     with progress_bar() as bar:
         result = stickslip.diagnose_model(made, logs, seed=seed, progress=bar)
-    _print(result, as_json)
-    if out is not None:
-        result.save_report(out, title=", ".join(path.name for path in files))
-        if not as_json:
-            say(f"  in {out}: {', '.join(report_files(None))}")
+    try:
+        _print(result, as_json)
+    finally:
+        if out is not None:
+            result.save_report(out, title=", ".join(path.name for path in files))
+    if out is not None and not as_json:
+        say(f"  in {out}: {', '.join(report_files(None))}")
 
 
 def _print(
