@@ -194,3 +194,13 @@ def test_errors_of_the_fit_of_all_causes_prove_no_name():
     result = run(with_scatter(problem(table, (STEP, BEND, WAVE)), 0), 0)
     assert [each.of_fit for each in result.problem.errors] == [True]
     assert result.verdict.kind == "unexplained"
+
+
+def test_what_changes_slowly_beside_a_dominant_cause_is_said():
+    x = np.linspace(1.0, 3.0, 200)
+    slow = np.cos(2.0 * x + 1.0) + 0.7 * np.cos(3.4 * x)
+    noise = 0.02 * np.random.default_rng(7).standard_normal(200)
+    y = x + 0.8 * np.sin(5.0 * x) + 0.12 * slow + noise
+    verdict = found(Table({"x": x}, y, sd=0.02, run=np.zeros(200, dtype=int)), (WAVE, STEP)).verdict
+    assert (verdict.kind, verdict.causes) == ("dominant", ("wave",))
+    assert [note.code for note in verdict.reasons] == ["long-correlation"]

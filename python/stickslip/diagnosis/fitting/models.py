@@ -106,14 +106,17 @@ def minimise(
     h: Array | None = None,
     slopes: Array | None = None,
     hopeless: float = math.inf,
+    least: float = -math.inf,
 ) -> Asking[Fit]:
     """Fit a model from `x`: its coordinates in the inner product of h, and h at the coordinates.
 
-    They take turns until the coordinates are at the minimum of the new inner product.
+    They take turns until the coordinates are at the minimum of the new inner product, until the
+    first descent would not end below a cost of `hopeless`, or until what is promised is a
+    log-evidence below `least`.
     """
     causes = tuple(sorted(causes, key=lambda cause: cause.name))
     free, precision = problem.free(causes), precision_of(problem, causes)
-    end, reached, steps = None, -math.inf, 10
+    end, reached, steps, stuck = None, -math.inf, 10, 0
     if h is None:
         (residual,) = yield x[None, :], False
         h = form.begin(residual)
@@ -130,9 +133,12 @@ def minimise(
         h, log_evidence, precision, covariance, left = evidence(problem, form, causes, end, h)
         settled = left < _AT_MINIMUM and turn > 0
         alone = not form.names and len(problem.precisions(causes)) == 1
-        # Where predictions jump, what is promised may be out of reach.
+        # Where predictions jump, what is promised may be out of reach; other hyperparameters may
+        # still lead there.
         before, reached = reached, log_evidence - 0.5 * left
-        stays = not form.names and reached < before + 0.5 * _AT_MINIMUM
+        stuck = stuck + 1 if reached < before + 0.5 * _AT_MINIMUM else 0
+        stays = stuck > (1 if form.names else 0)
+        given_up, hopeless = given_up or log_evidence < least, math.inf
         if given_up or settled or alone or stays:
             break
         steps = 6

@@ -61,6 +61,8 @@ APART = 0.7
 _SAME = 0.05
 # Steps of a first look at a model, and how far behind the best cost one may be to go on.
 _LOOK, _HOPELESS = 3, 30.0
+# Log posterior odds, promised by the linear model where a fit is, with which it goes on no more.
+_BEHIND = 2.0 * NEAR
 # Chi-square per row up to which a model is near the data. Chosen.
 _NEAR_DATA = 100.0
 # Part of chi-square that a round leaves at most, where no model is near the data, if another one
@@ -94,13 +96,17 @@ _OTHER_FORMS = 4
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """Where the fit of a model begins: coordinates, and slopes and hyperparameters if known."""
+    """Where the fit of a model begins: coordinates, and slopes and hyperparameters if known.
+
+    `hopeless` is the cost there with which the model is given up.
+    """
 
     form: str
     causes: tuple[Cause, ...]
     x: Array
     slopes: Array | None = None
     h: Array | None = None
+    hopeless: float = math.inf
 
 
 class Models:
@@ -187,12 +193,15 @@ class Models:
                 self.add(fit)
 
     def _fitted(self, start: Start) -> Asking[Fit | None]:
-        hopeless = self.hopeless if start.causes and start.form == "exact" else math.inf
+        hopeless = self.hopeless if start.causes and start.form == "exact" else start.hopeless
+        least = -math.inf
+        for leader in self.leaders(1, start.form) if start.causes else ():
+            least = self.log_posterior(leader) - self.log_prior(start.causes, start.form) - _BEHIND
         try:
             return (
                 yield from minimise(
                     self.problem, self.forms[start.form], start.causes, start.x, h=start.h,
-                    slopes=start.slopes, hopeless=hopeless,
+                    slopes=start.slopes, hopeless=hopeless, least=least,
                 )
             )  # fmt: skip
         except np.linalg.LinAlgError:
@@ -373,19 +382,25 @@ def _near(models: Models) -> list[Fit]:
 def _worth_a_look(models: Models) -> list[Fit]:
     """The leaders, each set of causes once; where none leaves little, more single causes too.
 
-    A cause that is one of two may be far behind by itself. Laws are too many for that, and each
-    costs most of all.
+    A cause that is one of two may be far behind by itself. Laws are too many for that, and cost
+    most of all: with them it is the first of all and those that have one.
     """
     sets: dict[frozenset[str], Fit] = {}
     for fit in _near(models):
         sets.setdefault(fit.names, fit)
     fits = [fit for fit in sets.values() if fit.causes][:LEADERS]
+    if any(_is_law(cause) for cause in models.offered):
+        first = models.leaders(1)[0]
+        return [fit for fit in fits if fit is first or any(map(_is_law, fit.causes))]
     best = models.leaders(form="exact")
-    laws = any(cause.curve is not None for cause in models.offered)
-    if best[0].chi2 > _COMFORTABLE * len(models.problem.y) and not laws:
+    if best[0].chi2 > _COMFORTABLE * len(models.problem.y):
         singles = [fit for fit in best if len(fit.causes) == 1][: 2 * LEADERS]
         fits += [fit for fit in singles if fit.names not in sets]
     return fits
+
+
+def _is_law(cause: Cause) -> bool:
+    return cause.curve is not None
 
 
 def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -> None:
@@ -553,6 +568,7 @@ def _leaves_too_little(models: Models, leader: Fit) -> bool:
 def _look_beside(models: Models, leader: Fit) -> None:
     """Fit the models with one cause more, less or exchanged, from where a leader is."""
     problem, metric, h = models.problem, models.forms[leader.form], leader.h
+    hopeless = leader.cost + _HOPELESS
     if leader.form == "exact":
         metric, h = _softened(problem, leader), np.zeros(0)
     bases = []
@@ -580,7 +596,7 @@ def _look_beside(models: Models, leader: Fit) -> None:
             if tried[name] > 2 or not _may_improve(models, leader, rest, end, response):
                 continue
             both, hyper = (*rest, response.cause), h if metric.names else None
-            starts.append(Start(leader.form, both, response.x, response.slopes, hyper))
+            starts.append(Start(leader.form, both, response.x, response.slopes, hyper, hopeless))
             if rest == leader.causes and tried[name] == 1:
                 # Nested: never worse than what it contains.
                 starts.append(replace(starts[-1], x=leader.x))
