@@ -130,7 +130,8 @@ def measured_words():
     # The study is of one engine.
     (commit,) = {row["state"]["commit"] for row in rows}
     listed, unlisted, nothing = (
-        [row for row in rows if row["hidden"] == each] for each in ("listed", "unlisted", "none")
+        [row for row in rows if row["hidden"].startswith(each)]
+        for each in ("listed", "unlisted", "none")
     )
     claimed = {
         name: sum(row["verdict"] in ("named", "pair", "dominant") for row in some)
