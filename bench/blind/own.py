@@ -27,10 +27,11 @@ Row = dict[str, Any]
 Array = np.ndarray
 MACHINES = {"joint": 0.12, "axis": 2.0, "oscillator": 4.0, "thermal": 60.0}
 """Sizes of their inputs."""
-FIRST = 32000  # seeds; nobody has seen them
+FIRST = 33000  # seeds; nobody has seen them
 COUNT = 120  # readings of a log
 NOISE, STRENGTH = 0.02, (4.0, 9.0)  # of the readings' scatter, and of a cause's effect in errors
 CORRELATION, STEP = 0.7, 2.0  # of neighbours; of a coarse meter, in errors
+STEEP = 1e-4  # of a constant, for a slope; the starts are 0 or far from it
 PLACES = np.repeat(np.linspace(1.0, 6.0, 6), 2)
 HIDDEN = ("none", "listed", "listed", "unlisted")
 ERRORS = ("white", "correlated", "coarse", "uneven scale", "drift")
@@ -77,8 +78,7 @@ def line(hidden: str, draw: np.random.Generator) -> tuple[str, Array, Diagnosis]
     y = draw.normal(1.0, 0.1) * PLACES + 0.1 * draw.standard_normal(len(PLACES))
     if cause:
         effect = _shapes(PLACES)[cause]
-        beside = effect - PLACES * (PLACES @ effect) / (PLACES @ PLACES)
-        effect *= _scaled(beside, 0.1 * draw.uniform(2.0, 4.0))
+        effect *= _scaled(_beside(effect, PLACES[:, None]), 0.1 * draw.uniform(2.0, 4.0))
         y = y + effect
     offered = [name for name in _shapes(PLACES) if hidden == "listed" or name != cause]
     causes = [Cause(each, Parameter(f"{each}.size", size=0.2, low=-5.0, high=5.0))
@@ -111,7 +111,13 @@ def log(
             size *= np.clip(_scaled(seen - plain, wanted), 0.4, 2.5) ** power
     effect, part = seen - plain, draw.uniform(*ERROR_SHARE)
     if errors in BESIDE:
-        seen = seen + _scaled(error := _error(errors, t, seen, draw), part * wanted) * error
+        error = _error(errors, t, seen, draw)
+        # What constants undo is no effect, and no error.
+        moves = [simulated(kind, {**base, name: (1.0 + STEEP) * base[name] or STEEP}, t, u) - plain
+                 for name in [*own["constants"], "start"]]  # fmt: skip
+        left, wrong = (_beside(change, np.array(moves).T) for change in (effect, error))
+        size = part * (float(np.sqrt(np.mean(left**2))) or wanted)
+        seen = seen + _scaled(wrong, size) * error
     noise = draw.standard_normal(COUNT)
     if errors == "correlated":
         for k in range(1, COUNT):
@@ -125,6 +131,11 @@ def log(
     name = own["input"].partition(" (")[0]
     record = Series(t, seen, {name: u}, unit=own["reads"].rstrip(")").split(" (")[1])
     return cause, effect, diagnose_model(model, record)
+
+
+def _beside(change: Array, columns: Array) -> Array:
+    """What a fit of the columns leaves of a change."""
+    return change - columns @ np.linalg.lstsq(columns, change, rcond=None)[0]
 
 
 def _error(kind: str, t: Array, seen: Array, draw: np.random.Generator) -> Array:
