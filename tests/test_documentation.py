@@ -196,7 +196,9 @@ def measured_words():
             f" {planned['even']['named rightly']}, none wrongly",
         ],
         "docs/howto/real-cases.md": [
-            f"as one record, the asymmetry takes {share['axis, 20 Hz, listed: yes']} of",
+            f"the asymmetry takes {share['axis, 20 Hz, listed: yes']} of the squared error",
+            "the verdict is `dominant`, with "
+            + real["rows"]["axis, 20 Hz, listed: yes"]["size"].partition(" N s/m")[0],
             "Means over ten segments name it: "
             + real["rows"]["axis, ten segments, listed: yes"]["size"].partition(" (")[0],
             f"four repeats of one motion it takes {share['axis, four repeats, listed: yes']}:",

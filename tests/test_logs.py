@@ -70,7 +70,9 @@ def test_a_reader_that_closes_the_pipe_loses_no_file(tmp_path):
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize("begin", ["2026-11-27 23:59:58", "2026-11-27T23:59:58Z", "10:00:00"])
+@pytest.mark.parametrize(
+    "begin", ["2026-11-27 23:59:58", "2026-11-27T23:59:58Z", "10:00:00", "23:59:58"]
+)
 def test_times_may_be_dates_or_clocks(begin, tmp_path):
     first = np.datetime64(begin.strip("Z") if "-" in begin else f"1970-01-01T{begin}", "ms")
     stamps = np.datetime_as_string(first + (1000 * T + 0.5).astype("timedelta64[ms]"))

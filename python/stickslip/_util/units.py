@@ -68,9 +68,12 @@ def in_handy_units(words: str, unit: str) -> tuple[float, str]:
 
 
 def split_unit(heading: str) -> tuple[str, str | None]:
-    """``x (mm)`` or ``x [mm]`` of a heading as its name and unit; None where it states none."""
+    """``x (mm)``, ``x [mm]`` or ``x / mm`` of a heading as its name and unit; None without one."""
     match = _HEADING.fullmatch(heading)
-    return (match[1], match[2]) if match else (heading, None)
+    if match:
+        return match[1], match[2]
+    name, _, unit = (part.strip() for part in heading.partition("/"))
+    return (name, unit) if name and is_unit(unit) and not is_unit(heading) else (heading, None)
 
 
 def per_si(unit: str, si: str) -> float:

@@ -30,6 +30,7 @@ _ALSO = {
 _JUMP = 20.0
 """Steps of a clock that has jumped. Chosen: a link loses a few readings, and a break loses many."""
 _ISO = re.compile(r"(\d{4}-\d\d-\d\d[T ])?\d\d:\d\d(:\d\d([.,]\d+)?)?Z?")
+_DAY = 86400.0  # s, after which a clock without a date begins anew
 _CUT = "cut the log into two files there"
 
 
@@ -214,6 +215,8 @@ def _values(
     columns = {
         name: np.array([read[name](cells[k]) for _, cells in rows]) for name, k in used.items()
     }
+    if all(_ISO.fullmatch(at := cells[used[_TIME]]) and "-" not in at for _, cells in rows):
+        columns[_TIME] = np.unwrap(columns[_TIME], period=_DAY)
     _check_clock(table, [line for line, _ in rows], columns[_TIME])
     return columns
 
