@@ -230,7 +230,7 @@ def test_what_is_hidden_is_as_strong_as_asked_for(kind):
 @pytest.mark.parametrize("name", MODEL_ERRORS)
 def test_errors_of_the_model_are_of_size_one_and_the_same_for_every_trial(name):
     drives = conditions("none", ("velocity",))
-    count = 100
+    count = 300
     several = np.array([MODEL_ERRORS[name](drives, number) for number in range(count)])
     # A mean of squares of as many numbers, if they were normal.
     assert np.mean(several**2, axis=0) == pytest.approx(1.0, abs=5 * np.sqrt(2.0 / count))
