@@ -309,16 +309,44 @@ def test_calibration_counts_answers_by_their_probability():
 
 
 def test_sets_of_models_of_ones_own_have_all_kinds_alike():
-    drawn = list(itertools.islice(own.sets(), 2 * 3 * 48))
+    drawn = list(itertools.islice(own.sets(), 2 * 3 * 80))
     logs = Counter(drawn[1::2])
-    assert len(logs) == 4 * 3 * 3
+    assert len(logs) == 4 * 5 * 3
     assert all(logs[kind, "listed", errors] == 2 * logs[kind, "none", errors] == 6
                for kind in own.MACHINES for errors in own.ERRORS)  # fmt: skip
 
 
+@pytest.mark.parametrize("errors", own.BESIDE)
+def test_model_errors_have_the_share_that_is_asked_for(errors):
+    """By the fit of the library's own model to readings without noise, beside one without error."""
+    left = []
+    for part in (0.0, 0.3):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(own, "ERROR_SHARE", (part, part))
+            patch.setattr(own, "NOISE", 1e-9)
+            patch.setattr(own, "STRENGTH", (1e8, 1e8))
+            draw = np.random.default_rng(3)
+            _, effect, found = own.log("oscillator", "listed", errors, draw)
+        left.append(found.problem.y)
+    null = found.findings.models.null
+    basis = np.linalg.qr(null.slopes)[0]
+    error, effect = (each - basis @ (basis.T @ each) for each in (left[1] - left[0], effect))
+    # The fit has slopes where it ends, and a start speed.
+    assert np.linalg.norm(error) == pytest.approx(0.3 * np.linalg.norm(effect), rel=0.4)
+
+
+def test_how_alike_an_effect_and_listed_causes_are():
+    cause, effect, found = own.line("listed", np.random.default_rng(2))
+    assert found.verdict.causes == (cause,)
+    assert 0.95 < own.likeness(found, effect) <= 1.0
+    x = own.PLACES[::2]
+    other = np.linalg.svd([x, *own._shapes(x).values()])[2][-1]
+    assert own.likeness(found, other) < 0.7
+
+
 def test_counts_of_models_of_ones_own():
-    def row(hidden, cause, verdict, causes):
-        return {"errors": "white", "kind": "joint", "hidden": hidden, "cause": cause,
+    def row(hidden, cause, verdict, causes, errors="white"):
+        return {"errors": errors, "kind": "joint", "hidden": hidden, "cause": cause,
                 "verdict": verdict, "causes": causes, "cpu_seconds": 1.0}  # fmt: skip
 
     text = own.tables(
@@ -327,13 +355,18 @@ def test_counts_of_models_of_ones_own():
         + [row("listed", "load", "named", ["load"])] * 37
         + [row("listed", "load", "ambiguous", ["load", "coulomb"])] * 2
         + [row("listed", "load", "named", ["coulomb"])]
-        + [row("unlisted", "load", "named", ["coulomb"])] * 20
+        + [row("unlisted, unlike", "load", "named", ["coulomb"])] * 20
+        + [row("unlisted, alike", "load", "named", ["coulomb"])] * 10
+        + [row("listed", "load", "dominant", ["load"], "drift")] * 12
     )
     for line in (
         "| logs | none | false alarm | 1 of 60 | 0% to 9% | at most 5% | yes |",
         "| logs | listed | right | 37 of 40 | 80% to 97% | - | - |",
         "| logs | listed | right or in the set | 39 of 40 | 87% to 100% | at least 95% | yes |",
         "| logs | listed | wrongly named | 1 of 40 | 0% to 13% | at most 1% | yes |",
-        "| logs | unlisted | wrongly named | 20 of 20 | 84% to 100% | at most 3% | not judged |",
+        "| logs | unlisted, unlike | wrongly named | 20 of 20 | 84% to 100% | at most 3% | not judged"
+        " |",
+        "| logs | unlisted, alike | wrongly named | 10 of 10 | 72% to 100% | - | - |",
+        "| logs, model error | listed | right | 12 of 12 | 76% to 100% | at least 75% | yes |",
     ):
         assert line in text
