@@ -133,9 +133,11 @@ def measured_words():
         [row for row in rows if row["hidden"].startswith(each)]
         for each in ("listed", "unlisted", "none")
     )
+    unlike = [row for row in unlisted if row["hidden"].endswith("unlike")]
+    groups = {"listed": listed, "unlisted": unlisted, "unlike": unlike, "nothing": nothing}
     claimed = {
         name: sum(row["verdict"] in ("named", "pair", "dominant") for row in some)
-        for name, some in (("listed", listed), ("unlisted", unlisted), ("nothing", nothing))
+        for name, some in groups.items()
     }
     right = sum(own.counts(row, "right") for row in listed)
     within = sum(own.counts(row, "right or in the set") for row in listed)
@@ -145,7 +147,8 @@ def measured_words():
         f" and another in {claimed['listed'] - right or 'none'}; in {within - right} more it gives"
         " a set of causes that holds the true one.",
         f"Of {len(unlisted)} whose cause is not listed it claims another one in"
-        f" {claimed['unlisted'] or 'none'}, and of {len(nothing)} with nothing hidden in"
+        f" {claimed['unlisted'] or 'none'} (where no listed one acts alike, in"
+        f" {claimed['unlike'] or 'none'} of {len(unlike)}), and of {len(nothing)} with nothing hidden in"
         f" {claimed['nothing'] or 'none'}.",
     ]
     record = read(STUDY)
