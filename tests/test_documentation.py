@@ -148,8 +148,8 @@ def measured_words():
         " a set of causes that holds the true one.",
         f"Of {len(unlisted)} whose cause is not listed it claims another one in"
         f" {claimed['unlisted'] or 'none'} (where no listed one acts alike, in"
-        f" {claimed['unlike'] or 'none'} of {len(unlike)}), and of {len(nothing)} with nothing hidden in"
-        f" {claimed['nothing'] or 'none'}.",
+        f" {claimed['unlike'] or 'none'} of {len(unlike)}), and of"
+        f" {len(nothing)} with nothing hidden in {claimed['nothing'] or 'none'}.",
     ]
     record = read(STUDY)
     (judged,) = {row["state"]["commit"] for row in record}
