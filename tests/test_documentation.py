@@ -130,10 +130,9 @@ def measured_words():
     # The study is of one engine.
     (commit,) = {row["state"]["commit"] for row in rows}
     listed, unlisted, nothing = (
-        [row for row in rows if row["hidden"].startswith(each)]
-        for each in ("listed", "unlisted", "none")
+        [row for row in rows if row["hidden"] == each] for each in ("listed", "unlisted", "none")
     )
-    unlike = [row for row in unlisted if row["hidden"].endswith("unlike")]
+    unlike = [row for row in unlisted if own.group(row).endswith("unlike")]
     groups = {"listed": listed, "unlisted": unlisted, "unlike": unlike, "nothing": nothing}
     claimed = {
         name: sum(row["verdict"] in ("named", "pair", "dominant") for row in some)

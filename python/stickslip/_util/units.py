@@ -18,7 +18,11 @@ _OTHERS = {
         **dict.fromkeys(("deg/s", "°/s"), math.degrees(1.0)),
         **dict.fromkeys(("rpm", "1/min"), 30.0 / math.pi),
     },
-    "N m": {**dict.fromkeys(("Nm", "N·m"), 1.0), "mNm": 1e3, **dict.fromkeys(("N cm", "Ncm"), 1e2)},
+    "N m": {
+        **dict.fromkeys(("Nm", "N·m"), 1.0),
+        **dict.fromkeys(("mNm", "mN·m"), 1e3),
+        **dict.fromkeys(("N cm", "Ncm"), 1e2),
+    },
     "K": dict.fromkeys(("C", "degC", "°C"), 1.0),
     "T": dict.fromkeys(("G", "gauss"), 1e4),
     "T/A": {"G/A": 1e4},
@@ -68,12 +72,18 @@ def in_handy_units(words: str, unit: str) -> tuple[float, str]:
 
 
 def split_unit(heading: str) -> tuple[str, str | None]:
-    """``x (mm)``, ``x [mm]`` or ``x / mm`` of a heading as its name and unit; None without one."""
+    """``x (mm)``, ``x [mm]``, ``x / mm`` or ``x/mm`` of a heading as its name and unit.
+
+    The unit is None if there is none. Without blanks only a symbol is parted, as ``rev/min`` is a
+    unit.
+    """
     match = _HEADING.fullmatch(heading)
     if match:
         return match[1], match[2]
     name, _, unit = (part.strip() for part in heading.partition("/"))
-    return (name, unit) if name and is_unit(unit) and not is_unit(heading) else (heading, None)
+    symbol = len(name) == 1 or (len(name) == 2 and not is_unit(name))
+    parted = (symbol or " / " in heading) and is_unit(unit) and not is_unit(heading)
+    return (name, unit) if parted else (heading, None)
 
 
 def per_si(unit: str, si: str) -> float:

@@ -24,7 +24,7 @@ from stickslip.simulation.note import Note
 
 _TIME, _ERROR = "t", "sd"
 _ALSO = {
-    _TIME: ("time", "timestamp", "date", "datetime"),
+    _TIME: ("time", "timestamp", "date", "datetime", "clock"),
     _ERROR: ("error",),
 }  # what columns are called, too
 _JUMP = 20.0
@@ -216,7 +216,8 @@ def _values(
         name: np.array([read[name](cells[k]) for _, cells in rows]) for name, k in used.items()
     }
     if all(_ISO.fullmatch(at := cells[used[_TIME]]) and "-" not in at for _, cells in rows):
-        columns[_TIME] = np.unwrap(columns[_TIME], period=_DAY)
+        back = np.diff(columns[_TIME], prepend=columns[_TIME][:1]) < -0.5 * _DAY
+        columns[_TIME] += _DAY * np.cumsum(back)
     _check_clock(table, [line for line, _ in rows], columns[_TIME])
     return columns
 

@@ -111,8 +111,8 @@ def minimise(
     """Fit a model from `x`: its coordinates in the inner product of h, and h at the coordinates.
 
     They take turns until the coordinates are at the minimum of the new inner product, until the
-    first descent would not end below a cost of `hopeless`, or until what is promised is a
-    log-evidence below `least`.
+    first descent would not end below a cost of `hopeless`, or until the promised log-evidence is
+    below `least`.
     """
     causes = tuple(sorted(causes, key=lambda cause: cause.name))
     free, precision = problem.free(causes), precision_of(problem, causes)

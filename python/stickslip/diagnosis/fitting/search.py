@@ -61,7 +61,8 @@ APART = 0.7
 _SAME = 0.05
 # Steps of a first look at a model, and how far behind the best cost one may be to go on.
 _LOOK, _HOPELESS = 3, 30.0
-# Log posterior odds, promised by the linear model where a fit is, with which it goes on no more.
+# How far below the leader of its form, in log posterior odds, a promised evidence may be before its
+# fit is given up. Chosen.
 _BEHIND = 2.0 * NEAR
 # Chi-square per row up to which a model is near the data. Chosen.
 _NEAR_DATA = 100.0
@@ -98,7 +99,7 @@ _OTHER_FORMS = 4
 class Start:
     """Where the fit of a model begins: coordinates, and slopes and hyperparameters if known.
 
-    `hopeless` is the cost there with which the model is given up.
+    `hopeless` is the cost, with these hyperparameters, from which the fit is given up.
     """
 
     form: str
@@ -193,10 +194,14 @@ class Models:
                 self.add(fit)
 
     def _fitted(self, start: Start) -> Asking[Fit | None]:
-        hopeless = self.hopeless if start.causes and start.form == "exact" else start.hopeless
-        least = -math.inf
-        for leader in self.leaders(1, start.form) if start.causes else ():
-            least = self.log_posterior(leader) - self.log_prior(start.causes, start.form) - _BEHIND
+        hopeless, least = start.hopeless, -math.inf
+        rivals = self.leaders(1, start.form)
+        if start.causes and rivals:
+            prior = self.log_prior(start.causes, start.form)
+            prior += self.corrections.get(frozenset(cause.name for cause in start.causes), 0.0)
+            least = self.log_posterior(rivals[0]) - prior - _BEHIND
+            if start.form == "exact":
+                hopeless = min(hopeless, self.hopeless)
         try:
             return (
                 yield from minimise(
@@ -383,7 +388,7 @@ def _worth_a_look(models: Models) -> list[Fit]:
     """The leaders, each set of causes once; where none leaves little, more single causes too.
 
     A cause that is one of two may be far behind by itself. Laws are too many for that, and cost
-    most of all: with them it is the first of all and those that have one.
+    most of all: if they are offered, it is the leader and models with a law alone.
     """
     sets: dict[frozenset[str], Fit] = {}
     for fit in _near(models):
