@@ -132,23 +132,29 @@ def measured_words():
     listed, unlisted, nothing = (
         [row for row in rows if row["hidden"] == each] for each in ("listed", "unlisted", "none")
     )
-    unlike = [row for row in unlisted if own.group(row).endswith("unlike")]
-    groups = {"listed": listed, "unlisted": unlisted, "unlike": unlike, "nothing": nothing}
-    claimed = {
-        name: sum(row["verdict"] in ("named", "pair", "dominant") for row in some)
-        for name, some in groups.items()
+    alike = [row for row in unlisted if own.group(row).endswith(" alike")]
+    unlike = {
+        of_line: [
+            row for row in unlisted if row not in alike and (row["kind"] == "line") == of_line
+        ]
+        for of_line in (True, False)
     }
+
+    def claims_of(some):
+        return sum(row["verdict"] in ("named", "pair", "dominant") for row in some) or "none"
+
     right = sum(own.counts(row, "right") for row in listed)
     within = sum(own.counts(row, "right or in the set") for row in listed)
     counts = [
         f"as of commit `{commit}`: {len(rows)} made logs and tables",
         f"Of {len(listed)} with a hidden cause that is listed it claims the right one in {right},"
-        f" and another in {claimed['listed'] - right or 'none'}; in {within - right} more it gives"
-        " a set of causes that holds the true one.",
+        f" and another in {'none' if claims_of(listed) == right else claims_of(listed) - right}; in"
+        f" {within - right} more it gives a set of causes that holds the true one.",
         f"Of {len(unlisted)} whose cause is not listed it claims another one in"
-        f" {claimed['unlisted'] or 'none'} (where no listed one acts alike, in"
-        f" {claimed['unlike'] or 'none'} of {len(unlike)}), and of"
-        f" {len(nothing)} with nothing hidden in {claimed['nothing'] or 'none'}.",
+        f" {claims_of(unlisted)}: in {claims_of(alike)} of {len(alike)} where a listed one acts"
+        f" alike, and in {claims_of(unlike[False])} of {len(unlike[False])} logs and"
+        f" {claims_of(unlike[True])} of {len(unlike[True])} tables where none does. With nothing"
+        f" hidden it claims a cause in {claims_of(nothing)} of {len(nothing)}.",
     ]
     record = read(STUDY)
     (judged,) = {row["state"]["commit"] for row in record}

@@ -21,6 +21,8 @@ from stickslip.diagnosis.fitting.search import Models, _fit_exact_again, _fit_ot
 from stickslip.diagnosis.own_model import problem_of_model
 from toys import BEND, LEVEL, SLOPE, STEP, WAVE, data, problem, shapes
 
+X = np.linspace(1.0, 3.0, 30)
+
 
 def integral(posed, causes, form, h, width=7.0, points=49):
     """Log of the integral of likelihood and prior over three coordinates by sums."""
@@ -297,3 +299,28 @@ def test_a_step_that_gains_what_is_hoped_is_tried_without_damping_alone():
     # Where it begins, its slopes, and two steps: of two dampings in none.
     assert batches == [1, 3, 1, 1]
     assert end.cost < 40.0
+
+
+def counted(posed, search):
+    """The result of a search, and how many predictions it asked for."""
+    answer, count = None, 0
+    while True:
+        try:
+            points, draft = search.send(answer)
+        except StopIteration as end:
+            return end.value, count
+        count += len(points)
+        answer = posed.residuals(points, draft)
+
+
+def test_a_fit_whose_promise_is_too_small_is_given_up():
+    posed = problem(data(0.4 * np.sin(5.0 * X)), (WAVE,))
+    (fit, whole), (given_up, part) = (
+        counted(
+            posed, minimise(posed, forms(posed)["white"], (WAVE,), np.zeros(posed.size), **least)
+        )
+        for least in ({}, {"least": np.inf})
+    )
+    assert part < whole
+    # What is only promised does not count.
+    assert given_up.log_evidence < fit.log_evidence
