@@ -81,6 +81,15 @@ def test_times_may_be_dates_or_clocks(begin, tmp_path):
     columns = {"t": [f"{each}{begin[19:]}" for each in shown], "speed": np.cos(T), "torque": TORQUE}
     log = models.read_log(write(tmp_path / "a.csv", columns), JOINT)
     assert np.diff(log.t) == pytest.approx(np.diff(T), abs=1e-6)
+    clock = "hh:mm:ss" if "-" not in begin else "s"
+    lines = (tmp_path / "a.csv").read_text().splitlines()
+    below = [f"{lines[0]},pieces", f"{clock},rad/s,N m,1", *(f"{each},7" for each in lines[1:])]
+    (tmp_path / "b.csv").write_text("\n".join(below))
+    (tmp_path / "c.csv").write_text(
+        "\n".join([lines[0].replace("t", f"t ({clock})", 1), *lines[1:]])
+    )
+    for name in ("b.csv", "c.csv"):
+        assert np.array_equal(models.read_log(tmp_path / name, JOINT).t, log.t)
     columns["t"][3] = "10:61:00"
     write(tmp_path / "a.csv", columns)
     with pytest.raises(ScenarioError, match='line 5, column t = "10:61:00": allowed is a finite'):

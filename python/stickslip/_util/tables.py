@@ -192,7 +192,7 @@ class CsvTable:
         if below is None:
             return
         units = [cell.strip("()[] ") for cell in below[1]]
-        if any(map(is_unit, units)) and not any(map(_is_number, units)):
+        if any(map(is_unit, units)) and not any(each != "1" and _is_number(each) for each in units):
             pairs = itertools.zip_longest(self.header, units, fillvalue="")
             self.header = [
                 f"{name} ({unit})" if unit and split_unit(name)[1] is None else name

@@ -10,7 +10,7 @@ _PREFIXES = {"k": 1e-3, "m": 1e3, "u": 1e6, "µ": 1e6, "μ": 1e6, "n": 1e9}
 """How many of the prefixed unit are one; both signs of micro."""
 
 _OTHERS = {
-    "s": {"min": 1.0 / 60.0, "h": 1.0 / 3600.0},
+    "s": {"min": 1.0 / 60.0, "h": 1.0 / 3600.0, "hh:mm:ss": 1.0},  # which is read as seconds
     "m": {"cm": 1e2},
     "m/s": {"cm/s": 1e2},
     "rad": dict.fromkeys(("deg", "degree", "degrees", "°"), math.degrees(1.0)),
