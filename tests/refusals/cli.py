@@ -280,6 +280,7 @@ REFUSALS = [
         {5: "0.15,0.03,1.0"},
         ["line 5, column t = 0.15 s: allowed is a time after 0.2", "sort"],
     ),
+    ("log", {5: "0.2,0.03,1.0"}, ["t = 0.2 s: allowed is a time after 0.2 s", "digits"]),
     ("log", {11: "3.1,0.03,1.0"}, ["line 11, column t = 3.1 s", "jumps by 2.3 s", "two files"]),
     ("log", {1: "t,speed (mph),torque"}, ['column "speed (mph)": the unit', "allowed are rad/s"]),
     ("log", {1: "t,v,torque"}, ['column "speed" is missing', '"v"', 'call one "speed (rad/s)"']),

@@ -244,9 +244,8 @@ def _check_clock(table: Rows, lines: Sequence[object], t: Array) -> None:
     for k in np.flatnonzero(~(steps > 0.0) | (steps > _JUMP * abs(usual)))[:1].tolist():
         at = f"{table.path}: line {lines[k + 1]}, column t = {t[k + 1]:.12g} s"
         if not steps[k] > 0.0:
-            raise ScenarioError(
-                f"{at}: allowed is a time after {t[k]:.12g} s: sort the rows, or {_CUT}"
-            )
+            remedy = "write more digits" if steps[k] == 0.0 else "sort the rows"
+            raise ScenarioError(f"{at}: allowed is a time after {t[k]:.12g} s: {remedy}, or {_CUT}")
         raise ScenarioError(
             f"{at}: the clock jumps by {steps[k]:.6g} s, and allowed are {_JUMP:g} of its steps of "
             f"{usual:.3g} s: {_CUT}"
