@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from stickslip._util.text import OneLine
@@ -164,8 +164,15 @@ def _with_second(
         both = pair.names <= set(sure)
         return _claimed(verdict, models, test, pair) if both else _set(verdict, models, chance)
     reason = _refused(pair, member, second)
-    if chance.among_small(member.name) >= SURE:
-        return _claimed(verdict, models, test, member, (reason,))
+    small = [member] if chance.among_small(member.name) >= SURE else alone
+    if small == [member]:
+        single = _claimed(verdict, models, test, member, (reason,))
+        if single.claims:
+            return single
+    if pair.names <= set(sure):
+        # Less than the pair is improbable and more than one of the two not proven: they stay open.
+        common = frozenset.intersection(*(fit.names for fit in small))
+        verdict = replace(verdict, members=(pair, *small), common=tuple(sorted(common)))
     return _set(verdict, models, chance, (reason,))
 
 
@@ -282,13 +289,14 @@ def _set(
     if len(members) == 1 or len(against) > len(reasons):
         return _with(verdict, "unexplained", (), None, tuple(against), models, first, gain)
     names = dict.fromkeys(name for member in members for name in sorted(member.names))
-    together = sum(chance.models[member.name] for member in members)
-    text = (
-        f"{len(members)} models have {100.0 * together:.0f} % of the probability together; the "
-        f"first, {first.name}, has {100.0 * chance.models[first.name]:.0f} %."
-    )
-    reason = Note("not-separated", text, chance.models[first.name])
-    reasons = (*reasons, reason)
+    probability = chance.models[first.name]
+    if probability < SURE:
+        together = sum(chance.models[member.name] for member in members)
+        text = (
+            f"{len(members)} models have {100.0 * together:.0f} % of the probability together; the "
+            f"first, {first.name}, has {100.0 * probability:.0f} %."
+        )
+        reasons = (*reasons, Note("not-separated", text, probability))
     return _with(verdict, "ambiguous", tuple(names), first, reasons, models, first, gain)
 
 

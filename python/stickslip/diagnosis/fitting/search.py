@@ -330,7 +330,8 @@ def search(
                 _look_beside(models, leader)
         _fit_other_forms(models)
         _fit_exact_again(models)
-        if not reaches and models.leaders(1, "exact")[0].chi2 > _PAYS * before:
+        pays = models.leaders(1, "exact")[0].chi2 < _PAYS * before
+        if not (reaches or pays or models.leaders(1)[0].names not in done):
             break
     compared = [fit for fit in models.leaders() if fit in _near(models) or not fit.causes]
     sharper = [sharpened(problem, models.forms[fit.form], fit) for fit in compared]
@@ -647,12 +648,16 @@ def _fit_other_forms(models: Models) -> None:
 
 def _fit_exact_again(models: Models) -> None:
     """Fit models with the errors as stated from where others have fitted better: none is worse
-    than what it contains.
+    than what it contains. What leads is fitted so, too.
 
     With another form: where predictions jump, a descent may stop before a jump that wider errors
     let it pass.
     """
-    exact, starts = models.forms["exact"], []
+    exact = models.forms["exact"]
+    starts = [
+        Start("exact", fit.causes, fit.x, fit.slopes)
+        for fit in models.leaders(1) if models.get(fit.names) is None
+    ]  # fmt: skip
     for old in models.leaders(form="exact"):
         for other in models.best.values():
             alike = other.names == old.names

@@ -71,6 +71,7 @@ def numbers_of(facts: Facts, title: str | None = None) -> dict[str, Any]:
         "name": title or ("Diagnosis" if source is None else source.name),
         "probabilities": dict(verdict.probabilities),
         "share": _or_none(verdict.share),
+        "dominant_from": DOMINANT,
         "gain": _gain(facts),
         "next": str(facts.next_step),
         "reasons": [facts.words.in_titles(str(reason)) for reason in verdict.reasons],
@@ -80,6 +81,7 @@ def numbers_of(facts: Facts, title: str | None = None) -> dict[str, Any]:
         "channels": _channels(facts),
         "left": facts.next_step.value if facts.next_step.code == "cause-left" else None,
         "common": [facts.words.title(name) for name in verdict.common],
+        "members": [fit.name for fit in verdict.members],
         "beside": _beside(facts),
         "partial": verdict.partial,
         "offered": len(findings.models.offered),
@@ -211,7 +213,8 @@ def _beside(facts: Facts) -> list[str]:
     """What the members of a set have beside the causes that all of them have."""
     common = frozenset(facts.verdict.common)
     rest = (" + ".join(sorted(fit.names - common)) or "none" for fit in facts.verdict.members)
-    return [facts.words.title(name) if name != "none" else "nothing else" for name in rest]
+    return ["nothing else" if common and name == "none" else facts.words.title(name)
+            for name in rest]  # fmt: skip
 
 
 def _rows(facts: Facts, candidate: Candidate) -> dict[str, dict[str, Any]]:

@@ -16,9 +16,7 @@ from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
 
 Read = Callable[[Array, Array, dict[str, Array], Table], Array]
-"""``read(readings, predicted, p, table)``: what an instrument makes of the readings of a table so
-far, where `predicted` is what the physics predicts, both of shape (vectors, rows); ``p[name]`` has
-the shape (vectors, 1). Of an input: what becomes of its values, where `predicted` is as given."""
+"""How an instrument reads; see `Cause`."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -34,7 +32,10 @@ class Cause(OneLine):
         Name of a constant whose prior is widened to ten times its standard deviation: of the
         constant that is the cause itself, or of the one that a law of a free shape replaces.
     read : callable, optional
-        Of an instrument: how it changes the readings of `table`, or the input of a `Series`.
+        Of an instrument: ``read(readings, predicted, p, table)`` returns what it makes of the
+        readings, shape (vectors, rows); `predicted` is what the physics predicts, of the same
+        shape, and ``p[name]`` a parameter, shape (vectors, 1). With `input` it changes that input
+        of a `Series`; `predicted` is then the input as it was recorded.
     table : str, optional
         Name of the table that an instrument reads; all of them, if not given.
     input : str, optional
