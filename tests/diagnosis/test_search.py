@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from made import oscillator
 
 from sliding_block import (
     FRICTION,
@@ -344,3 +345,15 @@ def test_a_limit_that_binds_far_is_found_though_the_way_there_leads_uphill():
     found = diagnose_model(moved, table, [mass, drag], [Cause("limit", level)])
     assert (found.verdict.kind, found.verdict.causes) == ("named", ("limit",))
     assert found.params["value"]["limit.level"] == pytest.approx(top, abs=0.02)
+
+
+def test_two_causes_are_found_though_a_model_of_one_is_far_from_the_data():
+    """A precise meter: the wrong zero alone leaves ten errors in a reading, and a damping that is
+    too large hides that of the square of the speed.
+    """
+    made = oscillator(23003)
+    found = diagnose_model(made.predict, made.data, made.uncertain, made.causes)
+    alone = found.findings.models.get(["offset"])
+    assert alone.chi2 > 100.0 * len(made.data[0].y)
+    assert (found.verdict.kind, set(found.verdict.causes)) == ("pair", {"drag", "offset"})
+    assert found.verdict.fit.form == "exact"

@@ -161,6 +161,24 @@ def test_a_pair_without_which_nothing_explains_the_data_needs_no_other_proof():
     assert (result.verdict.kind, result.verdict.causes) == ("pair", ("late", "wave"))
 
 
+def test_two_causes_that_nothing_held_out_proves_are_left_open():
+    """Each moves one reading by five to six errors, so that no other part tells its size."""
+
+    def ends(table, p):
+        x = table["x"]
+        first, last = x < 1.05, x > 2.95
+        return p["slope"] * x + p["level"] + p["first.size"] * first + p["last.size"] * last
+
+    causes = [Cause(name, Parameter(f"{name}.size", size=0.5, low=-5.0, high=5.0))
+              for name in ("first", "last")]  # fmt: skip
+    table = data(0.55 * (X < 1.05) - 0.55 * (X > 2.95))
+    verdict = diagnose_model(ends, table, [SLOPE, LEVEL], causes).verdict
+    assert min(verdict.probabilities[name] for name in ("first", "last")) > 0.95
+    assert (verdict.kind, set(verdict.causes)) == ("ambiguous", {"first", "last"})
+    assert verdict.members[0].name == "first + last"
+    assert [note.code for note in verdict.reasons] == ["second-cause-predicts-nothing"]
+
+
 def test_sizes_are_known_as_well_as_the_likelier_form_of_the_errors_tells():
     random = np.random.default_rng(4)
     noise = [random.standard_normal()]
