@@ -209,7 +209,7 @@ def measured_words():
             + real["rows"]["axis, 20 Hz, listed: yes"]["size"].partition(" N s/m")[0],
             "Means over ten segments name it: "
             + real["rows"]["axis, ten segments, listed: yes"]["size"].partition(" (")[0],
-            f"four repeats of one motion it takes {share['axis, four repeats, listed: yes']}:",
+            f"beside it (both take {share['axis, four repeats, listed: yes']}) stays open",
             f"a limit of the angles takes {share['tumbler, listed: no']} of",
             f"they take {share['tanks, listed: yes']} of the squared error",
             f"angles are read {found:.1f} ± {error:.1f} mrad too large",

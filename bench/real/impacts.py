@@ -79,11 +79,11 @@ def _cause(name: str, meaning: str, *parameters: tuple[str, str, float, float, f
 
 
 _ANGLE = _cause(
-    "angle_offset", "angles are read from a wrong zero", ("angle", "rad", -0.3, 0.3, 0.03)
+    "angle_offset", "a wrong zero of the angles", ("angle", "rad", -0.3, 0.3, 0.03)
 )
 """An instrument, but the angles are settings here, so that the models have it themselves."""
-_ROUNDING = _cause("rounding", "the corners are rounded", ("radius", "m", 0.0, 0.015, 2e-3))
-_SLOPE = _cause("plate_slope", "the plate rises along x", ("slope", "-", -0.1, 0.1, 5e-3))
+_ROUNDING = _cause("rounding", "rounded corners", ("radius", "m", 0.0, 0.015, 2e-3))
+_SLOPE = _cause("plate_slope", "a plate that rises along x", ("slope", "-", -0.1, 0.1, 5e-3))
 
 
 def first_impacts(drops: Drops) -> Impacts:

@@ -37,7 +37,7 @@ def _change(name: str) -> Parameter:
 
 
 _CAUSES = (
-    Cause("ageing", _change("ageing.rate"), "friction grows with the logarithm of the rest"),
+    Cause("ageing", _change("ageing.rate"), "friction that grows with the logarithm of the rest"),
     Cause(
         "wave",
         (
@@ -47,16 +47,16 @@ _CAUSES = (
                 "wave.length", Prior("log-uniform", 1e-3, 15e-3), "m", cause=False, fineness=0.1
             ),
         ),
-        "the surface is uneven along the way",
+        "a surface that is uneven along the way",
     ),
-    Cause("drift", _change("drift.change"), "friction changes steadily with time"),
+    Cause("drift", _change("drift.change"), "friction that changes steadily with time"),
     Cause(
         "wear",
         (
             _change("wear.change"),
             Parameter("wear.time", Prior("log-uniform", 10.0, 400.0), "s", cause=False),
         ),
-        "friction settles as the surface wears in",
+        "friction that settles as the surface wears in",
     ),
     Cause(
         "step",
@@ -64,10 +64,10 @@ _CAUSES = (
             _change("step.height"),
             Parameter("step.time", Prior("normal", 190.0, 100.0), "s", cause=False, fineness=0.1),
         ),
-        "friction jumps at one time",
+        "friction that jumps at one time",
     ),
     Cause(
-        "speed", _change("speed.rate"), "friction depends on the logarithm of how fast it is loaded"
+        "speed", _change("speed.rate"), "friction that depends on the logarithm of the loading rate"
     ),
     instruments.scale(0.05, name="stiffness"),
     instruments.clipping("-", 0.5, 0.05),

@@ -48,17 +48,17 @@ _CAUSES = (
     Cause(
         "viscous_asymmetry",
         _either_way("viscous_asymmetry.half", "N s/m", 20.0),
-        "viscous friction is larger backwards",
+        "viscous friction that is larger backwards",
     ),
     Cause(
         "coulomb_asymmetry",
         _either_way("coulomb_asymmetry.half", "N", 2.0),
-        "dry friction is larger backwards",
+        "dry friction that is larger backwards",
     ),
     Cause(
         "quadratic_drag",
         _either_way("quadratic_drag.coefficient", "N s^2/m^2", 200.0),
-        "friction bends over velocity",
+        "friction that bends over velocity",
     ),
     Cause(
         "stribeck",
@@ -71,22 +71,22 @@ _CAUSES = (
     Cause(
         "position_stiffness",
         _either_way("position_stiffness.stiffness", "N/m", 20.0),
-        "something pulls like a spring",
+        "a pull like that of a spring",
     ),
     Cause(
         "friction_over_place",
         _either_way("friction_over_place.slope", "N/m", 20.0),
-        "dry friction changes along the way",
+        "dry friction that changes along the way",
     ),
     Cause(
         "load_friction",
         _either_way("load_friction.share", "-", 0.02),
-        "friction grows with the force of the drive",
+        "friction that grows with the force of the drive",
     ),
     Cause(
         "warming",
         _either_way("warming.rate", "1/s", 0.1 / 25.0),
-        "viscous friction changes with time",
+        "viscous friction that changes with time",
     ),
     Cause(
         "ripple",
@@ -97,7 +97,7 @@ _CAUSES = (
                 "ripple.length", Prior("log-uniform", 5e-3, 50e-3), "m", cause=False, fineness=0.1
             ),
         ),
-        "the force ripples along the way",
+        "a ripple of the force along the way",
     ),
     instruments.scale(0.02, name="force_scale"),
 )
@@ -163,7 +163,7 @@ def diagnosed(without: Collection[str] = ()) -> Diagnosis:
         return force(p, v - p["velocity_lag.time"] * a, a, x, t)
 
     lag = Parameter("velocity_lag.time", unit="s", low=0.0, high=0.06, size=2e-3)
-    causes = [*_CAUSES, Cause("velocity_lag", lag, "friction follows the velocity late")]
+    causes = [*_CAUSES, Cause("velocity_lag", lag, "friction that follows the velocity late")]
     listed = [each for each in causes if each.name not in without]
     return diagnose_model(model, data, _CONSTANTS, listed)
 

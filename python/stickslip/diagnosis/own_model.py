@@ -174,7 +174,7 @@ class OwnModel(OneLine):
     @property
     def laws(self) -> list[Cause]:
         """Causes that are a law of a free shape."""
-        return [cause for cause in self.causes if cause.curve is not None]
+        return [cause for cause in self.causes if cause.is_law]
 
     def __call__(self, table: Table, names: Sequence[str], values: Array) -> Array:
         """Readings of a table, shape (vectors, rows), for values by name, (vectors, names).
@@ -335,7 +335,7 @@ def without_effect(problem: Problem) -> list[Note]:
     for cause in problem.causes:
         outside = _outside(cause, problem.tables)
         notes += outside
-        if outside or cause.curve is not None:
+        if outside or cause.is_law:
             named |= {parameter.name for parameter in cause.parameters}
     for name in itertools.compress(problem.names, dead):
         if name not in named:

@@ -170,7 +170,7 @@ def _with_second(
         if single.claims:
             return single
     if pair.names <= set(sure):
-        # Less than the pair is improbable and more than one of the two not proven: they stay open.
+        # A smaller model is improbable, and the second cause is not proven: both stay open.
         common = frozenset.intersection(*(fit.names for fit in small))
         verdict = replace(verdict, members=(pair, *small), common=tuple(sorted(common)))
     return _set(verdict, models, chance, (reason,))
@@ -190,8 +190,9 @@ def _refused(pair: Fit, member: Fit, second: Gain) -> Note:
     fall = 1.0 - second.after / second.before
     return Note(
         "second-cause-predicts-nothing",
-        f"{other} beside {member.name} lowers the held-out error by {100.0 * fall:.0f} %; a second "
-        f"cause needs {100.0 * SECOND:.0f} % and an interval above zero.",
+        f"{other} beside {member.name} {'lowers' if fall > 0.0 else 'raises'} the held-out error "
+        f"by {100.0 * abs(fall):.0f} %; a second cause has to lower it by {100.0 * SECOND:.0f} %, "
+        "with an interval above zero.",
         fall,
     )
 
@@ -309,8 +310,10 @@ def _with(verdict: Verdict, kind: Kind, causes: tuple[str, ...], fit: Fit | None
     likeliest = next(other for other in models.leaders() if other.names == leader.names)
     kappa = likeliest.sizes.get("kappa", 1.0)
     if kappa < CALM:
+        estimated = all(math.isfinite(errors.dof) for errors in models.problem.errors)
         text = (
-            f"The scatter is {kappa:.2g} times the errors, which are stated or estimated too large."
+            f"What is left scatters by {kappa:.2g} times the "
+            f"{'estimated' if estimated else 'stated'} errors, which are too large."
         )
         notes.append(Note("errors-too-large", text, kappa))
     return Verdict(

@@ -395,18 +395,14 @@ def _worth_a_look(models: Models) -> list[Fit]:
     for fit in _near(models):
         sets.setdefault(fit.names, fit)
     fits = [fit for fit in sets.values() if fit.causes][:LEADERS]
-    if any(_is_law(cause) for cause in models.offered):
+    if any(cause.is_law for cause in models.offered):
         first = models.leaders(1)[0]
-        return [fit for fit in fits if fit is first or any(map(_is_law, fit.causes))]
+        return [fit for fit in fits if fit is first or any(cause.is_law for cause in fit.causes)]
     best = models.leaders(form="exact")
     if best[0].chi2 > _COMFORTABLE * len(models.problem.y):
         singles = [fit for fit in best if len(fit.causes) == 1][: 2 * LEADERS]
         fits += [fit for fit in singles if fit.names not in sets]
     return fits
-
-
-def _is_law(cause: Cause) -> bool:
-    return cause.curve is not None
 
 
 def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -> None:

@@ -27,6 +27,7 @@ from stickslip._util.palette import BLUE, DARK_GREY, VERMILION
 from stickslip._util.text import json_text
 from stickslip.diagnosis.decision.experiments import changed_settings
 from stickslip.diagnosis.decision.facts import Facts
+from stickslip.diagnosis.decision.verdict import DOMINANT
 from stickslip.diagnosis.report.numbers import numbers_of
 from stickslip.diagnosis.report.pictures import Plots, drawing
 from stickslip.diagnosis.terms import amounts
@@ -89,6 +90,7 @@ def page(numbers: Mapping[str, Any], figures: Mapping[str, Any]) -> str:
         figures=figures,
         a=amounts,
         w=Words(not numbers["of_measurement"]),
+        dominant=DOMINANT,
         drawing=lambda name, way: Markup(drawing(name, way)),
     )
     # No line ends between a number and its sign or unit.

@@ -71,7 +71,6 @@ def numbers_of(facts: Facts, title: str | None = None) -> dict[str, Any]:
         "name": title or ("Diagnosis" if source is None else source.name),
         "probabilities": dict(verdict.probabilities),
         "share": _or_none(verdict.share),
-        "dominant_from": DOMINANT,
         "gain": _gain(facts),
         "next": str(facts.next_step),
         "reasons": [facts.words.in_titles(str(reason)) for reason in verdict.reasons],

@@ -25,7 +25,9 @@ class Cause(OneLine):
 
     Attributes
     ----------
-    name, meaning : str
+    name : str
+    meaning : str
+        A noun, such as ``dry friction``: reports make sentences with it.
     parameters : tuple of Parameter
         Amplitudes and shapes. None for a constant that is other than stated.
     frees : str, optional
@@ -76,6 +78,11 @@ class Cause(OneLine):
         object.__setattr__(self, "parameters", tuple(given))
         if not self.parameters and self.frees is None:
             raise ScenarioError(f"cause {self.name} has no Parameter: allowed are one or more")
+
+    @property
+    def is_law(self) -> bool:
+        """Whether it is a law of another shape."""
+        return self.curve is not None
 
     @property
     def has_knots(self) -> bool:
