@@ -7,16 +7,13 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
-sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
-
 import diagnoses
 import limit
 import lines
 import made
 import measure
 import now
+import numpy as np
 import pytest
 from mutations.cpp import MUTATIONS
 from works import REFERENCE, WORKS, with_solver

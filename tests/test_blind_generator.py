@@ -10,15 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from stickslip import Coils, Scenario, _core, simulate
-from stickslip.diagnosis.data.exposure import Exposure, record
-from stickslip.diagnosis.data.table import Table
-from stickslip.diagnosis.terms.instruments import of_angles, of_velocities, read_by
-from stickslip.measurement import read_measurement
-
-sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
-
 from blind import settings
 from blind.catalogue import CAUSES, HIDING, INSTRUMENTS, LAWS, entry
 from blind.generator import make
@@ -31,6 +22,12 @@ from blind.strength import Absorber, Draft
 from blind.study import generator_files
 from blind.truth import Hidden, Truth
 from blind.writing import write_case
+
+from stickslip import Coils, Scenario, _core, simulate
+from stickslip.diagnosis.data.exposure import Exposure, record
+from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.terms.instruments import of_angles, of_velocities, read_by
+from stickslip.measurement import read_measurement
 
 # A condition in which every cause of a moving robot does something.
 DRIVES = [

@@ -2,19 +2,12 @@
 
 import itertools
 import json
-import sys
 from collections import Counter
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-
-from stickslip.diagnosis.data.velocity import VelocityTable
-from stickslip.measurement import read_measurement
-
-sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
-
 from blind import own, study
 from blind.kinds import KINDS, STUDY, plan
 from blind.scoring import (
@@ -29,6 +22,9 @@ from blind.scoring import (
     report,
 )
 from blind.writing import KEYS
+
+from stickslip.diagnosis.data.velocity import VelocityTable
+from stickslip.measurement import read_measurement
 
 ROOT = Path(__file__).resolve().parents[1]
 

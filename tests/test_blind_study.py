@@ -6,22 +6,18 @@ sound when they were chosen, so this guards against falling back and gives no ra
 
 import itertools
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
-
-from stickslip import Drive, Scenario, diagnose, read_measurement, simulate_batch
-from stickslip.diagnosis import measured
-
-sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
-
 from blind.generator import make
 from blind.kinds import KINDS
 from blind.settings import FLOOR, PULSES, SCATTER, TRIALS, priors
 from blind.writing import write_case, write_more
+
+from stickslip import Drive, Scenario, diagnose, read_measurement, simulate_batch
+from stickslip.diagnosis import measured
 
 DATA = Path(__file__).with_name("data") / "blind"
 TWINS = 20002  # seed of near twins

@@ -1,15 +1,10 @@
 """The benchmark of named causes, and the study of planned tables: sets, tools, counts."""
 
 import json
-import sys
-from pathlib import Path
 
 import numpy as np
-import pytest
-
-sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
-
 import planned
+import pytest
 from causes import make, walkers
 from causes.__main__ import ANSWERS
 from causes.score import judged

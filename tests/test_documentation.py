@@ -5,10 +5,12 @@ import importlib
 import json
 import pkgutil
 import re
-import sys
 
 import numpy as np
 import pytest
+from blind import own
+from blind.scoring import Case, read
+from blind.study import lines
 
 import stickslip
 from documentation_blocks import DOCS, PAGES, ROOT, blocks, by_name, pages, play
@@ -16,11 +18,6 @@ from own_effects import nothing_stays  # noqa: F401
 from stickslip import Drive, Scenario, simulate
 from stickslip.scenario.effects import is_free_shape
 from test_reference_agreement import AGREEMENT, SCENARIOS
-
-sys.path.append(str(ROOT / "bench"))
-from blind import own
-from blind.scoring import Case, read
-from blind.study import lines
 
 MEASURED = DOCS / "measured"
 STUDY = ROOT / "bench" / "blind" / "study" / "record.jsonl"

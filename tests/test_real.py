@@ -1,16 +1,9 @@
 """Measured sets with a known cause, diagnosed by the bench and judged."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-from stickslip import Series
-
-sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
-
 from real import study
 from real.flights import read_drops
 from real.impacts import (
@@ -22,6 +15,8 @@ from real.impacts import (
     velocities,
 )
 from real.score import Measured, Truth, judged, row
+
+from stickslip import Series
 
 
 @pytest.fixture(scope="module")

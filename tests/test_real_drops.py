@@ -1,13 +1,9 @@
 """Drops of a real square, and of one that the core drops: constants and predictions."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.append(str(Path(__file__).resolve().parents[1] / "bench"))
-
 from real import drops as bench
 from real import fits
 from real.contacts import ABOUT, ContactGeometry

@@ -3,7 +3,8 @@
 A log comes from the integrator of the benchmark of causes, its readings with independent,
 correlated or coarse errors, none of which is stated, or beside a model error: an uneven scale of
 the sensor, or a drift. A line has two repeats at six places. The cause that is hidden is listed or
-not; an unlisted cause may resemble a listed one. Rows are appended to a file as they come.
+not; an unlisted cause may resemble a listed one. A cause that cannot have the wanted effect is
+replaced by another one. Rows are appended to a file as they come.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ Row = dict[str, Any]
 Array = np.ndarray
 MACHINES = {"joint": 0.12, "axis": 2.0, "oscillator": 4.0, "thermal": 60.0}
 """Sizes of their inputs."""
-FIRST = 34000  # seeds; nobody has seen them
+FIRST = 35000  # of the seeds; those of a study that chose something are used up
 COUNT = 120  # readings of a log
 NOISE, STRENGTH = 0.02, (4.0, 9.0)  # of the readings' scatter, and of a cause's effect in errors
 CORRELATION, STEP = 0.7, 2.0  # of neighbours; of a coarse meter, in errors
@@ -104,21 +105,10 @@ def log(
     seen = simulated(kind, base, t, u)
     sd = NOISE * float(np.std(seen))
     cause, wanted, plain = "", draw.uniform(*STRENGTH) * sd, seen
-    if hidden != "none":
-        cause = str(draw.choice([*own["hidden"]]))
-        low, high = np.log(own["hidden"][cause]) + np.array([-DECADES, DECADES]) * np.log(10.0)
-        for _ in range(HALVINGS):
-            size = float(np.exp(0.5 * (low + high)))
-            with np.errstate(over="ignore", invalid="ignore"):
-                seen = simulated(kind, {**base, cause: size}, t, u)
-            found = float(np.sqrt(np.mean((seen - plain) ** 2)))
-            # What is beyond a limit acts the more, the lower it is.
-            if (found < wanted) == (cause != "saturation"):
-                low = np.log(size)
-            else:
-                high = np.log(size)
-        if not 0.9 * wanted < found < 1.1 * wanted:
-            raise AssertionError(f"{kind}, {cause}: an effect of {found:.2g}, not {wanted:.2g}")
+    for cause in draw.permutation([*own["hidden"]]).tolist() if hidden != "none" else []:
+        seen, found = _sized(kind, cause, base, t, u, plain, wanted)
+        if 0.9 * wanted < found < 1.1 * wanted:
+            break  # some cannot be as strong: dry friction stops the machine first
     effect, part = seen - plain, draw.uniform(*ERROR_SHARE)
     if errors in MODEL_ERRORS:
         error = _error(errors, t, seen, draw)
@@ -143,6 +133,24 @@ def log(
     name = own["input"].partition(" (")[0]
     record = Series(t, seen, {name: u}, unit=own["reads"].rstrip(")").split(" (")[1])
     return cause, effect, diagnose_model(model, record)
+
+
+def _sized(
+    kind: str, cause: str, base: dict[str, float], t: Array, u: Array, plain: Array, wanted: float
+) -> tuple[Array, float]:
+    """Readings with a cause of that size whose effect comes nearest to the wanted one, and it."""
+    low, high = np.log(KINDS[kind]["hidden"][cause]) + np.log(10.0) * np.array([-DECADES, DECADES])
+    for _ in range(HALVINGS):
+        size = float(np.exp(0.5 * (low + high)))
+        with np.errstate(over="ignore", invalid="ignore"):
+            seen = simulated(kind, {**base, cause: size}, t, u)
+        found = float(np.sqrt(np.mean((seen - plain) ** 2)))
+        # What is beyond a limit acts the more, the lower it is.
+        if (found < wanted) == (cause != "saturation"):
+            low = np.log(size)
+        else:
+            high = np.log(size)
+    return seen, found
 
 
 def _refitted(change: Array, columns: Array) -> Array:

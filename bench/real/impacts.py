@@ -78,9 +78,7 @@ def _cause(name: str, meaning: str, *parameters: tuple[str, str, float, float, f
     return Cause(name, tuple(made), meaning)
 
 
-_ANGLE = _cause(
-    "angle_offset", "a wrong zero of the angles", ("angle", "rad", -0.3, 0.3, 0.03)
-)
+_ANGLE = _cause("angle_offset", "a wrong zero of the angles", ("angle", "rad", -0.3, 0.3, 0.03))
 """An instrument, but the angles are settings here, so that the models have it themselves."""
 _ROUNDING = _cause("rounding", "rounded corners", ("radius", "m", 0.0, 0.015, 2e-3))
 _SLOPE = _cause("plate_slope", "a plate that rises along x", ("slope", "-", -0.1, 0.1, 5e-3))

@@ -173,7 +173,7 @@ class OwnModel(OneLine):
 
     @property
     def laws(self) -> list[Cause]:
-        """Causes that are a law of a free shape."""
+        """Causes that are laws of another shape."""
         return [cause for cause in self.causes if cause.is_law]
 
     def __call__(self, table: Table, names: Sequence[str], values: Array) -> Array:

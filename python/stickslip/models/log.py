@@ -24,7 +24,7 @@ from stickslip.simulation.note import Note
 
 _TIME, _ERROR = "t", "sd"
 _ALSO = {
-    _TIME: ("time", "timestamp", "date", "datetime", "clock", "zeit"),
+    _TIME: ("time", "timestamp", "date", "datetime", "clock"),
     _ERROR: ("error",),
 }  # what columns are called, too
 _JUMP = 20.0
@@ -158,7 +158,7 @@ def _missing(name: str, there: Sequence[str], wanted: Columns) -> NoReturn:
     have = ", ".join(map(shown, there))
     raise ScenarioError(
         f'column "{name}" is missing; there are {have}: call one "{name} ({unit})"; '
-        f"allowed are {wanted}, or other units of these"
+        f"allowed are {wanted}, or the same in other units"
     )
 
 

@@ -57,7 +57,8 @@ class Verdict(OneLine):
     probabilities : dict of float
         Of each cause and of ``none``.
     members : tuple of Fit
-        The smallest set of models with 95 %.
+        Models that stay open: the smallest set with 95 %, or a pair and the smaller models than
+        which it did not predict better.
     common : tuple of str
         Causes in all of them.
     share : float, optional
@@ -101,10 +102,9 @@ def decide(models: Models, test: Test) -> Verdict:
     leader = next((fit for fit in chance.fits if fit.causes), None)
     probabilities = {**chance.causes, "none": chance.none}
     members = tuple(chance.smallest_set())
-    common = frozenset.intersection(*(fit.names for fit in members))
     verdict = Verdict(
         "unexplained", probabilities=probabilities, members=members, leader=leader,
-        common=tuple(sorted(common)),
+        common=_common(members),
     )  # fmt: skip
     if leader is None or chance.none >= 0.5:
         return _without_cause(verdict, models, test, leader)
@@ -115,6 +115,11 @@ def decide(models: Models, test: Test) -> Verdict:
     if len(most.causes) < 2:
         return _claimed(verdict, models, test, most)
     return _with_second(verdict, models, test, chance, most, sure)
+
+
+def _common(members: Sequence[Fit]) -> tuple[str, ...]:
+    """Causes that all models have."""
+    return tuple(sorted(frozenset.intersection(*(fit.names for fit in members))))
 
 
 def _without_cause(verdict: Verdict, models: Models, test: Test, leader: Fit | None) -> Verdict:
@@ -164,15 +169,16 @@ def _with_second(
         both = pair.names <= set(sure)
         return _claimed(verdict, models, test, pair) if both else _set(verdict, models, chance)
     reason = _refused(pair, member, second)
-    small = [member] if chance.among_small(member.name) >= SURE else alone
-    if small == [member]:
+    leads = chance.among_small(member.name) >= SURE
+    if leads:
         single = _claimed(verdict, models, test, member, (reason,))
         if single.claims:
             return single
     if pair.names <= set(sure):
         # A smaller model is improbable, and the second cause is not proven: both stay open.
-        common = frozenset.intersection(*(fit.names for fit in small))
-        verdict = replace(verdict, members=(pair, *small), common=tuple(sorted(common)))
+        smaller = [member] if leads else alone
+        still_open = tuple(dict.fromkeys((pair, *smaller, *verdict.members)))
+        return _set(verdict, models, chance, (reason,), still_open)
     return _set(verdict, models, chance, (reason,))
 
 
@@ -188,13 +194,20 @@ def _only_pair(models: Models, pair: Fit) -> bool:
 def _refused(pair: Fit, member: Fit, second: Gain) -> Note:
     (other,) = pair.names - member.names
     fall = 1.0 - second.after / second.before
-    return Note(
-        "second-cause-predicts-nothing",
-        f"{other} beside {member.name} {'lowers' if fall > 0.0 else 'raises'} the held-out error "
-        f"by {100.0 * abs(fall):.0f} %; a second cause has to lower it by {100.0 * SECOND:.0f} %, "
-        "with an interval above zero.",
-        fall,
-    )
+    both = f"{other} beside {member.name}"
+    if fall <= 0.0:
+        text = f"{both} does not lower the held-out error."
+    elif fall < SECOND:
+        text = (
+            f"{both} lowers the held-out error by {100.0 * fall:.0f} % only; a second cause needs "
+            f"{100.0 * SECOND:.0f} %."
+        )
+    else:
+        text = (
+            f"{both} lowers the held-out error by {100.0 * fall:.0f} %, which may be chance: the "
+            "95 % interval includes zero."
+        )
+    return Note("second-cause-predicts-nothing", text, fall)
 
 
 def _claimed(
@@ -273,14 +286,15 @@ def _takes_little(fit: Fit, part: float, gains: Sequence[Gain | None]) -> list[N
 
 
 def _set(
-    verdict: Verdict, models: Models, chance: Posterior, reasons: tuple[Note, ...] = ()
-) -> Verdict:
-    """The smallest set of models with 95 %, the causes of each in turn.
+    verdict: Verdict, models: Models, chance: Posterior, reasons: tuple[Note, ...] = (),
+    members: tuple[Fit, ...] = (),
+) -> Verdict:  # fmt: skip
+    """Models that stay open, if not given the smallest set with 95 %: the causes of each in turn.
 
     Where that is one model, which cannot be claimed, or where none of its models takes enough of
     the model's error, nothing explains the data.
     """
-    members = verdict.members
+    members = members or verdict.members
     first = next(member for member in members if member.causes)
     against, gain = list(reasons), gain_of(models, first)
     if first.form != "exact":
@@ -298,6 +312,7 @@ def _set(
             f"first, {first.name}, has {100.0 * probability:.0f} %."
         )
         reasons = (*reasons, Note("not-separated", text, probability))
+    verdict = replace(verdict, members=members, common=_common(members))
     return _with(verdict, "ambiguous", tuple(names), first, reasons, models, first, gain)
 
 
@@ -310,11 +325,7 @@ def _with(verdict: Verdict, kind: Kind, causes: tuple[str, ...], fit: Fit | None
     likeliest = next(other for other in models.leaders() if other.names == leader.names)
     kappa = likeliest.sizes.get("kappa", 1.0)
     if kappa < CALM:
-        estimated = all(math.isfinite(errors.dof) for errors in models.problem.errors)
-        text = (
-            f"What is left scatters by {kappa:.2g} times the "
-            f"{'estimated' if estimated else 'stated'} errors, which are too large."
-        )
+        text = f"The errors are too large: what is left scatters by {kappa:.2g} of them."
         notes.append(Note("errors-too-large", text, kappa))
     return Verdict(
         kind, causes, fit, tuple(notes), verdict.probabilities, verdict.members, verdict.common,

@@ -67,7 +67,7 @@ _BEHIND = 2.0 * NEAR
 # Chi-square per row up to which a model is near the data. Chosen.
 _NEAR_DATA = 100.0
 # Part of chi-square that a round leaves at most, where no model is near the data, if another one
-# follows. Chosen.
+# follows without a new leader. Chosen.
 _PAYS = 0.5
 # Fits of a search after which no further leader is looked beside: where nothing explains the data,
 # each look finds others. Chosen: a pair takes 160.
@@ -331,7 +331,8 @@ def search(
         _fit_other_forms(models)
         _fit_exact_again(models)
         pays = models.leaders(1, "exact")[0].chi2 < _PAYS * before
-        if not (reaches or pays or models.leaders(1)[0].names not in done):
+        leads_anew = models.leaders(1)[0].names not in done
+        if not reaches and not pays and not leads_anew:
             break
     compared = [fit for fit in models.leaders() if fit in _near(models) or not fit.causes]
     sharper = [sharpened(problem, models.forms[fit.form], fit) for fit in compared]
@@ -643,17 +644,16 @@ def _fit_other_forms(models: Models) -> None:
 
 
 def _fit_exact_again(models: Models) -> None:
-    """Fit models with the errors as stated from where others have fitted better: none is worse
-    than what it contains. What leads is fitted so, too.
+    """Fit models with the errors as stated from where others fit better, so that none is worse
+    than what it contains. A leader that has no such fit gets it first.
 
     With another form: where predictions jump, a descent may stop before a jump that wider errors
     let it pass.
     """
-    exact = models.forms["exact"]
-    starts = [
-        Start("exact", fit.causes, fit.x, fit.slopes)
-        for fit in models.leaders(1) if models.get(fit.names) is None
-    ]  # fmt: skip
+    exact, first = models.forms["exact"], models.leaders(1)[0]
+    if models.get(first.names) is None:
+        models.add_fits([Start("exact", first.causes, first.x, first.slopes)])
+    starts = []
     for old in models.leaders(form="exact"):
         for other in models.best.values():
             alike = other.names == old.names

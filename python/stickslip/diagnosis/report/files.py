@@ -27,6 +27,8 @@ from stickslip._util.palette import BLUE, DARK_GREY, VERMILION
 from stickslip._util.text import json_text
 from stickslip.diagnosis.decision.experiments import changed_settings
 from stickslip.diagnosis.decision.facts import Facts
+from stickslip.diagnosis.decision.posterior import SURE
+from stickslip.diagnosis.decision.test import ADEQUATE
 from stickslip.diagnosis.decision.verdict import DOMINANT
 from stickslip.diagnosis.report.numbers import numbers_of
 from stickslip.diagnosis.report.pictures import Plots, drawing
@@ -90,6 +92,8 @@ def page(numbers: Mapping[str, Any], figures: Mapping[str, Any]) -> str:
         figures=figures,
         a=amounts,
         w=Words(not numbers["of_measurement"]),
+        sure=SURE,
+        adequate=ADEQUATE,
         dominant=DOMINANT,
         drawing=lambda name, way: Markup(drawing(name, way)),
     )

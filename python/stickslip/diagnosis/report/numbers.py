@@ -81,6 +81,7 @@ def numbers_of(facts: Facts, title: str | None = None) -> dict[str, Any]:
         "left": facts.next_step.value if facts.next_step.code == "cause-left" else None,
         "common": [facts.words.title(name) for name in verdict.common],
         "members": [fit.name for fit in verdict.members],
+        "unproven": any(note.code == "second-cause-predicts-nothing" for note in verdict.reasons),
         "beside": _beside(facts),
         "partial": verdict.partial,
         "offered": len(findings.models.offered),
@@ -210,10 +211,15 @@ def _of_subject(
 
 def _beside(facts: Facts) -> list[str]:
     """What the members of a set have beside the causes that all of them have."""
-    common = frozenset(facts.verdict.common)
-    rest = (" + ".join(sorted(fit.names - common)) or "none" for fit in facts.verdict.members)
-    return ["nothing else" if common and name == "none" else facts.words.title(name)
-            for name in rest]  # fmt: skip
+    common, members = frozenset(facts.verdict.common), facts.verdict.members
+    nothing = "nothing else" if common else facts.words.title("none")
+    texts = []
+    for fit in members:
+        names = sorted(fit.names - common)
+        alone = not common and names and any(fit.names < other.names for other in members)
+        text = " with ".join(map(facts.words.title, names)) or nothing
+        texts.append(f"{text} alone" if alone else text)
+    return texts
 
 
 def _rows(facts: Facts, candidate: Candidate) -> dict[str, dict[str, Any]]:
