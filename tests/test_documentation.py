@@ -209,6 +209,7 @@ def measured_words():
             f"beside it (both take {share['axis, four repeats, listed: yes']}) stays open",
             f"a limit of the angles takes {share['tumbler, listed: no']} of",
             f"they take {share['tanks, listed: yes']} of the squared error",
+            f"an uneven surface together take {share['slider, listed: yes']}",
             f"angles are read {found:.1f} ± {error:.1f} mrad too large",
             f"does not see, say {known:.1f})",
         ],

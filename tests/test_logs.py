@@ -51,7 +51,9 @@ def test_a_column_is_known_by_its_name_or_its_unit(headings, tmp_path):
     assert log["torque"] == pytest.approx(TORQUE)
     assert (log.name, log.unit) == ("a", "rad/s")
     told = [each.code for each in log.own_notes]
-    assert told == (["column-by-unit"] * 3 if headings == "units alone" else [])
+    expected = {"units alone": ["column-by-unit"] * 3}
+    expected |= dict.fromkeys(("names alone", "another order"), ["no-unit"])
+    assert told == expected.get(headings, [])
 
 
 @pytest.mark.nightly
@@ -106,7 +108,7 @@ def test_what_a_log_lacks_or_has_besides_is_told(tmp_path):
         file.write("3.00,0.")
     log = models.read_log(tmp_path / "a.csv", JOINT)
     assert {each.code for each in log.own_notes} == {
-        "cut-off", "columns-not-used", "no-input", "gaps"}  # fmt: skip
+        "cut-off", "columns-not-used", "no-input", "no-unit", "gaps"}  # fmt: skip
     assert len(log) == 149
     assert 7 not in log.rows
     assert np.all(log.errors.sd == 0.1)
@@ -118,6 +120,27 @@ def test_what_a_log_lacks_or_has_besides_is_told(tmp_path):
     assert warm.unit == "degC"
     assert warm["power"] == pytest.approx(1e3 * T)
     assert heater.terms(warm)[1]
+    told = {each.text for each in warm.own_notes}
+    assert "There is no column ambient: it is taken as 0." in told
+
+
+@pytest.mark.parametrize(
+    ("body", "ambient", "first"),
+    [("K", "degC", 293.15), ("degC", "K", -253.15), ("degC", "°C", 20.0), ("C", None, 20.0)],
+)
+def test_temperatures_of_a_log_have_the_zero_of_its_readings(tmp_path, body, ambient, first):
+    heading = f"ambient ({ambient})" if ambient else "ambient"
+    write(tmp_path / "a.csv", {"t": T, f"temperature ({body})": T, "power": T, heading: 20.0 + T})
+    heater = models.thermal(capacity=1.0, loss=1.0)
+    log = models.read_log(tmp_path / "a.csv", heater)
+    assert log["ambient"] == pytest.approx(first + T)
+    assert log["power"] == pytest.approx(T)
+    converted = [each.text for each in log.own_notes if each.code == "other-zero"]
+    assert converted == (
+        [] if first == 20.0 else [f"ambient is converted from {ambient} to {body}."]
+    )
+    with pytest.raises(ScenarioError, match="ambient is an input, and stated too"):
+        models.thermal(capacity=1.0, loss=1.0, ambient=20.0).terms(log)
 
 
 HIDDEN = {

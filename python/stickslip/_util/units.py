@@ -9,6 +9,8 @@ from collections.abc import Iterable
 _PREFIXES = {"k": 1e-3, "m": 1e3, "u": 1e6, "µ": 1e6, "μ": 1e6, "n": 1e9}
 """How many of the prefixed unit are one; both signs of micro."""
 
+_CELSIUS, _TIMES = ("C", "degC", "°C"), ("time", "timestamp")
+
 _OTHERS = {
     "s": {"min": 1.0 / 60.0, "h": 1.0 / 3600.0, "hh:mm:ss": 1.0},  # which is read as seconds
     "m": {"cm": 1e2},
@@ -23,7 +25,7 @@ _OTHERS = {
         **dict.fromkeys(("mNm", "mN·m"), 1e3),
         **dict.fromkeys(("N cm", "Ncm"), 1e2),
     },
-    "K": dict.fromkeys(("C", "degC", "°C"), 1.0),
+    "K": dict.fromkeys(_CELSIUS, 1.0),
     "T": dict.fromkeys(("G", "gauss"), 1e4),
     "T/A": {"G/A": 1e4},
     "kg": {"g": 1e3, "mg": 1e6, "ug": 1e9, "µg": 1e9},
@@ -74,15 +76,16 @@ def in_handy_units(words: str, unit: str) -> tuple[float, str]:
 def split_unit(heading: str) -> tuple[str, str | None]:
     """``x (mm)``, ``x [mm]``, ``x / mm`` or ``x/mm`` of a heading as its name and unit.
 
-    The unit is None if there is none. Without blanks only a symbol is parted, as ``rev/min`` is a
-    unit.
+    The unit is None if there is none. Without blanks ``rev/min`` and ``counts/s`` are units.
     """
     match = _HEADING.fullmatch(heading)
     if match:
         return match[1], match[2]
     name, _, unit = (part.strip() for part in heading.partition("/"))
     symbol = len(name) == 1 or (len(name) == 2 and not is_unit(name))
-    parted = (symbol or " / " in heading) and is_unit(unit) and not is_unit(heading)
+    # A word over a time is a unit, as counts/s.
+    word = len(name) > 3 and (name.casefold() in _TIMES or not is_of(unit, "s"))
+    parted = (symbol or word or " / " in heading) and is_unit(unit) and not is_unit(heading)
     return (name, unit) if parted else (heading, None)
 
 
@@ -94,6 +97,15 @@ def per_si(unit: str, si: str) -> float:
     return known[unit]
 
 
+def is_of(unit: str, si: str) -> bool:
+    """Whether a unit is one of the quantity of an SI unit."""
+    try:
+        per_si(unit, si)
+    except ValueError:
+        return False
+    return True
+
+
 def is_unit(text: str) -> bool:
     """Whether a text is a unit of a file."""
     return any(text in _known(si) for si in {*_OTHERS, *_SHOWN, "A", "Hz", "V", "W"})
@@ -102,6 +114,11 @@ def is_unit(text: str) -> bool:
 def same_unit(unit: str, si: str) -> bool:
     """Whether a unit is an SI unit under any of its names."""
     return _known(si).get(unit) == 1.0
+
+
+def zero_of(unit: str | None) -> float:
+    """Temperature of a unit's zero, K."""
+    return 273.15 if unit in _CELSIUS else 0.0
 
 
 def to_si(value: float, per: float) -> float:

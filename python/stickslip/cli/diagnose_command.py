@@ -56,7 +56,7 @@ _SAID_FIRST = 3
     stated,
     "NAME=VALUE or NAME=VALUE,ERROR, such as inertia=0.1,0.002",
     "What is known of a ready-made model: a value, or a value and its standard deviation, in SI "
-    "units; also reads, smooth and without",
+    "units, temperatures as in the log; also reads, smooth and without",
     metavar="NAME=VALUE",
 )
 @click.option(

@@ -16,7 +16,7 @@ from stickslip._util.files import read_bytes
 from stickslip._util.messages import shown
 from stickslip._util.tables import CsvTable
 from stickslip._util.text import number
-from stickslip._util.units import per_si, same_unit, split_unit
+from stickslip._util.units import is_of, same_unit, split_unit, zero_of
 from stickslip.diagnosis.data.series import Series
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.measurement.read_table import LARGEST, MOST_BYTES, Rows, not_used, read_rows
@@ -47,12 +47,15 @@ class Columns(NamedTuple):
         SI units by name: one, or those of the quantities that it may be.
     needed : bool
         Whether all inputs have to be there. They are 0 otherwise.
+    assumed : frozenset
+        Inputs beside the first that are 0 where there is no column, as nothing else is stated.
     """
 
     reads: str
     unit: str
     inputs: Mapping[str, tuple[str, ...]]
     needed: bool = False
+    assumed: frozenset[str] = frozenset()
 
     @property
     def units(self) -> dict[str, tuple[str, ...]]:
@@ -115,9 +118,20 @@ def read_log(path: str | PathLike[str], model: object) -> Series:
     others = [heading for k, heading in enumerate(table.header) if k not in used.values()]
     notes += [*table.left_out, *not_used(path.name, others)]
     values = _values(table, used, wanted, notes)
+    bare = [name for name in values if name not in (_TIME, _ERROR) and "-" not in wanted.units[name]
+            and split_unit(headings_of[name])[1] is None]  # fmt: skip
+    if bare:
+        units_of = " and ".join(f"{name} in {wanted.units[name][0]}" for name in bare)
+        notes.append(Note("no-unit", f"Headings without a unit are read in SI units: {units_of}."))
     unit = split_unit(headings_of[wanted.reads])[1]
     shows = unit if unit and same_unit(unit, wanted.unit) else wanted.unit
     inputs = {name: values[name] for name in wanted.inputs if name in values}
+    for name in inputs.keys() & {name for name, of in wanted.inputs.items() if "K" in of}:
+        # A temperature beside readings with another zero; without a unit it has theirs.
+        own = split_unit(headings_of[name])[1]
+        if own and unit and zero_of(own) != zero_of(unit):
+            inputs[name] = inputs[name] + (zero_of(own) - zero_of(unit))
+            notes.append(Note("other-zero", f"{name} is converted from {own} to {unit}."))
     log = Series(
         values[_TIME], values[wanted.reads], inputs, values.get(_ERROR), path.stem, unit=shows
     )
@@ -148,8 +162,9 @@ def _found(there: Sequence[str], wanted: Columns) -> tuple[dict[str, str], list[
     for name in wanted.inputs:
         if name not in headings_of and wanted.needed:
             _missing(name, there, wanted)
-    if first is not None and first not in headings_of:
-        notes.append(Note("no-input", f"There is no column {first}: it is taken as 0."))
+    for name in wanted.inputs:
+        if name not in headings_of and name in (first, *wanted.assumed):
+            notes.append(Note("no-input", f"There is no column {name}: it is taken as 0."))
     return headings_of, notes
 
 
@@ -165,21 +180,13 @@ def _missing(name: str, there: Sequence[str], wanted: Columns) -> NoReturn:
 def _fits(heading: str, units: Sequence[str]) -> bool:
     """Whether a heading states one of the units, or one of the same quantity."""
     stated = split_unit(heading)[1]
-    return any(stated and _is_of(stated, unit) for unit in units if unit != "-")
-
-
-def _is_of(unit: str, si: str) -> bool:
-    try:
-        per_si(unit, si)
-    except ValueError:
-        return False
-    return True
+    return any(stated and is_of(stated, unit) for unit in units if unit != "-")
 
 
 def _si(heading: str, units: Sequence[str]) -> str:
     """The one of the units that a heading's is of; the first of them, if of none."""
     stated = split_unit(heading)[1]
-    return next((unit for unit in units if stated is not None and _is_of(stated, unit)), units[0])
+    return next((unit for unit in units if stated is not None and is_of(stated, unit)), units[0])
 
 
 def _values(

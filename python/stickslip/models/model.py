@@ -229,7 +229,9 @@ class Model(OneLine):
     def columns(self) -> Columns:
         """What it takes of a log, for `read_log`."""
         inputs = {name: tuple(unit.split(" or ")) for name, unit in self.kind.inputs.items()}
-        return Columns(self.reads, self.unit, inputs)
+        # Of these a constant may be stated in place of a column.
+        assumed = frozenset(inputs) & self.kind.every.keys() - self.known.keys()
+        return Columns(self.reads, self.unit, inputs, assumed=assumed)
 
     def simulate(
         self, t: ArrayLike, inputs: Mapping[str, ArrayLike] | None = None, **values: float
@@ -267,6 +269,10 @@ class Model(OneLine):
             raise ScenarioError(f"{kind.name}: data = []: allowed is a Series or a list of them")
         for record in records:
             self._check_record(record)
+            for name in record.inputs.keys() & self.known.keys():
+                raise ScenarioError(
+                    f"{record.at}{name} is an input, and stated too: allowed is one of these"
+                )
         scales = self._scales(records)
         uncertain = [kind.every[name].parameter(prior) for name, prior in self.known.items()
                      if isinstance(prior, Prior)]  # fmt: skip
