@@ -190,7 +190,8 @@ def measured_words():
         "docs/accuracy.md": [
             *counts,
             *counts_of_walkers,
-            f"none is claimed wrongly; {len(true)} of {len(sure)} end right or as a set",
+            "none is claimed wrongly, with the cause listed or not; "
+            f"{len(true)} of {len(sure)} end right or as a set",
         ],
         "docs/howto/diagnose.md": [
             f"[said of {said} of {made} made sets](../accuracy.md#what-data-cannot-tell) that hide"
