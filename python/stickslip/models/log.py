@@ -83,8 +83,8 @@ def read_log(path: str | PathLike[str], model: object) -> Series:
 
     A column is known by its name, in whatever case, and else by its unit, where it is the only one
     of it: the time, what is read, and the first input. ``speed (rpm)`` is converted. A column
-    ``sd`` has the error of each reading. Times may be dates or clocks, ``2026-05-01 12:00:00.25``.
-    Rows without a reading are left out.
+    ``sd`` has the error of each reading. Temperatures get the zero of the readings. Times may be
+    dates or clocks, ``2026-05-01 12:00:00.25``. Rows without a reading are left out.
 
     Parameters
     ----------
@@ -118,8 +118,14 @@ def read_log(path: str | PathLike[str], model: object) -> Series:
     others = [heading for k, heading in enumerate(table.header) if k not in used.values()]
     notes += [*table.left_out, *not_used(path.name, others)]
     values = _values(table, used, wanted, notes)
-    bare = [name for name in values if name not in (_TIME, _ERROR) and "-" not in wanted.units[name]
-            and split_unit(headings_of[name])[1] is None]  # fmt: skip
+    # An input may have no unit, and a temperature without one has the zero of the readings.
+    bare = [
+        name
+        for name in (wanted.reads, *wanted.inputs)
+        if name in values
+        and split_unit(headings_of[name])[1] is None
+        and (name == wanted.reads or {"-", "K"}.isdisjoint(wanted.units[name]))
+    ]
     if bare:
         units_of = " and ".join(f"{name} in {wanted.units[name][0]}" for name in bare)
         notes.append(Note("no-unit", f"Headings without a unit are read in SI units: {units_of}."))
