@@ -109,6 +109,8 @@ def log(
         seen, found = _sized(kind, cause, base, t, u, plain, wanted)
         if 0.9 * wanted < found < 1.1 * wanted:
             break  # some cannot be as strong: dry friction stops the machine first
+    else:
+        assert hidden == "none", f"{kind}: no cause has an effect of {wanted:.2g}"
     effect, part = seen - plain, draw.uniform(*ERROR_SHARE)
     if errors in MODEL_ERRORS:
         error = _error(errors, t, seen, draw)
