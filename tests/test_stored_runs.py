@@ -1,5 +1,7 @@
 """Runs that are read back from files, and the keys of a record."""
 
+import io
+import os
 import resource
 import subprocess
 import sys
@@ -100,6 +102,40 @@ def test_a_file_without_checksums_is_opened_in_limited_time(tmp_path, monkeypatc
     monkeypatch.setattr(checked_file, "_TRIAL", "while True: pass")
     path.touch()
     with pytest.raises(ScenarioError, match=r"run\.nc: is no netCDF file, or a damaged one"):
+        open_run(path)
+
+
+def when_its_end_is_sought(monkeypatch, change):
+    """Let `change` come between the search for a file's end and what is read next."""
+
+    class File(io.FileIO):
+        def seek(self, offset, whence=0):
+            position = super().seek(offset, whence)
+            if whence == os.SEEK_END:
+                change()
+            return position
+
+    monkeypatch.setattr(checked_file, "open", File, raising=False)
+
+
+def test_a_file_that_grows_while_it_is_opened(tmp_path, monkeypatch):
+    path = tmp_path / f"run.nc{checked_file.PART}"
+    simulate(COARSE).save(tmp_path / "run.nc")
+    (tmp_path / "run.nc").rename(path)
+
+    def grow():
+        with path.open("ab") as file:
+            file.write(bytes(100))
+
+    when_its_end_is_sought(monkeypatch, grow)
+    assert_same_record(open_run(path), simulate(COARSE))
+
+
+def test_a_file_that_goes_while_it_is_opened(tmp_path, monkeypatch):
+    path = tmp_path / f"run.nc{checked_file.PART}"
+    path.write_bytes(bytes(1000))
+    when_its_end_is_sought(monkeypatch, lambda: path.unlink(missing_ok=True))
+    with pytest.raises(ScenarioError, match=rf"{path}: is gone: its run has ended"):
         open_run(path)
 
 

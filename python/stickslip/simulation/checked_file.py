@@ -125,6 +125,8 @@ def checked(path: str | PathLike[str]) -> Iterator[tuple[BinaryIO | str, bool]]:
     except Exception as error:  # whatever HDF5, its readers and a file raise
         if isinstance(error, OSError) and error.strerror is not None:
             raise ScenarioError(f"cannot be read: {error.strerror}") from None
+        if not os.path.exists(path):
+            raise ScenarioError("is gone: its run has ended, or it was removed") from None
         raise ScenarioError(
             "is no netCDF file, or a damaged one; allowed is one that stickslip wrote"
         ) from None
@@ -134,7 +136,7 @@ def _sealed(file: BinaryIO) -> BinaryIO | None:
     """The HDF5 within a file with checksums; None for a file without."""
     length = file.seek(0, os.SEEK_END)
     file.seek(max(0, length - _TAIL.size))
-    tail = file.read()
+    tail = file.read(_TAIL.size)  # and no more: a file that is written may have grown
     if len(tail) < _TAIL.size:
         return None
     size, total, mark = _TAIL.unpack(tail)

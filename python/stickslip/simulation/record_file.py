@@ -276,7 +276,7 @@ class StoredRecord(Mapping[str, "NDArray[Any]"]):
             # A process that was killed may have written the last block of some columns only.
             self.samples = min(len(file[name]) for name in names)
             self.recorded_until = float(file["t"][self.samples - 1]) if self.samples else math.nan
-        self._identity = self._identified()
+            self._identity = self._identified()
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         if name not in self._names:
