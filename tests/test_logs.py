@@ -11,7 +11,7 @@ import pytest
 
 from command_line import COMMAND, stickslip
 from report_page import without_pictures
-from stickslip import Cause, Parameter, Prior, ScenarioError, models
+from stickslip import Cause, Parameter, Prior, ScenarioError, Series, models
 
 T = 0.02 * np.arange(150)
 TORQUE = np.where(np.sin(3.0 * T) + np.sin(7.0 * T) > 0.0, 1.0, -1.0)
@@ -32,6 +32,7 @@ SAME = {
     "names alone": {"t": 1.0, "speed": 1.0, "torque": 1.0},
     "other units": {"Time [ms]": 1e3, "Speed (rpm)": 30.0 / np.pi, "TORQUE (Ncm)": 100.0},
     "over units": {"time/ms": 1e3, "speed/rpm": 30.0 / np.pi, "torque/Ncm": 100.0},
+    "underscores": {"timestamp_ms": 1e3, "speed_rpm": 30.0 / np.pi, "torque_Nm": 1.0},
     "units alone": {"seconds (s)": 1.0, "omega_m (deg/s)": 180.0 / np.pi, "M (mNm)": 1e3},
     "another order": {"torque": 1.0, "speed": 1.0, "time (min)": 1.0 / 60.0},
 }
@@ -99,6 +100,43 @@ def test_times_may_be_dates_or_clocks(begin, tmp_path):
         models.read_log(tmp_path / "a.csv", JOINT)
 
 
+@pytest.mark.parametrize(
+    ("unit", "stated", "meant"),
+    [("degC", 295.15, "22"), ("K", 22.0, "295.15"), ("degC", 22.0, ""), ("K", 77.0, ""),
+     ("degC", 250.0, ""), ("K", 295.15, "")],
+)  # fmt: skip
+def test_a_temperature_with_another_zero_than_the_readings_is_refused(unit, stated, meant):
+    readings = 20.0 + 40.0 * T / T[-1] + (unit == "K") * 273.15
+    log, priors = Series(T, readings, {"power": T}, unit=unit), {"capacity": 1.0, "loss": 1.0}
+    for known in (stated, (stated, 1.0)):
+        heater = models.thermal(ambient=known, **priors)
+        if not meant:
+            assert heater.terms(log)[1]
+            continue
+        with pytest.raises(ScenarioError, match=rf"ambient = {stated:g}: {meant} may be meant"):
+            heater.terms(log)
+
+
+@pytest.mark.parametrize(
+    ("heading", "per"),
+    [("t", 1.0), ("timestamp", 1e3), ("time", 1e6), ("t", 1e9), ("t (ms)", 1e3), ("time_ns", 1e9)],
+)
+def test_times_since_1970_are_counted_from_the_first(heading, per, tmp_path):
+    counts = [str(round(each)) if per > 1.0 else f"{each:.2f}" for each in per * (1.7e9 + T)]
+    write(tmp_path / "a.csv", {heading: counts, "speed (rad/s)": T, "torque (N m)": T})
+    log = models.read_log(tmp_path / "a.csv", JOINT)
+    assert log.t == pytest.approx(T, abs=1e-6)
+    (told,) = (each.text for each in log.own_notes)
+    assert told.endswith("counted from the first, 2023-11-14T22:13:20.000 UTC.")
+
+
+def test_a_name_of_a_models_own_keeps_its_end(tmp_path):
+    own = models.own(lambda series, p: 0.0, [], [], reads={"y_m": "m"}, inputs={"u_V": "V"})
+    write(tmp_path / "a.csv", {"t_s": T, "y_m": T, "u_V": 2.0 * T})
+    log = models.read_log(tmp_path / "a.csv", own)
+    assert (log.y[-1], log["u_V"][-1], log.unit) == (T[-1], 2.0 * T[-1], "m")
+
+
 def test_what_a_log_lacks_or_has_besides_is_told(tmp_path):
     speed = [f"{each:.4f}" for each in np.cos(T)]
     speed[7] = "nan"
@@ -108,6 +146,7 @@ def test_what_a_log_lacks_or_has_besides_is_told(tmp_path):
     with (tmp_path / "a.csv").open("a") as file:
         file.write("3.00,0.")
     log = models.read_log(tmp_path / "a.csv", JOINT)
+    assert "There is no column torque: it is taken as 0." in {each.text for each in log.own_notes}
     assert {each.code for each in log.own_notes} == {
         "cut-off", "columns-not-used", "no-input", "no-unit", "gaps"}  # fmt: skip
     assert len(log) == 149
@@ -123,6 +162,11 @@ def test_what_a_log_lacks_or_has_besides_is_told(tmp_path):
     assert heater.terms(warm)[1]
     told = {each.text for each in warm.own_notes}
     assert "There is no column ambient: it is taken as 0." in told
+    write(tmp_path / "c.csv", {"t": T, "body (degC)": T, "heater": T})
+    told = {each.text for each in models.read_log(tmp_path / "c.csv", heater).own_notes}
+    assert (
+        'There is no column power: it is taken as 0. Is it "heater"? Call it "power (W)".' in told
+    )
 
 
 @pytest.mark.parametrize(

@@ -29,6 +29,9 @@ _ALSO = {
 }  # what columns are called, too
 _JUMP = 20.0
 """Steps of a clock that has jumped. Chosen: a link loses a few readings, and a break loses many."""
+_DATE, _LATEST = 1e8, 1e11
+"""Seconds since 1970 from which on a time is a date, and from which on it is none. Chosen: no
+experiment has run for three years, or is in the year 5138."""
 _ISO = re.compile(r"(\d{4}-\d\d-\d\d[T ])?\d\d:\d\d(:\d\d([.,]\d+)?)?Z?")
 _DAY = 86400.0  # s, after which a clock without a date begins anew
 _CUT = "cut the log into two files there"
@@ -84,7 +87,8 @@ def read_log(path: str | PathLike[str], model: object) -> Series:
     A column is known by its name, in whatever case, and else by its unit, where it is the only one
     of it: the time, what is read, and the first input. ``speed (rpm)`` is converted. A column
     ``sd`` has the error of each reading. Temperatures get the zero of the readings. Times may be
-    dates or clocks, ``2026-05-01 12:00:00.25``. Rows without a reading are left out.
+    dates or clocks, ``2026-05-01 12:00:00.25``, or counts since 1970; these are counted from the
+    first reading. Rows without a reading are left out.
 
     Parameters
     ----------
@@ -110,68 +114,97 @@ def read_log(path: str | PathLike[str], model: object) -> Series:
         raise ScenarioError(f"model = {shown(model)}: allowed is a model of stickslip.models")
     there = headings(path, wanted.units)
     with prefixed(path):
-        headings_of, notes = _found(there, wanted)
-    names = {name: split_unit(heading)[0] for name, heading in headings_of.items()}
-    units = {names[name]: _si(heading, wanted.units[name]) for name, heading in headings_of.items()}
+        found, notes = _found(there, wanted)
+    units = {each.name: each.si(wanted.units[column]) for column, each in found.items()}
     table = read_rows(path, units)
-    used = {name: table.header.index(name_there) for name, name_there in names.items()}
+    used = {column: table.header.index(each.name) for column, each in found.items()}
     others = [heading for k, heading in enumerate(table.header) if k not in used.values()]
     notes += [*table.left_out, *not_used(path.name, others)]
     values = _values(table, used, wanted, notes)
+    values[_TIME] = _from_the_first(values[_TIME], found[_TIME].unit, notes)
     # An input may have no unit, and a temperature without one has the zero of the readings.
     bare = [
-        name
-        for name in (wanted.reads, *wanted.inputs)
-        if name in values
-        and split_unit(headings_of[name])[1] is None
-        and (name == wanted.reads or {"-", "K"}.isdisjoint(wanted.units[name]))
+        column
+        for column in (wanted.reads, *wanted.inputs)
+        if column in found
+        and found[column].unit is None
+        and (column == wanted.reads or {"-", "K"}.isdisjoint(wanted.units[column]))
     ]
     if bare:
-        units_of = " and ".join(f"{name} in {wanted.units[name][0]}" for name in bare)
+        units_of = " and ".join(f"{column} in {wanted.units[column][0]}" for column in bare)
         notes.append(Note("no-unit", f"Headings without a unit are read in SI units: {units_of}."))
-    unit = split_unit(headings_of[wanted.reads])[1]
+    unit = found[wanted.reads].unit
     shows = unit if unit and same_unit(unit, wanted.unit) else wanted.unit
-    inputs = {name: values[name] for name in wanted.inputs if name in values}
-    for name in inputs.keys() & {name for name, of in wanted.inputs.items() if "K" in of}:
+    inputs = {column: values[column] for column in wanted.inputs if column in values}
+    for column in inputs.keys() & {column for column, of in wanted.inputs.items() if "K" in of}:
         # A temperature beside readings with another zero; without a unit it has theirs.
-        own = split_unit(headings_of[name])[1]
+        own = found[column].unit
         if own and unit and zero_of(own) != zero_of(unit):
-            inputs[name] = inputs[name] + (zero_of(own) - zero_of(unit))
-            notes.append(Note("other-zero", f"{name} is converted from {own} to {unit}."))
+            inputs[column] = inputs[column] + (zero_of(own) - zero_of(unit))
+            notes.append(Note("other-zero", f"{column} is converted from {own} to {unit}."))
     log = Series(
         values[_TIME], values[wanted.reads], inputs, values.get(_ERROR), path.stem, unit=shows
     )
     return log.noted(notes)
 
 
-def _found(there: Sequence[str], wanted: Columns) -> tuple[dict[str, str], list[Note]]:
-    """Headings of the columns that are there, by what they are, and notes on those that were told
-    by their unit or are missing."""
-    headings_of: dict[str, str] = {}
+class _Heading(NamedTuple):
+    """A heading, the name in it, and its unit if it states one."""
+
+    text: str
+    name: str
+    unit: str | None
+
+    def si(self, units: Sequence[str]) -> str:
+        """The one of the units that its own is of; the first of them, if of none."""
+        return next((each for each in units if self.unit and is_of(self.unit, each)), units[0])
+
+    def fits(self, units: Sequence[str]) -> bool:
+        """Whether it states one of the units, or one of the same quantity."""
+        return any(self.unit and is_of(self.unit, each) for each in units if each != "-")
+
+
+def _found(there: Sequence[str], wanted: Columns) -> tuple[dict[str, _Heading], list[Note]]:
+    """Headings by the column that they are, and notes on those told by their unit or missing."""
+    all_there = [_Heading(text, *split_unit(text)) for text in there]
+    found: dict[str, _Heading] = {}
     notes = []
-    for name in wanted.units:
-        for heading in there:
-            plain = split_unit(heading)[0].casefold().replace("_", " ")
-            if plain in (name.casefold().replace("_", " "), *_ALSO.get(name, ())):
-                headings_of.setdefault(name, heading)
+    for column in wanted.units:
+        names = (_plain(column), *_ALSO.get(column, ()))
+        for each in all_there:
+            if _plain(each.text) in names:  # whatever unit its end may look like
+                found.setdefault(column, _Heading(each.text, each.text, None))
+        for each in all_there:
+            if _plain(each.name) in names:
+                found.setdefault(column, each)
     first = next(iter(wanted.inputs), None)
-    for name in (_TIME, wanted.reads, *wanted.inputs)[:3]:
-        if name in headings_of:
+    for column in (_TIME, wanted.reads, *wanted.inputs)[:3]:
+        if column in found:
             continue
-        units = wanted.units[name]
-        fit = [head for head in there if head not in headings_of.values() and _fits(head, units)]
+        taken = {each.text for each in found.values()}
+        units = wanted.units[column]
+        fit = [each for each in all_there if each.text not in taken and each.fits(units)]
         if len(fit) == 1:
-            headings_of[name] = fit[0]
-            notes.append(Note("column-by-unit", f"{shown(fit[0])} is taken for {name}."))
-        elif fit or name != first:
-            _missing(name, there, wanted)
-    for name in wanted.inputs:
-        if name not in headings_of and wanted.needed:
-            _missing(name, there, wanted)
-    for name in wanted.inputs:
-        if name not in headings_of and name in (first, *wanted.assumed):
-            notes.append(Note("no-input", f"There is no column {name}: it is taken as 0."))
-    return headings_of, notes
+            found[column] = fit[0]
+            notes.append(Note("column-by-unit", f"{shown(fit[0].text)} is taken for {column}."))
+        elif fit or column != first:
+            _missing(column, there, wanted)
+    for column in wanted.inputs:
+        if column not in found and wanted.needed:
+            _missing(column, there, wanted)
+    for column in wanted.inputs:
+        if column not in found and column in (first, *wanted.assumed):
+            text = f"There is no column {column}: it is taken as 0."
+            bare = [each for each in all_there if not each.unit and each not in found.values()]
+            if bare and column == first:
+                these = " or ".join(shown(each.text) for each in bare)
+                text += f' Is it {these}? Call it "{column} ({wanted.units[column][0]})".'
+            notes.append(Note("no-input", text))
+    return found, notes
+
+
+def _plain(name: str) -> str:
+    return name.casefold().replace("_", " ")
 
 
 def _missing(name: str, there: Sequence[str], wanted: Columns) -> NoReturn:
@@ -181,18 +214,6 @@ def _missing(name: str, there: Sequence[str], wanted: Columns) -> NoReturn:
         f'column "{name}" is missing; there are {have}: call one "{name} ({unit})"; '
         f"allowed are {wanted}, or the same in other units"
     )
-
-
-def _fits(heading: str, units: Sequence[str]) -> bool:
-    """Whether a heading states one of the units, or one of the same quantity."""
-    stated = split_unit(heading)[1]
-    return any(stated and is_of(stated, unit) for unit in units if unit != "-")
-
-
-def _si(heading: str, units: Sequence[str]) -> str:
-    """The one of the units that a heading's is of; the first of them, if of none."""
-    stated = split_unit(heading)[1]
-    return next((unit for unit in units if stated is not None and is_of(stated, unit)), units[0])
 
 
 def _values(
@@ -233,6 +254,25 @@ def _values(
         columns[_TIME] += _DAY * np.cumsum(back)
     _check_clock(table, [line for line, _ in rows], columns[_TIME])
     return columns
+
+
+def _from_the_first(t: Array, unit: str | None, notes: list[Note]) -> Array:
+    """Times of dates counted from the first reading, s; others as they are.
+
+    Without a unit the size of a date tells it: ms, us and ns since 1970 are far beyond s.
+    """
+    if not t[0] >= _DATE:
+        return t
+    parts = 1.0
+    while unit is None and t[0] / parts >= _LATEST:
+        parts *= 1e3
+    date = np.datetime64(round(t[0] / parts * 1e3), "ms")
+    of = {1.0: "s", 1e3: "ms", 1e6: "us", 1e9: "ns"}.get(parts)
+    if of is None:
+        return t
+    read = f" {of} since 1970," if parts > 1.0 else ""
+    notes.append(Note("dates", f"Times are{read} counted from the first, {date} UTC."))
+    return np.asarray((t - t[0]) / parts)
 
 
 def _number(cell: str) -> float:

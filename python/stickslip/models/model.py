@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from stickslip._util.arrays import Array, root_mean_square, row
 from stickslip._util.messages import meant, refuse
 from stickslip._util.text import OneLine, brief, is_number
-from stickslip._util.units import same_unit
+from stickslip._util.units import same_unit, zero_of
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.terms import instruments
 from stickslip.diagnosis.terms.cause import Cause
@@ -36,6 +36,9 @@ _COARSE = 100
 noise of a dense log counts little there, and what is faster is rarely asked."""
 
 _LEAST = 1e-3  # of its middle: a constant above zero; chosen, a wrong unit
+_NEAR_READINGS, _FAR = 10.0, 100.0
+"""Distances from all readings, K, up to which a temperature is likely, and from which on it is not
+where another zero is. Chosen: wide, as what is refused has to be written otherwise."""
 _ABOVE, _BELOW = 1.2, 0.1  # where limits act: of the largest input; chosen, as for `clipping`
 
 
@@ -273,6 +276,7 @@ class Model(OneLine):
                 raise ScenarioError(
                     f"{record.at}{name} is an input, and stated too: allowed is one of these"
                 )
+            self._check_zeros(record)
         scales = self._scales(records)
         uncertain = [kind.every[name].parameter(prior) for name, prior in self.known.items()
                      if isinstance(prior, Prior)]  # fmt: skip
@@ -354,6 +358,22 @@ class Model(OneLine):
                 allowed = " and ".join(f"{key} ({unit_of})" for key, unit_of in known.items())
                 raise ScenarioError(
                     f"{record.at}input {name}: a {self.kind.name} has {allowed}{meant(name, known)}"
+                )
+
+    def _check_zeros(self, record: Series) -> None:
+        """Refuse a stated temperature that only another zero brings near the readings."""
+        low, high = record.y.min() - _NEAR_READINGS, record.y.max() + _NEAR_READINGS
+        kelvins = -zero_of("degC") if record.unit != "K" else zero_of("degC")
+        for name, value in self.known.items():
+            if self.kind.every[name].unit != "K" or record.unit == "-":
+                continue
+            stated = float(value.value(0.0)) if isinstance(value, Prior) else value
+            meant = stated + kelvins
+            if low <= meant <= high and not low - _FAR <= stated <= high + _FAR:
+                raise ScenarioError(
+                    f"{record.at}{name} = {stated:g}: {meant:g} may be meant, as readings in "
+                    f"{record.unit} are between {record.y.min():.4g} and {record.y.max():.4g}; "
+                    f"allowed is {name} in {record.unit}, or a column of that name"
                 )
 
     def _check_names(self, names: Mapping[str, object]) -> None:
