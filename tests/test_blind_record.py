@@ -322,7 +322,7 @@ def test_model_errors_have_the_share_that_is_asked_for(errors):
             patch.setattr(own, "NOISE", 1e-9)
             patch.setattr(own, "STRENGTH", (1e7, 1e7))
             draw = np.random.default_rng(3)
-            cause, effect, found = own.log("thermal", "listed", errors, draw)
+            cause, effect, _, found = own.log("thermal", "listed", errors, draw)
         left.append(found.problem.y)
     null = found.findings.models.null
     basis = np.linalg.qr(null.slopes)[0]
@@ -335,7 +335,7 @@ def test_model_errors_have_the_share_that_is_asked_for(errors):
 
 
 def test_how_alike_an_effect_and_listed_causes_are():
-    cause, effect, found = own.line("listed", np.random.default_rng(2))
+    cause, effect, _, found = own.line("listed", np.random.default_rng(2))
     assert found.verdict.causes == (cause,)
     # The model is linear in its causes.
     assert own.likeness(found, effect) == pytest.approx(1.0, abs=1e-9)
@@ -344,10 +344,23 @@ def test_how_alike_an_effect_and_listed_causes_are():
     assert own.likeness(found, other) < 0.1
 
 
+def test_how_far_an_effect_stands_out():
+    # A slope of known error takes of an effect along it all but error / prior of it.
+    x = own.PLACES
+    found = own._stands_out(3.0 * x, x[:, None], 0.1, 0.2)
+    assert found == pytest.approx(3.0 / np.hypot(0.1, 0.2 / np.linalg.norm(x)), rel=1e-9)
+    bend = (x - 3.5) ** 2
+    bend -= x * (x @ bend) / (x @ x)
+    assert own._stands_out(bend, x[:, None], np.inf, 0.2) == pytest.approx(
+        np.linalg.norm(bend) / 0.2, rel=1e-9
+    )
+
+
 def test_counts_of_models_of_ones_own():
-    def row(hidden, cause, verdict, causes, errors="white", alike=None):
+    def row(hidden, cause, verdict, causes, errors="white", alike=None, strength=6.0):
         return {"errors": errors, "kind": "joint", "hidden": hidden, "cause": cause, "alike": alike,
-                "verdict": verdict, "causes": causes, "cpu_seconds": 1.0}  # fmt: skip
+                "strength": strength, "verdict": verdict, "causes": causes,
+                "cpu_seconds": 1.0}  # fmt: skip
 
     text = own.tables(
         [row("none", "", "none", [])] * 59
@@ -355,6 +368,7 @@ def test_counts_of_models_of_ones_own():
         + [row("listed", "load", "named", ["load"])] * 37
         + [row("listed", "load", "ambiguous", ["load", "coulomb"])] * 2
         + [row("listed", "load", "named", ["coulomb"])]
+        + [row("listed", "load", "none", [], strength=5.9)] * 12
         + [row("unlisted", "load", "named", ["coulomb"], alike=0.89)] * 20
         + [row("unlisted", "load", "named", ["coulomb"], alike=0.91)] * 10
         + [row("listed", "load", "dominant", ["load"], "drift")] * 12
@@ -364,6 +378,7 @@ def test_counts_of_models_of_ones_own():
         "| logs | listed | right | 37 of 40 | 80% to 97% | - | - |",
         "| logs | listed | right or in the set | 39 of 40 | 87% to 100% | at least 95% | yes |",
         "| logs | listed | wrongly named | 1 of 40 | 0% to 13% | at most 1% | yes |",
+        "| logs | listed, weak | right or in the set | 0 of 12 | 0% to 24% | - | - |",
         "| logs | unlisted, unlike | wrongly named | 20 of 20 | 84% to 100% | at most 3% | not ",
         "| logs | unlisted, alike | wrongly named | 10 of 10 | 72% to 100% | - | - |",
         "| logs, model error | listed | right | 12 of 12 | 76% to 100% | at least 75% | yes |",

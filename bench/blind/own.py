@@ -10,6 +10,7 @@ replaced by another one. Rows are appended to a file as they come.
 from __future__ import annotations
 
 import itertools
+import math
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -31,6 +32,7 @@ MACHINES = {"joint": 0.12, "axis": 2.0, "oscillator": 4.0, "thermal": 60.0}
 FIRST = 35000  # of the seeds; those of a study that chose something are used up
 COUNT = 120  # readings of a log
 NOISE, STRENGTH = 0.02, (4.0, 9.0)  # of the readings' scatter, and of a cause's effect in errors
+WEAK = 6.0  # norm of an effect, in errors, after recalibration; as of the walkers
 CORRELATION, STEP = 0.7, 2.0  # of neighbours; of a coarse meter, in errors
 SLOPE_STEP = 1e-4  # of a constant; of a start that is 0, in its unit
 DECADES, HALVINGS = 2.0, 12  # of the search for a cause's size about the usual one
@@ -45,6 +47,8 @@ DEMANDS = (
     ("none", "false alarm", 0.05, True, 60), ("none", "named, a pair or dominant", 0.02, True, 60),
     ("listed", "right", None, False, 40), ("listed", "right or in the set", 0.95, False, 40),
     ("listed", "wrongly named", 0.01, True, 40), ("listed", "unexplained", None, True, 40),
+    ("listed, weak", "right or in the set", None, False, 12),
+    ("listed, weak", "wrongly named", 0.02, True, 12),
     ("unlisted, unlike", "wrongly named", 0.03, True, 30),
     ("unlisted, unlike", "dominant", 0.10, True, 30),
     ("unlisted, alike", "wrongly named", None, True, 30),
@@ -54,6 +58,10 @@ MODEL_ERROR_DEMANDS = (
     ("none", "named, a pair or dominant", 0.02, True, 12), ("listed", "right", 0.75, False, 12),
     ("listed", "right or in the set", None, False, 12),
     ("listed", "wrongly named", 0.03, True, 12), ("listed", "unexplained", None, True, 12),
+    ("listed, weak", "right or in the set", None, False, 12),
+    ("listed, weak", "wrongly named", 0.03, True, 12),
+    ("listed, weak", "right or in the set", None, False, 12),
+    ("listed, weak", "wrongly named", 0.02, True, 12),
     ("unlisted, unlike", "wrongly named", 0.03, True, 30),
     ("unlisted, unlike", "dominant", 0.10, True, 30),
     ("unlisted, alike", "wrongly named", None, True, 30),
@@ -75,8 +83,9 @@ def _scaled(change: Array, wanted: float) -> float:
     return wanted / max(float(np.sqrt(np.mean(change**2))), 1e-12)
 
 
-def line(hidden: str, draw: np.random.Generator) -> tuple[str, Array, Diagnosis]:
-    """The cause that is hidden in a table of a line, its effect, and what is said of it."""
+def line(hidden: str, draw: np.random.Generator) -> tuple[str, Array, float, Diagnosis]:
+    """The cause that is hidden in a table of a line, its effect, how far it stands out, and what is
+    said of it."""
     effect = np.zeros(len(PLACES))
     cause = "" if hidden == "none" else str(draw.choice(["bend", "step", "wave"]))
     y = draw.normal(1.0, 0.1) * PLACES + 0.1 * draw.standard_normal(len(PLACES))
@@ -89,13 +98,15 @@ def line(hidden: str, draw: np.random.Generator) -> tuple[str, Array, Diagnosis]
               for each in offered]  # fmt: skip
     slope = Parameter("slope", Prior("normal", 1.0, 0.1), cause=False)
     found = diagnose_model(_line, Table({"x": PLACES}, y), [slope], causes)
-    return cause, np.mean(effect.reshape(-1, 2), axis=1), found
+    seen = _stands_out(effect, PLACES[:, None], 0.1, 0.1)
+    return cause, np.mean(effect.reshape(-1, 2), axis=1), seen, found
 
 
 def log(
     kind: str, hidden: str, errors: str, draw: np.random.Generator
-) -> tuple[str, Array, Diagnosis]:
-    """The cause that is hidden in a log of a machine, its effect, and what is said of it."""
+) -> tuple[str, Array, float, Diagnosis]:
+    """The cause that is hidden in a log of a machine, its effect, how far it stands out, and what
+    is said of it."""
     own = KINDS[kind]
     t = own["step"] * np.arange(COUNT)
     u = MACHINES[kind] * np.repeat(draw.uniform(0.0 if kind == "thermal" else -1.0, 1.0, 12), 10)
@@ -112,14 +123,16 @@ def log(
     else:
         assert hidden == "none", f"{kind}: no cause has an effect of {wanted:.2g}"
     effect, part = seen - plain, draw.uniform(*ERROR_SHARE)
+    steps = {name: SLOPE_STEP * base[name] or SLOPE_STEP for name in [*own["constants"], "start"]}
+    moves = np.array([simulated(kind, {**base, name: base[name] + step}, t, u) - plain
+                      for name, step in steps.items()]).T  # fmt: skip
+    of_unit = np.array([math.prod(own["constants"].get(name, (math.inf,))) / step
+                        for name, step in steps.items()])  # fmt: skip
+    stands_out = _stands_out(effect, moves, of_unit, sd)
     if errors in MODEL_ERRORS:
         error = _error(errors, t, seen, draw)
         # What constants undo is no effect, and no error.
-        moved = {name: base[name] * (1.0 + SLOPE_STEP) or SLOPE_STEP
-                 for name in [*own["constants"], "start"]}  # fmt: skip
-        moves = [simulated(kind, {**base, name: value}, t, u) - plain
-                 for name, value in moved.items()]  # fmt: skip
-        left, wrong = (_refitted(change, np.array(moves).T) for change in (effect, error))
+        left, wrong = (_refitted(change, moves) for change in (effect, error))
         size = part * (float(np.sqrt(np.mean(left**2))) or wanted)
         seen = seen + _scaled(wrong, size) * error
     noise = draw.standard_normal(COUNT)
@@ -134,7 +147,7 @@ def log(
     model = getattr(models, kind)(without=without, **known, **own["known"])
     name = own["input"].partition(" (")[0]
     record = Series(t, seen, {name: u}, unit=own["reads"].rstrip(")").split(" (")[1])
-    return cause, effect, diagnose_model(model, record)
+    return cause, effect, stands_out, diagnose_model(model, record)
 
 
 def _sized(
@@ -153,6 +166,16 @@ def _sized(
         else:
             high = np.log(size)
     return seen, found
+
+
+def _stands_out(effect: Array, moves: Array, size: float | Array, sd: float) -> float:
+    """Norm of an effect in errors after recalibration, with what constants are moved for it.
+
+    `moves` are changes by constants, whose priors have the standard deviation `size`.
+    """
+    prior = np.diag(np.full(moves.shape[1], 1.0) / size)
+    columns = np.vstack([moves / sd, prior])
+    return float(np.linalg.norm(_refitted(np.append(effect / sd, np.zeros(len(prior))), columns)))
 
 
 def _refitted(change: Array, columns: Array) -> Array:
@@ -200,12 +223,14 @@ def study(path: Path, minutes: float, most: int) -> None:
             break
         draw, begin = np.random.default_rng([7, seed]), time.process_time()
         of_line = kind == "line"
-        cause, effect, found = line(hidden, draw) if of_line else log(kind, hidden, errors, draw)
+        cause, effect, stands_out, found = (
+            line(hidden, draw) if of_line else log(kind, hidden, errors, draw)
+        )
         verdict, seconds = found.verdict, round(time.process_time() - begin, 2)
         alike = likeness(found, effect) if hidden == "unlisted" else None
         rows.append({
             "seed": seed, "kind": kind, "hidden": hidden, "errors": errors, "cause": cause,
-            "alike": alike and round(alike, 3),
+            "alike": alike and round(alike, 3), "strength": round(stands_out, 2),
             "verdict": verdict.kind, "causes": list(verdict.causes),
             "p_value": found.findings.test.p_value, "state": now,
             "cpu_seconds": seconds,
@@ -215,9 +240,11 @@ def study(path: Path, minutes: float, most: int) -> None:
 
 
 def group(row: Row) -> str:
-    """What is hidden, and of a cause that is not listed whether a listed one acts alike."""
+    """What is hidden; of a listed cause whether constants leave little of it, and of one that is
+    not listed whether a listed one acts alike."""
     if row["alike"] is None:
-        return str(row["hidden"])
+        weak = row["hidden"] == "listed" and row["strength"] < WEAK
+        return f"{row['hidden']}{', weak' * weak}"
     return f"{row['hidden']}, {'alike' if row['alike'] >= ALIKE else 'unlike'}"
 
 
