@@ -16,7 +16,7 @@ from sliding_block import (
     push,
     result,
 )
-from stickslip import Cause, Parameter, Prior, Table, diagnose_model
+from stickslip import Cause, Parameter, Prior, Table, diagnose_model, instruments
 from stickslip.diagnosis.fitting.descent import End, derivatives, finished
 from stickslip.diagnosis.fitting.forms import forms
 from stickslip.diagnosis.fitting.models import minimise
@@ -158,7 +158,7 @@ def test_a_pair_begins_where_a_response_points_and_where_its_leader_is(monkeypat
     assert models.get(["bump", "kink"]).cost < leader.cost + SETTLED
 
 
-def test_a_cause_is_looked_at_from_three_places_at_most(monkeypatch):
+def test_a_cause_is_looked_at_from_three_ends_and_the_stated_constants_at_most(monkeypatch):
     # However many minima the constants have: each place costs predictions of every cause.
     posed, asked = two_wells(), []
     models = Models(posed, posed.causes)
@@ -173,7 +173,29 @@ def test_a_cause_is_looked_at_from_three_places_at_most(monkeypatch):
     monkeypatch.setattr("stickslip.diagnosis.fitting.search.responses", counted)
     places = [np.array([k, 0.0, 0.0]) for k in (-2.0, -1.0, 0.0, 1.0, 2.0)]
     _fit_singles(models, [replace(models.null.end, x=each) for each in places], posed.causes)
-    assert len(asked) == 3
+    assert len(asked) == 4
+
+
+@pytest.mark.parametrize("size", [0.02, 0.05])
+@pytest.mark.parametrize("error", [0.1, 0.15, 0.25, 0.4])
+def test_a_scale_is_found_beside_constants_that_almost_undo_it(error, size):
+    """Constants are as stated, and could take the scale's place at many of their errors.
+
+    The way from there is a narrow valley that turns. No minimum is above the truth.
+    """
+    x, draw = np.linspace(0.2, 3.0, 60), np.random.default_rng(3)
+    noise = draw.standard_normal(60)
+    y = (1.0 + error) * (2.0 * x + 0.5 * x**2) + 0.02 * noise
+    stated = {"a": 2.0, "b": 0.5}
+    found = diagnose_model(
+        lambda t, p: p["a"] * t["x"] + p["b"] * t["x"] ** 2,
+        Table({"x": x}, y, sd=0.02),
+        [Parameter(name, Prior("normal", value, 0.02)) for name, value in stated.items()],
+        [instruments.scale(size)],
+    )
+    prior = np.arcsinh(error / size * np.sinh(1.0))
+    truth = float(noise @ noise) + prior**2
+    assert found.findings.models.get(["scale"]).cost < truth + SETTLED
 
 
 def test_no_model_fits_worse_than_one_that_it_contains():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import re
 import textwrap
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from pathlib import Path
@@ -32,6 +33,11 @@ LARGEST = 1e60
 
 _MOST_ROWS, _MOST_COLUMNS, MOST_BYTES = 2_000_000, 1000, 1 << 26
 """Limits of a table. Chosen: far beyond what a laboratory has, and small enough for memory."""
+
+_NO_CELL = re.compile(
+    r"[+-]?\d{1,3}([.,' \u00a0\u2019]\d{3})+([.,]\d+)?|[+-]?\d+([.,]\d+)?\s*[A-Za-zµμ°%Ω].*"
+)
+"""Numbers with separators of thousands, or with a unit: a mistake of the whole column, no gap."""
 
 _NAMED = 5
 """Rows that a note names; of more only the number is given. Chosen: one line."""
@@ -130,13 +136,18 @@ def _in_si(
     if twice:
         raise ScenarioError(f"column {shown(twice[0])} is there twice")
     for k, name in enumerate(names):
-        if units.get(name) is None or (per[k] == 1.0 and with_point is None):
+        if units.get(name) is None:
             continue
         for line, row in rows:
             if len(row) != len(names):
                 continue
             row[k] = row[k] if with_point is None else with_point(line, k, row[k])
             value = number(row[k])
+            if math.isnan(value) and _NO_CELL.fullmatch(row[k]):
+                raise ScenarioError(
+                    f"line {line}, column {name} = {shown(row[k])}: allowed is a number without "
+                    "separators of thousands and without a unit, which the heading has"
+                )
             if per[k] != 1.0 and not math.isnan(value):
                 row[k] = repr(to_si(value, per[k]))
     return names

@@ -11,6 +11,7 @@ from scipy.stats import t as t_law
 from stickslip._util.arrays import Array, Indices
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.data.series import Series
+from stickslip.diagnosis.fitting.descent import step_within
 from stickslip.diagnosis.fitting.forms import Correlated, Form, forms
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import Problem
@@ -147,27 +148,9 @@ def held_out(
         gram = _gram(problem, whole, fit, columns, kept)
         curvature = gram[:-1, :-1] + fit.precision
         downhill = gram[:-1, -1] - fit.precision @ fit.x[fit.free]
-        move = _within(curvature, downhill, *room)
+        move = step_within(curvature, downhill, *room)
         errors[rows] = fit.residual[rows] - fit.slopes[rows] @ move
     return errors
-
-
-def _within(curvature: Array, downhill: Array, low: Array, high: Array) -> Array:
-    """The step to the minimum of a quadratic within these ends.
-
-    What would leave them stays there, and the rest moves for that: a constant and a law that trade
-    off against each other must not move one without the other.
-    """
-    step, free = np.zeros(len(downhill)), np.ones(len(downhill), dtype=bool)
-    while free.any():
-        along = downhill[free] - curvature[np.ix_(free, ~free)] @ step[~free]
-        step[free] = np.linalg.solve(curvature[np.ix_(free, free)], along)
-        outside = (step < low) | (step > high)
-        if not outside.any():
-            break
-        step = np.clip(step, low, high)
-        free &= ~outside
-    return step
 
 
 def _gram(problem: Problem, form: Form, fit: Fit, columns: Array, kept: Indices) -> Array:

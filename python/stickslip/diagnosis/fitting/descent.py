@@ -139,24 +139,24 @@ def descend(
         residual, slopes, exact = begin.residual, begin.slopes, begin.exact
     now = float(costs_of(form, h, x[None, free], precision, residual[None, :])[0])
     longest = _longest_steps(problem)[free]
-    factor, fall = 1.0, 0.0
+    factor, softer, fall = 1.0, 1.0, 0.0
     for count in range(steps):
         prepared = form.prepared(np.column_stack([slopes, residual]))
         gram = form.weighted(prepared, residual, h)
         curvature = gram[:-1, :-1] + precision
         downhill = gram[:-1, -1] - precision @ x[free]
-        stuck = ((x[free] <= low) & (downhill < 0.0)) | ((x[free] >= high) & (downhill > 0.0))
+        room = np.maximum(low - x[free], -longest), np.minimum(high - x[free], longest)
         if count and now > hopeless:
-            promised = float(downhill @ _step(curvature, downhill, stuck, 0.0))
+            promised = float(downhill @ _step(curvature, downhill, room, 0.0))
             # Falls become smaller: each step that is left counts for half of one like these.
             if now - 0.5 * (steps - count) * max(fall, promised) > hopeless:
                 break
         fall, there, made = -np.inf, x, residual
         for dampings in (DAMPINGS[:1], DAMPINGS[1:]):
             tries = np.tile(x, (len(dampings), 1))
-            for row, damping in zip(tries, factor * dampings, strict=True):
-                step = _step(curvature, downhill, stuck, damping)
-                row[free] = np.clip(x[free] + np.clip(step, -longest, longest), low, high)
+            for row, damping in zip(tries, factor * softer * dampings, strict=True):
+                step = _step(curvature, downhill, room, damping)
+                row[free] = np.clip(x[free] + step, low, high)
             residuals = yield tries, draft
             costs = costs_of(form, h, tries[:, free], precision, residuals)
             best = int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))
@@ -165,7 +165,12 @@ def descend(
             move = (there - x)[free]
             hoped = float(2.0 * downhill @ move - move @ curvature @ move)
             if fall > _GOOD * hoped:
+                # Along a narrow valley, which turns, damped steps are short until they are longer.
+                if len(dampings) > 1:
+                    softer = max(0.1 * softer, 1e-5) if best == 0 else min(10.0 * softer, 1.0)
                 break
+        else:
+            softer = 1.0
         learnt = _updated(slopes, residual - made, move, problem.sd)
         if fall > 0.0:
             x, residual, now = there, made, now - fall
@@ -203,18 +208,31 @@ def _longest_steps(problem: Problem) -> Array:
     return np.where(linear, _LINEAR_STEP, _STEP)
 
 
-def _step(curvature: Array, downhill: Array, stuck: Array, damping: float) -> Array:
-    """A damped step; coordinates that are stuck at the end of their range stay."""
-    if not len(downhill):
-        return downhill
+def _step(curvature: Array, downhill: Array, room: tuple[Array, Array], damping: float) -> Array:
+    """A damped step."""
     damped = curvature + damping * np.diag(np.diag(curvature))
-    moving = np.where(stuck, 0.0, downhill)
-    damped[stuck] = damped[:, stuck] = 0.0
-    damped[stuck, stuck] = 1.0
     try:
-        return np.asarray(np.linalg.solve(damped, moving))
+        return step_within(damped, downhill, *room)
     except np.linalg.LinAlgError:
         return np.zeros(len(downhill))
+
+
+def step_within(curvature: Array, downhill: Array, low: Array, high: Array) -> Array:
+    """The step to the minimum of a quadratic within these ends.
+
+    What would leave them stays there, and the rest moves for that: a constant and a law that trade
+    off against each other must not move one without the other.
+    """
+    step, free = np.zeros(len(downhill)), np.ones(len(downhill), dtype=bool)
+    while free.any():
+        along = downhill[free] - curvature[np.ix_(free, ~free)] @ step[~free]
+        step[free] = np.linalg.solve(curvature[np.ix_(free, free)], along)
+        outside = (step < low) | (step > high)
+        if not outside.any():
+            break
+        step = np.clip(step, low, high)
+        free &= ~outside
+    return step
 
 
 def derivatives(

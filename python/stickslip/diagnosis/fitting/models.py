@@ -131,18 +131,19 @@ def minimise(
             slopes = yield from derivatives(problem, x, free, end.residual)
             end = replace(end, slopes=slopes, exact=True)
         h, log_evidence, precision, covariance, left = evidence(problem, form, causes, end, h)
-        settled = left < _AT_MINIMUM and turn > 0
+        # With one inner product the first descent may end at its minimum.
         alone = not form.names and len(problem.precisions(causes)) == 1
+        settled = left < _AT_MINIMUM and (turn > 0 or alone)
         # Where predictions jump, what is promised may be out of reach; other hyperparameters may
         # still lead there.
         before, reached = reached, log_evidence - 0.5 * left
         stuck = stuck + 1 if reached < before + 0.5 * _AT_MINIMUM else 0
         stays = stuck > (1 if form.names else 0)
         given_up, hopeless = given_up or log_evidence < least, math.inf
-        if given_up or settled or alone or stays:
+        if given_up or settled or stays:
             break
         steps = 6
-    if given_up or not (settled or alone):
+    if given_up or not settled:
         # No minimum was reached: what was only promised does not count.
         log_evidence -= 0.5 * left
     assert end is not None

@@ -82,10 +82,9 @@ _SMALL = (0.15, USUAL)
 _DRAWN = 4
 # Single causes from whose constants the recalibrated model is fitted again. Chosen.
 _RIVALS = 8
-# Ends about which single causes are looked for, starts of each that are looked at and that are
-# followed; steps of each stage of a look where predictions change over a small part of the range
-# of a shape. Chosen.
-_VIEWS, _LOOKED_AT, _FOLLOWED, _LONGER_LOOK = 3, 6, 2, 10
+# Ends about which single causes are looked for, and starts of each that are looked at; steps of
+# each stage of a look where predictions change over a small part of the range of a shape. Chosen.
+_VIEWS, _LOOKED_AT, _LONGER_LOOK = 3, 6, 10
 # Places of a scan of a freed constant, and how far it goes in stated standard deviations. Chosen: a
 # wrong estimate is rarely farther off.
 _PLACES, _WIDENED = 9, 8.0
@@ -466,30 +465,29 @@ def _first_looks(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -
     """Where responses about several ends promise most, the best first, and where a freed constant
     is near the data.
 
-    A cause with a fine shape has many minima, and gains about one end do not compare with those
-    about another: it is followed from each, the stated constants too, and farther.
+    The stated constants are one of these: a fit without the cause may have bent them to what it
+    does. A cause with a fine shape has many minima: it is followed from each, and farther.
     """
     problem, null = models.problem, models.null
     soft, robust = _softened(problem, null), Softened(problem, *STAGES[-1])
     # A view has to show where it is with the stated model, not with a draft.
     apart = itertools.islice(separated(ends, lambda end: end.x, APART), _VIEWS - 1)
-    places = [*(end.x for end in apart), np.zeros(problem.size)]
-    *views, stated = [null.end, *in_step(problem, [end_at(problem, (), x) for x in places])]
+    places = [end.x for end in apart]
+    if np.linalg.norm(null.x) > APART:
+        places.append(np.zeros(problem.size))
+    views = [null.end, *in_step(problem, [end_at(problem, (), x) for x in places])]
     fine = [cause for cause in causes if np.any(problem.fineness[problem.columns([cause])] <= FINE)]
-    bundles: list[tuple[Cause, list[Response]]] = [
-        (cause, []) for cause in causes if cause not in fine
-    ]
-    together = {cause.name: group for cause, group in bundles}
-    for view in [*views, stated]:
+    # Of each view, as gains about one end do not compare with those about another.
+    bundles = [(cause, [list[Response]() for _ in views]) for cause in causes if cause not in fine]
+    together = {cause.name: groups for cause, groups in bundles}
+    for number, view in enumerate(views):
         of_fine: dict[str, list[Response]] = {cause.name: [] for cause in fine}
-        seen = fine if view is stated else causes
-        for response in (
-            responses(problem, view, (), seen, soft, np.zeros(0), draft=True) if seen else ()
-        ):
-            of_fine.get(response.cause.name, together.get(response.cause.name, [])).append(response)
-        bundles += [(cause, of_fine[cause.name]) for cause in fine]
+        for response in responses(problem, view, (), causes, soft, np.zeros(0), draft=True):
+            name = response.cause.name
+            (of_fine[name] if name in of_fine else together[name][number]).append(response)
+        bundles += [(cause, [of_fine[cause.name]]) for cause in fine]
     hopes: list[tuple[float, _Look]] = []
-    for promising in in_step(problem, [_promising(soft, group) for _, group in bundles]):
+    for promising in in_step(problem, [_promising(problem, soft, *each) for each in bundles]):
         for cost, response in promising:
             steps = _LONGER_LOOK if response.cause in fine else _LOOK
             look = response.cause, response.x, response.slopes, (soft, robust), steps
@@ -504,12 +502,32 @@ def _first_looks(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -
     return looks
 
 
-def _promising(soft: Softened, several: Sequence[Response]) -> Asking[list[tuple[float, Response]]]:
-    """The best two starts of a cause, with their costs, as responses are right to first order."""
-    near = list(separated(several, lambda response: response.x, APART))[:_LOOKED_AT]
-    residual = yield np.array([response.x for response in near]), True
-    cost = soft.cost(residual, np.zeros(0))
-    return [(float(cost[k]), near[k]) for k in np.argsort(cost)[:_FOLLOWED].tolist()]
+def _promising(
+    problem: Problem, soft: Softened, cause: Cause, views: Sequence[Sequence[Response]]
+) -> Asking[list[tuple[float, Response]]]:
+    """The best start of a cause and the best one about another view, with their costs.
+
+    Responses are right to first order. A start that is better now may be where no descent leads
+    back: constants have been bent to what the cause does.
+    """
+    in_turn = [
+        (number, each)
+        for row in itertools.zip_longest(*views)
+        for number, each in enumerate(row)
+        if each is not None
+    ]
+    # Where the cause does nothing is nothing to begin with.
+    columns = problem.columns([cause])
+    acts = [one for one in in_turn if np.any(np.abs(one[1].x[columns]) > _SAME)]
+    in_turn = acts or in_turn
+    near = list(separated(in_turn, lambda one: one[1].x, APART))[:_LOOKED_AT]
+    x = np.array([response.x for _, response in near])
+    residual = yield x, True
+    free, precision = problem.free([cause]), precision_of(problem, [cause])
+    cost = costs_of(soft, np.zeros(0), x[:, free], precision, residual)
+    first, *others = np.argsort(cost).tolist()
+    elsewhere = [k for k in others if near[k][0] != near[first][0]] or others
+    return [(float(cost[k]), near[k][1]) for k in (first, *elsewhere[:1])]
 
 
 def _along(problem: Problem, cause: Cause, null: Fit) -> Asking[list[Array]]:
