@@ -130,6 +130,61 @@ def test_times_since_1970_are_counted_from_the_first(heading, per, tmp_path):
     assert told.endswith("counted from the first, 2023-11-14T22:13:20.000 UTC.")
 
 
+def test_readings_that_are_not_valid_are_left_out(tmp_path):
+    for word, yes, no in (("valid", "1", "0"), ("OK", "True", "False")):
+        flags = [no if k in (3, 4) else yes for k in range(len(T))]
+        write(tmp_path / "a.csv", {"t": T, "speed": T, "torque": T, word: flags})
+        log = models.read_log(tmp_path / "a.csv", JOINT)
+        assert set(range(len(T))) - set(log.rows.tolist()) == {3, 4}
+        assert any("2 readings are left out" in each.text for each in log.own_notes)
+    flags[7] = "perhaps"
+    write(tmp_path / "a.csv", {"t": T, "speed": T, "torque": T, word: flags})
+    with pytest.raises(ScenarioError, match='column OK = "perhaps": allowed are 1 and 0'):
+        models.read_log(tmp_path / "a.csv", JOINT)
+
+
+@pytest.mark.parametrize("cell", ["1.008,5", "1'008.5", "1 008", "1.0085k", "0.1 rad/s"])
+def test_a_number_with_separators_or_a_unit_is_no_gap(tmp_path, cell):
+    speed = [f"{each:.4f}" for each in np.cos(T)]
+    speed[7] = cell
+    write(tmp_path / "a.csv", {"t": T, "speed": speed, "torque": T}, ";")
+    with pytest.raises(ScenarioError, match=r"line 9, column speed = .*allowed is a number with"):
+        models.read_log(tmp_path / "a.csv", JOINT)
+
+
+@pytest.mark.parametrize("cell", ["", "nan", "-", "ERR", "#DIV/0!", "1.#IND", "OVLD", "null"])
+def test_what_meters_write_for_no_reading_is_a_gap(tmp_path, cell):
+    speed = [f"{each:.4f}" for each in np.cos(T)]
+    speed[7] = cell
+    write(tmp_path / "a.csv", {"t": T, "speed": speed, "torque": T}, ";")
+    assert 7 not in models.read_log(tmp_path / "a.csv", JOINT).rows
+
+
+def test_an_angle_beyond_a_turn_states_its_unit(tmp_path):
+    pendulum = models.pendulum(length=0.5)
+    for heading, per in (("angle (deg)", 57.3), ("angle (rad)", 1.0)):
+        write(tmp_path / "a.csv", {"t": T, heading: 10.0 * per * np.cos(T)})
+        assert models.read_log(tmp_path / "a.csv", pendulum).y[0] == pytest.approx(10.0, rel=1e-3)
+    write(tmp_path / "a.csv", {"t": T, "angle": 34.0 * np.cos(T)})
+    with pytest.raises(ScenarioError, match="column angle has no unit and comes to 34: allowed"):
+        models.read_log(tmp_path / "a.csv", pendulum)
+
+
+def test_a_heading_with_a_unit_comes_before_a_bare_counter(tmp_path):
+    write(tmp_path / "a.csv", {"time": 7.0 * T, "t_ms": 1e3 * T, "speed": T, "torque": T})
+    assert models.read_log(tmp_path / "a.csv", JOINT).t == pytest.approx(T)
+
+
+def test_a_heater_needs_the_temperature_of_the_ambient():
+    heater = models.thermal(capacity=1.0, loss=1.0)
+    assert heater.terms(Series(T, 40.0 * T / T[-1], {"power": T}, unit="K"))[1]
+    with pytest.raises(ScenarioError, match="ambient is missing, and readings in degC are between"):
+        heater.terms(Series(T, 20.0 + T, {"power": T}, unit="degC"))
+    kelvins = {"power": T, "ambient": 293.0 + 0.0 * T}
+    with pytest.raises(ScenarioError, match=r"ambient = 293: 19\.85 may be meant, as readings in"):
+        heater.terms(Series(T, 20.0 + T, kelvins, unit="degC"))
+
+
 def test_a_name_of_a_models_own_keeps_its_end(tmp_path):
     own = models.own(lambda series, p: 0.0, [], [], reads={"y_m": "m"}, inputs={"u_V": "V"})
     write(tmp_path / "a.csv", {"t_s": T, "y_m": T, "u_V": 2.0 * T})

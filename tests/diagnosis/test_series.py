@@ -162,6 +162,25 @@ def test_repeats_tell_the_error_and_correlation_costs_degrees_of_freedom():
         assert errors.dof == pytest.approx(wanted, rel=0.5)
 
 
+@pytest.mark.parametrize(
+    ("wild", "left_out"),
+    [({7: 999.9}, True), ({7: -999.0, 20: -999.0, 31: -999.0}, True), ({7: 3.0}, False),
+     ({7: 90.0, 8: 90.0}, False), (dict.fromkeys(range(7, 17, 2), 999.0), False)],
+)  # fmt: skip
+def test_single_readings_beyond_what_all_others_span_are_left_out(wild, left_out):
+    t = np.arange(60.0)
+    y = np.sin(0.3 * t)
+    y[list(wild)] = list(wild.values())
+    record = Series(t, y, {"u": t})
+    assert set(range(60)) - set(record.rows.tolist()) == (set(wild) if left_out else set())
+    assert [note.code for note in record.own_notes] == left_out * len(wild) * ["wild-reading"]
+
+
+def test_times_in_a_smaller_unit_than_seconds_are_refused():
+    with pytest.raises(ScenarioError, match=r"t = 17.*: allowed is s; ms, us or ns since 1970 may"):
+        Series(1.7e12 + 10.0 * np.arange(9.0), np.arange(9.0))
+
+
 def test_a_gap_in_a_record_leaves_the_other_rows_of_its_repeats():
     t, (first, again) = np.arange(200.0), random(13).standard_normal((2, 200))
     missing = np.isin(t, [3, 150])

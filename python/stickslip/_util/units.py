@@ -12,17 +12,20 @@ _PREFIXES = {"k": 1e-3, "m": 1e3, "u": 1e6, "µ": 1e6, "μ": 1e6, "n": 1e9}
 _CELSIUS, _TIMES = ("C", "degC", "°C"), ("time", "timestamp")
 
 _OTHERS = {
-    "s": {"min": 1.0 / 60.0, "h": 1.0 / 3600.0, "hh:mm:ss": 1.0},  # which is read as seconds
+    "s": {"sec": 1.0, "min": 1.0 / 60.0, "h": 1.0 / 3600.0, "hh:mm:ss": 1.0},  # read as seconds
     "m": {"cm": 1e2},
-    "m/s": {"cm/s": 1e2},
+    "m/s": {"cm/s": 1e2, "m/min": 60.0, "km/h": 3.6},
     "rad": dict.fromkeys(("deg", "degree", "degrees", "°"), math.degrees(1.0)),
     "rad/s": {
-        **dict.fromkeys(("deg/s", "°/s"), math.degrees(1.0)),
-        **dict.fromkeys(("rpm", "1/min"), 30.0 / math.pi),
+        "rad/sec": 1.0,
+        **dict.fromkeys(("deg/s", "°/s", "deg/sec"), math.degrees(1.0)),
+        **dict.fromkeys(("rpm", "RPM", "1/min", "min-1", "U/min", "rev/min"), 30.0 / math.pi),
+        **dict.fromkeys(("rps", "rev/s"), 0.5 / math.pi),
     },
     "N m": {
-        **dict.fromkeys(("Nm", "N·m"), 1.0),
+        **dict.fromkeys(("Nm", "N·m", "N.m", "N*m", "N-m"), 1.0),
         **dict.fromkeys(("mNm", "mN·m"), 1e3),
+        "kNm": 1e-3,
         **dict.fromkeys(("N cm", "Ncm"), 1e2),
     },
     "K": dict.fromkeys(_CELSIUS, 1.0),

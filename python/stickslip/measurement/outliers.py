@@ -3,8 +3,9 @@
 A reading is left out if it lies farther than `FAR` robust standard deviations from the value that
 the other readings let expect. What that is differs with the table: repeats of a condition have
 their median; a curve that was never repeated the line through two neighbours; rows with several
-settings a fit to all others; frames of nearly one phase, which are many, a running median; and
-frames of a track the frames that lead to them and on from them.
+settings a fit to all others; frames of nearly one phase, which are many, a running median; frames
+of a track the frames that lead to them and on from them; and readings of a log, whose curve is what
+is asked, the span of all others.
 """
 
 from __future__ import annotations
@@ -37,6 +38,9 @@ _ENOUGH = 2000  # trials; chosen: they tell a scale to 3 %, and more would only 
 _GRID, _WIDEST = 40, 50.0  # steps and reach of a scale about the median; chosen: 22 % a step
 _SOME, _SOME_NORMAL = 0.25, 0.3186  # a quarter of normal errors are below so many sd
 _OTHER = 8  # frames in a row that are another body; chosen: as many as make a velocity
+_RECORD, _SINGLE, _SPANS = 20, 3, 3.0
+"""Fewest readings of a record, most that are left out of it, and how many spans of all others they
+lie beyond these. Chosen: no motion does so for one reading; what meters write for none does."""
 _FEW = 0.05  # of the rows; chosen: where more are far it is the fit that is wrong
 
 
@@ -92,6 +96,20 @@ def far_from_their_neighbours(distance: Array, slope: Array, least: float) -> Ma
     """
     limit = max(FAR * float(robust_sd(distance)), least)
     return np.asarray((np.abs(distance) > limit) & (np.abs(distance) > 2.0 * np.abs(slope)))
+
+
+def far_from_all_others(y: Array) -> Mask:
+    """Which readings of a record, single ones and few, are far beyond what all others span."""
+    far = np.zeros(len(y), dtype=bool)
+    order = np.argsort(np.abs(y - np.median(y)), kind="stable")
+    for count in range(1, _SINGLE + 1) if len(y) >= _RECORD else ():
+        top, others = np.sort(order[-count:]), y[order[:-count]]
+        low, high = float(others.min()), float(others.max())
+        beyond = np.abs(y[top] - np.clip(y[top], low, high))
+        if high > low and np.all(beyond > _SPANS * (high - low)) and np.all(np.diff(top) > 1):
+            far[:] = False
+            far[top] = True
+    return far
 
 
 def free_of_bends(distance: Array) -> Mask:

@@ -17,7 +17,7 @@ from stickslip._util.messages import shown
 from stickslip._util.tables import CsvTable
 from stickslip._util.text import number
 from stickslip._util.units import is_of, same_unit, split_unit, zero_of
-from stickslip.diagnosis.data.series import Series
+from stickslip.diagnosis.data.series import LATEST, Series
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.measurement.read_table import LARGEST, MOST_BYTES, Rows, not_used, read_rows
 from stickslip.simulation.note import Note
@@ -27,11 +27,15 @@ _ALSO = {
     _TIME: ("time", "timestamp", "date", "datetime", "clock"),
     _ERROR: ("error",),
 }  # what columns are called, too
+_VALID, _YES, _NO = ("valid", "ok"), ("1", "1.0", "true", "yes"), ("0", "0.0", "false", "no")
+"""Columns that say which readings are valid, and how."""
 _JUMP = 20.0
 """Steps of a clock that has jumped. Chosen: a link loses a few readings, and a break loses many."""
-_DATE, _LATEST = 1e8, 1e11
-"""Seconds since 1970 from which on a time is a date, and from which on it is none. Chosen: no
-experiment has run for three years, or is in the year 5138."""
+_DATE = 1e8
+"""Seconds since 1970 from which on a time is a date. Chosen: no experiment runs for three years."""
+_TURNS = 2.0 * math.pi
+"""Largest angle of a heading without a unit, rad. Chosen: one that goes on turning may be in
+degrees as well."""
 _ISO = re.compile(r"(\d{4}-\d\d-\d\d[T ])?\d\d:\d\d(:\d\d([.,]\d+)?)?Z?")
 _DAY = 86400.0  # s, after which a clock without a date begins anew
 _CUT = "cut the log into two files there"
@@ -88,7 +92,8 @@ def read_log(path: str | PathLike[str], model: object) -> Series:
     of it: the time, what is read, and the first input. ``speed (rpm)`` is converted. A column
     ``sd`` has the error of each reading. Temperatures get the zero of the readings. Times may be
     dates or clocks, ``2026-05-01 12:00:00.25``, or counts since 1970; these are counted from the
-    first reading. Rows without a reading are left out.
+    first reading. Rows without a reading are left out, and those whose column ``valid`` or ``ok``
+    has 0.
 
     Parameters
     ----------
@@ -118,20 +123,30 @@ def read_log(path: str | PathLike[str], model: object) -> Series:
     units = {each.name: each.si(wanted.units[column]) for column, each in found.items()}
     table = read_rows(path, units)
     used = {column: table.header.index(each.name) for column, each in found.items()}
-    others = [heading for k, heading in enumerate(table.header) if k not in used.values()]
+    valid = [k for k, heading in enumerate(table.header) if _plain(heading) in _VALID]
+    others = [head for k, head in enumerate(table.header) if k not in (*used.values(), *valid)]
     notes += [*table.left_out, *not_used(path.name, others)]
-    values = _values(table, used, wanted, notes)
-    values[_TIME] = _from_the_first(values[_TIME], found[_TIME].unit, notes)
+    values = _values(table, used, valid, wanted, notes)
     # An input may have no unit, and a temperature without one has the zero of the readings.
     bare = [
         column
-        for column in (wanted.reads, *wanted.inputs)
+        for column in (_TIME, wanted.reads, *wanted.inputs)
         if column in found
         and found[column].unit is None
         and (column == wanted.reads or {"-", "K"}.isdisjoint(wanted.units[column]))
     ]
+    largest = float(np.max(np.abs(values[wanted.reads]), initial=0.0))
+    if wanted.unit == "rad" and wanted.reads in bare and largest > _TURNS:
+        name = found[wanted.reads].text
+        raise ScenarioError(
+            f"{path}: column {name} has no unit and comes to {largest:.4g}: allowed beyond a turn "
+            f'is "{name} (rad)" or "{name} (deg)"'
+        )
+    if values[_TIME][0] >= _DATE:
+        values[_TIME] = _from_the_first(values[_TIME], found[_TIME].unit, notes)
+        bare = [column for column in bare if column != _TIME]
     if bare:
-        units_of = " and ".join(f"{column} in {wanted.units[column][0]}" for column in bare)
+        units_of = ", ".join(f"{column} in {wanted.units[column][0]}" for column in bare)
         notes.append(Note("no-unit", f"Headings without a unit are read in SI units: {units_of}."))
     unit = found[wanted.reads].unit
     shows = unit if unit and same_unit(unit, wanted.unit) else wanted.unit
@@ -172,9 +187,10 @@ def _found(there: Sequence[str], wanted: Columns) -> tuple[dict[str, _Heading], 
     for column in wanted.units:
         names = (_plain(column), *_ALSO.get(column, ()))
         for each in all_there:
-            if _plain(each.text) in names:  # whatever unit its end may look like
+            if _plain(each.text) == names[0] and each.unit:  # its end only looks like a unit
                 found.setdefault(column, _Heading(each.text, each.text, None))
-        for each in all_there:
+        # One that states its unit comes before a bare counter.
+        for each in sorted(all_there, key=lambda each: each.unit is None):
             if _plain(each.name) in names:
                 found.setdefault(column, each)
     first = next(iter(wanted.inputs), None)
@@ -217,9 +233,9 @@ def _missing(name: str, there: Sequence[str], wanted: Columns) -> NoReturn:
 
 
 def _values(
-    table: Rows, used: Mapping[str, int], wanted: Columns, notes: list[Note]
+    table: Rows, used: Mapping[str, int], valid: Sequence[int], wanted: Columns, notes: list[Note]
 ) -> dict[str, Array]:
-    """Columns by name, NaN where a reading is missing; the last row may be cut off."""
+    """Columns by name, NaN where there is no valid reading; the last row may be cut off."""
     width, rows = len(table.header), list(table.rows)
     strict = [name for name in used if name not in (wanted.reads, _ERROR)]
     read = {name: _seconds if name == _TIME else _number for name in used}
@@ -243,12 +259,23 @@ def _values(
             )
         if name is not None:
             cell = shown(cells[used[name]])
+            date = " or a date such as 2026-05-01 12:00:00.25" if name == _TIME else ""
             raise ScenarioError(
-                f"{at}, column {name} = {cell}: allowed is a finite number: write it, or {_CUT}"
+                f"{at}, column {name} = {cell}: allowed is a finite number{date}: write it, "
+                f"or {_CUT}"
             )
     columns = {
         name: np.array([read[name](cells[k]) for _, cells in rows]) for name, k in used.items()
     }
+    for k in valid:
+        words = np.array([cells[k].casefold() for _, cells in rows])
+        at = f"{table.path}: column {table.header[k]}"
+        wrong_words = sorted(set(words.tolist()) - {*_YES, *_NO})
+        if wrong_words:
+            raise ScenarioError(f"{at} = {shown(wrong_words[0])}: allowed are 1 and 0")
+        lost = np.isin(words, _NO)
+        columns[wanted.reads][lost] = math.nan
+        notes.append(Note("not-valid", f"By {at}, {lost.sum()} readings are left out.", lost.sum()))
     if all(_ISO.fullmatch(at := cells[used[_TIME]]) and "-" not in at for _, cells in rows):
         back = np.diff(columns[_TIME], prepend=columns[_TIME][:1]) < -0.5 * _DAY
         columns[_TIME] += _DAY * np.cumsum(back)
@@ -257,22 +284,19 @@ def _values(
 
 
 def _from_the_first(t: Array, unit: str | None, notes: list[Note]) -> Array:
-    """Times of dates counted from the first reading, s; others as they are.
+    """Times of dates, counted from the first reading, s.
 
     Without a unit the size of a date tells it: ms, us and ns since 1970 are far beyond s.
     """
-    if not t[0] >= _DATE:
+    power = 0
+    while unit is None and t[0] / 1e3**power >= LATEST and power < 3:
+        power += 1
+    if t[0] / 1e3**power >= LATEST:
         return t
-    parts = 1.0
-    while unit is None and t[0] / parts >= _LATEST:
-        parts *= 1e3
-    date = np.datetime64(round(t[0] / parts * 1e3), "ms")
-    of = {1.0: "s", 1e3: "ms", 1e6: "us", 1e9: "ns"}.get(parts)
-    if of is None:
-        return t
-    read = f" {of} since 1970," if parts > 1.0 else ""
+    date = np.datetime64(round(t[0] / 1e3 ** (power - 1)), "ms")
+    read = f" {('s', 'ms', 'us', 'ns')[power]} since 1970," if power else ""
     notes.append(Note("dates", f"Times are{read} counted from the first, {date} UTC."))
-    return np.asarray((t - t[0]) / parts)
+    return np.asarray((t - t[0]) / 1e3**power)
 
 
 def _number(cell: str) -> float:

@@ -361,19 +361,31 @@ class Model(OneLine):
                 )
 
     def _check_zeros(self, record: Series) -> None:
-        """Refuse a stated temperature that only another zero brings near the readings."""
-        low, high = record.y.min() - _NEAR_READINGS, record.y.max() + _NEAR_READINGS
-        kelvins = -zero_of("degC") if record.unit != "K" else zero_of("degC")
-        for name, value in self.known.items():
-            if self.kind.every[name].unit != "K" or record.unit == "-":
+        """Refuse a temperature that only another zero brings near the readings, or none at all."""
+        least, most = float(record.y.min()), float(record.y.max())
+        seen = f"readings in {record.unit} are between {least:.4g} and {most:.4g}"
+        kelvins = zero_of("degC") if record.unit == "K" else -zero_of("degC")
+        for term in self.kind.terms:
+            if term.unit != "K":
                 continue
-            stated = float(value.value(0.0)) if isinstance(value, Prior) else value
-            meant = stated + kelvins
-            if low <= meant <= high and not low - _FAR <= stated <= high + _FAR:
+            name, value = term.name, self.known.get(term.name)
+            if name in record.inputs:
+                stated = float(np.median(record.inputs[name]))
+            elif value is not None:
+                stated = float(value.value(0.0)) if isinstance(value, Prior) else value
+            elif least > _NEAR_READINGS:
                 raise ScenarioError(
-                    f"{record.at}{name} = {stated:g}: {meant:g} may be meant, as readings in "
-                    f"{record.unit} are between {record.y.min():.4g} and {record.y.max():.4g}; "
-                    f"allowed is {name} in {record.unit}, or a column of that name"
+                    f"{record.at}{name} is missing, and {seen}: allowed is {name} as a number or a "
+                    "column, 0 where readings are counted from it"
+                )
+            else:
+                continue
+            meant = stated + kelvins
+            near = least - _NEAR_READINGS <= meant <= most + _NEAR_READINGS
+            if record.unit != "-" and near and not least - _FAR <= stated <= most + _FAR:
+                raise ScenarioError(
+                    f"{record.at}{name} = {stated:g}: {meant:g} may be meant, as {seen}; allowed "
+                    f"is {name} in {record.unit}, or a column that states its unit"
                 )
 
     def _check_names(self, names: Mapping[str, object]) -> None:

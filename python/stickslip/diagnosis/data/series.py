@@ -27,7 +27,11 @@ from stickslip.diagnosis.data.errors import FEWEST, Errors
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.diagnosis.data.table import Table, stated_errors, without_gaps
 from stickslip.errors import ScenarioError
+from stickslip.measurement.outliers import far_from_all_others
 from stickslip.simulation.note import Note
+
+LATEST = 1e11
+"""Time, s since 1970, from which on it is in a smaller unit: the year 5138."""
 
 STRETCHES = 12
 """Stretches into which each record is cut, to be held out in turn. Chosen: more cost more and tell
@@ -53,7 +57,8 @@ class Series(Table):
         Time of each reading, s, increasing; steps may differ. Dates are read as s from the first.
     y : array_like, shape (n,)
         Readings. A row with a gap (masked, None, NaN) is left out, and a note says so; its inputs
-        act all the same.
+        act all the same. So are three readings at most that lie alone, three spans beyond all
+        others.
     inputs : mapping, optional
         What acts on the system, by name, each of shape (n,).
     sd : float or array_like, shape (n,), optional
@@ -97,6 +102,8 @@ class Series(Table):
         given = {str(key): values for key, values in (inputs or {}).items()}
         check_indexes(self.at, {"t": t, "y": y, "sd": sd, **given})
         times = row(f"{self.at}t", t, unit="s")
+        if len(times) and abs(times[0]) >= LATEST:
+            refuse(f"{self.at}t", times[0].item(), "s; ms, us or ns since 1970 may be meant")
         count = len(times)
         late = np.flatnonzero(np.diff(times) <= 0.0)
         if len(late):
@@ -108,6 +115,10 @@ class Series(Table):
         stated = None if sd is None else stated_errors(f"{self.at}sd", sd, count, unit)
         gap = gap if stated is None else gap | np.isnan(stated)
         self.own_notes = tuple(without_gaps(self.at, gap))
+        for k in np.flatnonzero(~gap)[far_from_all_others(readings[~gap])].tolist():
+            text = f"{self.at}row {k}: {readings[k]:g} is far from all others, and left out."
+            self.own_notes += (Note("wild-reading", text, float(readings[k])),)
+            gap[k] = True
         if gap.any():
             read = np.interp(times, times[~gap], readings[~gap])
             whole = Series(times, read, acting, 1.0, self.name, self.repeat_of, unit=unit)
