@@ -76,7 +76,7 @@ KINDS = {
             ),
             (("start_position", "rad"), ("start_speed", "rad/s")),
             {"speed": (1, 1), "angle": (0, 0), "load speed": (3, 1), "load angle": (2, 0)},
-            {"torque": "N m"}, _sensors("torque", slow="torque"),
+            {"torque": "N m"}, _sensors("torque", slow="torque", zero=True),
             inertia="inertia", placed=frozenset({"gravity"}),
         ),
         Kind(
