@@ -143,7 +143,7 @@ def test_errors_that_a_fit_of_all_causes_tells_are_those_of_the_best_one():
     case = made.oscillator(made.TRIED)
     (record,) = case.data
     unknown = replace(record.errors, sd=np.full(len(record), np.std(record.y)), dof=0.0)
-    tables = [record.with_errors(unknown)]
+    tables = [record.having(errors=unknown)]
     found = with_scatter(problem_of_model(case.predict, tables, case.uncertain, case.causes), 0)
     assert found.sd[0] == pytest.approx(float(record.errors.sd[0]), rel=0.25)
 

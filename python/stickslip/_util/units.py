@@ -70,6 +70,11 @@ def unit_label(unit: str) -> str:
     return "" if _is_pure(unit) else unit
 
 
+def with_unit(value: float, unit: str) -> str:
+    """A number to two digits with its unit, if it has one."""
+    return f"{value:.2g} {unit_label(unit)}".rstrip()
+
+
 def in_handy_units(words: str, unit: str) -> tuple[float, str]:
     """Factor from an SI unit to the unit of display, and the label of an axis with that unit."""
     factor, shown = handy(unit)

@@ -174,7 +174,7 @@ class OwnModel(OneLine):
     @property
     def laws(self) -> list[Cause]:
         """Causes that are laws of another shape."""
-        return [cause for cause in self.causes if cause.is_law]
+        return [cause for cause in self.causes if cause.curve]
 
     def __call__(self, table: Table, names: Sequence[str], values: Array) -> Array:
         """Readings of a table, shape (vectors, rows), for values by name, (vectors, names).
@@ -335,7 +335,7 @@ def without_effect(problem: Problem) -> list[Note]:
     for cause in problem.causes:
         outside = _outside(cause, problem.tables)
         notes += outside
-        if outside or cause.is_law:
+        if outside or cause.curve:
             named |= {parameter.name for parameter in cause.parameters}
     for name in itertools.compress(problem.names, dead):
         if name not in named:

@@ -27,6 +27,7 @@ from scipy.stats import qmc
 
 from stickslip._util.arrays import Array, Indices, Mask, root_mean_square
 from stickslip._util.text import OneLine
+from stickslip._util.units import with_unit
 from stickslip.simulation.note import Note
 
 FEWEST, ENOUGH = 4, 12
@@ -99,6 +100,14 @@ class Errors(OneLine):
     notes: tuple[Note, ...] = ()
     _of_level: Callable[[Array], Array] | None = field(default=None, repr=False)
     of_fit: bool = False
+
+    @staticmethod
+    def alike(
+        sd: float, readings: Array | Indices, dof: float, *notes: Note, of_fit: bool = False
+    ) -> Errors:
+        """Of means of so many readings each, shape (m,), which share one standard deviation."""
+        sizes = {"s0": sd, "rho": 0.0}
+        return Errors(sd / np.sqrt(readings), None, dof, sizes, notes, of_fit=of_fit)
 
     @property
     def known(self) -> bool:
@@ -191,7 +200,7 @@ def no_finer_than_the_meter(y: Array, condition: Indices, errors: Errors, unit: 
     scatter = float(errors.of_reading(np.zeros(1))[0])
     if least == 0.0 or repeats < FEWEST or (errors.dof > 0.0 and scatter >= least):
         return errors
-    size = f"{least:.2g} {unit}".removesuffix(" -")
+    size = with_unit(least, unit)
     text = f"Repeats scatter by less than the meter's step; {size}, the step / sqrt(12), is taken "
     note = Note("meter-step", f"{text}for the error of each condition.", least)
     known = errors.notes if errors.dof > 0.0 else ()
@@ -254,9 +263,9 @@ def of_readings(y: Array, design: Array, condition: Indices, smallest: float, un
     elif sd <= smallest:
         sd, known, code = smallest, math.inf, "noise-smallest"
         text = "Readings scatter by less than {}, which is used ({} degrees of freedom)."
-    size = f"{math.degrees(sd):.2g} degrees" if unit == "rad" else f"{sd:.2g} {unit}"
+    size = with_unit(math.degrees(sd), "degrees") if unit == "rad" else with_unit(sd, unit)
     note = Note(code, text.format(size, dof), sd)
-    return Errors(sd / np.sqrt(count), None, known, {"s0": sd, "rho": 0.0}, (note,))
+    return Errors.alike(sd, count, known, note)
 
 
 def _stated(

@@ -33,6 +33,14 @@ _KINDS: dict[str, tuple[Kind, str]] = {
 
 _CURRENTS = ("current_x", "current_clamp")
 
+_OF_ALL = {
+    "film_delay.time": "trigger", "angle_offset.angle": "angle_offset",
+    "length_scale.fraction": "length_scale", "clock_scale.fraction": "clock_scale",
+    "film_clipping.limit": "angle_limit",
+    "marker_place.along": "marker_along", "marker_place.across": "marker_across",
+}  # fmt: skip
+"""What all films have alike, by its name in `Exposure`."""
+
 _ANGLE_OFFSET, _SCALE, _TRIGGER = math.radians(1.0), 0.01, 3e-4
 """Standard deviations of a camera's zero, rad, of its angles' and a current's scale, and of the
 time at which frames begin, s. Chosen: a camera that was set up by eye, an ammeter of class 1, and a
@@ -166,19 +174,10 @@ class FilmTable(SimulatedTable):
         p = p or {}
         start = f"{self.name}."
         values = {key.removeprefix(start): p[key] for key in p if key.startswith(start)}
-        for name, common in (
-            ("trigger", "film_delay.time"),
-            ("angle_offset", "angle_offset.angle"),
-        ):
-            values[name] = values.get(name, 0.0) + p.get(common, 0.0)
-        camera = Exposure(
-            self.film.exposure, **values, facing=self.film.scenario.drive.facing,
-            length_scale=p.get("length_scale.fraction", 0.0),
-            clock_scale=p.get("clock_scale.fraction", 0.0),
-            angle_limit=p.get("film_clipping.limit", 0.0),
-            marker_along=p.get("marker_place.along", 0.0),
-            marker_across=p.get("marker_place.across", 0.0),
-        )  # fmt: skip
+        for common, name in _OF_ALL.items():
+            if common in p:  # beside what this film has of it
+                values[name] = values.get(name, 0.0) + p[common]
+        camera = Exposure(self.film.exposure, **values, facing=self.film.scenario.drive.facing)
         return camera.frames(motion, self.film.columns["t"], list(self.columns or _KINDS))
 
     def _uncertain(self) -> tuple[Parameter, ...]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import functools
 import math
 from collections.abc import Mapping, Sequence
@@ -23,6 +22,7 @@ from stickslip._util.arrays import (
 )
 from stickslip._util.messages import refuse
 from stickslip._util.text import brief
+from stickslip._util.units import with_unit
 from stickslip.diagnosis.data.errors import FEWEST, Errors
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.diagnosis.data.table import Table, stated_errors, without_gaps
@@ -168,17 +168,12 @@ class Series(Table):
 
     def named(self, name: str) -> Series:
         """The same record under a name."""
-        made = copy.copy(self)
-        made.name = name
-        if isinstance(self.whole, Series):
-            made.whole = self.whole.named(name)
-        return made
+        whole = self.whole.named(name) if isinstance(self.whole, Series) else self.whole
+        return self.having(name=name, whole=whole)
 
     def noted(self, notes: Sequence[Note]) -> Series:
         """The same with notes on how it was read."""
-        made = copy.copy(self)
-        made.own_notes = (*notes, *self.own_notes)
-        return made
+        return self.having(own_notes=(*notes, *self.own_notes))
 
     def without(self, gone: Mask, why: str) -> Series:
         """The same without some readings, and a note on their rows that ends with `why`."""
@@ -192,9 +187,8 @@ class Series(Table):
 
     def with_inputs(self, inputs: Mapping[str, Array]) -> Series:
         """The same record with other inputs, of shape (n,) or (vectors, n)."""
-        made = copy.copy(self)
-        made.inputs = {**self.inputs, **{key: locked(values) for key, values in inputs.items()}}
-        return made
+        acting = {key: locked(values) for key, values in inputs.items()}
+        return self.having(inputs={**self.inputs, **acting})
 
 
 def with_repeats(series: Sequence[Series]) -> list[Table]:
@@ -224,7 +218,7 @@ def with_repeats(series: Sequence[Series]) -> list[Table]:
         for record in group:
             if not record.stated and errors.dof >= FEWEST:
                 sd = np.full(len(record), errors.sizes["s0"])
-                known[record.name] = record.with_errors(replace(errors, sd=sd))
+                known[record.name] = record.having(errors=replace(errors, sd=sd))
     return [known.get(record.name, record) for record in series]
 
 
@@ -270,9 +264,10 @@ def _from_repeats(group: Sequence[Series]) -> Errors:
     lags = correlate(away[0], away[0], method="fft")[count - 1 :]
     alike = lags[: max(count // 4, 1)] / max(float(lags[0]), 1e-300)
     dof = count * (len(group) - 1) / max(2.0 * float(np.sum(alike**2)) - 1.0, 1.0)
-    text = f"A reading scatters by {sd:.2g}, from {len(group)} repeats of a record."
+    size = with_unit(sd, group[0].unit)
+    text = f"A reading scatters by {size}, from {len(group)} repeats of a record."
     note = Note("noise-repeats", text, sd)
-    return Errors(np.full(count, sd), None, dof, {"s0": sd, "rho": 0.0}, (note,))
+    return Errors.alike(sd, np.ones(count), dof, note)
 
 
 def _about_a_curve(t: Array, y: Array, unit: str) -> Errors:
@@ -290,14 +285,12 @@ def _about_a_curve(t: Array, y: Array, unit: str) -> Errors:
         and scatter[1] < _SMALL * size
     )
     if not smooth:
-        unknown = {"s0": size or 1.0, "rho": 0.0}
-        return Errors(np.full(len(y), size or 1.0), None, 0.0, unknown)
+        return Errors.alike(size or 1.0, np.ones(len(y)), 0.0)
     sd = scatter[1]
     # A median of n differences of order 5, which overlap, tells as much as n / 8 free readings.
     dof = len(y) / 8.0
-    text = f"{sd:.2g}" if unit == "-" else f"{sd:.2g} {unit}"
-    note = Note(SMOOTH, f"A reading scatters by {text} about a smooth curve.", sd)
-    return Errors(np.full(len(y), sd), None, dof, {"s0": sd, "rho": 0.0}, (note,))
+    note = Note(SMOOTH, f"A reading scatters by {with_unit(sd, unit)} about a smooth curve.", sd)
+    return Errors.alike(sd, np.ones(len(y)), dof, note)
 
 
 def _left_by_differences(t: Array, y: Array, order: int) -> float:

@@ -6,7 +6,7 @@ import copy
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,10 +29,13 @@ from stickslip._util.arrays import (
 )
 from stickslip._util.text import brief, counted
 from stickslip._util.units import factor_text, far_size, unit_label
-from stickslip.diagnosis.data.errors import Errors, estimate, no_finer_than_the_meter
+from stickslip.diagnosis.data.errors import estimate, no_finer_than_the_meter
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.errors import ScenarioError
 from stickslip.simulation.note import Note
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 FEWEST_CONDITIONS = 4
 """Conditions without which no cause is told from another, if there are no other data. Chosen: two
@@ -344,10 +347,10 @@ class Table:
             size = factor_text(1.0 / factor)
             yield y / factor, "readings-unit", f"{size} times as large: look at its unit"
 
-    def with_errors(self, errors: Errors) -> Table:
-        """The same readings with other errors."""
+    def having(self, **changes: Any) -> Self:
+        """The same with other attributes."""
         made = copy.copy(self)
-        made.errors = errors
+        vars(made).update(changes)
         return made
 
     def __len__(self) -> int:

@@ -104,7 +104,8 @@ class Candidate(OneLine):
     @property
     def covariance(self) -> DataFrame:
         """Covariance of `params`, in products of their units."""
-        return frame("parameter", self._names, self._covariance, self._names)
+        matrix = self.rates[:, None] * self.fit.covariance * self.rates * self.widening**2
+        return frame("parameter", self._names, matrix, self._names)
 
     @property
     def left(self) -> dict[str, Any]:
@@ -191,11 +192,6 @@ class Candidate(OneLine):
             ends = np.clip(x + np.array([-_STEP, _STEP]), *parameter.limits)
             slopes[k] = float(np.diff(parameter.smooth_value(ends))[0]) / max(np.ptp(ends), 1e-300)
         return slopes
-
-    @property
-    def _covariance(self) -> Array:
-        slopes = self.rates
-        return np.asarray(slopes[:, None] * self.fit.covariance * slopes * self.widening**2)
 
 
 def spread_of(predicted: Array) -> Array:

@@ -231,7 +231,7 @@ class _Beside:
         self.effects = [
             effect
             for number, response in enumerate(responses)
-            if not response.cause.is_law and response.cause.name not in fit.names
+            if response.cause.curve is None and response.cause.name not in fit.names
             for effect in _effects(problem, fit, response, number)
         ]
         p, gaps = len(fit.free), [effect.gap for effect in self.effects]

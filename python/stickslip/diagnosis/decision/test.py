@@ -110,8 +110,10 @@ def tested(problem: Problem, null: Fit, responses: list[Response], seed: int) ->
     random = np.random.default_rng([seed, 11])
     count, observed = _DRAWS if n < _MANY else _FEWER, float(residual @ residual)
     misfits, projected = np.empty(count), np.empty((count, len(directions)))
-    for part in _parts(count, _AT_ONCE // (n + p)):
-        noise = random.standard_normal((part.stop - part.start, n + p))
+    size = max(_AT_ONCE // (n + p), 1)
+    for start in range(0, count, size):
+        part = slice(start, min(start + size, count))
+        noise = random.standard_normal((part.stop - start, n + p))
         for rows, dof in zip(problem.rows, problem.dof, strict=True):
             if math.isfinite(dof):
                 noise[:, rows] /= np.sqrt(random.chisquare(dof, (len(noise), 1)) / dof)
@@ -127,12 +129,6 @@ def tested(problem: Problem, null: Fit, responses: list[Response], seed: int) ->
     both = (1.0 + float(np.sum(smaller <= min(fit_p, score_p)))) / (count + 1.0)
     # Beyond what draws can tell, the law of the misfit is known.
     return Test(min(both, 2.0 * min(exact, score_p)), exact, score_p)
-
-
-def _parts(count: int, size: int) -> list[slice]:
-    """Slices of at most `size` items, and of one at least."""
-    size = max(size, 1)
-    return [slice(k, min(k + size, count)) for k in range(0, count, size)]
 
 
 def _shares(values: Array, observed: float) -> tuple[Array, float]:

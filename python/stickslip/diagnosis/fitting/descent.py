@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip._util.arrays import Array, Indices
 from stickslip._util.text import OneLine
-from stickslip.diagnosis.fitting.forms import Form, Softened
+from stickslip.diagnosis.fitting.forms import Form
 from stickslip.diagnosis.fitting.problem import LOST, Problem
 from stickslip.diagnosis.terms.cause import Cause
 
@@ -122,7 +122,7 @@ def descend(
     next one promises, would not bring it below `hopeless`.
     """
     free = problem.free(causes)
-    draft = isinstance(form, Softened) and form.is_soft if draft is None else draft
+    draft = form.factor > 1.0 if draft is None else draft
     precision = precision_of(problem, causes) if precision is None else precision
     low, high = problem.limits[:, free]
     x = x.copy()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import gammaln, logsumexp, ndtri
@@ -11,7 +11,6 @@ from scipy.stats import chi2 as chi2_law
 from scipy.stats import qmc
 
 from stickslip._util.arrays import Array
-from stickslip._util.text import OneLine
 from stickslip.diagnosis.fitting.forms import Form
 from stickslip.diagnosis.fitting.models import Fit, laplace
 from stickslip.diagnosis.fitting.problem import Problem
@@ -23,20 +22,10 @@ are drawn again about their mean. Chosen: the evidence is then known to a fifth.
 _DOF, _WIDER = 5.0, 1.15  # of the multivariate t that is drawn from; chosen: it has to be wider
 
 
-@dataclass(frozen=True, repr=False, eq=False)
-class Draws(OneLine):
-    """Weighted draws about a fit.
+class Draws(NamedTuple):
+    """Coordinates, (draws, size), weights, of sum 1, and residuals, (draws, n), about a fit.
 
-    Attributes
-    ----------
-    x : ndarray, shape (draws, size)
-    weight : ndarray, shape (draws,)
-        They sum to 1.
-    residual : ndarray, shape (draws, n)
-    correction : float
-        What Laplace's rule misses of the log-evidence.
-    effective : float
-        Effective number of draws.
+    `correction` is what Laplace's rule misses of the log-evidence, and `effective` their number.
     """
 
     x: Array
@@ -44,11 +33,6 @@ class Draws(OneLine):
     residual: Array
     correction: float
     effective: float
-
-    @property
-    def best(self) -> Array:
-        """Coordinates of the draw of the largest weight."""
-        return np.asarray(self.x[int(np.argmax(self.weight))])
 
 
 def drawn(problem: Problem, form: Form, fit: Fit, seed: int) -> Draws | None:

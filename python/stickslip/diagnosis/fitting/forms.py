@@ -59,6 +59,7 @@ class Form:
 
     name = "white"
     names: tuple[str, ...] = ("kappa",)
+    factor = 1.0  # of the errors; where it is larger a draft of the model will do
 
     def __init__(self, problem: Problem) -> None:
         self.problem, self.n = problem, len(problem.y)
@@ -155,26 +156,17 @@ class Exact(Form):
         return np.zeros(0)
 
 
-class Softened(Form):
+class Softened(Exact):
     """Errors larger by a factor, for a search from afar; with `outlier` Cauchy's loss beyond it."""
 
     name = "softened"
-    names = ()
 
     def __init__(self, problem: Problem, factor: float, outlier: float = math.inf) -> None:
         super().__init__(problem)
         self.factor, self._outlier = factor, outlier
 
-    @property
-    def is_soft(self) -> bool:
-        """Whether the errors are so large that a draft of the model will do."""
-        return self.factor > 1.0
-
     def prepared(self, columns: Array) -> Any:
         return self.problem.whitened(columns) / self.factor
-
-    def gram(self, prepared: Any, h: Array) -> Array:
-        return np.asarray(prepared.T @ prepared)
 
     def weighted(self, prepared: Any, residual: Array, h: Array) -> Array:
         whitened = self.prepared(residual[:, None])
@@ -185,9 +177,6 @@ class Softened(Form):
         if math.isfinite(self._outlier):
             squares = self._outlier**2 * np.log1p(squares / self._outlier**2)
         return np.asarray(np.sum(squares, axis=0))
-
-    def begin(self, residual: Array) -> Array:
-        return np.zeros(0)
 
 
 class Correlated(Form):

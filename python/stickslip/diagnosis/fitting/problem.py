@@ -128,7 +128,7 @@ class Problem(OneLine):
             if cause.frees is not None:
                 index = names.index(cause.frees)
                 widths: tuple[float, ...] = FREED
-                if cause.is_law:  # a form has a level, which may be the stated one
+                if cause.curve:  # a form has a level, which may be the stated one
                     widths = FREED[:1] if cause.has_knots else (1.0, FREED[0])
                 parts = [_with_block(part, slice(index, index + 1), np.array(width**-2))
                          for part in parts for width in widths]  # fmt: skip

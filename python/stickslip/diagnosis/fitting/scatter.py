@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from stickslip._util.arrays import Array, root_mean_square
+from stickslip._util.units import with_unit
 from stickslip.diagnosis.data.errors import FEWEST, Errors
 from stickslip.diagnosis.data.series import SMOOTH
 from stickslip.diagnosis.fitting.descent import End, descend, end_at, in_step, precision_of
@@ -63,7 +64,7 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
     if rougher:
         tables = list(problem.tables)
         for k in rougher:
-            tables[k] = tables[k].with_errors(replace(tables[k].errors, dof=0.0, notes=()))
+            tables[k] = tables[k].having(errors=replace(tables[k].errors, dof=0.0, notes=()))
         return with_scatter(replace(problem, tables=tuple(tables), errors=()), seed)
     return problem
 
@@ -98,12 +99,9 @@ def _scattered(problem: Problem, unknown: Sequence[int], residual: Array, spent:
         if free < FEWEST:
             continue
         text = (
-            f"A reading scatters by {size:.2g} {table.unit} about the fit of all causes "
+            f"A reading scatters by {with_unit(size, table.unit)} about the fit of all causes "
             f"({free:.0f} degrees of freedom): a cause that is none of them counts as noise."
         )
-        sizes = {"s0": size, "rho": 0.0}
-        weight = np.sqrt(np.bincount(table.condition))
-        note = Note("noise-fit", text, size)
-        errors = Errors(size / weight, None, free, sizes, (note,), of_fit=True)
-        tables[k] = table.with_errors(errors)
+        count, note = np.bincount(table.condition), Note("noise-fit", text, size)
+        tables[k] = table.having(errors=Errors.alike(size, count, free, note, of_fit=True))
     return replace(problem, tables=tuple(tables), errors=())

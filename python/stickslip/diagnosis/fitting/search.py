@@ -357,8 +357,8 @@ def _draw(models: Models, seed: int) -> None:
         draws = drawn(problem, form, fit, seed)
         if draws is None:
             continue
-        best = draws.best
-        cost = form.cost(draws.residual[[int(np.argmax(draws.weight))]], fit.h)[0]
+        at = int(np.argmax(draws.weight))
+        best, cost = draws.x[at], form.cost(draws.residual[[at]], fit.h)[0]
         if float(cost + best[fit.free] @ fit.precision @ best[fit.free]) < fit.cost - _BETTER:
             models.add_fits([Start(fit.form, fit.causes, best, h=fit.h)])
             fit = models.best[names, fit.form]
@@ -395,9 +395,9 @@ def _worth_a_look(models: Models) -> list[Fit]:
     for fit in _near(models):
         sets.setdefault(fit.names, fit)
     fits = [fit for fit in sets.values() if fit.causes][:LEADERS]
-    if any(cause.is_law for cause in models.offered):
+    if any(cause.curve for cause in models.offered):
         first = models.leaders(1)[0]
-        return [fit for fit in fits if fit is first or any(cause.is_law for cause in fit.causes)]
+        return [fit for fit in fits if fit is first or any(cause.curve for cause in fit.causes)]
     best = models.leaders(form="exact")
     if best[0].chi2 > _COMFORTABLE * len(models.problem.y):
         singles = [fit for fit in best if len(fit.causes) == 1][: 2 * LEADERS]

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from typing import Any, ParamSpec, TypeVar, cast
+from dataclasses import dataclass, field
 
 from stickslip._util.arrays import Array
 from stickslip._util.messages import refuse
@@ -80,49 +78,6 @@ class Cause(OneLine):
             raise ScenarioError(f"cause {self.name} has no Parameter: allowed are one or more")
 
     @property
-    def is_law(self) -> bool:
-        """Whether it is a law of another shape."""
-        return self.curve is not None
-
-    @property
     def has_knots(self) -> bool:
         """Whether its parameters are values of a curve at knots."""
         return self.curve is not None and self.curve.form == CURVE
-
-
-_P = ParamSpec("_P")
-_Made = TypeVar("_Made", Cause, tuple[Cause, ...])
-
-
-class _Remade:
-    """How an instrument reads: a function of a call that makes causes, and pickled as that call."""
-
-    def __init__(self, read: Read, call: tuple[Any, ...], index: int) -> None:
-        self._read, self._made_by = read, (*call, index)
-
-    def __call__(self, *given: Any) -> Array:
-        return self._read(*given)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return _made_again, self._made_by
-
-
-def _made_again(factory: Any, args: Any, options: Any, index: int) -> Read:
-    made = factory(*args, **options)
-    return cast(Read, (made if isinstance(made, tuple) else (made,))[index].read)
-
-
-def pickled_as_call(factory: Callable[_P, _Made]) -> Callable[_P, _Made]:
-    """Let the causes of a function of a module be pickled, though how they read is local to it."""
-
-    @functools.wraps(factory)
-    def made(*args: _P.args, **options: _P.kwargs) -> Any:
-        given = factory(*args, **options)
-        call: tuple[Any, ...] = made, args, options  # type: ignore[has-type]
-        causes = tuple(
-            cause if cause.read is None else replace(cause, read=_Remade(cause.read, call, index))
-            for index, cause in enumerate(given if isinstance(given, tuple) else (given,))
-        )
-        return causes if isinstance(given, tuple) else causes[0]
-
-    return made

@@ -22,6 +22,7 @@ Each raises a ScenarioError if a value is not allowed.
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 
@@ -30,8 +31,8 @@ from stickslip._util.messages import refuse, shown
 from stickslip._util.text import is_number
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import Table
-from stickslip.diagnosis.terms.cause import Cause, pickled_as_call
-from stickslip.diagnosis.terms.parameter import LARGEST_ERROR, Parameter
+from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.parameter import Parameter, either_way
 from stickslip.errors import ScenarioError
 from stickslip.scenario.uncertain import Prior
 
@@ -40,7 +41,6 @@ _WIDTH, _FINENESS = 0.4, 0.025
 predictions change. Chosen: nearly even over the range; an event of a hundredth of it is found."""
 
 
-@pickled_as_call
 def step(
     size: float,
     begin: float,
@@ -52,19 +52,14 @@ def step(
     name: str = "step",
 ) -> Cause:
     """A change that stays: ``height`` is added from ``time``, s, on."""
-    height = _height(name, unit, size)
-    time = _time(name, begin, end)
-
-    def read(values: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
-        return values + p[height.name] * edge(table, p[time.name])
-
+    height, time = either_way(f"{name}.height", unit, size), _time(name, begin, end)
+    read = partial(_happened, height.name, time.name, None)
     meaning = f"a step of {input or 'the readings'}"
     return Cause(
         name, (height, time), meaning, read=read, table=table, input=input, between=(begin, end)
     )
 
 
-@pickled_as_call
 def pulse(
     size: float,
     begin: float,
@@ -86,20 +81,27 @@ def pulse(
     """
     if not is_number(longest) or not 0.0 < longest < math.inf:
         refuse("longest", longest, "a time above 0, s")
-    height, time = _height(name, unit, size), _time(name, begin, end)
+    height, time = either_way(f"{name}.height", unit, size), _time(name, begin, end)
     length = Parameter(
         f"{name}.length", Prior("log-uniform", longest / 100.0, longest), unit="s", cause=False
     )
 
-    def read(values: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
-        ends = p[time.name] + p[length.name]
-        return values + p[height.name] * (edge(table, p[time.name]) - edge(table, ends))
-
+    read = partial(_happened, height.name, time.name, length.name)
     meaning = f"a pulse of {input or 'the readings'}"
     parts = height, time, length
     return Cause(
         name, parts, meaning, read=read, table=table, input=input, between=(begin, end + longest)
     )
+
+
+def _happened(
+    height: str, time: str, length: str | None,
+    values: Array, _: Array, p: dict[str, Array], table: Table,
+) -> Array:  # fmt: skip
+    shape = edge(table, p[time])
+    if length is not None:
+        shape = shape - edge(table, p[time] + p[length])
+    return values + p[height] * shape
 
 
 def edge(table: Table, time: Array) -> Array:
@@ -111,11 +113,6 @@ def edge(table: Table, time: Array) -> Array:
         raise ScenarioError(f"events: table {table.name} has no times; allowed is a Series")
     at = np.clip((table.t - time) / table.step + 0.5, 0.0, 1.0)
     return np.asarray(at**2 * (3.0 - 2.0 * at))
-
-
-def _height(name: str, unit: str, size: float) -> Parameter:
-    end = LARGEST_ERROR * size
-    return Parameter(f"{name}.height", unit=unit, low=-end, high=end, size=size)
 
 
 def _time(name: str, begin: float, end: float) -> Parameter:

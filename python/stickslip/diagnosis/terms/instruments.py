@@ -23,6 +23,8 @@ Each raises a ScenarioError if a value is not allowed.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -30,12 +32,12 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg import lapack
 from scipy.spatial.transform import Rotation
 
-from stickslip._util.arrays import Array, check_indexes, labels, root_mean_square, row
+from stickslip._util.arrays import Array, Indices, check_indexes, labels, root_mean_square, row
 from stickslip._util.messages import refuse
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import Table
-from stickslip.diagnosis.terms.cause import Cause, Read, pickled_as_call
-from stickslip.diagnosis.terms.parameter import LARGEST_ERROR, Parameter
+from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.parameter import LARGEST_ERROR, Parameter, either_way
 from stickslip.errors import ScenarioError
 
 Rows = ArrayLike | slice
@@ -59,7 +61,6 @@ _TURN = Parameter("angle_offset.angle", unit="rad", low=-0.3, high=0.3, size=0.0
 _SOUND = 0.98
 
 
-@pickled_as_call
 def scale(
     size: float = 0.02,
     *,
@@ -71,16 +72,17 @@ def scale(
 
     Errors of up to a half are searched.
     """
-    error = f"{name}.error"
-
-    def read(readings: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
-        return _changed(readings, rows, _some(readings, rows) * (1.0 + p[error]))
-
-    parameter = Parameter(error, low=-0.5, high=0.5, size=size)
+    parameter = Parameter(f"{name}.error", low=-0.5, high=0.5, size=size)
+    read = partial(_scaled, rows, parameter.name)
     return Cause(name, (parameter,), "a wrong scale of the readings", read=read, table=table)
 
 
-@pickled_as_call
+def _scaled(
+    rows: Rows, error: str, readings: Array, _: Array, p: dict[str, Array], table: Table
+) -> Array:
+    return _changed(readings, rows, _some(readings, rows) * (1.0 + p[error]))
+
+
 def offset(
     unit: str,
     size: float,
@@ -93,15 +95,17 @@ def offset(
 
     A turned camera or marker is ``offset("rad", 0.03)``.
     """
-    parameter = _either_way(f"{name}.shift", unit, size)
-
-    def read(readings: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
-        return _changed(readings, rows, _some(readings, rows) + p[parameter.name])
-
+    parameter = either_way(f"{name}.shift", unit, size)
+    read = partial(_shifted, rows, parameter.name)
     return Cause(name, (parameter,), "a wrong zero of the readings", read=read, table=table)
 
 
-@pickled_as_call
+def _shifted(
+    rows: Rows, shift: str, readings: Array, _: Array, p: dict[str, Array], table: Table
+) -> Array:
+    return _changed(readings, rows, _some(readings, rows) + p[shift])
+
+
 def clipping(
     unit: str,
     highest: float,
@@ -128,15 +132,17 @@ def clipping(
     """
     low = 0.1 * highest if lowest is None else lowest
     parameter = Parameter(f"{name}.limit", unit=unit, low=low, high=highest, size=size, falls=True)
-
-    def read(readings: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
-        limit = np.where(p[parameter.name] > 0.0, p[parameter.name], np.inf)
-        return _changed(readings, rows, np.clip(_some(readings, rows), -limit, limit))
-
+    read = partial(_clipped, rows, parameter.name)
     return Cause(name, (parameter,), "a limit at which readings saturate", read=read, table=table)
 
 
-@pickled_as_call
+def _clipped(
+    rows: Rows, name: str, readings: Array, _: Array, p: dict[str, Array], table: Table
+) -> Array:
+    limit = np.where(p[name] > 0.0, p[name], np.inf)
+    return _changed(readings, rows, np.clip(_some(readings, rows), -limit, limit))
+
+
 def lag(
     size: float,
     *,
@@ -149,27 +155,25 @@ def lag(
     Between two readings what lags is linear; before the first it is at rest.
     """
     time = Parameter(f"{name}.time", unit="s", low=0.0, high=LARGEST_ERROR * size, size=size)
-
-    def read(values: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
-        gap = np.diff(_in_time(table, name).t)
-        result = values.copy()
-        for vector in np.flatnonzero(p[time.name][:, 0] > 0.0):
-            tau = p[time.name][vector, 0]
-            kept = np.exp(-gap / tau)
-            # v' = (u - v) / tau with u linear between readings, solved exactly.
-            slope = np.diff(values[vector]) / gap
-            band = np.ones((2, len(gap) + 1))
-            band[1, :-1] = -kept
-            rest = (1.0 - kept) * (values[vector, :-1] - tau * slope) + slope * gap
-            lagged, _ = lapack.dtbtrs(band, np.r_[values[vector, 0], rest][:, None], uplo="L")
-            result[vector] = lagged[:, 0]
-        return result
-
     what = f"a lag of {input or 'the readings'}"
-    return Cause(name, (time,), what, read=read, table=table, input=input)
+    return Cause(name, (time,), what, read=partial(_lagged, name), table=table, input=input)
 
 
-@pickled_as_call
+def _lagged(name: str, values: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
+    gap, result, times = np.diff(_in_time(table, name).t), values.copy(), p[f"{name}.time"][:, 0]
+    for vector in np.flatnonzero(times > 0.0):
+        tau = times[vector]
+        kept = np.exp(-gap / tau)
+        # v' = (u - v) / tau with u linear between readings, solved exactly.
+        slope = np.diff(values[vector]) / gap
+        band = np.ones((2, len(gap) + 1))
+        band[1, :-1] = -kept
+        rest = (1.0 - kept) * (values[vector, :-1] - tau * slope) + slope * gap
+        lagged, _ = lapack.dtbtrs(band, np.r_[values[vector, 0], rest][:, None], uplo="L")
+        result[vector] = lagged[:, 0]
+    return result
+
+
 def delay(
     times: ArrayLike | None = None,
     size: float | None = None,
@@ -197,48 +201,41 @@ def delay(
     """
     if size is None:
         refuse("size", size, "a number above 0")
-    if times is None:
-        return _delay_in_time(size, input, table, name)
-    check_indexes("", {"times": times, "curve": curve})
-    at = row("times", times, unit="s")
-    of = np.zeros(len(at), dtype=int) if curve is None else labels("curve", curve, len(at))
-    curves = [np.flatnonzero(of == label) for label in np.unique(of)]
-    curves = [rows_of[np.argsort(at[rows_of], kind="stable")] for rows_of in curves]
-    if any(len(rows_of) < 2 or not np.all(np.diff(at[rows_of]) > 0.0) for rows_of in curves):
-        raise ScenarioError("times: allowed are two or more of each curve, all different")
-    parameter = _either_way(f"{name}.time", "s", size)
-
-    def read(readings: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
-        some, delays = _some(readings, rows), p[parameter.name][:, 0]
-        _fitting(at, some)
-        result = some.copy()
-        # A row that was not computed stays so, and a delay of zero leaves the very numbers.
-        late = np.flatnonzero((delays != 0.0) & np.all(np.isfinite(some), axis=1))
-        for rows_of in curves:
-            mine = np.ix_(late, rows_of)
-            result[mine] = _delayed(at[rows_of], some[mine], delays[late])
-        return _changed(readings, rows, result)
-
-    return Cause(name, (parameter,), "a delay of the readings", read=read, table=table)
-
-
-def _delay_in_time(size: float, input: str | None, table: str | None, name: str) -> Cause:
-    """A delay of the readings, or of an input, of a `stickslip.Series`."""
-    parameter = _either_way(f"{name}.time", "s", size)
-
-    def read(values: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
-        t, delays = _in_time(table, name).t, p[parameter.name][:, 0]
-        result = values.copy()
-        late = np.flatnonzero((delays != 0.0) & np.all(np.isfinite(values), axis=1))
-        if input is None:
-            result[late] = _delayed(t, values[late], delays[late])
-        else:
-            for vector in late:
-                result[vector] = np.interp(t - delays[vector], t, values[vector])
-        return result
-
+    at, curves = None, [np.arange(0)]
+    if times is not None:
+        check_indexes("", {"times": times, "curve": curve})
+        at = row("times", times, unit="s")
+        of = np.zeros(len(at), dtype=int) if curve is None else labels("curve", curve, len(at))
+        curves = [np.flatnonzero(of == label) for label in np.unique(of)]
+        curves = [rows_of[np.argsort(at[rows_of], kind="stable")] for rows_of in curves]
+        if any(len(rows_of) < 2 or not np.all(np.diff(at[rows_of]) > 0.0) for rows_of in curves):
+            raise ScenarioError("times: allowed are two or more of each curve, all different")
+    parameter = either_way(f"{name}.time", "s", size)
+    read = partial(_late, name, at, curves, slice(None) if at is None else rows, input)
     what = f"a delay of {input or 'the readings'}"
     return Cause(name, (parameter,), what, read=read, table=table, input=input)
+
+
+def _late(
+    name: str, at: Array | None, curves: Sequence[Indices], rows: Rows, input: str | None,
+    values: Array, _: Array, p: dict[str, Array], table: Table,
+) -> Array:  # fmt: skip
+    if at is None:
+        at = _in_time(table, name).t
+        curves = [np.arange(len(at))]
+    some, delays = _some(values, rows), p[f"{name}.time"][:, 0]
+    _fitting(at, some)
+    result = some.copy()
+    # A row that was not computed stays so, and a delay of zero leaves the very numbers.
+    late = np.flatnonzero((delays != 0.0) & np.all(np.isfinite(some), axis=1))
+    for rows_of in curves:
+        if input is None:
+            mine = np.ix_(late, rows_of)
+            result[mine] = _delayed(at[rows_of], some[mine], delays[late])
+        else:
+            for vector in late:
+                result[vector] = np.interp(at - delays[vector], at, some[vector])
+    return _changed(values, rows, result)
 
 
 def _delayed(t: Array, values: Array, delays: Array) -> Array:
@@ -257,7 +254,6 @@ def _in_time(table: Table, name: str) -> Series:
     return table
 
 
-@pickled_as_call
 def marker_place(
     x: Rows | None,
     z: Rows | None,
@@ -289,20 +285,25 @@ def marker_place(
         raise ScenarioError("theta, angle: allowed is one of them")
     known = np.empty(0) if angle is None else row("angle", angle, unit="rad")
     parameters = tuple(
-        _either_way(f"{name}.{word}", "m", size, largest) for word in ("along", "across")
+        either_way(f"{name}.{word}", "m", size, largest) for word in ("along", "across")
     )
 
-    def read(readings: Array, predicted: Array, p: dict[str, Array], _: Table) -> Array:
-        turned = _some(predicted, theta) if theta is not None else known
-        shifts = marker(turned, *(p[parameter.name] for parameter in parameters))
-        for rows, shift in zip((x, z), shifts, strict=True):
-            if rows is not None:
-                some = _some(readings, rows)
-                readings = _changed(readings, rows, some + _fitting(shift, some))
-        return readings
-
+    read = partial(_marked, name, (x, z), theta, known)
     meaning = "another place of the tracked point on the body"
     return Cause(name, parameters, meaning, read=read, table=table)
+
+
+def _marked(
+    name: str, places: Sequence[Rows | None], theta: Rows | None, known: Array,
+    readings: Array, predicted: Array, p: dict[str, Array], _: Table,
+) -> Array:  # fmt: skip
+    turned = _some(predicted, theta) if theta is not None else known
+    shifts = marker(turned, p[f"{name}.along"], p[f"{name}.across"])
+    for rows, shift in zip(places, shifts, strict=True):
+        if rows is not None:
+            some = _some(readings, rows)
+            readings = _changed(readings, rows, some + _fitting(shift, some))
+    return readings
 
 
 def marker(theta: Array, along: ArrayLike, across: ArrayLike) -> tuple[Array, Array]:
@@ -313,12 +314,6 @@ def marker(theta: Array, along: ArrayLike, across: ArrayLike) -> tuple[Array, Ar
     """
     a, b = np.asarray(along, dtype=float), np.asarray(across, dtype=float)
     return a * np.cos(theta) + b * np.sin(theta), b * np.cos(theta) - a * np.sin(theta)
-
-
-def _either_way(name: str, unit: str, size: float, largest: float | None = None) -> Parameter:
-    """An amplitude of either sign."""
-    end = LARGEST_ERROR * size if largest is None else largest
-    return Parameter(name, unit=unit, low=-end, high=end, size=size)
 
 
 def _some(readings: Array, rows: Rows) -> Array:
@@ -381,20 +376,11 @@ def read_by(
     return readings
 
 
-def _length_scale(read: Read | None = None, table: str | None = None) -> Cause:
-    return Cause("length_scale", (_LENGTH,), "the camera's scale is off", read=read, table=table)
+_LENGTH_SCALE = Cause("length_scale", (_LENGTH,), "the camera's scale is off")
+_CLOCK_SCALE = Cause("clock_scale", (_CLOCK,), "the camera's clock is off")
+_ANGLE_OFFSET = Cause("angle_offset", (_TURN,), "the camera is turned against the surface")
 
 
-def _clock_scale(read: Read | None = None, table: str | None = None) -> Cause:
-    return Cause("clock_scale", (_CLOCK,), "the camera's clock is off", read=read, table=table)
-
-
-def _angle_offset(read: Read | None = None, table: str | None = None) -> Cause:
-    meaning = "the camera is turned against the surface"
-    return Cause("angle_offset", (_TURN,), meaning, read=read, table=table)
-
-
-@pickled_as_call
 def of_velocities(measured: Array) -> tuple[Cause, ...]:
     """A wrong camera, zero or limit of measured velocities, m/s, shape (n,); none where all are 0.
 
@@ -404,52 +390,44 @@ def of_velocities(measured: Array) -> tuple[Cause, ...]:
     if not np.any(measured):
         return ()
     size = _ZERO_OF_VELOCITY * root_mean_square(measured)
-
-    def longer(readings: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
-        return readings * (1.0 + p[_LENGTH.name])
-
-    def slower(readings: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
-        return readings / (1.0 + p[_CLOCK.name])
-
     return (
-        _length_scale(longer, "velocity"),
-        _clock_scale(slower, "velocity"),
+        replace(_LENGTH_SCALE, read=partial(_scaled, _EVERY, _LENGTH.name), table="velocity"),
+        replace(_CLOCK_SCALE, read=_slower, table="velocity"),
         offset("m/s", size, table="velocity", name="velocity_offset"),
         *_limit("velocity_clipping", "m/s", measured, "velocity"),
     )
 
 
-@pickled_as_call
+def _slower(readings: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
+    return readings / (1.0 + p[_CLOCK.name])
+
+
 def of_angles(theta: Array) -> tuple[Cause, ...]:
     """A turned camera, a wrong scale and a limit of angles, rad, shape (n,)."""
-
-    def turned(readings: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
-        return readings + p[_TURN.name]
-
     return (
-        _angle_offset(turned, "angle"),
+        replace(_ANGLE_OFFSET, read=partial(_shifted, _EVERY, _TURN.name), table="angle"),
         scale(_SCALE_OF_ANGLES, table="angle", name="angle_scale"),
         *_limit("angle_clipping", "rad", theta, "angle"),
     )
 
 
-@pickled_as_call
+_ABOUT = [f"probe_turned.about_{axis}" for axis in "xyz"]
+
+
 def of_fields(fields: Array) -> tuple[Cause, ...]:
     """A probe that is turned against the coils, and its limit; fields in T, shape (n, 3)."""
-    about = [f"probe_turned.about_{axis}" for axis in "xyz"]
-    angles = tuple(_either_way(name, "rad", _TURN_OF_PROBE, _LARGEST_TURN) for name in about)
-
-    def read(readings: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
-        # The probe's axes are those of the coils after the rotation vector.
-        turns = Rotation.from_rotvec(np.hstack([p[name] for name in about])).as_matrix()
-        seen = np.einsum("vji,vnj->vni", turns, readings.reshape(len(turns), -1, 3))
-        return np.asarray(seen.reshape(readings.shape))
-
-    turned = Cause("probe_turned", angles, "the probe is turned", read=read, table="field")
+    angles = tuple(either_way(name, "rad", _TURN_OF_PROBE, _LARGEST_TURN) for name in _ABOUT)
+    turned = Cause("probe_turned", angles, "the probe is turned", read=_turned, table="field")
     return turned, *_limit("probe_clipping", "T", fields, "field")
 
 
-@pickled_as_call
+def _turned(readings: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
+    # The probe's axes are those of the coils after the rotation vector.
+    turns = Rotation.from_rotvec(np.hstack([p[name] for name in _ABOUT])).as_matrix()
+    seen = np.einsum("vji,vnj->vni", turns, readings.reshape(len(turns), -1, 3))
+    return np.asarray(seen.reshape(readings.shape))
+
+
 def of_films(theta: Array) -> tuple[Cause, ...]:
     """What may be wrong with all films alike; `theta` are angles of one, rad, shape (n,).
 
@@ -457,16 +435,14 @@ def of_films(theta: Array) -> tuple[Cause, ...]:
     """
     size = np.abs(theta)
     limits = _limit("film_clipping", "rad", size[size <= np.quantile(size, _SOUND)], None)
-    late = _either_way("film_delay.time", "s", _LATE)
-    places = tuple(
-        _either_way(f"marker_place.{word}", "m", _MARKER) for word in ("along", "across")
-    )
+    late = either_way("film_delay.time", "s", _LATE)
+    places = tuple(either_way(f"marker_place.{word}", "m", _MARKER) for word in ("along", "across"))
     return (
-        _length_scale(),
-        _clock_scale(),
-        _angle_offset(),
+        _LENGTH_SCALE,
+        _CLOCK_SCALE,
+        _ANGLE_OFFSET,
         Cause("film_delay", (late,), "frames are taken later than their times say"),
-        *(Cause(limit.name, limit.parameters, limit.meaning) for limit in limits),
+        *(replace(limit, read=None) for limit in limits),
         Cause("marker_place", places, "the tracked point is not the centre of mass"),
     )
 

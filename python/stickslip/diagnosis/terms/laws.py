@@ -137,7 +137,9 @@ def forms(law: Cause) -> list[Cause]:
     assert curve is not None
     assert knot.prior is not None
     words = {key.rpartition(".")[2]: value for key, value in curve.fixed.items()}
-    allowed = SHAPES if not curve.fixed else _FORMS.get(str(words.get("over")), ())
+    allowed = _OF_LOAD if words.get("over") == "load" else tuple(SHAPES)
+    if curve.fixed and "over" not in words:
+        allowed = ()
     others = []
     for form in allowed:
         section, fixed = f"{law.name}.{form}", dict[str, Value]()
@@ -248,37 +250,23 @@ def _law_at(forms: Sequence[tuple[Curve, Array]], argument: ArrayLike) -> Array:
 
 # The simulator's own laws: what they are is the core's, see the page on named effects.
 _PLACES = {
-    "free_friction_speed": ("friction", "slip speed"),
-    "free_friction_angle": ("friction", "pitch"),
-    "free_friction_load": ("friction", "normal force"),
-    "free_friction_age": ("friction", "time"),
-    "free_adhesion_angle": ("adhesion", "pitch"),
-    "free_adhesion_age": ("adhesion", "age of the contact"),
-    "free_contact_place": ("contact place", "pitch"),
-    "free_drag_angle": ("drag", "pitch"),
-    "free_drag_speed": ("drag", "speed"),
-    "free_drag_rate": ("drag", "rate of the pitch"),
-    "free_field_time": ("field", "time"),
-    "free_field_frequency": ("field", "frequency"),
-    "free_field_amplitude": ("field", "in-plane current"),
+    "free_friction_speed": ("friction", "slip speed", "sliding_friction"),
+    "free_friction_angle": ("friction", "pitch", "friction"),
+    "free_friction_load": ("friction", "normal force", "friction"),
+    "free_friction_age": ("friction", "time", "friction"),
+    "free_adhesion_angle": ("adhesion", "pitch", "adhesion"),
+    "free_adhesion_age": ("adhesion", "age of the contact", "adhesion"),
+    "free_contact_place": ("contact place", "pitch", ""),
+    "free_drag_angle": ("drag", "pitch", "drag"),
+    "free_drag_speed": ("drag", "speed", "drag"),
+    "free_drag_rate": ("drag", "rate of the pitch", "fluid"),
+    "free_field_time": ("field", "time", ""),
+    "free_field_frequency": ("field", "frequency", ""),
+    "free_field_amplitude": ("field", "in-plane current", ""),
 }
-
-_OWN = {
-    "free_friction_speed": ("sliding_friction", "slip_speed"),
-    "free_friction_angle": ("friction", "tilt"),
-    "free_friction_load": ("friction", "load"),
-    "free_friction_age": ("friction", "time"),
-    "free_adhesion_angle": ("adhesion", "tilt"),
-    "free_adhesion_age": ("adhesion", "age"),
-    "free_drag_angle": ("drag", "tilt"),
-    "free_drag_speed": ("drag", "speed"),
-    "free_drag_rate": ("fluid", "rate"),
-}
-"""Quantity and argument of those that are stated as ``[laws.NAME]``; the others are effects."""
-
-# Of a quantity that depends on an argument; the load of an impact has no bound.
-_FORMS = dict.fromkeys({over for _, over in _OWN.values()}, tuple(SHAPES))
-_FORMS["load"] = ("gaussian", "exponential", "saturation")
+"""Law and argument in words, and the quantity of ``[laws.NAME]``; those without are effects."""
+_OF_LOAD = "gaussian", "exponential", "saturation"
+"""Forms over the load, as that of an impact has no bound."""
 
 _CONSTANTS = {
     "friction": "contact.kinetic_friction",
@@ -286,17 +274,18 @@ _CONSTANTS = {
     "drag": "drag.linear",
 }
 
-_UNITS = {
-    "slip speed": "m/s",
-    "pitch": "rad",
-    "normal force": "N",
-    "time": "s",
-    "age of the contact": "s",
-    "speed": "m/s",
-    "rate of the pitch": "rad/s",
-    "frequency": "Hz",
-    "in-plane current": "A",
+_ARGUMENTS = {
+    "slip speed": ("m/s", "slip_speed"),
+    "pitch": ("rad", "tilt"),
+    "normal force": ("N", "load"),
+    "time": ("s", "time"),
+    "age of the contact": ("s", "age"),
+    "speed": ("m/s", "speed"),
+    "rate of the pitch": ("rad/s", "rate"),
+    "frequency": ("Hz", ""),
+    "in-plane current": ("A", ""),
 }
+"""Unit of an argument, and its word in ``[laws.NAME]``."""
 
 _FACTOR_SIZE, _PLACE_SIZE = (0.3, 3.0), (0.2, 1.0)
 """Usual and largest f of a factor 1 + f, and of the contact's place in half lengths. Chosen: a
@@ -339,7 +328,7 @@ def laws(
 def _own_law(
     scenario: Scenario, uncertain: Mapping[str, Prior], effect: str, span: float, odds: float
 ) -> Cause:
-    law, argument = _PLACES[effect]
+    law, argument, _ = _PLACES[effect]
     fixed = _fixed(effect, span)
     section = next(iter(fixed)).rpartition(".")[0]
     keys = [f"{section}.knot_{k}" for k in range(1, 6)]
@@ -352,7 +341,7 @@ def _own_law(
     curve = Curve(
         law=law,
         argument=argument,
-        unit=_UNITS[argument],
+        unit=_ARGUMENTS[argument][0],
         law_unit="half lengths" if is_place else own_unit,
         low=low,
         high=span,
@@ -369,10 +358,12 @@ def _own_law(
 
 def _fixed(effect: str, span: float) -> dict[str, Value]:
     """What a law has beside its knots, by dotted key."""
-    if effect not in _OWN:
+    _, argument, quantity = _PLACES[effect]
+    if not quantity:
         return {f"{PREFIX}{effect}.span": span}
-    quantity, over = _OWN[effect]
-    law = Law(quantity=quantity, over=over, form="curve", fraction=1.0, scale=span)
+    law = Law(
+        quantity=quantity, over=_ARGUMENTS[argument][1], form="curve", fraction=1.0, scale=span
+    )
     return flat_laws({effect: law})
 
 
@@ -414,7 +405,7 @@ def find_spans(scenarios: Sequence[Scenario], threads: int) -> dict[str, float]:
         "in-plane current": np.linalg.norm(currents, axis=1),
     }
     spans = {}
-    for effect, (law, argument) in _PLACES.items():
+    for effect, (law, argument, _) in _PLACES.items():
         values = np.abs(arguments[argument])
         values = np.sort(values[values > 0.0])  # nothing slips in flight
         if len(values) and (law != "adhesion" or scenarios[0].contact.adhesion > 0.0):

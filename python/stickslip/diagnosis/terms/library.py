@@ -74,15 +74,11 @@ CONSTANTS = {
 
 Those of `_PARTS` are parts of it."""
 
-SHAKEN = {
-    "shake_amplitude_x": ("shake.amplitude_x", (0.1, -0.6, 1.0)),
-    "shake_amplitude_z": ("shake.amplitude_z", (0.1, -0.6, 1.0)),
-    "inner_amplitude": ("inner.amplitude", (0.1, -0.6, 1.0)),
-    "inner_stiffness": ("inner.stiffness", (0.1, -0.6, 1.0)),
-}
+_SHAKEN_KEYS = "shake.amplitude_x", "shake.amplitude_z", "inner.amplitude", "inner.stiffness"
+SHAKEN = {key.replace(".", "_"): (key, (0.1, -0.6, 1.0)) for key in _SHAKEN_KEYS}
 """The same of what shakes a robot, where it does. Chosen: what is known to a tenth."""
 
-_PARTS = {"robot.magnetization", *(key for key, _ in SHAKEN.values())}
+_PARTS = {"robot.magnetization", *_SHAKEN_KEYS}
 
 _ALIKE = {
     **{name: key for name, (key, _) in (*CONSTANTS.items(), *SHAKEN.items())},

@@ -172,3 +172,9 @@ class Parameter:
         if self.falls:
             return f"size {self.size:g} below {self.high:g}"
         return f"size {self.size:g} about {self.absent:g}"
+
+
+def either_way(name: str, unit: str, size: float, largest: float | None = None) -> Parameter:
+    """An amplitude of either sign."""
+    end = LARGEST_ERROR * size if largest is None else largest
+    return Parameter(name, unit=unit, low=-end, high=end, size=size)
