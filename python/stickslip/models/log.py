@@ -82,6 +82,8 @@ def headings(path: str | PathLike[str], columns: Collection[str]) -> list[str]:
         header = CsvTable(read_bytes(path, MOST_BYTES, "table"), columns).header
         if not header:
             raise ScenarioError("is empty: allowed are rows below a line of column names")
+        if not any(math.isnan(number(name.replace(",", "."))) for name in header if name):
+            raise ScenarioError("its first line has numbers: allowed is a line of column names")
         return header
 
 

@@ -150,7 +150,7 @@ class Series(Table):
             return self.t
         if column not in self.inputs:
             known = ", ".join(["t", *self.inputs])
-            raise ScenarioError(f"{self.at}there is no input {column}; allowed are {known}")
+            raise ScenarioError(f"{self.at}there is no input {column}; there are {known}")
         return self.inputs[column]
 
     def __repr__(self) -> str:

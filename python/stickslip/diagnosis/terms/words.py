@@ -128,7 +128,7 @@ class Words:
         constant = self._constants.get(name)
         if not cause.parameters:
             what, size = constant["name"] if constant else name, sizes[name]
-            stated = self.near(name, size["stated"], size["sd"], size["unit"])
+            stated = self.limit(name, size["stated"], size["unit"], 6)
             amount_of = amounts[name.rpartition(".")[2]]
             row["finding"] = f"The {what} is {amount_of}, and was stated as {stated}."
             row["remedy"] = "Measure it again"
