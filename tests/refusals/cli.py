@@ -294,6 +294,11 @@ REFUSALS = [
         ["joint: inertia is missing", "kg m^2", "--set", "init --model joint"],
     ),
     ("log", f"{JOINT} --set coulomb=strong", 'joint: coulomb = "strong": allowed is a number'),
+    (
+        "log",
+        f"{JOINT} --set viscous=0,02",
+        ["viscous=0,02", "allowed is a decimal point, 0.02, or"],
+    ),
     ("log", f"{JOINT} --set inertai=1", ["no inertai", 'did you mean "inertia"?']),
     ("log", f"{JOINT} --set reads=position", ['reads = "position"', "speed or angle"]),
     ("log", f"{JOINT} --next 1", "--next: allowed without --model only"),

@@ -68,6 +68,8 @@ def number(key: str, text: str) -> float:
 
 def stated(key: str, text: str) -> Any:
     """What ``--set`` says of a term of a model: a value, a value and its error, words."""
+    if re.fullmatch(r"[+-]?\d+,0\d+", text):  # an error is never written so
+        raise ValueError(f"allowed is a decimal point, {text.replace(',', '.')}, or VALUE,ERROR")
     values = [number_or_word(part.strip()) for part in text.split(",")]
     if key == "without":
         return [str(value) for value in values]
