@@ -258,7 +258,7 @@ REFUSALS = [
         ),
         'is of another measurement, "glass"',
     ),
-    ("--next", NEXT + "IPP,-x,50,2.5e-3,1e-3,rise,1,1.1 mm/s\n", 'velocity "1.1 mm/s" is not'),
+    ("--next", NEXT + "IPP,-x,50,2.5e-3,1e-3,rise,1,1.1 mm/s\n", 'velocity = "1.1 mm/s": allowed'),
     ("--next", NEXT + "IPP,-x,fast,2.5e-3,1e-3,rise,1,1e-3\n", 'frequency "fast" is not'),
     ("--next", NEXT + "IPP,z,50,2.5e-3,1e-3,rise,1,1e-3\n", 'drive.direction = "z": allowed'),
     ("--next", "frequency,velocity\n50,1e-3\n", 'column "mode" is missing'),
