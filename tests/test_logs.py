@@ -75,10 +75,17 @@ def test_a_reader_that_closes_the_pipe_loses_no_file(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "begin", ["2026-11-27 23:59:58", "2026-11-27T23:59:58Z", "10:00:00", "23:59:58"]
+    "begin",
+    [
+        "2026-11-27 23:59:58",
+        "2026-11-27T23:59:58Z",
+        "2026-11-27 23:59:58+02:00",
+        "10:00:00",
+        "23:59:58",
+    ],
 )
 def test_times_may_be_dates_or_clocks(begin, tmp_path):
-    first = np.datetime64(begin.strip("Z") if "-" in begin else f"1970-01-01T{begin}", "ms")
+    first = np.datetime64(begin[:19] if "-" in begin else f"1970-01-01T{begin}", "ms")
     stamps = np.datetime_as_string(first + (1000 * T + 0.5).astype("timedelta64[ms]"))
     shown = [each if "T" in begin else each.replace("T", " ") for each in stamps]
     shown = [each if "-" in begin else each.split()[1] for each in shown]
@@ -98,6 +105,13 @@ def test_times_may_be_dates_or_clocks(begin, tmp_path):
     write(tmp_path / "a.csv", columns)
     with pytest.raises(ScenarioError, match='line 5, column t = "10:61:00": allowed is a finite'):
         models.read_log(tmp_path / "a.csv", JOINT)
+
+
+def test_a_clock_that_is_put_back_does_not_break_a_log(tmp_path):
+    stamps = [f"2026-10-25 02:59:{58 + k}+02:00" for k in range(2)]
+    stamps += [f"2026-10-25 02:00:{k:02d}+0100" for k in range(3)]
+    write(tmp_path / "a.csv", {"t": stamps, "speed": T[:5], "torque": T[:5]})
+    assert models.read_log(tmp_path / "a.csv", JOINT).t == pytest.approx(np.arange(5.0))
 
 
 @pytest.mark.parametrize(

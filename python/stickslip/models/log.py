@@ -11,7 +11,7 @@ from typing import NamedTuple, NoReturn
 
 import numpy as np
 
-from stickslip._util.arrays import Array
+from stickslip._util.arrays import Array, Mask
 from stickslip._util.files import read_bytes
 from stickslip._util.messages import shown
 from stickslip._util.tables import CsvTable
@@ -36,7 +36,10 @@ _DATE = 1e8
 _TURNS = 2.0 * math.pi
 """Largest angle of a heading without a unit, rad. Chosen: one that goes on turning may be in
 degrees as well."""
-_ISO = re.compile(r"(\d{4}-\d\d-\d\d[T ])?\d\d:\d\d(:\d\d([.,]\d+)?)?Z?")
+_ISO = re.compile(
+    r"(?P<date>\d{4}-\d\d-\d\d[T ])?(?P<clock>\d\d:\d\d(:\d\d([.,]\d+)?)?)"
+    r"(Z|(?P<zone>[+-]\d\d:?\d\d))?"
+)
 _DAY = 86400.0  # s, after which a clock without a date begins anew
 _CUT = "cut the log into two files there"
 
@@ -262,23 +265,21 @@ def _values(
         if name is not None:
             cell = shown(cells[used[name]])
             date = " or a date such as 2026-05-01 12:00:00.25" if name == _TIME else ""
+            write = "write it" if name == _TIME else "write the one that holds"
             raise ScenarioError(
-                f"{at}, column {name} = {cell}: allowed is a finite number{date}: write it, "
+                f"{at}, column {name} = {cell}: allowed is a finite number{date}: {write}, "
                 f"or {_CUT}"
             )
     columns = {
         name: np.array([read[name](cells[k]) for _, cells in rows]) for name, k in used.items()
     }
     for k in valid:
-        words = np.array([cells[k].casefold() for _, cells in rows])
-        at = f"{table.path}: column {table.header[k]}"
-        wrong_words = sorted(set(words.tolist()) - {*_YES, *_NO})
-        if wrong_words:
-            raise ScenarioError(f"{at} = {shown(wrong_words[0])}: allowed are 1 and 0")
-        lost = np.isin(words, _NO)
+        lost = _not_valid(f"{table.path}: column {table.header[k]}", [row[k] for _, row in rows])
         columns[wanted.reads][lost] = math.nan
-        notes.append(Note("not-valid", f"By {at}, {lost.sum()} readings are left out.", lost.sum()))
-    if all(_ISO.fullmatch(at := cells[used[_TIME]]) and "-" not in at for _, cells in rows):
+        text = f"By column {table.header[k]}, {lost.sum()} readings are left out."
+        notes.append(Note("not-valid", text, int(lost.sum())))
+    stamps = [_ISO.fullmatch(cells[used[_TIME]]) for _, cells in rows]
+    if all(stamp is not None and stamp["date"] is None for stamp in stamps):
         back = np.diff(columns[_TIME], prepend=columns[_TIME][:1]) < -0.5 * _DAY
         columns[_TIME] += _DAY * np.cumsum(back)
     _check_clock(table, [line for line, _ in rows], columns[_TIME])
@@ -307,14 +308,26 @@ def _number(cell: str) -> float:
 
 def _seconds(cell: str) -> float:
     """A time, s, as a number or as ISO 8601 writes a date or a clock; NaN if it is none."""
-    if not _ISO.fullmatch(cell):
+    stamp = _ISO.fullmatch(cell)
+    if not stamp:
         return _number(cell)
-    stamp = cell.replace(",", ".").removesuffix("Z")
     try:
-        since = np.datetime64(stamp if "-" in cell else f"1970-01-01T{stamp}", "us")
+        date = f"{stamp['date'] or '1970-01-01T'}{stamp['clock'].replace(',', '.')}"
+        since = np.datetime64(date, "us") - np.datetime64(0, "us")
     except ValueError:
         return math.nan
-    return float((since - np.datetime64(0, "us")) / np.timedelta64(1, "s"))
+    zone = stamp["zone"] or "+0000"
+    ahead = 3600.0 * float(zone[:3]) + 60.0 * float(zone[0] + zone[-2:])
+    return float(since / np.timedelta64(1, "s")) - ahead
+
+
+def _not_valid(at: str, cells: Sequence[str]) -> Mask:
+    """Rows in which a column of valid ones has 0."""
+    words = [cell.casefold() for cell in cells]
+    other = next((word for word in words if word not in (*_YES, *_NO)), None)
+    if other is not None:
+        raise ScenarioError(f"{at} = {shown(other)}: allowed are 1 and 0")
+    return np.isin(words, _NO)
 
 
 def _check_clock(table: Rows, lines: Sequence[object], t: Array) -> None:
