@@ -283,7 +283,7 @@ def _takes_little(fit: Fit, part: float, gains: Sequence[Gain | None]) -> list[N
     if not part >= DOMINANT:
         part = 0.0 if math.isnan(part) else part
         text = (
-            f"{fit.name} takes {100.0 * part:.0f} % of the model's error; a claim asks for "
+            f"{fit.name} takes {math.floor(100.0 * part)} % of the model's error; a claim asks for "
             f"{100.0 * DOMINANT:.0f} %."
         )
         notes.append(Note("small-share", text, part))
