@@ -31,10 +31,7 @@ from stickslip.simulation.scenario_notes import peak_voltages
 def tables_of(measurement: Measurement, threads: int, seed: int) -> list[SimulatedTable]:
     """All tables of a measurement: velocities, films, angles, fields.
 
-    Raises
-    ------
-    ScenarioError
-        If nothing was measured that the diagnosis can use.
+    A ScenarioError is raised if nothing was measured that the diagnosis can use.
     """
     tables: list[SimulatedTable] = []
     if any(len(data.velocity) for data in measurement.velocity):
@@ -57,10 +54,7 @@ def tables_of(measurement: Measurement, threads: int, seed: int) -> list[Simulat
 def problem_of(measurement: Measurement, threads: int = 1, seed: int = 0) -> Problem:
     """The problem that a measurement poses, in SI units.
 
-    Raises
-    ------
-    ScenarioError
-        If nothing was measured that the diagnosis can use.
+    A ScenarioError is raised if nothing was measured that the diagnosis can use.
     """
     scenario, keys = measurement.scenario, known_keys()
     if scenario.coil.map is not None:

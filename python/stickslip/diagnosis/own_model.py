@@ -60,10 +60,7 @@ def problem_of_model(
 ) -> Problem:
     """The problem of data with a model of one's own; see `diagnose_model`.
 
-    Raises
-    ------
-    ScenarioError
-        If something is given that is not allowed.
+    A ScenarioError is raised if something is given that is not allowed.
     """
     tables = [data] if isinstance(data, Table) else data
     if (
@@ -123,12 +120,8 @@ def computed_tables(problem: Problem, seed: int) -> tuple[Table, ...]:
     """The tables without the rows that the model without causes computes nowhere.
 
     That is neither at the stated constants nor where a fit of the constants ends: a cause that
-    makes such a row computable would be named for that alone.
-
-    Raises
-    ------
-    ScenarioError
-        If they are more than a tenth of the rows of a table.
+    makes such a row computable would be named for that alone. A ScenarioError is raised if they are
+    more than a tenth of the rows of a table.
     """
     lost = _not_computed(problem, np.zeros(problem.size))
     if lost.any():
@@ -158,13 +151,8 @@ def _not_computed(problem: Problem, x: Array) -> Mask:
 class OwnModel(OneLine):
     """What a model of one's own, and the instruments that read it, say of a table.
 
-    Attributes
-    ----------
-    predict : callable
-    uncertain : tuple of Parameter
-        As they were given.
-    causes : tuple of Cause
-        A constant that is other than stated changes nothing here.
+    `uncertain` is as it was given. A cause that is a constant other than stated changes nothing
+    here.
     """
 
     predict: Predict

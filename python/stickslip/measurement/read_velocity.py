@@ -181,13 +181,9 @@ def read_new_trials(
 
     Rows without a velocity were not measured. All others have to be sound, as whoever has just
     filled them in can correct them: where a long table of old data is used as far as it goes, this
-    one is refused. What `earlier` tables state of the error of a trial counts for all.
-
-    Raises
-    ------
-    ScenarioError
-        With the first row that is not sound, if none has a velocity, or if all trials are among the
-        `earlier` ones.
+    one is refused. What `earlier` tables state of the error of a trial counts for all. A
+    ScenarioError is raised with the first row that is not sound, or if no row has a velocity or all
+    trials are among the `earlier` ones.
     """
     path = table.path
     check_columns(path, table.header, ["velocity"])

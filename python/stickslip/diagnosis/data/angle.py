@@ -39,23 +39,11 @@ slips of a reader."""
 class AngleTable(SimulatedTable):
     """A table of static pitch angles, with the core's balance of torques as its model.
 
-    Without repeats the error of a reading is what lines through every second condition leave over,
-    in the order in which the field changes least.
-
-    Parameters
-    ----------
-    table : mapping
-        Columns Bx, Bz (T) and theta (rad), of shape (n,). Fields are those of the coils at the
-        robot, in the world's frame, held long enough, and reached from lying flat without a swing.
-    scenario : Scenario
-        What no parameter sets.
-    number : int
-        Of the table among several; 0 for a single one.
-
-    Raises
-    ------
-    ScenarioError
-        If angles or fields are in another unit.
+    `table` has columns Bx, Bz (T) and theta (rad), of shape (n,). Fields are those of the coils at
+    the robot, in the world's frame, held long enough, and reached from lying flat without a swing.
+    `scenario` is what no parameter sets. Without repeats the error of a reading is what lines
+    through every second condition leave over, in the order in which the field changes least. A
+    ScenarioError is raised if angles or fields are in another unit.
     """
 
     words, section = "angles", "Static pitch, [[angle]]"

@@ -144,26 +144,12 @@ def estimate(
 ) -> tuple[Array, Errors]:
     """Means of the conditions, shape (m,), and their errors.
 
-    Parameters
-    ----------
-    y : ndarray, shape (n,)
-        Readings.
-    condition : ndarray of int, shape (n,)
-        Condition of each reading, 0 to m - 1, none missing.
-    sd : ndarray, shape (n,), optional
-        Standard deviation of each reading, if stated. Repeats then tell only what readings of a run
-        or of a block share.
-    relative : float
-        Stated relative standard deviation of a reading, used where repeats are too few.
-    run : ndarray of int, shape (n,), optional
-        Run of each reading; -1 where it is not known.
-    place : ndarray, shape (n,), optional
-        Place in the run, counted in the usual step; the order of the rows, if not given.
-    block : ndarray of int, shape (n,), optional
-        Block of each reading; -1 where it is not known: such a reading has one of its own. Used
-        where conditions were repeated in another one.
-    seed : int
-        Of the draws.
+    All arrays have the shape (n,), a value for each reading of `y`. Conditions are 0 to m - 1, none
+    missing. Where `sd` is stated, repeats tell only what readings of a run or of a block share. The
+    stated `relative` standard deviation of a reading is used where repeats are too few. `run` and
+    `block` are -1 where they are not known; a reading without a block has one of its own. Blocks
+    are used where conditions were repeated in another one. `place` is that in the run, counted in
+    the usual step; the order of the rows, if not given. `seed` is that of the draws.
     """
     count = np.bincount(condition).astype(float)
     mean = np.bincount(condition, y) / count
@@ -226,21 +212,10 @@ def of_readings(y: Array, design: Array, condition: Indices, smallest: float, un
     """Errors of the means of conditions whose readings share one standard deviation.
 
     From repeats, if they have at least 12 degrees of freedom, or 4 and no fewer than a free fit;
-    else from what that fit leaves. `smallest` is used where an estimate is below it, or has fewer
-    than 4 degrees of freedom; it counts as stated.
-
-    Parameters
-    ----------
-    y : ndarray, shape (n,)
-        Readings.
-    design : ndarray, shape (n, k)
-        What is free in the fit, such as gains of coils or local lines.
-    condition : ndarray of int, shape (n,)
-        Condition of each reading, 0 to m - 1, none missing.
-    smallest : float
-        An error of a reading below which none is believed, in `unit`.
-    unit : str
-        Of the readings.
+    else from what that fit leaves. Free in it are the columns of `design`, shape (n, k), such as
+    gains of coils or local lines. `smallest`, an error of a reading in its `unit`, is used where an
+    estimate is below it, or has fewer than 4 degrees of freedom; it counts as stated. The readings
+    `y` and `condition` have the shape (n,); conditions are 0 to m - 1, none missing.
     """
     count = np.bincount(condition)
     left = y - (np.bincount(condition, y) / count)[condition]

@@ -34,22 +34,11 @@ _PLACE, _FIELD = ("x", "y", "z"), ("Bx", "By", "Bz")
 class FieldTable(SimulatedTable):
     """A table of fields, with the five coils' Biot-Savart field, or their map, as its model.
 
-    Each component of a field is a reading. Without repeats their error is what free gains of the
-    coils, a free uniform field and a free turn of the probe leave over.
-
-    Parameters
-    ----------
-    table : mapping
-        Columns xp, xm, yp, ym, clamp (A), x, y, z (m), Bx, By, Bz (T), of shape (n,).
-    scenario : Scenario
-        What no parameter sets.
-    number : int
-        Of the table among several; 0 for a single one.
-
-    Raises
-    ------
-    ScenarioError
-        If a column is in another unit, or every probe is on a wire or outside of the field map.
+    `table` has columns xp, xm, yp, ym, clamp (A), x, y, z (m), Bx, By, Bz (T), of shape (n,).
+    `scenario` is what no parameter sets. Each component of a field is a reading. Without repeats
+    their error is what free gains of the coils, a free uniform field and a free turn of the probe
+    leave over. A ScenarioError is raised if a column is in another unit, or every probe is on a
+    wire or outside of the field map.
     """
 
     words, section = "fields", "Field calibration, [[field]]"

@@ -57,21 +57,10 @@ _CORRELATED = 0.2
 class FilmTable(SimulatedTable):
     """Frames of one run, folded on the drive's phase, and a simulation that its camera films.
 
-    The conditions are the observables of each column, one column after another.
-
-    Parameters
-    ----------
-    film : stickslip.measurement.TrackingRun
-    number : int
-        Number of the film, from 1; its name is ``tracking.<number>``.
-    threads : int
-        Simulations at a time.
-
-    Attributes
-    ----------
-    columns : dict
-        Of each column in use: its frames, a mask of shape (n,), and the matrix that maps these to
-        observables.
+    The conditions are the observables of each column, one column after another. `number` counts
+    from 1; the name is ``tracking.<number>``. `threads` simulations run at a time. `columns` has,
+    for each column in use, its frames, a mask of shape (n,), and the matrix that maps these to
+    observables.
     """
 
     drawable = False

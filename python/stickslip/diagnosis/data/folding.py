@@ -139,33 +139,18 @@ def undrifted(folded: Fold, residual: Array) -> Array:
 def frame_errors(
     folded: Fold, residual: Array, place: Indices, kind: Kind, rocking: float, stated: float | None
 ) -> tuple[dict[str, Array], float, float] | None:
-    """Draws of the errors' hyperparameters, and the degrees of freedom of their size.
+    """Draws of the errors' hyperparameters, the degrees of freedom of their size, and what is seen.
 
-    None where the frames leave fewer than four degrees of freedom.
+    Draws have the shape (draws,): ``s2``, the variance of a frame, ``phi``, ``shared2``, the
+    variance of what a period shares, and their ``weight``. The degrees of freedom are infinite
+    where the noise is as stated. What is seen is the standard deviation of a frame that the frames
+    show. None where the frames leave fewer than four degrees of freedom.
 
-    Parameters
-    ----------
-    folded : Fold
-    residual : ndarray, shape (n,)
-        Frames minus a prediction, whose errors depend on the phase and the advance alone.
-    place : ndarray of int, shape (n,)
-        Number of each frame in the film: a lost one is a gap.
-    kind : {"level", "place", "drift"}
-        As for `reduce`.
-    rocking : float
-        Frequency of the fastest rocking over that of the drive.
-    stated : float, optional
-        Standard deviation of a frame. It is used, unless the frames clearly scatter more.
-
-    Returns
-    -------
-    draws : dict of ndarray, shape (draws,)
-        ``s2``, the variance of a frame, ``phi``, ``shared2``, the variance of what a period shares,
-        and their ``weight``.
-    dof : float
-        Infinite where the noise is as stated.
-    seen : float
-        Standard deviation of a frame that the frames show.
+    `residual`, shape (n,), is frames minus a prediction; its errors depend on the phase and the
+    advance alone. `place`, shape (n,), is the number of each frame in the film: a lost one is a
+    gap. `kind` is as for `reduce`; `rocking` is the frequency of the fastest rocking over that of
+    the drive. The `stated` standard deviation of a frame is used, unless the frames clearly
+    scatter more.
     """
     steady = folded.steady & (folded.cycle < _MOST_PERIODS)
     folded = Fold(folded.bin, steady, folded.phase, np.where(steady, folded.cycle, 0))

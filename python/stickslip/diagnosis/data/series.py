@@ -194,10 +194,8 @@ class Series(Table):
 def with_repeats(series: Sequence[Series]) -> list[Table]:
     """Records whose repeats tell the error of a reading, where it was not stated.
 
-    Raises
-    ------
-    ScenarioError
-        If a record repeats none of the others, or was read at other times or with other inputs.
+    A ScenarioError is raised if a record repeats none of the others, or was read at other times or
+    with other inputs.
     """
     first = {record.name: record for record in series}
     groups: dict[str, list[Series]] = {}

@@ -17,14 +17,7 @@ ROW = "row"
 
 
 class Settings(dict[str, tuple[list[Any], str]]):
-    """Values of some conditions, and their SI unit, by bare name.
-
-    Parameters
-    ----------
-    columns : mapping
-    count : int
-        Of the conditions.
-    """
+    """Values of some conditions, `count` in all, and their SI unit, by bare name."""
 
     def __init__(self, columns: Mapping[str, tuple[list[Any], str]], count: int) -> None:
         super().__init__(columns)

@@ -18,13 +18,7 @@ from stickslip.simulation.note import Note
 class SimulatedTable(Table):
     """Readings that the simulator predicts, and what reads them.
 
-    Attributes
-    ----------
-    instruments : tuple of Cause
-        Instruments that may read it wrongly.
-    nuisance : tuple of Parameter
-        What is uncertain of its own instrument.
-    left_out : list of Note
+    `instruments` may read it wrongly; `nuisance` is what is uncertain of its own instrument.
     """
 
     words = ""

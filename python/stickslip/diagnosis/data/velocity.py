@@ -65,36 +65,17 @@ one in thousands, of endless contacts, as many as all the others together."""
 class VelocityTable(SimulatedTable):
     """All [[velocity]] tables of a measurement, pooled: trials at equal drives are repeats.
 
-    The order of conditions does not depend on that of the rows. A run is a curve, whose conditions
-    differ only in frequency, in one sweep of one block of one table; where a table has a column
-    order, it is the curve with all its sweeps.
+    The measurement has at least one trial; `seed` is that of the draws of the errors. The order of
+    conditions does not depend on that of the rows. Conditions that the stated model cannot compute
+    are left out, unless it computes none.
 
-    Parameters
-    ----------
-    measurement : Measurement
-        With at least one trial.
-    threads : int
-    seed : int
-        Of the draws of the errors.
-
-    Attributes
-    ----------
-    scenario : Scenario
-        What neither a condition nor a parameter sets, with the tolerance of the simulations.
-    conditions : list of dict
-        Drive settings by dotted key.
-    stated : ndarray, shape (m,)
-        Velocities of the stated model, with all constants at the middle of their priors, m/s; NaN
-        where it has none.
-    block : ndarray of int, shape (n,)
-        Block of each trial; -1 where it is not known.
-    curve : ndarray of int, shape (n,)
-        Run of each trial.
-    sequence : ndarray, shape (n,)
-        Place of each trial in time, where the column order tells it; else NaN.
-
-    The others are those of `Table`. Conditions that the stated model cannot compute are left out,
-    unless it computes none.
+    `scenario` is what neither a condition nor a parameter sets, with the tolerance of the
+    simulations. `conditions` are drive settings by dotted key. `stated`, shape (m,), are velocities
+    of the stated model, with all constants at the middle of their priors, m/s; NaN where it has
+    none. Of each trial, shape (n,): `block` is -1 where it is not known, `curve` is its run, and
+    `sequence` its place in time, where the column order tells it; else NaN. A run is a curve, whose
+    conditions differ only in frequency, in one sweep of one block of one table; where a table has a
+    column order, it is the curve with all its sweeps.
     """
 
     words = "velocities"

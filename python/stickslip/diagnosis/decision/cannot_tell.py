@@ -109,20 +109,11 @@ class Group(NamedTuple):
 class CannotTell(OneLine):
     """What the data cannot tell beside a model.
 
-    Attributes
-    ----------
-    alike : list of Alike
-        Of the causes of the model with others; then of others that are not told apart.
-    hidden : dict of tuple of str
-        Causes whose usual size some constants undo within their priors, and these constants.
-    groups : list of Group
-    silent : list of str
-        Parameters that may be causes, of which the data say less than their priors.
-    limits : dict of Limit
-        Of the amplitudes of all causes that are not in the model.
-    causes : list of str
-        That were compared, the one of the largest gain first.
-    cosines : ndarray, shape (causes, causes)
+    `alike` is of the causes of the model with others; then of others that are not told apart.
+    `hidden` are causes whose usual size some constants undo within their priors, and these
+    constants. `silent` are parameters that may be causes, of which the data say less than their
+    priors. `limits` are of the amplitudes of all causes that are not in the model. `causes` were
+    compared, the one of the largest gain first; `cosines` has the shape (causes, causes).
     """
 
     alike: list[Alike]
@@ -137,18 +128,11 @@ class CannotTell(OneLine):
 def cannot_tell(
     subject: Candidate, null: Candidate, responses: Sequence[Response], fits: Sequence[Fit]
 ) -> CannotTell:
-    """What the data cannot tell beside the model that is told.
+    """What the data cannot tell beside the model that is told, the subject.
 
-    Where its causes take little, that is beside the recalibrated model.
-
-    Parameters
-    ----------
-    told, null : Candidate
-        The second is the recalibrated model.
-    found : sequence of Response
-        Of the causes about the recalibrated model, that of the largest gain first.
-    fits : sequence of Fit
-        The best one of each set of causes.
+    Where its causes take little, that is beside the recalibrated model, `null`. `responses` are
+    those of the causes about the recalibrated model, that of the largest gain first; `fits` are the
+    best ones of each set of causes.
     """
     models = subject.models
     candidate = subject if _lead(models, subject.fit, null.fit) > PARTS else null

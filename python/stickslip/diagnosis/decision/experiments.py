@@ -162,22 +162,10 @@ def expected_chi2(
     uncertain in both, such as the constants, moves all readings alike: together with drives
     that are measured anyway (`beside`) a proposal tells more than its own reading.
 
-    Parameters
-    ----------
-    level : ndarray, shape (candidates, proposals)
-    covariance : ndarray, shape (candidates, proposals, proposals)
-        Of the predictions over the draws of a candidate.
-    noise_variance : ndarray, shape (proposals,)
-        Of the mean of the trials of a proposal.
-    pairs : sequence of (int, int)
-        Candidates to tell apart.
-    beside : sequence of int
-        Proposals that are measured too.
-
-    Returns
-    -------
-    ndarray, shape (pairs, proposals)
-        Of each proposal together with those of `beside`; 0 where a candidate predicts nothing.
+    `level` has the shape (candidates, proposals); `covariance` is that of the predictions over the
+    draws of a candidate, (candidates, proposals, proposals); `noise_variance` is that of the mean
+    of the trials of a proposal, (proposals,). The answer has the shape (pairs, proposals), of each
+    proposal together with those of `beside`; 0 where a candidate predicts nothing.
     """
     sound = np.all(np.isfinite(level) & np.isfinite(np.einsum("cpp->cp", covariance)), axis=0)
     chi2 = np.zeros((len(pairs), level.shape[1]))
@@ -202,20 +190,9 @@ def choose(
 ) -> list[Experiment]:
     """The drives that tell the candidates apart best together, each of another kind.
 
-    Of a drive and its mirror image one is enough.
-
-    Parameters
-    ----------
-    drives : sequence of dict
-        Of `proposals`.
-    names : sequence of str
-        Of the candidates, as they are said.
-    level, covariance, noise_variance : ndarray
-        Of velocities, m/s; as for `expected_chi2`.
-    count : int
-        Experiments at most.
-    pairs : sequence of (int, int), optional
-        Candidates to tell apart; all from all, if not given.
+    Of a drive and its mirror image one is enough. `drives` are those of `proposals`; `names` are of
+    the candidates, as they are said. The arrays are of velocities, m/s, as for `expected_chi2`.
+    `count` is the most experiments. Without `pairs` all candidates are told apart from all.
     """
     pairs = list(itertools.combinations(range(len(names)), 2)) if pairs is None else list(pairs)
     if not pairs or not drives:
@@ -375,19 +352,10 @@ def prediction_table(measurement: Measurement, experiments: Sequence[Experiment]
 def drive_settings(given: Any, scenario: Scenario) -> list[dict[str, Value]]:
     """Drives that a person writes, by dotted key in SI units.
 
-    Parameters
-    ----------
-    given : DataFrame or list of dict
-        Names are dotted keys or bare, such as ``frequency``; words are in any case. Columns of
-        measured trials, such as ``trial`` and ``velocity``, are passed over.
-    scenario : Scenario
-        Of which every row is a change.
-
-    Raises
-    ------
-    ScenarioError
-        With the row (its index label, or its number from 0), if a name is no key of ``[drive]`` or
-        a value is not allowed.
+    `given` is a DataFrame or a list of dicts; every row is a change of `scenario`. Names are dotted
+    keys or bare, such as ``frequency``; words are in any case. Columns of measured trials, such as
+    ``trial`` and ``velocity``, are passed over. A ScenarioError is raised, with the row (its index
+    label, or its number from 0), if a name is no key of ``[drive]`` or a value is not allowed.
     """
     labels: Sequence[Line] = range(len(given)) if isinstance(given, Sequence) else ()
     rows = given

@@ -28,14 +28,9 @@ half: a library's law is not the robot's. Chosen."""
 class Posterior(OneLine):
     """Probabilities, which sum to 1 over all models.
 
-    Attributes
-    ----------
-    fits : tuple of Fit
-        Every set of causes once, with its best form, the most probable first.
-    models : dict of float
-        Probability of each set of causes, over all forms, by name.
-    causes : dict of float
-        Probability that a model has the cause.
+    `fits` has every set of causes once, with its best form, the most probable first. `models` has
+    the probability of each set of causes, over all forms, by name; `causes` has the probability
+    that a model has the cause.
     """
 
     fits: tuple[Fit, ...]

@@ -40,17 +40,10 @@ _UNSURPRISING, _STEP = 2.0, 3.0
 class Response(OneLine):
     """A cause beside a fit, to first order.
 
-    Attributes
-    ----------
-    cause : Cause
-    x : ndarray, shape (size,)
-        Coordinates of its best amplitudes with the rest recalibrated.
-    gain : float
-        By how much they lower the cost of misfit and prior.
-    gaps : ndarray, shape (amplitudes, n)
-        Changes of the predictions by one amplitude each.
-    slopes : ndarray, shape (n, free)
-        Of the model with the cause, to begin its fit with.
+    `x`, shape (size,), are the coordinates of its best amplitudes with the rest recalibrated, which
+    lower the cost of misfit and prior by `gain`. `gaps`, shape (amplitudes, n), are changes of the
+    predictions by one amplitude each. `slopes`, shape (n, free), are those of the model with the
+    cause, to begin its fit with.
     """
 
     cause: Cause

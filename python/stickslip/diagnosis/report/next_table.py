@@ -35,17 +35,8 @@ TABLES = TABLE, PREDICTIONS = "next.csv", "next-predictions.csv"
 class Rounds:
     """How far the experiments of a folder have come.
 
-    Attributes
-    ----------
-    folder : Path
-    most : int
-        Experiments that are proposed in one round.
-    budget : int
-        Experiments that may be measured in all.
-    measured : int
-        Experiments of the table that have been measured.
-    trials : int
-        Their trials that are used.
+    One round proposes `most` experiments at most; `budget` is how many may be measured in all.
+    `measured` is how many of the table have been, `trials` how many of their trials are used.
     """
 
     folder: Path

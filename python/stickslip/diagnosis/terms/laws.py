@@ -179,10 +179,7 @@ def fixed_numbers(causes: Iterable[Cause]) -> dict[str, float]:
 def beside_constants(causes: Iterable[Cause], constants: Sequence[Parameter]) -> list[Cause]:
     """The same causes; free laws get the unit and the stated value of their constant.
 
-    Raises
-    ------
-    ScenarioError
-        If a law is a factor of what is no uncertain constant of the model.
+    A ScenarioError is raised if a law is a factor of what is no uncertain constant of the model.
     """
     known = {constant.name: constant for constant in constants}
     made = []
@@ -310,16 +307,9 @@ def laws(
 ) -> tuple[Cause, ...]:
     """The simulator's laws of a free shape whose arguments reach as far as these spans.
 
-    Together they have the prior odds of one cause.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The recalibrated model.
-    uncertain : mapping of Prior
-        By dotted key; the constant of a law is freed with it, if it is one of them.
-    spans : mapping of float
-        Of `find_spans`: by effect, in the argument's unit.
+    Together they have the prior odds of one cause. `scenario` is the recalibrated model. The
+    constant of a law is freed with it, if `uncertain` has its dotted key. `spans` are those of
+    `find_spans`: by effect, in the argument's unit.
     """
     odds = 1.0 / max(len(spans), 1)
     return tuple(_own_law(scenario, uncertain, *span, odds) for span in spans.items())

@@ -93,17 +93,10 @@ def library(scenario: Scenario, uncertain: Collection[str], volts: float) -> tup
     """All effects with a known law that the model does not have yet, `CONSTANTS` and `SHAKEN`.
 
     Curves of a free shape are in `laws`. Values of single coils are measured, and `field_gain`
-    stands for them.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        Its own effects are part of the model, and no causes.
-    uncertain : collection of str
-        Dotted keys of constants that are uncertain, or that conditions state on their own. An
-        effect with an uncertain parameter is part of the model too.
-    volts : float
-        Largest voltage of the drives, V, where the amplifiers' limit begins to act.
+    stands for them. The scenario's own effects are part of the model, and no causes; so is an
+    effect with a parameter in `uncertain`: dotted keys of constants that are uncertain, or that
+    conditions state on their own. `volts` is the largest voltage of the drives, V, where the
+    amplifiers' limit begins to act.
     """
     named = {key.split(".")[1] for key in uncertain if key.startswith(PREFIX)}
     same = {name for name, constant in _ALIKE.items() if constant in uncertain}
