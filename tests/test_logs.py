@@ -141,7 +141,7 @@ def test_times_since_1970_are_counted_from_the_first(heading, per, tmp_path):
     log = models.read_log(tmp_path / "a.csv", JOINT)
     assert log.t == pytest.approx(T, abs=1e-6)
     (told,) = (each.text for each in log.own_notes)
-    assert told.endswith("counted from the first, 2023-11-14T22:13:20.000 UTC.")
+    assert told.endswith("counted from the first, 2023-11-14T22:13:20.000.")
 
 
 def test_readings_that_are_not_valid_are_left_out(tmp_path):
@@ -150,10 +150,17 @@ def test_readings_that_are_not_valid_are_left_out(tmp_path):
         write(tmp_path / "a.csv", {"t": T, "speed": T, "torque": T, word: flags})
         log = models.read_log(tmp_path / "a.csv", JOINT)
         assert set(range(len(T))) - set(log.rows.tolist()) == {3, 4}
-        assert any("2 readings are left out" in each.text for each in log.own_notes)
+        told = [each.text for each in log.own_notes if each.code == "not-valid"]
+        assert told == [f"2 readings left out by column {word}."]
+    write(tmp_path / "a.csv", {"t": T, "speed": T, "torque": T, word: [yes] * len(T)})
+    sound = models.read_log(tmp_path / "a.csv", JOINT)
+    assert "not-valid" not in {each.code for each in sound.own_notes}
+    own = models.own(lambda series, p: 0.0, [], [], reads={"speed": "rad/s"}, inputs={"ok": "-"})
+    write(tmp_path / "a.csv", {"t": T, "speed": T, "ok": [k % 2 for k in range(len(T))]})
+    assert len(models.read_log(tmp_path / "a.csv", own)) == len(T)
     flags[7] = "perhaps"
     write(tmp_path / "a.csv", {"t": T, "speed": T, "torque": T, word: flags})
-    with pytest.raises(ScenarioError, match='column OK = "perhaps": allowed are 1 and 0'):
+    with pytest.raises(ScenarioError, match=r'column OK = "perhaps": allowed are 1, 1\.0'):
         models.read_log(tmp_path / "a.csv", JOINT)
 
 
@@ -162,7 +169,9 @@ def test_a_number_with_separators_or_a_unit_is_no_gap(tmp_path, cell):
     speed = [f"{each:.4f}" for each in np.cos(T)]
     speed[7] = cell
     write(tmp_path / "a.csv", {"t": T, "speed": speed, "torque": T}, ";")
-    with pytest.raises(ScenarioError, match=r"line 9, column speed = .*allowed is a number with"):
+    with pytest.raises(
+        ScenarioError, match=r"line 9, column speed = .*allowed is the number alone"
+    ):
         models.read_log(tmp_path / "a.csv", JOINT)
 
 
@@ -179,14 +188,35 @@ def test_an_angle_beyond_a_turn_states_its_unit(tmp_path):
     for heading, per in (("angle (deg)", 57.3), ("angle (rad)", 1.0)):
         write(tmp_path / "a.csv", {"t": T, heading: 10.0 * per * np.cos(T)})
         assert models.read_log(tmp_path / "a.csv", pendulum).y[0] == pytest.approx(10.0, rel=1e-3)
-    write(tmp_path / "a.csv", {"t": T, "angle": 34.0 * np.cos(T)})
-    with pytest.raises(ScenarioError, match="column angle has no unit and comes to 34: allowed"):
+    gappy = [f"{each:.4f}" for each in 34.0 * np.cos(T)]
+    gappy[9] = ""
+    write(tmp_path / "a.csv", {"t": T, "angle": gappy})
+    with pytest.raises(ScenarioError, match="column angle has no unit and reaches 34: beyond a"):
         models.read_log(tmp_path / "a.csv", pendulum)
 
 
-def test_a_heading_with_a_unit_comes_before_a_bare_counter(tmp_path):
-    write(tmp_path / "a.csv", {"time": 7.0 * T, "t_ms": 1e3 * T, "speed": T, "torque": T})
-    assert models.read_log(tmp_path / "a.csv", JOINT).t == pytest.approx(T)
+@pytest.mark.parametrize(
+    "more",
+    [{"time": 7.0 * T}, {"t": 7.0 * T}, {"speed": 7.0 * T, "speed_rpm": 30.0 / np.pi * T},
+     {"torque_m": T}, {"torque_A": T}, {"speed_h": T}, {"t_max": T}],
+)  # fmt: skip
+def test_a_heading_with_a_unit_of_its_column_comes_before_a_bare_one(more, tmp_path):
+    columns = {"t_ms": 1e3 * T, "speed": T, "torque": T, **more}
+    log = models.read_log(write(tmp_path / "a.csv", columns), JOINT)
+    assert log.t == pytest.approx(T, abs=1e-8)
+    assert log.y == pytest.approx(T, abs=1e-6)
+    assert log["torque"] == pytest.approx(T)
+
+
+def test_a_wrong_zero_is_listed_where_it_can_be_seen():
+    for known, reads, listed in (
+        ({}, "speed", True), ({}, "angle", True), ({"without": ["gravity"]}, "angle", True),
+        ({"gravity": 0.0}, "angle", True), ({"start_position": 0.0}, "angle", True),
+    ):  # fmt: skip
+        joint = models.joint(inertia=0.012, viscous=0.02, reads=reads, **known)
+        unit = {"speed": "rad/s", "angle": "rad"}[reads]
+        causes = joint.terms(Series(T, np.cos(T), {"torque": T}, unit=unit))[1]
+        assert ("zero" in {cause.name for cause in causes}) == listed, (known, reads)
 
 
 def test_a_heater_needs_the_temperature_of_the_ambient():
@@ -194,6 +224,8 @@ def test_a_heater_needs_the_temperature_of_the_ambient():
     assert heater.terms(Series(T, 40.0 * T / T[-1], {"power": T}, unit="K"))[1]
     with pytest.raises(ScenarioError, match="ambient is missing, and readings in degC are between"):
         heater.terms(Series(T, 20.0 + T, {"power": T}, unit="degC"))
+    with pytest.raises(ScenarioError, match="ambient is missing, and readings are between -27"):
+        heater.terms(Series(T, -25.0 - T, {"power": T}))
     kelvins = {"power": T, "ambient": 293.0 + 0.0 * T}
     with pytest.raises(ScenarioError, match=r"ambient = 293: 19\.85 may be meant, as readings in"):
         heater.terms(Series(T, 20.0 + T, kelvins, unit="degC"))
@@ -234,7 +266,8 @@ def test_what_a_log_lacks_or_has_besides_is_told(tmp_path):
     write(tmp_path / "c.csv", {"t": T, "body (degC)": T, "heater": T})
     told = {each.text for each in models.read_log(tmp_path / "c.csv", heater).own_notes}
     assert (
-        'There is no column power: it is taken as 0. Is it "heater"? Call it "power (W)".' in told
+        'There is no column power: it is taken as 0. If "heater" is the power, call it "power (W)".'
+        in told
     )
 
 

@@ -135,7 +135,7 @@ def test_a_file_that_goes_while_it_is_opened(tmp_path, monkeypatch):
     path = tmp_path / f"run.nc{checked_file.PART}"
     path.write_bytes(bytes(1000))
     when_its_end_is_sought(monkeypatch, lambda: path.unlink(missing_ok=True))
-    with pytest.raises(ScenarioError, match=rf"{path}: is gone: its run has ended"):
+    with pytest.raises(ScenarioError, match=rf"{path}: no longer exists: its run has ended"):
         open_run(path)
 
 

@@ -60,8 +60,6 @@ MODEL_ERROR_DEMANDS = (
     ("listed", "wrongly named", 0.03, True, 12), ("listed", "unexplained", None, True, 12),
     ("listed, weak", "right or in the set", None, False, 12),
     ("listed, weak", "wrongly named", 0.03, True, 12),
-    ("listed, weak", "right or in the set", None, False, 12),
-    ("listed, weak", "wrongly named", 0.02, True, 12),
     ("unlisted, unlike", "wrongly named", 0.03, True, 30),
     ("unlisted, unlike", "dominant", 0.10, True, 30),
     ("unlisted, alike", "wrongly named", None, True, 30),

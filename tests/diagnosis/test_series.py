@@ -176,6 +176,17 @@ def test_single_readings_beyond_what_all_others_span_are_left_out(wild, left_out
     assert [note.code for note in record.own_notes] == left_out * len(wild) * ["wild-reading"]
 
 
+def test_a_row_less_makes_no_other_reading_a_wild_one():
+    t = np.arange(60.0)
+    y = np.sin(0.3 * t)
+    y[30:32] = 50.0  # two neighbours are no slips of a meter
+    gone = t == 30.0
+    left = Series(t, y, {"u": t}, name="a").without(gone, "not computed")
+    assert left.rows.tolist() == left.kept.tolist() == np.flatnonzero(~gone).tolist()
+    assert np.array_equal(left.t, t[~gone])
+    assert len(left.errors.sd) == left.named_settings.count == 59
+
+
 def test_times_in_a_smaller_unit_than_seconds_are_refused():
     with pytest.raises(ScenarioError, match=r"t = 17.*: allowed is s; ms, us or ns since 1970 may"):
         Series(1.7e12 + 10.0 * np.arange(9.0), np.arange(9.0))
@@ -250,3 +261,11 @@ def test_a_delay_of_an_input_is_one_with_its_times_given_or_not():
     )
     assert np.array_equal(one, other)
     assert not np.array_equal(one, signal)
+
+
+def test_a_delay_of_an_input_is_one_of_each_curve_by_itself():
+    t, curve = np.array([2.0, 0.0, 1.0, 0.0, 1.0, 2.0]), np.array([0, 0, 0, 1, 1, 1])
+    cause = instruments.delay(t, 0.2, curve=curve, input="u")
+    signal = np.where(curve == 0, t, 10.0 + t)[None]
+    late = cause.read(signal, signal, {"delay.time": np.array([[0.5]])}, Table({"t": t}, t))
+    assert late[0] == pytest.approx([1.5, 0.0, 0.5, 10.0, 10.5, 11.5])

@@ -297,7 +297,7 @@ REFUSALS = [
     (
         "log",
         f"{JOINT} --set viscous=0,02",
-        ["viscous=0,02", "allowed is a decimal point, 0.02, or"],
+        ["viscous=0,02", "write 0.02 with a decimal point, or"],
     ),
     ("log", f"{JOINT} --set inertai=1", ["no inertai", 'did you mean "inertia"?']),
     ("log", f"{JOINT} --set reads=position", ['reads = "position"', "speed or angle"]),

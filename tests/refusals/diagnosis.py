@@ -199,7 +199,7 @@ ROUNDS = [
 COLUMNS = "mode,direction,frequency,peak,hold,edge,trial,velocity"
 NEXT = [
     (f"{COLUMNS}\nIPP,-x,50,2.5e-3,1e-3,rise,1,1.1 mm/s\n",
-     'next.csv: line 2, column velocity = "1.1 mm/s": allowed is a number'),
+     'next.csv: line 2, column velocity = "1.1 mm/s": allowed is the number alone'),
     (f"{COLUMNS}\nIPP,-x,fast,2.5e-3,1e-3,rise,1,1e-3\n",
      'next.csv line 2: frequency "fast" is not'),
     (f"{COLUMNS}\nIPP,z,50,2.5e-3,1e-3,rise,1,1e-3\n",

@@ -393,7 +393,7 @@ def without_units(header: Sequence[str], units: Units) -> tuple[list[str], list[
     """
     names, per = [], []
     for heading in header:
-        name, unit = (heading, None) if heading in units else split_unit(heading)
+        name, unit = split_unit(heading)
         si = units.get(name)
         names.append(name if name in units else heading)
         per.append(1.0)

@@ -82,7 +82,7 @@ def in_handy_units(words: str, unit: str) -> tuple[float, str]:
 
 
 def split_unit(heading: str) -> tuple[str, str | None]:
-    """``x (mm)``, ``x [mm]``, ``x / mm``, ``x/mm`` or ``x_mm`` of a heading as its name and unit.
+    """``x (mm)``, ``x [mm]``, ``x / mm`` or ``x/mm`` of a heading as its name and unit.
 
     The unit is None if there is none. Without blanks ``rev/min`` and ``counts/s`` are units.
     """
@@ -94,9 +94,7 @@ def split_unit(heading: str) -> tuple[str, str | None]:
     # A word over a time is a unit, as counts/s.
     word = len(name) > 3 and (name.casefold() in _TIMES or not is_of(unit, "s"))
     parted = (symbol or word or " / " in heading) and is_unit(unit) and not is_unit(heading)
-    if not parted:
-        name, _, unit = heading.rpartition("_")
-    return (name, unit) if name and is_unit(unit) else (heading, None)
+    return (name, unit) if parted else (heading, None)
 
 
 def per_si(unit: str, si: str) -> float:

@@ -14,7 +14,7 @@ from stickslip._util.messages import meant
 from stickslip._util.units import split_unit
 from stickslip.errors import ScenarioError
 from stickslip.models.kinds import KINDS
-from stickslip.models.log import headings
+from stickslip.models.log import headings, plain
 from stickslip.models.model import Kind, Model
 from stickslip.models.scalar import Own
 
@@ -46,7 +46,7 @@ def load_model(text: str, given: Mapping[str, Any], logs: Sequence[Path]) -> Any
 
 def _read(kind: Kind, log: Path) -> str | None:
     """The first of what a kind of model may read that is a column of a log."""
-    there = {split_unit(heading)[0].replace("_", " ") for heading in headings(log, kind.reads)}
+    there = {plain(split_unit(heading)[0]) for heading in headings(log, kind.reads)}
     return next((name for name in kind.reads if len(kind.reads) > 1 and name in there), None)
 
 

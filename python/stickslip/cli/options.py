@@ -68,8 +68,11 @@ def number(key: str, text: str) -> float:
 
 def stated(key: str, text: str) -> Any:
     """What ``--set`` says of a term of a model: a value, a value and its error, words."""
-    if re.fullmatch(r"[+-]?\d+,0\d+", text):  # an error is never written so
-        raise ValueError(f"allowed is a decimal point, {text.replace(',', '.')}, or VALUE,ERROR")
+    if re.fullmatch(r"[+-]?(0,\d+|\d+,0\d+)", text):  # a decimal comma
+        raise ValueError(
+            f"write {text.replace(',', '.')} with a decimal point, or VALUE,ERROR with a point in "
+            "both"
+        )
     values = [number_or_word(part.strip()) for part in text.split(",")]
     if key == "without":
         return [str(value) for value in values]

@@ -17,7 +17,7 @@ from stickslip._util.files import read_bytes
 from stickslip._util.messages import misspelt, nearest, refuse, shown
 from stickslip._util.tables import DECIMAL_COMMAS, CsvTable, Units, without_units
 from stickslip._util.text import counted, is_number, number
-from stickslip._util.units import split_unit, to_si
+from stickslip._util.units import is_unit, split_unit, to_si
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.simulation.note import Note
 
@@ -34,10 +34,8 @@ LARGEST = 1e60
 _MOST_ROWS, _MOST_COLUMNS, MOST_BYTES = 2_000_000, 1000, 1 << 26
 """Limits of a table. Chosen: far beyond what a laboratory has, and small enough for memory."""
 
-_NO_CELL = re.compile(
-    r"[+-]?\d{1,3}([.,' \u00a0\u2019]\d{3})+([.,]\d+)?|[+-]?\d+([.,]\d+)?\s*[A-Za-zµμ°%Ω].*"
-)
-"""Numbers with separators of thousands, or with a unit: a mistake of the whole column, no gap."""
+_GROUPED = re.compile(r"[+-]?\d{1,3}([.,' \u00a0\u2019]\d{3})+([.,]\d+)?")
+_WITH_UNIT = re.compile(r"[+-]?\d+(?:[.,]\d+)?\s*([^\d\s.,].*)")
 
 _NAMED = 5
 """Rows that a note names; of more only the number is given. Chosen: one line."""
@@ -143,14 +141,22 @@ def _in_si(
                 continue
             row[k] = row[k] if with_point is None else with_point(line, k, row[k])
             value = number(row[k])
-            if math.isnan(value) and _NO_CELL.fullmatch(row[k]):
+            if math.isnan(value) and _is_no_gap(row[k]):
                 raise ScenarioError(
-                    f"line {line}, column {name} = {shown(row[k])}: allowed is a number without "
-                    "separators of thousands and without a unit, which the heading has"
+                    f"line {line}, column {name} = {shown(row[k])}: allowed is the number alone, "
+                    "without separators of thousands and without a unit"
                 )
             if per[k] != 1.0 and not math.isnan(value):
                 row[k] = repr(to_si(value, per[k]))
     return names
+
+
+def _is_no_gap(cell: str) -> bool:
+    """Whether a cell has separators of thousands or a unit: a mistake of the whole column."""
+    with_unit = _WITH_UNIT.fullmatch(cell)
+    return bool(_GROUPED.fullmatch(cell)) or (
+        with_unit is not None and (is_unit(with_unit[1]) or with_unit[1] in ("k", "M", "%"))
+    )
 
 
 def rows_of_frame(table: DataFrame, units: Units) -> Rows:

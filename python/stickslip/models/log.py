@@ -15,8 +15,8 @@ from stickslip._util.arrays import Array, Mask
 from stickslip._util.files import read_bytes
 from stickslip._util.messages import shown
 from stickslip._util.tables import CsvTable
-from stickslip._util.text import number
-from stickslip._util.units import is_of, same_unit, split_unit, zero_of
+from stickslip._util.text import counted, number
+from stickslip._util.units import is_of, per_si, same_unit, split_unit, zero_of
 from stickslip.diagnosis.data.series import LATEST, Series
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.measurement.read_table import LARGEST, MOST_BYTES, Rows, not_used, read_rows
@@ -27,15 +27,16 @@ _ALSO = {
     _TIME: ("time", "timestamp", "date", "datetime", "clock"),
     _ERROR: ("error",),
 }  # what columns are called, too
-_VALID, _YES, _NO = ("valid", "ok"), ("1", "1.0", "true", "yes"), ("0", "0.0", "false", "no")
-"""Columns that say which readings are valid, and how."""
+_VALID = "valid", "ok"
+_SAID = {"1": True, "1.0": True, "true": True, "yes": True,
+         "0": False, "0.0": False, "false": False, "no": False}  # fmt: skip
+"""Columns that say which readings are valid, and how they say it."""
 _JUMP = 20.0
 """Steps of a clock that has jumped. Chosen: a link loses a few readings, and a break loses many."""
 _DATE = 1e8
 """Seconds since 1970 from which on a time is a date. Chosen: no experiment runs for three years."""
-_TURNS = 2.0 * math.pi
-"""Largest angle of a heading without a unit, rad. Chosen: one that goes on turning may be in
-degrees as well."""
+_TURN = 2.0 * math.pi
+"""Largest angle without a unit, rad. Chosen: beyond a turn it may be in degrees as well."""
 _ISO = re.compile(
     r"(?P<date>\d{4}-\d\d-\d\d[T ])?(?P<clock>\d\d:\d\d(:\d\d([.,]\d+)?)?)"
     r"(Z|(?P<zone>[+-]\d\d:?\d\d))?"
@@ -86,7 +87,7 @@ def headings(path: str | PathLike[str], columns: Collection[str]) -> list[str]:
         if not header:
             raise ScenarioError("is empty: allowed are rows below a line of column names")
         if not any(math.isnan(number(name.replace(",", "."))) for name in header if name):
-            raise ScenarioError("its first line has numbers: allowed is a line of column names")
+            raise ScenarioError("its first line is numbers: write a line of column names above it")
         return header
 
 
@@ -128,28 +129,39 @@ def read_log(path: str | PathLike[str], model: object) -> Series:
     units = {each.name: each.si(wanted.units[column]) for column, each in found.items()}
     table = read_rows(path, units)
     used = {column: table.header.index(each.name) for column, each in found.items()}
-    valid = [k for k, heading in enumerate(table.header) if _plain(heading) in _VALID]
+    valid = [
+        k
+        for k, heading in enumerate(table.header)
+        if k not in used.values() and plain(heading) in _VALID
+    ]
     others = [head for k, head in enumerate(table.header) if k not in (*used.values(), *valid)]
     notes += [*table.left_out, *not_used(path.name, others)]
-    values = _values(table, used, valid, wanted, notes)
+    rows = _whole_rows(table, used, wanted, notes)
+    values = {
+        column: found[column].in_si([_READ.get(column, _number)(cells[k]) for _, cells in rows],
+                                    wanted.units[column])
+        for column, k in used.items()
+    }  # fmt: skip
+    for k in valid:
+        lost = _not_valid(f"{path}: column {table.header[k]}", [cells[k] for _, cells in rows])
+        lost &= np.isfinite(values[wanted.reads])
+        values[wanted.reads][lost] = math.nan
+        if lost.any():
+            text = f"{counted(int(lost.sum()), 'reading')} left out by column {table.header[k]}."
+            notes.append(Note("not-valid", text, int(lost.sum())))
+    stamps = [_ISO.fullmatch(cells[used[_TIME]]) for _, cells in rows]
+    values[_TIME] = _counted_on(values[_TIME], stamps, found[_TIME].unit, notes)
+    told = {_TIME} if stamps[0] or "dates" in {note.code for note in notes} else set()
+    _check_clock(table, [line for line, _ in rows], values[_TIME])
     # An input may have no unit, and a temperature without one has the zero of the readings.
     bare = [
         column
         for column in (_TIME, wanted.reads, *wanted.inputs)
         if column in found
         and found[column].unit is None
+        and column not in told
         and (column == wanted.reads or {"-", "K"}.isdisjoint(wanted.units[column]))
     ]
-    largest = float(np.max(np.abs(values[wanted.reads]), initial=0.0))
-    if wanted.unit == "rad" and wanted.reads in bare and largest > _TURNS:
-        name = found[wanted.reads].text
-        raise ScenarioError(
-            f"{path}: column {name} has no unit and comes to {largest:.4g}: allowed beyond a turn "
-            f'is "{name} (rad)" or "{name} (deg)"'
-        )
-    if values[_TIME][0] >= _DATE:
-        values[_TIME] = _from_the_first(values[_TIME], found[_TIME].unit, notes)
-        bare = [column for column in bare if column != _TIME]
     if bare:
         units_of = ", ".join(f"{column} in {wanted.units[column][0]}" for column in bare)
         notes.append(Note("no-unit", f"Headings without a unit are read in SI units: {units_of}."))
@@ -165,11 +177,18 @@ def read_log(path: str | PathLike[str], model: object) -> Series:
     log = Series(
         values[_TIME], values[wanted.reads], inputs, values.get(_ERROR), path.stem, unit=shows
     )
+    largest = float(np.max(np.abs(log.y)))
+    if wanted.unit == "rad" and wanted.reads in bare and largest > _TURN:
+        name = found[wanted.reads].text
+        raise ScenarioError(
+            f"{path}: column {name} has no unit and reaches {largest:.4g}: beyond a turn allowed "
+            f'is "{name} (rad)" or "{name} (deg)"'
+        )
     return log.noted(notes)
 
 
 class _Heading(NamedTuple):
-    """A heading, the name in it, and its unit if it states one."""
+    """A heading, the name of its column in a table that was read, and its unit if it states one."""
 
     text: str
     name: str
@@ -178,6 +197,11 @@ class _Heading(NamedTuple):
     def si(self, units: Sequence[str]) -> str:
         """The one of the units that its own is of; the first of them, if of none."""
         return next((each for each in units if self.unit and is_of(self.unit, each)), units[0])
+
+    def in_si(self, values: Sequence[float], units: Sequence[str]) -> Array:
+        """Values as they were read, in SI: a unit after an underscore is left to be converted."""
+        ends = self.unit is not None and self.name == self.text
+        return np.array(values) / (per_si(str(self.unit), self.si(units)) if ends else 1.0)
 
     def fits(self, units: Sequence[str]) -> bool:
         """Whether it states one of the units, or one of the same quantity."""
@@ -189,15 +213,16 @@ def _found(there: Sequence[str], wanted: Columns) -> tuple[dict[str, _Heading], 
     all_there = [_Heading(text, *split_unit(text)) for text in there]
     found: dict[str, _Heading] = {}
     notes = []
-    for column in wanted.units:
-        names = (_plain(column), *_ALSO.get(column, ()))
-        for each in all_there:
-            if _plain(each.text) == names[0] and each.unit:  # its end only looks like a unit
-                found.setdefault(column, _Heading(each.text, each.text, None))
-        # One that states its unit comes before a bare counter.
-        for each in sorted(all_there, key=lambda each: each.unit is None):
-            if _plain(each.name) in names:
-                found.setdefault(column, each)
+    for column, units in wanted.units.items():
+        names = (plain(column), *_ALSO.get(column, ()))
+        named = [each for each in all_there if plain(each.name) in names]
+        for text in there:
+            name, _, unit = text.rpartition("_")
+            ended = _Heading(text, text, unit)
+            if plain(name) in names and ended.fits(units):
+                named.append(ended)
+        if named:  # one that states its unit comes before a bare counter
+            found[column] = min(named, key=lambda each: each.unit is None)
     first = next(iter(wanted.inputs), None)
     for column in (_TIME, wanted.reads, *wanted.inputs)[:3]:
         if column in found:
@@ -216,15 +241,18 @@ def _found(there: Sequence[str], wanted: Columns) -> tuple[dict[str, _Heading], 
     for column in wanted.inputs:
         if column not in found and column in (first, *wanted.assumed):
             text = f"There is no column {column}: it is taken as 0."
-            bare = [each for each in all_there if not each.unit and each not in found.values()]
+            taken = {each.text for each in found.values()}
+            bare = [each.text for each in all_there if not each.unit and each.text not in taken]
             if bare and column == first:
-                these = " or ".join(shown(each.text) for each in bare)
-                text += f' Is it {these}? Call it "{column} ({wanted.units[column][0]})".'
+                these = " or ".join(map(shown, bare))
+                unit = wanted.units[column][0]
+                text += f' If {these} is the {column}, call it "{column} ({unit})".'
             notes.append(Note("no-input", text))
     return found, notes
 
 
-def _plain(name: str) -> str:
+def plain(name: str) -> str:
+    """A name as it is compared: in lower case, with blanks."""
     return name.casefold().replace("_", " ")
 
 
@@ -237,19 +265,18 @@ def _missing(name: str, there: Sequence[str], wanted: Columns) -> NoReturn:
     )
 
 
-def _values(
-    table: Rows, used: Mapping[str, int], valid: Sequence[int], wanted: Columns, notes: list[Note]
-) -> dict[str, Array]:
-    """Columns by name, NaN where there is no valid reading; the last row may be cut off."""
+def _whole_rows(
+    table: Rows, used: Mapping[str, int], wanted: Columns, notes: list[Note]
+) -> list[tuple[object, list[str]]]:
+    """Lines and cells of rows that have a time and all inputs; the last one may be cut off."""
     width, rows = len(table.header), list(table.rows)
     strict = [name for name in used if name not in (wanted.reads, _ERROR)]
-    read = {name: _seconds if name == _TIME else _number for name in used}
 
     def wrong(cells: list[str]) -> str | None:
         """A column without a number, or "" of a row of another length."""
         if len(cells) != width:
             return ""
-        bad = (name for name in strict if math.isnan(read[name](cells[used[name]])))
+        bad = (name for name in strict if math.isnan(_READ.get(name, _number)(cells[used[name]])))
         return next(bad, None)
 
     if len(rows) > 1 and wrong(rows[-1][1]) is not None:
@@ -270,35 +297,28 @@ def _values(
                 f"{at}, column {name} = {cell}: allowed is a finite number{date}: {write}, "
                 f"or {_CUT}"
             )
-    columns = {
-        name: np.array([read[name](cells[k]) for _, cells in rows]) for name, k in used.items()
-    }
-    for k in valid:
-        lost = _not_valid(f"{table.path}: column {table.header[k]}", [row[k] for _, row in rows])
-        columns[wanted.reads][lost] = math.nan
-        text = f"By column {table.header[k]}, {lost.sum()} readings are left out."
-        notes.append(Note("not-valid", text, int(lost.sum())))
-    stamps = [_ISO.fullmatch(cells[used[_TIME]]) for _, cells in rows]
-    if all(stamp is not None and stamp["date"] is None for stamp in stamps):
-        back = np.diff(columns[_TIME], prepend=columns[_TIME][:1]) < -0.5 * _DAY
-        columns[_TIME] += _DAY * np.cumsum(back)
-    _check_clock(table, [line for line, _ in rows], columns[_TIME])
-    return columns
+    return list(rows)
 
 
-def _from_the_first(t: Array, unit: str | None, notes: list[Note]) -> Array:
-    """Times of dates, counted from the first reading, s.
+def _counted_on(
+    t: Array, stamps: Sequence[re.Match[str] | None], unit: str | None, notes: list[Note]
+) -> Array:
+    """Times, s, of dates and of clocks, which begin anew each day, counted from the first.
 
-    Without a unit the size of a date tells it: ms, us and ns since 1970 are far beyond s.
+    Numbers are dates where they are as large. Without a unit their size tells it: ms, us and ns
+    since 1970 are far beyond s.
     """
+    of_clock = [stamp is not None and stamp["date"] is None for stamp in stamps]
+    if all(of_clock):
+        return t + _DAY * np.cumsum(np.diff(t, prepend=t[:1]) < -0.5 * _DAY)
     power = 0
     while unit is None and t[0] / 1e3**power >= LATEST and power < 3:
         power += 1
-    if t[0] / 1e3**power >= LATEST:
+    if not _DATE <= t[0] / 1e3**power < LATEST:
         return t
+    read = "" if stamps[0] else f" {('s', 'ms', 'us', 'ns')[power]} since 1970,"
     date = np.datetime64(round(t[0] / 1e3 ** (power - 1)), "ms")
-    read = f" {('s', 'ms', 'us', 'ns')[power]} since 1970," if power else ""
-    notes.append(Note("dates", f"Times are{read} counted from the first, {date} UTC."))
+    notes.append(Note("dates", f"Times are{read} counted from the first, {date}."))
     return np.asarray((t - t[0]) / 1e3**power)
 
 
@@ -321,13 +341,16 @@ def _seconds(cell: str) -> float:
     return float(since / np.timedelta64(1, "s")) - ahead
 
 
+_READ = {_TIME: _seconds}
+"""How cells are read that are no plain numbers."""
+
+
 def _not_valid(at: str, cells: Sequence[str]) -> Mask:
-    """Rows in which a column of valid ones has 0."""
-    words = [cell.casefold() for cell in cells]
-    other = next((word for word in words if word not in (*_YES, *_NO)), None)
-    if other is not None:
-        raise ScenarioError(f"{at} = {shown(other)}: allowed are 1 and 0")
-    return np.isin(words, _NO)
+    """Rows in which a column of valid ones says no."""
+    for cell in cells:
+        if cell.casefold() not in _SAID:
+            raise ScenarioError(f"{at} = {shown(cell)}: allowed are {', '.join(_SAID)}")
+    return np.array([not _SAID[cell.casefold()] for cell in cells])
 
 
 def _check_clock(table: Rows, lines: Sequence[object], t: Array) -> None:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from stickslip._util.arrays import Array, root_mean_square, row
 from stickslip._util.messages import meant, refuse
 from stickslip._util.text import OneLine, brief, is_number
-from stickslip._util.units import same_unit, zero_of
+from stickslip._util.units import same_unit, unit_label, zero_of
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.terms import instruments
 from stickslip.diagnosis.terms.cause import Cause
@@ -37,8 +37,8 @@ noise of a dense log counts little there, and what is faster is rarely asked."""
 
 _LEAST = 1e-3  # of its middle: a constant above zero; chosen, a wrong unit
 _NEAR_READINGS, _FAR = 10.0, 100.0
-"""Distances from all readings, K, up to which a temperature is likely, and from which on it is not
-where another zero is. Chosen: wide, as what is refused has to be written otherwise."""
+"""Up to so far from all readings, K, a temperature is likely, and beyond so far it is not. Chosen:
+wide, as what is refused has to be written otherwise."""
 _ABOVE, _BELOW = 1.2, 0.1  # where limits act: of the largest input; chosen, as for `clipping`
 
 
@@ -289,8 +289,16 @@ class Model(OneLine):
             elif term.shape is not None and term.shape.name not in self.known:
                 uncertain.append(term.shape.ranged(scales))
         acting = set.intersection(*(set(record.inputs) for record in records))
+        # A free start undoes a wrong zero of a place on which nothing depends.
+        first, placed = (
+            kind.states[0][0],
+            kind.placed & {*(cause.name for cause in causes), *self.known},
+        )
+        free = len(kind.states) > 1 and kind.reads[self.reads][1] == 0
+        undone = free and not placed and first not in self.known
         causes += [sensor.cause(scales, self.unit) for sensor in kind.sensors
-                   if sensor.input is None or sensor.input in acting]  # fmt: skip
+                   if (sensor.input is None or sensor.input in acting)
+                   and not (undone and sensor.makes == "offset")]  # fmt: skip
         for name in self.without:
             if name not in {cause.name for cause in causes}:
                 allowed = ", ".join(cause.name for cause in causes)
@@ -363,8 +371,9 @@ class Model(OneLine):
     def _check_zeros(self, record: Series) -> None:
         """Refuse a temperature that only another zero brings near the readings, or none at all."""
         least, most = float(record.y.min()), float(record.y.max())
-        seen = f"readings in {record.unit} are between {least:.4g} and {most:.4g}"
-        kelvins = zero_of("degC") if record.unit == "K" else -zero_of("degC")
+        of = f"readings in {record.unit}" if unit_label(record.unit) else "readings"
+        seen = f"{of} are between {least:.4g} and {most:.4g}"
+        shift = zero_of("degC") if record.unit == "K" else -zero_of("degC")
         for term in self.kind.terms:
             if term.unit != "K":
                 continue
@@ -373,18 +382,18 @@ class Model(OneLine):
                 stated = float(np.median(record.inputs[name]))
             elif value is not None:
                 stated = float(value.value(0.0)) if isinstance(value, Prior) else value
-            elif least > _NEAR_READINGS:
+            elif not least - _NEAR_READINGS <= 0.0 <= most + _NEAR_READINGS:
                 raise ScenarioError(
                     f"{record.at}{name} is missing, and {seen}: allowed is {name} as a number or a "
                     "column, 0 where readings are counted from it"
                 )
             else:
                 continue
-            meant = stated + kelvins
-            near = least - _NEAR_READINGS <= meant <= most + _NEAR_READINGS
+            likely = stated + shift
+            near = least - _NEAR_READINGS <= likely <= most + _NEAR_READINGS
             if record.unit != "-" and near and not least - _FAR <= stated <= most + _FAR:
                 raise ScenarioError(
-                    f"{record.at}{name} = {stated:g}: {meant:g} may be meant, as {seen}; allowed "
+                    f"{record.at}{name} = {stated:g}: {likely:g} may be meant, as {seen}; allowed "
                     f"is {name} in {record.unit}, or a column that states its unit"
                 )
 

@@ -126,7 +126,9 @@ def checked(path: str | PathLike[str]) -> Iterator[tuple[BinaryIO | str, bool]]:
         if isinstance(error, OSError) and error.strerror is not None:
             raise ScenarioError(f"cannot be read: {error.strerror}") from None
         if not os.path.exists(path):
-            raise ScenarioError("is gone: its run has ended, or it was removed") from None
+            raise ScenarioError(
+                "no longer exists: its run has ended, or someone removed it"
+            ) from None
         raise ScenarioError(
             "is no netCDF file, or a damaged one; allowed is one that stickslip wrote"
         ) from None

@@ -57,8 +57,7 @@ class Series(Table):
         Time of each reading, s, increasing; steps may differ. Dates are read as s from the first.
     y : array_like, shape (n,)
         Readings. A row with a gap (masked, None, NaN) is left out, and a note says so; its inputs
-        act all the same. So are three readings at most that lie alone, three spans beyond all
-        others.
+        act all the same. So are up to three single readings, three spans beyond all others.
     inputs : mapping, optional
         What acts on the system, by name, each of shape (n,).
     sd : float or array_like, shape (n,), optional
@@ -123,21 +122,26 @@ class Series(Table):
             read = np.interp(times, times[~gap], readings[~gap])
             whole = Series(times, read, acting, 1.0, self.name, self.repeat_of, unit=unit)
             self._take_of(whole, np.flatnonzero(~gap))
-        self.t, self.y = locked(times[~gap]), locked(readings[~gap])
-        self.inputs = {key: locked(values[~gap]) for key, values in acting.items()}
-        count = len(self.t)
+        self.stated = stated is not None
         self.rows = np.flatnonzero(~gap)
+        self._take(times, readings, acting, stated, ~gap)
+
+    def _take(
+        self, t: Array, y: Array, inputs: Mapping[str, Array], sd: Array | None, kept: Mask
+    ) -> None:
+        """Let these rows be the record; without an `sd` its errors are estimated from them."""
+        self.t, self.y = locked(t[kept]), locked(y[kept])
+        self.inputs = {key: locked(values[kept]) for key, values in inputs.items()}
+        count = len(self.t)
         self.settings = {"t": self.t, **self.inputs}
         self.condition = self.first = np.arange(count)
         self.mean, self.places = self.y, None
         self.run, self.order = np.zeros(count, dtype=np.int64), np.arange(count, dtype=float)
         self.group = np.arange(count) * min(STRETCHES, count) // count
-        if stated is not None:
-            sds = stated[~gap]
-            self.errors = Errors(sds, sizes={"s0": root_mean_square(sds), "rho": 0.0})
+        if sd is None:
+            self.errors = _about_a_curve(self.t, self.y, self.unit)
         else:
-            self.errors = _about_a_curve(self.t, self.y, unit)
-        self.stated = sd is not None
+            self.errors = Errors(sd[kept], sizes={"s0": root_mean_square(sd[kept]), "rho": 0.0})
 
     @property
     def at(self) -> str:
@@ -177,13 +181,11 @@ class Series(Table):
 
     def without(self, gone: Mask, why: str) -> Series:
         """The same without some readings, and a note on their rows that ends with `why`."""
-        inputs = {key: values[~gone] for key, values in self.inputs.items()}
-        sd = self.errors.sd[~gone] if self.stated else None
-        made = Series(
-            self.t[~gone], self.y[~gone], inputs, sd, self.name, self.repeat_of, unit=self.unit
-        )
-        made._less(self, ~gone, why)
-        return made
+        made = self.having()
+        vars(made).pop("named_settings", None)
+        sd = self.errors.sd if self.stated else None
+        made._take(self.t, self.y, self.inputs, sd, ~gone)
+        return made._less(self, ~gone, why)
 
     def with_inputs(self, inputs: Mapping[str, Array]) -> Series:
         """The same record with other inputs, of shape (n,) or (vectors, n)."""

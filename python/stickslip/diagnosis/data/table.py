@@ -195,7 +195,7 @@ class Table:
         made = Table(settings, self.y[kept], **beside, name=self.name, unit=self.unit)
         return made._less(self, kept, why)
 
-    def _less(self, whole: Table, kept: Mask, why: str) -> Table:
+    def _less(self, whole: Table, kept: Mask, why: str) -> Self:
         """This table with the notes and the numbers of the rows of the whole one."""
         self._take_of(whole, np.flatnonzero(kept))
         self.rows, lost = whole.rows[kept], whole.rows[~kept]

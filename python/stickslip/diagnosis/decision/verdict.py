@@ -289,11 +289,12 @@ def _takes_little(fit: Fit, part: float, gains: Sequence[Gain | None]) -> list[N
         notes.append(Note("small-share", text, part))
     known = [gain for gain in gains if gain is not None]
     if part >= NEARLY_ALL:
+        text = f"{fit.name} predicts held-out readings worse."
         proven = all(gain.interval[1] >= 0.0 for gain in known)
     else:
+        text = f"It is not certain that {fit.name} predicts held-out readings better."
         proven = len(known) == len(gains) and all(gain.certain for gain in known)
     if not proven:
-        text = f"It is not certain that {fit.name} predicts held-out readings better."
         notes.append(Note("uncertain-gain", text))
     return notes
 

@@ -82,8 +82,9 @@ _SMALL = (0.15, USUAL)
 _DRAWN = 4
 # Single causes from whose constants the recalibrated model is fitted again. Chosen.
 _RIVALS = 8
-# Ends about which single causes are looked for, and starts of each that are looked at; steps of
-# each stage of a look where predictions change over a small part of the range of a shape. Chosen.
+# Ends about which single causes are looked for, beside the stated constants, and starts of each
+# that are looked at; steps of each stage of a look where predictions change over a small part of
+# the range of a shape. Chosen.
 _VIEWS, _LOOKED_AT, _LONGER_LOOK = 3, 6, 10
 # Places of a scan of a freed constant, and how far it goes in stated standard deviations. Chosen: a
 # wrong estimate is rarely farther off.

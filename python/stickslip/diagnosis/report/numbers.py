@@ -15,7 +15,7 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.arrays import Array, Mask
 from stickslip._util.html import page_text
-from stickslip._util.units import unit_label
+from stickslip._util.units import is_of, unit_label
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.diagnosis.decision.candidate import Candidate, spread_of
 from stickslip.diagnosis.decision.cannot_tell import Combination
@@ -586,6 +586,8 @@ def _gain(facts: Facts) -> dict[str, Any] | None:
             best, level = change, float(np.mean(np.abs(problem.y[part])))
             entry["told"] = {
                 "table": problem.titles[k], **one, "unit": table.unit, "level": level,
+                # Of an angle or a temperature a share says nothing.
+                "of_level": not (is_of(table.unit, "rad") or is_of(table.unit, "K")),
             }  # fmt: skip
     entry["records"] = sorted(
         records, key=lambda record: -record["after"] / max(record["before"], 1e-300)

@@ -233,8 +233,9 @@ def _late(
             mine = np.ix_(late, rows_of)
             result[mine] = _delayed(at[rows_of], some[mine], delays[late])
         else:
+            t = at[rows_of]
             for vector in late:
-                result[vector] = np.interp(at - delays[vector], at, some[vector])
+                result[vector, rows_of] = np.interp(t - delays[vector], t, some[vector, rows_of])
     return _changed(values, rows, result)
 
 

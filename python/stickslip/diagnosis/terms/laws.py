@@ -137,9 +137,8 @@ def forms(law: Cause) -> list[Cause]:
     assert curve is not None
     assert knot.prior is not None
     words = {key.rpartition(".")[2]: value for key, value in curve.fixed.items()}
-    allowed = _OF_LOAD if words.get("over") == "load" else tuple(SHAPES)
-    if curve.fixed and "over" not in words:
-        allowed = ()
+    over = words.get("over", "" if curve.fixed else "an argument")
+    allowed = _OF_LOAD if over == "load" else tuple(SHAPES) if over else ()
     others = []
     for form in allowed:
         section, fixed = f"{law.name}.{form}", dict[str, Value]()
