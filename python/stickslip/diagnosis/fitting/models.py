@@ -20,6 +20,9 @@ PRIOR_NONE, PRIOR_CAUSES, PRIOR_MORE = 0.6, 0.4, 0.1
 """Prior probability of no cause, of a single one (shared by all), and of each further one beside
 the first as a share of that. Chosen."""
 
+NEAR_DATA = 100.0
+"""Cost per row up to which a model is near the data. Chosen."""
+
 _ROUNDS = 8
 # g' A^-1 g below which a descent is at the minimum that the evidence takes: an evidence that is
 # promised too large by less does not matter.
@@ -138,7 +141,7 @@ def minimise(
         # still lead there.
         before, reached = reached, log_evidence - 0.5 * left
         stuck = stuck + 1 if reached < before + 0.5 * _AT_MINIMUM else 0
-        stays = stuck > (1 if form.names else 0)
+        stays = stuck > (1 if form.names else 0) or (alone and end.cost > NEAR_DATA * form.n)
         given_up, hopeless = given_up or log_evidence < least, math.inf
         if given_up or settled or stays:
             break

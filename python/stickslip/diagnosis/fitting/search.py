@@ -32,7 +32,14 @@ from stickslip.diagnosis.fitting.descent import (
 )
 from stickslip.diagnosis.fitting.draws import FEWEST, drawn
 from stickslip.diagnosis.fitting.forms import Form, Softened, forms
-from stickslip.diagnosis.fitting.models import Fit, linear, log_prior, minimise, sharpened
+from stickslip.diagnosis.fitting.models import (
+    NEAR_DATA,
+    Fit,
+    linear,
+    log_prior,
+    minimise,
+    sharpened,
+)
 from stickslip.diagnosis.fitting.problem import Problem, lack_of_fit
 from stickslip.diagnosis.fitting.responses import FINE, USUAL, Response, responses
 from stickslip.diagnosis.terms.cause import Cause
@@ -64,8 +71,6 @@ _LOOK, _HOPELESS = 3, 30.0
 # How far below the leader of its form, in log posterior odds, a promised evidence may be before its
 # fit is given up. Chosen.
 _BEHIND = 2.0 * NEAR
-# Chi-square per row up to which a model is near the data. Chosen.
-_NEAR_DATA = 100.0
 # Part of chi-square that a round leaves at most, where no model is near the data, if another one
 # follows without a new leader. Chosen.
 _PAYS = 0.5
@@ -221,7 +226,7 @@ def _linear(problem: Problem, form: Form, causes: Sequence[Cause], end: End) -> 
 
 def _is_near_data(problem: Problem, residual: Array) -> bool:
     """Whether a residual is below ten errors in the mean."""
-    return float(np.sum(problem.chi2_of_tables(residual[None]))) < _NEAR_DATA * len(problem.y)
+    return float(np.sum(problem.chi2_of_tables(residual[None]))) < NEAR_DATA * len(problem.y)
 
 
 def _is_better(new: Fit, old: Fit) -> bool:
