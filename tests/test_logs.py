@@ -164,6 +164,25 @@ def test_readings_that_are_not_valid_are_left_out(tmp_path):
         models.read_log(tmp_path / "a.csv", JOINT)
 
 
+@pytest.mark.parametrize(
+    ("above", "skipped"),
+    [(["Device: DAQ 7", "Date: 2026-05-01", ""], 2), (["Sampling,50 Hz", "Operator,me"], 2),
+     (["# a comment", "Channels;3;all;sound"], 1), ([], 0)],
+)  # fmt: skip
+@pytest.mark.parametrize("separator", [",", ";"])
+def test_lines_above_the_names_are_skipped(tmp_path, above, skipped, separator):
+    write(tmp_path / "a.csv", {"Time (s)": T, "Speed (rpm)": T, "TORQUE (Nm)": T}, separator)
+    rows = (tmp_path / "a.csv").read_text()
+    (tmp_path / "a.csv").write_text("\n".join([*above, rows]))
+    log = models.read_log(tmp_path / "a.csv", JOINT)
+    assert log.t == pytest.approx(T)
+    told = [each.value for each in log.own_notes if each.code == "preamble"]
+    assert told == [skipped] * (skipped > 0)
+    (tmp_path / "a.csv").write_text("\n".join([*above, rows, separator.join("000")]))
+    with pytest.raises(ScenarioError, match=f"line {len(above) + len(T) + 3}, "):
+        models.read_log(tmp_path / "a.csv", JOINT)
+
+
 @pytest.mark.parametrize("cell", ["1.008,5", "1'008.5", "1 008", "1.0085k", "0.1 rad/s"])
 def test_a_number_with_separators_or_a_unit_is_no_gap(tmp_path, cell):
     speed = [f"{each:.4f}" for each in np.cos(T)]

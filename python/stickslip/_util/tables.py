@@ -36,7 +36,7 @@ DECIMAL_COMMAS = (
 """Advice for a row with more cells than the header, between commas."""
 
 _OTHER_FORMATS = {
-    b"PK\x03\x04": "an Excel workbook (.xlsx) or another ZIP archive",
+    b"PK\x03\x04": "an Excel workbook (.xlsx), a NumPy archive (.npz) or another ZIP archive",
     b"\xd0\xcf\x11\xe0": "an Excel workbook (.xls)",
     b"MATLAB 5.0": "a MATLAB file (.mat)",
     b"\x89HDF": "an HDF5 file, such as a MATLAB 7.3 file (.mat) or netCDF",
@@ -54,6 +54,8 @@ _OTHER_FORMATS = {
 }
 """First bytes of files that users take for tables."""
 
+_PREAMBLE = 50
+"""Lines above a header at most. Chosen: loggers write twenty."""
 _SEPARATOR_LINE = re.compile(r'"?sep=([,;|\t])"?[,; \t]*', re.IGNORECASE)
 _QUOTED = re.compile('"[^"]*"')
 _DECIMAL = re.compile(r"[+-]?(?=\d|[.,]\d)\d*([.,])\d*(?:[eE][+-]?\d+)?")
@@ -104,8 +106,9 @@ class CsvTable:
     """The header of a CSV file and, by `rows`, the rows below it.
 
     Commas, semicolons or tabs separate the cells; a first line such as ``sep=;`` says which. Lines
-    above the header that begin with # are comments. If the first other line has a number, the
-    header is the last of them that has as many cells, names one of `columns` and has no number, as
+    above the header that begin with # are comments; lines that name none of `columns` are skipped,
+    if one below them does. If the first line that is no comment has a number, the header is the
+    last comment that has as many cells, names one of `columns` and has no number, as
     `numpy.savetxt` writes it. A row of units below the names belongs to them.
 
     Parameters
@@ -125,6 +128,8 @@ class CsvTable:
         Comments below the header, as far as `rows` has come.
     beyond : int
         Empty columns beyond the header, the same.
+    above : int
+        Lines above the header that are none.
 
     Raises
     ------
@@ -135,7 +140,7 @@ class CsvTable:
 
     def __init__(self, data: bytes, columns: Collection[str]) -> None:
         self.line, self.header, self.separator = 0, list[str](), ","
-        self.comments = self.beyond = 0
+        self.comments = self.beyond = self.above = 0
         self._mark: tuple[str, str, int] | None = None
         # By column, the first cell that may have thousands, and the first without any mark.
         self._thousands, self._bare = dict[int, tuple[int, str]](), dict[int, tuple[int, str]]()
@@ -153,10 +158,10 @@ class CsvTable:
                 break
         else:
             return
-        self.separator = stated[1] if stated else _separator_of(line)
-        self._rows = self._parsed(itertools.chain([(at, line)], lines))
+        (at, line), below = self._past_preamble((at, line), lines, columns, stated and stated[1])
+        self._rows = self._parsed(itertools.chain([(at, line)], below))
         if any(map(_is_number, self._cells(line))):
-            self._take_header(comments, columns, (at, line), lines)
+            self._take_header(comments, columns, (at, line), below)
         if not self.line:
             self.line, self.header = next(self._rows)
         self._take_units()
@@ -167,6 +172,27 @@ class CsvTable:
                 "names of columns; blanks do not separate columns; write commas "
                 '(numpy.savetxt with delimiter=",")'
             )
+
+    def _past_preamble(
+        self,
+        first: tuple[int, str],
+        lines: Iterator[tuple[int, str]],
+        columns: Collection[str],
+        separator: str | None,
+    ) -> tuple[tuple[int, str], Iterator[tuple[int, str]]]:
+        """The first line, or the one that names a column below others that name none, as loggers
+        write them; and the lines below it."""
+        known = {name.casefold() for name in columns}
+        near = [first, *itertools.islice(lines, _PREAMBLE)]
+        for k, (_, line) in enumerate(near):
+            self.separator = separator or _separator_of(line)
+            cells = [] if line.lstrip().startswith("#") else self._cells(line)
+            named = any(split_unit(cell)[0].casefold() in known for cell in cells)
+            if named and (k == 0 or len(cells) > 1):
+                self.above = sum(bool(text.strip()) for _, text in near[:k])
+                return near[k], itertools.chain(near[k + 1 :], lines)
+        self.separator = separator or _separator_of(first[1])
+        return first, itertools.chain(near[1:], lines)
 
     def _take_header(
         self,

@@ -108,6 +108,9 @@ def _rows(path: Path, table: CsvTable, units: Units) -> Rows:
         header = [header[k] for k in keep]
         rows = [(n, [row[k] for k in keep] if len(row) == width else row) for n, row in rows]
     left_out = []
+    if table.above:
+        text = f"{path.name}: {counted(table.above, 'line')} above the column names skipped."
+        left_out.append(Note("preamble", text, table.above))
     if table.comments:
         lines = counted(table.comments, "line")
         text = f"{path.name}: {lines} below the header skipped as a comment."
