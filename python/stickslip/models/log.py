@@ -11,7 +11,7 @@ from typing import NamedTuple, NoReturn
 
 import numpy as np
 
-from stickslip._util.arrays import Array, Mask
+from stickslip._util.arrays import Array
 from stickslip._util.files import read_bytes
 from stickslip._util.messages import shown
 from stickslip._util.tables import CsvTable
@@ -143,37 +143,19 @@ def read_log(path: str | PathLike[str], model: object) -> Series:
         for column, k in used.items()
     }  # fmt: skip
     for k in valid:
-        lost = _not_valid(f"{path}: column {table.header[k]}", [cells[k] for _, cells in rows])
-        lost &= np.isfinite(values[wanted.reads])
-        values[wanted.reads][lost] = math.nan
-        if lost.any():
-            text = f"{counted(int(lost.sum()), 'reading')} left out by column {table.header[k]}."
-            notes.append(Note("not-valid", text, int(lost.sum())))
+        said = [cells[k] for _, cells in rows]
+        _leave_out(values[wanted.reads], said, f"column {table.header[k]}", path, notes)
     stamps = [_ISO.fullmatch(cells[used[_TIME]]) for _, cells in rows]
     values[_TIME] = _counted_on(values[_TIME], stamps, found[_TIME].unit, notes)
     told = {_TIME} if stamps[0] or "dates" in {note.code for note in notes} else set()
     _check_clock(table, [line for line, _ in rows], values[_TIME])
-    # An input may have no unit, and a temperature without one has the zero of the readings.
-    bare = [
-        column
-        for column in (_TIME, wanted.reads, *wanted.inputs)
-        if column in found
-        and found[column].unit is None
-        and column not in told
-        and (column == wanted.reads or {"-", "K"}.isdisjoint(wanted.units[column]))
-    ]
+    bare = _bare({column: each for column, each in found.items() if column not in told}, wanted)
     if bare:
         units_of = ", ".join(f"{column} in {wanted.units[column][0]}" for column in bare)
         notes.append(Note("no-unit", f"Headings without a unit are read in SI units: {units_of}."))
     unit = found[wanted.reads].unit
     shows = unit if unit and same_unit(unit, wanted.unit) else wanted.unit
-    inputs = {column: values[column] for column in wanted.inputs if column in values}
-    for column in inputs.keys() & {column for column, of in wanted.inputs.items() if "K" in of}:
-        # A temperature beside readings with another zero; without a unit it has theirs.
-        own = found[column].unit
-        if own and unit and zero_of(own) != zero_of(unit):
-            inputs[column] = inputs[column] + (zero_of(own) - zero_of(unit))
-            notes.append(Note("other-zero", f"{column} is converted from {own} to {unit}."))
+    inputs = _with_one_zero(values, found, wanted, notes)
     log = Series(
         values[_TIME], values[wanted.reads], inputs, values.get(_ERROR), path.stem, unit=shows
     )
@@ -249,6 +231,35 @@ def _found(there: Sequence[str], wanted: Columns) -> tuple[dict[str, _Heading], 
                 text += f' If {these} is the {column}, call it "{column} ({unit})".'
             notes.append(Note("no-input", text))
     return found, notes
+
+
+def _bare(found: Mapping[str, _Heading], wanted: Columns) -> list[str]:
+    """Columns that need a unit, and state none.
+
+    An input may have none, and a temperature without one has the zero of the readings.
+    """
+    return [
+        column
+        for column in (_TIME, wanted.reads, *wanted.inputs)
+        if column in found
+        and found[column].unit is None
+        and (column == wanted.reads or {"-", "K"}.isdisjoint(wanted.units[column]))
+    ]
+
+
+def _with_one_zero(
+    values: Mapping[str, Array], found: Mapping[str, _Heading], wanted: Columns, notes: list[Note]
+) -> dict[str, Array]:
+    """Inputs by name; temperatures have the zero of the readings."""
+    inputs = {column: values[column] for column in wanted.inputs if column in values}
+    unit = found[wanted.reads].unit
+    for column in inputs:
+        own = found[column].unit
+        temperature = "K" in wanted.units[column]
+        if temperature and own and unit and zero_of(own) != zero_of(unit):
+            inputs[column] = inputs[column] + (zero_of(own) - zero_of(unit))
+            notes.append(Note("other-zero", f"{column} is converted from {own} to {unit}."))
+    return inputs
 
 
 def plain(name: str) -> str:
@@ -345,12 +356,20 @@ _READ = {_TIME: _seconds}
 """How cells are read that are no plain numbers."""
 
 
-def _not_valid(at: str, cells: Sequence[str]) -> Mask:
-    """Rows in which a column of valid ones says no."""
-    for cell in cells:
+def _leave_out(
+    readings: Array, said: Sequence[str], column: str, path: Path, notes: list[Note]
+) -> None:
+    """Make readings NaN where a column of valid ones says no."""
+    for cell in said:
         if cell.casefold() not in _SAID:
-            raise ScenarioError(f"{at} = {shown(cell)}: allowed are {', '.join(_SAID)}")
-    return np.array([not _SAID[cell.casefold()] for cell in cells])
+            allowed = ", ".join(_SAID)
+            raise ScenarioError(f"{path}: {column} = {shown(cell)}: allowed are {allowed}")
+    lost = np.isfinite(readings) & [not _SAID[cell.casefold()] for cell in said]
+    readings[lost] = math.nan
+    if lost.any():
+        count = int(lost.sum())
+        text = f"{counted(count, 'reading')} left out by {column}."
+        notes.append(Note("not-valid", text, count))
 
 
 def _check_clock(table: Rows, lines: Sequence[object], t: Array) -> None:
