@@ -288,7 +288,7 @@ def test_the_same_cause_has_a_cosine_of_one():
     plain = Truth("single, fields", (), constants)
     hidden = {"field_gain": Hidden(2.0, {"in_plane": 0.05})}
     draft = Draft(plain, [], ("field",))
-    cosines = Absorber(draft, plain).cosines(draft(replace(plain, hidden=hidden)))
+    cosines = Absorber(draft, plain).cosines(draft(replace(plain, hidden=hidden)), CAUSES)
     assert cosines["field_gain"] == pytest.approx(1.0, abs=1e-6)
     # A coil's side changes all fields nearly in proportion, a field of the room none of them.
     assert cosines["ambient_field"] < 0.5

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from blind.catalogue import entry
+from blind.catalogue import CAUSES, HOOK_OF, LAWS, entry
 from blind.kinds import ERROR_SHARE, KINDS, Kind
 from blind.model_errors import MODEL_ERRORS
 from blind.readings import Readings, readings
@@ -91,13 +91,17 @@ def _scaled(truth: Truth, draft: Draft, random: np.random.Generator) -> _Found:
         return _disturbed(truth, draft, plan.wanted, random)
     found = {}
     for name in truth.hidden:
-        rivals = entry(name).rivals if plan.family == "law" else ()
+        rivals = entry(name).rivals if plan.family == "law" and plan.alike is None else ()
         absorbers = [Absorber(draft, plain, freed) for freed in (None, *rivals)]
         found[name] = _alone(truth.only(name), absorbers, plan.wanted, draft)
     hidden = {name: each.hidden[name] for name, (each, _) in found.items()}
     scaled, more = replace(truth, hidden=hidden), {}
     if plan.alike is not None:
-        cosines = Absorber(draft, plain).cosines(draft(scaled))
+        (name,) = truth.hidden
+        others = list(CAUSES)
+        if plan.family == "law":
+            others = [each for each in (*CAUSES, *LAWS) if HOOK_OF.get(each, each) != name]
+        cosines = Absorber(draft, plain).cosines(draft(scaled), others)
         like = max(cosines, key=lambda name: cosines[name])
         more = {"cosine": cosines[like], "like": like}
     return scaled, min(strength for _, strength in found.values()), more

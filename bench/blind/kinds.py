@@ -46,8 +46,8 @@ class Kind:
     also beside each of its rivals. tables: What was measured. noise. error: The last hidden
     thing is a model error beside the cause: its effect, after recalibration, is a share of that
     of the cause; see ERROR_SHARE. alike: Range in which the largest cosine between the effect
-    and that of any listed cause should be, after recalibration; another thing is hidden where
-    it is not.
+    and that of any listed cause should be, after recalibration, of a law that of any cause or law
+    that acts elsewhere; another thing is hidden where it is not.
     """
 
     count: int
@@ -129,6 +129,8 @@ KINDS = {
     "hiding": Kind(32, 15, "hiding", HIDING, (6.0, 10.0)),
     "unknown": Kind(30, 15, "unknown", (("ripple",),), (15.0, 25.0)),
     "law": Kind(48, 15, "law", _each(tuple(LAWS)), (8.0, 20.0)),
+    "law, 24 velocities": Kind(12, 60, "law", _each(tuple(LAWS)), (8.0, 30.0), alike=(0.0, ALIKE)),
+    "none, 24 velocities": Kind(12, 100, "none"),
     "instrument": Kind(
         12, 4, "instrument", _each(("velocity_offset", "velocity_clipping", *_TWINS)), (8.0, 20.0)
     ),

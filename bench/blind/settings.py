@@ -82,7 +82,7 @@ def priors(tables: tuple[str, ...]) -> dict[str, Prior]:
 
 
 def conditions(kind: str, tables: tuple[str, ...]) -> list[Drive]:
-    """Drives of the velocities: 30 that vary all fields, fewer beside other tables.
+    """Drives of the velocities: 30 or 24 that vary all fields, fewer beside other tables.
 
     Near twins are measured in one mode and one way alone. Causes of one field are alike where the
     other one is always the same, so the hold varies too.
@@ -105,6 +105,8 @@ def conditions(kind: str, tables: tuple[str, ...]) -> list[Drive]:
         rows += [{**usual, "frequency": 75.0, "base": 0.9e-3}]
         back = {**usual, "direction": "-x"}
         rows += [{**back, "frequency": pace} for pace in (25.0, 50.0, 110.0)]
+    if kind.endswith("24 velocities"):
+        return [row for number, row in enumerate(rows) if number % 5 != 4]
     return rows[::2] if len(tables) > 1 else rows
 
 

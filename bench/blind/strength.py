@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
-from blind.catalogue import CAUSES, Value, entry
+from blind.catalogue import Value, entry
 from blind.readings import Readings, readings
 from blind.settings import (
     ANGLE_SD,
@@ -178,8 +178,8 @@ class Absorber:
                 damping = max(4.0 * damping, 1.0)
         return float(np.sqrt(least))
 
-    def cosines(self, seen: Array) -> dict[str, float]:
-        """How alike what is left of readings and of each listed cause are, 0 to 1.
+    def cosines(self, seen: Array, others: Sequence[str]) -> dict[str, float]:
+        """How alike what is left of readings and of each constant and each other are, 0 to 1.
 
         A cause of which several sizes are free is as alike as its best mixture; that of a constant
         is by itself without its prior.
@@ -189,7 +189,7 @@ class Absorber:
             name: _cosine(mine, self.rest(self._begin + self._slopes[:, at])[:, None])
             for at, name in enumerate(self._priors)
         }
-        for name in CAUSES:
+        for name in others:
             usual = self._effects(name, 1.0)
             one_sided = entry(name).least >= 0.0
             found[name] = _cosine(mine, usual, one_sided)
