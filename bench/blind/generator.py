@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from blind.catalogue import CAUSES, HOOK_OF, LAWS, entry
 from blind.kinds import ERROR_SHARE, KINDS, Kind
 from blind.model_errors import MODEL_ERRORS
 from blind.readings import Readings, readings
-from blind.settings import Drive, conditions
+from blind.settings import Drive, conditions, priors
 from blind.strength import Absorber, Draft
 from blind.truth import Truth, draw
 
@@ -89,22 +90,45 @@ def _scaled(truth: Truth, draft: Draft, random: np.random.Generator) -> _Found:
         return _hiding(truth, draft, plan.wanted)
     if plan.error:
         return _disturbed(truth, draft, plan.wanted, random)
-    found = {}
+    found, more = {}, dict[str, float | str]()
+    if plan.alike is not None and plan.family == "law":
+        more = _most_alike(_elsewhere(truth))
+        if float(more["cosine"]) > plan.alike[1]:
+            return truth, 0.0, more
     for name in truth.hidden:
-        rivals = entry(name).rivals if plan.family == "law" and plan.alike is None else ()
+        rivals = entry(name).rivals if plan.family == "law" and not more else ()
         absorbers = [Absorber(draft, plain, freed) for freed in (None, *rivals)]
         found[name] = _alone(truth.only(name), absorbers, plan.wanted, draft)
     hidden = {name: each.hidden[name] for name, (each, _) in found.items()}
-    scaled, more = replace(truth, hidden=hidden), {}
-    if plan.alike is not None:
-        (name,) = truth.hidden
-        others = list(CAUSES)
-        if plan.family == "law":
-            others = [each for each in (*CAUSES, *LAWS) if HOOK_OF.get(each, each) != name]
-        cosines = Absorber(draft, plain).cosines(draft(scaled), others)
-        like = max(cosines, key=lambda name: cosines[name])
-        more = {"cosine": cosines[like], "like": like}
+    scaled = replace(truth, hidden=hidden)
+    if plan.alike is not None and not more:
+        more = _most_alike(Absorber(draft, plain).cosines(draft(scaled), list(CAUSES)))
     return scaled, min(strength for _, strength in found.values()), more
+
+
+def _most_alike(cosines: Mapping[str, float]) -> dict[str, float | str]:
+    like = max(cosines, key=lambda name: cosines[name])
+    return {"cosine": cosines[like], "like": like}
+
+
+def _elsewhere(truth: Truth) -> dict[str, float]:
+    """Cosines of a law at its usual size to constants, and to causes and laws that act elsewhere.
+
+    With the middles of the constants: what the others change is then simulated once for all sets.
+    """
+    (name,) = truth.hidden
+    others = [each for each in (*CAUSES, *LAWS) if HOOK_OF.get(each, each) != name]
+    absorber, draft, usual = _usual(truth.kind)
+    return absorber.cosines(draft(replace(usual, hidden=truth.hidden)), others)
+
+
+@cache
+def _usual(kind: str) -> tuple[Absorber, Draft, Truth]:
+    """A robot with the middles of its constants and nothing hidden."""
+    tables = KINDS[kind].tables
+    usual = Truth(kind, (), {name: prior.value(0.0) for name, prior in priors(tables).items()})
+    draft = Draft(usual, conditions(kind, tables), tables)
+    return Absorber(draft, usual), draft, usual
 
 
 def _hiding(truth: Truth, draft: Draft, wanted: tuple[float, float]) -> _Found:
