@@ -30,8 +30,8 @@ class Made:
     """A data set without its noise.
 
     strength: The least of the hidden causes' S. more: `error`: size of a model error over that
-    of the cause beside it. `cosine` and `like`: of a thing that no cause lists, the largest
-    cosine to a listed cause and its name.
+    of the cause beside it. `beside`: the least S of one of a pair beside the other. `cosine` and
+    `like`: of a thing that no cause lists, the largest cosine to a listed cause and its name.
     """
 
     truth: Truth
@@ -101,9 +101,20 @@ def _scaled(truth: Truth, draft: Draft, random: np.random.Generator) -> _Found:
         found[name] = _alone(truth.only(name), absorbers, plan.wanted, draft)
     hidden = {name: each.hidden[name] for name, (each, _) in found.items()}
     scaled = replace(truth, hidden=hidden)
+    if plan.family == "pair":
+        more = {"beside": beside_each_other(scaled, draft)}
     if plan.alike is not None and not more:
         more = _most_alike(Absorber(draft, plain).cosines(draft(scaled), list(CAUSES)))
     return scaled, min(strength for _, strength in found.values()), more
+
+
+def beside_each_other(truth: Truth, draft: Draft) -> float:
+    """The least S of a hidden thing beside the other ones, whose sizes are free."""
+    plain, seen = truth.without(), draft(truth)
+    others = [{name: truth.hidden[name] for name in truth.hidden if name != one}
+              for one in truth.hidden]  # fmt: skip
+    return min(Absorber(draft, replace(plain, hidden=each), *each).searched(seen)
+               for each in others)  # fmt: skip
 
 
 def _most_alike(cosines: Mapping[str, float]) -> dict[str, float | str]:

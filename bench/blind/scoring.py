@@ -22,6 +22,7 @@ Row = dict[str, Any]
 # cause cannot be as strong as the kind asks for.
 _REACHED = 0.9
 _SET = 0.95  # probability of a set of forms
+_STANDS_OUT = 6.0  # S of one of two causes beside the other
 _FEW = 6  # members of a set that are still an answer
 _LEFT_OVER = "second-cause-predicts-nothing"
 """Code of a verdict's reason that says that a cause was named and something is left over."""
@@ -79,6 +80,11 @@ class Case:
     in_set = property(lambda self: bool(self.truth) and self.truth <= self.causes)
     few = property(lambda self: len(self.causes) <= _FEW)
     alike = property(lambda self: bool(self.answer["cosine"] >= ALIKE))
+
+    @property
+    def apart(self) -> bool:
+        """Whether each of two causes stands out beside the other."""
+        return bool(self.answer["beside"] >= _STANDS_OUT)
 
     @property
     def all_hidden(self) -> set[str]:
@@ -287,6 +293,9 @@ FAMILIES: dict[str, tuple[str, tuple[Demand, ...]]] = {
     "pair": ("two causes", (
         _least("exact pair", lambda c: c.pair and c.right, 0.75),
         _least("both in what is said", lambda c: c.in_set, 0.88),
+        _least("exact pair, each S of 6 or more beside the other", lambda c: c.pair and c.right,
+               None, lambda c: c.apart),
+        _least("both in what is said, the same", lambda c: c.in_set, None, lambda c: c.apart),
         _most("a single cause named", lambda c: c.named),
         *_GRADES,
     )),
