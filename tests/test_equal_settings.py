@@ -40,7 +40,10 @@ def test_numbers_that_a_person_tells_apart_stay_apart():
     # The size of the numbers, such as that of a unix time, says nothing.
     for apart in ([24.9999, 25.0, 25.0001], [1e-17, 2e-17], [1.7e9, 1.7e9 + 1e-3, 1.7e9 + 1.0]):
         assert representatives(apart) == {value: value for value in apart}
-    assert len(set(representatives([0.0, 1e-7, 0.5, 0.5 + 1e-7, 1.0]).values())) == 3
+    assert len(set(representatives([0.0, 1e-7, 0.5, 0.5 + 1e-7, 1.0]).values())) == 4
+    # Nor does the spread, of many decades or of a value that stands for none.
+    for apart in (np.geomspace(1e-12, 1.0, 25).tolist(), [1.0, 2.0, 3.0, 1e9]):
+        assert representatives(apart) == {value: value for value in apart}
 
 
 def _table(last_bits):
@@ -67,7 +70,7 @@ def test_trials_whose_settings_differ_in_the_last_bit_are_repeats():
     np.testing.assert_array_equal(data.sweep, clean.sweep)
     (said,) = found.left_out  # once, not a line for each
     assert (said.code, said.value) == ("equal-settings", 6)
-    assert said.text.startswith("DataFrame: frequency has 6 values within 1e-06 of the spread of")
+    assert said.text.startswith("DataFrame: frequency has 6 values within 1e-06 of another one")
 
 
 def test_labels_numbers_of_trials_and_velocities_are_never_made_one():
@@ -109,7 +112,7 @@ def test_an_axis_with_a_value_twice_but_for_its_last_bit_is_refused():
         sweep(NOMINAL, {"drive.frequency": [25.0, 50.0, 25.000000000000004]})
     assert str(error.value) == (
         "drive.frequency = 25.000000000000004: this value is given twice, as 25.0: the same within "
-        "1e-06 of the spread"
+        "1e-06"
     )
     # Drags are smaller than what counts as 0 in a drive.
     assert grid(NOMINAL, {"drag.rotational": [0.0, 4e-17, 9e-17, 2e-16]}).count == 4

@@ -260,7 +260,7 @@ def test_settings_are_told_apart_by_their_spread(origin):
     table = Table({"t": origin + 60.0 * ROW}, ROW, sd=1.0)
     assert len(table.mean) == 12
     assert not table.notes
-    near = Table({"t": origin + np.repeat([0.0, 600.0], 6) + 1e-5 * (ROW == 1)}, ROW, sd=1.0)
+    near = Table({"t": origin + np.repeat([0.0, 600.0], 6) + 1e-5 * (ROW == 7)}, ROW, sd=1.0)
     merged = origin < 1e12  # else it is beyond the digits of a double
     assert len(near.mean) == 2
     assert [each.code for each in near.notes] == ["equal-settings"] * merged

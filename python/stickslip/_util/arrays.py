@@ -31,8 +31,8 @@ def root_mean_square(values: ArrayLike) -> float:
 
 
 RELATIVE = 1e-6
-"""Part of the spread of a column within which two of its numbers are the same setting. Chosen:
-finer than any apparatus is set, and wider than the rounding of a table in seven digits."""
+"""Part of a number, and of the spread of its column, within which another one is the same setting.
+Chosen: finer than any apparatus is set, and wider than the rounding of a table in seven digits."""
 
 _LAST_PLACES = 4
 """Units in the last place of a column's largest number that are the same. Chosen: what a few sums
@@ -47,20 +47,19 @@ def are_equal(one: float, other: float, relative: float, absolute: float = 1e-12
 def representatives(values: Iterable[float], kept: Collection[float] = ()) -> dict[float, float]:
     """What stands for each value of a column: the same number for all that are the same setting.
 
-    Numbers are the same within 1e-6 of the spread of all, and never of their size, which is an
-    offset as often as not. Values are grouped from the smallest up: a group takes in what is equal
-    to its first value. One of `kept` stands for a group that has one, else the value that is
-    written shortest.
+    Numbers are the same within 1e-6 of the spread of all, as their size may be an offset, and of
+    their size, as the spread may be that of many decades. Values are grouped from the smallest up:
+    a group takes in what is equal to its first value. One of `kept` stands for a group that has
+    one, else the value that is written shortest.
     """
     ordered = sorted({*values, *kept})
     if not ordered:
         return {}
-    within = max(
-        RELATIVE * (ordered[-1] - ordered[0]),
-        _LAST_PLACES * math.ulp(max(abs(ordered[0]), abs(ordered[-1]))),
-    )
+    spread = ordered[-1] - ordered[0]
+    rounding = _LAST_PLACES * math.ulp(max(abs(ordered[0]), abs(ordered[-1])))
     groups: list[list[float]] = []
     for value in ordered:
+        within = max(RELATIVE * min(spread, abs(value)), rounding)
         if groups and value - groups[-1][0] <= within:
             groups[-1].append(value)
         else:

@@ -234,7 +234,7 @@ def _with_equal_settings(
         same |= other
         if other:
             text = f"{name}: {key.partition('.')[2]} has {counted(len(other), 'value')} within "
-            text += f"{RELATIVE:g} of the spread of another one; they count as the same setting."
+            text += f"{RELATIVE:g} of another one; they count as the same setting."
             left_out.append(Note("equal-settings", text, len(other)))
     return [
         trial._replace(setting=tuple(same.get(pair, pair) for pair in trial.setting))

@@ -56,7 +56,7 @@ Chosen: constants and causes of the usual size change predictions by less."""
 class Table:
     """Readings at settings. Rows with equal settings are repeats of one condition.
 
-    Numbers are equal within 1e-6 of the spread of their column. A row with a gap (masked, None,
+    Numbers are equal within 1e-6 of their size and of the spread of their column. A row with a gap (masked, None,
     NaN) is left out, and a note says so. Arrays are copied.
 
     Parameters
@@ -412,6 +412,6 @@ def _equal(key: Any, values: Array, notes: list[Note]) -> list[Any]:
     same = representatives(values.tolist())
     merged = sum(value != one for value, one in same.items())
     if merged:
-        text = f"{key} has {counted(merged, 'value')} within {RELATIVE:g} of the spread of another "
-        notes.append(Note("equal-settings", f"{text}one; they count as the same setting.", merged))
+        text = f"{key} has {counted(merged, 'value')} within {RELATIVE:g} of another one; "
+        notes.append(Note("equal-settings", f"{text}they count as the same setting.", merged))
     return [same[value] for value in values.tolist()]
