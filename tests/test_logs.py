@@ -202,6 +202,23 @@ def test_what_meters_write_for_no_reading_is_a_gap(tmp_path, cell):
     assert 7 not in models.read_log(tmp_path / "a.csv", JOINT).rows
 
 
+@pytest.mark.parametrize("mark", ["-9999", "999.99", "32767", "1e38"])
+def test_what_meters_write_for_no_value_is_a_gap_in_any_unit(tmp_path, mark):
+    speed = [mark if k in (7, 8, 9, 90) else f"{each:.4f}" for k, each in enumerate(np.cos(T))]
+    write(tmp_path / "a.csv", {"t": T, "speed (rpm)": speed, "torque": T})
+    assert not {7, 8, 9, 90} & set(models.read_log(tmp_path / "a.csv", JOINT).rows.tolist())
+    write(tmp_path / "a.csv", {"t": T, "speed": T, "torque (mN m)": speed})
+    with pytest.raises(ScenarioError, match=f'line 9, column torque = "{mark}, which stands for'):
+        models.read_log(tmp_path / "a.csv", JOINT)
+
+
+@pytest.mark.parametrize("heading", ["sd", "sd (rpm)", "error"])
+def test_an_error_without_a_unit_is_in_that_of_its_readings(tmp_path, heading):
+    write(tmp_path / "a.csv", {"t": T, "speed (rpm)": T, "torque": T, heading: 0.0 * T + 0.3})
+    sd = models.read_log(tmp_path / "a.csv", JOINT).errors.sd
+    assert sd == pytest.approx(np.full(len(T), 0.3 * np.pi / 30.0))
+
+
 def test_an_angle_beyond_a_turn_states_its_unit(tmp_path):
     pendulum = models.pendulum(length=0.5)
     for heading, per in (("angle (deg)", 57.3), ("angle (rad)", 1.0)):

@@ -1,5 +1,7 @@
 """Models in time: records, their errors, start states, and causes that act on an input."""
 
+import re
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -164,8 +166,8 @@ def test_repeats_tell_the_error_and_correlation_costs_degrees_of_freedom():
 
 @pytest.mark.parametrize(
     ("wild", "left_out"),
-    [({7: 999.9}, True), ({7: -999.0, 20: -999.0, 31: -999.0}, True), ({7: 3.0}, False),
-     ({7: 90.0, 8: 90.0}, False), (dict.fromkeys(range(7, 17, 2), 999.0), False)],
+    [({7: 900.9}, True), ({7: -900.0, 20: -900.0, 31: -900.0}, True), ({7: 3.0}, False),
+     ({7: 90.0, 8: 90.0}, False), (dict.fromkeys(range(7, 17, 2), 900.0), False)],
 )  # fmt: skip
 def test_single_readings_beyond_what_all_others_span_are_left_out(wild, left_out):
     t = np.arange(60.0)
@@ -174,6 +176,24 @@ def test_single_readings_beyond_what_all_others_span_are_left_out(wild, left_out
     record = Series(t, y, {"u": t})
     assert set(range(60)) - set(record.rows.tolist()) == (set(wild) if left_out else set())
     assert [note.code for note in record.own_notes] == left_out * len(wild) * ["wild-reading"]
+
+
+@pytest.mark.parametrize("mark", [-9999.0, 999.0, 99.9, 65535.0, -32768.0, 1e38])
+def test_what_meters_write_for_no_value_is_a_gap_and_no_input(mark):
+    t, rows = np.arange(60.0), [3, 4, 5, 30, 59]
+    wave = np.sin(0.3 * t)
+    lost = np.where(np.isin(t, rows), mark, wave)
+    record = Series(t, lost, {"u": t})
+    table = Table({"x": t}, lost, sd=1.0)
+    of_settings = Table({"x": lost}, t, sd=1.0)
+    for one in (record, table, of_settings):
+        assert set(range(60)) - set(one.rows.tolist()) == set(rows)
+        assert [note.code for note in one.own_notes] == ["marks-of-none", "gaps"]
+    with pytest.raises(ScenarioError, match=re.escape(f"inputs u: row 3 = {mark}: allowed is")):
+        Series(t, wave, {"u": lost})
+    # A value among the others, and one that the others do not tell, are no marks.
+    for sound in (100.0 * mark * t, np.where(t > 30.0, mark, 0.0)):
+        assert len(Series(t, wave, {"u": sound})) == len(Table({"x": sound}, t, sd=1.0)) == 60
 
 
 def test_a_row_less_makes_no_other_reading_a_wild_one():

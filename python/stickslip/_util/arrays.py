@@ -34,9 +34,9 @@ RELATIVE = 1e-6
 """Part of a number, and of the spread of its column, within which another one is the same setting.
 Chosen: finer than any apparatus is set, and wider than the rounding of a table in seven digits."""
 
-_LAST_PLACES = 4
-"""Units in the last place of a column's largest number that are the same. Chosen: what a few sums
-and products leave."""
+_ROUNDED, _LAST_PLACES = 1e-13, 4
+"""Part of the spread, and units in the last place of a column's largest number, that are the same.
+Chosen: what sums and products leave."""
 
 
 def are_equal(one: float, other: float, relative: float, absolute: float = 1e-12) -> bool:
@@ -56,7 +56,8 @@ def representatives(values: Iterable[float], kept: Collection[float] = ()) -> di
     if not ordered:
         return {}
     spread = ordered[-1] - ordered[0]
-    rounding = _LAST_PLACES * math.ulp(max(abs(ordered[0]), abs(ordered[-1])))
+    last_places = _LAST_PLACES * math.ulp(max(abs(ordered[0]), abs(ordered[-1])))
+    rounding = max(_ROUNDED * spread, last_places)
     groups: list[list[float]] = []
     for value in ordered:
         within = max(RELATIVE * min(spread, abs(value)), rounding)

@@ -11,6 +11,7 @@ is asked, the span of all others.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 
 import numpy as np
@@ -41,6 +42,11 @@ _OTHER = 8  # frames in a row that are another body; chosen: as many as make a v
 _RECORD, _SINGLE, _SPANS = 20, 3, 3.0
 """Fewest readings of a record, most that are left out of it, and how many spans of all others they
 lie beyond these. Chosen: no motion does so for one reading; what meters write for none does."""
+_ENDS = {
+    sign * (2.0**bits - less) for sign in (1, -1) for bits in (15, 16, 31, 32) for less in (0, 1)
+}
+_ENORMOUS = 1e30
+"""What meters write for no value besides nines: ends of whole numbers, and larger than any size."""
 _FEW = 0.05  # of the rows; chosen: where more are far it is the fit that is wrong
 
 
@@ -110,6 +116,24 @@ def far_from_all_others(y: Array) -> Mask:
             far[:] = False
             far[top] = True
     return far
+
+
+def marks_of_none(values: Array) -> Mask:
+    """Which numbers stand for no value: -9999 and the like, far beyond what all others span."""
+    finite = np.isfinite(values)
+    marks = np.isin(values, [each for each in np.unique(values[finite]) if _is_mark(each)])
+    others = values[finite & ~marks]
+    if not marks.any() or not len(others):
+        return np.zeros(len(values), dtype=bool)
+    low, high = float(others.min()), float(others.max())
+    beyond = np.abs(values - np.clip(values, low, high)) > _SPANS * (high - low)
+    return np.asarray(marks & beyond & (high > low))
+
+
+def _is_mark(value: float) -> bool:
+    """Whether it is written in nines alone, or is an end of a computer's numbers."""
+    nines = re.fullmatch(r"-?(999+\.0|99+\.9+)", repr(float(value)))
+    return nines is not None or abs(value) >= _ENORMOUS or value in _ENDS
 
 
 def free_of_bends(distance: Array) -> Mask:

@@ -19,6 +19,7 @@ from stickslip._util.tables import DECIMAL_COMMAS, CsvTable, Units, without_unit
 from stickslip._util.text import counted, is_number, number
 from stickslip._util.units import is_unit, split_unit, to_si
 from stickslip.errors import ScenarioError, prefixed
+from stickslip.measurement.outliers import marks_of_none
 from stickslip.simulation.note import Note
 
 if TYPE_CHECKING:
@@ -139,9 +140,8 @@ def _in_si(
     for k, name in enumerate(names):
         if units.get(name) is None:
             continue
-        for line, row in rows:
-            if len(row) != len(names):
-                continue
+        whole = [(line, row) for line, row in rows if len(row) == len(names)]
+        for line, row in whole:
             row[k] = row[k] if with_point is None else with_point(line, k, row[k])
             value = number(row[k])
             if math.isnan(value) and _is_no_gap(row[k]):
@@ -149,8 +149,12 @@ def _in_si(
                     f"line {line}, column {name} = {shown(row[k])}: allowed is the number alone, "
                     "without separators of thousands and without a unit"
                 )
-            if per[k] != 1.0 and not math.isnan(value):
-                row[k] = repr(to_si(value, per[k]))
+        values = np.array([number(row[k]) for _, row in whole])
+        for (_, row), value, is_mark in zip(whole, values, marks_of_none(values), strict=True):
+            if is_mark:
+                row[k] = f"{row[k]}, which stands for no value"
+            elif per[k] != 1.0 and not math.isnan(value):
+                row[k] = repr(to_si(float(value), per[k]))
     return names
 
 

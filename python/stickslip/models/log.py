@@ -142,6 +142,10 @@ def read_log(path: str | PathLike[str], model: object) -> Series:
                                     wanted.units[column])
         for column, k in used.items()
     }  # fmt: skip
+    read = found[wanted.reads]
+    if _ERROR in found and found[_ERROR].unit is None and read.unit:
+        # An error without a unit is in that of its readings.
+        values[_ERROR] = values[_ERROR] / per_si(read.unit, read.si(wanted.units[wanted.reads]))
     for k in valid:
         said = [cells[k] for _, cells in rows]
         _leave_out(values[wanted.reads], said, f"column {table.header[k]}", path, notes)
@@ -153,18 +157,16 @@ def read_log(path: str | PathLike[str], model: object) -> Series:
     if bare:
         units_of = ", ".join(f"{column} in {wanted.units[column][0]}" for column in bare)
         notes.append(Note("no-unit", f"Headings without a unit are read in SI units: {units_of}."))
-    unit = found[wanted.reads].unit
-    shows = unit if unit and same_unit(unit, wanted.unit) else wanted.unit
+    shows = read.unit if read.unit and same_unit(read.unit, wanted.unit) else wanted.unit
     inputs = _with_one_zero(values, found, wanted, notes)
     log = Series(
         values[_TIME], values[wanted.reads], inputs, values.get(_ERROR), path.stem, unit=shows
     )
     largest = float(np.max(np.abs(log.y)))
     if wanted.unit == "rad" and wanted.reads in bare and largest > _TURN:
-        name = found[wanted.reads].text
         raise ScenarioError(
-            f"{path}: column {name} has no unit and reaches {largest:.4g}: beyond a turn allowed "
-            f'is "{name} (rad)" or "{name} (deg)"'
+            f"{path}: column {read.text} has no unit and reaches {largest:.4g}: beyond a turn "
+            f'allowed is "{read.text} (rad)" or "{read.text} (deg)"'
         )
     return log.noted(notes)
 

@@ -25,9 +25,9 @@ from stickslip._util.text import brief
 from stickslip._util.units import with_unit
 from stickslip.diagnosis.data.errors import FEWEST, Errors
 from stickslip.diagnosis.data.settings import Settings
-from stickslip.diagnosis.data.table import Table, stated_errors, without_gaps
+from stickslip.diagnosis.data.table import Table, stated_errors, without_gaps, without_marks
 from stickslip.errors import ScenarioError
-from stickslip.measurement.outliers import far_from_all_others
+from stickslip.measurement.outliers import far_from_all_others, marks_of_none
 from stickslip.simulation.note import Note
 
 LATEST = 1e11
@@ -108,12 +108,18 @@ class Series(Table):
         if len(late):
             before, time = times[late[0] : late[0] + 2].tolist()
             refuse(f"{self.at}t: row {late[0] + 1}", time, f"a time after {before!r}")
-        readings = row(f"{self.at}y", y, count, unit=unit, gaps=True)
+        notes: list[Note] = []
+        what = f"{self.at}y"
+        readings = without_marks(what, row(what, y, count, unit=unit, gaps=True), notes)
         acting = {key: row(f"{self.at}inputs {key}", array, count) for key, array in given.items()}
+        for key, values in acting.items():
+            for k in np.flatnonzero(marks_of_none(values))[:1].tolist():
+                what = f"{self.at}inputs {key}: row {k}"
+                refuse(what, values[k].item(), "what acted; this stands for no value")
         gap = np.isnan(readings)
         stated = None if sd is None else stated_errors(f"{self.at}sd", sd, count, unit)
         gap = gap if stated is None else gap | np.isnan(stated)
-        self.own_notes = tuple(without_gaps(self.at, gap))
+        self.own_notes = (*notes, *without_gaps(self.at, gap))
         for k in np.flatnonzero(~gap)[far_from_all_others(readings[~gap])].tolist():
             text = f"{self.at}row {k}: {readings[k]:g} is far from all others, and left out."
             self.own_notes += (Note("wild-reading", text, float(readings[k])),)

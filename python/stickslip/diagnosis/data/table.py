@@ -32,6 +32,7 @@ from stickslip._util.units import factor_text, far_size, unit_label
 from stickslip.diagnosis.data.errors import estimate, no_finer_than_the_meter
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.errors import ScenarioError
+from stickslip.measurement.outliers import marks_of_none
 from stickslip.simulation.note import Note
 
 if TYPE_CHECKING:
@@ -56,8 +57,8 @@ Chosen: constants and causes of the usual size change predictions by less."""
 class Table:
     """Readings at settings. Rows with equal settings are repeats of one condition.
 
-    Numbers are equal within 1e-6 of their size and of the spread of their column. A row with a gap (masked, None,
-    NaN) is left out, and a note says so. Arrays are copied.
+    Numbers are equal within 1e-6 of their size and of the spread of their column. A row with a gap
+    (masked, None, NaN, a mark such as -9999) is left out, and a note says so. Arrays are copied.
 
     Parameters
     ----------
@@ -139,13 +140,18 @@ class Table:
         columns = columns_of(f"{at}settings", settings)
         beside = {"y": y, "sd": sd, "block": block, "run": run}
         check_indexes(at, {**beside, "settings": settings, **(columns or {})})
-        readings = row(f"{at}y", y, unit=unit, gaps=True)
+        notes: list[Note] = []
+        readings = without_marks(f"{at}y", row(f"{at}y", y, unit=unit, gaps=True), notes)
         count = len(readings)
         gap = np.isnan(readings)
         given = _of_array(f"{at}settings", settings, count) if columns is None else columns
         read = {}
         for key, values in given.items():
-            read[key], missing = column(f"{at}settings {key}", values, count)
+            what = f"{at}settings {key}"
+            read[key], missing = column(what, values, count)
+            if read[key].dtype.kind == "f":
+                read[key] = without_marks(what, read[key], notes)
+                missing = np.isnan(read[key])
             gap = gap | missing
         stated = None if sd is None else stated_errors(f"{at}sd", sd, count, unit)
         gap = gap if stated is None else gap | np.isnan(stated)
@@ -158,7 +164,7 @@ class Table:
         self.settings = read
         if columns is None:
             self.settings = _as_array(f"{at}settings", settings, read)
-        notes = without_gaps(at, gap)
+        notes += without_gaps(at, gap)
         same = [_equal(key, values, notes) for key, values in read.items()]
         keys = list(zip(*same, strict=True)) or [()] * len(self.y)
         number = {key: k for k, key in enumerate(dict.fromkeys(keys))}
@@ -368,6 +374,18 @@ def stated_errors(what: str, sd: ArrayLike, count: int, unit: str) -> Array:
             f"{what} = {brief(sd)}: allowed is a number above 0, or {count} of them"
         )
     return np.broadcast_to(values, (count,))
+
+
+def without_marks(what: str, values: Array, notes: list[Note]) -> Array:
+    """Values with NaN for what stands for no value, such as -9999, and a note on these."""
+    marks = marks_of_none(values)
+    if not marks.any():
+        return values
+    rows = np.flatnonzero(marks)
+    which = rows_in_words(rows)
+    text = f"{what}: {which}: {values[rows[0]]:g} stands for no value."
+    notes.append(Note("marks-of-none", text, len(rows)))
+    return np.where(marks, np.nan, values)
 
 
 def without_gaps(at: str, gap: Mask) -> list[Note]:
