@@ -27,6 +27,8 @@ _OTHERS = {
         **dict.fromkeys(("mNm", "mN·m"), 1e3),
         "kNm": 1e-3,
         **dict.fromkeys(("N cm", "Ncm"), 1e2),
+        **dict.fromkeys(("N mm", "Nmm"), 1e3),
+        **dict.fromkeys(("kgf cm", "kgcm"), 1e2 / 9.80665),
     },
     "K": dict.fromkeys(_CELSIUS, 1.0),
     "T": dict.fromkeys(("G", "gauss"), 1e4),

@@ -17,6 +17,7 @@ from stickslip._util.messages import meant
 from stickslip._util.text import OneLine, brief
 from stickslip.diagnosis.data.series import Series, with_repeats
 from stickslip.diagnosis.data.table import Table, rows_in_words
+from stickslip.diagnosis.fitting.fineness import with_measured_fineness
 from stickslip.diagnosis.fitting.problem import HUGE, Cached, Problem
 from stickslip.diagnosis.fitting.search import recalibrated
 from stickslip.diagnosis.measured import freed
@@ -43,6 +44,7 @@ _MEANT = {
 """What is meant by errors of NumPy in a user's model, by a part of their text."""
 
 _MOST_LOST = 0.1  # part of the rows that the model may not compute; chosen
+_SAME = 1e-9  # part of the readings by which two equal calls may differ; chosen: rounding
 
 
 class Values(dict[str, Array]):
@@ -91,7 +93,14 @@ def problem_of_model(
     problem = Problem(tuple(tables), Cached(rows), constants, every, forms=forms)
     if np.all(_not_computed(problem, np.zeros(problem.size))):
         raise ScenarioError("predict: with the stated parameters it computes no reading")
-    return problem
+    stated = problem.physical(np.zeros((1, problem.size)))
+    once, again = problem.model(stated), rows(stated)
+    if not np.allclose(once, again, _SAME, _SAME * np.nanmax(np.abs(once)), equal_nan=True):
+        raise ScenarioError(
+            "predict: it returns other readings when it is called again: allowed is a function of "
+            "its arguments alone; fix the seed of its random numbers"
+        )
+    return with_measured_fineness(problem)
 
 
 def _with_forms(model: OwnModel, problem: Problem, more: Sequence[Cause]) -> Problem:

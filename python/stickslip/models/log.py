@@ -24,7 +24,7 @@ from stickslip.simulation.note import Note
 
 _TIME, _ERROR = "t", "sd"
 _ALSO = {
-    _TIME: ("time", "timestamp", "date", "datetime", "clock"),
+    _TIME: ("time", "timestamp", "unix", "unix time", "date", "datetime", "clock"),
     _ERROR: ("error",),
 }  # what columns are called, too
 _VALID = "valid", "ok"

@@ -173,15 +173,13 @@ def _with_second(
         both = pair.names <= set(sure)
         return _claimed(verdict, models, test, pair) if both else _set(verdict, models, chance)
     reason = _refused(pair, member, second)
-    leads = chance.among_small(member.name) >= SURE
-    if leads:
+    if chance.among_small(member.name) >= SURE:
         single = _claimed(verdict, models, test, member, (reason,))
         if single.claims:
             return single
     if pair.names <= set(sure):
         # A smaller model is improbable, and the second cause is not proven: both stay open.
-        smaller = [member] if leads else alone
-        still_open = tuple(dict.fromkeys((pair, *smaller, *verdict.members)))
+        still_open = tuple(dict.fromkeys((pair, member, *verdict.members)))
         return _set(verdict, models, chance, (reason,), still_open)
     return _set(verdict, models, chance, (reason,))
 
@@ -337,10 +335,10 @@ def _with(verdict: Verdict, kind: Kind, causes: tuple[str, ...], fit: Fit | None
     notes = list(reasons)
     leader = subject or models.leaders(1)[0]
     likeliest = next(other for other in models.leaders() if other.names == leader.names)
-    kappa = likeliest.sizes.get("kappa", 1.0)
-    if kappa < CALM:
-        text = f"The errors are too large: what is left scatters by {kappa:.2g} of them."
-        notes.append(Note("errors-too-large", text, kappa))
+    left = math.hypot(likeliest.sizes.get("kappa", 1.0), likeliest.sizes.get("s", 0.0))
+    if left < CALM:
+        text = f"The errors are too large: what is left scatters by {left:.2g} of them."
+        notes.append(Note("errors-too-large", text, left))
     return Verdict(
         kind, causes, fit, tuple(notes), verdict.probabilities, verdict.members, verdict.common,
         None if subject is None else share(models, subject), subject or verdict.leader, gain,
@@ -353,9 +351,12 @@ def _at_end(models: Models, fit: Fit) -> bool:
     names = [constant.name for constant in problem.constants]
     freed = [names.index(cause.frees) for cause in fit.causes if cause.frees is not None]
     for k in [*problem.columns(fit.causes).tolist(), *freed]:
-        # The end at which an amplitude does nothing is no end of its range.
-        amplitude = problem.parameters[k].is_amplitude
-        ends = [end for end in (low[k], high[k]) if math.isfinite(end) and (end or not amplitude)]
+        # The end at which an amplitude does nothing is no end of its range, nor is one of a shape
+        # that is stated: a part of 1 is all.
+        one = problem.parameters[k]
+        stated = [] if one.is_amplitude else [one.coordinate(end) for end in (one.low, one.high)]
+        ends = [end for end in (low[k], high[k]) if math.isfinite(end) and end not in stated]
+        ends = [end for end in ends if end or not one.is_amplitude]
         if any(abs(fit.x[k] - end) < _AT_END for end in ends):
             return True
     return False

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -45,6 +46,17 @@ _STRIDE, _GOOD = 0.3, 0.3
 # Longest step of amplitudes and logarithms, whose coordinates are far from linear, and of other
 # constants, which may be stated many standard deviations off. Chosen.
 _STEP, _LINEAR_STEP = 2.5, 50.0
+
+
+FINE = 0.25
+"""Part of its unit over which predictions change with a fine coordinate, such as the time of an
+event or a period. Chosen."""
+
+# Walks after a descent at most, and their moves, in parts over which predictions change: up to the
+# places of a scan on either side. Chosen.
+_WALKS, _WALKED = 4, 4.0 * 0.5 ** np.arange(9)
+# Widths of differences of a fine coordinate, each a quarter of the one before. Chosen.
+_WIDTHS = 7
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -192,6 +204,53 @@ def descend(
     return End(x, residual, slopes, now, exact)
 
 
+def walk(
+    problem: Problem,
+    form: Form,
+    h: Array,
+    causes: Sequence[Cause],
+    x: Array,
+    *,
+    hopeless: float = np.inf,
+    draft: bool | None = None,
+    precision: Array | None = None,
+    **options: Any,
+) -> Asking[End]:
+    """`descend`, and on from where a move of the fine coordinates of a cause lowers the cost.
+
+    The edge of an event has a slope at one reading alone, which leads nowhere.
+    """
+    options |= {"precision": precision, "draft": draft, "hopeless": hopeless}
+    end = yield from descend(problem, form, h, causes, x, **options)
+    moves = [one for cause in causes for one in _moves(problem, cause)]
+    draft = form.factor > 1.0 if draft is None else draft
+    precision = precision_of(problem, causes) if precision is None else precision
+    free = problem.free(causes)
+    for _ in range(_WALKS if moves and end.cost < hopeless else 0):
+        tries = np.clip(end.x + moves, *problem.limits)
+        residual = yield tries, draft
+        costs = costs_of(form, h, tries[:, free], precision, residual)
+        best = int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))
+        if not costs[best] < end.cost - SETTLED:
+            break
+        options |= {"begin": None, "slopes": end.slopes, "hopeless": np.inf}
+        end = yield from descend(problem, form, h, causes, tries[best], **options)
+    return end
+
+
+def _moves(problem: Problem, cause: Cause) -> list[Array]:
+    """Moves of the fine coordinates of a cause, alone and two together, as vectors (size,)."""
+    fine = [k for k in problem.columns([cause]).tolist() if problem.fineness[k] <= FINE]
+    steps = np.concatenate([[0.0], _WALKED, -_WALKED]) if not cause.has_knots else ()
+    moves = []
+    for pair in itertools.combinations(fine, 2) if len(fine) > 1 else [(k, k) for k in fine]:
+        for sizes in itertools.product(steps, repeat=len(set(pair))):
+            move = np.zeros(problem.size)
+            move[list(dict.fromkeys(pair))] = sizes * problem.fineness[list(dict.fromkeys(pair))]
+            moves.append(move)
+    return moves
+
+
 def _updated(slopes: Array, change: Array, move: Array, sd: Array) -> Array:
     """Slopes that agree with the change of the predictions over a step (Broyden, 1965)."""
     length = float(np.linalg.norm(move))
@@ -249,9 +308,20 @@ def derivatives(
 
     Differences are about as wide as what the data leaves open, `spread`. Where one shows a jump of
     some row, or with `central`, the other side is looked at too: where both sides differ by a
-    jump, the milder one is the slope.
+    jump, the milder one is the slope. With fine coordinates predictions bend within a spread.
     """
     fineness = problem.fineness[free]
+    fine = np.flatnonzero(fineness <= FINE)
+    if len(fine):
+        usual = np.flatnonzero(fineness > FINE)
+        slopes = np.empty((len(residual), len(free)))
+        rest = None if spread is None else spread[usual]
+        slopes[:, usual] = yield from derivatives(
+            problem, x, free[usual], residual, draft, rest, central
+        )
+        for k in fine.tolist():
+            slopes[:, k] = yield from _fine_slope(problem, x, int(free[k]), residual, draft)
+        return slopes
     width = _WIDE * fineness
     if spread is not None:
         width = np.clip(spread, _NARROW * fineness, width)
@@ -274,6 +344,28 @@ def derivatives(
     milder = np.where(np.abs(near[:, again]) < np.abs(far), near[:, again], far)
     near[:, again] = np.where(jumped, milder, 0.5 * (near[:, again] + far))
     return near
+
+
+def _fine_slope(problem: Problem, x: Array, k: int, residual: Array, draft: bool) -> Asking[Array]:
+    """Slope by a fine coordinate: the mean of both sides' over the widest moves that change the
+    predictions by an error at most."""
+    widths = problem.fineness[k] * _WALKED[0] * 0.25 ** np.arange(_WIDTHS)
+    moves = np.stack([widths, -widths])
+    points = np.tile(x, (2, _WIDTHS, 1))
+    points[..., k] = np.clip(x[k] + moves, *problem.limits[:, k])
+    moves = points[..., k] - x[k]
+    made = yield points.reshape(-1, problem.size), draft
+    lost = (made == LOST * problem.sd) | (residual == LOST * problem.sd)
+    change = np.where(lost, 0.0, residual - made).reshape(2, _WIDTHS, -1)
+    size = np.linalg.norm(change / problem.sd, axis=2)
+    sides = []
+    for way in range(2):
+        known = np.flatnonzero(moves[way] != 0.0)
+        calm = known[size[way, known] <= _JUMP]
+        if len(known):
+            at = calm[0] if len(calm) else known[-1]
+            sides.append(change[way, at] / moves[way, at])
+    return np.asarray(np.mean(sides, axis=0))
 
 
 def end_at(problem: Problem, causes: Sequence[Cause], x: Array) -> Asking[End]:

@@ -11,7 +11,7 @@ from scipy.special import log_ndtr, logsumexp
 
 from stickslip._util.arrays import Array, Indices
 from stickslip._util.text import OneLine
-from stickslip.diagnosis.fitting.descent import Asking, End, derivatives, descend, precision_of
+from stickslip.diagnosis.fitting.descent import Asking, End, derivatives, precision_of, walk
 from stickslip.diagnosis.fitting.forms import PRIOR, Form
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.terms.cause import Cause
@@ -124,7 +124,7 @@ def minimise(
         (residual,) = yield x[None, :], False
         h = form.begin(residual)
     for turn in range(_ROUNDS):
-        end = yield from descend(
+        end = yield from walk(
             problem, form, h, causes, x, precision=precision, steps=steps, begin=end,
             slopes=slopes, hopeless=hopeless,
         )  # fmt: skip

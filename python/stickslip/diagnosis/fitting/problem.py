@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections import OrderedDict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -33,6 +33,10 @@ does a slip of the pen."""
 LOST = 1e3
 """Residual, in errors, of a row that the model cannot compute. Chosen: far beyond any residual of a
 usable model, and its square still leaves ten digits to the other rows."""
+
+_FAR_OUT, _UNLIKELY = 4.5, 3.0
+"""Farthest coordinates of an amplitude and of a shape that a scan reaches. Chosen: beyond the
+largest error that is searched, and where a prior leaves one in 400 shapes out."""
 
 HUGE = 1e100
 """Size of a prediction beyond which it is as good as none: its square overflows."""
@@ -64,6 +68,8 @@ class Problem(OneLine):
         Of the tables.
     roughness : ndarray, shape (n,)
         Scatter of the model itself, in the units of the rows, as a further independent error.
+    finer : dict of float
+        Measured fineness of parameters, by name.
     """
 
     tables: tuple[Table, ...]
@@ -75,6 +81,7 @@ class Problem(OneLine):
     forms: Callable[[Problem, Sequence[Cause]], Problem] | None = field(default=None, repr=False)
     errors: tuple[Errors, ...] = ()
     roughness: Array | None = None
+    finer: Mapping[str, float] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         if not self.errors:
@@ -104,7 +111,13 @@ class Problem(OneLine):
     @cached_property
     def fineness(self) -> Array:
         """Share of each coordinate's unit over which predictions change, shape (size,)."""
-        return np.array([parameter.fineness for parameter in self.parameters])
+        return np.array([min(p.fineness, self.finer.get(p.name, 1.0)) for p in self.parameters])
+
+    @cached_property
+    def scanned(self) -> Array:
+        """Ends between which a coordinate is looked through, shape (2, size)."""
+        far = [_FAR_OUT if one.is_amplitude else _UNLIKELY for one in self.parameters]
+        return np.clip(self.limits, -np.array(far), far)
 
     def columns(self, causes: Sequence[Cause]) -> Indices:
         """Coordinates of the parameters of some causes."""

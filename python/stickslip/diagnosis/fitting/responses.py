@@ -11,7 +11,7 @@ import numpy as np
 
 from stickslip._util.arrays import Array
 from stickslip._util.text import OneLine
-from stickslip.diagnosis.fitting.descent import End, precision_of
+from stickslip.diagnosis.fitting.descent import FINE, End, precision_of
 from stickslip.diagnosis.fitting.forms import Form
 from stickslip.diagnosis.fitting.problem import LOST, Problem
 from stickslip.diagnosis.terms.cause import Cause
@@ -22,18 +22,16 @@ AMPLITUDES = (0.15, USUAL, 2.0, 6.0)
 without a slope at zero, and the way to a limit that binds may lead uphill. Chosen: a factor of
 three to four apart, up to a size that surprises."""
 
-FINE = 0.2
-"""Part of its unit over which predictions change with a shape that is fine, such as the time of an
-event. Chosen."""
-
 # Of a shape: 1.5 standard deviations of its prior; chosen. Of a fine one a scan of so many places
-# at most.
-_SHAPES, _SCANNED = (-1.5, 0.0, 1.5), 64
+# at most, together with the other ones of its cause, and of so many predictions. Chosen.
+_SHAPES, _MOST_PLACES, _MOST_PREDICTED = (-1.5, 0.0, 1.5), 512, 1 << 22
 # Multiple of a response up to which it is trusted, and largest move of a constant that makes up for
 # one. Chosen: a response says little of amplitudes far beyond its own.
 _MULTIPLE, _FAR = 1.8, 6.0
 # Largest coordinate of an amplitude that does not surprise, and how far apart probes are. Chosen.
 _UNSURPRISING, _STEP = 2.0, 3.0
+# Responses of a cause that are returned. Chosen: all but those of a scan.
+_KEPT = 24
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -95,12 +93,13 @@ def responses(
     # One product for all: the slopes of what is fitted, the gaps, the residual.
     prepared = form.prepared(np.column_stack([end.slopes, gaps.T, end.residual]))
     gram = form.weighted(prepared, end.residual, h)
-    result, at = [], end.slopes.shape[1]
-    for probe in probes:
-        rows = range(at, at + len(probe.columns))
-        at += len(probe.columns)
-        effects = gaps[rows.start - end.slopes.shape[1] : rows.stop - end.slopes.shape[1]]
-        result.append(_best(problem, end, causes, probe, gram, rows, effects))
+    result, first = list[Response](), 0
+    for _, group in itertools.groupby(probes, key=lambda probe: probe.cause.name):
+        mine = list(group)
+        count = len(mine) * len(mine[0].columns)
+        effects = gaps[first : first + count]
+        result += _best(problem, end, causes, mine, gram, end.slopes.shape[1] + first, effects)
+        first += count
     return sorted(result, key=lambda response: -response.gain)
 
 
@@ -110,32 +109,39 @@ def _probes(problem: Problem, cause: Cause, sizes: Sequence[float]) -> list[_Pro
     shapes = [k for k in columns if not problem.parameters[k].is_amplitude and not cause.has_knots]
     moved = [k for k in columns if k not in shapes]
     signs = (1.0,) if all(0.0 in (low[k], high[k]) for k in moved) else (1.0, -1.0)
-    places = [_SHAPES if problem.fineness[k] > FINE else _scanned(problem, k) for k in shapes]
-    if any(shapes is not _SHAPES for shapes in places):
-        sizes = (USUAL,)
+    fine = [k for k in columns if problem.fineness[k] <= FINE and not cause.has_knots]
+    usual = {k: np.unique(np.clip(_SHAPES, low[k], high[k])).tolist() for k in shapes}
+    grid = [_places(problem, fine, k) if k in fine else usual[k] for k in shapes]
+    if fine:
+        sizes, signs = (USUAL,), (1.0,)
     if len(moved) > 1:
         sizes = [size for size in sizes if size <= _UNSURPRISING]
-    return [
-        _Probe(
-            cause,
-            moved,
-            [_within(sign * size, low[k], high[k]) for k in moved],
-            dict(zip(shapes, shape, strict=True)),
-        )
-        for shape in itertools.product(*places)
+    amounts = [
+        [within(sign * size, low[k], high[k]) for k in moved]
         for size, sign in itertools.product(sizes if moved else (0.0,), signs)
+    ]
+    if moved and moved[0] in fine:
+        # An amplitude that turns its effect is looked through like a shape.
+        amounts = [[place] for place in _places(problem, fine, moved[0]) if place != 0.0]
+    return [
+        _Probe(cause, moved, amount, dict(zip(shapes, shape, strict=True)))
+        for shape in itertools.product(*grid)
+        for amount in amounts
     ]
 
 
-def _within(size: float, low: float, high: float) -> float:
+def within(size: float, low: float, high: float) -> float:
     """An amplitude of a size within its range, on the other side of zero if there is none here."""
     return float(np.clip(size, low, high) or np.clip(-size, low, high))
 
 
-def _scanned(problem: Problem, k: int) -> tuple[float, ...]:
-    """Places of a shape all over its range."""
-    low, high = np.clip(problem.limits[:, k], -3.0, 3.0)
-    count = min(math.ceil((high - low) / (2.0 * problem.fineness[k])), _SCANNED)
+def _places(problem: Problem, fine: Sequence[int], k: int) -> tuple[float, ...]:
+    """Places of a fine coordinate all over its range, as many as it and the other ones allow."""
+    wanted = np.ptp(problem.scanned[:, fine], axis=0) / (2.0 * problem.fineness[fine])
+    most = min(_MOST_PLACES, _MOST_PREDICTED // len(problem.y))
+    thinner = max(float(np.prod(wanted)) / most, 1.0) ** (1.0 / len(fine))
+    low, high = problem.scanned[:, k]
+    count = max(math.ceil((high - low) / (2.0 * problem.fineness[k] * thinner)), 1)
     return tuple((low + (high - low) * (np.arange(count) + 0.5) / count).tolist())
 
 
@@ -143,42 +149,62 @@ def _best(
     problem: Problem,
     end: End,
     causes: Sequence[Cause],
-    probe: _Probe,
+    probes: Sequence[_Probe],
     gram: Array,
-    rows: range,
+    first: int,
     gaps: Array,
-) -> Response:
-    """The amplitudes of a probe, within what is trusted, that lower the cost most."""
-    fitted, both = problem.free(causes), [*causes, probe.cause]
-    p, values = len(fitted), np.array(probe.values)
+) -> list[Response]:
+    """The amplitudes of the probes of a cause, within what is trusted, that lower the cost most.
+
+    Rows of `gram` from `first` on are their gaps. Of many probes, the best are returned.
+    """
+    cause, moved = probes[0].cause, probes[0].columns
+    fitted, both = problem.free(causes), [*causes, cause]
+    p, m, many = len(fitted), len(moved), len(probes)
     free = problem.free(both).tolist()
-    used = [*range(p), *rows]
-    scale = np.concatenate([np.ones(p), 1.0 / values])
-    inner = scale[:, None] * gram[np.ix_(used, used)] * scale
-    along = scale * gram[used, -1]
-    columns = [free.index(k) for k in (*fitted.tolist(), *probe.columns)]
+    values = np.array([probe.values for probe in probes]).reshape(many, m)
+    places = np.array([list(probe.shapes.values()) for probe in probes]).reshape(many, -1)
+    used = np.hstack(
+        [np.tile(np.arange(p), (many, 1)), first + np.arange(many * m).reshape(many, m)]
+    )
+    scale = np.hstack([np.ones((many, p)), 1.0 / values])
+    inner = scale[:, :, None] * gram[used[:, :, None], used[:, None, :]] * scale[:, None, :]
+    columns = [free.index(k) for k in (*fitted.tolist(), *moved)]
     precision = precision_of(problem, both)[np.ix_(columns, columns)]
-    before = precision_of(problem, causes)
-    here = end.x[fitted]
+    before, here = precision_of(problem, causes), end.x[fitted]
     curvature = inner + precision
-    downhill = along - precision @ np.concatenate([here, np.zeros(len(rows))])
-    step = np.linalg.solve(curvature, downhill)
-    low, high = problem.limits[:, probe.columns]
-    # A single amplitude that surprises is looked for there; smaller ones have their own probes.
-    least = values / _STEP if len(rows) == 1 and abs(values[0]) > _UNSURPRISING else 0.0 * values
-    ends = np.sort(np.stack([least, _MULTIPLE * values]), axis=0)
-    amplitudes = np.clip(np.clip(step[p:], *ends), low, high)
+    downhill = scale * gram[used, -1] - precision @ np.concatenate([here, np.zeros(m)])
+    step = np.linalg.solve(curvature, downhill[..., None])[..., 0]
+    least, most = _trusted(problem, probes[0], values)
+    low, high = problem.limits[:, moved]
+    within_trust = np.clip(step[:, p:], np.minimum(least, most), np.maximum(least, most))
+    amplitudes = np.clip(within_trust, low, high)
     # The constants again for the amplitudes as they are.
-    rest = np.linalg.solve(curvature[:p, :p], downhill[:p] - curvature[:p, p:] @ amplitudes)
-    rest = np.clip(rest, -_FAR, _FAR) if probe.columns else rest
-    move = np.concatenate([rest, amplitudes])
+    across = np.einsum("vij,vj->vi", curvature[:, :p, p:], amplitudes)
+    rest = np.linalg.solve(curvature[:, :p, :p], (downhill[:, :p] - across)[..., None])[..., 0]
+    rest = np.clip(rest, -_FAR, _FAR) if m else rest
+    move = np.hstack([rest, amplitudes])
     freed = float(here @ (before - precision[:p, :p]) @ here)
-    price = float(sum(value**2 for value in probe.shapes.values()))
-    gain = float(2.0 * downhill @ move - move @ curvature @ move) + freed - price
-    x = end.x.copy()
-    x[fitted] += rest
-    x[probe.columns] = amplitudes
-    x[list(probe.shapes)] = list(probe.shapes.values())
-    slopes = np.zeros((len(end.residual), len(free)))
-    slopes[:, columns] = np.hstack([end.slopes, gaps.T / values])
-    return Response(probe.cause, x, gain, gaps, slopes)
+    bent = np.einsum("vi,vij,vj->v", move, curvature, move)
+    gain = 2.0 * np.sum(downhill * move, axis=1) - bent + freed - np.sum(places**2, axis=1)
+    found = []
+    for k in np.argsort(-gain, kind="stable")[:_KEPT].tolist():
+        x, mine = end.x.copy(), gaps[k * m : (k + 1) * m]
+        x[fitted] += rest[k]
+        x[moved], x[[*probes[k].shapes]] = amplitudes[k], places[k]
+        slopes = np.zeros((len(end.residual), len(free)))
+        slopes[:, columns] = np.hstack([end.slopes, mine.T / values[k]])
+        found.append(Response(cause, x, float(gain[k]), mine, slopes))
+    return found
+
+
+def _trusted(problem: Problem, probe: _Probe, values: Array) -> tuple[Array, Array]:
+    """Ends between which the response to amplitudes, (probes, amplitudes), tells that to others."""
+    turning, fine = (problem.fineness[list(of)] <= FINE for of in (probe.columns, probe.shapes))
+    if np.any(turning):
+        return values, values
+    if np.any(fine):
+        return -_MULTIPLE * values, _MULTIPLE * values  # no probe has the other sign
+    # A single amplitude that surprises is looked for there; smaller ones have their own probes.
+    alone = (np.abs(values) > _UNSURPRISING) & (values.shape[1] == 1)
+    return np.where(alone, values / _STEP, 0.0), _MULTIPLE * values

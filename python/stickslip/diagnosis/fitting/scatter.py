@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -12,7 +13,7 @@ from stickslip._util.arrays import Array, root_mean_square
 from stickslip._util.units import with_unit
 from stickslip.diagnosis.data.errors import FEWEST, Errors
 from stickslip.diagnosis.data.series import SMOOTH
-from stickslip.diagnosis.fitting.descent import End, descend, end_at, in_step, precision_of
+from stickslip.diagnosis.fitting.descent import End, end_at, in_step, precision_of, walk
 from stickslip.diagnosis.fitting.forms import Exact
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.responses import responses
@@ -20,9 +21,9 @@ from stickslip.diagnosis.fitting.search import APART, recalibrated, separated
 from stickslip.simulation.note import Note
 
 # Rounds of fit and scatter and steps of each; ends beside the recalibrated model about which single
-# causes are tried, steps of a look from each of them, and looks that are followed. A cause that
-# leads to the minimum may look worst where it begins. Chosen.
-_ROUNDS, _STEPS, _VIEWS, _LOOK, _FOLLOWED = 4, 15, 2, 4, 4
+# causes are tried, steps of a look from each of them, looks that are followed, and looks of each
+# cause. A cause that leads to the minimum may look worst where it begins. Chosen.
+_ROUNDS, _STEPS, _VIEWS, _LOOK, _FOLLOWED, _OF_CAUSE = 4, 15, 2, 4, 4, 4
 
 _SMALLEST = 1e-9
 """Least error, in the scatter of the readings: below it is rounding."""
@@ -48,8 +49,11 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
     views = [null.end, *in_step(problem, [end_at(problem, (), end.x) for end in ends[:_VIEWS]])]
     starts = [view.x for view in views]
     for view in views:
-        effects = responses(problem, view, (), problem.causes, form, h)
-        starts += [effect.x for effect in effects]
+        tried = Counter[str]()
+        for effect in responses(problem, view, (), problem.causes, form, h):
+            tried[effect.cause.name] += 1
+            if tried[effect.cause.name] <= _OF_CAUSE:
+                starts.append(effect.x)
     apart = list(separated(starts, lambda x: x, APART))
     looks = _descended(problem, form, apart, _LOOK)
     starts = [look.x for look in looks[:_FOLLOWED]]
@@ -71,7 +75,7 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
 
 def _descended(problem: Problem, form: Exact, starts: Sequence[Array], steps: int) -> list[End]:
     """Ends of fits of all causes, the best first."""
-    every = [descend(problem, form, np.zeros(0), problem.causes, x, steps=steps) for x in starts]
+    every = [walk(problem, form, np.zeros(0), problem.causes, x, steps=steps) for x in starts]
     return sorted(in_step(problem, every), key=lambda end: end.cost)
 
 

@@ -20,6 +20,7 @@ from scipy.stats import qmc
 
 from stickslip._util.arrays import Array
 from stickslip.diagnosis.fitting.descent import (
+    FINE,
     SETTLED,
     STAGES,
     Asking,
@@ -29,6 +30,7 @@ from stickslip.diagnosis.fitting.descent import (
     end_at,
     in_step,
     precision_of,
+    walk,
 )
 from stickslip.diagnosis.fitting.draws import FEWEST, drawn
 from stickslip.diagnosis.fitting.forms import Form, Softened, forms
@@ -41,7 +43,7 @@ from stickslip.diagnosis.fitting.models import (
     sharpened,
 )
 from stickslip.diagnosis.fitting.problem import Problem, lack_of_fit
-from stickslip.diagnosis.fitting.responses import FINE, USUAL, Response, responses
+from stickslip.diagnosis.fitting.responses import USUAL, Response, responses
 from stickslip.diagnosis.terms.cause import Cause
 
 _Item = TypeVar("_Item")
@@ -526,7 +528,9 @@ def _promising(
     columns = problem.columns([cause])
     acts = [one for one in in_turn if np.any(np.abs(one[1].x[columns]) > _SAME)]
     in_turn = acts or in_turn
-    near = list(separated(in_turn, lambda one: one[1].x, APART))[:_LOOKED_AT]
+    # Places of a scan are close together.
+    far = np.maximum(FINE / problem.fineness, 1.0)
+    near = list(separated(in_turn, lambda one: one[1].x * far, APART))[:_LOOKED_AT]
     x = np.array([response.x for _, response in near])
     residual = yield x, True
     free, precision = problem.free([cause]), precision_of(problem, [cause])
@@ -567,7 +571,7 @@ def _looked(
         if rival is not None:
             left = rival.residual[None, :]
             hopeless = float(form.cost(left, np.zeros(0))[0]) + _HOPELESS / form.factor**2
-        end = yield from descend(
+        end = yield from walk(
             problem, form, np.zeros(0), (cause,), x, steps=steps, slopes=slopes,
             hopeless=hopeless, draft=True,
         )  # fmt: skip

@@ -111,8 +111,7 @@ def edge(table: Table, time: Array) -> Array:
     """
     if not isinstance(table, Series):
         raise ScenarioError(f"events: table {table.name} has no times; allowed is a Series")
-    at = np.clip((table.t - time) / table.step + 0.5, 0.0, 1.0)
-    return np.asarray(at**2 * (3.0 - 2.0 * at))
+    return np.clip((table.t - time) / table.step + 0.5, 0.0, 1.0)
 
 
 def _time(name: str, begin: float, end: float) -> Parameter:

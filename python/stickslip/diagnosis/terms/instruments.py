@@ -39,6 +39,7 @@ from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import LARGEST_ERROR, Parameter, either_way
 from stickslip.errors import ScenarioError
+from stickslip.scenario.uncertain import Prior
 
 Rows = ArrayLike | slice
 
@@ -152,15 +153,29 @@ def lag(
 ) -> Cause:
     """A first-order lag, with a ``time`` constant in s, of an input or of readings in time.
 
-    Between two readings what lags is linear; before the first it is at rest.
+    Between two readings what lags is linear; before the first it is at rest. An input was then the
+    part ``before`` of its first value: 0 where a log begins with the command.
     """
     time = Parameter(f"{name}.time", unit="s", low=0.0, high=LARGEST_ERROR * size, size=size)
+    parts = (time, _before(name)) if input else (time,)
     what = f"a lag of {input or 'the readings'}"
-    return Cause(name, (time,), what, read=partial(_lagged, name), table=table, input=input)
+    return Cause(name, parts, what, read=partial(_lagged, name), table=table, input=input)
+
+
+def _before(name: str) -> Parameter:
+    """The part of its first value that an input had before its record."""
+    prior = Prior("normal", 0.5, 0.5)
+    return Parameter(f"{name}.before", prior, low=0.0, high=1.0, cause=False)
+
+
+def _first(name: str, values: Array, p: dict[str, Array]) -> Array:
+    """What was there before the record, (vectors,)."""
+    return np.asarray(values[:, 0] * p.get(f"{name}.before", np.ones((1, 1)))[:, 0])
 
 
 def _lagged(name: str, values: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
     gap, result, times = np.diff(_in_time(table, name).t), values.copy(), p[f"{name}.time"][:, 0]
+    first = _first(name, values, p)
     for vector in np.flatnonzero(times > 0.0):
         tau = times[vector]
         kept = np.exp(-gap / tau)
@@ -169,7 +184,7 @@ def _lagged(name: str, values: Array, _: Array, p: dict[str, Array], table: Tabl
         band = np.ones((2, len(gap) + 1))
         band[1, :-1] = -kept
         rest = (1.0 - kept) * (values[vector, :-1] - tau * slope) + slope * gap
-        lagged, _ = lapack.dtbtrs(band, np.r_[values[vector, 0], rest][:, None], uplo="L")
+        lagged, _ = lapack.dtbtrs(band, np.r_[first[vector], rest][:, None], uplo="L")
         result[vector] = lagged[:, 0]
     return result
 
@@ -186,9 +201,9 @@ def delay(
 ) -> Cause:
     """A clock that is late or early: at time t the value of t - ``time``, s, is read.
 
-    Between and beyond the given times the value is a cubic spline of the prediction, so the times
-    have to be dense enough to follow it. A spline does not follow a jump. Of an input it is linear
-    between the times, and constant beyond them.
+    Between the given times the value is a cubic spline of the prediction, so the times have to be
+    dense enough to follow it; a spline does not follow a jump. Of an input it is linear. Beyond the
+    times it is constant; before them an input was the part ``before`` of its first value.
 
     Parameters
     ----------
@@ -213,7 +228,8 @@ def delay(
     parameter = either_way(f"{name}.time", "s", size)
     read = partial(_late, name, at, curves, slice(None) if at is None else rows, input)
     what = f"a delay of {input or 'the readings'}"
-    return Cause(name, (parameter,), what, read=read, table=table, input=input)
+    parts = (parameter, _before(name)) if input else (parameter,)
+    return Cause(name, parts, what, read=read, table=table, input=input)
 
 
 def _late(
@@ -233,9 +249,11 @@ def _late(
             mine = np.ix_(late, rows_of)
             result[mine] = _delayed(at[rows_of], some[mine], delays[late])
         else:
-            t = at[rows_of]
+            t, first = at[rows_of], _first(name, some[:, rows_of], p)
             for vector in late:
-                result[vector, rows_of] = np.interp(t - delays[vector], t, some[vector, rows_of])
+                result[vector, rows_of] = np.interp(
+                    t - delays[vector], t, some[vector, rows_of], left=first[vector]
+                )
     return _changed(values, rows, result)
 
 
@@ -243,7 +261,7 @@ def _delayed(t: Array, values: Array, delays: Array) -> Array:
     """Splines of values at times t, shape (vectors, times), each late by its own delay."""
     if not len(values):
         return values
-    at = t - delays[:, None]
+    at = np.clip(t - delays[:, None], t[0], t[-1])
     piece = np.clip(np.searchsorted(t, at, side="right") - 1, 0, len(t) - 2)
     coefficients = np.take_along_axis(CubicSpline(t, values, axis=1).c, piece.T[None], axis=1)
     return np.asarray(np.polyval(coefficients, (at - t[piece]).T).T)
