@@ -42,6 +42,7 @@ from stickslip import (
 from stickslip.control import Path
 from stickslip.diagnosis.data.exposure import record
 from stickslip.diagnosis.own_model import OwnModel, _of_conditions
+from stickslip.models import vectorised
 
 V = np.arange(1.0, 13.0)
 PLANE = np.array([1.0, 1.0, 0.0, 0.0, 1.0])  # of the five coils those in the plane y = 0
@@ -427,6 +428,12 @@ def test_a_model_may_have_more_arguments_and_other_arrays(predict):
     y = Y + 0.5 * np.sin(5.0 * X)
     found = diagnose_model(predict, Table({"x": X}, y, sd=0.1), [SLOPE], [WAVE])
     assert found.verdict.causes == ("wave",)
+
+
+def test_what_an_answer_masks_is_not_computed():
+    masked = vectorised(lambda table, p: np.ma.array(p["slope"] * table["x"], mask=X > 2.0))
+    made = masked(Table({"x": X}, Y, sd=0.1), {"slope": np.ones((2, 1))})
+    np.testing.assert_array_equal(made, np.where([X > 2.0] * 2, np.nan, X))
 
 
 def test_a_coarse_meter_has_the_error_of_its_step():

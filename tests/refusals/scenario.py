@@ -373,6 +373,7 @@ REFUSALS = [
     ("uncertain", {"covariance": 3}, "allowed is a section"),
     ("uncertain", {"covariance": {"key": TWO}}, "with keys and matrix"),
     ("uncertain", {"covariance": {"keys": TWO}}, "with keys and matrix"),
+    ("uncertain", covariance(np.ma.array(np.eye(2), mask=np.eye(2) > 0.0)), "a symmetric one of"),
     ("uncertain", covariance([[1.0]], "drag.linear"), "a list of keys"),
     ("uncertain", covariance([[1.0]], ["drag.liner"]), 'mean "drag.linear"'),
     ("uncertain", covariance([[1.0]], ["drive.pulses"]), "constant of the model"),

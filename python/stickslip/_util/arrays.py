@@ -260,6 +260,7 @@ def columns_of(what: str, table: Any) -> dict[Any, Any] | None:
 
 
 def _by_name(what: str, table: Any, names: Sequence[Any]) -> dict[Any, Any]:
+    """Columns by name; one that is there twice is refused."""
     for k, name in enumerate(names):
         if name in names[:k]:
             raise ScenarioError(f"{what}: column {shown(name)} is there twice; allowed is once")

@@ -150,7 +150,7 @@ class Followed:
 
     Attributes
     ----------
-    states : numpy.ndarray, shape (steps, 21)
+    states : numpy.ndarray, shape (steps, 28)
         After each step, with the columns of `STATE_COLUMNS`.
     voltages : numpy.ndarray, shape (steps, 5)
         V, each held for `period`.

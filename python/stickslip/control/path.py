@@ -24,7 +24,7 @@ class Path:
     Parameters
     ----------
     points : array_like, shape (k, 2)
-        Corners x and y, m, from the start to the end.
+        Corners x and y, or columns of these names, m, from the start to the end.
 
     Attributes
     ----------

@@ -107,10 +107,10 @@ class Coils:
         Parameters
         ----------
         points : array_like, shape (..., 3)
-            Positions, m.
+            Positions, m; or columns x, y, z.
         currents : array_like, shape (..., 5)
-            Currents in the order of `COIL_NAMES`, A. Leading axes broadcast against those of
-            `points`. A coil without current takes no part.
+            Currents in the order of `COIL_NAMES`, or by these names, A. Leading axes broadcast
+            against those of `points`. A coil without current takes no part.
 
         Returns
         -------

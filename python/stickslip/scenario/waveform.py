@@ -106,7 +106,7 @@ class Waveform:
         t : array_like, shape (n,)
             Times, s, from 0, never falling; a repeated time is a jump.
         voltages : array_like, shape (n, 5)
-            V, in the order xp, xm, yp, ym, clamp.
+            V, in the order xp, xm, yp, ym, clamp, or columns of these names.
         """
         return cls([(t, voltages, 1)])
 

@@ -28,8 +28,8 @@ class Rollout(NamedTuple):
     ----------
     states : numpy.ndarray, shape (n, steps, k)
         The recorded columns at the end of each step; NaN from the step on that a run failed in. A
-        run whose state at the start, or whose own voltages in a step, are not finite fails there
-        with the status ``not_finite``; the others go on.
+        run whose state at the start, or whose own voltages in a step, are masked or not finite
+        fails there with the status ``not_finite``; the others go on.
     status : numpy.ndarray of int8, shape (n,)
         How each run ended, an index of `status_names`; 0 is "ok".
     columns : tuple of str
@@ -66,8 +66,9 @@ def rollout(
     ----------
     scenarios : Scenario or sequence of Scenario
         One for all runs, or one a run. Their drives are not played, see `Simulator`.
-    states : State, sequence of State, array of shape (n, 21), or None
-        Where each run begins, one for all or one a run; an array has the columns `STATE_COLUMNS`.
+    states : State, sequence of State, array of shape (n, 28), or None
+        Where each run begins, one for all or one a run; an array has the columns `STATE_COLUMNS`,
+        a table these names.
         Without it each run begins at its scenario's `initial`.
     voltages : array_like, shape (steps, 5) or (n, steps, 5)
         Voltages of the coils xp, xm, yp, ym, clamp in each step, V, for all runs or for each.
