@@ -14,14 +14,19 @@ from astropy import units as astropy_units
 
 from made_velocities import drives, measurement, trials
 from stickslip import (
+    COIL_NAMES,
+    STATE_COLUMNS,
+    Accelerations,
     Cause,
     Coils,
     Drive,
+    FieldMap,
     Parameter,
     Prior,
     Scenario,
     ScenarioError,
     Series,
+    State,
     Table,
     Waveform,
     diagnose,
@@ -29,14 +34,18 @@ from stickslip import (
     events,
     instruments,
     optimise,
+    rollout,
     simulate,
     sweep,
     velocity_of_track,
 )
+from stickslip.control import Path
 from stickslip.diagnosis.data.exposure import record
 from stickslip.diagnosis.own_model import OwnModel, _of_conditions
+from stickslip.models import vectorised
 
 V = np.arange(1.0, 13.0)
+PLANE = np.array([1.0, 1.0, 0.0, 0.0, 1.0])  # of the five coils those in the plane y = 0
 ROW = np.arange(12.0)
 SLOW = Drive(frequency=2.0, pulses=30)  # of which 1.55 to 15.05 s are measured
 
@@ -189,6 +198,55 @@ def test_tables_are_read_by_columns():
         Table(frame[["x"]][::-1], pd.Series(ROW), sd=1.0)
 
 
+PROGRAM = np.random.default_rng(0).uniform(1.0, 5.0, (3, 5))
+PLACES = np.random.default_rng(1).uniform(-5e-3, 5e-3, (60, 3))
+MAPPED = np.stack([Coils().field(PLACES, one) for one in np.eye(5)], axis=1)
+CORNERS = np.array([[0.0, 0.0], [2e-3, 0.0], [2e-3, 1e-3]])
+SHAKEN = np.array([[0.0, 1.0, 2.0], [0.1, -1.0, 3.0], [0.2, 1.0, 2.0]])
+STATE = np.array([Scenario().initial.row])
+
+# What a door makes of numbers whose last axis it knows by name, the names, and numbers.
+NAMED = {
+    "waveform": (lambda v: Waveform.from_points([0, 1, 2], v).points()[1], COIL_NAMES, PROGRAM),
+    "voltages": (lambda v: Waveform.hold(1.0, v).points()[1], COIL_NAMES, PROGRAM[0]),
+    "rollout": (lambda v: rollout(Scenario(), None, v, 1e-3).states, COIL_NAMES, PROGRAM * PLANE),
+    "states": (
+        lambda v: rollout(Scenario(), v, PROGRAM * PLANE, 1e-3).states, STATE_COLUMNS, STATE
+    ),
+    "row": (lambda v: State.from_row(v).row, STATE_COLUMNS, STATE[0]),
+    "currents": (lambda v: Coils().field([0.0, 0.0, 0.0], v), COIL_NAMES, PROGRAM),
+    "points": (lambda v: Coils().field(v, PROGRAM[0]), tuple("xyz"), PLACES),
+    "turns": (lambda v: Coils(turns=v).turns, COIL_NAMES, 100.0 * PROGRAM[0]),
+    "map": (lambda v: FieldMap.from_points(v, MAPPED).coefficients, tuple("xyz"), PLACES),
+    "path": (lambda v: Path(v).points, tuple("xy"), CORNERS),
+    "shake": (lambda v: Accelerations(v).rows, ("t", "ax", "az"), SHAKEN),
+}  # fmt: skip
+LABELLED = {
+    "pandas": lambda v, names: pd.DataFrame(v, columns=names),
+    "polars": lambda v, names: polars.DataFrame(dict(zip(names, v.T, strict=True))),
+    "structured": lambda v, names: pd.DataFrame(v, columns=names).to_records(index=False),
+    "dict": lambda v, names: dict(zip(names, v.T, strict=True)),
+}
+
+
+@pytest.mark.parametrize("kind", LABELLED)
+@pytest.mark.parametrize("door", NAMED)
+def test_columns_with_names_are_read_by_them(door, kind):
+    make, names, values = NAMED[door]
+    label = LABELLED[kind]
+    if values.ndim == 1:
+        label = {"dict": label}.get(kind, lambda v, names: pd.Series(v, index=names))
+    expected = make(values)
+    names, turned = list(names), values[..., ::-1]
+    np.testing.assert_array_equal(make(label(values, names)), expected)
+    np.testing.assert_array_equal(make(label(turned, names[::-1])), expected)
+    with pytest.raises(ScenarioError, match='"other": '):
+        make(label(values, ["other", *names[1:]]))
+    if door != "voltages":  # of which those that are not named are 0
+        with pytest.raises(ScenarioError, match=f"no {names[-1]}; allowed are all of"):
+            make(label(values[..., :-1], names[:-1]))
+
+
 def test_rows_with_gaps_are_named():
     table = Table({"x": np.where(ROW == 2, np.nan, V)}, np.where(ROW == 5, np.nan, ROW), sd=1.0)
     (said,) = table.notes
@@ -270,7 +328,7 @@ def test_settings_are_told_apart_by_their_spread(origin):
 
 FRAMES = np.arange(0.0, 0.31, 0.005)
 LONG = Drive(frequency=50.0, pulses=13)
-PLACES = 1e-3 * FRAMES + 1e-3 + 2e-6 * np.random.default_rng(0).standard_normal(len(FRAMES))
+WALKED = 1e-3 * FRAMES + 1e-3 + 2e-6 * np.random.default_rng(0).standard_normal(len(FRAMES))
 SPOILT = {
     "one written as 0": np.arange(len(FRAMES)) == 40,
     "some written as 0": np.arange(len(FRAMES)) % 7 == 3,
@@ -282,9 +340,9 @@ SPOILT = {
 @pytest.mark.parametrize("value", [0.0, -1.0, 0.02])
 @pytest.mark.parametrize("lost", SPOILT)
 def test_frames_without_the_robot_are_left_out(lost, value):
-    sound = velocity_of_track(FRAMES, np.where(SPOILT[lost], np.nan, PLACES), LONG)
+    sound = velocity_of_track(FRAMES, np.where(SPOILT[lost], np.nan, WALKED), LONG)
     with pytest.warns(UserWarning, match="left out") as said:
-        found = velocity_of_track(FRAMES, np.where(SPOILT[lost], value, PLACES), LONG)
+        found = velocity_of_track(FRAMES, np.where(SPOILT[lost], value, WALKED), LONG)
     assert said[0].filename == __file__
     assert found == sound
     assert abs(found["velocity"] - 1e-3) < 3.0 * found["standard_error"]
@@ -292,16 +350,16 @@ def test_frames_without_the_robot_are_left_out(lost, value):
 
 def test_a_speck_within_a_body_is_left_out():
     with pytest.warns(UserWarning, match=r"1 of 40 frames .* t = 0.2 s"):
-        found = velocity_of_track(FRAMES, PLACES + 50e-6 * (FRAMES[40] == FRAMES), LONG)
+        found = velocity_of_track(FRAMES, WALKED + 50e-6 * (FRAMES[40] == FRAMES), LONG)
     assert abs(found["velocity"] - 1e-3) < 3.0 * found["standard_error"]
 
 
 @pytest.mark.parametrize(
     ("t", "x", "said"),
     [
-        (np.r_[FRAMES, FRAMES], np.r_[PLACES, PLACES + 1e-4], "two places at t = 0 s"),
-        (FRAMES, np.where(FRAMES > 0.2, 2e-3 + PLACES, PLACES), "another body from t = 0.205 s"),
-        (FRAMES, np.where(FRAMES > 0.2, 2e-3, PLACES), "another body from t = 0.205 s"),
+        (np.r_[FRAMES, FRAMES], np.r_[WALKED, WALKED + 1e-4], "two places at t = 0 s"),
+        (FRAMES, np.where(FRAMES > 0.2, 2e-3 + WALKED, WALKED), "another body from t = 0.205 s"),
+        (FRAMES, np.where(FRAMES > 0.2, 2e-3, WALKED), "another body from t = 0.205 s"),
     ],
 )
 def test_two_bodies_are_refused_with_the_time(t, x, said):
@@ -311,7 +369,7 @@ def test_two_bodies_are_refused_with_the_time(t, x, said):
 
 def test_any_whole_pulses_of_a_walk_are_enough():
     some = (FRAMES > 0.165) & (FRAMES < 0.275)
-    found = velocity_of_track(FRAMES[some], PLACES[some], LONG)
+    found = velocity_of_track(FRAMES[some], WALKED[some], LONG)
     assert found["pulses"] == 3 + 4  # 0.17 to 0.27 s hold those from 0.19 to 0.27 s
     assert abs(found["velocity"] - 1e-3) < 3.0 * found["standard_error"]
 
@@ -370,6 +428,12 @@ def test_a_model_may_have_more_arguments_and_other_arrays(predict):
     y = Y + 0.5 * np.sin(5.0 * X)
     found = diagnose_model(predict, Table({"x": X}, y, sd=0.1), [SLOPE], [WAVE])
     assert found.verdict.causes == ("wave",)
+
+
+def test_what_an_answer_masks_is_not_computed():
+    masked = vectorised(lambda table, p: np.ma.array(p["slope"] * table["x"], mask=X > 2.0))
+    made = masked(Table({"x": X}, Y, sd=0.1), {"slope": np.ones((2, 1))})
+    np.testing.assert_array_equal(made, np.where([X > 2.0] * 2, np.nan, X))
 
 
 def test_a_coarse_meter_has_the_error_of_its_step():

@@ -147,7 +147,8 @@ def test_a_row_that_is_not_finite_fails_alone():
     states[3], states[5, 2] = np.nan, np.inf
     rows[7, 10:, 0], rows[9, 25, 4] = np.nan, np.inf
     rows[9, :, 0], rows[9, 12:, 2] = 15.0, 3.0
-    found = rollout(Scenario(), states, rows, STEP, record=STATE_COLUMNS, threads=threads)
+    masked = np.ma.array(np.where(np.isnan(rows), 5.0, rows), mask=np.isnan(rows))
+    found = rollout(Scenario(), states, masked, STEP, record=STATE_COLUMNS, threads=threads)
     failed = {3: 0, 5: 0, 7: 10, 9: 25}  # the step in which each does
     for run in range(13):
         end = failed.get(run, len(rows[run]))

@@ -86,6 +86,8 @@ def test_a_unit_is_named_where_a_laboratory_has_one():
         ({"coil.inductance": 25.0, "coil.turns": 300.0}, "unit-inductance", "inductance", "in mH?"),
         ({"drive.frequency": 0.1}, "unit-time", "drive.frequency = 0.1", "in kHz?"),
         ({"drive.frequency": 0.1, "coil.inductance": 5e-324}, "unit-time", "lasts 10 s", "kHz?"),
+        ({"drive.latency": 5.0}, "unit-time", "drive.latency = 5 s", "in ms?"),
+        ({"initial.theta": 90.0}, "unit-angle", "initial.theta = 90 rad", "are 1.571 rad"),
     ],
 )  # fmt: skip
 def test_a_value_in_another_unit_gets_one_note(changes, code, key, unit):
@@ -94,7 +96,7 @@ def test_a_value_in_another_unit_gets_one_note(changes, code, key, unit):
     assert key in note.text
     assert unit in note.text
     # The first key is the wrong one, or the largest of several; a pulse is told by its duration.
-    assert note.value == (10.0 if code == "unit-time" else next(iter(changes.values())))
+    assert note.value == (10.0 if "drive.frequency" in changes else next(iter(changes.values())))
 
 
 @pytest.mark.parametrize(
@@ -107,6 +109,8 @@ def test_a_value_in_another_unit_gets_one_note(changes, code, key, unit):
         {"robot.length": 1e-3, "robot.width": 20e-6, "robot.height": 20e-6, "robot.mass": 3e-9},
         {"coil.distance": 0.5, "coil.side": 0.7},
         {"coil.distance": 0.01, "coil.side": 0.015, "coil.turns": 50.0, "coil.inductance": 40e-6},
+        {"initial.theta": 7.123456},  # as a robot that rolled over ends
+        {"drive.latency": 0.5},
         {"coil.inductance": 1.0},  # with iron
         {"coil.inductance": 1.0, "coil.resistance": 0.2, "drive.frequency": 0.01},  # L/R of 5 s
     ],

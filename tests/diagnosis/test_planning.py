@@ -87,6 +87,21 @@ def test_what_a_plan_cannot_do_it_says(planned):
     assert rough.seen.sum() < planned.seen.sum()
 
 
+@pytest.mark.parametrize(
+    ("friction", "left_out"),
+    [
+        ({"mean": 0.17, "sd": 0.03}, []),  # three errors more are above the static one
+        ({"mean": 0.198, "sd": 0.01}, []),  # and so is half of one
+        ({"mean": 0.15, "sd": 1.0}, ["contact.kinetic_friction"]),
+    ],
+)
+def test_a_change_that_cannot_be_is_smaller_or_reversed_or_left_out(friction, left_out):
+    made = plan(NOMINAL.with_uncertain({"contact.kinetic_friction": friction}), 2)
+    assert made.left_out == left_out
+    assert ("contact.kinetic_friction" in made.causes) is not bool(left_out)
+    assert ("Left out" in made.protocol()) is bool(left_out)
+
+
 @pytest.fixture
 def filled_in(planned, tmp_path):
     """The measurement that a plan's files make once velocities are in them."""
@@ -125,8 +140,14 @@ def test_a_plan_that_is_filled_in_is_diagnosed(filled_in, monkeypatch):
         (NOMINAL, {"count": 1}, "count = 1"),
         (NOMINAL, {"count": 10_000}, "allowed are at most"),
         (NOMINAL, {"noise": 0.0}, "noise = 0.0"),
+        (NOMINAL, {"noise": 5}, "noise = 5: allowed is a number above 0 and below 1"),
         (NOMINAL, {"trials": 0}, "trials = 0"),
         (Scenario(robot=Robot(magnetization=0.0)), {}, "does not move"),
+        (
+            NOMINAL.with_uncertain({"contact.kinetic_friction": {"mean": 0.15, "sd": 9.0}}),
+            {},
+            "contact.kinetic_friction: an eighth of its stated error",
+        ),
     ],
 )
 def test_what_cannot_be_planned_is_refused(scenario, more, words):
@@ -145,6 +166,6 @@ def test_the_command_writes_a_plan_once(tmp_path):
     again = stickslip(*arguments, cwd=tmp_path)
     assert again.returncode == 2
     assert "choose another folder" in again.stderr
-    for more in (["--json"], ["--next", "1"], ["--noise", "0"]):
+    for more in (["--json"], ["--next", "1"], ["--noise", "0"], ["--noise", "5"]):
         assert stickslip(*arguments[:-1], "second", *more, cwd=tmp_path).returncode == 2
     assert stickslip("diagnose", "s.toml", "--noise", "0.1", cwd=tmp_path).returncode == 2

@@ -195,6 +195,7 @@ REFUSALS = [
     ("command", f"run s.toml --out {'a' * 500}.nc", "File name too long"),
     ("command", "run s.toml --out /proc/a.nc", "/proc/a.nc"),
     ("command", "init s.toml", "s.toml already exists"),
+    ("command", "init --model joint j.csv", "FILE: j.csv: allowed are names that end in .py"),
     ("command", "init missing/s.toml", ["missing/s.toml", "no folder"]),
     ("command", f"{SWEEP} --threads 0", ["--threads", "0"]),
     ("command", f"{SWEEP} --dask nonsense", "--dask nonsense"),

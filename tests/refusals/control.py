@@ -3,13 +3,14 @@
 Each row: a name, what is done with a folder, the type of the error, and words of its one line.
 """
 
+import functools
 import math
 
 import gymnasium
 import numpy as np
 
 from stickslip import Drive, Scenario, ScenarioError, optimise, simulate
-from stickslip.control import Camera, Film, Path, Placer, follow, heading_voltages
+from stickslip.control import Camera, Film, Path, Placer, Placing, follow, heading_voltages
 from stickslip.control.environments import RobotEnv, RobotVectorEnv
 from stickslip.design.space import drive_waveform
 from stickslip.scenario.uncertain import Prior
@@ -25,6 +26,11 @@ def design(scenario=START, **changes):
     """A search that is refused before it begins."""
     given = {"maximise": "mean_velocity", "free": FREE, "limits": VOLTS, **changes}
     return lambda _: optimise(scenario, **given)
+
+
+@functools.cache
+def placer():
+    return Placer(START)
 
 
 def env(**options):
@@ -115,7 +121,21 @@ ROWS = [
     ("placer's camera", lambda _: Placer(START, camera=30), "camera = 30"),
     ("placer's tolerance", lambda _: Placer(START, tolerance=0), "tolerance = 0"),
     ("placer's draws", lambda _: Placer(UNCERTAIN, draws=0), "draws = 0"),
+    *(
+        (f"placer's goal {goal}", lambda _, goal=goal: Placing(placer(), goal, 2), words)
+        for goal, words in (
+            (math.nan, "goal = nan: allowed is finite numbers of m"),
+            (math.inf, "goal = inf"),
+            (1.0, "goal: (1, 0) m lies beyond the coils' field"),
+            ([1e-3, -2.0], "goal: (-2, 0) m lies beyond"),
+            ("far", 'goal = "far"'),
+            (None, "goal = None"),
+            ([1e-3] * 3, "goal of shape (3,): allowed is one for all, or one for each of 2"),
+            (np.ma.array([1e-3, 1e-3], mask=[False, True]), "goal: row 1 = nan"),
+        )
+    ),
     ("follower's path", lambda _: follow(START, [(0, 0), (1, 0)]), "path = [(0, 0), (1, 0)]"),
+    ("path in mm", lambda _: follow(START, Path([(0, 0), (2, 0)])), "path: (2, 0) m lies beyond"),
     ("follower's time", lambda _: follow(START, Path([(0, 0), (1e-3, 0)]), limit=0), "limit = 0"),
     # environments
     ("task", env(task="raech"), 'did you mean "reach"'),
@@ -156,11 +176,12 @@ ROWS = [
     ("prior", env(uncertain={"robot.mass": Prior("normal", 1e3, 1.0)}), "robot.mass"),
     ("y in one plane", lambda _: simulate(START, until="y >= 1e-3"), "plane y = 0"),
     ("heading in one plane", lambda _: simulate(START, until="heading <= -0.5"), "plane y = 0"),
-    ("action nan", act([0.5, math.nan]), "nan] of shape (2,): allowed is shape (2,)"),
+    ("action nan", act([0.5, math.nan]), "action: row 1 = nan: allowed is shape (2,)"),
     ("action infinite", act([-math.inf, 0.5, 0.5], task="reach"), "allowed is shape (3,)"),
     ("action too short", act([0.5]), "of shape (1,): allowed is shape (2,)"),
     ("action of two", act(np.zeros((2, 2))), "of shape (2, 2): allowed is shape (2,)"),
     ("action a word", act("left"), 'action = "left": allowed is shape (2,)'),
+    ("action masked", act(np.ma.array([0.5, 0.5], mask=[False, True])), "action: row 1 = nan"),
     ("no action", act(None), "allowed is shape (2,)"),
     ("action ragged", act([[0.0], [0.0, 1.0]]), "allowed is shape (2,)"),
 ]

@@ -103,7 +103,7 @@ ROWS_OF_STATES = [
         f"row {row}"[:20],
         lambda _, row=row: State.from_row(row),
         ScenarioError,
-        ["row = ", "numbers in"],
+        ["row", "numbers in"],
     )
     for row in ([1.0, 2.0], ["a"] * len(STATE_COLUMNS), 3.0)
 ]

@@ -17,7 +17,7 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stickslip._util.messages import check_whole, refuse, shown
+from stickslip._util.messages import check_whole, refuse, shown, suggestion
 from stickslip.errors import ScenarioError
 
 Array = NDArray[np.float64]
@@ -140,6 +140,52 @@ def numbers(
     return locked(array)
 
 
+def in_columns(
+    what: str,
+    values: object,
+    names: Sequence[str],
+    allowed: str = _FINITE,
+    *,
+    absent: float | None = None,
+    unit: str | None = None,
+    gaps: bool = False,
+    finite: bool = True,
+) -> Array:
+    """`numbers` with the columns `names` as the last axis; columns with names in any order.
+
+    `absent` is the value of a column that is not there; without it, all have to be.
+    """
+    given = _named_columns(what, values)
+    if given is None:
+        return numbers(what, values, allowed, unit=unit, gaps=gaps, finite=finite)
+    for name in given:
+        if name not in names:
+            raise ScenarioError(f"{what}: {shown(name)}: {suggestion(str(name), names)}")
+    missing = [name for name in names if name not in given and absent is None]
+    if missing:
+        raise ScenarioError(f"{what}: no {missing[0]}; allowed are all of {', '.join(names)}")
+    columns = []
+    for name in names:
+        at, column = f"{what}: {name}", given.get(name, absent)
+        if isinstance(column, str):  # one number, which no file wrote
+            refuse(at, column, allowed)
+        columns.append(numbers(at, column, allowed, unit=unit, gaps=gaps, finite=finite))
+    try:
+        return locked(np.stack(np.broadcast_arrays(*columns), axis=-1))
+    except ValueError:
+        refuse(what, values, f"{', '.join(names)} of the same length")
+
+
+def _named_columns(what: str, values: Any) -> dict[Any, Any] | None:
+    """Columns, or the numbers of a pandas Series, by their names; None where these are no texts."""
+    is_row = _is_of_pandas(values) and hasattr(values, "index") and not hasattr(values, "columns")
+    names = list(values.index) if is_row else []
+    if names and all(isinstance(name, str) for name in names):
+        return _by_name(what, values, names)
+    given = columns_of(what, values)
+    return given if given is not None and all(isinstance(name, str) for name in given) else None
+
+
 def flat(array: Elements) -> Elements:
     """A matrix of one row or one column, as MATLAB stores each vector, as a vector."""
     return array.reshape(-1) if array.ndim == 2 and 1 in array.shape else array
@@ -210,11 +256,15 @@ def columns_of(what: str, table: Any) -> dict[Any, Any] | None:
             raise ScenarioError(f"{what}: allowed are rows with the same names")
         return {name: [row[name] for row in table] for name in names}
     fields: Any = getattr(getattr(table, "dtype", None), "names", None)
-    names = list(fields or getattr(table, "columns", ()))
+    return _by_name(what, table, list(fields or getattr(table, "columns", ()))) or None
+
+
+def _by_name(what: str, table: Any, names: Sequence[Any]) -> dict[Any, Any]:
+    """Columns by name; one that is there twice is refused."""
     for k, name in enumerate(names):
         if name in names[:k]:
             raise ScenarioError(f"{what}: column {shown(name)} is there twice; allowed is once")
-    return {name: table[name] for name in names} if names else None
+    return {name: table[name] for name in names}
 
 
 def check_indexes(at: str, given: Mapping[str, Any]) -> None:

@@ -87,7 +87,7 @@ _SAID_FIRST = 3
 )
 @click.option(
     "--noise",
-    type=float,
+    type=click.FloatRange(0.0, 1.0, min_open=True, max_open=True),
     help=f"With --plan: relative standard deviation of one trial.  [default: {NOISE:g}]",
 )
 @click.option(

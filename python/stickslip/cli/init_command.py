@@ -7,10 +7,12 @@ from pathlib import Path
 
 import click
 
+from stickslip._util.files import check_suffix
 from stickslip._util.text import json_text
 from stickslip.cli.keys_command import FILES
 from stickslip.cli.options import PATH
 from stickslip.cli.output import write_new
+from stickslip.errors import prefixed
 from stickslip.extras import check_extras
 from stickslip.scenario.keys import COIL_NAMES, Key, is_of_one_coil, known_keys
 from stickslip.scenario.toml_file import FORMAT_VERSION
@@ -65,6 +67,8 @@ def command(file: Path | None, model: str | None) -> None:
     from stickslip.cli.log_models import model_file
 
     file = file or Path(f"{model}.py")
+    with prefixed("FILE", ValueError):
+        check_suffix(file, (".py",))
     write_new("FILE", file, model_file(model, file))
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip._util.arrays import Array, Indices, Mask, numbers, worker_count
+from stickslip._util.arrays import Array, Indices, Mask, in_columns, numbers, worker_count
 from stickslip.extras import naming_the_extra
 
 with naming_the_extra("stickslip.control.environments"):
@@ -27,12 +27,11 @@ from stickslip._util.messages import (
 )
 from stickslip.control.camera import Camera, Film
 from stickslip.control.drawing import Pixels, side_view, view_from_above
-from stickslip.control.path import Path
-from stickslip.control.steering import heading_voltages
+from stickslip.control.path import COLUMNS, Path
+from stickslip.control.steering import check_within_coils, heading_voltages
 from stickslip.control.tasks import TASKS, Targets
 from stickslip.design.space import coil_places
 from stickslip.errors import ScenarioError
-from stickslip.field.coils import Coils
 from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import CONTACT_WORDS, STATE_COLUMNS
@@ -76,8 +75,8 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
     An observation has the columns of `OBSERVED`, or through a camera of `CAMERA_OBSERVED`.
 
     A robot whose simulation fails, or that leaves its path, ends its episode (terminated), and
-    ``info["failure"]`` names the status, ``left_path``, or ``not_finite`` where its action is not.
-    Actions of another shape are a ``ScenarioError``. A robot that follows a path has its
+    ``info["failure"]`` names the status, or ``left_path``. Actions of another shape, or with a
+    number that is not finite, are a ``ScenarioError``. A robot that follows a path has its
     ``progress``, and its distance to the left of it, ``across``, in `info`, m.
 
     The same seed gives the same bits for any number of threads. Copies are independent and go on
@@ -204,16 +203,16 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         if goal is not None and self.task != "reach":
             raise ScenarioError(f'goal: the task "{self.task}" takes none')
         if goal is not None:
-            goal = numbers("goal", goal, "x and y, m")
+            goal = in_columns("goal", goal, COLUMNS, "x and y, m", unit="m")
             if goal.shape != (2,):
                 raise ScenarioError(f"goal of shape {goal.shape}: allowed is (2,), x and y, m")
-            _check_within_coils("goal", goal[None], self.scenario)
+            check_within_coils("goal", goal[None], self.scenario)
         way = Path.figure_of_eight() if follows and path is None else None
         if path is not None:
             way = path if isinstance(path, Path) else Path(path)
         targets = Targets(task, self.num_envs, way, goal)
         if way is not None:
-            _check_within_coils("path", way.points, self.scenario)
+            check_within_coils("path", way.points, self.scenario)
             drawn = set() if self.uncertain is None else set(self.uncertain.names)
             if not drawn & {"initial.x", "initial.y"}:
                 targets.check_begin(np.array([self.scenario.initial.x, self.scenario.initial.y]))
@@ -228,7 +227,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         """Begin all episodes anew, or those of ``options["reset_mask"]``."""
         given = (options or {}).get("reset_mask", [True] * self.num_envs)
         mask = np.asarray(given)
-        if mask.dtype != bool or mask.shape != (self.num_envs,):
+        if mask.dtype != bool or mask.shape != (self.num_envs,) or np.ma.is_masked(given):
             refuse("reset_mask", given, f"{self.num_envs} booleans, one for each robot")
         for i, one in enumerate(_seeds(seed, self.num_envs)):
             if mask[i] and one is not None:
@@ -309,18 +308,15 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         return tuple(pictures)
 
     def _voltages(self, actions: Array) -> Array:
-        """Voltages of the five coils, (n, 5), V; those of a robot without a whole action NaN."""
-        unknown: Mask = np.any(~np.isfinite(actions), axis=1)
-        actions = np.clip(np.where(unknown[:, None], 0.0, actions), -1.0, 1.0)
+        """Voltages of the five coils, (n, 5), V."""
+        actions = np.clip(actions, -1.0, 1.0)
         if self._coils is not None:
             voltages = np.zeros((self.num_envs, len(COIL_NAMES)))
             voltages[:, self._coils] = self.voltage * actions
-        else:
-            self._heading += self.turning * self.period * actions[:, 0]
-            along = self.voltage * (_LEAST + (1.0 - _LEAST) * 0.5 * (1.0 + actions[:, 1]))
-            voltages = heading_voltages(self._heading, along, self.voltage * actions[:, 2])
-        voltages[unknown] = np.nan  # with which the core lets this robot fail
-        return voltages
+            return voltages
+        self._heading += self.turning * self.period * actions[:, 0]
+        along = self.voltage * (_LEAST + (1.0 - _LEAST) * 0.5 * (1.0 + actions[:, 1]))
+        return heading_voltages(self._heading, along, self.voltage * actions[:, 2])
 
     def _observed(self, robots: Indices) -> Array:
         """Observations of some robots; a camera's are to be asked for once a step."""
@@ -345,10 +341,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
 
 
 class RobotEnv(gymnasium.Env[Array, Array]):
-    """One robot; parameters are those of `RobotVectorEnv` without `num_envs`.
-
-    An action that is not finite is a ``ScenarioError``.
-    """
+    """One robot; parameters are those of `RobotVectorEnv` without `num_envs`."""
 
     def __copy__(self) -> RobotEnv:
         return deepcopy(self)
@@ -373,7 +366,7 @@ class RobotEnv(gymnasium.Env[Array, Array]):
 
     def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
         """Play one period."""
-        played = _checked("action", action, self.action_space, finite=True)
+        played = _checked("action", action, self.action_space)
         observations, rewards, terminated, truncated, info = self._many.step(played[None])
         only = {key: value[0] for key, value in info.items() if not key.startswith("_")}
         ends = bool(terminated[0]), bool(truncated[0])
@@ -404,35 +397,13 @@ def _seeds(seed: object, count: int) -> list[int | None]:
     return [int(first) + i for i, first in enumerate(seeds)] if one else seeds
 
 
-def _checked(
-    name: str, actions: object, space: gymnasium.Space[Array], finite: bool = False
-) -> Array:
+def _checked(name: str, actions: object, space: gymnasium.Space[Array]) -> Array:
     """Actions of the shape of a space, as numbers; else refuse them."""
     allowed = f"shape {space.shape} of finite numbers, which are clipped to -1 to 1"
-    try:
-        given = np.asarray(actions, dtype=float)
-    except (TypeError, ValueError):
-        refuse(name, actions, allowed)
-    if given.shape != space.shape or (finite and not np.isfinite(given).all()):
-        text = f"{name} = {shown(given.tolist())} of shape {given.shape}"
-        raise ScenarioError(f"{text}: allowed is {allowed}")
+    given = numbers(name, actions, allowed)
+    if given.shape != space.shape:
+        raise ScenarioError(f"{name} of shape {given.shape}: allowed is {allowed}")
     return given
-
-
-def _check_within_coils(name: str, points: Array, scenario: Scenario) -> None:
-    """Refuse places (k, 2), m, of which one lies where no field of the coils is known."""
-    coils = Coils.of(scenario)
-    far = float(np.min(coils.distance))
-    low, high = np.array([[-far, -far], [far, far]])
-    if coils.box is not None:
-        low, high = (np.array(corner[:2]) for corner in coils.box)
-    beyond = ((points < low) | (points > high)).any(axis=-1)
-    if beyond.any():
-        (x, y), (x0, y0), (x1, y1) = points[np.argmax(beyond)], low, high
-        raise ScenarioError(
-            f"{name}: ({x:g}, {y:g}) m lies beyond the coils' field: allowed are x from {x0:g} to "
-            f"{x1:g} m and y from {y0:g} to {y1:g} m"
-        )
 
 
 # Steps of 1 ms: about twice what a robot of some 2 mm/s needs.

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip._util.arrays import Array
-from stickslip._util.messages import check_above_zero, check_kind
+from stickslip._util.arrays import Array, in_columns
+from stickslip._util.messages import check_above_zero, check_kind, check_whole
 from stickslip.control.camera import Camera, Film
-from stickslip.control.path import Path
-from stickslip.control.steering import field_voltages, pulse_fields
+from stickslip.control.path import COLUMNS, Path
+from stickslip.control.steering import check_within_coils, field_voltages, pulse_fields
 from stickslip.errors import ScenarioError
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import STATE_COLUMNS, State
@@ -56,12 +56,13 @@ class Follower:
     Raises
     ------
     ScenarioError
-        If such a robot cannot be steered; it says why.
+        If such a robot cannot be steered, or the path lies where no field is known; it says why.
     """
 
     def __init__(self, scenario: Scenario, path: Path) -> None:
         check_kind("scenario", scenario, Scenario)
         check_kind("path", path, Path)
+        check_within_coils("path", path.points, scenario)
         self.scenario, self.path = scenario, path
         self._fields = pulse_fields(scenario)
         self.period = 0.1 / scenario.drive.frequency
@@ -86,7 +87,7 @@ class Follower:
         age : float
             Since it was taken, s.
         """
-        headings = self._headings
+        headings, seen = self._headings, in_columns("seen", seen, COLUMNS, unit="m")
         before = max(len(headings) - round(age / (self.period * len(_PULSE))), 0)
         self._seen = float(self.path.project(seen, self._seen)[0])
         if before > _KNOWN and self._seen > 0.0:
@@ -149,7 +150,7 @@ class Followed:
 
     Attributes
     ----------
-    states : numpy.ndarray, shape (steps, 21)
+    states : numpy.ndarray, shape (steps, 28)
         After each step, with the columns of `STATE_COLUMNS`.
     voltages : numpy.ndarray, shape (steps, 5)
         V, each held for `period`.
@@ -207,6 +208,7 @@ def follow(
         If the robot's simulation fails on the way.
     """
     check_above_zero("limit", limit, "s")
+    check_whole("seed", seed)
     follower, random = Follower(scenario, path), np.random.default_rng(seed)
     sim = Simulator(scenario if robot is None else robot, whole_plane=True)
     film = Film(camera or Camera(frame_rate=1000.0), follower.period, _pose(sim.state))

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip._util.arrays import Array, numbers
+from stickslip._util.arrays import Array, in_columns, numbers
 from stickslip._util.messages import check_above_zero
 from stickslip.errors import ScenarioError
 
+COLUMNS = "x", "y"
 _BEHIND, _AHEAD = 0.2e-3, 0.6e-3  # chosen: m, where along the path a robot is looked for
 _SLACK = 1e-12  # m, rounding
 
@@ -23,7 +24,7 @@ class Path:
     Parameters
     ----------
     points : array_like, shape (k, 2)
-        Corners x and y, m, from the start to the end.
+        Corners x and y, or columns of these names, m, from the start to the end.
 
     Attributes
     ----------
@@ -46,7 +47,7 @@ class Path:
     """
 
     def __init__(self, points: ArrayLike) -> None:
-        corners = numbers("path", points, "shape (k, 2) of finite x and y, m")
+        corners = in_columns("path", points, COLUMNS, "shape (k, 2) of finite x and y, m")
         if corners.ndim != 2 or corners.shape[-1] != 2 or len(corners) < 2:
             raise ScenarioError(f"path of shape {corners.shape}: allowed is (k, 2), k at least 2")
         sides = np.diff(corners, axis=0)
@@ -91,7 +92,8 @@ class Path:
         before : array_like, shape (...)
             Their progress before, m.
         """
-        where, known = np.asarray(places, dtype=float), np.asarray(before, dtype=float)[..., None]
+        where = in_columns("places", places, COLUMNS, unit="m", gaps=True)
+        known = numbers("before", before, unit="m", gaps=True)[..., None]
         low, high = known - _BEHIND, known + _AHEAD
         first = np.searchsorted(self._starts, low, side="right") - 1
         sides = np.clip(first + np.arange(self._looked_at), 0, len(self._lengths) - 1)

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from typing import NoReturn
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from stickslip._util.arrays import Array, Mask
-from stickslip._util.messages import check_above_zero, check_kind, check_whole
+from stickslip._util.arrays import Array, Mask, numbers
+from stickslip._util.messages import as_list, check_above_zero, check_kind, check_whole
 from stickslip.control.camera import Camera, Film
-from stickslip.control.steering import field_voltages, pulse_fields
+from stickslip.control.steering import check_within_coils, field_voltages, pulse_fields
 from stickslip.errors import ScenarioError
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import STATE_COLUMNS
@@ -108,7 +108,12 @@ class Placer:
         return field_voltages(self.scenario, heading, peak * along, clamp)
 
     def put(
-        self, robots: Sequence[Scenario], goal: float = 3e-3, *, seed: int = 0, limit: float = 30.0
+        self,
+        robots: Sequence[Scenario],
+        goal: ArrayLike = 3e-3,
+        *,
+        seed: int = 0,
+        limit: float = 30.0,
     ) -> Placed:
         """Simulate how robots are put to `goal` (m, ahead of the origin) within `limit` (s).
 
@@ -116,13 +121,23 @@ class Placer:
         ----------
         robots : sequence of Scenario
             With the coils and the drive of the placer's scenario; no parameter uncertain.
+        goal : float or array_like of shape (n,)
+            One for all, or for each.
         seed : int
             Of the camera's noise.
+
+        Raises
+        ------
+        ScenarioError
+            If a goal lies where no field is known, or an argument is not allowed.
         """
+        robots = as_list("robots", robots, "a list of Scenarios")
+        check_above_zero("limit", limit, "s")
+        check_whole("seed", seed)
+        placing, time = Placing(self, goal, len(robots)), 0.0
         random, states = np.random.default_rng(seed), self._standing(robots, refuse=False)
         ahead = self.scenario.drive.facing
         film = Film(self.camera, self.step, self._pose(states))
-        placing, time = Placing(self, goal, len(robots)), 0.0
         while np.isnan(placing.done_at).any() and time < limit:
             volts = placing.decide(time, film.pose[:, 0], film.taken)
             played = self._play(robots, states, volts)
@@ -131,7 +146,7 @@ class Placer:
                 time += self.step
                 film.watch(time, self._pose(now), random)
         rest = self.voltages(np.full((len(robots), _RESTS), 0.5))
-        error = ahead * self._play(robots, states, rest)[:, -1, X] - goal
+        error = ahead * self._play(robots, states, rest)[:, -1, X] - placing.goal
         return Placed(placing.done_at, error, placing.pulses)
 
     def _pose(self, states: Array) -> Array:
@@ -224,14 +239,21 @@ class Placing:
 
     Attributes
     ----------
+    goal : numpy.ndarray, shape () or (n,)
+        m.
     done_at : numpy.ndarray, shape (n,)
         When each was seen to be there, s; NaN before.
     pulses : numpy.ndarray, shape (n,)
         Single pulses that each had.
     """
 
-    def __init__(self, placer: Placer, goal: float, count: int) -> None:
-        self._placer, self._goal = placer, goal
+    def __init__(self, placer: Placer, goal: ArrayLike, count: int) -> None:
+        self._placer, self.goal = placer, numbers("goal", goal, "finite numbers of m", unit="m")
+        if self.goal.shape not in ((), (count,)):
+            allowed = f"one for all, or one for each of {count}"
+            raise ScenarioError(f"goal of shape {self.goal.shape}: allowed is {allowed}")
+        x = np.atleast_1d(placer.scenario.drive.facing * self.goal)
+        check_within_coils("goal", np.stack([x, np.zeros_like(x)], axis=-1), placer.scenario)
         self._sum, self._images = np.zeros(count), np.zeros(count)
         self._before, self._scale = np.zeros(count), np.ones(count)
         self._way = [np.zeros(count)]  # after each step, by the table
@@ -252,11 +274,11 @@ class Placing:
         taken : float
             When that was taken, s.
         """
-        placer = self._placer
+        placer, seen = self._placer, numbers("seen", seen, unit="m", gaps=True)
         along, onward = np.full((len(seen), _WINDOW), 0.5), np.zeros(len(seen))
         # Where a robot is now: the newest image, and the way since then by the table.
         ways = self._way[-1] - self._way[round(taken / placer.step)]
-        distance = self._goal - seen - ways
+        distance = self.goal - seen - ways
         slow = placer._slowest
         near = placer.steps[-1] + placer._coast[slow]
         self._walks &= distance > near
@@ -291,7 +313,7 @@ class Placing:
         self._sum[looks] += seen[looks]
         self._images[looks] += 1
         images = np.maximum(self._images, 1)
-        off, sd = self._goal - self._sum / images, placer.camera.noise_x / np.sqrt(images)
+        off, sd = self.goal - self._sum / images, placer.camera.noise_x / np.sqrt(images)
         enough, sure = _ENOUGH * placer.tolerance, _SURE * placer.tolerance
         pushed = looks & (np.abs(off) > enough + np.where(sd > sure, 3.0 * sd, 0.0))
         # How far the last pulse forward came says what to ask of the next, within bounds.

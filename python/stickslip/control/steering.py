@@ -91,6 +91,22 @@ def field_voltages(
     return np.asarray(fields * ohms / Coils.of(scenario).centre_field_per_ampere)
 
 
+def check_within_coils(name: str, points: Array, scenario: Scenario) -> None:
+    """Refuse places (k, 2), m, of which one lies where no field of the coils is known."""
+    coils = Coils.of(scenario)
+    far = float(np.min(coils.distance))
+    low, high = np.array([[-far, -far], [far, far]])
+    if coils.box is not None:
+        low, high = (np.array(corner[:2]) for corner in coils.box)
+    beyond = ((points < low) | (points > high)).any(axis=-1)
+    if beyond.any():
+        (x, y), (x0, y0), (x1, y1) = points[np.argmax(beyond)], low, high
+        raise ScenarioError(
+            f"{name}: ({x:g}, {y:g}) m lies beyond the coils' field: allowed are x from {x0:g} to "
+            f"{x1:g} m and y from {y0:g} to {y1:g} m"
+        )
+
+
 def pulse_fields(scenario: Scenario) -> tuple[float, float]:
     """Peak and clamp field of the drive of a scenario, T, with which a controller gives pulses."""
     drive = scenario.drive

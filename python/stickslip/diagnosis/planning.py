@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip._util.arrays import Array, Mask, worker_count
+from stickslip._util.arrays import Array, Indices, Mask, worker_count
 from stickslip._util.files import text_writer, write_together
-from stickslip._util.messages import check_above_zero, check_kind, check_whole
+from stickslip._util.messages import check_kind, check_whole, refuse
+from stickslip._util.text import is_number
 from stickslip.diagnosis.data.velocity import VelocityTable, settings_of
 from stickslip.diagnosis.decision.experiments import (
     CHOICES,
@@ -45,6 +46,8 @@ _ROUGH, _DRAWS = (
     12,
 )  # errors of the constants, and draws, that show how rough a drive is; chosen
 _OFF = 3.0  # stated errors by which a constant is off as a cause; chosen: it surprises
+_OTHERS = -1.0, 0.5, -0.5, 0.25, -0.25  # of a change that cannot be, by order; chosen: the largest
+_LOST = 0.5  # share of the drives; a change that more cannot be simulated with cannot be; chosen
 _PASSES = 3  # of exchanging one drive for a better one; chosen: the second changes little
 
 
@@ -64,6 +67,8 @@ class Plan:
     trials, seed : int
         Trials of each drive, one in each block, and seed of their order.
     causes : list of str
+    left_out : list of str
+        Causes that cannot be simulated at their usual sizes, nor at a quarter of them.
     seen : ndarray of bool, shape (causes,)
         Whether a cause of its usual size would be told from none.
     apart : ndarray of bool, shape (causes, causes)
@@ -79,6 +84,7 @@ class Plan:
     trials: int
     seed: int
     causes: list[str]
+    left_out: list[str]
     seen: Mask
     apart: Mask
     words: Mapping[str, str]
@@ -142,6 +148,9 @@ class Plan:
         ]
         if unseen:
             lines += ["", f"Too small to be seen, or without effect: {', '.join(unseen)}."]
+        if self.left_out:
+            lost = ", ".join(self.words[name] for name in self.left_out)
+            lines += ["", f"Left out, as a quarter of the usual size cannot be simulated: {lost}."]
         if alike:
             lines += ["", "Not told from each other:", "", *alike]
         if beside:
@@ -200,7 +209,8 @@ def plan(
     check_whole("count", count, 2)
     check_whole("trials", trials, 1)
     check_whole("seed", seed)
-    check_above_zero("noise", noise, "relative error")
+    if not (is_number(noise) and 0.0 < noise < 1.0):
+        refuse("noise", noise, "a number above 0 and below 1")
     if scenario.drive.mode == "program":
         raise ScenarioError('drive.mode = "program": allowed are IPP and OPP, whose settings vary')
     problem, table, base = _posed(scenario, noise, worker_count(threads, "threads"))
@@ -208,18 +218,26 @@ def plan(
     if count > len(drives):
         raise ScenarioError(f"count = {count}: allowed are at most {len(drives)} drives")
     level, slopes, gaps, rough = _predicted(problem, table, drives)
+    known: Mask = np.any(np.isfinite(gaps), axis=1)
+    causes, gaps = [*itertools.compress(problem.causes, known)], gaps[known]
     sound = np.flatnonzero(np.isfinite(np.vstack([level, slopes, gaps, rough])).all(axis=0))
     speed = np.abs(level)
-    if not len(sound) or not speed[sound].max() > 0.0:
+    if not np.nanmax(speed) > 0.0:
         raise ScenarioError("the stated scenario does not move at any proposed drive")
+    if count > len(sound):
+        raise ScenarioError(
+            f"count = {count}: allowed are at most {len(sound)} drives; at the other "
+            f"{len(drives) - len(sound)} the scenario cannot be simulated with all its causes"
+        )
     floor = _FLOOR * float(np.median(speed[sound]))
     variance = (noise * np.maximum(speed, floor)) ** 2 / trials + rough**2
     chosen = _chosen(slopes, gaps, variance, sound.tolist(), count)
     apart, seen = _distances(*(array[..., chosen] for array in (slopes, gaps, variance)))
-    names, words = [cause.name for cause in problem.causes], Words(False, problem.causes)
+    names, words = [cause.name for cause in causes], Words(False, problem.causes)
+    left_out = [cause.name for cause in itertools.compress(problem.causes, ~known)]
     return Plan(
-        scenario, [drives[k] for k in chosen], level[chosen], noise, trials, seed, names,
-        seen > DECISIVE, apart > DECISIVE, {name: words.title(name) for name in names},
+        scenario, [drives[k] for k in chosen], level[chosen], noise, trials, seed, names, left_out,
+        seen > DECISIVE, apart > DECISIVE, {name: words.title(name) for name in names + left_out},
     )  # fmt: skip
 
 
@@ -249,29 +267,80 @@ def _predicted(
     """Velocities as stated, changes by one error of each constant and by each cause, roughness.
 
     Shapes (drives,), (constants, drives), (causes, drives) and (drives,), m/s; NaN where there is
-    none. The roughness is how far velocities are from a plane, for one error of the constants.
+    none, and of a cause that cannot be. The roughness is how far velocities are from a plane, for
+    one error of the constants.
     """
     constants = len(problem.constants)
+    points, velocities = _possible(problem, table, drives, _changes(problem))
+    ends = slice(1, 1 + 2 * constants)
+    steps = np.sum(points[ends][1::2] - points[ends][::2], axis=1)
+    for constant, step in zip(problem.constants, steps.tolist(), strict=True):
+        if step == 0.0:
+            raise ScenarioError(
+                f"{constant.name}: an eighth of its stated error either way cannot be simulated: "
+                "allowed is a smaller one"
+            )
+    slopes = (velocities[ends][1::2] - velocities[ends][::2]) / steps[:, None]
+    gaps = velocities[1 + 2 * constants : -_DRAWS] - velocities[0]
+    missed = velocities[-_DRAWS:] - velocities[0] - points[-_DRAWS:, :constants] @ slopes
+    missed = missed[np.isfinite(missed).any(axis=1)]
+    return velocities[0], slopes, gaps, np.sqrt(np.mean(missed**2, axis=0)) / _ROUGH
+
+
+def _changes(problem: Problem) -> Array:
+    """Coordinates as stated, of two ends of each constant, of each cause, and of draws."""
+    constants = [constant.name for constant in problem.constants]
     low, high = problem.limits
     random = np.random.default_rng(0)
-    points = np.zeros((1 + 2 * constants + len(problem.causes) + _DRAWS, problem.size))
-    points[-_DRAWS:, :constants] = _ROUGH * random.standard_normal((_DRAWS, constants))
-    for k in range(constants):
+    points = np.zeros((1 + 2 * len(constants) + len(problem.causes) + _DRAWS, problem.size))
+    points[-_DRAWS:, : len(constants)] = _ROUGH * random.standard_normal((_DRAWS, len(constants)))
+    for k in range(len(constants)):
         points[1 + 2 * k, k], points[2 + 2 * k, k] = -0.5, 0.5
-    for at, cause in enumerate(problem.causes, start=1 + 2 * constants):
+    for at, cause in enumerate(problem.causes, start=1 + 2 * len(constants)):
         if cause.frees is not None:
-            points[at, [constant.name for constant in problem.constants].index(cause.frees)] = _OFF
+            points[at, constants.index(cause.frees)] = _OFF
         for k in problem.columns([cause]).tolist():
             if problem.parameters[k].is_amplitude:
                 points[at, k] = 1.0 if high[k] > 0.0 else max(-1.0, low[k])
+    return points
+
+
+def _possible(
+    problem: Problem, table: VelocityTable, drives: Sequence[Drive], changes: Array
+) -> tuple[Array, Array]:
+    """Changes, smaller or reversed where they cannot be, and their velocities, (changes, drives).
+
+    An end that cannot be is where the scenario is; velocities of what else cannot be are NaN.
+    """
     names = problem.names
     columns = table.own_columns(names)
-    values = problem.physical(points)[:, columns]
-    velocities = table.readings(drives, [names[k] for k in columns], values)
-    ends = velocities[1 : 1 + 2 * constants]
-    slopes, gaps = ends[1::2] - ends[::2], velocities[1 + 2 * constants : -_DRAWS] - velocities[0]
-    missed = velocities[-_DRAWS:] - velocities[0] - points[-_DRAWS:, :constants] @ slopes
-    return velocities[0], slopes, gaps, np.sqrt(np.mean(missed**2, axis=0)) / _ROUGH
+
+    def made(points: Array) -> Array:
+        values = problem.physical(points)[:, columns]
+        return table.readings(drives, [names[k] for k in columns], values)
+
+    points, velocities = changes.copy(), made(changes)
+    if not np.isfinite(velocities[0]).any():
+        raise ScenarioError("the stated scenario cannot be simulated at any proposed drive")
+
+    is_end = np.isin(np.arange(len(points)), np.arange(1, 1 + 2 * len(problem.constants)))
+    for factor in _OTHERS:
+        rows = _lost(velocities)
+        factors = np.where(is_end[rows], abs(factor), factor)[:, None]
+        moved = np.clip(factors * changes[rows], *problem.limits)
+        rows, moved = rows[moved.any(axis=1)], moved[moved.any(axis=1)]
+        if len(rows):
+            points[rows], velocities[rows] = moved, made(moved)
+    velocities[_lost(velocities)] = np.nan
+    ends = np.flatnonzero(is_end & np.isnan(velocities).all(axis=1))
+    points[ends], velocities[ends] = 0.0, velocities[0]
+    return points, velocities
+
+
+def _lost(velocities: Array) -> Indices:
+    """Rows with which too many drives cannot be simulated that the first row can."""
+    sound = np.isfinite(velocities[:, np.isfinite(velocities[0])])
+    return np.flatnonzero(sound.mean(axis=1) < 1.0 - _LOST)
 
 
 def _distances(slopes: Array, gaps: Array, variance: Array) -> tuple[Array, Array]:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
-from stickslip._util.arrays import Array, numbers
+from stickslip._util.arrays import Array, in_columns
 from stickslip._util.messages import refuse
 
 
@@ -106,10 +107,10 @@ class Coils:
         Parameters
         ----------
         points : array_like, shape (..., 3)
-            Positions, m.
+            Positions, m; or columns x, y, z.
         currents : array_like, shape (..., 5)
-            Currents in the order of `COIL_NAMES`, A. Leading axes broadcast against those of
-            `points`. A coil without current takes no part.
+            Currents in the order of `COIL_NAMES`, or by these names, A. Leading axes broadcast
+            against those of `points`. A coil without current takes no part.
 
         Returns
         -------
@@ -150,7 +151,8 @@ class Coils:
 
 def _five(values: ArrayLike) -> list[float]:
     """One value a coil, of one for all or of five; other shapes are a ValueError."""
-    array = numbers("a value of the coils", values, gaps=True, finite=False)
+    what, names = "a value of the coils", _core.coil_names
+    array = in_columns(what, values, names, gaps=True, finite=False)
     if array.shape not in ((), (5,)):
         raise ValueError(f"a value of the coils must have shape () or (5,); got {array.shape}")
     return [float(value) for value in np.broadcast_to(array, 5)]
@@ -162,8 +164,8 @@ def _one_or_five(values: list[float]) -> float | Array:
 
 def _flatten(points: ArrayLike, currents: ArrayLike) -> tuple[Array, Array, tuple[int, ...]]:
     """Points as (n, 3), currents as (n, 5) or (1, 5), and the common leading shape."""
-    points = _checked("points", points, 3, "m")
-    currents = _checked("currents", currents, 5, "A")
+    points = _checked("points", points, ("x", "y", "z"), "m")
+    currents = _checked("currents", currents, _core.coil_names, "A")
     try:
         shape = np.broadcast_shapes(points.shape[:-1], currents.shape[:-1])
     except ValueError:
@@ -177,9 +179,9 @@ def _flatten(points: ArrayLike, currents: ArrayLike) -> tuple[Array, Array, tupl
     return flat_points, np.broadcast_to(currents, (*shape, 5)).reshape(-1, 5), shape
 
 
-def _checked(name: str, values: ArrayLike, columns: int, unit: str) -> Array:
-    allowed = f"shape (..., {columns}) of finite numbers, in {unit}"
-    array = numbers(name, values, allowed, unit=unit)
-    if array.ndim == 0 or array.shape[-1] != columns:
+def _checked(name: str, values: ArrayLike, columns: Sequence[str], unit: str) -> Array:
+    allowed = f"shape (..., {len(columns)}) of finite numbers, in {unit}"
+    array = in_columns(name, values, columns, allowed, unit=unit)
+    if array.ndim == 0 or array.shape[-1] != len(columns):
         raise ValueError(f"{name} of shape {array.shape}: allowed is {allowed}")
     return array

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
-from stickslip._util.arrays import Array, numbers
+from stickslip._util.arrays import Array, in_columns, numbers
 from stickslip._util.files import read_bytes
 from stickslip._util.messages import meant, refuse
 from stickslip._util.tables import read_table
@@ -26,15 +26,17 @@ from stickslip.field.map_fit import CoilFit, fit_coils, point_name
 _AXES = "xxyyz"
 """Along which each coil's field points at the centre."""
 
+_PLACE, _FIELD = ("x", "y", "z"), ("Bx", "By", "Bz")
+
 _WORST = 0.05
 """Largest rms residual of a coil, relative to its rms field. Chosen: probes are read to a per cent
 or so, and values that no source-free field fits to 5 % have columns in a wrong order, wrong places,
 or iron within the map."""
 
 _COLUMNS = {
-    **dict.fromkeys(("x", "y", "z"), "m"),
+    **dict.fromkeys(_PLACE, "m"),
     "coil": None,
-    **dict.fromkeys(("Bx", "By", "Bz"), "T/A"),
+    **dict.fromkeys(_FIELD, "T/A"),
 }
 
 _MOST_JSON = 1 << 20  # bytes; chosen: ten times those of a map of the highest degree
@@ -138,7 +140,7 @@ class FieldMap:
         ScenarioError
             If a shape or a number is not allowed, or no field of coils fits the values.
         """
-        places = numbers("points", points, unit="m")
+        places = in_columns("points", points, _PLACE, unit="m")
         values = numbers("fields", fields, unit="T/A")
         count = len(places) if places.ndim else 0
         if places.shape != (count, 3) or values.shape != (count, len(_AXES), 3):
@@ -177,8 +179,8 @@ class FieldMap:
         if lines is None:  # arrays of a user
             samples = [
                 (
-                    numbers(f"points of {name}", points, unit="m"),
-                    numbers(f"fields of {name}", fields, unit="T/A"),
+                    in_columns(f"points of {name}", points, _PLACE, unit="m"),
+                    in_columns(f"fields of {name}", fields, _FIELD, unit="T/A"),
                 )
                 for name, (points, fields) in zip(_core.coil_names, samples, strict=True)
             ]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.signal import butter, sosfiltfilt
 
-from stickslip._util.arrays import Array, row
+from stickslip._util.arrays import Array, numbers, row
 from stickslip._util.messages import check_kind, refuse
 from stickslip._util.text import OneLine, is_number
 from stickslip.diagnosis.data.series import Series
@@ -39,7 +39,8 @@ class _OneByOne(OneLine):
             single = {name: inputs[name][k] for name in many}
             seen = table.with_inputs(single) if single and isinstance(table, Series) else table
             values = {name: float(column[k, 0]) for name, column in p.items()}
-            rows.append(np.asarray(self.function(seen, values), dtype=float))
+            made = self.function(seen, values)
+            rows.append(numbers("model: its answer", made, gaps=True, finite=False))
         return np.array(rows)
 
 

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike
 
 from stickslip._util import palette
-from stickslip._util.arrays import Array, numbers
+from stickslip._util.arrays import Array, in_columns
 from stickslip._util.messages import check_kind, refuse
 from stickslip._util.picture import RC, Picture, legend_above
 from stickslip.plot import style
@@ -92,7 +92,7 @@ def path(
 def _corners(along: Polyline | ArrayLike) -> Array:
     """Corners of a path, m, shape (k, 2)."""
     allowed = "a Path, or its corners, shape (k, 2) of finite x and y, m"
-    corners = numbers("along", getattr(along, "points", along), allowed)
+    corners = in_columns("along", getattr(along, "points", along), ("x", "y"), allowed)
     if corners.ndim != 2 or corners.shape[1] != 2:
         refuse("along", along, allowed)
     return corners

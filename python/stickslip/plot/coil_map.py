@@ -12,7 +12,7 @@ from matplotlib.ticker import LogLocator
 from numpy.typing import ArrayLike
 
 from stickslip._util import palette
-from stickslip._util.arrays import Array, numbers
+from stickslip._util.arrays import Array, in_columns
 from stickslip._util.messages import check_kind, refuse
 from stickslip.field.coils import Coils
 from stickslip.plot import style
@@ -80,7 +80,7 @@ def coils(scenario: Scenario, currents: ArrayLike | None = None, ax: Axes | None
 def _checked(currents: ArrayLike) -> Array:
     """Currents that a user gave."""
     allowed = "a list of five finite numbers, A"
-    amperes = numbers("currents", currents, allowed, unit="A")
+    amperes = in_columns("currents", currents, COIL_NAMES, allowed, unit="A")
     if amperes.shape != (len(COIL_NAMES),):
         refuse("currents", currents, allowed)
     return amperes

@@ -225,6 +225,9 @@ def key_hint(name: str, others: Iterable[str] = ()) -> str:
     section = name.rpartition(".")[0]
     if name.startswith(LAWS):
         return _law_hint(name)
+    of_coil = f"{name.removesuffix('s')}_{COIL_NAMES[0]}"
+    if of_coil in keys:
+        return f"give {of_coil} = 1.0, one key a coil"
     siblings = [key.name for key in keys_of(section)]
     siblings += [key for key in PATHS if siblings and key.startswith(f"{section}.") and key != name]
     if siblings:
@@ -316,7 +319,8 @@ def set_value(core: _core.Scenario, name: str, value: object) -> None:
     except (ValueError, TypeError, OverflowError):
         words = [word.strip() for word in value.split(",")] if isinstance(value, str) else []
         wrong = next((word for word in words if word not in key.words), None)
-        refuse(name, value, key.allowed + meant(wrong, key.words) + _other_unit(key, value))
+        near = meant(wrong and in_allowed_case(key, wrong), key.words)
+        refuse(name, value, key.allowed + near + _other_unit(key, value))
 
 
 def checked(name: str, value: object) -> Value:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from stickslip._util.messages import check_above_zero, refuse, shown, suggestion
 from stickslip._util.text import is_number
-from stickslip.errors import ScenarioError
+from stickslip.errors import ScenarioError, prefixed
 
 MU_0 = 4e-7 * math.pi
 """Magnetic constant, T m/A, to 1e-9."""
@@ -123,9 +123,10 @@ def magnet_of(
         known = _named("material", material, MATERIALS)
         density = known.density if density is None else density
         magnetization = known.magnetization if magnetization is None else magnetization
-    check_above_zero("density", density, "kg/m3; or name a material,")
+    _check_given("a material", density=density, magnetization=magnetization)
+    check_above_zero("density", density, "kg/m3")
     if not (is_number(magnetization) and 0.0 <= magnetization < math.inf):
-        refuse("magnetization", magnetization, "a number of A/m from 0; or name a material")
+        refuse("magnetization", magnetization, "a number of A/m from 0")
     return density, magnetization  # type: ignore[return-value]
 
 
@@ -137,8 +138,9 @@ def fluid_of(
         known = _named("fluid", name, LIQUIDS)
         density = known.density if density is None else density
         viscosity = known.viscosity if viscosity is None else viscosity
-    check_above_zero("density", density, "kg/m3; or name a fluid,")
-    check_above_zero("viscosity", viscosity, "Pa s; or name a fluid,")
+    _check_given("a fluid", density=density, viscosity=viscosity)
+    check_above_zero("density", density, "kg/m3")
+    check_above_zero("viscosity", viscosity, "Pa s")
     if isinstance(wall, bool):
         gap = ROUGHNESS if wall else None
     else:
@@ -156,7 +158,15 @@ def fluid_of_table(table: Any) -> Fluid:
                 f"fluid.{key} = {shown(value)}: there is no such key; {suggestion(key, known)}"
             )
     name, density, viscosity = (table.get(key) for key in known[:3])
-    return fluid_of(name, density, viscosity, table.get("wall", True))
+    with prefixed("[fluid]"):
+        return fluid_of(name, density, viscosity, table.get("wall", True))
+
+
+def _check_given(what: str, **values: object) -> None:
+    """Refuse that one of the numbers is missing, which a name would stand for."""
+    for key, value in values.items():
+        if value is None:
+            raise ScenarioError(f"{key} is missing: give {' and '.join(values)}, or name {what}")
 
 
 def _named(key: str, name: Any, table: Mapping[str, Any]) -> Any:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
-from stickslip._util.arrays import Array, locked, numbers
+from stickslip._util.arrays import Array, in_columns, locked
 from stickslip._util.tables import read_table
 from stickslip.errors import ScenarioError, prefixed
 
@@ -30,7 +30,7 @@ class PlayedRows:
 
     def __init__(self, rows: ArrayLike) -> None:
         units = " and ".join(dict.fromkeys(self._columns.values()))
-        given = numbers("rows", rows, f"numbers of {units}")
+        given = in_columns("rows", rows, [*self._columns], f"numbers of {units}")
         if given.ndim != 2 or given.shape[1] != len(self._columns):
             shape = f"(n, {len(self._columns)}): {', '.join(self._columns)}"
             raise ScenarioError(f"rows of shape {given.shape}: allowed is {shape}")

@@ -8,8 +8,8 @@ from collections import namedtuple
 from collections.abc import Mapping
 
 from stickslip import _core
-from stickslip._util.messages import check_above_zero, refuse, shown
-from stickslip.errors import ScenarioError
+from stickslip._util.arrays import in_columns
+from stickslip._util.messages import check_above_zero, refuse
 from stickslip.field.coils import Coils
 from stickslip.field.field_map import FieldMap
 from stickslip.scenario.keys import (
@@ -297,11 +297,11 @@ class State(Section, key="initial"):
     @staticmethod
     def from_row(row):
         """The state of a row of an array of states; a ScenarioError if it is none."""
-        try:
-            values = dict(zip(STATE_COLUMNS, map(float, row), strict=True))
-        except (TypeError, ValueError):
-            allowed = f"{len(STATE_COLUMNS)} numbers in the order of STATE_COLUMNS"
-            raise ScenarioError(f"row = {shown(row)}: allowed are {allowed}") from None
+        allowed = f"{len(STATE_COLUMNS)} numbers in the order of STATE_COLUMNS"
+        given = in_columns("row", row, STATE_COLUMNS, allowed)
+        if given.shape != (len(STATE_COLUMNS),):
+            refuse("row", row, allowed)
+        values = dict(zip(STATE_COLUMNS, given.tolist(), strict=True))
         index = values["contact"]
         if index not in range(len(CONTACT_WORDS)):
             refuse("initial.contact", index, f"a whole number from 0 to {len(CONTACT_WORDS) - 1}")

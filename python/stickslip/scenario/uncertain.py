@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip._util.arrays import Array
+from stickslip._util.arrays import Array, numbers
 from stickslip._util.messages import shown
 from stickslip._util.text import is_number
 from stickslip.errors import ScenarioError, prefixed
@@ -109,10 +109,10 @@ def _shares(z: Array) -> Array:
 
 def parse_prior(key: str, table: object) -> Prior:
     """The prior of one entry of ``[uncertain]``; a ScenarioError if it is none of the forms."""
-    for kind, numbers in _NUMBERS.items():
-        if isinstance(table, Mapping) and set(numbers) == set(table):
+    for kind, names in _NUMBERS.items():
+        if isinstance(table, Mapping) and set(names) == set(table):
             try:
-                prior = Prior(kind, *(table[name] for name in numbers))
+                prior = Prior(kind, *(table[name] for name in names))
             except ScenarioError as error:
                 raise ScenarioError(f'[uncertain] "{key}" {error}') from None
             return Prior(kind, float(prior.first), float(prior.second))
@@ -286,8 +286,8 @@ def _checked_matrix(given: object, keys: Sequence[str]) -> Matrix:
     """The covariance, if it is one of as many keys."""
     size = len(keys)
     try:
-        matrix = np.array(given, dtype=float)
-    except (TypeError, ValueError, OverflowError):
+        matrix = numbers("matrix", given)
+    except ScenarioError:
         matrix = np.empty(0)
     if matrix.size == 0 == size:
         return ()

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
-from stickslip._util.arrays import Array, Mask, check_indexes, locked, numbers
+from stickslip._util.arrays import Array, Mask, check_indexes, in_columns, locked, numbers
 from stickslip._util.files import replacing
-from stickslip._util.messages import check_above_zero, check_whole, meant, refuse
+from stickslip._util.messages import check_above_zero, check_whole, refuse
 from stickslip._util.tables import read_table
 from stickslip._util.text import counted, highest, is_number
-from stickslip.errors import prefixed
+from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.changes import Changes
 from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.section import Section
@@ -71,7 +71,7 @@ class Waveform:
 
     Raises
     ------
-    ValueError
+    ScenarioError
         If a block has fewer than two points or no duration, does not begin at 0, falls in time,
         has three different points at one time, holds a value that is not finite, or is played less
         than once.
@@ -106,7 +106,7 @@ class Waveform:
         t : array_like, shape (n,)
             Times, s, from 0, never falling; a repeated time is a jump.
         voltages : array_like, shape (n, 5)
-            V, in the order xp, xm, yp, ym, clamp.
+            V, in the order xp, xm, yp, ym, clamp, or columns of these names.
         """
         return cls([(t, voltages, 1)])
 
@@ -144,10 +144,10 @@ class Waveform:
             Duration of the sudden side, s; less than `period`.
         """
         if edge not in ("rise", "fall"):
-            raise ValueError(f'edge = {edge!r}: allowed is one of "rise", "fall"')
+            raise ScenarioError(f'edge = {edge!r}: allowed is one of "rise", "fall"')
         check_above_zero("period", period, "s")
         if not is_number(edge_time) or not 0.0 <= edge_time < period:
-            raise ValueError(
+            raise ScenarioError(
                 f"edge_time = {edge_time!r}: allowed is from 0 to less than {highest(period)}"
             )
         bottom = _five(low)
@@ -213,7 +213,7 @@ class Waveform:
 
         Raises
         ------
-        ValueError
+        ScenarioError
             If that would be more than two million rows.
         OSError
             If the file cannot be written; nothing is left half-written.
@@ -225,7 +225,7 @@ class Waveform:
         """See `to_csv`; a file that is there is overwritten."""
         rows = sum(len(t) * repeats for t, _, repeats in self._blocks)
         if rows > _MOST_ROWS:
-            raise ValueError(f"{rows} rows of voltages: allowed are at most {_MOST_ROWS}")
+            raise ScenarioError(f"{rows} rows of voltages: allowed are at most {_MOST_ROWS}")
         with path.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(_COLUMNS)
@@ -256,12 +256,12 @@ class Waveform:
 
         Raises
         ------
-        ValueError
+        ScenarioError
             If a time lies outside the waveform.
         """
         times = numbers("t", t, "finite numbers of s", unit="s")
         if not np.all((times >= 0.0) & (times <= self.duration)):
-            raise ValueError(f"t: allowed are times from 0 to {highest(self.duration)} s")
+            raise ScenarioError(f"t: allowed are times from 0 to {highest(self.duration)} s")
         result = np.empty((*times.shape, len(COIL_NAMES)))
         start = 0.0
         for block_times, block_voltages, repeats in self._blocks:
@@ -288,12 +288,12 @@ class Waveform:
 
         Raises
         ------
-        ValueError
+        ScenarioError
             If `t` is no such number.
         """
         left = float(t) if is_number(t) else math.nan
         if not 0.0 <= left < self.duration:
-            raise ValueError(
+            raise ScenarioError(
                 f"t = {t!r}: allowed is from 0 to less than {highest(self.duration)} s"
             )
         near = _ROUNDING * left
@@ -332,7 +332,7 @@ class Waveform:
 
         Raises
         ------
-        ValueError
+        ScenarioError
             If `times` is not a whole number above zero, or if repeats within repeats come to more
             than a hundred thousand blocks.
         """
@@ -342,7 +342,7 @@ class Waveform:
             return Waveform([(t, v, repeats * int(times))])
         if len(self._blocks) * times <= _MOST_BLOCKS:
             return self._of(self._blocks * int(times))
-        raise ValueError(
+        raise ScenarioError(
             f"repeats within repeats would need more than {_MOST_BLOCKS} blocks: "
             "repeat less, or fewer different pieces"
         )
@@ -400,27 +400,20 @@ class Waveform:
 
 def _five(voltages: Voltages) -> list[float]:
     """Voltages of all five coils, V."""
-    if isinstance(voltages, Mapping):
-        unknown = set(voltages) - set(COIL_NAMES)
-        if unknown:
-            name, allowed = min(unknown), ", ".join(map(repr, COIL_NAMES))
-            hint = meant(name, COIL_NAMES)
-            raise ValueError(f"coil {name!r}: allowed is one of {allowed}{hint}")
-        return _five([voltages.get(name, 0.0) for name in COIL_NAMES])
     given: Any = voltages if hasattr(voltages, "__len__") else [voltages]
     allowed = "finite numbers of V"
-    values = numbers("voltages", given, allowed, unit="V").tolist() or [0.0] * len(COIL_NAMES)
-    if len(values) != len(COIL_NAMES):
-        raise ValueError(f"{len(values)} voltages: allowed are {len(COIL_NAMES)}, one a coil")
-    return values
+    values = in_columns("voltages", given, COIL_NAMES, allowed, absent=0.0, unit="V")
+    if values.shape not in ((0,), (len(COIL_NAMES),)):
+        raise ScenarioError(f"{values.size} voltages: allowed are {len(COIL_NAMES)}, one a coil")
+    return values.tolist() or [0.0] * len(COIL_NAMES)
 
 
 def _frozen_block(times: ArrayLike, voltages: ArrayLike, repeats: int) -> _Block:
     check_indexes("", {"t": times, "voltages": voltages})
     t = numbers("t", times, "finite numbers of s", unit="s")
-    v = numbers("voltages", voltages, "finite numbers of V", unit="V")
+    v = in_columns("voltages", voltages, COIL_NAMES, "finite numbers of V", unit="V")
     if t.ndim != 1 or v.shape != (len(t), len(COIL_NAMES)):
-        raise ValueError(
+        raise ScenarioError(
             f"times of shape {t.shape} and voltages of shape {v.shape}: allowed are (n,) and (n, 5)"
         )
     risen = np.maximum.accumulate(t)
@@ -449,23 +442,23 @@ def _check_points(t: Array, v: Array, lines: Sequence[int] | None = None) -> Non
         return f"point {k + 1}" if lines is None else f"row {lines[k]}"
 
     if len(t) < 2:
-        raise ValueError(f"{counted(len(t), 'row')} of voltages: allowed are two points or more")
+        raise ScenarioError(f"{counted(len(t), 'row')} of voltages: allowed are two points or more")
     if t[0] != 0.0:
-        raise ValueError(f"{name(0)}: t = {float(t[0])!r}: the first time has to be at 0 s")
+        raise ScenarioError(f"{name(0)}: t = {float(t[0])!r}: the first time has to be at 0 s")
     falls = np.flatnonzero(t[1:] < (1.0 - _ROUNDING) * t[:-1])
     if len(falls):
         before, time = map(float, t[falls[0] : falls[0] + 2])
-        raise ValueError(
+        raise ScenarioError(
             f"{name(falls[0] + 1)}: t = {time!r} s follows {before!r} s: times must not fall"
         )
     if t[-1] == 0.0:
-        raise ValueError(f"{name(len(t) - 1)}: t = 0.0: no duration; allowed is above 0 s")
+        raise ScenarioError(f"{name(len(t) - 1)}: t = 0.0: no duration; allowed is above 0 s")
     # Not counting points that repeat another: only the first and the last of them would count.
     kept = np.flatnonzero(_differing(t, v))
     third = np.flatnonzero(t[kept][2:] == t[kept][:-2])
     if len(third):
         at = int(kept[third[0] + 2])
-        raise ValueError(
+        raise ScenarioError(
             f"{name(at)}: third point at t = {float(t[at])!r}: allowed are two, a jump; are the "
             "times rounded, or in ms?"
         )

@@ -17,7 +17,7 @@ CODES = (
     "record-cut", "condition-not-met", "window-cut",
     # Values in another unit, as far as can be seen.
     "unit-map", "unit-map-background", "unit-time", "unit-length", "unit-mass",
-    "unit-inductance",
+    "unit-inductance", "unit-angle",
     # A robot that does not walk.
     "rest-no-field", "rest-no-moment", "rest-torque", "rest-adhesion", "rest-drag", "rest-friction",
     "rest",

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip import _core
-from stickslip._util.arrays import worker_count
+from stickslip._util.arrays import Array, in_columns, worker_count
 from stickslip._util.messages import check_kind, shown, suggestion
 from stickslip.errors import ScenarioError
 from stickslip.scenario.scenario import Scenario
@@ -28,8 +28,8 @@ class Rollout(NamedTuple):
     ----------
     states : numpy.ndarray, shape (n, steps, k)
         The recorded columns at the end of each step; NaN from the step on that a run failed in. A
-        run whose state at the start, or whose own voltages in a step, are not finite fails there
-        with the status ``not_finite``; the others go on.
+        run whose state at the start, or whose own voltages in a step, are masked or not finite
+        fails there with the status ``not_finite``; the others go on.
     status : numpy.ndarray of int8, shape (n,)
         How each run ended, an index of `status_names`; 0 is "ok".
     columns : tuple of str
@@ -66,8 +66,9 @@ def rollout(
     ----------
     scenarios : Scenario or sequence of Scenario
         One for all runs, or one a run. Their drives are not played, see `Simulator`.
-    states : State, sequence of State, array of shape (n, 21), or None
-        Where each run begins, one for all or one a run; an array has the columns `STATE_COLUMNS`.
+    states : State, sequence of State, array of shape (n, 28), or None
+        Where each run begins, one for all or one a run; an array has the columns `STATE_COLUMNS`,
+        a table these names.
         Without it each run begins at its scenario's `initial`.
     voltages : array_like, shape (steps, 5) or (n, steps, 5)
         Voltages of the coils xp, xm, yp, ym, clamp in each step, V, for all runs or for each.
@@ -111,7 +112,7 @@ def rollout(
     several = [scenarios] if isinstance(scenarios, Scenario) else list(scenarios)
     for index, scenario in enumerate(several):
         check_kind(f"scenario {index}", scenario, Scenario)
-    volts = np.ascontiguousarray(voltages, dtype=float)
+    volts = _numbers("voltages", voltages, _core.coil_names, unit="V")
     if volts.ndim not in (2, 3) or volts.shape[-1] != len(_core.coil_names):
         raise ScenarioError(
             f"voltages of shape {volts.shape}: allowed is (steps, 5) or (n, steps, 5)"
@@ -149,13 +150,19 @@ def rollout(
     return Rollout(out, status, tuple(record))
 
 
-def _rows(states: Any) -> NDArray[np.float64] | None:
+def _numbers(what: str, values: Any, columns: Sequence[str], unit: str | None = None) -> Array:
+    """Numbers, NaN where there is none: a run fails there."""
+    array = in_columns(what, values, columns, unit=unit, gaps=True, finite=False)
+    return np.ascontiguousarray(array)
+
+
+def _rows(states: Any) -> Array | None:
     if states is None:
         return None
     states = [states] if isinstance(states, State) else states
-    if len(states) and isinstance(states[0], State):
+    if isinstance(states, Sequence) and states and isinstance(states[0], State):
         states = [state.row for state in states]
-    rows = np.ascontiguousarray(states, dtype=float)
+    rows = _numbers("states", states, STATE_COLUMNS)
     if rows.ndim != 2 or rows.shape[1] != len(STATE_COLUMNS):
         raise ScenarioError(
             f"states of shape {rows.shape}: allowed is (n, {len(STATE_COLUMNS)}), "

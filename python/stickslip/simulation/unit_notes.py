@@ -32,6 +32,9 @@ MANY_TIME_CONSTANTS = 100.0
 """The same in time constants of the slowest coil, which has to be exceeded too: large coils with
 little resistance take seconds to follow."""
 
+_LONG_LATENCY = 1.0
+"""Longest latency of the drive that is not noted, s. Chosen: amplifiers and cards take ms."""
+
 _TIMES_TABLE_I = 10.0
 """Ratio to the size of Table I's coils below which those of a laboratory lie, 1 m: ten times more
 is in cm, and what is nearer to 1000 times more in mm."""
@@ -57,6 +60,8 @@ def unit_notes(scenario: Scenario, core: _core.Scenario) -> list[Note]:
     return [
         *_of_map(scenario),
         *_of_pulses(scenario, core),
+        *_of_latency(scenario),
+        *_of_pitch(scenario),
         *_of_coils(scenario),
         *_of_robot(scenario),
     ]
@@ -157,6 +162,29 @@ def _of_pulses(scenario: Scenario, core: _core.Scenario) -> list[Note]:
     if slowest > 0.0:  # not of an inductance next to zero
         text += f", {lasting / slowest:.3g} times the longest time constant of a coil"
     return [Note("unit-time", f"{text}; {meant}", lasting)]
+
+
+def _of_latency(scenario: Scenario) -> list[Note]:
+    latency = scenario.drive.latency
+    if latency <= _LONG_LATENCY:
+        return []
+    text = f"drive.latency = {latency:g} s, before which nothing drives: {_question(('ms', 1e3))}"
+    return [Note("unit-time", text, latency)]
+
+
+def _of_pitch(scenario: Scenario) -> list[Note]:
+    """Whether the pitch at the start is in degrees.
+
+    A robot that rolled over is beyond a turn too, but as a run ends, with all digits.
+    """
+    theta = scenario.initial.theta
+    if abs(theta) <= math.tau or round(theta, 1) != theta:
+        return []
+    text = (
+        f"initial.theta = {theta:g} rad is more than a turn: is it in degrees? {theta:g} degrees "
+        f"are {math.radians(theta):.4g} rad"
+    )
+    return [Note("unit-angle", text, theta)]
 
 
 def shortest_tooth(blocks: Sequence[tuple[Array, Array, int]]) -> float:
