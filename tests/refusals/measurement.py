@@ -92,6 +92,23 @@ TABLES = [
     ("frequency,hold,velocity\n30,0.6,1e-3\n", ["line 2: hold of 0.6 T", "in mT"]),
     ("frequency,velocity\n0.03,1e-3\n", ["frequency of 0.03 Hz", "in kHz"]),
     ("velocity,velocity\n1,1\n", "twice"),
+    ("velocity,frequency,drive.frequency\n1,30,30\n", '"frequency" is there twice'),
+    *(
+        (
+            f"velocity,{key}\n1,30\n",
+            [
+                "velocity.csv: ",
+                f'column "{key}" is a key of the scenario: allowed are those of [drive]',
+            ],
+        )
+        for key in (
+            "coil.resistance",
+            "surface_tilt.angle",
+            "surface_tilt_angle",
+            "robot_mass (kg)",
+            "effects.surface_tilt.angle",
+        )
+    ),
     ("velocity,frequency\nnan,30\nfast,30\n", "no row is sound"),
     ("velocity,frequency\n910,10\n920,20\n930,30\n", "if they are in um/s, divide"),
 ]

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from stickslip._util.arrays import Array, numbers
+from stickslip._util.arrays import Array, Mask, numbers
 from stickslip._util.files import read_bytes
 from stickslip._util.messages import misspelt, nearest, refuse, shown
 from stickslip._util.tables import DECIMAL_COMMAS, CsvTable, Units, without_units
-from stickslip._util.text import counted, is_number, number
+from stickslip._util.text import counted, is_number, number, plain
 from stickslip._util.units import is_unit, split_unit, to_si
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.simulation.note import Note
@@ -36,6 +36,17 @@ _MOST_ROWS, _MOST_COLUMNS, MOST_BYTES = 2_000_000, 1000, 1 << 26
 
 _GROUPED = re.compile(r"[+-]?\d{1,3}([.,' \u00a0\u2019]\d{3})+([.,]\d+)?")
 _WITH_UNIT = re.compile(r"[+-]?\d+(?:[.,]\d+)?\s*([^\d\s.,].*)")
+
+STAMP = re.compile(
+    r"(?P<date>\d{4}-\d\d-\d\d[T ])?(?P<clock>\d\d:\d\d(:\d\d([.,]\d+)?)?)"
+    r"(Z|(?P<zone>[+-]\d\d:?\d\d))?"
+)
+"""A date or a clock as ISO 8601 writes it."""
+
+_VALID = "valid", "ok"
+_SAID = {"1": True, "1.0": True, "true": True, "yes": True,
+         "0": False, "0.0": False, "false": False, "no": False}  # fmt: skip
+"""Columns that say which rows are valid, and how they say it."""
 
 _NAMED = 5
 """Rows that a note names; of more only the number is given. Chosen: one line."""
@@ -133,9 +144,7 @@ def _in_si(
 ) -> list[str]:
     """Names of the columns without their units; the numbers in `rows` are replaced by SI ones."""
     names, per = without_units(header, units)
-    twice = sorted({name for name in names if names.count(name) > 1})
-    if twice:
-        raise ScenarioError(f"column {shown(twice[0])} is there twice")
+    refuse_twice(names)
     for k, name in enumerate(names):
         if units.get(name) is None:
             continue
@@ -152,6 +161,13 @@ def _in_si(
             if per[k] != 1.0 and not math.isnan(value):
                 row[k] = repr(to_si(value, per[k]))
     return names
+
+
+def refuse_twice(names: Sequence[str]) -> None:
+    """Refuse columns of which two have one name."""
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise ScenarioError(f"column {shown(twice[0])} is there twice")
 
 
 def _is_no_gap(cell: str) -> bool:
@@ -209,6 +225,55 @@ def _cell(value: Any) -> str:
     return "" if value is None or str(value) in ("<NA>", "NaT") else str(value).strip()
 
 
+def seconds(cell: str) -> float:
+    """A time, s, as a number or as ISO 8601 writes a date or a clock; NaN if it is none."""
+    stamp = STAMP.fullmatch(cell)
+    if not stamp:
+        return number(cell, LARGEST)
+    try:
+        date = f"{stamp['date'] or '1970-01-01T'}{stamp['clock'].replace(',', '.')}"
+        since = np.datetime64(date, "us") - np.datetime64(0, "us")
+    except ValueError:
+        return math.nan
+    zone = stamp["zone"] or "+0000"
+    ahead = 3600.0 * float(zone[:3]) + 60.0 * float(zone[0] + zone[-2:])
+    return float(since / np.timedelta64(1, "s")) - ahead
+
+
+def validity(header: Sequence[str]) -> list[int]:
+    """Places of the columns that say which rows are valid."""
+    return [k for k, name in enumerate(header) if plain(name) in _VALID]
+
+
+def not_valid(table: Rows, rows: Sequence[tuple[Line, list[str]]], column: int) -> Mask:
+    """Which of these rows of a table a column calls not valid."""
+    said = []
+    for line, cells in rows:
+        word = cells[column].casefold() if len(cells) == len(table.header) else "1"
+        if word not in _SAID:
+            raise ScenarioError(
+                f"{table.path}: {table.word} {line}, column {table.header[column]} = "
+                f"{shown(cells[column])}: allowed are {', '.join(_SAID)}"
+            )
+        said.append(not _SAID[word])
+    return np.array(said, dtype=bool)
+
+
+def valid_rows(table: Rows) -> Rows:
+    """The table without the rows that a column ``valid`` or ``ok`` calls not valid."""
+    for column in validity(table.header):
+        lost = not_valid(table, table.rows, column)
+        if lost.any():
+            count = int(lost.sum())
+            text = f"{table.name}: {counted(count, 'row')} left out by column "
+            note = Note("not-valid", f"{text}{table.header[column]}.", count)
+            kept = [row for row, off in zip(table.rows, lost.tolist(), strict=True) if not off]
+            if not kept:
+                raise NothingSound(table.path, note)
+            table = table._replace(rows=kept, left_out=(*table.left_out, note))
+    return table
+
+
 def check_columns(
     path: Path,
     header: Sequence[str],
@@ -227,7 +292,8 @@ def check_columns(
             meant = "" if near is None else f", and {shown(near)} may be meant as it"
             there = textwrap.shorten(", ".join(header), 300, placeholder=" ...")
             raise ScenarioError(f'{path}: column "{name}" is missing; there are {there}{meant}')
-    others = [name for name in header if known is not None and name not in known]
+    told, taken = validity(header), header if known is None else known
+    others = [name for k, name in enumerate(header) if name not in taken and k not in told]
     for name in others:
         bare = split_unit(name)[0]
         near = None if bare in information else misspelt(bare, known or ())
@@ -272,7 +338,7 @@ def read_numbers(
     """
     optional = optional or {}
     units = {**required, **optional}
-    table = read_rows(path, units)
+    table = valid_rows(read_rows(path, units))
     header, rows = table.header, table.rows
     others = check_columns(path, header, required, list(units), information)
     columns = {name: header.index(name) for name in header if name in units}
