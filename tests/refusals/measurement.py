@@ -81,6 +81,8 @@ FILMS = [
     ("exposure = 3e-4", "exposure = -1", "exposure = -1"),
     ("exposure = 3e-4", "noise_x = 0.0", "noise_x = 0.0"),
     ("exposure = 3e-4", "noise_theta = nan", "noise_theta"),
+    ("exposure = 3e-4", "noise_theta = 1.0", "above 0 and below 0.5 rad"),
+    ("exposure = 3e-4", "noise_x = 1.0", "above 0 and below 0.00025 m"),
     ("exposure", "exposures", 'did you mean "exposure"'),
     ("a.csv", "absent.csv", "absent.csv"),
 ]
@@ -140,7 +142,13 @@ TRACKS = [
     (T[:12], 1e-3 * T[:12], ["t = 0 to 0.11: 0 frames are in ", "0.15 to 1.05 s"]),
     (T[::15], 1e-3 * T[::15], ["5 frames are in ", "8 frames or more"]),
     (1e3 * T, T, "t may be in ms or the number of the frame"),
-    (T, 1e3 * T, ["1000 m/s: allowed is 1 m/s at most", "x may be in um or in pixels"]),
+    (T, 1e3 * T, ["x spans 880, and allowed is up to 0.1; m are", "may be um"]),
+    (T, T, ["x spans 0.88", "may be mm"]),
+    (
+        0.15 + 0.5 * T[:9],
+        T[:9],
+        ["2 m/s: allowed is 1 m/s at most", "x may be in um, mm or pixels"],
+    ),
 ]
 REFUSALS = [
     *((f"file: {new or old}", partial(read, old=old, new=new), ScenarioError, words)

@@ -19,6 +19,7 @@ from stickslip._util.tables import DECIMAL_COMMAS, CsvTable, Units, without_unit
 from stickslip._util.text import counted, is_number, number, plain
 from stickslip._util.units import is_unit, split_unit, to_si
 from stickslip.errors import ScenarioError, prefixed
+from stickslip.measurement.outliers import ONE_TRACK
 from stickslip.simulation.note import Note
 
 if TYPE_CHECKING:
@@ -47,6 +48,9 @@ _VALID = "valid", "ok"
 _SAID = {"1": True, "1.0": True, "true": True, "yes": True,
          "0": False, "0.0": False, "false": False, "no": False}  # fmt: skip
 """Columns that say which rows are valid, and how they say it."""
+
+_TRACKED = "", "track", "particle", "robot", "object"
+"""What columns number where several bodies were tracked, with and without ``id`` behind it."""
 
 _NAMED = 5
 """Rows that a note names; of more only the number is given. Chosen: one line."""
@@ -168,6 +172,24 @@ def refuse_twice(names: Sequence[str]) -> None:
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
         raise ScenarioError(f"column {shown(twice[0])} is there twice")
+
+
+def _refuse_several(table: Rows, times: Array) -> None:
+    """Refuse a column that numbers tracked bodies, two of which are there at the same times."""
+    for k, name in enumerate(table.header):
+        if plain(name).removesuffix("id").strip() not in _TRACKED:
+            continue
+        seen: dict[str, list[float]] = {}
+        for (_, row), t in zip(table.rows, times.tolist(), strict=True):
+            if not math.isnan(t) and row[k]:
+                seen.setdefault(row[k], []).append(t)
+        spans = sorted((min(of), max(of), value) for value, of in seen.items())
+        for (_, end, one), (begin, _, other) in itertools.pairwise(spans):
+            if begin < end:
+                raise ScenarioError(
+                    f"{table.path}: column {name} has {shown(one)} and {shown(other)} at the same "
+                    f"times: allowed is {ONE_TRACK}"
+                )
 
 
 def _is_no_gap(cell: str) -> bool:
@@ -316,10 +338,10 @@ def not_used(name: str, columns: Sequence[str]) -> list[Note]:
     return [Note("columns-not-used", text, len(columns))]
 
 
-def stated_number(key: str, value: object, highest: float = math.inf) -> float:
+def stated_number(key: str, value: object, highest: float = math.inf, unit: str = "") -> float:
     """A number of a measurement file above 0 and below `highest`."""
     if not is_number(value) or not 0.0 < value < highest:
-        below = "" if math.isinf(highest) else f" and below {highest:g}"
+        below = "" if math.isinf(highest) else f" and below {highest:g} {unit}".rstrip()
         refuse(key, value, f"a number above 0{below}")
     return float(value)
 
@@ -329,12 +351,13 @@ def read_numbers(
     required: Mapping[str, str],
     optional: Mapping[str, str] | None = None,
     information: Collection[str] = (),
+    track: bool = False,
 ) -> tuple[dict[str, Array], list[Note]]:
     """Columns of numbers by name, shape (n,), of the sound rows, and what was left out.
 
     The columns are given with their SI units. A row is sound if all its required cells are numbers;
     a gap in an optional column is NaN. `information` is as in `check_columns`. A NothingSound says
-    that no row is sound.
+    that no row is sound. Of a `track` with times ``t`` all rows have to be of one robot.
     """
     optional = optional or {}
     units = {**required, **optional}
@@ -342,21 +365,24 @@ def read_numbers(
     header, rows = table.header, table.rows
     others = check_columns(path, header, required, list(units), information)
     columns = {name: header.index(name) for name in header if name in units}
-    none = [math.nan] * len(columns)
-    numbers = np.array(
-        [
-            [number(row[k], LARGEST) for k in columns.values()] if len(row) == len(header) else none
-            for _, row in rows
-        ]
-    )
+    none = [""] * len(header)
+    whole = [row if len(row) == len(header) else none for _, row in rows]
+    numbers = np.array([[number(row[k], LARGEST) for k in columns.values()] for row in whole])
     by_name = dict(zip(columns, numbers.T, strict=True))
+    if track:
+        _refuse_several(table, by_name["t"])
     sound = np.all([np.isfinite(by_name[name]) for name in required], axis=0)
     left_out = [*table.left_out, *not_used(path.name, others)]
     if not sound.all():
-        lines = [rows[k][0] for k in np.flatnonzero(~sound).tolist()]
+        wrong = np.flatnonzero(~sound).tolist()
+        lines, first = [rows[k][0] for k in wrong], wrong[0]
+        name = next(name for name in required if not np.isfinite(by_name[name][first]))
+        cell = f"the first {name} = {shown(whole[first][columns[name]])}"
+        if whole[first] is none:
+            cell = f"the first {len(rows[first][1])} cells"
         text = (
             f"{table.at(lines)}: {len(lines)} of {len(rows)} rows have a cell that is no number, "
-            "too few cells or too many."
+            f"too few cells or too many, {cell}."
         )
         left_out.append(Note("bad-cells", text, len(lines)))
     if not sound.any():
