@@ -144,11 +144,7 @@ TRACKS = [
     (1e3 * T, T, "t may be in ms or the number of the frame"),
     (T, 1e3 * T, ["x spans 880, and allowed is up to 0.1; m are", "may be um"]),
     (T, T, ["x spans 0.88", "may be mm"]),
-    (
-        0.15 + 0.5 * T[:9],
-        T[:9],
-        ["2 m/s: allowed is 1 m/s at most", "x may be in um, mm or pixels"],
-    ),
+    (0.15 + 0.4 * T[:10], 0.8 * T[:10], ["2 m/s: allowed is 1 m/s", "in um, mm or pixels"]),
 ]
 REFUSALS = [
     *((f"file: {new or old}", partial(read, old=old, new=new), ScenarioError, words)

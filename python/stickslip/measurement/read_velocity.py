@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -292,16 +292,18 @@ def _sweeps(trials: Sequence[_Trial]) -> Indices:
 def _sound_rows(table: Rows, scenario: Scenario, strict: bool) -> tuple[list[_Trial], list[Note]]:
     """Rows that can be used, at least one, and why the others cannot."""
     header, count = table.header, len(table.rows)
-    counts_once = "trial" in header or "order" in header
+    compared = [tuple(map(_as_compared, row)) for _, row in table.rows]
+    times = {*Counter(compared).values()}
+    pasted = len(times) == 1 and times != {1}  # all rows equally often: a table put in again
+    counts_once = "trial" in header or "order" in header or pasted
     wrong: dict[tuple[str, str], list[Line]] = {}  # in the order of the file
     kept: list[_Trial] = []
     seen: set[tuple[object, ...]] = set()
-    for line, row in table.rows:
+    for (line, row), same in zip(table.rows, compared, strict=True):
         try:
             if len(row) != len(header):
                 text = f"a row of {len(row)} cells is not used, as the header names {len(header)}"
                 raise _Unsound("cell-count", f"{text} columns.")
-            same = tuple(map(_as_compared, row))
             if counts_once and same in seen:
                 raise _Unsound("repeated-row", "the row repeats an earlier one.")
             cells = dict(zip(header, row, strict=True))
