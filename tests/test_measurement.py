@@ -112,6 +112,28 @@ def test_a_repeated_line_is_told_by_its_numbers(tmp_path, cell):
     assert len(found.velocity[0].velocity) == 2
 
 
+@pytest.mark.parametrize("repeats", [1, 3])
+@pytest.mark.parametrize("times", [2, 3])
+def test_a_table_that_was_put_in_twice_counts_once(repeats, times):
+    rows = TABLE[TABLE.trial < repeats][["mode", "frequency", "velocity"]]
+    once, twice = (in_memory(pd.concat([rows] * n, ignore_index=True)) for n in (1, times))
+    assert twice.velocity[0].velocity.tolist() == once.velocity[0].velocity.tolist()
+    assert [each.code for each in twice.left_out] == ["rows-left-out", "repeated-row"]
+    # Some readings that are alike by chance are repeats.
+    some = in_memory(pd.concat([rows, rows.iloc[:2]], ignore_index=True))
+    assert len(some.velocity[0].velocity) == len(rows) + 2
+
+
+@pytest.mark.parametrize("sd", [None, 0.05])
+def test_trials_that_are_all_copies_tell_no_error(sd):
+    rows = TABLE[TABLE.trial == 0][["mode", "frequency", "velocity"]]
+    copied = pd.concat([rows, rows.iloc[:3]], ignore_index=True)
+    once, found = (VelocityTable(in_memory(each, velocity_sd=sd)) for each in (rows, copied))
+    np.testing.assert_array_equal(found.errors.sd, once.errors.sd)
+    assert found.errors.dof == once.errors.dof
+    assert "copies" in {each.code for each in found.errors.notes}
+
+
 def test_invalid_rows_are_left_out_and_reported(tmp_path):
     lines = ROWS.splitlines()
     lines[2] = lines[2].replace("0.0006", "nan")

@@ -114,6 +114,13 @@ TABLES = [
     ("velocity,frequency\nnan,30\nfast,30\n", "no row is sound"),
     ("velocity,frequency\n910,10\n920,20\n930,30\n", "if they are in um/s, divide"),
 ]
+STATIC = [
+    ("angle", "Bx,Bz,theta\n1e-3,0,0\n2,0,0\n", "line 3, column Bx = 2 T: allowed is at most 1 T"),
+    ("field", "xp,xm,yp,ym,clamp,x,y,z,Bx,By,Bz\n" + 8 * "1.5," + "0,0,9.99\n",
+     ["velocity.csv: line 2, column x = 1.5 m", "numbers in mm by 1e3"]),
+    ("field", "xp,xm,yp,ym,clamp,x,y,z,Bx,By,Bz\n" + 8 * "0," + "0,0,9.99\n",
+     ["velocity.csv: line 2, column Bz = 9.99 T", "cell of a saturated reading empty"]),
+]  # fmt: skip
 NORMAL = Prior("normal", 1e-5, 1e-6)
 GIVEN = [
     ("no velocity", {"table": TABLE.rename(columns={"velocity": "v"})},
@@ -152,6 +159,8 @@ REFUSALS = [
     *((f"film: {new}", partial(read, old=old, new=new, toml=FILMED), ScenarioError, words)
       for old, new, words in FILMS),
     *((f"table: {rows}", partial(read, rows=rows), ScenarioError, words) for rows, words in TABLES),
+    *((f"[[{kind}]]: {rows}", partial(read, old="[[velocity]]", new=f"[[{kind}]]", rows=rows),
+       ScenarioError, words) for kind, rows, words in STATIC),
     *((f"in memory: {name}", lambda _, given=given: in_memory(**given), ScenarioError, words)
       for name, given, words in GIVEN),
     *((f"Prior{given}", lambda _, given=given: Prior(*given), ScenarioError, ": allowed is")

@@ -352,12 +352,14 @@ def read_numbers(
     optional: Mapping[str, str] | None = None,
     information: Collection[str] = (),
     track: bool = False,
+    most: Mapping[str, float] | None = None,
 ) -> tuple[dict[str, Array], list[Note]]:
     """Columns of numbers by name, shape (n,), of the sound rows, and what was left out.
 
     The columns are given with their SI units. A row is sound if all its required cells are numbers;
     a gap in an optional column is NaN. `information` is as in `check_columns`. A NothingSound says
-    that no row is sound. Of a `track` with times ``t`` all rows have to be of one robot.
+    that no row is sound. Of a `track` with times ``t`` all rows have to be of one robot. Larger
+    numbers than `most` allows, by unit, are refused.
     """
     optional = optional or {}
     units = {**required, **optional}
@@ -372,6 +374,14 @@ def read_numbers(
     if track:
         _refuse_several(table, by_name["t"])
     sound = np.all([np.isfinite(by_name[name]) for name in required], axis=0)
+    for name, unit in units.items():
+        highest = (most or {}).get(unit, math.inf)
+        for k in np.flatnonzero(sound & (np.abs(by_name.get(name, 0.0)) > highest))[:1].tolist():
+            raise ScenarioError(
+                f"{path}: {table.word} {rows[k][0]}, column {name} = {by_name[name][k]:g} {unit}: "
+                f"allowed is at most {highest:g} {unit}; divide numbers in m{unit} by 1e3, and "
+                "leave the cell of a saturated reading empty"
+            )
     left_out = [*table.left_out, *not_used(path.name, others)]
     if not sound.all():
         wrong = np.flatnonzero(~sound).tolist()
