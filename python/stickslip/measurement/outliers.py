@@ -211,8 +211,8 @@ def lost_frames(t: Array, x: Array, size: float) -> Mask:
         if off[piece[0]] and len(piece) >= _OTHER and np.any(x[piece] != np.round(x[piece])):
             begin = max(int(piece[0]), int(np.argmin(off)))
             raise ScenarioError(
-                f"x: another body from t = {t[begin]:.6g} s on, at {x[begin]:.6g} m: allowed is "
-                f"{ONE_TRACK}"
+                f"x: another body from t = {t[begin]:.6g} s on, at {x[begin]:.6g} m: "
+                f"allowed is {ONE_TRACK}"
             )
     return off
 

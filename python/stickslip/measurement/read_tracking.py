@@ -153,10 +153,9 @@ def _exposure(value: object, rate: float) -> float:
 
 
 def _unit_of_times(times: Array, rate: float, end: float) -> _Why | None:
-    """Whether times can only be in ms or numbers of frames, as hardly one is before the `end`, or
-    begin after it.
+    """Whether times begin after the `end`, or can only be in ms or numbers of frames.
 
-    `rate` is the stated one, Hz, or NaN.
+    Of the latter hardly one is before the end. `rate` is the stated one, Hz, or NaN.
     """
     different = np.unique(times)
     if len(different) < 2 or different[-1] <= end:
@@ -175,10 +174,9 @@ def _unit_of_times(times: Array, rate: float, end: float) -> _Why | None:
     if meant is None:
         if different[0] < end:
             return None
-        text = (
-            f"its times begin at {different[0]:.10g} s, and the drive ends at {end:g} s: subtract "
-        )
-        return "run-time-start", f"{text}the time at which the drive began", float(different[0])
+        begin = float(different[0])
+        text = f"its times begin at {begin:.10g} s, and the drive ends at {end:g} s: "
+        return "run-time-start", f"{text}subtract the time at which the drive began", begin
     unit, factor = meant
     mend = f"divide them by {factor:.7g}"
     if math.isnan(factor):

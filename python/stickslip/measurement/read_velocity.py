@@ -20,6 +20,7 @@ from stickslip.errors import ScenarioError, prefixed
 from stickslip.measurement.outliers import far_from_their_group
 from stickslip.measurement.read_table import (
     LARGEST,
+    STAMP,
     Line,
     NothingSound,
     Rows,
@@ -50,6 +51,9 @@ give some mT, and the robot is driven at some Hz or more."""
 
 _MANY_LOST = 0.1
 """Part of the rows; if more are left out, the first fact says so. Chosen: it changes the design."""
+
+_LONGEST_DAY = 12 * 3600.0
+"""Time between clocks of one day, s. Chosen: as long as people measure."""
 
 _MOST = 0.5
 """Part of the rows; if more have a setting in another unit, the table is refused. Chosen: most."""
@@ -171,6 +175,7 @@ def read_velocity(
     table = valid_rows(_with_bare_names(table))
     known_columns = [*NOT_SETTINGS, *bare_names().values()]
     others = check_columns(table.path, table.header, ["velocity"], known_columns)
+    _check_clocks(table)
     trials, left_out = _sound_rows(table, scenario, strict)
     left_out += [*table.left_out, *not_used(table.name, others)]
     known = [condition for data in earlier for condition in data.conditions]
@@ -344,6 +349,18 @@ def _as_compared(cell: str) -> object:
 
 def _plain_number(cell: str) -> float:
     return number(cell, LARGEST)
+
+
+def _check_clocks(table: Rows) -> None:
+    """Refuse an order by clocks without dates that may go on after midnight."""
+    at = table.header.index("order") if "order" in table.header else len(table.header)
+    stamps = [STAMP.fullmatch(row[at]) for _, row in table.rows if len(row) > at]
+    clocks = [seconds(stamp[0]) for stamp in stamps if stamp and not stamp["date"]]
+    if clocks and max(clocks) - min(clocks) > _LONGEST_DAY:
+        raise ScenarioError(
+            f"{table.path}: clocks in column order are more than {_LONGEST_DAY / 3600:g} h apart: "
+            "write dates, such as 2026-05-01 12:00, as the day may have changed"
+        )
 
 
 def _number(column: str, cell: str, read: Callable[[str], float] = _plain_number) -> float:

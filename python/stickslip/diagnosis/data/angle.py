@@ -72,10 +72,8 @@ class AngleTable(SimulatedTable):
                 "many"
             )
         for angle in theta[beyond].tolist():
-            text = (
-                f"theta = {angle:.4g} rad is not used, as it is more than half a turn: it may be "
-            )
-            text += "in degrees or have whole turns too many."
+            text = f"theta = {angle:.4g} rad is not used, as it is more than half a turn: "
+            text += "it may be in degrees or have whole turns too many."
             self.left_out.append(Note("angle-beyond-turn", text, angle))
         return rows[~beyond]
 
