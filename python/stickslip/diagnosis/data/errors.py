@@ -170,7 +170,7 @@ def estimate(
     if free < FEWEST or (sd is not None and not shared):
         sizes, dof = _stated(sd, relative, free, size, mean[condition], notes)
         one = np.hypot(sizes["s0"], sizes["rho"] * mean[condition]) if sd is None else sd
-        sds = np.sqrt(np.bincount(condition, one**2) / count / (1.0 if copies else count))
+        sds = np.sqrt(np.bincount(condition, one**2)) / (np.sqrt(count) if copies else count)
         return mean, Errors(sds, None, dof, sizes, tuple(notes))
     pooled = math.sqrt(float(np.sum(away**2)) / free)
     scatter = _Scatter(condition, mean, moves, size, away, sd, pooled, block, order, gap)
