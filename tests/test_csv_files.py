@@ -297,6 +297,22 @@ def test_information_is_named(tmp_path, kind):
     ]
 
 
+@pytest.mark.parametrize("words", [("valid", "1", "0"), ("OK", "yes", "No")])
+@pytest.mark.parametrize("kind", MEASURED)
+def test_rows_that_are_not_valid_are_left_out(tmp_path, kind, words):
+    read, lines = FILES[kind]
+    name, yes, no = words
+    plain, _ = read(write(tmp_path / "a.csv", lines[:-1]))
+    told = [f"{lines[0]},{name}", f"{lines[1]},{no}", *(f"{each},{yes}" for each in lines[1:-1])]
+    found, left_out = read(write(tmp_path / "a.csv", told))
+    assert found == plain
+    assert [str(each) for each in left_out] == [f"a.csv: 1 row left out by column {name}."]
+    with pytest.raises(ScenarioError, match=rf'line 2, column {name} = "so": allowed are 1, 1\.0'):
+        read(write(tmp_path / "a.csv", [told[0], f"{lines[1]},so"]))
+    with pytest.raises(ScenarioError, match="no row is sound"):
+        read(write(tmp_path / "a.csv", told[:2]))
+
+
 @pytest.mark.parametrize(
     ("kind", "header", "meant"),
     [

@@ -10,6 +10,7 @@ from command_line import check, stickslip
 from made_measurement import write_files
 from refusals.measurement import FRAMES, NOMINAL, TOML, in_memory
 from stickslip import Scenario, ScenarioError
+from stickslip.diagnosis.data.velocity import VelocityTable
 from stickslip.measurement import Prior, read_measurement
 from stickslip.measurement.read_table import read_rows
 from stickslip.measurement.read_velocity import read_velocity, velocity_units
@@ -90,6 +91,47 @@ def test_trials_are_grouped_into_conditions_from_a_file_and_from_memory(tmp_path
         assert other.velocity[0].conditions == data.conditions
         for name in ("velocity", "condition", "block", "order"):
             np.testing.assert_array_equal(getattr(other.velocity[0], name), getattr(data, name))
+
+
+@pytest.mark.parametrize("name", ["drive.{}", "drive_{}"])
+def test_settings_have_their_full_names_too(tmp_path, name):
+    (data,) = read(tmp_path).velocity
+    table = TABLE.rename(columns={key: name.format(key) for key in ("mode", "frequency")})
+    in_unit = table.to_csv(index=False).replace("frequency", "frequency (Hz)")
+    for other in (in_memory(table), in_memory(table.set_index(name.format("mode"))),
+                  read(tmp_path, in_unit)):  # fmt: skip
+        assert other.velocity[0].conditions == data.conditions
+        assert other.left_out == ()
+
+
+@pytest.mark.parametrize("cell", ["25", "25.00", " 2.5e1"])
+def test_a_repeated_line_is_told_by_its_numbers(tmp_path, cell):
+    rows = f"frequency,velocity,trial\n25,1e-3,1\n{cell},1.0e-3,1\n30,2e-3,1\n"
+    found = read(tmp_path, rows)
+    assert [each.code for each in found.left_out] == ["rows-left-out", "repeated-row"]
+    assert len(found.velocity[0].velocity) == 2
+
+
+@pytest.mark.parametrize("repeats", [1, 3])
+@pytest.mark.parametrize("times", [2, 3])
+def test_a_table_that_was_put_in_twice_counts_once(repeats, times):
+    rows = TABLE[TABLE.trial < repeats][["mode", "frequency", "velocity"]]
+    once, twice = (in_memory(pd.concat([rows] * n, ignore_index=True)) for n in (1, times))
+    assert twice.velocity[0].velocity.tolist() == once.velocity[0].velocity.tolist()
+    assert [each.code for each in twice.left_out] == ["rows-left-out", "repeated-row"]
+    # Some readings that are alike by chance are repeats.
+    some = in_memory(pd.concat([rows, rows.iloc[:2]], ignore_index=True))
+    assert len(some.velocity[0].velocity) == len(rows) + 2
+
+
+@pytest.mark.parametrize("sd", [None, 0.05])
+def test_trials_that_are_all_copies_tell_no_error(sd):
+    rows = TABLE[TABLE.trial == 0][["mode", "frequency", "velocity"]]
+    copied = pd.concat([rows, rows.iloc[:3]], ignore_index=True)
+    once, found = (VelocityTable(in_memory(each, velocity_sd=sd)) for each in (rows, copied))
+    np.testing.assert_array_equal(found.errors.sd, once.errors.sd)
+    assert found.errors.dof == once.errors.dof
+    assert "copies" in {each.code for each in found.errors.notes}
 
 
 def test_invalid_rows_are_left_out_and_reported(tmp_path):
@@ -179,6 +221,16 @@ def test_the_order_of_trials_is_a_number_or_a_date():
     data = in_memory(TABLE.assign(order=["first", *range(1, 11), None]))
     assert 'DataFrame row 0: order "first" is not a number.' in map(str, data.left_out)
     assert np.isnan(data.velocity[0].order[-1])  # not known
+
+
+@pytest.mark.parametrize("written", ["2026-05-01 23:5{}", "2026-05-01T23:5{}:00Z", "23:5{}:00"])
+def test_the_order_of_a_file_may_be_dates_or_clocks(tmp_path, written):
+    table = TABLE.iloc[:9].assign(order=[written.format(k) for k in range(9)])
+    found = read(tmp_path, table.to_csv(index=False))
+    assert np.diff(found.velocity[0].order).tolist() == [60.0] * 8
+    assert found.left_out == ()
+    trials = VelocityTable(found)
+    assert np.ptp(trials.sequence) == trials.sequence.max() == 480.0
 
 
 def test_frames_are_sorted_and_each_time_counts_once(tmp_path):

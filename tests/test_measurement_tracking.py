@@ -91,12 +91,18 @@ def test_of_a_film_with_invalid_frames_the_valid_ones_are_used(tmp_path, frames)
          "a.csv: no row is sound. a.csv lines 2, 3, "),
         (lambda frames: {**frames, "theta": np.degrees(frames["theta"])}, "run-angle-unit", None,
          "a.csv: the run is left out, as theta is near"),
+        (lambda frames: {**frames, "theta": 1e3 * frames["theta"]}, "run-angle-unit", None,
+         "rad are wanted, so convert them from degrees or mrad"),
+        (lambda frames: {**frames, "t": 1.7e9 + frames["t"]}, "run-time-start", 1.7e9,
+         "begin at 1700000000 s, and the drive ends at 0.45 s: subtract the time"),
+        (lambda frames: {**frames, "x": frames["x"] + 1e-3 * (np.arange(len(frames["x"])) % 2)},
+         "run-of-two-bodies", None, "two places in turn"),
         (lambda frames: {**frames, "x": 1e3 * frames["x"]}, "run-length-unit", None,
          "m are wanted, and these may be mm."),
         (lambda frames: {**frames, "x": 1e6 * frames["x"]}, "run-length-unit", None,
          "m are wanted, and these may be um."),
     ],
-    ids=["few frames", "no frame", "degrees", "mm", "um"],
+    ids=["few frames", "no frame", "degrees", "mrad", "date", "two in turn", "mm", "um"],
 )  # fmt: skip
 def test_a_film_that_cannot_be_used_is_left_out_and_others_are_used(
     tmp_path, frames, change, code, value, said
@@ -105,6 +111,74 @@ def test_a_film_that_cannot_be_used_is_left_out_and_others_are_used(
     assert note.code == code
     assert value in (None, note.value)
     assert said in note.text
+
+
+@pytest.mark.parametrize("name", ["id", "TRACK_ID", "particle", "robot"])
+def test_a_column_of_two_bodies_at_a_time_is_refused(tmp_path, frames, name):
+    count = len(frames["t"])
+    stacked = {key: np.tile(column, 2) for key, column in frames.items()}
+    for columns, ids in ((stacked, np.arange(2 * count) // count), (frames, np.arange(count) % 2)):
+        with pytest.raises(
+            ScenarioError, match=rf'column {name} has "0" and "1" at the same times'
+        ):
+            read(tmp_path, a={name: ids, **columns})
+    # A tracker that finds its robot again may count on; a number of each row says nothing.
+    for ids in (np.arange(count) // 100, np.arange(count)):
+        assert read(tmp_path, a={name: ids, **frames}).tracking
+
+
+TURN = 2.0 * np.pi
+WRAPPED = {
+    "modulo a turn": lambda theta: theta % TURN,
+    "modulo a turn, from degrees": lambda theta: (
+        np.round(np.degrees(theta) % 360.0, 2) / 360 * TURN
+    ),
+    "a turn in some": lambda theta: theta + TURN * (np.arange(len(theta)) % 7 == 0),
+    "two turns less in many": lambda theta: theta - 2.0 * TURN * (np.arange(len(theta)) // 40 % 2),
+    "a frame is lost": lambda theta: np.where(np.arange(len(theta)) == 99, 9999.0, theta % TURN),
+}
+
+
+@pytest.mark.parametrize("way", WRAPPED)
+@pytest.mark.parametrize(("step", "sign"), [(1, 1.0), (1, -1.0), (10, 1.0)])
+def test_angles_that_jump_by_whole_turns_are_moved_back(tmp_path, frames, way, step, sign):
+    some = {key: column[::step] for key, column in frames.items()}
+    theta = sign * some["theta"]
+    wrapped = WRAPPED[way](theta)
+    toml = TOML.replace("1000.0", f"{1000.0 / step}")
+    found = read(tmp_path, toml, a={**some, "theta": wrapped})
+    (run,) = found.tracking
+    seen = np.abs(wrapped) < 100.0
+    assert run.columns["theta"][seen] == pytest.approx(theta[seen], abs=1e-4)
+    moved = int(np.sum(np.abs(wrapped - run.columns["theta"]) > 1.0))
+    assert [(each.code, each.value) for each in found.left_out] == (
+        [("whole-turns", moved)] if moved else []
+    )
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda theta: np.where(np.arange(len(theta)) % 40 == 7, 3.0, theta),  # a few lost frames
+        lambda theta: np.degrees(theta) / 10.0,  # in a wrong unit
+        lambda theta: theta + np.pi,
+    ],
+)
+def test_other_jumps_of_an_angle_are_left(tmp_path, frames, change):
+    theta = change(frames["theta"])
+    (run,) = read(tmp_path, a={**frames, "theta": theta}).tracking
+    assert run.columns["theta"].tolist() == theta.tolist()
+
+
+@pytest.mark.parametrize("column", ALL)
+def test_a_mirrored_column_is_what_is_wrong(tmp_path, full_frames, column):
+    (run,) = read(tmp_path, a={**full_frames, column: -full_frames[column]}).tracking
+    table = FilmTable(run)
+    stated = table.predict(list(TRUE), np.array([[*TRUE.values()]]))[0]
+    note = table.problem(stated)
+    assert note.text == f"Column {column} would fit the stated model if it were of the other sign."
+    sound = FilmTable(read(tmp_path, a=full_frames).tracking[0])
+    assert sound.problem(stated) is None
 
 
 @pytest.mark.parametrize(

@@ -329,6 +329,7 @@ def test_settings_are_told_apart_by_their_spread(origin):
 FRAMES = np.arange(0.0, 0.31, 0.005)
 LONG = Drive(frequency=50.0, pulses=13)
 WALKED = 1e-3 * FRAMES + 1e-3 + 2e-6 * np.random.default_rng(0).standard_normal(len(FRAMES))
+ROWS = np.arange(len(FRAMES))
 SPOILT = {
     "one written as 0": np.arange(len(FRAMES)) == 40,
     "some written as 0": np.arange(len(FRAMES)) % 7 == 3,
@@ -357,7 +358,9 @@ def test_a_speck_within_a_body_is_left_out():
 @pytest.mark.parametrize(
     ("t", "x", "said"),
     [
-        (np.r_[FRAMES, FRAMES], np.r_[WALKED, WALKED + 1e-4], "two places at t = 0 s"),
+        (np.r_[FRAMES, FRAMES], np.r_[WALKED, WALKED + 1e-4], "two places at t = 0 s.* digits"),
+        (FRAMES, WALKED + 2e-3 * (ROWS % 2), "two places in turn"),
+        (FRAMES[ROWS % 7 > 0], (WALKED + 2e-3 * (ROWS % 2))[ROWS % 7 > 0], "two places in turn"),
         (FRAMES, np.where(FRAMES > 0.2, 2e-3 + WALKED, WALKED), "another body from t = 0.205 s"),
         (FRAMES, np.where(FRAMES > 0.2, 2e-3, WALKED), "another body from t = 0.205 s"),
     ],

@@ -87,7 +87,9 @@ def test_a_jump_of_the_curve_is_no_error():
 
 
 def test_without_scatter_or_with_few_readings_the_error_is_the_least():
-    assert measured(0, 3, noise=0.0).errors.sd * math.sqrt(3) == pytest.approx(READING)
+    exact = measured(0, 3, noise=0.0)  # copies count once
+    assert exact.errors.sd == pytest.approx(READING)
+    assert [each.code for each in exact.notes] == ["copies", "noise-smallest"]
     few = table(TRUE[5:7], FIELDS[5:7])
     assert few.errors.sd == pytest.approx(READING)
     assert [each.code for each in few.notes] == ["noise-unknown"]
@@ -109,5 +111,3 @@ def test_a_slip_is_left_out_and_a_turn_too_many_as_well():
 def test_other_units_are_refused():
     with pytest.raises(ScenarioError, match=r"angle.*: theta of .* degrees.* pi/180"):
         table(np.degrees(TRUE))
-    with pytest.raises(ScenarioError, match=r"angle.*: a field of .* in mT, divide them by 1e3"):
-        table(TRUE, 1e3 * FIELDS)

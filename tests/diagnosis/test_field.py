@@ -107,6 +107,19 @@ def test_errors_are_those_of_the_readings_with_and_without_repeats(repeats):
     assert found.errors.sd == pytest.approx(np.full(len(found.mean), size))
 
 
+@pytest.mark.parametrize("copied", [[0], range(6), range(len(ROWS))])
+@pytest.mark.parametrize("times", [2, 3])
+def test_copies_of_rows_change_nothing(copied, times):
+    rows = probed(clamp=0.3)
+    once = table(rows)
+    found = table(np.vstack([rows, *(times - 1) * [rows[copied]]]))
+    assert found.mean == pytest.approx(once.mean, rel=1e-12)
+    assert found.errors.sd == pytest.approx(once.errors.sd, rel=1e-9)
+    assert found.errors.dof == once.errors.dof
+    said, _ = found.notes
+    assert (said.code, said.value) == ("copies", 3 * (times - 1) * len(copied))
+
+
 def test_a_probe_on_a_wire_and_a_slip_are_left_out():
     rows = probed(seed=4, repeats=2)
     rows[20, 10] = 0.5  # a slip of the point
@@ -126,7 +139,6 @@ def test_a_probe_on_a_wire_and_a_slip_are_left_out():
 @pytest.mark.parametrize(
     ("columns", "factor", "said"),
     [
-        (("Bx",), 1e4, "mT"),
         (("xp",), 1e3, "2000 A in column xp .*wrong by 1000$"),
         (("ym", "clamp"), 1e3, "2000 A in column .*wrong by 1000$"),
         (COIL_NAMES, 1e-3, "0.002 A in column .*wrong by 1000$"),

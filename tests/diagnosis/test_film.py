@@ -193,6 +193,8 @@ def test_a_stated_noise_is_used_unless_the_frames_scatter_more():
     # 100 degrees of freedom tell a scatter to 7 %.
     assert small.errors.sizes["x.sd"] == pytest.approx(NOISE["x"], rel=0.25)
     assert small.errors.sizes["theta.sd"] == pytest.approx(2.0 * NOISE["theta"])
+    large = FilmTable(replace(run, noise={"x": 30.0 * NOISE["x"], "theta": NOISE["theta"]}))
+    assert [each.code for each in large.notes] == ["frame-noise-below-stated"]
 
 
 def test_camera_parameters_belong_to_one_film():

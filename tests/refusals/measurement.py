@@ -81,6 +81,8 @@ FILMS = [
     ("exposure = 3e-4", "exposure = -1", "exposure = -1"),
     ("exposure = 3e-4", "noise_x = 0.0", "noise_x = 0.0"),
     ("exposure = 3e-4", "noise_theta = nan", "noise_theta"),
+    ("exposure = 3e-4", "noise_theta = 1.0", "above 0 and below 0.5 rad"),
+    ("exposure = 3e-4", "noise_x = 1.0", "above 0 and below 0.00025 m"),
     ("exposure", "exposures", 'did you mean "exposure"'),
     ("a.csv", "absent.csv", "absent.csv"),
 ]
@@ -92,9 +94,34 @@ TABLES = [
     ("frequency,hold,velocity\n30,0.6,1e-3\n", ["line 2: hold of 0.6 T", "in mT"]),
     ("frequency,velocity\n0.03,1e-3\n", ["frequency of 0.03 Hz", "in kHz"]),
     ("velocity,velocity\n1,1\n", "twice"),
+    ("velocity,order\n1e-3,23:50\n1e-3,00:10\n", "in column order are more than 12 h apart"),
+    ("velocity,frequency,drive.frequency\n1,30,30\n", '"frequency" is there twice'),
+    *(
+        (
+            f"velocity,{key}\n1,30\n",
+            [
+                "velocity.csv: ",
+                f'column "{key}" is a key of the scenario: allowed are those of [drive]',
+            ],
+        )
+        for key in (
+            "coil.resistance",
+            "surface_tilt.angle",
+            "surface_tilt_angle",
+            "robot_mass (kg)",
+            "effects.surface_tilt.angle",
+        )
+    ),
     ("velocity,frequency\nnan,30\nfast,30\n", "no row is sound"),
     ("velocity,frequency\n910,10\n920,20\n930,30\n", "if they are in um/s, divide"),
 ]
+STATIC = [
+    ("angle", "Bx,Bz,theta\n1e-3,0,0\n2,0,0\n", "line 3, column Bx = 2 T: allowed is at most 1 T"),
+    ("field", "xp,xm,yp,ym,clamp,x,y,z,Bx,By,Bz\n" + 8 * "1.5," + "0,0,9.99\n",
+     ["velocity.csv: line 2, column x = 1.5 m", "numbers in mm by 1e3"]),
+    ("field", "xp,xm,yp,ym,clamp,x,y,z,Bx,By,Bz\n" + 8 * "0," + "0,0,9.99\n",
+     ["velocity.csv: line 2, column Bz = 9.99 T", "cell of a saturated reading empty"]),
+]  # fmt: skip
 NORMAL = Prior("normal", 1e-5, 1e-6)
 GIVEN = [
     ("no velocity", {"table": TABLE.rename(columns={"velocity": "v"})},
@@ -123,7 +150,9 @@ TRACKS = [
     (T[:12], 1e-3 * T[:12], ["t = 0 to 0.11: 0 frames are in ", "0.15 to 1.05 s"]),
     (T[::15], 1e-3 * T[::15], ["5 frames are in ", "8 frames or more"]),
     (1e3 * T, T, "t may be in ms or the number of the frame"),
-    (T, 1e3 * T, ["1000 m/s: allowed is 1 m/s at most", "x may be in um or in pixels"]),
+    (T, 1e3 * T, ["x spans 880, and allowed is up to 0.1; m are", "may be um"]),
+    (T, T, ["x spans 0.88", "may be mm"]),
+    (0.15 + 0.4 * T[:10], 0.8 * T[:10], ["2 m/s: allowed is 1 m/s", "in um, mm or pixels"]),
 ]
 REFUSALS = [
     *((f"file: {new or old}", partial(read, old=old, new=new), ScenarioError, words)
@@ -131,6 +160,8 @@ REFUSALS = [
     *((f"film: {new}", partial(read, old=old, new=new, toml=FILMED), ScenarioError, words)
       for old, new, words in FILMS),
     *((f"table: {rows}", partial(read, rows=rows), ScenarioError, words) for rows, words in TABLES),
+    *((f"[[{kind}]]: {rows}", partial(read, old="[[velocity]]", new=f"[[{kind}]]", rows=rows),
+       ScenarioError, words) for kind, rows, words in STATIC),
     *((f"in memory: {name}", lambda _, given=given: in_memory(**given), ScenarioError, words)
       for name, given, words in GIVEN),
     *((f"Prior{given}", lambda _, given=given: Prior(*given), ScenarioError, ": allowed is")

@@ -54,6 +54,11 @@ def counted(count: int, thing: str) -> str:
     return f"{count} {thing}{'' if count == 1 else 's'}"
 
 
+def plain(name: str) -> str:
+    """A name as it is compared: in lower case, with blanks."""
+    return name.casefold().replace("_", " ")
+
+
 def is_number(value: object) -> TypeGuard[float]:
     """Whether a value is a real number; True and False are none."""
     return isinstance(value, numbers.Real) and not isinstance(value, bool)

@@ -11,10 +11,11 @@ from typing import Any
 
 from stickslip import models
 from stickslip._util.messages import meant
+from stickslip._util.text import plain
 from stickslip._util.units import split_unit
 from stickslip.errors import ScenarioError
 from stickslip.models.kinds import KINDS
-from stickslip.models.log import headings, plain
+from stickslip.models.log import headings
 from stickslip.models.model import Kind, Model
 from stickslip.models.scalar import Own
 

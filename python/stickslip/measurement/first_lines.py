@@ -11,6 +11,7 @@ from stickslip._util.text import printable, quoted
 from stickslip._util.units import split_unit
 from stickslip.errors import ScenarioError
 from stickslip.measurement.read_table import MOST_BYTES
+from stickslip.measurement.read_velocity import bare_names
 from stickslip.scenario.keys import known_keys
 
 _SUFFIXES = (".csv", ".tsv", ".txt", ".dat")
@@ -80,7 +81,8 @@ def _lines(path: Path, observable: str, columns: Collection[str]) -> str:
     lines = _HEAD.format(key=key.name, mean=mean, sd=0.07 * mean)
     lines += f"[[{observable}]]\nfile = {quoted(path.name)}\n{_MORE.get(observable, '')}"
     if observable == "velocity":
-        keys = [name for name in columns if f"drive.{name}" in known_keys()]
+        bare = bare_names()
+        keys = [bare[name] for name in columns if name in bare]
         lines += f"# Of the drive the table has {', '.join(keys) or 'nothing'}; the scenario has "
         lines += "the rest.\n"
     return lines

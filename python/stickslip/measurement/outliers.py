@@ -38,6 +38,10 @@ _SHARE, _QUANTILE = 0.8, 1.2816  # of normal errors four fifths are below so man
 _ENOUGH = 2000  # trials; chosen: they tell a scale to 3 %, and more would only cost time
 _GRID, _WIDEST = 40, 50.0  # steps and reach of a scale about the median; chosen: 22 % a step
 _SOME, _SOME_NORMAL = 0.25, 0.3186  # a quarter of normal errors are below so many sd
+ONE_TRACK = "the track of one robot"
+"""What is allowed of places."""
+
+_RETURN = 0.1  # of the way from frame to frame, back after two; chosen: no walk returns so often
 _OTHER = 8  # frames in a row that are another body; chosen: as many as make a velocity
 _RECORD, _SINGLE, _SPANS = 20, 3, 3.0
 """Fewest readings of a record, most that are left out of it, and how many spans of all others they
@@ -194,7 +198,7 @@ def one_place_each(t: Array, x: Array) -> Indices:
         k = int(two[0])
         raise ScenarioError(
             f"x: two places at t = {t[k]:.6g} s, {x[k - 1]:.6g} and {x[k]:.6g} m: allowed is one, "
-            "the track of one robot"
+            f"{ONE_TRACK}; of times that were rounded write more digits"
         )
     return np.asarray(order[~again])
 
@@ -208,6 +212,8 @@ def lost_frames(t: Array, x: Array, size: float) -> Mask:
     ends. A piece that is not on it is of another body if it is long; whole numbers of metres are
     what trackers write where they see none.
     """
+    if len(x) >= _OTHER:
+        _refuse_turns(t, x, size)
     step = np.diff(x)
     away = x - float(np.median(step / np.diff(t))) * (t - t[0])
     jump = np.abs(np.diff(away))
@@ -229,7 +235,18 @@ def lost_frames(t: Array, x: Array, size: float) -> Mask:
         if off[piece[0]] and len(piece) >= _OTHER and np.any(x[piece] != np.round(x[piece])):
             begin = max(int(piece[0]), int(np.argmin(off)))
             raise ScenarioError(
-                f"x: another body from t = {t[begin]:.6g} s on, at {x[begin]:.6g} m: allowed is "
-                "the track of one robot"
+                f"x: another body from t = {t[begin]:.6g} s on, at {x[begin]:.6g} m: "
+                f"allowed is {ONE_TRACK}"
             )
     return off
+
+
+def _refuse_turns(t: Array, x: Array, size: float) -> None:
+    """Refuse two bodies whose places take turns, each of them moving."""
+    one, two = (float(np.median(np.abs(x[k:] - x[:-k]))) for k in (1, 2))
+    moving = all(np.any(some != np.round(some)) for some in (x[::2], x[1::2]))
+    if moving and one > size and two < _RETURN * one:
+        raise ScenarioError(
+            f"x: two places in turn, {x[0]:.6g} and {x[1]:.6g} m at t = {t[0]:.6g} and {t[1]:.6g} "
+            f"s: allowed is {ONE_TRACK}"
+        )

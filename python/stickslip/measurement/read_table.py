@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from stickslip._util.arrays import Array, numbers
+from stickslip._util.arrays import Array, Mask, numbers
 from stickslip._util.files import read_bytes
 from stickslip._util.messages import misspelt, nearest, refuse, shown
 from stickslip._util.tables import DECIMAL_COMMAS, CsvTable, Units, without_units
-from stickslip._util.text import counted, is_number, number
+from stickslip._util.text import counted, is_number, number, plain
 from stickslip._util.units import is_unit, split_unit, to_si
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.measurement.outliers import marks_of_none
+from stickslip.measurement.outliers import ONE_TRACK, marks_of_none
 from stickslip.simulation.note import Note
 
 if TYPE_CHECKING:
@@ -37,6 +37,20 @@ _MOST_ROWS, _MOST_COLUMNS, MOST_BYTES = 2_000_000, 1000, 1 << 26
 
 _GROUPED = re.compile(r"[+-]?\d{1,3}([.,' \u00a0\u2019]\d{3})+([.,]\d+)?")
 _WITH_UNIT = re.compile(r"[+-]?\d+(?:[.,]\d+)?\s*([^\d\s.,].*)")
+
+STAMP = re.compile(
+    r"(?P<date>\d{4}-\d\d-\d\d[T ])?(?P<clock>\d\d:\d\d(:\d\d([.,]\d+)?)?)"
+    r"(Z|(?P<zone>[+-]\d\d:?\d\d))?"
+)
+"""A date or a clock as ISO 8601 writes it."""
+
+_VALID = "valid", "ok"
+_SAID = {"1": True, "1.0": True, "true": True, "yes": True,
+         "0": False, "0.0": False, "false": False, "no": False}  # fmt: skip
+"""Columns that say which rows are valid, and how they say it."""
+
+_TRACKED = "", "track", "particle", "robot", "object"
+"""What columns number where several bodies were tracked, with and without ``id`` behind it."""
 
 _NAMED = 5
 """Rows that a note names; of more only the number is given. Chosen: one line."""
@@ -134,9 +148,7 @@ def _in_si(
 ) -> list[str]:
     """Names of the columns without their units; the numbers in `rows` are replaced by SI ones."""
     names, per = without_units(header, units)
-    twice = sorted({name for name in names if names.count(name) > 1})
-    if twice:
-        raise ScenarioError(f"column {shown(twice[0])} is there twice")
+    refuse_twice(names)
     for k, name in enumerate(names):
         if units.get(name) is None:
             continue
@@ -156,6 +168,31 @@ def _in_si(
             elif per[k] != 1.0 and not math.isnan(value):
                 row[k] = repr(to_si(float(value), per[k]))
     return names
+
+
+def refuse_twice(names: Sequence[str]) -> None:
+    """Refuse columns of which two have one name."""
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise ScenarioError(f"column {shown(twice[0])} is there twice")
+
+
+def _refuse_several(table: Rows, times: Array) -> None:
+    """Refuse a column that numbers tracked bodies, two of which are there at the same times."""
+    for k, name in enumerate(table.header):
+        if plain(name).removesuffix("id").strip() not in _TRACKED:
+            continue
+        seen: dict[str, list[float]] = {}
+        for (_, row), t in zip(table.rows, times.tolist(), strict=True):
+            if not math.isnan(t) and row[k]:
+                seen.setdefault(row[k], []).append(t)
+        spans = sorted((min(of), max(of), value) for value, of in seen.items())
+        for (_, end, one), (begin, _, other) in itertools.pairwise(spans):
+            if begin < end:
+                raise ScenarioError(
+                    f"{table.path}: column {name} has {shown(one)} and {shown(other)} at the same "
+                    f"times: allowed is {ONE_TRACK}"
+                )
 
 
 def _is_no_gap(cell: str) -> bool:
@@ -213,6 +250,55 @@ def _cell(value: Any) -> str:
     return "" if value is None or str(value) in ("<NA>", "NaT") else str(value).strip()
 
 
+def seconds(cell: str) -> float:
+    """A time, s, as a number or as ISO 8601 writes a date or a clock; NaN if it is none."""
+    stamp = STAMP.fullmatch(cell)
+    if not stamp:
+        return number(cell, LARGEST)
+    try:
+        date = f"{stamp['date'] or '1970-01-01T'}{stamp['clock'].replace(',', '.')}"
+        since = np.datetime64(date, "us") - np.datetime64(0, "us")
+    except ValueError:
+        return math.nan
+    zone = stamp["zone"] or "+0000"
+    ahead = 3600.0 * float(zone[:3]) + 60.0 * float(zone[0] + zone[-2:])
+    return float(since / np.timedelta64(1, "s")) - ahead
+
+
+def validity(header: Sequence[str]) -> list[int]:
+    """Places of the columns that say which rows are valid."""
+    return [k for k, name in enumerate(header) if plain(name) in _VALID]
+
+
+def not_valid(table: Rows, rows: Sequence[tuple[Line, list[str]]], column: int) -> Mask:
+    """Which of these rows of a table a column calls not valid."""
+    said = []
+    for line, cells in rows:
+        word = cells[column].casefold() if len(cells) == len(table.header) else "1"
+        if word not in _SAID:
+            raise ScenarioError(
+                f"{table.path}: {table.word} {line}, column {table.header[column]} = "
+                f"{shown(cells[column])}: allowed are {', '.join(_SAID)}"
+            )
+        said.append(not _SAID[word])
+    return np.array(said, dtype=bool)
+
+
+def valid_rows(table: Rows) -> Rows:
+    """The table without the rows that a column ``valid`` or ``ok`` calls not valid."""
+    for column in validity(table.header):
+        lost = not_valid(table, table.rows, column)
+        if lost.any():
+            count = int(lost.sum())
+            text = f"{table.name}: {counted(count, 'row')} left out by column "
+            note = Note("not-valid", f"{text}{table.header[column]}.", count)
+            kept = [row for row, off in zip(table.rows, lost.tolist(), strict=True) if not off]
+            if not kept:
+                raise NothingSound(table.path, note)
+            table = table._replace(rows=kept, left_out=(*table.left_out, note))
+    return table
+
+
 def check_columns(
     path: Path,
     header: Sequence[str],
@@ -231,7 +317,8 @@ def check_columns(
             meant = "" if near is None else f", and {shown(near)} may be meant as it"
             there = textwrap.shorten(", ".join(header), 300, placeholder=" ...")
             raise ScenarioError(f'{path}: column "{name}" is missing; there are {there}{meant}')
-    others = [name for name in header if known is not None and name not in known]
+    told, taken = validity(header), header if known is None else known
+    others = [name for k, name in enumerate(header) if name not in taken and k not in told]
     for name in others:
         bare = split_unit(name)[0]
         near = None if bare in information else misspelt(bare, known or ())
@@ -254,10 +341,10 @@ def not_used(name: str, columns: Sequence[str]) -> list[Note]:
     return [Note("columns-not-used", text, len(columns))]
 
 
-def stated_number(key: str, value: object, highest: float = math.inf) -> float:
+def stated_number(key: str, value: object, highest: float = math.inf, unit: str = "") -> float:
     """A number of a measurement file above 0 and below `highest`."""
     if not is_number(value) or not 0.0 < value < highest:
-        below = "" if math.isinf(highest) else f" and below {highest:g}"
+        below = "" if math.isinf(highest) else f" and below {highest:g} {unit}".rstrip()
         refuse(key, value, f"a number above 0{below}")
     return float(value)
 
@@ -267,34 +354,48 @@ def read_numbers(
     required: Mapping[str, str],
     optional: Mapping[str, str] | None = None,
     information: Collection[str] = (),
+    track: bool = False,
+    most: Mapping[str, float] | None = None,
 ) -> tuple[dict[str, Array], list[Note]]:
     """Columns of numbers by name, shape (n,), of the sound rows, and what was left out.
 
     The columns are given with their SI units. A row is sound if all its required cells are numbers;
     a gap in an optional column is NaN. `information` is as in `check_columns`. A NothingSound says
-    that no row is sound.
+    that no row is sound. Of a `track` with times ``t`` all rows have to be of one robot. Larger
+    numbers than `most` allows, by unit, are refused.
     """
     optional = optional or {}
     units = {**required, **optional}
-    table = read_rows(path, units)
+    table = valid_rows(read_rows(path, units))
     header, rows = table.header, table.rows
     others = check_columns(path, header, required, list(units), information)
     columns = {name: header.index(name) for name in header if name in units}
-    none = [math.nan] * len(columns)
-    numbers = np.array(
-        [
-            [number(row[k], LARGEST) for k in columns.values()] if len(row) == len(header) else none
-            for _, row in rows
-        ]
-    )
+    none = [""] * len(header)
+    whole = [row if len(row) == len(header) else none for _, row in rows]
+    numbers = np.array([[number(row[k], LARGEST) for k in columns.values()] for row in whole])
     by_name = dict(zip(columns, numbers.T, strict=True))
+    if track:
+        _refuse_several(table, by_name["t"])
     sound = np.all([np.isfinite(by_name[name]) for name in required], axis=0)
+    for name, unit in units.items():
+        highest = (most or {}).get(unit, math.inf)
+        for k in np.flatnonzero(sound & (np.abs(by_name.get(name, 0.0)) > highest))[:1].tolist():
+            raise ScenarioError(
+                f"{path}: {table.word} {rows[k][0]}, column {name} = {by_name[name][k]:g} {unit}: "
+                f"allowed is at most {highest:g} {unit}; divide numbers in m{unit} by 1e3, and "
+                "leave the cell of a saturated reading empty"
+            )
     left_out = [*table.left_out, *not_used(path.name, others)]
     if not sound.all():
-        lines = [rows[k][0] for k in np.flatnonzero(~sound).tolist()]
+        wrong = np.flatnonzero(~sound).tolist()
+        lines, first = [rows[k][0] for k in wrong], wrong[0]
+        name = next(name for name in required if not np.isfinite(by_name[name][first]))
+        cell = f"the first {name} = {shown(whole[first][columns[name]])}"
+        if whole[first] is none:
+            cell = f"the first {len(rows[first][1])} cells"
         text = (
             f"{table.at(lines)}: {len(lines)} of {len(rows)} rows have a cell that is no number, "
-            "too few cells or too many."
+            f"too few cells or too many, {cell}."
         )
         left_out.append(Note("bad-cells", text, len(lines)))
     if not sound.any():

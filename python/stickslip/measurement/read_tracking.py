@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from stickslip._util.arrays import RELATIVE, Array, are_equal
+from stickslip._util.arrays import RELATIVE, Array, Mask, are_equal
 from stickslip._util.messages import refuse, shown
 from stickslip._util.text import OneLine, counted, highest, is_number
 from stickslip._util.units import split_unit, unit_meant
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.measurement.outliers import lost_frames, one_place_each
+from stickslip.measurement.outliers import NEIGHBOURS, lost_frames, one_place_each
 from stickslip.measurement.read_table import read_numbers, stated_number
 from stickslip.scenario.keys import FILE
 from stickslip.scenario.scenario import Scenario
@@ -34,6 +34,14 @@ FEWEST = 20
 # Path that no robot of this size walks in one film, m: it would leave the coils. A median tilt that
 # no walking robot has, rad. Beyond these the unit is wrong.
 _LONGEST, _TURNS = 0.1, 2.0 * math.pi
+
+_NOISIEST = 0.5
+"""Error of an angle that still says something, rad; that of a place is the robot's length. Chosen:
+half of what the robot tilts. Larger ones are in degrees or um."""
+
+_WRAPPED, _ODD = 2, 0.1
+"""Most turns by which an angle is moved, and share of the large jumps that may be no whole turns.
+Chosen: counts of turns are small, and what a lost frame has is a jump of any size."""
 
 _PATH = 1e-3
 """Path that a robot walks in one film, about, m; what is in another unit is compared with it."""
@@ -92,15 +100,16 @@ def read_tracking(
     where = f"[[tracking]] {path.name}"
     with prefixed(where):
         driven = _own_scenario(entry.get("drive", {}), scenario)
+        most = {"x": driven.robot.length, "theta": _NOISIEST}
         noise = {
-            name: stated_number(f"noise_{name}", entry[f"noise_{name}"])
-            for name in ("x", "theta")
+            name: stated_number(f"noise_{name}", entry[f"noise_{name}"], highest, REQUIRED[name])
+            for name, highest in most.items()
             if f"noise_{name}" in entry
         }
         stated = "frame_rate" in entry
         rate = stated_number("frame_rate", entry["frame_rate"]) if stated else math.nan
         exposure = _exposure(entry.get("exposure", 0.0), rate)
-    columns, left_out = read_numbers(path, REQUIRED, _OPTIONAL, _OF_A_RUN)
+    columns, left_out = read_numbers(path, REQUIRED, _OPTIONAL, _OF_A_RUN, track=True)
     why = _unit_of_times(columns["t"], rate, driven.window[1])
     if why is None:
         try:
@@ -144,9 +153,9 @@ def _exposure(value: object, rate: float) -> float:
 
 
 def _unit_of_times(times: Array, rate: float, end: float) -> _Why | None:
-    """Whether times can only be in ms or numbers of frames, as hardly one is before the `end`.
+    """Whether times begin after the `end`, or can only be in ms or numbers of frames.
 
-    `rate` is the stated one, Hz, or NaN.
+    Of the latter hardly one is before the end. `rate` is the stated one, Hz, or NaN.
     """
     different = np.unique(times)
     if len(different) < 2 or different[-1] <= end:
@@ -163,7 +172,11 @@ def _unit_of_times(times: Array, rate: float, end: float) -> _Why | None:
     else:
         meant = None
     if meant is None:
-        return None
+        if different[0] < end:
+            return None
+        begin = float(different[0])
+        text = f"its times begin at {begin:.10g} s, and the drive ends at {end:g} s: "
+        return "run-time-start", f"{text}subtract the time at which the drive began", begin
     unit, factor = meant
     mend = f"divide them by {factor:.7g}"
     if math.isnan(factor):
@@ -206,7 +219,42 @@ def _usable_frames(
             text += f"be, the first at {times[lost][0]:.5g} s; left out."
             left_out.append(Note("lost-frames", text, int(lost.sum())))
         used = used[~lost]
-    return {key: column[used] for key, column in table.items()}
+    columns = {key: column[used] for key, column in table.items()}
+    columns["theta"], moved = _without_turns(columns["theta"])
+    if moved.any():
+        text = f"{name}: theta of {counted(int(moved.sum()), 'frame')} is moved by whole turns, by "
+        text += f"which it jumps, the first at {columns['t'][moved][0]:.5g} s."
+        left_out.append(Note("whole-turns", text, int(moved.sum())))
+    return columns
+
+
+def _without_turns(theta: Array) -> tuple[Array, Mask]:
+    """Angles that follow from frame to frame, and which of them were moved by whole turns, if any.
+
+    Only where nearly all large jumps are by whole turns; the first frames are near lying flat.
+    """
+    whole = 2.0 * math.pi
+    jump = np.abs(np.diff(theta))
+    large = jump[(jump > 0.25 * whole) & (jump < (_WRAPPED + 0.25) * whole)]
+    odd = np.abs(large - whole * np.round(large / whole)) > 0.25 * whole
+    if not len(large) or np.mean(odd) > _ODD:
+        return theta, np.zeros(len(theta), dtype=bool)
+    even, last = theta.copy(), theta[0]
+    for k, angle in enumerate(theta.tolist()):
+        turns = round((angle - last) / whole)
+        near = abs(angle - last - whole * turns) < 0.25 * whole
+        last = even[k] = angle - whole * turns if near and abs(turns) <= _WRAPPED else angle
+    even -= whole * np.round(np.median(even[:NEIGHBOURS]) / whole)
+    return even, np.abs(even - theta) > 0.5 * whole
+
+
+def too_long(way: float) -> str | None:
+    """Why a path, m, is too long for one, with the unit that it may be in; None if it is not."""
+    if way <= _LONGEST:
+        return None
+    meant, _ = unit_meant("m", way / _PATH, math.inf, 1e3) or ("um, mm or pixels", None)
+    text = f"x spans {way:.3g}, and allowed is up to {_LONGEST:g}; m are wanted, and these may be "
+    return f"{text}{meant}"
 
 
 def _too_little(table: Mapping[str, Array], scenario: Scenario) -> _Why | None:
@@ -220,12 +268,11 @@ def _too_little(table: Mapping[str, Array], scenario: Scenario) -> _Why | None:
     turn = float(np.median(np.abs(table["theta"])))
     if turn > _TURNS:
         text = f"theta is near {turn:.3g}, and allowed is up to {_TURNS:.3g}; rad are wanted, so "
-        return "run-angle-unit", f"{text}convert them from degrees", turn
+        return "run-angle-unit", f"{text}convert them from degrees or mrad", turn
     way = float(np.ptp(table["x"]))
-    if way > _LONGEST:
-        meant, _ = unit_meant("m", way / _PATH, math.inf, 1e3) or ("mm or um", None)
-        text = f"x spans {way:.3g}, and allowed is up to {_LONGEST:g}; m are wanted, and these may "
-        return "run-length-unit", f"{text}be {meant}", way
+    long = too_long(way)
+    if long is not None:
+        return "run-length-unit", long, way
     if way == 0.0 and float(np.ptp(table["theta"])) == 0.0:
         return "run-stands-still", "neither x nor theta ever changes", 0.0
     return None

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -15,20 +15,25 @@ from stickslip._util.arrays import RELATIVE, Array, Indices, Mask, representativ
 from stickslip._util.messages import shown
 from stickslip._util.tables import Units
 from stickslip._util.text import OneLine, comma_hint, counted, number
-from stickslip._util.units import factor_text, unit_factor, unit_meant
-from stickslip.errors import ScenarioError
+from stickslip._util.units import factor_text, split_unit, unit_factor, unit_meant
+from stickslip.errors import ScenarioError, prefixed
 from stickslip.measurement.outliers import far_from_their_group
 from stickslip.measurement.read_table import (
     LARGEST,
+    STAMP,
     Line,
     NothingSound,
     Rows,
     check_columns,
     not_used,
+    refuse_twice,
+    seconds,
+    valid_rows,
 )
-from stickslip.scenario.keys import Value, in_allowed_case, known_keys
+from stickslip.scenario.keys import Value, full_name, in_allowed_case, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.note import Note
+from stickslip.sweeping.points import name_of
 
 FASTEST = 1.0
 """Mean velocity, m/s; a robot of this size is slower, and beyond it a unit is wrong. Chosen: the
@@ -47,8 +52,14 @@ give some mT, and the robot is driven at some Hz or more."""
 _MANY_LOST = 0.1
 """Part of the rows; if more are left out, the first fact says so. Chosen: it changes the design."""
 
+_LONGEST_DAY = 12 * 3600.0
+"""Time between clocks of one day, s. Chosen: as long as people measure."""
+
 _MOST = 0.5
 """Part of the rows; if more have a setting in another unit, the table is refused. Chosen: most."""
+
+_DRIVE, _EFFECTS = "drive.", "effects_"
+"""What keys of settings begin with, and what those of effects may leave out of a column's name."""
 
 NOT_SETTINGS: Units = {
     "velocity": "m/s", "standard_error": "m/s", "trial": None, "block": None, "order": "-",
@@ -106,14 +117,36 @@ class _Trial(NamedTuple):
 
 def velocity_units() -> Units:
     """The columns that a table of velocities may have, with the units of their numbers."""
-    drive = {name: key for name, key in known_keys().items() if name.startswith("drive.")}
+    keys = {name: known_keys()[f"{_DRIVE}{bare}"] for name, bare in bare_names().items()}
+    settings = {name: None if key.kind == "word" else key.unit for name, key in keys.items()}
+    return {**NOT_SETTINGS, **settings}
+
+
+def bare_names() -> dict[str, str]:
+    """The bare name of a setting by each name of its column: as sweeps write it, too."""
+    keys = [name for name in known_keys() if name.startswith(_DRIVE)]
     return {
-        **NOT_SETTINGS,
-        **{
-            name.removeprefix("drive."): None if key.kind == "word" else key.unit
-            for name, key in drive.items()
-        },
+        name: key.removeprefix(_DRIVE)
+        for key in keys
+        for name in (key.removeprefix(_DRIVE), key, name_of(key))
     }
+
+
+def _with_bare_names(table: Rows) -> Rows:
+    """The table with settings by their bare names; columns of other keys are refused."""
+    bare, keys = bare_names(), known_keys()
+    header = [bare.get(name, name) for name in table.header]
+    with prefixed(table.path):
+        refuse_twice(header)
+        written = {name_of(key).removeprefix(start) for key in keys for start in ("", _EFFECTS)}
+        for name in header:
+            key = split_unit(name)[0]
+            if key not in bare and (full_name(key) in keys or key in written):
+                raise ScenarioError(
+                    f"column {shown(name)} is a key of the scenario: allowed are those of [drive], "
+                    f"{', '.join(dict.fromkeys(bare.values()))}; write it into the scenario"
+                )
+    return table._replace(header=header)
 
 
 def with_index_columns(table: Any) -> Any:
@@ -139,7 +172,10 @@ def read_velocity(
     of one trial, NaN if not known. Settings that are equal to one of the scenario or of the
     `earlier` tables become that one. If `strict`, the first row that is not sound is refused.
     """
-    others = check_columns(table.path, table.header, ["velocity"], list(velocity_units()))
+    table = valid_rows(_with_bare_names(table))
+    known_columns = [*NOT_SETTINGS, *bare_names().values()]
+    others = check_columns(table.path, table.header, ["velocity"], known_columns)
+    _check_clocks(table)
     trials, left_out = _sound_rows(table, scenario, strict)
     left_out += [*table.left_out, *not_used(table.name, others)]
     known = [condition for data in earlier for condition in data.conditions]
@@ -261,23 +297,26 @@ def _sweeps(trials: Sequence[_Trial]) -> Indices:
 def _sound_rows(table: Rows, scenario: Scenario, strict: bool) -> tuple[list[_Trial], list[Note]]:
     """Rows that can be used, at least one, and why the others cannot."""
     header, count = table.header, len(table.rows)
-    counts_once = "trial" in header or "order" in header
+    compared = [tuple(map(_as_compared, row)) for _, row in table.rows]
+    times = {*Counter(compared).values()}
+    pasted = len(times) == 1 and times != {1}  # all rows equally often: a table put in again
+    counts_once = "trial" in header or "order" in header or pasted
     wrong: dict[tuple[str, str], list[Line]] = {}  # in the order of the file
     kept: list[_Trial] = []
-    seen: set[tuple[str, ...]] = set()
-    for line, row in table.rows:
+    seen: set[tuple[object, ...]] = set()
+    for (line, row), same in zip(table.rows, compared, strict=True):
         try:
             if len(row) != len(header):
                 text = f"a row of {len(row)} cells is not used, as the header names {len(header)}"
                 raise _Unsound("cell-count", f"{text} columns.")
-            if counts_once and tuple(row) in seen:
+            if counts_once and same in seen:
                 raise _Unsound("repeated-row", "the row repeats an earlier one.")
             cells = dict(zip(header, row, strict=True))
             velocity, setting = _number("velocity", cells["velocity"]), _setting(cells, scenario)
-            order = _number("order", cells["order"]) if cells.get("order") else math.nan
+            order = _number("order", cells["order"], seconds) if cells.get("order") else math.nan
             labels = cells.get("block", ""), cells.get("trial", "")
             kept.append(_Trial(velocity, setting, *labels, order, line))
-            seen.add(tuple(row))
+            seen.add(same)
         except _Unsound as error:
             wrong.setdefault(error.args, []).append(line)
     in_other_unit = [(key[1], lines) for key, lines in wrong.items() if key[0] == "setting-unit"]
@@ -302,8 +341,30 @@ def _sound_rows(table: Rows, scenario: Scenario, strict: bool) -> tuple[list[_Tr
     return kept, left_out
 
 
-def _number(column: str, cell: str) -> float:
-    value = number(cell, LARGEST)
+def _as_compared(cell: str) -> object:
+    """A cell as repeated rows are told: a number whatever its spelling."""
+    value = number(cell)
+    return cell if math.isnan(value) else value
+
+
+def _plain_number(cell: str) -> float:
+    return number(cell, LARGEST)
+
+
+def _check_clocks(table: Rows) -> None:
+    """Refuse an order by clocks without dates that may go on after midnight."""
+    at = table.header.index("order") if "order" in table.header else len(table.header)
+    stamps = [STAMP.fullmatch(row[at]) for _, row in table.rows if len(row) > at]
+    clocks = [seconds(stamp[0]) for stamp in stamps if stamp and not stamp["date"]]
+    if clocks and max(clocks) - min(clocks) > _LONGEST_DAY:
+        raise ScenarioError(
+            f"{table.path}: clocks in column order are more than {_LONGEST_DAY / 3600:g} h apart: "
+            "write dates, such as 2026-05-01 12:00, as the day may have changed"
+        )
+
+
+def _number(column: str, cell: str, read: Callable[[str], float] = _plain_number) -> float:
+    value = read(cell)
     if math.isnan(value):
         text = f"{column} {shown(cell)} is not a number{comma_hint(cell)}." if cell else ""
         raise _Unsound("not-a-number", text or f"{column} is empty.")

@@ -59,6 +59,10 @@ _COLUMNS = {
     },
 }
 
+_MOST = {"T": 1.0, "m": 1.0}
+"""Largest numbers of [[angle]] and [[field]], by their unit. Chosen: the coils make millitesla
+within decimetres, so beyond them a unit is wrong or a probe is saturated."""
+
 _REQUIRED = {"velocity": ("velocity",), "tracking": tuple(REQUIRED), **_COLUMNS}
 """The columns without which there is no table of an observable."""
 
@@ -282,7 +286,7 @@ def _table(
         return read_velocity(rows, scenario, sd, earlier)
     if observable == "tracking":
         return read_tracking(file, entry, scenario)
-    return read_numbers(file, _COLUMNS[observable])
+    return read_numbers(file, _COLUMNS[observable], most=_MOST)
 
 
 def _path_of(table: Mapping[str, Any], key: str, section: str, what: str) -> str:

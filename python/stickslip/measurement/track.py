@@ -12,6 +12,7 @@ from stickslip._util.arrays import Array, Mask, check_indexes, row
 from stickslip._util.messages import check_kind, refuse
 from stickslip.errors import ScenarioError
 from stickslip.measurement.outliers import far_from_a_fit, lost_frames, one_place_each
+from stickslip.measurement.read_tracking import too_long
 from stickslip.measurement.read_velocity import FASTEST
 from stickslip.scenario.keys import Value, known_keys
 from stickslip.scenario.scenario import Scenario
@@ -73,8 +74,8 @@ def velocity_of_track(t: ArrayLike, x: ArrayLike, drive: Drive | Scenario) -> di
     ------
     ScenarioError
         With one line, if shapes differ, two places have one time, another body takes over from some
-        frame on, the times hold no whole pulse or fewer than eight frames, the velocity can only be
-        in another unit, or the drive is a program.
+        frame on, the times hold no whole pulse or fewer than eight frames, places or the velocity
+        can only be in another unit, or the drive is a program.
 
     Examples
     --------
@@ -100,11 +101,12 @@ def velocity_of_track(t: ArrayLike, x: ArrayLike, drive: Drive | Scenario) -> di
     far = far_from_a_fit(left_by, len(times), _FINEST * length)
     _say_left_out(times[far], len(times), "far from what the others let expect")
     velocity, error, _ = fit(~far)
-    if abs(velocity) > FASTEST:
-        raise ScenarioError(
-            f"x: gives a velocity of {velocity:.6g} m/s: allowed is {FASTEST:g} m/s at most, "
-            "with x in m and t in s; x may be in um or in pixels"
-        )
+    wrong = too_long(float(np.ptp(places[~far])))
+    if wrong is None and abs(velocity) > FASTEST:
+        wrong = f"x: gives a velocity of {velocity:.6g} m/s: allowed is {FASTEST:g} m/s at most, "
+        wrong += "with x in m and t in s; x may be in um, mm or pixels"
+    if wrong is not None:
+        raise ScenarioError(wrong)
     whole = scenario.window[1] - scenario.window[0]
     pulses = scenario.drive.pulses - round((whole - end + start) / period)
     names = [key for key in known_keys() if key.startswith("drive.")]

@@ -15,11 +15,22 @@ from stickslip._util.arrays import Array
 from stickslip._util.files import read_bytes
 from stickslip._util.messages import shown
 from stickslip._util.tables import CsvTable
-from stickslip._util.text import counted, number
+from stickslip._util.text import counted, number, plain
 from stickslip._util.units import is_of, per_si, same_unit, split_unit, zero_of
 from stickslip.diagnosis.data.series import LATEST, Series
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.measurement.read_table import LARGEST, MOST_BYTES, Rows, not_used, read_rows
+from stickslip.measurement.read_table import (
+    LARGEST,
+    MOST_BYTES,
+    STAMP,
+    Line,
+    Rows,
+    not_used,
+    not_valid,
+    read_rows,
+    seconds,
+    validity,
+)
 from stickslip.simulation.note import Note
 
 _TIME, _ERROR = "t", "sd"
@@ -27,20 +38,12 @@ _ALSO = {
     _TIME: ("time", "timestamp", "unix", "unix time", "date", "datetime", "clock"),
     _ERROR: ("error",),
 }  # what columns are called, too
-_VALID = "valid", "ok"
-_SAID = {"1": True, "1.0": True, "true": True, "yes": True,
-         "0": False, "0.0": False, "false": False, "no": False}  # fmt: skip
-"""Columns that say which readings are valid, and how they say it."""
 _JUMP = 20.0
 """Steps of a clock that has jumped. Chosen: a link loses a few readings, and a break loses many."""
 _DATE = 1e8
 """Seconds since 1970 from which on a time is a date. Chosen: no experiment runs for three years."""
 _TURN = 2.0 * math.pi
 """Largest angle without a unit, rad. Chosen: beyond a turn it may be in degrees as well."""
-_ISO = re.compile(
-    r"(?P<date>\d{4}-\d\d-\d\d[T ])?(?P<clock>\d\d:\d\d(:\d\d([.,]\d+)?)?)"
-    r"(Z|(?P<zone>[+-]\d\d:?\d\d))?"
-)
 _DAY = 86400.0  # s, after which a clock without a date begins anew
 _CUT = "cut the log into two files there"
 
@@ -129,11 +132,7 @@ def read_log(path: str | PathLike[str], model: object) -> Series:
     units = {each.name: each.si(wanted.units[column]) for column, each in found.items()}
     table = read_rows(path, units)
     used = {column: table.header.index(each.name) for column, each in found.items()}
-    valid = [
-        k
-        for k, heading in enumerate(table.header)
-        if k not in used.values() and plain(heading) in _VALID
-    ]
+    valid = [k for k in validity(table.header) if k not in used.values()]
     others = [head for k, head in enumerate(table.header) if k not in (*used.values(), *valid)]
     notes += [*table.left_out, *not_used(path.name, others)]
     rows = _whole_rows(table, used, wanted, notes)
@@ -147,9 +146,12 @@ def read_log(path: str | PathLike[str], model: object) -> Series:
         # An error without a unit is in that of its readings.
         values[_ERROR] = values[_ERROR] / per_si(read.unit, read.si(wanted.units[wanted.reads]))
     for k in valid:
-        said = [cells[k] for _, cells in rows]
-        _leave_out(values[wanted.reads], said, f"column {table.header[k]}", path, notes)
-    stamps = [_ISO.fullmatch(cells[used[_TIME]]) for _, cells in rows]
+        lost = np.isfinite(values[wanted.reads]) & not_valid(table, rows, k)
+        values[wanted.reads][lost] = math.nan
+        if lost.any():
+            text = f"{counted(int(lost.sum()), 'reading')} left out by column {table.header[k]}."
+            notes.append(Note("not-valid", text, int(lost.sum())))
+    stamps = [STAMP.fullmatch(cells[used[_TIME]]) for _, cells in rows]
     values[_TIME] = _counted_on(values[_TIME], stamps, found[_TIME].unit, notes)
     told = {_TIME} if stamps[0] or "dates" in {note.code for note in notes} else set()
     _check_clock(table, [line for line, _ in rows], values[_TIME])
@@ -264,11 +266,6 @@ def _with_one_zero(
     return inputs
 
 
-def plain(name: str) -> str:
-    """A name as it is compared: in lower case, with blanks."""
-    return name.casefold().replace("_", " ")
-
-
 def _missing(name: str, there: Sequence[str], wanted: Columns) -> NoReturn:
     unit = wanted.units[name][0]
     have = ", ".join(map(shown, there))
@@ -280,7 +277,7 @@ def _missing(name: str, there: Sequence[str], wanted: Columns) -> NoReturn:
 
 def _whole_rows(
     table: Rows, used: Mapping[str, int], wanted: Columns, notes: list[Note]
-) -> list[tuple[object, list[str]]]:
+) -> list[tuple[Line, list[str]]]:
     """Lines and cells of rows that have a time and all inputs; the last one may be cut off."""
     width, rows = len(table.header), list(table.rows)
     strict = [name for name in used if name not in (wanted.reads, _ERROR)]
@@ -339,39 +336,8 @@ def _number(cell: str) -> float:
     return number(cell, LARGEST)
 
 
-def _seconds(cell: str) -> float:
-    """A time, s, as a number or as ISO 8601 writes a date or a clock; NaN if it is none."""
-    stamp = _ISO.fullmatch(cell)
-    if not stamp:
-        return _number(cell)
-    try:
-        date = f"{stamp['date'] or '1970-01-01T'}{stamp['clock'].replace(',', '.')}"
-        since = np.datetime64(date, "us") - np.datetime64(0, "us")
-    except ValueError:
-        return math.nan
-    zone = stamp["zone"] or "+0000"
-    ahead = 3600.0 * float(zone[:3]) + 60.0 * float(zone[0] + zone[-2:])
-    return float(since / np.timedelta64(1, "s")) - ahead
-
-
-_READ = {_TIME: _seconds}
+_READ = {_TIME: seconds}
 """How cells are read that are no plain numbers."""
-
-
-def _leave_out(
-    readings: Array, said: Sequence[str], column: str, path: Path, notes: list[Note]
-) -> None:
-    """Make readings NaN where a column of valid ones says no."""
-    for cell in said:
-        if cell.casefold() not in _SAID:
-            allowed = ", ".join(_SAID)
-            raise ScenarioError(f"{path}: {column} = {shown(cell)}: allowed are {allowed}")
-    lost = np.isfinite(readings) & [not _SAID[cell.casefold()] for cell in said]
-    readings[lost] = math.nan
-    if lost.any():
-        count = int(lost.sum())
-        text = f"{counted(count, 'reading')} left out by {column}."
-        notes.append(Note("not-valid", text, count))
 
 
 def _check_clock(table: Rows, lines: Sequence[object], t: Array) -> None:

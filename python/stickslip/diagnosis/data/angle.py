@@ -21,10 +21,6 @@ READING = math.radians(0.5)
 """Smallest error of an angle that is read off a picture, rad. Chosen: a side of 250 um at one um a
 pixel has ends that are known to a pixel or two."""
 
-_STRONGEST = 1.0
-"""Largest field that is accepted, T. Chosen: coils of this kind make millitesla, so beyond it a
-unit is wrong."""
-
 _ALONE_LEAST = math.radians(5.0)
 """Distance from the neighbours' line that is never far, rad. Chosen: ten errors of a reading."""
 
@@ -43,7 +39,7 @@ class AngleTable(SimulatedTable):
     the robot, in the world's frame, held long enough, and reached from lying flat without a swing.
     `scenario` is what no parameter sets. Without repeats the error of a reading is what lines
     through every second condition leave over, in the order in which the field changes least. A
-    ScenarioError is raised if angles or fields are in another unit.
+    ScenarioError is raised if angles are in another unit.
     """
 
     words, section = "angles", "Static pitch, [[angle]]"
@@ -67,16 +63,17 @@ class AngleTable(SimulatedTable):
 
     def _sound(self, rows: Array) -> Array:
         """Rows of Bx, Bz and theta within half a turn."""
-        refuse_larger(self.at, "field", rows[:, :2], _STRONGEST, "T")
         theta = rows[:, 2]
         beyond = np.abs(theta) > math.pi
         if np.mean(beyond) > _FEW:
             raise ScenarioError(
                 f"{self.at}theta of {theta[np.argmax(np.abs(theta))]:.4g} rad; allowed is -pi "
-                "to pi. If angles are in degrees, multiply them by pi/180"
+                "to pi. Angles may be in degrees, to multiply by pi/180, or have whole turns too "
+                "many"
             )
         for angle in theta[beyond].tolist():
-            text = f"theta = {angle:.4g} rad is not used, as it is more than half a turn."
+            text = f"theta = {angle:.4g} rad is not used, as it is more than half a turn: "
+            text += "it may be in degrees or have whole turns too many."
             self.left_out.append(Note("angle-beyond-turn", text, angle))
         return rows[~beyond]
 
@@ -94,16 +91,6 @@ class AngleTable(SimulatedTable):
             )
             self.left_out.append(Note("lonely-angle", text, theta))
         return np.delete(rows, far, axis=0)
-
-
-def refuse_larger(at: str, what: str, sizes: Array, most: float, unit: str) -> None:
-    """Refuse a table with a length or a field so large that its unit must be wrong."""
-    size = float(np.max(np.abs(sizes)))
-    if size > most:
-        raise ScenarioError(
-            f"{at}a {what} of {size:.4g} {unit}; allowed is at most {most:g} {unit}. If "
-            f"{what}s are in m{unit}, divide them by 1e3"
-        )
 
 
 def _along(fields: Array) -> Indices:

@@ -26,7 +26,7 @@ from scipy.stats import chi2 as chi2_law
 from scipy.stats import qmc
 
 from stickslip._util.arrays import Array, Indices, Mask, root_mean_square
-from stickslip._util.text import OneLine
+from stickslip._util.text import OneLine, counted
 from stickslip._util.units import with_unit
 from stickslip.simulation.note import Note
 
@@ -160,16 +160,17 @@ def estimate(
     size = root_mean_square(mean[moves]) or 1.0
     away = y - mean[condition]
     free = int(np.sum(moves[condition])) - int(np.sum(moves))
-    if not np.any(np.abs(away) > _ALIKE * size):
-        free = 0
     notes: list[Note] = []
+    copies = sd is None and _are_copies(away, size, len(count), notes)
+    if copies or not np.any(np.abs(away) > _ALIKE * size):
+        free = 0
     block = _crossed(condition, block, moves[condition], notes)
     order, gap = along_runs(run, place, moves[condition], (count > 1.0)[condition])
     shared = block is not None or bool(np.any(np.isfinite(gap)))
     if free < FEWEST or (sd is not None and not shared):
         sizes, dof = _stated(sd, relative, free, size, mean[condition], notes)
         one = np.hypot(sizes["s0"], sizes["rho"] * mean[condition]) if sd is None else sd
-        sds = np.sqrt(np.bincount(condition, one**2)) / count
+        sds = np.sqrt(np.bincount(condition, one**2)) / (np.sqrt(count) if copies else count)
         return mean, Errors(sds, None, dof, sizes, tuple(notes))
     pooled = math.sqrt(float(np.sum(away**2)) / free)
     scatter = _Scatter(condition, mean, moves, size, away, sd, pooled, block, order, gap)
@@ -217,8 +218,11 @@ def of_readings(y: Array, design: Array, condition: Indices, smallest: float, un
     estimate is below it, or has fewer than 4 degrees of freedom; it counts as stated. The readings
     `y` and `condition` have the shape (n,); conditions are 0 to m - 1, none missing.
     """
-    count = np.bincount(condition)
+    count, notes = np.bincount(condition), list[Note]()
     left = y - (np.bincount(condition, y) / count)[condition]
+    if _are_copies(left, root_mean_square(y), len(count), notes):
+        first = np.unique(condition, return_index=True)[1]
+        y, design, left, count = y[first], design[first], left[first], np.ones_like(count)
     dof, text = (
         len(y) - len(count),
         "A reading scatters by {}, from repeats ({} degrees of freedom).",
@@ -239,8 +243,21 @@ def of_readings(y: Array, design: Array, condition: Indices, smallest: float, un
         sd, known, code = smallest, math.inf, "noise-smallest"
         text = "Readings scatter by less than {}, which is used ({} degrees of freedom)."
     size = with_unit(math.degrees(sd), "degrees") if unit == "rad" else with_unit(sd, unit)
-    note = Note(code, text.format(size, dof), sd)
-    return Errors.alike(sd, count, known, note)
+    notes.append(Note(code, text.format(size, dof), sd))
+    return Errors.alike(sd, count, known, *notes)
+
+
+def _are_copies(away: Array, size: float, conditions: int, notes: list[Note]) -> bool:
+    """Whether all repeats are exactly alike, and so tell nothing: copies, or rounded to a step.
+
+    `away`, shape (n,), is of the means of the `conditions`; `size` is the usual level.
+    """
+    again = len(away) - conditions
+    if not again or np.any(np.abs(away) > _ALIKE * size):
+        return False
+    text = f"All repeats are exactly alike, as copies are: {counted(again, 'reading')} not counted."
+    notes.append(Note("copies", text, again))
+    return True
 
 
 def _stated(

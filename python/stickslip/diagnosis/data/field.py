@@ -10,7 +10,6 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.arrays import Array, Mask, root_mean_square
 from stickslip._util.units import far_size
-from stickslip.diagnosis.data.angle import refuse_larger
 from stickslip.diagnosis.data.errors import FEWEST, of_readings
 from stickslip.diagnosis.data.simulated import SimulatedTable
 from stickslip.diagnosis.terms.instruments import of_fields
@@ -19,10 +18,6 @@ from stickslip.measurement.outliers import far_from_a_fit
 from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.note import Note
-
-_STRONGEST, _FARTHEST = 1.0, 1.0
-"""Largest field (T) and place (m) that are accepted. Chosen: these coils make millitesla within
-decimetres, so beyond them a unit is wrong."""
 
 _READING, _RELATIVE = 5e-7, 1e-3
 """Smallest error of a probe's reading, in T and in the field's root mean square. Chosen: 1 % of the
@@ -37,7 +32,7 @@ class FieldTable(SimulatedTable):
     `table` has columns xp, xm, yp, ym, clamp (A), x, y, z (m), Bx, By, Bz (T), of shape (n,).
     `scenario` is what no parameter sets. Each component of a field is a reading. Without repeats
     their error is what free gains of the coils, a free uniform field and a free turn of the probe
-    leave over. A ScenarioError is raised if a column is in another unit, or every probe is on a
+    leave over. A ScenarioError is raised if currents are in another unit, or every probe is on a
     wire or outside of the field map.
     """
 
@@ -48,8 +43,6 @@ class FieldTable(SimulatedTable):
         currents, points, fields = (
             np.stack([table[key] for key in keys], axis=1) for keys in (COIL_NAMES, _PLACE, _FIELD)
         )
-        refuse_larger(self.at, "field", fields, _STRONGEST, "T")
-        refuse_larger(self.at, "place", points, _FARTHEST, "m")
         coils = self._base.coils()
         _refuse_outside(coils.box, points, self.at)
         # Fields of each coil alone, T.

@@ -17,7 +17,7 @@ from stickslip.diagnosis.data.simulated import SimulatedTable
 from stickslip.diagnosis.terms.instruments import of_films
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.measurement.outliers import far_from_their_phase
-from stickslip.measurement.read_tracking import FEWEST, TrackingRun
+from stickslip.measurement.read_tracking import FEWEST, REQUIRED, TrackingRun
 from stickslip.scenario.keys import known_keys
 from stickslip.scenario.uncertain import Prior
 from stickslip.simulation.note import Note
@@ -49,6 +49,10 @@ third of a frame of 1 kHz."""
 _LEAST_RISE = 0.01
 """Rise of the robot, in its height, that z has to show. Chosen: a micrometre for the robot of Table
 II."""
+
+_TOO_LARGE = 10.0
+"""Ratio of a stated error to the scatter of frames that is reported. Chosen: no camera differs by
+as much from what it is taken for."""
 
 _CORRELATED = 0.2
 """Correlation of neighbours that is reported. Chosen: it changes an error by a fifth."""
@@ -104,8 +108,9 @@ class FilmTable(SimulatedTable):
 
     def _parts(self) -> list[tuple[Indices | slice, str, str]]:
         columns = self["column"][self.first]
-        return [(np.flatnonzero(columns == name), f"Column {name}", _KINDS[name][1])
-                for name in ("x", "theta") if name in columns]  # fmt: skip
+        # Sizes of the others were compared where they were read.
+        return [(np.flatnonzero(columns == name), f"Column {name}", unit * (name in REQUIRED))
+                for name, (_, unit) in _KINDS.items() if name in columns]  # fmt: skip
 
     def predict(self, names: Sequence[str], values: Array) -> Array:
         """Observables; NaN where the simulation fails.
@@ -193,7 +198,7 @@ class FilmTable(SimulatedTable):
         film, (kind, unit) = self.film, _KINDS[name]
         times, values, drive = film.columns["t"], film.columns[name], film.scenario.drive
         used = np.isfinite(values)
-        required = name in ("x", "theta")
+        required = name in REQUIRED
         if not required and used.sum() < FEWEST:
             text = f"The column {name} is not used: of {FEWEST} numbers it has {used.sum()}."
             self.left_out.append(Note("column-too-short", text, int(used.sum())))
@@ -261,6 +266,9 @@ class FilmTable(SimulatedTable):
         head = f"{name} scatters by {scatter:.3g} {unit} where a phase repeats"
         if stated is None:
             self._notes.append(Note("frame-noise", f"{head}.", scatter))
+        elif stated > _TOO_LARGE * scatter:
+            text = f"{head}, and {stated:.3g} {unit} are stated, which are used: look at the unit."
+            self._notes.append(Note("frame-noise-below-stated", text, scatter))
         elif math.isfinite(dof):
             text = f"{head}, more than the stated {stated:.3g} {unit}; the scatter is used."
             self._notes.append(Note("frame-noise-above-stated", text, scatter))

@@ -365,6 +365,7 @@ def _pooled(tables: Sequence[VelocityData]) -> tuple[list[dict[str, Value]], Arr
     number = {key: k for k, key in enumerate(keys)}
     columns = np.array([(number[key], *others) for key, *others in trials], dtype=float)
     columns = columns[np.argsort(columns[:, 0], kind="stable")]
+    columns[:, 4] -= np.fmin.reduce(columns[:, 4])  # of dates the digits would be lost
     for run in range(len(runs)):
         mine = np.flatnonzero(columns[:, 2] == run)
         if columns[mine[0], 5]:
