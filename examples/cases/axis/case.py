@@ -93,9 +93,7 @@ _CAUSES = (
         (
             _either_way("ripple.sine", "N", 2.0),
             _either_way("ripple.cosine", "N", 2.0),
-            Parameter(
-                "ripple.length", Prior("log-uniform", 5e-3, 50e-3), "m", cause=False, fineness=0.1
-            ),
+            Parameter("ripple.length", Prior("log-uniform", 5e-3, 50e-3), "m", cause=False),
         ),
         "a ripple of the force along the way",
     ),

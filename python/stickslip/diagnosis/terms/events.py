@@ -36,9 +36,8 @@ from stickslip.diagnosis.terms.parameter import Parameter, either_way
 from stickslip.errors import ScenarioError
 from stickslip.scenario.uncertain import Prior
 
-_WIDTH, _FINENESS = 0.4, 0.025
-"""Standard deviation of the prior of a time, in the range, and the part of it over which
-predictions change. Chosen: nearly even over the range; an event of a hundredth of it is found."""
+_WIDTH = 0.4
+"""Standard deviation of the prior of a time, in the range. Chosen: nearly even over it."""
 
 
 def step(
@@ -120,6 +119,4 @@ def _time(name: str, begin: float, end: float) -> Parameter:
             f"cause {name}: begin = {shown(begin)}, end = {shown(end)}: allowed is begin < end, s"
         )
     prior = Prior("normal", 0.5 * (begin + end), _WIDTH * (end - begin))
-    return Parameter(
-        f"{name}.time", prior, unit="s", low=begin, high=end, cause=False, fineness=_FINENESS
-    )
+    return Parameter(f"{name}.time", prior, unit="s", low=begin, high=end, cause=False)
