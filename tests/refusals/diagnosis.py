@@ -69,6 +69,9 @@ RECORDS = [
     (lambda: problem_of_model(lambda record, p: record["u"], Series(X, X, {"u": X}), [SLOPE],
                       [instruments.lag(1.0, input="v")]),
      "cause lag: input = v: allowed is an input: u"),
+    (lambda: problem_of_model(lambda record, p: record["u"], Series(X, X, {"u": X}, unit="K"),
+                              [SLOPE], [events.step(0.1, 0.0, 2.0, unit="mK")]),
+     "cause step: unit = mK: allowed is that of the readings, K"),
     (lambda: events.step(0.1, 3.0, 2.0), "begin = 3.0, end = 2.0: allowed is begin < end"),
 ]  # fmt: skip
 

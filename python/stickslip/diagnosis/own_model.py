@@ -15,6 +15,7 @@ import numpy as np
 from stickslip._util.arrays import Array, Mask, columns_of, locked, numbers
 from stickslip._util.messages import meant
 from stickslip._util.text import OneLine, brief
+from stickslip._util.units import is_of, same_unit
 from stickslip.diagnosis.data.series import Series, with_repeats
 from stickslip.diagnosis.data.table import Table, rows_in_words
 from stickslip.diagnosis.fitting.fineness import with_measured_fineness
@@ -429,7 +430,7 @@ def _check_names(
 def _check_causes(
     tables: Sequence[Table], constants: Sequence[Parameter], causes: Sequence[Cause]
 ) -> None:
-    """Refuse causes of a table, a constant or an input that is not there."""
+    """Refuse causes of a table, a constant or an input that is not there, or in another unit."""
     of_tables, known = {table.name for table in tables}, {one.name for one in constants}
     for cause in causes:
         wrong = ""
@@ -444,5 +445,9 @@ def _check_causes(
                 at = f" of {table.name}" if table.name else ""
                 allowed = ", ".join(table.inputs) or "none"
                 wrong = f"input = {cause.input}: allowed is an input{at}: {allowed}"
+            reads = cause.read is not None and cause.input is None
+            for one in cause.parameters if reads and cause.table in (None, table.name) else ():
+                if is_of(one.unit, table.unit) and not same_unit(one.unit, table.unit):
+                    wrong = f"unit = {one.unit}: allowed is that of the readings, {table.unit}"
         if wrong:
             raise ScenarioError(f"cause {cause.name}: {wrong}")
