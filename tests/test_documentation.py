@@ -21,6 +21,7 @@ from test_reference_agreement import AGREEMENT, SCENARIOS
 
 MEASURED = DOCS / "measured"
 STUDY = ROOT / "bench" / "blind" / "study" / "record.jsonl"
+LAWS = ROOT / "bench" / "blind" / "laws" / "record.jsonl"
 OWN = STUDY.with_name("own.jsonl")
 
 
@@ -173,6 +174,21 @@ def measured_words():
         f" {wrong_ones or 'none'}, and of {len(empty)} with nothing hidden in"
         f" {sum(case.any_claim for case in empty) or 'none'}.",
     ]
+    cases = [case for case in map(Case, read(LAWS)) if case.counted]
+    (of_laws,) = {case.row["state"]["commit"] for case in cases}
+    law, sound = (
+        [case for case in cases if case.group == each] for each in ("unlisted", "nothing")
+    )
+    shaped = [case for case in law if case.right_shape]
+    counts_of_laws = [
+        f"{len(cases)} sets of 24 velocities, as of commit `{of_laws}`",
+        f"Of {len(law)} with such a law the diagnosis says where it acts in"
+        f" {sum(case.hook_right for case in law)}, and claims a cause that acts elsewhere in"
+        f" {sum(case.any_claim and not case.hook_right for case in law) or 'none'}. In"
+        f" {len(shaped)} it tells a curve; in {sum(case.form_among(True) for case in shaped)} of"
+        f" these the right form is one of those that have 95 %. Of {len(sound)} with nothing"
+        f" hidden it claims a cause in {sum(case.any_claim for case in sound) or 'none'}.",
+    ]
     return {
         "README.md": [
             f"within {100 * AGREEMENT:g} % in velocity in each of {len(SCENARIOS)} different walks",
@@ -190,6 +206,7 @@ def measured_words():
         "docs/accuracy.md": [
             *counts,
             *counts_of_walkers,
+            *counts_of_laws,
             "none is claimed wrongly, with the cause listed or not; "
             f"{len(true)} of {len(sure)} end right or as a set",
         ],

@@ -406,6 +406,7 @@ def test_the_columns_of_a_model_of_ones_own_are_checked(tmp_path):
     push = Cause("push", Parameter("push", size=1.0, low=-1.0, high=1.0))
     for more, said in (
         ({"reads": "speed"}, 'own: reads = "speed": allowed is one column'),
+        ({"reads": {"level": "cm"}}, 'own: unit of level = "cm": allowed is the SI unit, m'),
         ({"reads": {"speed": "m/s"}, "inputs": ["u"]}, "own: inputs = "),
     ):
         with pytest.raises(ScenarioError, match=said):

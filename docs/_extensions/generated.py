@@ -21,7 +21,8 @@ from stickslip.simulation.note_table import TABLE, tomllib
 
 MEASURED = Path(__file__).parents[1] / "measured"
 STUDIES = {"own": (study.HERE / "study" / "own.jsonl", own.tables),
-           "walkers": (study.HERE / "study" / study.RECORD, scoring.table)}  # fmt: skip
+           "walkers": (study.HERE / "study" / study.RECORD, scoring.table),
+           "laws": (study.HERE / "laws" / study.RECORD, scoring.table)}  # fmt: skip
 
 
 def _markdown_table(header: list[str], rows: list[list[str]]) -> str:
@@ -190,7 +191,7 @@ class BenchResults(SphinxDirective):
 
 
 class Study(SphinxDirective):
-    """The counts of the blind study of models of one's own, or of walkers."""
+    """The counts of the blind study of models of one's own, of walkers, or of their laws."""
 
     required_arguments = 1
 

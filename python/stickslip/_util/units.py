@@ -121,6 +121,12 @@ def is_unit(text: str) -> bool:
     return any(text in _known(si) for si in {*_OTHERS, *_SHOWN, "A", "Hz", "V", "W"})
 
 
+def si_of(unit: str) -> str:
+    """The SI unit of the quantity of a unit; itself, if it is one or not known."""
+    si = (*_OTHERS, *_SHOWN, "A", "Hz", "V", "W")
+    return unit if unit in si else next((each for each in si if unit in _known(each)), unit)
+
+
 def same_unit(unit: str, si: str) -> bool:
     """Whether a unit is an SI unit under any of its names."""
     return _known(si).get(unit) == 1.0

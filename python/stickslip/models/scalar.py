@@ -13,6 +13,7 @@ from scipy.signal import butter, sosfiltfilt
 from stickslip._util.arrays import Array, numbers, row
 from stickslip._util.messages import check_kind, refuse
 from stickslip._util.text import OneLine, is_number
+from stickslip._util.units import same_unit, si_of
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.cause import Cause
@@ -108,6 +109,9 @@ def own(
     if not isinstance(reads, Mapping) or len(reads) != 1:
         refuse("own: reads", reads, 'one column and its unit, such as {"speed": "m/s"}')
     ((name, unit),) = reads.items()
+    for column, given in (*reads.items(), *(inputs or {}).items()):
+        if si_of(given) != given and not same_unit(given, si_of(given)):
+            refuse(f"own: unit of {column}", given, f"the SI unit, {si_of(given)}")
     named = {key: (unit_of,) for key, unit_of in (inputs or {}).items()}
     return Own(predict, tuple(uncertain), tuple(causes), Columns(name, unit, named, needed=True))
 
