@@ -48,10 +48,6 @@ _STRIDE, _GOOD = 0.3, 0.3
 _STEP, _LINEAR_STEP = 2.5, 50.0
 
 
-FINE = 0.25
-"""Part of its unit over which predictions change with a fine coordinate, such as the time of an
-event or a period. Chosen."""
-
 # Walks after a descent at most, and their moves, in parts over which predictions change: up to the
 # places of a scan on either side. Chosen.
 _WALKS, _WALKED = 4, 4.0 * 0.5 ** np.arange(9)
@@ -240,8 +236,8 @@ def walk(
 
 def _moves(problem: Problem, cause: Cause) -> list[Array]:
     """Moves of the fine coordinates of a cause, alone and two together, as vectors (size,)."""
-    fine = [k for k in problem.columns([cause]).tolist() if problem.fineness[k] <= FINE]
-    steps = np.concatenate([[0.0], _WALKED, -_WALKED]) if not cause.has_knots else ()
+    fine = [k for k in problem.columns([cause]).tolist() if problem.turning[k]]
+    steps = np.concatenate([[0.0], _WALKED, -_WALKED])
     moves = []
     for pair in itertools.combinations(fine, 2) if len(fine) > 1 else [(k, k) for k in fine]:
         for sizes in itertools.product(steps, repeat=len(set(pair))):
@@ -308,18 +304,19 @@ def derivatives(
 
     Differences are about as wide as what the data leaves open, `spread`. Where one shows a jump of
     some row, or with `central`, the other side is looked at too: where both sides differ by a
-    jump, the milder one is the slope. With fine coordinates predictions bend within a spread.
+    jump, the milder one is the slope. With coordinates that
+    turn them, predictions bend within a spread.
     """
     fineness = problem.fineness[free]
-    fine = np.flatnonzero(fineness <= FINE)
-    if len(fine):
-        usual = np.flatnonzero(fineness > FINE)
+    turning = problem.turning[free]
+    if turning.any():
+        usual = np.flatnonzero(~turning)
         slopes = np.empty((len(residual), len(free)))
         rest = None if spread is None else spread[usual]
         slopes[:, usual] = yield from derivatives(
             problem, x, free[usual], residual, draft, rest, central
         )
-        for k in fine.tolist():
+        for k in np.flatnonzero(turning).tolist():
             slopes[:, k] = yield from _fine_slope(problem, x, int(free[k]), residual, draft)
         return slopes
     width = _WIDE * fineness

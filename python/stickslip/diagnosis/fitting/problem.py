@@ -14,7 +14,7 @@ from scipy.linalg import solve_triangular
 from scipy.stats import chi2 as chi2_law
 from scipy.stats import f as f_law
 
-from stickslip._util.arrays import Array, Indices
+from stickslip._util.arrays import Array, Indices, Mask
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.data.errors import Errors
 from stickslip.diagnosis.data.series import Series
@@ -33,6 +33,10 @@ does a slip of the pen."""
 LOST = 1e3
 """Residual, in errors, of a row that the model cannot compute. Chosen: far beyond any residual of a
 usable model, and its square still leaves ten digits to the other rows."""
+
+FINE = 0.25
+"""Part of its unit over which predictions change with a fine coordinate, such as the time of an
+event or a period. Chosen."""
 
 _FAR_OUT, _UNLIKELY = 4.5, 3.0
 """Farthest coordinates of an amplitude and of a shape that a scan reaches. Chosen: beyond the
@@ -112,6 +116,15 @@ class Problem(OneLine):
     def fineness(self) -> Array:
         """Share of each coordinate's unit over which predictions change, shape (size,)."""
         return np.array([min(p.fineness, self.finer.get(p.name, 1.0)) for p in self.parameters])
+
+    @cached_property
+    def turning(self) -> Mask:
+        """Whether measured predictions turn within a part of each coordinate's unit, (size,).
+
+        A simulation jumps, and costs too much, for a closer look at where.
+        """
+        measured = np.array([parameter.name in self.finer for parameter in self.parameters])
+        return measured & (self.fineness <= FINE)
 
     @cached_property
     def scanned(self) -> Array:

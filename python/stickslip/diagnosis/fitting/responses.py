@@ -11,9 +11,9 @@ import numpy as np
 
 from stickslip._util.arrays import Array
 from stickslip._util.text import OneLine
-from stickslip.diagnosis.fitting.descent import FINE, End, precision_of
+from stickslip.diagnosis.fitting.descent import End, precision_of
 from stickslip.diagnosis.fitting.forms import Form
-from stickslip.diagnosis.fitting.problem import LOST, Problem
+from stickslip.diagnosis.fitting.problem import FINE, LOST, Problem
 from stickslip.diagnosis.terms.cause import Cause
 
 USUAL = 0.6
@@ -23,8 +23,9 @@ without a slope at zero, and the way to a limit that binds may lead uphill. Chos
 three to four apart, up to a size that surprises."""
 
 # Of a shape: 1.5 standard deviations of its prior; chosen. Of a fine one a scan of so many places
-# at most, together with the other ones of its cause, and of so many predictions. Chosen.
-_SHAPES, _MOST_PLACES, _MOST_PREDICTED = (-1.5, 0.0, 1.5), 512, 1 << 22
+# at most, together with the other ones of its cause, of simulations fewer, and of so many
+# predictions. Chosen.
+_SHAPES, _MOST_PLACES, _FEW_PLACES, _MOST_PREDICTED = (-1.5, 0.0, 1.5), 512, 64, 1 << 22
 # Multiple of a response up to which it is trusted, and largest move of a constant that makes up for
 # one. Chosen: a response says little of amplitudes far beyond its own.
 _MULTIPLE, _FAR = 1.8, 6.0
@@ -138,7 +139,8 @@ def within(size: float, low: float, high: float) -> float:
 def _places(problem: Problem, fine: Sequence[int], k: int) -> tuple[float, ...]:
     """Places of a fine coordinate all over its range, as many as it and the other ones allow."""
     wanted = np.ptp(problem.scanned[:, fine], axis=0) / (2.0 * problem.fineness[fine])
-    most = min(_MOST_PLACES, _MOST_PREDICTED // len(problem.y))
+    most = min(_MOST_PLACES if problem.turning[fine].all() else _FEW_PLACES,
+               _MOST_PREDICTED // len(problem.y))  # fmt: skip
     thinner = max(float(np.prod(wanted)) / most, 1.0) ** (1.0 / len(fine))
     low, high = problem.scanned[:, k]
     count = max(math.ceil((high - low) / (2.0 * problem.fineness[k] * thinner)), 1)

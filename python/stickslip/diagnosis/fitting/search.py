@@ -20,7 +20,6 @@ from scipy.stats import qmc
 
 from stickslip._util.arrays import Array
 from stickslip.diagnosis.fitting.descent import (
-    FINE,
     SETTLED,
     STAGES,
     Asking,
@@ -42,7 +41,7 @@ from stickslip.diagnosis.fitting.models import (
     minimise,
     sharpened,
 )
-from stickslip.diagnosis.fitting.problem import Problem, lack_of_fit
+from stickslip.diagnosis.fitting.problem import FINE, Problem, lack_of_fit
 from stickslip.diagnosis.fitting.responses import USUAL, Response, responses
 from stickslip.diagnosis.terms.cause import Cause
 
