@@ -203,10 +203,9 @@ def pulses(seed: int) -> Made:
     causes = [
         Cause("pulses", (
             Parameter("pulses.height", unit="V", low=-10.0, high=10.0, size=2.0),
-            Parameter("pulses.start", Prior("normal", 0.5, 0.4), low=0.0, high=1.0, fineness=0.05,
-                      **shapes),
+            Parameter("pulses.start", Prior("normal", 0.5, 0.4), low=0.0, high=1.0, **shapes),
             Parameter("pulses.width", Prior("normal", 0.5, 0.25), low=0.02, high=0.98,
-                      fineness=0.1, **shapes),
+                      **shapes),
         )),
         instruments.offset("V", 0.2), instruments.clipping("V", 10.0, 3.0, lowest=0.5),
     ]  # fmt: skip

@@ -111,8 +111,8 @@ def test_an_axis_with_a_value_twice_but_for_its_last_bit_is_refused():
     with pytest.raises(ScenarioError) as error:
         sweep(NOMINAL, {"drive.frequency": [25.0, 50.0, 25.000000000000004]})
     assert str(error.value) == (
-        "drive.frequency = 25.000000000000004: this value is given twice, as 25.0: the same within "
-        "1e-06"
+        "drive.frequency = 25.000000000000004: this value is given twice, as 25.0: they differ "
+        "by less than 1e-06 of their size"
     )
     # Drags are smaller than what counts as 0 in a drive.
     assert grid(NOMINAL, {"drag.rotational": [0.0, 4e-17, 9e-17, 2e-16]}).count == 4

@@ -43,9 +43,7 @@ _CAUSES = (
         (
             _change("wave.sine"),
             _change("wave.cosine"),
-            Parameter(
-                "wave.length", Prior("log-uniform", 1e-3, 15e-3), "m", cause=False, fineness=0.1
-            ),
+            Parameter("wave.length", Prior("log-uniform", 1e-3, 15e-3), "m", cause=False),
         ),
         "a surface that is uneven along the way",
     ),
@@ -62,7 +60,7 @@ _CAUSES = (
         "step",
         (
             _change("step.height"),
-            Parameter("step.time", Prior("normal", 190.0, 100.0), "s", cause=False, fineness=0.1),
+            Parameter("step.time", Prior("normal", 190.0, 100.0), "s", cause=False),
         ),
         "friction that jumps at one time",
     ),

@@ -191,8 +191,9 @@ def test_what_meters_write_for_no_value_is_a_gap_and_no_input(mark):
         assert [note.code for note in one.own_notes] == ["marks-of-none", "gaps"]
     with pytest.raises(ScenarioError, match=re.escape(f"inputs u: row 3 = {mark}: allowed is")):
         Series(t, wave, {"u": lost})
-    # A value among the others, and one that the others do not tell, are no marks.
-    for sound in (100.0 * mark * t, np.where(t > 30.0, mark, 0.0)):
+    # A value among the others, one that the others do not tell, and decades are no marks.
+    decades = np.where(t < 50.0, 10.0 ** (t % 3.0), 999.0)
+    for sound in (100.0 * mark * t, np.where(t > 30.0, mark, 0.0), decades):
         assert len(Series(t, wave, {"u": sound})) == len(Table({"x": sound}, t, sd=1.0)) == 60
 
 

@@ -102,8 +102,35 @@ def test_fineness_is_that_of_the_predictions():
     fineness = dict(zip(made.names, made.fineness, strict=True))
     assert fineness["gain"] == fineness["wave.size"] == fineness["drag.size"] == 1.0
     # A move of a quarter of a period over the record turns an effect: ln(1 + 14 / (4 * 300)).
-    assert fineness["wave.period"] < 2.0 * np.log1p(14.0 / 1200.0) / np.log(1.8)
-    assert fineness["late.time"] < 1.0
+    assert 2.0**-9 <= fineness["wave.period"] < 2.0 * np.log1p(14.0 / 1200.0) / np.log(1.8)
+    # A wave of 22 s keeps a cosine of 0.8 over 2.3 s, and the delay grows by up to 25 s a unit.
+    assert 2.0**-5 <= fineness["late.time"] <= 0.25
+
+
+@pytest.mark.parametrize("low", [-0.3, -0.7, -3.0])
+def test_an_amplitude_that_only_grows_is_not_fine(low):
+    bias = Cause("bias", Parameter("bias.size", size=0.5, low=low, high=20.0))
+    record = Series(TIMES, SQUARE, {"u": WAVES}, sd=0.1)
+
+    def model(series, p):
+        return relaxed(series, p) + p["bias.size"] * np.cos(series.t / 9.0)
+
+    assert np.all(problem_of_model(model, record, [GAIN], [bias]).fineness == 1.0)
+
+
+def test_a_cause_may_state_the_fineness_of_one_of_two_amplitudes():
+    parts = [Parameter(f"tone.{name}", size=0.5, low=-5.0, high=5.0, fineness=fineness)
+             for name, fineness in (("sine", 0.1), ("cosine", 1.0))]  # fmt: skip
+    tone = Cause("tone", parts)
+    y = relaxed(Series(TIMES, SQUARE, {"u": SQUARE}, sd=1.0), {"gain": np.ones((1, 1))})[0]
+    y = y + 0.5 * np.sin(TIMES) + 0.05 * np.random.default_rng(1).standard_normal(300)
+
+    def model(series, p):
+        wave = p["tone.sine"] * np.sin(series.t) + p["tone.cosine"] * np.cos(series.t)
+        return relaxed(series, p) + wave
+
+    found = diagnose_model(model, Series(TIMES, y, {"u": SQUARE}, sd=0.05), [GAIN], [tone])
+    assert found.verdict.causes == ("tone",)
 
 
 @pytest.mark.parametrize("cause", ["lag", "delay"])
@@ -115,6 +142,7 @@ def test_an_input_before_its_record_is_free(cause, before):
     y = readings(SQUARE, listed, truth) + 0.02 * np.random.default_rng(5).standard_normal(300)
     found = diagnose_model(relaxed, Series(TIMES, y, {"u": SQUARE}, sd=0.02), [GAIN], listed)
     assert (found.verdict.kind, found.verdict.causes) == ("named", (cause,))
+    # Six readings of a change of up to 7, with errors of 0.02: 4 * 0.02 / (7 * 6**0.5), tenfold.
     assert found.params.loc[f"{cause}.before", "value"] == pytest.approx(before, abs=0.05)
 
 

@@ -31,7 +31,7 @@ def root_mean_square(values: ArrayLike) -> float:
 
 
 RELATIVE = 1e-6
-"""Part of a number, and of the spread of its column, within which another one is the same setting.
+"""Part of their size, and of the spread of their column, by which equal settings differ at most.
 Chosen: finer than any apparatus is set, and wider than the rounding of a table in seven digits."""
 
 _ROUNDED, _LAST_PLACES = 1e-13, 4
@@ -47,10 +47,10 @@ def are_equal(one: float, other: float, relative: float, absolute: float = 1e-12
 def representatives(values: Iterable[float], kept: Collection[float] = ()) -> dict[float, float]:
     """What stands for each value of a column: the same number for all that are the same setting.
 
-    Numbers are the same within 1e-6 of the spread of all, as their size may be an offset, and of
-    their size, as the spread may be that of many decades. Values are grouped from the smallest up:
-    a group takes in what is equal to its first value. One of `kept` stands for a group that has
-    one, else the value that is written shortest.
+    Two numbers are the same if they differ by at most 1e-6 of the spread of all and of their size.
+    Size alone may be that of an offset, as in dates; the spread alone may be that of many decades.
+    Values are grouped from the smallest up: a group takes what equals its first value. A value of
+    `kept` stands for its group, else the one that is written shortest.
     """
     ordered = sorted({*values, *kept})
     if not ordered:

@@ -59,6 +59,9 @@ _SHOWN = {
 
 _HEADING = re.compile(r"(.*\S)\s*[(\[]\s*([^()\[\]]*?)\s*[)\]]")
 
+_SI = dict.fromkeys((*_OTHERS, *_SHOWN, "A", "Hz", "V", "W"))
+"""SI units."""
+
 
 def handy(unit: str) -> tuple[float, str]:
     """Factor from an SI unit to a handier one, and its name; "" for a pure number."""
@@ -118,13 +121,12 @@ def is_of(unit: str, si: str) -> bool:
 
 def is_unit(text: str) -> bool:
     """Whether a text is a unit of a file."""
-    return any(text in _known(si) for si in {*_OTHERS, *_SHOWN, "A", "Hz", "V", "W"})
+    return any(text in _known(si) for si in _SI)
 
 
 def si_of(unit: str) -> str:
-    """The SI unit of the quantity of a unit; itself, if it is one or not known."""
-    si = (*_OTHERS, *_SHOWN, "A", "Hz", "V", "W")
-    return unit if unit in si else next((each for each in si if unit in _known(each)), unit)
+    """The SI unit of the same quantity; the unit itself if it is SI or unknown."""
+    return unit if unit in _SI else next((si for si in _SI if unit in _known(si)), unit)
 
 
 def same_unit(unit: str, si: str) -> bool:

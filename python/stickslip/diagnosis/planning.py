@@ -46,8 +46,9 @@ _ROUGH, _DRAWS = (
     12,
 )  # errors of the constants, and draws, that show how rough a drive is; chosen
 _OFF = 3.0  # stated errors by which a constant is off as a cause; chosen: it surprises
-_OTHERS = -1.0, 0.5, -0.5, 0.25, -0.25  # of a change that cannot be, by order; chosen: the largest
-_LOST = 0.5  # share of the drives; a change that more cannot be simulated with cannot be; chosen
+# Factors that are tried of a change that cannot be simulated. Chosen: the largest first.
+_OTHERS = -1.0, 0.5, -0.5, 0.25, -0.25
+_LOST = 0.5  # share of the drives; a change that loses more of them is not used; chosen
 _PASSES = 3  # of exchanging one drive for a better one; chosen: the second changes little
 
 
@@ -328,7 +329,8 @@ def _possible(
         rows = _lost(velocities)
         factors = np.where(is_end[rows], abs(factor), factor)[:, None]
         moved = np.clip(factors * changes[rows], *problem.limits)
-        rows, moved = rows[moved.any(axis=1)], moved[moved.any(axis=1)]
+        new = moved.any(axis=1) & np.any(moved != points[rows], axis=1)
+        rows, moved = rows[new], moved[new]
         if len(rows):
             points[rows], velocities[rows] = moved, made(moved)
     velocities[_lost(velocities)] = np.nan

@@ -47,10 +47,14 @@ _RECORD, _SINGLE, _SPANS = 20, 3, 3.0
 """Fewest readings of a record, most that are left out of it, and how many spans of all others they
 lie beyond these. Chosen: no motion does so for one reading; what meters write for none does."""
 _ENDS = {
-    sign * (2.0**bits - less) for sign in (1, -1) for bits in (15, 16, 31, 32) for less in (0, 1)
+    end
+    for bits in (16, 32)
+    for end in (-(2.0 ** (bits - 1)), 2.0 ** (bits - 1) - 1.0, 2.0**bits - 1.0)
 }
-_ENORMOUS = 1e30
-"""What meters write for no value besides nines: ends of whole numbers, and larger than any size."""
+_ENORMOUS, _MARK_SPANS = 1e30, 20.0
+"""What meters write for no value besides nines: ends of whole numbers, and larger than any size;
+and spans of all others beyond which they are no value. Chosen: settings that are decades apart have
+ten."""
 _FEW = 0.05  # of the rows; chosen: where more are far it is the fit that is wrong
 
 
@@ -124,14 +128,21 @@ def far_from_all_others(y: Array) -> Mask:
 
 def marks_of_none(values: Array) -> Mask:
     """Which numbers stand for no value: -9999 and the like, far beyond what all others span."""
-    finite = np.isfinite(values)
-    marks = np.isin(values, [each for each in np.unique(values[finite]) if _is_mark(each)])
-    others = values[finite & ~marks]
-    if not marks.any() or not len(others):
+    different = np.unique(values[np.isfinite(values)])
+    first, last = 0, len(different)
+    while first < last and _is_mark(different[first]):
+        first += 1
+    while first < last and _is_mark(different[last - 1]):
+        last -= 1
+    if last - first in (0, len(different)):
         return np.zeros(len(values), dtype=bool)
-    low, high = float(others.min()), float(others.max())
-    beyond = np.abs(values - np.clip(values, low, high)) > _SPANS * (high - low)
-    return np.asarray(marks & beyond & (high > low))
+    low, high = float(different[first]), float(different[last - 1])
+    # Settings may be decades apart, but on one side of zero.
+    opposite = ((values < 0.0) & (low >= 0.0)) | ((values > 0.0) & (high <= 0.0))
+    beyond = np.abs(values - np.clip(values, low, high))
+    far = beyond > np.where(opposite, _SPANS, _MARK_SPANS) * (high - low)
+    marks = np.isin(values, np.concatenate([different[:first], different[last:]]))
+    return np.asarray(marks & far & (high > low))
 
 
 def _is_mark(value: float) -> bool:

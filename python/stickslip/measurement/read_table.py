@@ -164,7 +164,7 @@ def _in_si(
         values = np.array([number(row[k]) for _, row in whole])
         for (_, row), value, is_mark in zip(whole, values, marks_of_none(values), strict=True):
             if is_mark:
-                row[k] = f"{row[k]}, which stands for no value"
+                row[k] = f"{row[k]} (stands for no value)"
             elif per[k] != 1.0 and not math.isnan(value):
                 row[k] = repr(to_si(float(value), per[k]))
     return names

@@ -355,6 +355,13 @@ def _check_clocks(table: Rows) -> None:
     """Refuse an order by clocks without dates that may go on after midnight."""
     at = table.header.index("order") if "order" in table.header else len(table.header)
     stamps = [STAMP.fullmatch(row[at]) for _, row in table.rows if len(row) > at]
+    written = [row[at] for _, row in table.rows if len(row) > at and row[at]]
+    kinds = {(stamp is None, stamp is not None and bool(stamp["date"])) for stamp in
+             map(STAMP.fullmatch, written)}  # fmt: skip
+    if len(kinds) > 1 and any(stamps):
+        raise ScenarioError(
+            f"{table.path}: column order mixes dates, clocks and numbers: allowed is one of these"
+        )
     clocks = [seconds(stamp[0]) for stamp in stamps if stamp and not stamp["date"]]
     if clocks and max(clocks) - min(clocks) > _LONGEST_DAY:
         raise ScenarioError(

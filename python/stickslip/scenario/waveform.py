@@ -404,7 +404,10 @@ def _five(voltages: Voltages) -> list[float]:
     allowed = "finite numbers of V"
     values = in_columns("voltages", given, COIL_NAMES, allowed, absent=0.0, unit="V")
     if values.shape not in ((0,), (len(COIL_NAMES),)):
-        raise ScenarioError(f"{values.size} voltages: allowed are {len(COIL_NAMES)}, one a coil")
+        shape = "" if values.ndim == 1 else f" of shape {values.shape}"
+        raise ScenarioError(
+            f"{values.size} voltages{shape}: allowed are {len(COIL_NAMES)} in a row, one a coil"
+        )
     return values.tolist() or [0.0] * len(COIL_NAMES)
 
 

@@ -175,7 +175,7 @@ def _of_latency(scenario: Scenario) -> list[Note]:
 def _of_pitch(scenario: Scenario) -> list[Note]:
     """Whether the pitch at the start is in degrees.
 
-    A robot that rolled over is beyond a turn too, but as a run ends, with all digits.
+    A robot that rolled over may be beyond a turn too; a run returns such a number with all digits.
     """
     theta = scenario.initial.theta
     if abs(theta) <= math.tau or round(theta, 1) != theta:

@@ -213,7 +213,7 @@ def _check_axis(key: str, values: list[Value]) -> None:
     for value in values:
         one = same.get(value, value)
         if one in seen:
-            near = f", as {shown(seen[one])}: the same within {RELATIVE:g}"
+            near = f", as {shown(seen[one])}: they differ by less than {RELATIVE:g} of their size"
             text = "this value is given twice" + ("" if value == seen[one] else near)
             raise ScenarioError(f"{key} = {shown(value)}: {text}")
         seen[one] = value

@@ -68,8 +68,8 @@ class AngleTable(SimulatedTable):
         if np.mean(beyond) > _FEW:
             raise ScenarioError(
                 f"{self.at}theta of {theta[np.argmax(np.abs(theta))]:.4g} rad; allowed is -pi "
-                "to pi. Angles may be in degrees, to multiply by pi/180, or have whole turns too "
-                "many"
+                "to pi. If angles are in degrees, multiply them by pi/180; else subtract whole "
+                "turns"
             )
         for angle in theta[beyond].tolist():
             text = f"theta = {angle:.4g} rad is not used, as it is more than half a turn: "

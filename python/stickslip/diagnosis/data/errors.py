@@ -248,14 +248,14 @@ def of_readings(y: Array, design: Array, condition: Indices, smallest: float, un
 
 
 def _are_copies(away: Array, size: float, conditions: int, notes: list[Note]) -> bool:
-    """Whether all repeats are exactly alike, and so tell nothing: copies, or rounded to a step.
+    """Whether all repeats are exactly alike and so tell no error: copies, or rounded to a step.
 
-    `away`, shape (n,), is of the means of the `conditions`; `size` is the usual level.
+    `away`, shape (n,), are readings less the mean of their condition; `size` is the usual level.
     """
     again = len(away) - conditions
     if not again or np.any(np.abs(away) > _ALIKE * size):
         return False
-    text = f"All repeats are exactly alike, as copies are: {counted(again, 'reading')} not counted."
+    text = f"All repeats are exactly alike, like copies: {counted(again, 'reading')} not counted."
     notes.append(Note("copies", text, again))
     return True
 

@@ -115,7 +115,11 @@ class Series(Table):
         for key, values in acting.items():
             for k in np.flatnonzero(marks_of_none(values))[:1].tolist():
                 what = f"{self.at}inputs {key}: row {k}"
-                refuse(what, values[k].item(), "what acted; this stands for no value")
+                refuse(
+                    what,
+                    values[k].item(),
+                    "the value that acted; this looks like a mark for no value",
+                )
         gap = np.isnan(readings)
         stated = None if sd is None else stated_errors(f"{self.at}sd", sd, count, unit)
         gap = gap if stated is None else gap | np.isnan(stated)

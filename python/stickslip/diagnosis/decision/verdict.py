@@ -351,10 +351,11 @@ def _at_end(models: Models, fit: Fit) -> bool:
     names = [constant.name for constant in problem.constants]
     freed = [names.index(cause.frees) for cause in fit.causes if cause.frees is not None]
     for k in [*problem.columns(fit.causes).tolist(), *freed]:
-        # The end at which an amplitude does nothing is no end of its range, nor is one of a shape
-        # that is stated: a part of 1 is all.
+        # Neither the end at which an amplitude does nothing counts, nor a stated end of a shape: a
+        # part of 1 is all.
         one = problem.parameters[k]
-        stated = [] if one.is_amplitude else [one.coordinate(end) for end in (one.low, one.high)]
+        shape = not one.is_amplitude and k not in freed
+        stated = [one.coordinate(end) for end in (one.low, one.high)] if shape else []
         ends = [end for end in (low[k], high[k]) if math.isfinite(end) and end not in stated]
         ends = [end for end in ends if end or not one.is_amplitude]
         if any(abs(fit.x[k] - end) < _AT_END for end in ends):

@@ -48,11 +48,11 @@ _STRIDE, _GOOD = 0.3, 0.3
 _STEP, _LINEAR_STEP = 2.5, 50.0
 
 
-# Walks after a descent at most, and their moves, in parts over which predictions change: up to the
-# places of a scan on either side. Chosen.
+# Walks after a descent at most. Their moves, in the fineness of a coordinate: as far as the next
+# places of a scan. Chosen.
 _WALKS, _WALKED = 4, 4.0 * 0.5 ** np.arange(9)
-# Widths of differences of a fine coordinate, each a quarter of the one before. Chosen.
-_WIDTHS = 7
+# Widths of differences by a coordinate that turns predictions, in its fineness. Chosen.
+_WIDTHS = 4.0 * 0.25 ** np.arange(7)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -212,9 +212,9 @@ def walk(
     precision: Array | None = None,
     **options: Any,
 ) -> Asking[End]:
-    """`descend`, and on from where a move of the fine coordinates of a cause lowers the cost.
+    """`descend`, and again from any move along a cause's fine coordinates that lowers the cost.
 
-    The edge of an event has a slope at one reading alone, which leads nowhere.
+    An event's edge changes one reading alone, so its slope leads nowhere.
     """
     options |= {"precision": precision, "draft": draft, "hopeless": hopeless}
     end = yield from descend(problem, form, h, causes, x, **options)
@@ -224,8 +224,11 @@ def walk(
     free = problem.free(causes)
     for _ in range(_WALKS if moves and end.cost < hopeless else 0):
         tries = np.clip(end.x + moves, *problem.limits)
-        residual = yield tries, draft
-        costs = costs_of(form, h, tries[:, free], precision, residual)
+        costs = np.empty(len(tries))
+        for begin in range(0, len(tries), problem.at_once):
+            part = slice(begin, begin + problem.at_once)
+            residual = yield tries[part], draft
+            costs[part] = costs_of(form, h, tries[part][:, free], precision, residual)
         best = int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))
         if not costs[best] < end.cost - SETTLED:
             break
@@ -238,11 +241,11 @@ def _moves(problem: Problem, cause: Cause) -> list[Array]:
     """Moves of the fine coordinates of a cause, alone and two together, as vectors (size,)."""
     fine = [k for k in problem.columns([cause]).tolist() if problem.turning[k]]
     steps = np.concatenate([[0.0], _WALKED, -_WALKED])
-    moves = []
-    for pair in itertools.combinations(fine, 2) if len(fine) > 1 else [(k, k) for k in fine]:
-        for sizes in itertools.product(steps, repeat=len(set(pair))):
+    together, moves = min(len(fine), 2), []
+    for some in itertools.combinations(fine, together) if fine else ():
+        for sizes in itertools.product(steps, repeat=together):
             move = np.zeros(problem.size)
-            move[list(dict.fromkeys(pair))] = sizes * problem.fineness[list(dict.fromkeys(pair))]
+            move[list(some)] = sizes * problem.fineness[list(some)]
             moves.append(move)
     return moves
 
@@ -304,8 +307,8 @@ def derivatives(
 
     Differences are about as wide as what the data leaves open, `spread`. Where one shows a jump of
     some row, or with `central`, the other side is looked at too: where both sides differ by a
-    jump, the milder one is the slope. With coordinates that
-    turn them, predictions bend within a spread.
+    jump, the milder one is the slope. A coordinate that turns the predictions has widths of its
+    own, see `_fine_slope`: they bend within the spread.
     """
     fineness = problem.fineness[free]
     turning = problem.turning[free]
@@ -344,16 +347,18 @@ def derivatives(
 
 
 def _fine_slope(problem: Problem, x: Array, k: int, residual: Array, draft: bool) -> Asking[Array]:
-    """Slope by a fine coordinate: the mean of both sides' over the widest moves that change the
-    predictions by an error at most."""
-    widths = problem.fineness[k] * _WALKED[0] * 0.25 ** np.arange(_WIDTHS)
+    """Slope by a fine coordinate, the mean of both sides.
+
+    Of each side by the widest move that changes the predictions by one error at most.
+    """
+    widths = problem.fineness[k] * _WIDTHS
     moves = np.stack([widths, -widths])
-    points = np.tile(x, (2, _WIDTHS, 1))
+    points = np.tile(x, (2, len(widths), 1))
     points[..., k] = np.clip(x[k] + moves, *problem.limits[:, k])
     moves = points[..., k] - x[k]
     made = yield points.reshape(-1, problem.size), draft
     lost = (made == LOST * problem.sd) | (residual == LOST * problem.sd)
-    change = np.where(lost, 0.0, residual - made).reshape(2, _WIDTHS, -1)
+    change = np.where(lost, 0.0, residual - made).reshape(2, len(widths), -1)
     size = np.linalg.norm(change / problem.sd, axis=2)
     sides = []
     for way in range(2):

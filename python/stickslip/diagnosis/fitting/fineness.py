@@ -43,14 +43,17 @@ def _measured(
 ) -> dict[int, float]:
     """The largest of some moves of each coordinate that turns no effect, or half the least."""
     ways = [_ways(problem, cause, k, steps) for cause, k in asked]
-    residual = problem.residuals(np.vstack([np.zeros((1, problem.size)), *ways]))
+    points = np.vstack([np.zeros((1, problem.size)), *ways])
+    parts = range(0, len(points), problem.at_once)
+    residual = np.vstack([problem.residuals(points[k : k + problem.at_once]) for k in parts])
     lost = np.any(residual == LOST * problem.sd, axis=1)
     effects = np.where(lost[:, None], 0.0, (residual[0] - residual) / problem.sd)[1:]
-    parts = np.split(effects, len(asked))
-    return {
-        k: _told(part.reshape(_PLACES, len(steps) + 1, -1), steps)
-        for (_, k), part in zip(asked, parts, strict=True)
-    }
+    found = {}
+    for (_, k), way, part in zip(asked, ways, np.split(effects, len(asked)), strict=True):
+        if problem.parameters[k].is_amplitude:
+            part = part * np.sign(way[:, [k]])  # the other sign reverses an effect: no turn
+        found[k] = _told(part.reshape(_PLACES, len(steps) + 1, -1), steps)
+    return found
 
 
 def _turning(problem: Problem, cause: Cause) -> Iterator[int]:

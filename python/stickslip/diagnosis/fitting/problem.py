@@ -35,15 +35,17 @@ LOST = 1e3
 usable model, and its square still leaves ten digits to the other rows."""
 
 FINE = 0.25
-"""Part of its unit over which predictions change with a fine coordinate, such as the time of an
-event or a period. Chosen."""
+"""Fineness up to which a coordinate is looked through in a scan, such as the time of an event or a
+period. Chosen."""
 
 _FAR_OUT, _UNLIKELY = 4.5, 3.0
-"""Farthest coordinates of an amplitude and of a shape that a scan reaches. Chosen: beyond the
-largest error that is searched, and where a prior leaves one in 400 shapes out."""
+"""Largest coordinate that a scan reaches: of an amplitude beyond the largest error that is
+searched, of a shape where its prior leaves out one in 400. Chosen."""
 
 HUGE = 1e100
 """Size of a prediction beyond which it is as good as none: its square overflows."""
+
+_MOST_PREDICTED = 1 << 22  # numbers of predictions at once: 32 MiB; chosen
 
 # Numbers that the cache of predictions keeps, 16 MiB: those of some hundred fits of a large table.
 _MOST_CACHED = 1 << 21
@@ -73,7 +75,7 @@ class Problem(OneLine):
     roughness : ndarray, shape (n,)
         Scatter of the model itself, in the units of the rows, as a further independent error.
     finer : dict of float
-        Measured fineness of parameters, by name.
+        Fineness as measured, by name of the parameter; empty for simulations.
     """
 
     tables: tuple[Table, ...]
@@ -117,11 +119,16 @@ class Problem(OneLine):
         """Share of each coordinate's unit over which predictions change, shape (size,)."""
         return np.array([min(p.fineness, self.finer.get(p.name, 1.0)) for p in self.parameters])
 
+    @property
+    def at_once(self) -> int:
+        """Points whose predictions are asked for at once, at most."""
+        return max(_MOST_PREDICTED // max(len(self.y), 1), 1)
+
     @cached_property
     def turning(self) -> Mask:
-        """Whether measured predictions turn within a part of each coordinate's unit, (size,).
+        """Coordinates that a closer search follows, shape (size,): measured, and fine.
 
-        A simulation jumps, and costs too much, for a closer look at where.
+        Simulations are never measured: they jump, and cost too much.
         """
         measured = np.array([parameter.name in self.finer for parameter in self.parameters])
         return measured & (self.fineness <= FINE)

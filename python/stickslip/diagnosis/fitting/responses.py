@@ -22,16 +22,15 @@ AMPLITUDES = (0.15, USUAL, 2.0, 6.0)
 without a slope at zero, and the way to a limit that binds may lead uphill. Chosen: a factor of
 three to four apart, up to a size that surprises."""
 
-# Of a shape: 1.5 standard deviations of its prior; chosen. Of a fine one a scan of so many places
-# at most, together with the other ones of its cause, of simulations fewer, and of so many
-# predictions. Chosen.
-_SHAPES, _MOST_PLACES, _FEW_PLACES, _MOST_PREDICTED = (-1.5, 0.0, 1.5), 512, 64, 1 << 22
+# A shape is tried at 1.5 standard deviations of its prior. A scan of a cause has at most so many
+# places, of simulations fewer, and so many predictions. Chosen.
+_SHAPES, _MOST_PLACES, _FEW_PLACES = (-1.5, 0.0, 1.5), 512, 64
 # Multiple of a response up to which it is trusted, and largest move of a constant that makes up for
 # one. Chosen: a response says little of amplitudes far beyond its own.
 _MULTIPLE, _FAR = 1.8, 6.0
 # Largest coordinate of an amplitude that does not surprise, and how far apart probes are. Chosen.
 _UNSURPRISING, _STEP = 2.0, 3.0
-# Responses of a cause that are returned. Chosen: all but those of a scan.
+# Responses to one cause that are returned. Chosen: only a scan has more.
 _KEPT = 24
 
 
@@ -91,16 +90,15 @@ def responses(
         moved = problem.residuals(np.array(points), draft)
         lost = (moved == LOST * problem.sd) | (here == LOST * problem.sd)
         gaps = np.where(lost, 0.0, here - moved)
-    # One product for all: the slopes of what is fitted, the gaps, the residual.
-    prepared = form.prepared(np.column_stack([end.slopes, gaps.T, end.residual]))
-    gram = form.weighted(prepared, end.residual, h)
     result, first = list[Response](), 0
     for _, group in itertools.groupby(probes, key=lambda probe: probe.cause.name):
         mine = list(group)
-        count = len(mine) * len(mine[0].columns)
-        effects = gaps[first : first + count]
-        result += _best(problem, end, causes, mine, gram, end.slopes.shape[1] + first, effects)
-        first += count
+        effects = gaps[first : first + len(mine) * len(mine[0].columns)]
+        first += len(effects)
+        # One product for all probes: the slopes of what is fitted, the gaps, the residual.
+        prepared = form.prepared(np.column_stack([end.slopes, effects.T, end.residual]))
+        gram = form.weighted(prepared, end.residual, h)
+        result += _best(problem, end, causes, mine, gram, effects)
     return sorted(result, key=lambda response: -response.gain)
 
 
@@ -110,7 +108,7 @@ def _probes(problem: Problem, cause: Cause, sizes: Sequence[float]) -> list[_Pro
     shapes = [k for k in columns if not problem.parameters[k].is_amplitude and not cause.has_knots]
     moved = [k for k in columns if k not in shapes]
     signs = (1.0,) if all(0.0 in (low[k], high[k]) for k in moved) else (1.0, -1.0)
-    fine = [k for k in columns if problem.fineness[k] <= FINE and not cause.has_knots]
+    fine = [k for k in columns if problem.fineness[k] <= FINE and (k in shapes or moved == [k])]
     usual = {k: np.unique(np.clip(_SHAPES, low[k], high[k])).tolist() for k in shapes}
     grid = [_places(problem, fine, k) if k in fine else usual[k] for k in shapes]
     if fine:
@@ -140,7 +138,7 @@ def _places(problem: Problem, fine: Sequence[int], k: int) -> tuple[float, ...]:
     """Places of a fine coordinate all over its range, as many as it and the other ones allow."""
     wanted = np.ptp(problem.scanned[:, fine], axis=0) / (2.0 * problem.fineness[fine])
     most = min(_MOST_PLACES if problem.turning[fine].all() else _FEW_PLACES,
-               _MOST_PREDICTED // len(problem.y))  # fmt: skip
+               problem.at_once)  # fmt: skip
     thinner = max(float(np.prod(wanted)) / most, 1.0) ** (1.0 / len(fine))
     low, high = problem.scanned[:, k]
     count = max(math.ceil((high - low) / (2.0 * problem.fineness[k] * thinner)), 1)
@@ -153,12 +151,11 @@ def _best(
     causes: Sequence[Cause],
     probes: Sequence[_Probe],
     gram: Array,
-    first: int,
     gaps: Array,
 ) -> list[Response]:
     """The amplitudes of the probes of a cause, within what is trusted, that lower the cost most.
 
-    Rows of `gram` from `first` on are their gaps. Of many probes, the best are returned.
+    Of many probes, the best are returned.
     """
     cause, moved = probes[0].cause, probes[0].columns
     fitted, both = problem.free(causes), [*causes, cause]
@@ -166,9 +163,8 @@ def _best(
     free = problem.free(both).tolist()
     values = np.array([probe.values for probe in probes]).reshape(many, m)
     places = np.array([list(probe.shapes.values()) for probe in probes]).reshape(many, -1)
-    used = np.hstack(
-        [np.tile(np.arange(p), (many, 1)), first + np.arange(many * m).reshape(many, m)]
-    )
+    own = p + np.arange(many * m).reshape(many, m)
+    used = np.hstack([np.tile(np.arange(p), (many, 1)), own])
     scale = np.hstack([np.ones((many, p)), 1.0 / values])
     inner = scale[:, :, None] * gram[used[:, :, None], used[:, None, :]] * scale[:, None, :]
     columns = [free.index(k) for k in (*fitted.tolist(), *moved)]
@@ -202,10 +198,9 @@ def _best(
 
 def _trusted(problem: Problem, probe: _Probe, values: Array) -> tuple[Array, Array]:
     """Ends between which the response to amplitudes, (probes, amplitudes), tells that to others."""
-    turning, fine = (problem.fineness[list(of)] <= FINE for of in (probe.columns, probe.shapes))
-    if np.any(turning):
+    if len(probe.columns) == 1 and problem.fineness[probe.columns[0]] <= FINE:
         return values, values
-    if np.any(fine):
+    if np.any(problem.fineness[[*probe.shapes]] <= FINE):
         return -_MULTIPLE * values, _MULTIPLE * values  # no probe has the other sign
     # A single amplitude that surprises is looked for there; smaller ones have their own probes.
     alone = (np.abs(values) > _UNSURPRISING) & (values.shape[1] == 1)

@@ -153,8 +153,8 @@ def lag(
 ) -> Cause:
     """A first-order lag, with a ``time`` constant in s, of an input or of readings in time.
 
-    Between two readings what lags is linear; before the first it is at rest. An input was then the
-    part ``before`` of its first value: 0 where a log begins with the command.
+    Between readings it takes the value as linear. Readings are at rest before the first one. An
+    input was the part ``before`` of its first value: 0 where a log begins with the command.
     """
     time = Parameter(f"{name}.time", unit="s", low=0.0, high=LARGEST_ERROR * size, size=size)
     parts = (time, _before(name)) if input else (time,)

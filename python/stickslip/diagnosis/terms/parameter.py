@@ -58,6 +58,7 @@ class Parameter:
         Distance from `absent` below which an amplitude does nothing, in the unit.
     fineness : float
         Share of the coordinate's unit over which predictions change; below 1, minima are narrow.
+        Models of one's own are measured too, and the smaller share counts.
 
     Raises
     ------
