@@ -24,8 +24,8 @@ tells nothing. Chosen."""
 
 
 def with_measured_fineness(problem: Problem) -> Problem:
-    """The problem whose shapes, and amplitudes alone, are at least as fine as effects turn with
-    them about the stated constants.
+    """The problem whose shapes and delays are at least as fine as effects turn with them about the
+    stated constants.
 
     A period turns an effect, as a delay does; the size of a force makes it grow.
     """
@@ -57,10 +57,14 @@ def _measured(
 
 
 def _turning(problem: Problem, cause: Cause) -> Iterator[int]:
-    """Coordinates of a cause that may turn its effect."""
+    """Coordinates of a cause that may turn its effect: shapes, and what an instrument is late by.
+
+    Other amplitudes turn it where they are so large that the motion is of another kind.
+    """
     columns = [] if cause.has_knots else problem.columns([cause]).tolist()
     amplitudes = [k for k in columns if problem.parameters[k].is_amplitude]
-    yield from (k for k in columns if k not in amplitudes or len(amplitudes) == 1)
+    alone = cause.read is not None and len(amplitudes) == 1
+    yield from (k for k in columns if k not in amplitudes or alone)
 
 
 def _ways(problem: Problem, cause: Cause, k: int, steps: Array) -> Array:
