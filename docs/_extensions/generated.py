@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +15,9 @@ from sphinx.util.docutils import SphinxDirective
 
 from stickslip import _core, effects
 from stickslip.cli.commands import loaded, stickslip
+from stickslip.diagnosis.report.numbers import reference
 from stickslip.scenario.keys import Key, known_keys
-from stickslip.simulation.note_table import TABLE, tomllib
+from stickslip.simulation.note_table import TABLE
 
 MEASURED = Path(__file__).parents[1] / "measured"
 STUDIES = {"own": (study.HERE / "study" / "own.jsonl", own.tables),
@@ -120,12 +120,9 @@ class ReportKeys(SphinxDirective):
     """A table of the keys of a report's JSON object."""
 
     def run(self) -> list[nodes.Node]:
-        text = (
-            resources.files("stickslip").joinpath("diagnosis/report/keys.toml").read_text("utf-8")
-        )
         rows = [
             [", ".join(map(_code, names.split(", "))), meaning]
-            for names, meaning in tomllib.loads(text)["keys"].items()
+            for names, meaning in reference().items()
         ]
         return self.parse_text_to_nodes(_markdown_table(["key", "value"], rows))
 

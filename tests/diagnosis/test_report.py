@@ -3,7 +3,6 @@
 import json
 import re
 from dataclasses import replace
-from importlib import resources
 from types import SimpleNamespace
 
 import numpy as np
@@ -22,7 +21,7 @@ from stickslip.diagnosis.entry import diagnose_model
 from stickslip.diagnosis.measured import problem_of
 from stickslip.diagnosis.pipeline import run
 from stickslip.diagnosis.report.files import figures_of, page
-from stickslip.diagnosis.report.numbers import notes_of, numbers_of
+from stickslip.diagnosis.report.numbers import WORDS, notes_of, numbers_of, reference
 from stickslip.diagnosis.report.pictures import drawing
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.terms import amounts
@@ -31,16 +30,9 @@ from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.diagnosis.terms.words import _WORDS, Words, data_problem
 from stickslip.scenario.scenario import load
 from stickslip.simulation.note import Note
-from stickslip.simulation.note_table import tomllib
 from toys import LEVEL, SLOPE, STEP, WAVE, data, line, problem
 
-KEYS = {
-    name
-    for names in tomllib.loads(
-        resources.files("stickslip").joinpath("diagnosis/report/keys.toml").read_text("utf-8")
-    )["keys"]
-    for name in names.split(", ")
-}
+KEYS = {name for names in reference() for name in names.split(", ")}
 """What the reference says of report.json."""
 
 
@@ -84,6 +76,27 @@ def test_each_verdict_has_a_page_of_its_numbers(results, kind, tmp_path):
     assert not re.search(r"\b(None|nan|inf|Undefined|Namespace|Decimal)\b|[{}]", text)
     assert numbers["headline"] == result.summary().split("\n")[0]
     assert "Verdict" in result._repr_html_()
+
+
+def words_of(value, names):
+    """Names and words in a dictionary of numbers, wherever a key has one of the names."""
+    if isinstance(value, list):
+        return {pair for each in value for pair in words_of(each, names)}
+    if not isinstance(value, dict):
+        return set()
+    other = "law", "settings"  # their words are of other lists
+    own = {(name, value[name]) for name in names & value.keys() if isinstance(value[name], str)}
+    return own | words_of([each for key, each in value.items() if key not in other], names)
+
+
+def test_the_reference_has_each_word_that_is_written(results):
+    written = set().union(*(words_of(numbers_of(each), WORDS.keys()) for each in results.values()))
+    assert {name for name, _ in written} == WORDS.keys()
+    assert written <= {(name, word) for name, words in WORDS.items() for word in words}
+    assert {word for name, word in written if name == "form"} > {"exact"}
+    text = " ".join(reference().values())
+    assert not re.search(r"<\w+>", text)
+    assert {word for _, word in written} <= set(re.findall(r"`([\w-]+)`", text))
 
 
 def test_a_leader_that_takes_most_is_told_first_though_it_is_not_named(rough):

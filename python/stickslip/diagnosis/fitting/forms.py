@@ -366,10 +366,10 @@ def _along_runs(table: Table, errors: Errors) -> bool:
 
 def forms(problem: Problem, wanted: Sequence[str] = tuple(PRIOR)) -> dict[str, Form]:
     """The forms of the discrepancy that the data allow."""
-    allowed: dict[str, Form] = {"exact": Exact(problem), "white": Form(problem)}
+    allowed = [Exact(problem), Form(problem)]
     pairs = zip(problem.tables, problem.errors, strict=True)
     if any(_along_runs(*pair) for pair in pairs):
-        allowed["ar1"] = Correlated(problem)
+        allowed.append(Correlated(problem))
     if any(_is_smooth(table) for table in problem.tables):
-        allowed["smooth"] = Smooth(problem)
-    return {name: form for name, form in allowed.items() if name in wanted}
+        allowed.append(Smooth(problem))
+    return {form.name: form for form in allowed if form.name in wanted}

@@ -5,10 +5,12 @@ from __future__ import annotations
 import itertools
 import math
 import re
+import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from html import unescape
-from typing import Any
+from importlib import resources
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -22,7 +24,8 @@ from stickslip.diagnosis.decision.cannot_tell import Combination
 from stickslip.diagnosis.decision.experiments import advice
 from stickslip.diagnosis.decision.facts import Facts
 from stickslip.diagnosis.decision.posterior import SURE
-from stickslip.diagnosis.decision.verdict import DOMINANT
+from stickslip.diagnosis.decision.verdict import DOMINANT, Kind
+from stickslip.diagnosis.fitting.forms import PRIOR
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import LOST
 from stickslip.diagnosis.terms import amounts
@@ -31,11 +34,22 @@ from stickslip.diagnosis.terms.words import Words, data_problem
 from stickslip.scenario.keys import LAWS
 from stickslip.scenario.law import Law, law_lines
 
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
 ROUTINE = (
     "no-block-column", "errors-correlated", "noise-repeats", "noise-free-fit", "frame-noise",
     "frames-correlated",
 )  # fmt: skip
 """Codes of notes that nearly every measurement has: the page has them last, the command never."""
+
+Side = Literal["above", "below", "both"]
+"""Of the model, on which readings lie."""
+
+WORDS = {"verdict": get_args(Kind), "form": tuple(PRIOR), "side": get_args(Side)}
+"""Words that a value of that name can be."""
 
 # What there is only of fitted models, or of a kind of verdict.
 _NULL = (
@@ -56,6 +70,14 @@ _FURTHER = 0.01  # probability from which on a further cause is named
 # the share of its square on one side, and ends of ranges that are tried. Chosen: more than the best
 # of some hundred ranges of noise has; hardly a reading against the sign; a twentieth of the data.
 _STANDS_OUT, _A_WORD, _ONE_SIDED, _ENDS = 4.0, 2.0, 0.9, 21
+
+
+def reference() -> dict[str, str]:
+    """The meaning of each key of the dictionary, in Markdown; some stand together in one text."""
+    text = resources.files(__package__).joinpath("keys.toml").read_text("utf-8")
+    for name, words in WORDS.items():
+        text = text.replace(f"<{name}>", ", ".join(f"`{word}`" for word in words))
+    return dict(tomllib.loads(text)["keys"])
 
 
 def numbers_of(facts: Facts, title: str | None = None) -> dict[str, Any]:
@@ -369,7 +391,9 @@ def _pattern(facts: Facts) -> dict[str, Any] | None:
             lead = 0.5 * (whole - split) - _A_WORD * len(words)
             if lead > best:
                 up = float(np.sum(some[some > 0.0] ** 2) / np.sum(some**2))
-                side = "above" if up > _ONE_SIDED else "below" if up < 1.0 - _ONE_SIDED else "both"
+                side: Side = (
+                    "above" if up > _ONE_SIDED else "below" if up < 1.0 - _ONE_SIDED else "both"
+                )
                 best, pattern = lead, {
                     "table": problem.table_names[k], "where": ", ".join(words), "side": side,
                     "readings": len(some), "of": len(left),
