@@ -8,7 +8,7 @@ import pytest
 
 from command_line import stickslip
 from measured_maps import formula_map
-from stickslip import COIL_NAMES, Coil, Coils, Drive, Scenario, simulate
+from stickslip import COIL_NAMES, Coil, Coils, Drive, Scenario, Waveform, _core, simulate
 from stickslip.design.coil_facts import coil_facts, dimension_changes
 from stickslip.reproduction.statements import fringe
 
@@ -59,6 +59,13 @@ def test_the_drive_and_the_amplifier_are_those_of_a_run():
     full = scenario.replace({"drive.peak": facts.most_field, "robot.magnetization": 1.0})
     run = simulate(full.replace({"record.rate": 3e4, "record.from": 38.0 / 30.0}))
     assert np.ptp(np.abs(run.bx)) == pytest.approx(facts.most_swing, rel=5e-3)
+
+
+@pytest.mark.parametrize("mode", _core.drive_kinds)
+def test_the_swing_is_that_of_a_drive_with_a_sawtooth(mode):
+    program = Waveform.hold(0.1, {"xp": 5.0}) if mode == "program" else None
+    facts = coil_facts(Scenario(drive=Drive(mode=mode, program=program)), volts=20.0)["xp"]
+    assert math.isfinite(facts.most_swing) == (mode in ("IPP", "OPP"))
 
 
 def test_changes_of_dimensions_are_their_powers():

@@ -323,6 +323,13 @@ def test_a_program_never_gets_advice_on_keys_that_it_refuses():
     assert {"rest-no-field", "rest-no-moment", "rest-torque", "flight", "pulled"} <= seen
 
 
+def test_a_robot_that_is_shaken_without_a_drive_gets_no_advice_on_a_sawtooth():
+    run = run_of({"drive.mode": "none", "drive.pulses": 20, "shake.frequency": 100.0,
+                  "shake.amplitude_z": 1e-4, "contact.adhesion": 0.0})  # fmt: skip
+    assert codes(run) == ["flight"]
+    assert run.notes[0].text.endswith("shake it by less")
+
+
 def test_notes_come_by_how_serious_they_are_and_at_most_four_are_shown(tmp_path):
     odd = {
         **FIRST, "drive.peak": 22e-3, "drive.pulses": 3, "solver.rtol": 1e-4,

@@ -1,9 +1,12 @@
 """Notes on scenarios that are hardly meant so, and none on sound ones."""
 
+import re
+
 import numpy as np
 import pytest
 
 from stickslip import COIL_NAMES, Accelerations, Drive, Scenario, Waveform, simulate
+from stickslip.scenario.keys import IDLE, known_keys
 from stickslip.simulation.scenario_notes import field_swing, scenario_notes
 
 WEIGHT = 25.6e-9 * 9.81
@@ -51,6 +54,30 @@ def test_nonsense_gets_a_note(changes, code, value):
     notes = {note.code: note for note in scenario_notes(Scenario().replace(changes))}
     assert notes[code].value == pytest.approx(value, rel=1e-4)
     assert "\n" not in str(notes[code])
+
+
+# Which kinds of drive have a note with these changes, as far as a kind has their keys.
+OF_KINDS = [
+    ("pulses-short", {"drive.frequency": 400.0}, {"sawtooth"}),
+    ("unit-time", {"drive.frequency": 0.05, "drive.pulses": 4}, {"sawtooth"}),
+    ("no-pulses", {"drive.base": 2.5e-3}, {"sawtooth"}),
+    ("capacitor", {"coil.capacitance": 1e-3}, {"sawtooth"}),
+    ("start-up", {"drive.pulses": 3}, {"sawtooth", "none"}),
+]
+
+
+@pytest.mark.parametrize("mode", known_keys()["drive.mode"].words)
+@pytest.mark.parametrize(("code", "changes", "kinds"), OF_KINDS)
+def test_notes_are_of_the_kind_of_drive(mode, code, changes, kinds):
+    given = {key: value for key, value in changes.items() if key not in IDLE.get(mode, ())}
+    if mode == "program":
+        given["drive.program"] = Waveform.hold(0.1, {"xp": 5.0})
+    scenario = Scenario().replace({"drive.mode": mode, **given})
+    assert scenario.drive.kind == {"IPP": "sawtooth", "OPP": "sawtooth"}.get(mode, mode)
+    notes = scenario_notes(scenario)
+    assert (code in {note.code for note in notes}) == (scenario.drive.kind in kinds)
+    of_sawtooth = re.compile("ramp|drive.(peak|base|hold|frequency)")
+    assert scenario.drive.kind == "sawtooth" or not any(map(of_sawtooth.search, map(str, notes)))
 
 
 @pytest.mark.parametrize(

@@ -232,6 +232,17 @@ py::object describe_law_key(const std::string& name) {
     return row;
 }
 
+/// The kind of drive that each word of drive.mode is.
+py::dict drive_kinds() {
+    py::dict kinds;
+    const std::vector<std::string>& modes = find_choice("drive.mode")->allowed;
+    for (std::size_t i = 0; i < modes.size(); ++i) {
+        const DriveKind kind = kind_of(static_cast<DriveMode>(i));
+        kinds[py::str(modes[i])] = kDriveKinds[static_cast<std::size_t>(kind)];
+    }
+    return kinds;
+}
+
 /// Those of the model, then those of the user.
 py::list describe_effects() {
     py::list rows;
@@ -347,6 +358,7 @@ void register_scenario(py::module_& module) {
     module.def("law_key", &describe_law_key, py::arg("name"));
     module.def("effects", &describe_effects);
     module.attr("sections") = meanings_of(sections());
+    module.attr("drive_kinds") = drive_kinds();
     module.attr("law_keys") = names_of(law_keys());
     module.attr("named_laws") = names_of(with_named_laws(std::vector<EffectDescription>()));
 

@@ -26,6 +26,7 @@ function factsOf(changes, run) {
   const rocks = Math.abs(run.slip_up) + Math.abs(run.slip_down);
   const facts = {
     ...run, weight, forward, torque, rocks,
+    "drive.kind": "sawtooth", // the page offers no other
     resting_force: weight + adhesion,
     friction_held: friction * (weight + adhesion),
     density: densityOf(changes),

@@ -20,6 +20,7 @@ inner_columns: tuple[str, ...]
 # meaning of words, message and remedy of statuses.
 summary_numbers: dict[str, tuple[str, str]]
 record_columns: dict[str, tuple[str, str]]
+drive_kinds: dict[str, Literal["sawtooth", "program", "none"]]
 state_columns: dict[str, tuple[str, str]]
 contact_words: dict[str, str]
 events: dict[str, str]

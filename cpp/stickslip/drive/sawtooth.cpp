@@ -28,7 +28,7 @@ SurfaceDirection surface_direction(double angle) {
 
 VoltageProgram sawtooth_program(const Drive& drive, const SurfaceDirection& towards,
                                 const PerCoil& volts_per_tesla) {
-    if (drive.mode != DriveMode::ipp && drive.mode != DriveMode::opp) {
+    if (drive.kind() != DriveKind::sawtooth) {
         throw std::invalid_argument("this drive has no sawtooth");
     }
     const double sign = drive.clamp == Clamp::down ? -1.0 : 1.0;

@@ -1,12 +1,21 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <string_view>
 
 #include "stickslip/drive/voltage_program.hpp"
 
 namespace stickslip {
 
 enum class DriveMode { ipp, opp, program, none };
+/// What the voltages are: a sawtooth, rows that are given, or none.
+enum class DriveKind { sawtooth, program, none };
+inline constexpr std::array<std::string_view, 3> kDriveKinds = {"sawtooth", "program", "none"};
+constexpr DriveKind kind_of(DriveMode mode) {
+    if (mode == DriveMode::program) return DriveKind::program;
+    return mode == DriveMode::none ? DriveKind::none : DriveKind::sawtooth;
+}
 enum class Clamp { down, up };
 enum class Edge { rise, fall };
 enum class Direction { plus_x, minus_x };
@@ -32,6 +41,8 @@ struct Drive {
     std::int64_t pulses = 100;
     double latency = 0.0;    ///< s, by which all voltages are late
     double ramp_down = 0.0;  ///< s
+
+    DriveKind kind() const { return kind_of(mode); }
 };
 
 /// A direction in the surface as a unit vector, exact at multiples of a quarter turn.
@@ -42,7 +53,7 @@ SurfaceDirection surface_direction(double angle);
 
 /// Voltages of IPP or OPP for a robot that is driven `towards`, in the frame of that direction.
 /// volts_per_tesla: voltage of each coil for a field at the centre. Throws std::invalid_argument
-/// for a mode without pulses.
+/// for a drive of another kind.
 VoltageProgram sawtooth_program(const Drive& drive, const SurfaceDirection& towards,
                                 const PerCoil& volts_per_tesla);
 

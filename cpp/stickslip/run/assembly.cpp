@@ -51,7 +51,7 @@ double pulsing_time(const Scenario& s) {
 
 // s, before the first pulse.
 double lead_in(const Drive& drive) {
-    return drive.mode == DriveMode::none ? 0.0 : drive.latency + drive.ramp;
+    return drive.kind() == DriveKind::none ? 0.0 : drive.latency + drive.ramp;
 }
 
 // What needs more steps than a run may have, however the robot moves.
@@ -68,7 +68,7 @@ void check_work(const Scenario& s, double duration) {
     refuse_span("solver.max_step", s.solver.max_step, "0 (no limit) or ");
     refuse_span("effects.sample_hold.period", s.effects.sample_hold_period, "0 (none) or ");
     // A pulse has two straight parts at least.
-    if (s.drive.mode != DriveMode::program && 2.0 * static_cast<double>(s.drive.pulses) > most) {
+    if (s.drive.kind() != DriveKind::program && 2.0 * static_cast<double>(s.drive.pulses) > most) {
         refuse("drive.pulses", static_cast<double>(s.drive.pulses),
                "at most " + digits(std::floor(0.5 * most)) +
                    " with solver.max_steps = " + digits(most));
@@ -84,7 +84,7 @@ bool is_alone(const Scenario& s) {
 // is nothing to say but how long.
 void check_no_sawtooth(const Scenario& s) {
     static const Scenario kDefaults{};
-    const bool is_none = s.drive.mode == DriveMode::none;
+    const bool is_none = s.drive.kind() == DriveKind::none;
     const auto require_default = [&](const auto& row) {
         const std::string_view key = row.key;
         if (!key.starts_with("drive.") || key == "drive.mode" || key == "drive.direction" ||
@@ -181,10 +181,10 @@ void check(const Scenario& s) {
     if (s.solver.max_step > 0.0 && s.solver.max_step < kLeastMaxStep) {
         refuse("solver.max_step", s.solver.max_step, "0 (no limit) or at least 1e-9 s");
     }
-    const bool pulses = s.drive.mode == DriveMode::ipp || s.drive.mode == DriveMode::opp;
+    const bool pulses = s.drive.kind() == DriveKind::sawtooth;
     if (s.map && pulses) check_drive_of_map(s);
     if (!pulses) {
-        if (s.drive.mode == DriveMode::program && s.program.blocks().empty()) {
+        if (s.drive.kind() == DriveKind::program && s.program.blocks().empty()) {
             throw std::invalid_argument("drive.mode = \"program\": needs drive.file or a waveform");
         }
         check_no_sawtooth(s);
@@ -223,8 +223,8 @@ void check(const Scenario& s) {
 
 double duration(const Scenario& scenario) {
     const Drive& drive = scenario.drive;
-    if (drive.mode == DriveMode::program) return drive.latency + scenario.program.duration();
-    if (drive.mode == DriveMode::none) return pulsing_time(scenario);
+    if (drive.kind() == DriveKind::program) return drive.latency + scenario.program.duration();
+    if (drive.kind() == DriveKind::none) return pulsing_time(scenario);
     return lead_in(drive) + pulsing_time(scenario) + drive.ramp_down;
 }
 
@@ -287,7 +287,7 @@ Circuit make_circuit(const Scenario& s, const RobotFrame& frame, const VoltagePr
 
 PerCoil field_gain(const Scenario& s) {
     // The voltages of a program repeat at no frequency.
-    if (s.drive.mode == DriveMode::program) return field_gain_at(s, 1.0);
+    if (s.drive.kind() == DriveKind::program) return field_gain_at(s, 1.0);
     return field_gain_at(s, FreeCurve(s.effects.free_field_frequency).factor(s.drive.frequency));
 }
 
@@ -297,8 +297,8 @@ PerCoil held_field_gain(const Scenario& s, const PerCoil& currents) {
 }
 
 VoltageProgram asked_program(const Scenario& s, const RobotFrame& frame) {
-    if (s.drive.mode == DriveMode::program) return frame.seen(s.program);
-    if (s.drive.mode == DriveMode::none) {
+    if (s.drive.kind() == DriveKind::program) return frame.seen(s.program);
+    if (s.drive.kind() == DriveKind::none) {
         return VoltageProgram({{{{0.0, {}}, {1.0 / pulse_rate(s), {}}}, s.drive.pulses}});
     }
     const PerCoilOf<CoilParameters> coils = robot_coils(s, frame);
@@ -476,8 +476,8 @@ Decay fastest_decay(const Model& model, double swing_rate) {
 }
 
 double pulse_rate(const Scenario& s) {
-    if (s.drive.mode == DriveMode::program) return 0.0;
-    if (s.drive.mode != DriveMode::none || is_alone(s)) return s.drive.frequency;
+    if (s.drive.kind() == DriveKind::program) return 0.0;
+    if (s.drive.kind() != DriveKind::none || is_alone(s)) return s.drive.frequency;
     return s.shake.absent() ? s.inner.drive.rate() : s.shake.rate();
 }
 
@@ -488,7 +488,7 @@ double pulse_period(const Scenario& s) {
 
 Window measuring_window(const Scenario& s) {
     const Drive& drive = s.drive;
-    if (drive.mode == DriveMode::program) return {drive.latency, duration(s)};
+    if (drive.kind() == DriveKind::program) return {drive.latency, duration(s)};
     return {lead_in(drive) + static_cast<double>(settling_pulses(drive)) / pulse_rate(s),
             lead_in(drive) + pulsing_time(s)};
 }

@@ -284,10 +284,10 @@ std::string word(const char* key, Enum value) {
 void set_mode(Scenario& s, std::size_t index) {
     const auto mode = static_cast<DriveMode>(index);
     const Drive before = s.drive;
-    const bool pulses = mode == DriveMode::ipp || mode == DriveMode::opp;
-    if (!pulses && before.mode != mode) s.drive = {};
-    if (mode == DriveMode::program) s.drive.latency = before.latency;
-    if (mode == DriveMode::none) s.drive.pulses = before.pulses;
+    const DriveKind kind = kind_of(mode);
+    if (kind != DriveKind::sawtooth && before.mode != mode) s.drive = {};
+    if (kind == DriveKind::program) s.drive.latency = before.latency;
+    if (kind == DriveKind::none) s.drive.pulses = before.pulses;
     s.drive.mode = mode;
     s.drive.direction = before.direction;
 }

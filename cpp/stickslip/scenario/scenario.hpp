@@ -114,7 +114,7 @@ struct RecordSettings {
 /// All that defines one simulation.
 struct Scenario {
     Drive drive;
-    VoltageProgram program;               ///< V, world frame; used by DriveMode::program
+    VoltageProgram program;               ///< V, world frame; used by DriveKind::program
     PerCoilOf<CoilParameters> coils;      ///< world frame
     std::shared_ptr<const FieldMap> map;  ///< world frame; nullptr: the coils' own field
     RobotParameters robot;

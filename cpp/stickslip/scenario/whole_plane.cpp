@@ -34,7 +34,7 @@ bool in_whole_plane(const Scenario& s) {
     if (s.map && s.map->box().low.y() < s.map->box().high.y()) return true;
     if (in_whole_plane(s, start.current) || in_whole_plane(s, start.field_lag)) return true;
     if (!has_equal_coils_of_y(s) && e.mutual_inductance_coupling != 0.0) return true;
-    if (s.drive.mode != DriveMode::program) return drive_direction(s).y != 0.0;
+    if (s.drive.kind() != DriveKind::program) return drive_direction(s).y != 0.0;
     for (const VoltageBlock& block : s.program.blocks()) {
         for (const VoltagePoint& point : block.points) {
             if (in_whole_plane(s, point.voltage)) return true;
@@ -64,7 +64,7 @@ void check_plane(const Scenario& s, const RobotFrame& frame) {
 }
 
 SurfaceDirection drive_direction(const Scenario& s) {
-    const bool is_program = s.drive.mode == DriveMode::program;
+    const bool is_program = s.drive.kind() == DriveKind::program;
     const SurfaceDirection ahead = surface_direction(is_program ? 0.0 : s.drive.heading);
     if (s.drive.direction == Direction::plus_x) return ahead;
     return {-ahead.x, 0.0 - ahead.y};  // the opposite of +x is at pi, and not at -pi

@@ -44,7 +44,8 @@ class CoilFacts(NamedTuple):
     most_current, most_field : float
         That the amplifier can hold, A and T.
     most_swing : float
-        Of the field of a sawtooth from zero to that, at the drive's frequency, T.
+        Of the field of a sawtooth from zero to that, at the drive's frequency, T; NaN of
+        a drive without one.
     """
 
     field: float
@@ -94,7 +95,7 @@ def coil_facts(
     limit = float(scenario.get("effects.amplifier_limit.voltage")) or math.inf
     volts = limit if volts is None else volts
     asked, made = peak_voltages(scenario), Coils.of(scenario)
-    pulsed = scenario.drive.mode != "program"
+    is_sawtooth = scenario.drive.kind == "sawtooth"
     facts = {}
     for name in COIL_NAMES:
         coil, one = getattr(scenario.coil, name), np.array(COIL_NAMES) == name
@@ -109,7 +110,7 @@ def coil_facts(
         heating = power * coil.resistance / (_COPPER * wire**2)
         most = min(volts / coil.resistance, math.inf if amperes is None else amperes)
         most = passes * most if math.isfinite(most) else math.nan
-        swing = field_swing(scenario.drive.frequency, tau) if pulsed else math.nan
+        swing = field_swing(scenario.drive.frequency, tau) if is_sawtooth else math.nan
         ends = (most, most * field, most * field * swing)
         held = (current, power, heating)
         facts[name] = CoilFacts(field, gradient, fringe, tau, resonance, *held, *ends)

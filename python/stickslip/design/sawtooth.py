@@ -43,10 +43,10 @@ def sawtooths(space: Space, goal: Goal, of_start: Array, probe: Probe) -> list[d
     Where the peak is free, limits on voltage, current, field and power decide how strong each is,
     by one run in the draw in which the start has most of them. `of_start` are its numbers, (draws,
     1 + bounds). Without such limits all have the top of the free peaks, or the start's peak. None
-    are comparable with a program, or drive a coil that a free waveform may not.
+    are comparable with a drive of another kind, or drive a coil that a free waveform may not.
     """
     drive, ends = space.start.drive, space.ranges.get("drive.peak")
-    if drive.mode == "program":
+    if drive.kind != "sawtooth":
         return []
     top = ends[1] if ends and ends[1] > 0.0 else drive.peak
     shapes = [

@@ -217,7 +217,7 @@ def _check_waveform(
 ) -> None:
     if isinstance(knots, bool) or not isinstance(knots, int) or not 2 <= knots <= _MOST_KNOTS:
         refuse("knots", knots, f"a whole number from 2 to {_MOST_KNOTS}")
-    if scenario.drive.mode == "program":
+    if scenario.drive.kind == "program":
         raise ScenarioError(
             'knots: not allowed with drive.mode = "program", whose period is not known; allowed '
             'is "IPP" or "OPP"'

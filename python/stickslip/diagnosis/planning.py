@@ -212,8 +212,9 @@ def plan(
     check_whole("seed", seed)
     if not (is_number(noise) and 0.0 < noise < 1.0):
         refuse("noise", noise, "a number above 0 and below 1")
-    if scenario.drive.mode == "program":
-        raise ScenarioError('drive.mode = "program": allowed are IPP and OPP, whose settings vary')
+    if scenario.drive.kind != "sawtooth":
+        allowed = "IPP and OPP, whose settings vary"
+        raise ScenarioError(f'drive.mode = "{scenario.drive.mode}": allowed are {allowed}')
     problem, table, base = _posed(scenario, noise, worker_count(threads, "threads"))
     drives = [base, *proposals([base])]
     if count > len(drives):

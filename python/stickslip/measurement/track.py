@@ -87,9 +87,9 @@ def velocity_of_track(t: ArrayLike, x: ArrayLike, drive: Drive | Scenario) -> di
     """
     scenario = Scenario(drive=drive) if isinstance(drive, Drive) else drive
     check_kind("drive", scenario, Scenario)
-    if scenario.drive.mode == "program":
+    if scenario.drive.kind == "program":
         refuse("drive.mode", "program", "IPP or OPP, whose pulses say what is measured")
-    length, period = scenario.robot.length, 1.0 / scenario.drive.frequency
+    length, period = scenario.robot.length, 1.0 / scenario.pulse_rate
     times, places, (start, end) = _frames(t, x, scenario)
 
     def fit(rows: Mask) -> tuple[float, float, Array]:

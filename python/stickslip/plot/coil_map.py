@@ -150,7 +150,7 @@ def _draw_robot(axes: Axes, made: Coils, currents: Array, scenario: Scenario) ->
     """A mark where the scenario begins, with the moment, and in words the field there."""
     begin, drive = scenario.initial, scenario.drive
     heading = (0.0 if drive.direction == "+x" else np.pi) + float(drive.heading)
-    if scenario.whole_plane and (drive.mode == "program" or begin.heading != 0.0):
+    if scenario.whole_plane and (drive.kind == "program" or begin.heading != 0.0):
         heading = float(begin.heading)
     place = np.array([begin.x, begin.y, max(begin.z, 0.5 * scenario.robot.height)])
     words = "robot"

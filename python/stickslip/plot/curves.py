@@ -232,7 +232,7 @@ def _last_pulses(run: Run) -> tuple[float, float] | None:
 
 def _title(run: Run, last_pulses: bool) -> str:
     drive = run.scenario.drive
-    program = drive.mode == "program"
+    program = drive.kind == "program"
     words = ["voltage program"] if program else [drive.mode, f"{run.scenario.pulse_rate:g} Hz"]
     if np.isfinite(run.mean_velocity):
         along, across = (f"{velocity * 1e3:.4g}" for velocity in run.velocity)

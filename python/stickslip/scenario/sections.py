@@ -68,10 +68,15 @@ class Drive(
         return self._program
 
     @property
+    def kind(self):
+        """What its voltages are: a sawtooth, a program, or none."""
+        return _core.drive_kinds[self.mode]
+
+    @property
     def facing(self):
         """1 where a robot that stays in its plane faces +x, -1 where it faces -x."""
         back = self.direction == "-x"
-        if self.mode != "program" and math.cos(self.heading) < 0.0:
+        if self.kind != "program" and math.cos(self.heading) < 0.0:
             back = not back
         return -1.0 if back else 1.0
 

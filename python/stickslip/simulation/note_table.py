@@ -84,7 +84,6 @@ class Facts:
 def _of_scenario(scenario: Scenario) -> dict[str, Any]:
     robot, drive, contact = scenario.robot, scenario.drive, scenario.contact
     shake, pull = scenario.shake, robot.mass * scenario.environment.gravity
-    pulsed = drive.mode != "program"
     volume = robot.length * robot.width * robot.height
     tilt = abs(float(scenario.get("effects.surface_tilt.angle")))
     pressed, resting = pull * math.cos(tilt) + contact.adhesion, pull + contact.adhesion
@@ -98,22 +97,23 @@ def _of_scenario(scenario: Scenario) -> dict[str, Any]:
         # Along the surface, and the largest friction against it.
         "slope_force": pull * math.sin(tilt),
         "slope_hold": contact.static_friction * pressed,
-        "swing": drive.peak - drive.base if pulsed else math.inf,
+        "drive.kind": drive.kind,
+        "swing": drive.peak - drive.base if drive.kind == "sawtooth" else math.inf,
         "middle_field": 0.5 * (drive.base + drive.peak),
         # By the surface or by a mass inside; a table has no amplitude.
         "shaken": shake.accelerations is not None
         or max(shake.amplitude_x, shake.amplitude_z, scenario.inner.mass) > 0.0,
-        "measured_pulses": pulses_measured(drive.pulses) if pulsed else 0,
+        "measured_pulses": 0 if drive.kind == "program" else pulses_measured(drive.pulses),
     }
 
 
 def _of_run(facts: Facts, summary: Mapping[str, Any], ok: bool) -> dict[str, Any]:
     scenario, drive = facts.scenario, facts.scenario.drive
-    program = drive.mode == "program"
+    program = drive.kind == "program"
     start, end = scenario.window
     period = end - start if program else 1.0 / min(scenario.pulse_rate, FAST)
     speeds = summary["mean_velocity"], summary["mean_velocity_y"]
-    forward = float(seen_from_drive(*speeds, drive.mode, drive.direction, drive.heading)[0])
+    forward = float(seen_from_drive(*speeds, drive.kind, drive.direction, drive.heading)[0])
     rocks = abs(summary["slip_up"]) + abs(summary["slip_down"])
     slips = rocks + abs(summary["slip_flat"])
     # A program may lead out and back.
@@ -214,7 +214,7 @@ def _changed(text: str, facts: Facts) -> Any:
 
 def _with_field(scenario: Scenario, factor: float) -> dict[str, Any]:
     """Changes that multiply the fields of the drive."""
-    if scenario.drive.mode == "program":
+    if scenario.drive.kind == "program":
         blocks = scenario.to_core().program()
         return {"drive.program": Waveform([(t, factor * volts, n) for t, volts, n in blocks])}
     stronger = {key: factor * float(scenario.get(key)) for key in FIELDS}
@@ -224,7 +224,7 @@ def _with_field(scenario: Scenario, factor: float) -> dict[str, Any]:
 
 def _tried(scenario: Scenario, changes: Mapping[str, Any]) -> Facts | None:
     """Its first pulses with these changes; None of one that is refused or fails."""
-    if scenario.drive.mode != "program":
+    if scenario.drive.kind != "program":
         changes = {"drive.pulses": min(scenario.drive.pulses, _TRIED_PULSES), **changes}
     try:
         tried = scenario.replace({"record.rate": "none", **changes})

@@ -61,7 +61,7 @@ def origin(scenario: Scenario) -> dict[str, str]:
     with contextlib.suppress(importlib.metadata.PackageNotFoundError):  # it comes with an extra
         about["xarray_version"] = importlib.metadata.version("xarray")
     about["scenario"] = scenario.to_toml()
-    if scenario.drive.mode == "program":  # a scenario's text names a file in place of the voltages
+    if scenario.drive.kind == "program":  # a scenario's text names a file in place of the voltages
         blocks = scenario.to_core().program()
         about["voltage_blocks"] = json.dumps(
             [{"t": t.tolist(), "V": v.tolist(), "repeats": n} for t, v, n in blocks]

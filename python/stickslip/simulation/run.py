@@ -182,7 +182,7 @@ class Run(Recorded):
         """Status, mean velocities in mm/s and number of samples, in one line."""
         words = IN_ONE_PLANE
         if self.scenario.whole_plane:
-            words = FROM_AXES if self.scenario.drive.mode == "program" else FROM_DRIVE
+            words = FROM_AXES if self.scenario.drive.kind == "program" else FROM_DRIVE
         # Along x there is one, which `velocity` sees from the drive.
         velocities = self.velocity if self.scenario.whole_plane else (self.mean_velocity,)
         factor, unit = handy("m/s")
@@ -234,7 +234,7 @@ class Run(Recorded):
         """
         drive = self.scenario.drive
         x, y = self.numbers["mean_velocity"], self.numbers["mean_velocity_y"]
-        along, across = seen_from_drive(x, y, drive.mode, drive.direction, drive.heading)
+        along, across = seen_from_drive(x, y, drive.kind, drive.direction, drive.heading)
         return float(along), float(across)
 
     @functools.cached_property
@@ -277,7 +277,7 @@ class Run(Recorded):
         if self.condition_met:
             end = max(start, min(end, self.numbers["simulated_time"]))
         of_the_plane = {}
-        if self.scenario.whole_plane and self.scenario.drive.mode != "program":
+        if self.scenario.whole_plane and self.scenario.drive.kind != "program":
             of_the_plane = dict(zip((ALONG, ACROSS), self.velocity, strict=True))
         unasked = self._unasked()
         numbers = {name: number for name, number in self.numbers.items() if name not in unasked}

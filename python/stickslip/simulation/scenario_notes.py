@@ -74,11 +74,12 @@ def field_swing(frequency: float, time_constant: float) -> float:
 
 
 def _of_drive(scenario: Scenario, core: _core.Scenario) -> Iterator[Note]:
-    drive, pulsed = scenario.drive, scenario.drive.mode != "program"
-    if pulsed and drive.pulses < STEADY_PULSES:
+    drive, is_sawtooth = scenario.drive, scenario.drive.kind == "sawtooth"
+    if drive.kind != "program" and drive.pulses < STEADY_PULSES:
+        begin = "after the ramp" if is_sawtooth else "with the run"
         text = (
             f"drive.pulses = {drive.pulses} is fewer than {STEADY_PULSES}: the measuring window "
-            "begins after the ramp and includes the start-up"
+            f"begins {begin} and includes the start-up"
         )
         yield Note("start-up", text, float(drive.pulses))
     asked = dict(zip(_core.coil_names, core.asked_voltages(), strict=True))
@@ -105,7 +106,7 @@ def _of_drive(scenario: Scenario, core: _core.Scenario) -> Iterator[Note]:
     start, end = scenario.window
     used = [name for name, volts in asked.items() if volts > 0.0]
     blocked = [name for name in used if getattr(scenario.coil, name).capacitance > 0.0]
-    if blocked and pulsed:
+    if blocked and is_sawtooth:
         text = (
             f"coil {blocked[0]} has a capacitor in series, through which no voltage holds a "
             "current: drive.peak, drive.base and drive.hold are fields without it"
@@ -119,7 +120,7 @@ def _of_drive(scenario: Scenario, core: _core.Scenario) -> Iterator[Note]:
             "before, and what is measured is no steady motion"
         )
         yield Note("window-short", text, end - start)
-    if not pulsed or drive.base == drive.peak or blocked:
+    if not is_sawtooth or drive.base == drive.peak or blocked:
         return
     tau = times[core.in_plane_coil if drive.mode == "IPP" else "clamp"]
     swing = drive.peak - drive.base

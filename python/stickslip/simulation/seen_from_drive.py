@@ -34,7 +34,7 @@ IN_ONE_PLANE = {"mean_velocity": ""}
 def seen_from_drive(
     x: ArrayLike,
     y: ArrayLike,
-    mode: NDArray[Any] | str,
+    kind: NDArray[Any] | str,
     direction: NDArray[Any] | str,
     heading: ArrayLike,
 ) -> tuple[Array, Array]:
@@ -44,10 +44,10 @@ def seen_from_drive(
     ----------
     x, y : array_like
         Velocities along x and y, m/s.
-    mode, direction, heading : array_like
+    kind, direction, heading : array_like
         Of the drive, see `Drive`; of a program, +x counts as its heading.
     """
-    program = np.equal(mode, "program")
+    program = np.equal(kind, "program")
     sign = np.where(np.equal(direction, "-x") & ~program, -1.0, 1.0)
     angle = np.where(program, 0.0, heading)
     cosine, sine = sign * np.cos(angle), sign * np.sin(angle)

@@ -152,7 +152,9 @@ def _of_pulses(scenario: Scenario, core: _core.Scenario) -> list[Note]:
     drive = scenario.drive
     lasting = 1.0 / drive.frequency
     meant = f"is drive.frequency = {drive.frequency:g} in kHz? Multiply it by 1000"
-    if drive.mode == "program":
+    if drive.kind == "none":
+        return []
+    if drive.kind == "program":
         lasting = shortest_tooth(core.program())
         meant = "are the times of the voltages in ms? Divide them by 1000"
     slowest = max(time_constants(scenario, core).values())

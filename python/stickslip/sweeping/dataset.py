@@ -122,10 +122,12 @@ def things_of(points: Points) -> str:
 def _seen_from_drive(data: xarray.Dataset, points: Points) -> dict[str, Any]:
     """`VELOCITIES`, m/s, unless no robot went across x, or every drive is one without heading."""
     x, y = data["mean_velocity"], data["mean_velocity_y"]
-    mode = points.at_each("drive.mode")
-    if not np.nan_to_num(y).any() or np.all(mode == "program"):
+    if not np.nan_to_num(y).any():
         return {}
-    drive = mode, points.at_each("drive.direction"), points.at_each("drive.heading")
+    kind = np.vectorize(_core.drive_kinds.__getitem__, [str])(points.at_each("drive.mode"))
+    if np.all(kind == "program"):
+        return {}
+    drive = kind, points.at_each("drive.direction"), points.at_each("drive.heading")
     columns = zip(VELOCITIES.items(), seen_from_drive(x.values, y.values, *drive), strict=True)
     return {
         name: (x.dims, values, {"units": unit, "long_name": meaning}, _ENCODING)

@@ -105,7 +105,7 @@ def rocking(scenario: Scenario) -> float:
     It is the rocking of a body in flight, sqrt(V M B / J) / 2 pi, some 842 Hz at 2.5 mT.
     """
     drive = scenario.drive
-    top = STRONGEST if drive.mode == "program" else math.hypot(drive.peak, drive.hold)
+    top = STRONGEST if drive.kind == "program" else math.hypot(drive.peak, drive.hold)
     return scenario.to_core().rocking_rate(top) / (2.0 * math.pi)
 
 
@@ -117,16 +117,16 @@ def recording_rate(scenario: Scenario) -> float:
     drive's, and, if there is such a one, has a sample at the end of the ramp, so that the drive's
     sudden edges coincide with samples.
     """
-    drive = scenario.drive
+    drive, pace = scenario.drive, scenario.pulse_rate
     enough = float(np.clip(_SAMPLES * rocking(scenario), _SLOWEST, _FASTEST))
-    if drive.mode == "program":
+    if pace == 0.0:  # a program repeats at no rate
         return enough
-    fewest = math.ceil(enough / drive.frequency)
+    fewest = math.ceil(enough / pace)
     for number in range(fewest, 2 * fewest + 1):
-        samples = (drive.latency + drive.ramp) * drive.frequency * number
+        samples = (drive.latency + drive.ramp) * pace * number
         if abs(samples - round(samples)) < 1e-9 * number:
-            return number * drive.frequency
-    return fewest * drive.frequency
+            return number * pace
+    return fewest * pace
 
 
 def record(

@@ -216,7 +216,7 @@ class FilmTable(SimulatedTable):
             )
             self.left_out.append(Note("wild-frames", text, int(lost.sum())))
         used &= ~lost
-        if kind != "level" and drive.mode != "program":
+        if kind != "level" and drive.kind == "sawtooth":
             # How far the contact slips while the robot pitches up in the ramp changes by jumps with
             # every parameter, and carries little information; the motion after it is smooth.
             used &= times >= drive.latency + drive.ramp
@@ -236,7 +236,8 @@ class FilmTable(SimulatedTable):
                 self.left_out.append(Note("column-size", text))
                 return None
         stated = film.noise.get({"x": "x", "z": "x", "theta": "theta"}.get(name, ""))
-        pace = 0.0 if drive.mode == "program" else rocking(film.scenario) / drive.frequency
+        rate = film.scenario.pulse_rate
+        pace = rocking(film.scenario) / rate if rate > 0.0 else 0.0
         fitted = frame_errors(folded, residual[used], place, kind, pace, stated)
         if fitted is None:
             sd = stated or float(np.std(residual[used])) or 1.0

@@ -98,18 +98,18 @@ def fold(times: Array, scenario: Scenario) -> Fold:
     """
     start, end = scenario.window
     drive = scenario.drive
-    if drive.mode == "program":
+    if drive.kind == "program":
         edges = np.linspace(start, end, _PROGRAM + 1)[1:-1]
         none = np.zeros(len(times))
         return Fold(_numbered(np.searchsorted(edges, times, side="right")), none > 0.0, none,
                     none.astype(np.int64))  # fmt: skip
     # A frame at the very start is steady, however the sum of the pulses was rounded.
     steady = times > start - 1e-9
-    periods = np.where(steady, (times - start) * drive.frequency + 1e-9, 0.0)
+    periods = np.where(steady, (times - start) * scenario.pulse_rate + 1e-9, 0.0)
     cycle = np.floor(periods).astype(np.int64)
     begin = drive.latency + drive.ramp
     ramp = np.linspace(drive.latency, begin, _RAMP + 1)[1:]
-    step = 1.0 / (_FIRST * drive.frequency)
+    step = 1.0 / (_FIRST * scenario.pulse_rate)
     edges = np.concatenate([ramp, np.arange(begin, start, step)[1:]])
     label = np.searchsorted(edges, times, side="right")
     label = np.where(steady, len(edges) + 1 + np.floor((periods - cycle) * PHASES), label)
