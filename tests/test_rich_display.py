@@ -1,7 +1,9 @@
 """What notebooks show of objects, and tables of runs and sweeps: small, escaped, with units."""
 
+import pickle
 import re
 from html import escape
+from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -9,8 +11,11 @@ import pytest
 
 from recorded_runs import flat_columns
 from stickslip import (
+    Accelerations,
     Cause,
     Drive,
+    FieldMap,
+    Forces,
     Scenario,
     Waveform,
     diagnose_model,
@@ -21,8 +26,11 @@ from stickslip import (
     sweep_dataframe,
 )
 from stickslip._util.html import html_table
+from stickslip.scenario.keys import COIL_NAMES
+from stickslip.scenario.sections import SECTIONS
 from toys import SLOPE, WAVE, data
 
+BOX = Path(__file__).with_name("frozen") / "box.json"
 BAD = "<script>alert('1')</script>&\x1b[31m"
 TEXT = re.compile(r"<(script|img|iframe|object|embed|link)\b|\son\w+=|javascript:", re.IGNORECASE)
 
@@ -65,6 +73,31 @@ def test_a_scenario_of_a_program_shows_the_program():
     shown = rows(Scenario(drive=drive)._repr_html_())
     assert "&lt;Waveform: 0.1 s" in shown["drive.program"]
     assert "drive.peak" not in shown
+
+
+def test_a_scenario_shows_every_object_that_it_holds():
+    """Those that a section takes beside its keys, whichever they are, and the fluid."""
+    objects = {
+        "drive.program": Waveform.hold(0.1, {"xp": 5.0}),
+        "coil.map": FieldMap.from_file(BOX),
+        "shake.accelerations": Accelerations([(0.0, 1.0, 0.0), (0.01, -1.0, 0.0)]),
+        "inner.forces": Forces([(0.0, 1e-6), (0.01, -1e-6)]),
+    }
+    beside = {
+        f"{name}.{field}"
+        for name, kind in SECTIONS.items()
+        for field in {*kind._fields} - {*kind._keys, *COIL_NAMES}
+    }
+    assert beside == objects.keys()
+    beside_it = {"drive.program": {"drive.mode": "program"}, "inner.forces": {"inner.mass": 1e-9}}
+    wet = Scenario().in_fluid("water")
+    for key, value in objects.items():
+        made = wet.replace({**beside_it.get(key, {}), key: value})
+        for scenario in (made, pickle.loads(pickle.dumps(made))):
+            shown = rows(scenario._repr_html_())
+            assert shown[key] == escape(str(value))
+            assert shown["fluid"] == escape(str(wet.fluid))
+        assert key not in rows(made.replace({key: None, "drive.mode": "IPP"})._repr_html_())
 
 
 def test_a_run_shows_its_headline_and_its_numbers(walk_ipp):

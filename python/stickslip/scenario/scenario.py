@@ -6,7 +6,7 @@ when an object is made, so a scenario that exists can be simulated.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from os import PathLike
 from pathlib import Path
@@ -81,9 +81,19 @@ _MOST_DRAWS = 100
 _Objects = tuple[Waveform | None, FieldMap | None, Accelerations | None, Forces | None]
 """The values of `OBJECTS`."""
 
+_FLUID = "fluid"  # beside `OBJECTS` among what a scenario holds; no key, as it is a file's section
+
+_IN_CORE: Mapping[str, tuple[Callable[[_core.Scenario, Any], object], Callable[[Any], Any]]] = {
+    PROGRAM: (_core.Scenario.set_program, lambda given: given.blocks),
+    COIL_MAP: (_core.Scenario.set_map, FieldMap.to_core),
+    ACCELERATIONS: (_core.Scenario.set_accelerations, lambda given: given.rows),
+    FORCES: (_core.Scenario.set_forces, lambda given: given.rows),
+}
+"""What sets each of `OBJECTS` in the core, and what the core takes of it."""
+
 
 class _View(Generic[_S]):
-    """A section of a scenario: its class, and where the scenario has the object that it holds."""
+    """A section of a scenario: its class, and what it holds beside its keys."""
 
     def __init__(self, kind: type[_S], *held: str) -> None:
         self._kind, self._held = kind, held
@@ -91,7 +101,8 @@ class _View(Generic[_S]):
     def __get__(self, scenario: Scenario | None, owner: object = None) -> _S:
         if scenario is None:  # of the class itself
             return self  # type: ignore[return-value]
-        return self._kind.view(scenario._core, *(getattr(scenario, name) for name in self._held))
+        held = {**scenario._held, "_hidden": scenario._hidden}
+        return self._kind.view(scenario._core, *(held.get(name) for name in self._held))
 
 
 class Scenario:
@@ -126,19 +137,16 @@ class Scenario:
     30.0
     """
 
-    __slots__ = (
-        *("__weakref__", "_accelerations", "_core", "_fluid", "_forces", "_hidden", "_map"),
-        *("_program", "_uncertain"),
-    )
+    __slots__ = ("__weakref__", "_core", "_held", "_hidden", "_uncertain")
 
-    drive = _View(Drive, "_program")
-    coil = _View(Coil, "_hidden", "_map")
+    drive = _View(Drive, PROGRAM)
+    coil = _View(Coil, "_hidden", COIL_MAP)
     robot = _View(Robot)
     contact = _View(Contact)
     drag = _View(Drag)
     environment = _View(Environment)
-    shake = _View(Shake, "_accelerations")
-    inner = _View(Inner, "_forces")
+    shake = _View(Shake, ACCELERATIONS)
+    inner = _View(Inner, FORCES)
     initial = _View(State)
     solver = _View(Solver)
     record = _View(Record)
@@ -162,11 +170,8 @@ class Scenario:
         uncertain: JointPrior | Mapping[str, Any] | None = None,
     ) -> None:
         self._core = _core.Scenario()
-        self._program: Waveform | None = None
-        self._map: FieldMap | None = None
-        self._accelerations: Accelerations | None = None
-        self._forces: Forces | None = None
-        self._fluid: Fluid | None = None
+        # All objects of this scenario, and no others, by `OBJECTS` or `_FLUID`.
+        self._held: dict[str, Any] = {}
         self._hidden: dict[str, Any] = {}
         given = (
             drive,
@@ -186,14 +191,11 @@ class Scenario:
                 continue
             check_kind(name, section, kind)
             self._core.take(section._core, name)
-        if drive is not None:
-            self._program = drive.program
+            for key in OBJECTS:
+                if key.startswith(f"{name}."):
+                    self._hold(key, getattr(section, key.removeprefix(f"{name}.")))
         if coil is not None:
-            self._map, self._hidden = coil.map, coil._hidden
-        if shake is not None:
-            self._accelerations = shake.accelerations
-        if inner is not None:
-            self._forces = inner.forces
+            self._hidden = coil._hidden
         if effects is not None:
             Changes(flat_effects(effects)).apply(self._core)
         if laws is not None:
@@ -201,15 +203,20 @@ class Scenario:
         self._uncertain = None if uncertain is None else as_joint_prior(uncertain)
         self._check()
 
+    def _hold(self, key: str, given: object) -> None:
+        if given is None:
+            self._held.pop(key, None)
+        else:
+            self._held[key] = given
+
     def _check(self) -> None:
         """Refuse values that are allowed, but not together."""
-        mode = self._core.get("drive.mode")
-        if self._program is not None and mode != "program":
+        if PROGRAM in self._held and self.drive.kind != "program":
             raise ScenarioError(
-                f'drive.mode = "{mode}": allowed is "program" where voltages are given by '
-                "drive.file or a waveform"
+                f'drive.mode = "{self.drive.mode}": allowed is "program" where voltages are given '
+                "by drive.file or a waveform"
             )
-        if self._map is not None and self._uncertain is not None:
+        if COIL_MAP in self._held and self._uncertain is not None:
             refuse_geometry_beside_a_map(self._uncertain.names)
         self._core.check()
         if self._uncertain is not None:
@@ -289,11 +296,12 @@ class Scenario:
     @property
     def content(self) -> Content:
         """What its file states."""
-        return Content(self._core, *self._objects, self._fluid, self._uncertain)
+        return Content(self._core, *self._objects, self.fluid, self._uncertain)
 
     @property
     def _objects(self) -> _Objects:
-        return self._program, self._map, self._accelerations, self._forces
+        program, field_map, accelerations, forces = map(self._held.get, OBJECTS)
+        return program, field_map, accelerations, forces
 
     @staticmethod
     def keys() -> tuple[str, ...]:
@@ -344,22 +352,12 @@ class Scenario:
         given = Changes(changes or {}, more)
         refuse_unknown_laws(made._core, given)
         for key, value in given.in_order():
-            if key == PROGRAM:
-                Drive(program=value)
-                made._program = value
-                made._core.set_program(None if value is None else value.blocks)
-            elif key == COIL_MAP:
-                Coil(map=value)
-                made._map = value
-                made._core.set_map(None if value is None else value.to_core())
-            elif key == ACCELERATIONS:
-                Shake(accelerations=value)
-                made._accelerations = value
-                made._core.set_accelerations(None if value is None else value.rows)
-            elif key == FORCES:
-                Inner(forces=value)
-                made._forces = value
-                made._core.set_forces(None if value is None else value.rows)
+            if key in _IN_CORE:
+                section, _, field = key.partition(".")
+                SECTIONS[section](**{field: value})  # refuses what is no such object
+                made._hold(key, value)
+                set_object, taken = _IN_CORE[key]
+                set_object(made._core, None if value is None else taken(value))
             elif is_law(key):
                 set_law(made._core, key, value)
             else:
@@ -370,10 +368,8 @@ class Scenario:
 
     def _copy(self) -> Scenario:
         made = object.__new__(type(self))
-        made._core, made._program, made._map = self.to_core(), self._program, self._map
-        made._accelerations, made._forces = self._accelerations, self._forces
+        made._core, made._held = self.to_core(), dict(self._held)
         made._uncertain, made._hidden = self._uncertain, self._hidden
-        made._fluid = self._fluid
         return made
 
     def in_fluid(
@@ -414,13 +410,13 @@ class Scenario:
         """
         known = fluid_of(fluid, density, viscosity, wall)
         made = self.replace(known.changes(self.robot, gravity))
-        made._fluid = known
+        made._hold(_FLUID, known)
         return made
 
     @property
     def fluid(self) -> Fluid | None:
         """What `in_fluid`, or ``[fluid]`` of a file, put the robot into."""
-        return self._fluid
+        return self._held.get(_FLUID)
 
     def with_state(self, state: State) -> Scenario:
         """A copy that begins at `state`, such as ``run.final_state``."""
@@ -545,7 +541,7 @@ class Scenario:
         return hash((tuple(changed.items()), *others))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _made, (*self._state(), self._fluid, self._hidden)
+        return _made, (*self._state(), self.fluid, self._hidden)
 
     def __repr__(self) -> str:
         names = (*SECTIONS, "effects", "laws", "uncertain")
@@ -555,13 +551,11 @@ class Scenario:
         return f"Scenario({', '.join(f'{name}={value!r}' for name, value in values.items())})"
 
     def _repr_html_(self) -> str:
-        """A table of the drive's keys and of all others that are not at their defaults."""
-        rows = [(PROGRAM, repr(self._program))] if self._program is not None else []
-        if self._map is not None:
-            rows.append((COIL_MAP, str(self._map)))
+        """A table of all objects, of the drive's keys, and of others not at their defaults."""
+        rows = [(key, str(held)) for key, held in self._held.items()]
         changed = self._core.changed()
         for key in known_keys().values():
-            if key.name in changed or (key.section == "drive" and self._program is None):
+            if key.name in changed or (key.section == "drive" and PROGRAM not in self._held):
                 rows.append((key.name, _shown(key, self._core.get(key.name))))
         rows += [(f"{LAWS}{name}", law.text) for name, law in self.laws.items()]
         if self._uncertain is not None:
@@ -582,7 +576,8 @@ def _made(
 ) -> Scenario:
     """The scenario of these parts."""
     made = _DEFAULT.replace({**changed, **_named(objects)}).with_uncertain(uncertain)
-    made._fluid, made._hidden = fluid, dict(hidden)
+    made._hold(_FLUID, fluid)
+    made._hidden = dict(hidden)
     return made
 
 
@@ -596,7 +591,7 @@ def _of_changes(changes: Mapping[str, Any], uncertain: Any, fluid: Fluid | None)
     if fluid is not None:
         if not {"drag.linear", "environment.gravity"} <= changes.keys():
             made = made.replace({**fluid.changes(made.robot, 9.81), **changes})
-        made._fluid = fluid
+        made._hold(_FLUID, fluid)
     return made.with_uncertain(uncertain)
 
 
