@@ -21,7 +21,7 @@ PerCoil squared_integrals(const CurrentSegment& segment) {
     std::array<double, kMaxExponentials> decay, gone;  // of each exponential over the segment
     std::array<std::array<double, kMaxExponentials>, kMaxExponentials> gone_both;
     for (std::size_t j = 0; j < n; ++j) {
-        decay[j] = std::exp(-segment.rate[j] * d);
+        decay[j] = segment.fading(j, d);
         gone[j] = -std::expm1(-segment.rate[j] * d);
         for (std::size_t i = 0; i < n; ++i) {
             gone_both[j][i] = -std::expm1(-(segment.rate[j] + segment.rate[i]) * d);
@@ -198,7 +198,7 @@ CurrentSegment Circuit::advance(const VoltageSegment& segment) {
         }
         // Equal coils share one exponential.
         if (decayed < 0 || time_constant_(m) != time_constant_(decayed)) {
-            decay = std::exp(-result.duration / time_constant_(m));
+            decay = result.fading(j, result.duration);
             decayed = m;
         }
         mode_(m) = level(m) + slope(m) * result.duration + transient(m) * decay;

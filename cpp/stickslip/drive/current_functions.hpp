@@ -39,11 +39,11 @@ struct Swing {
 
     Two at(double tau) const {
         if (square() > 0.0) {
-            const double w = std::sqrt(square()), fading = std::exp(-rate * tau);
+            const double w = std::sqrt(square()), fading = exponential(-rate * tau);
             return {fading * std::cos(w * tau), fading * std::sin(w * tau) / w};
         }
         // By the slower of the two exponentials and what is gone of the faster: nothing overflows.
-        const double between = 2.0 * apart(), fading = std::exp(-tau / slowest());
+        const double between = 2.0 * apart(), fading = exponential(-tau / slowest());
         const double gone = -std::expm1(-between * tau);
         return {fading * (1.0 - 0.5 * gone), fading * (between > 0.0 ? gone / between : tau)};
     }
@@ -90,13 +90,15 @@ struct CurrentFunctions {
     }
     static Swing::Two two(const Values& of, std::size_t at) { return {of[at], of[at + 1]}; }
 
+    /// What is left of exponential `j` after `tau` s, within a segment as at its end.
+    double fading(std::size_t j, double tau) const { return exponential(-rate[j] * tau); }
     /// At `tau` seconds from the start.
     Values values(double tau) const {
         Values result;
         result[0] = 1.0;
         result[1] = tau;
         for (std::size_t j = 0; j < static_cast<std::size_t>(exponentials); ++j) {
-            result[2 + j] = exponential(-rate[j] * tau);
+            result[2 + j] = fading(j, tau);
         }
         each_swing([&](std::size_t at, const Swing& s) { put(result, at, s.at(tau)); });
         return result;
@@ -124,7 +126,7 @@ struct CurrentFunctions {
     double sum(const Values& c, double tau) const {
         double result = c[0] + c[1] * tau;
         for (std::size_t j = 0; j < static_cast<std::size_t>(exponentials); ++j) {
-            if (c[2 + j] != 0.0) result += c[2 + j] * exponential(-rate[j] * tau);
+            if (c[2 + j] != 0.0) result += c[2 + j] * fading(j, tau);
         }
         each_swing([&](std::size_t at, const Swing& s) {
             if (c[at] == 0.0 && c[at + 1] == 0.0) return;
