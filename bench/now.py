@@ -27,7 +27,6 @@ from pathlib import Path
 from typing import Any
 
 import diagnoses
-import lines
 from blind.scoring import interval
 from limit import Reference
 from limit.figures import PACKS, run_ratio, sweep_ratios
@@ -206,14 +205,6 @@ def mutations(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]
                 sys.exit(f"{' '.join(command)}: status {ended.returncode}, and no row")
 
 
-def sizes(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
-    """Lines of each part of the project, words, circles of imports."""
-    for part, (count, _, aim) in lines.sizes().items():
-        first_word = part.partition(" ")[0]
-        unit = first_word if first_word in ("words", "circles") else "lines"
-        yield part, {**number_row(count, unit), "aim": aim}
-
-
 def _children(command: Sequence[str | Path], **variables: str) -> tuple[float, float]:
     """CPU and wall seconds of a command and its children."""
 
@@ -248,7 +239,7 @@ def tests(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
 
 
 PARTS: dict[str, Part] = {
-    "speed": speed, "sizes": sizes, "diagnosis": diagnosis, "build": build, "tables": tables,
+    "speed": speed, "diagnosis": diagnosis, "build": build, "tables": tables,
     "tests": tests, "mutations": mutations,
 }  # fmt: skip
 
