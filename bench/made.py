@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from measure import ROOT, saved
 from scipy.integrate import solve_ivp
+from stale import digest
 
 from stickslip import Cause, Parameter, Prior, Series, Table, diagnose_model, events, instruments
 
@@ -311,7 +312,7 @@ def main(arguments: Iterable[str] | None = None) -> None:
             count += right
             if options.first >= JUDGED:
                 sets = json.loads(OUT.read_text())["sets"] if OUT.exists() else {}
-                sets[f"{kind} {seed}"] = {"right": right, "verdict": said}
+                sets[f"{kind} {seed}"] = {"right": right, "verdict": said, "golden": digest()}
                 saved(OUT, f"made --first {JUDGED}", {"sets": sets}, said=False)
             print(f"{kind} {seed}: {'right' if right else 'not right'}: {said}", flush=True)
         print(f"{kind}: {count} of {options.seeds} right", flush=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import json
 import math
@@ -125,6 +126,14 @@ def machine() -> dict[str, str]:
         "python": platform.python_version(),
         "cores_allowed": str(len(os.sched_getaffinity(0))),
     }
+
+
+def add_out(parser: argparse.ArgumentParser, name: str) -> None:
+    """``--out``, by default a file that git ignores, and ``--write`` for the one of the pages."""
+    path = ROOT / "bench" / "results" / f"{name}.json"
+    parser.add_argument("--out", type=Path, default=path)
+    parser.add_argument("--write", dest="out", action="store_const", const=MEASURED / path.name,
+                        help="into docs/measured")  # fmt: skip
 
 
 def saved(path: Path, program: str, result: dict[str, Any], said: bool = True) -> None:

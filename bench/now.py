@@ -27,11 +27,11 @@ from pathlib import Path
 from typing import Any
 
 import diagnoses
-import lines
 from blind.scoring import interval
 from limit import Reference
 from limit.figures import PACKS, run_ratio, sweep_ratios
 from measure import FEWEST, MOST, ROOT, WIDTH, Figure, figure_of, filled, pin, processor, ratios
+from stale import digest, stale
 from works import WORKS
 
 HERE = Path(__file__).resolve().parent
@@ -206,14 +206,6 @@ def mutations(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]
                 sys.exit(f"{' '.join(command)}: status {ended.returncode}, and no row")
 
 
-def sizes(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
-    """Lines of each part of the project, words, circles of imports."""
-    for part, (count, _, aim) in lines.sizes().items():
-        first_word = part.partition(" ")[0]
-        unit = first_word if first_word in ("words", "circles") else "lines"
-        yield part, {**number_row(count, unit), "aim": aim}
-
-
 def _children(command: Sequence[str | Path], **variables: str) -> tuple[float, float]:
     """CPU and wall seconds of a command and its children."""
 
@@ -248,9 +240,11 @@ def tests(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
 
 
 PARTS: dict[str, Part] = {
-    "speed": speed, "sizes": sizes, "diagnosis": diagnosis, "build": build, "tables": tables,
+    "speed": speed, "diagnosis": diagnosis, "build": build, "tables": tables,
     "tests": tests, "mutations": mutations,
 }  # fmt: skip
+OF_VERDICTS = ("diagnosis", "tables")
+"""Parts whose figures change with the diagnosis."""
 
 
 def commit() -> str:
@@ -303,8 +297,9 @@ def measured(name: str, path: Path, budget: Budget) -> None:
     parts, first = read(path), read(FIRST).get(name, {}).get("rows", {})
     model, width = processor()
     stated = {"commit": commit(), "processor": model, "kernel width": width}
+    stated |= {"golden": digest()} if name in OF_VERDICTS else {}
     part = parts.get(name, {})
-    if part.get("complete", True) or any(part[key] != stated[key] for key in stated):
+    if part.get("complete", True) or any(part.get(key) != stated[key] for key in stated):
         part = {**stated, "rows": {}}
     parts[name] = part = {**part, "complete": False,
                           "date": datetime.now(timezone.utc).date().isoformat()}  # fmt: skip
@@ -353,6 +348,10 @@ def main() -> int:
     for name in options.parts or PARTS:
         ends = time.monotonic() + 60.0 * options.minutes
         measured(name, options.out, Budget(ends, options.fewest, options.most))
+    kept = read(options.out)
+    for name in (each for each in OF_VERDICTS if each in kept):
+        for said in stale([kept[name]] * len(kept[name]["rows"])):
+            print(f"{name}: {said}")
     return 0
 
 

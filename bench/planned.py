@@ -11,7 +11,6 @@ import itertools
 import json
 import time
 from collections.abc import Iterable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,7 +18,8 @@ import pandas as pd
 from blind.scoring import interval
 from blind.settings import priors
 from causes.score import CLAIMS
-from measure import MEASURED, saved
+from measure import add_out, saved
+from stale import digest, stale
 
 from stickslip import Cause, Drive, Measurement, Scenario, diagnose, simulate_batch
 from stickslip.diagnosis.decision.experiments import CHOICES
@@ -91,7 +91,7 @@ def main(arguments: Iterable[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m bench planned", description=__doc__)
     parser.add_argument("--robots", type=int, default=60)
     parser.add_argument("--minutes", type=float, default=15.0, help="begin none after this time")
-    parser.add_argument("--out", type=Path, default=MEASURED / "planned.json")
+    add_out(parser, "planned")
     options = parser.parse_args(None if arguments is None else list(arguments))
     kept = json.loads(options.out.read_text()) if options.out.is_file() else {}
     rows: dict[str, Any] = kept.get("rows", {})
@@ -107,7 +107,7 @@ def main(arguments: Iterable[str] | None = None) -> None:
         if str(seed) in rows or time.monotonic() > end:
             continue
         cause, robot = hidden(scenario, causes, seed)
-        row: dict[str, Any] = {"cause": cause}
+        row: dict[str, Any] = {"cause": cause, "golden": digest()}
         for name, table in tables.items():
             random, begin = np.random.default_rng([seed, 1]), time.process_time()
             seen = measured(robot, table, random)
@@ -118,7 +118,7 @@ def main(arguments: Iterable[str] | None = None) -> None:
         saved(options.out, "planned", {"counts": counts(rows), "rows": rows}, said=False)
         print(seed, row, flush=True)
     if rows:
-        print(pd.DataFrame(counts(rows)).T.to_string())
+        print(*stale(rows.values()), pd.DataFrame(counts(rows)).T.to_string(), sep="\n")
 
 
 def counts(rows: dict[str, Any]) -> dict[str, dict[str, str]]:

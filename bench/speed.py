@@ -14,10 +14,9 @@ from __future__ import annotations
 
 import argparse
 import math
-from pathlib import Path
 
 import numpy as np
-from measure import MEASURED, cpu_seconds_in_turn, pin, saved
+from measure import add_out, cpu_seconds_in_turn, pin, saved
 from works import REFERENCE, with_solver
 
 import stickslip
@@ -92,7 +91,7 @@ def long_run(repeats: int) -> dict[str, float]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--repeats", type=int, default=9)
-    parser.add_argument("--out", type=Path, default=MEASURED / "speed.json")
+    add_out(parser, "speed")
     options = parser.parse_args()
     core = pin()
 

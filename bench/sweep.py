@@ -11,9 +11,8 @@ from __future__ import annotations
 import argparse
 import os
 import time
-from pathlib import Path
 
-from measure import MEASURED, figure_of, in_turn, ratios, saved, timed
+from measure import add_out, figure_of, in_turn, ratios, saved, timed
 from works import WORKS, modes_swept
 
 RTOL = 1e-8
@@ -63,7 +62,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m bench sweep", description=__doc__)
     parser.add_argument("--repeats", type=int, default=9)
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--out", type=Path, default=MEASURED / "sweep.json")
+    add_out(parser, "sweep")
     options = parser.parse_args()
     load = os.getloadavg()[0]
     result = {

@@ -9,12 +9,12 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Callable, Iterable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from blind.scoring import interval
-from measure import MEASURED, saved
+from measure import add_out, saved
+from stale import digest
 
 from stickslip import Cause, Diagnosis, Parameter, Prior, Series, Table, diagnose_model
 
@@ -287,7 +287,7 @@ def main(arguments: Iterable[str] | None = None) -> int:
     parser.add_argument("kinds", nargs="*", metavar="KIND", help=", ".join(KINDS))
     parser.add_argument("--first", type=int, default=JUDGED, help="seed of the first set of a kind")
     parser.add_argument("--seeds", type=int, default=4, help="sets of each kind")
-    parser.add_argument("--out", type=Path, default=MEASURED / "untold.json")
+    add_out(parser, "untold")
     options = parser.parse_args(None if arguments is None else list(arguments))
     kinds = options.kinds or KINDS
     begin, counts = time.process_time(), np.zeros((len(kinds), 2), dtype=int)
@@ -306,7 +306,7 @@ def main(arguments: Iterable[str] | None = None) -> int:
                            strict=True):  # fmt: skip
         low, high = interval(int(count), total)
         print(f"{what} {count} of {total} ({100 * low:.0f} to {100 * high:.0f} %)")
-    rows = {kind: {"said": int(said), "wrongly": int(wrong)}
+    rows = {kind: {"said": int(said), "wrongly": int(wrong), "golden": digest()}
             for kind, (said, wrong) in zip(kinds, counts, strict=True)}  # fmt: skip
     result = {"of each": options.seeds, "kinds": rows,
               "cpu_seconds": round(time.process_time() - begin)}  # fmt: skip

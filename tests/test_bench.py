@@ -1,8 +1,11 @@
-"""What `python -m bench` lists, what `lines` counts, and what `mutations cpp` replaces."""
+"""What `python -m bench` lists and writes, what `lines` counts, what `mutations cpp` replaces."""
 
+import argparse
 import importlib.util
+import json
 import runpy
 import shutil
+import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +18,9 @@ import measure
 import now
 import numpy as np
 import pytest
+import stale
+from blind import study
+from causes import tools
 from mutations.cpp import MUTATIONS
 from works import REFERENCE, WORKS, with_solver
 
@@ -25,12 +31,16 @@ from stickslip.diagnosis.own_model import problem_of_model
 ROOT = Path(__file__).resolve().parents[1]
 
 
-def test_every_file_of_the_package_and_the_tests_belongs_to_one_part():
-    parts = {name: set(lines.files(pattern)) for name, (pattern, _) in lines.PARTS.items()}
-    assert sum(map(len, parts.values())) == len(set.union(*parts.values()))
-    assert set(lines.files(r"(python|cpp|tests|bench)/.*\.(py|cpp|h|hpp)")) <= set.union(
-        *parts.values()
-    )
+def test_every_file_belongs_to_one_wing():
+    wings = [path for pattern, _ in lines.WINGS.values() for path in lines.files(pattern)]
+    every = lines.files(r"(python|cpp/(?!web/)|tests|bench)/?.*\.(py|h|[hc]pp)")
+    assert sorted(wings) == sorted(every)
+
+
+def test_no_wing_is_above_its_budget():
+    above = {wing: size for wing, size in lines.sizes().items() if size[0] > lines.OVER * size[1]}
+    assert not above, f"lines and budget, of which {lines.OVER - 1:.0%} more are allowed: {above}"
+    assert lines.circles() == []
 
 
 @pytest.mark.nightly
@@ -39,7 +49,6 @@ def test_lines_counts_what_it_says(capsys, monkeypatch):
     lines.main()
     said = capsys.readouterr().out
     assert "words of documentation" in said
-    assert "circles of imports" in said
     assert "longest functions:" in said
 
 
@@ -121,6 +130,66 @@ def test_parts_of_now_go_on_and_the_first_figures_stay(tmp_path, monkeypatch, ca
     assert made == [*"abcababc"[:5], *"ab"]
     assert now.read(first)["speed"]["rows"]["a"]["median"] == 1
     assert capsys.readouterr().out.split()[:4] == ["a", "1", "6", "6.000"]
+
+
+GOLDEN = "{GOLDEN}"
+OLD = {"answer": {"kind": "none", "seed": 1, "strength": 0.0, "answer": [], "effects": {}},
+       "said": {"verdict": "none", "cause": None, "probabilities": {"none": 1.0}},
+       "reasons": [], "gain": None, "cpu_seconds": 1.0, "state": {"golden": GOLDEN}}  # fmt: skip
+ANSWER = {"said": "none", "causes": [], "cpu": 1.0}
+PART = {"complete": True, "rows": {"a": now.number_row(1.0, "-"), "b": now.number_row(2.0, "-")}}
+SHOWN = [
+    ("blind", ["blind", "tables", "{}"], OLD, 1),
+    ("causes", ["causes", "score", "{}"], {"axis-00": {**ANSWER, "golden": GOLDEN},
+                                           "axis-04": ANSWER}, 2),
+    ("now", ["now", "speed", "--out", "{}"], {"diagnosis": {**PART, "golden": GOLDEN}}, 2),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "arguments", "record", "rows"), SHOWN)
+def test_figures_of_other_verdicts_are_said_to_be_stale(
+    name, arguments, record, rows, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.setattr(stale, "VERDICTS", tmp_path / "verdicts.jsonl")
+    monkeypatch.setitem(now.PARTS, "speed", lambda done, budget: ())
+    path = tmp_path / "stickslip.json"
+    monkeypatch.setattr(sys, "argv", [each.format(path) for each in arguments])
+    module = runpy.run_path(str(ROOT / "bench" / "__main__.py"))["PROGRAMS"][name][0]
+    main = importlib.import_module(f"{module}.__main__" if name != "now" else module).main
+
+    def said():
+        main()
+        return [each for each in capsys.readouterr().out.splitlines() if "stale" in each]
+
+    stale.VERDICTS.write_text("a\n")
+    path.write_text(json.dumps(record).replace(GOLDEN, stale.digest()))
+    unstated = int(name == "causes")
+    assert bool(unstated) == bool(before := said())
+    assert all(f"stale: {unstated} of {rows} rows" in each for each in before)
+    stale.VERDICTS.write_text("b\n")
+    (after,) = said()
+    assert f"stale: {rows} of {rows} rows" in after
+    assert stale.digest() in after
+
+
+def test_what_is_made_states_the_verdicts_of_its_engine(tmp_path, monkeypatch):
+    monkeypatch.setattr(stale, "VERDICTS", tmp_path / "verdicts.jsonl")
+    stale.VERDICTS.write_text("a\n")
+    monkeypatch.setitem(now.PARTS, "tables", lambda done, budget: [("a", now.number_row(1, "-"))])
+    now.measured("tables", tmp_path / "now.json", now.Budget(float("inf")))
+    told = tools.ours(dict(tools.asked())["axis-04"]())
+    # sha256 of "a" and a line feed.
+    made = (now.read(tmp_path / "now.json")["tables"], told, study.state())
+    assert [each["golden"] for each in made] == ["87428fc52280"] * 3
+
+
+def test_a_program_without_leave_writes_what_git_ignores(monkeypatch):
+    parser = argparse.ArgumentParser()
+    measure.add_out(parser, "speed")
+    ignored, shown = (parser.parse_args(each).out for each in ([], ["--write"]))
+    assert lines.files(str(shown.relative_to(ROOT))) == [shown]
+    asked = ["git", "-C", str(ROOT), "check-ignore", "--quiet", str(ignored)]
+    assert subprocess.run(asked, check=False).returncode == 0
 
 
 def test_sound_tables_have_nothing_to_find():

@@ -14,12 +14,19 @@ import argparse
 import json
 from pathlib import Path
 
+from stale import stale
+
 from blind.kinds import KINDS, OLD, STUDY, plan
 from blind.own import study as study_own
 from blind.scoring import read, report
 from blind.stored import compare, store
-from blind.study import HERE, diagnose_sets, judge, make
+from blind.study import HERE, Row, diagnose_sets, judge, make
 from blind.writing import write_case
+
+
+def show(rows: list[Row]) -> None:
+    """The tables, below what of them is stale."""
+    print(*stale(rows), report(rows), sep="\n\n")
 
 
 def main() -> None:
@@ -67,9 +74,9 @@ def main() -> None:
         part, parts = map(int, options.part.split("/"))
         diagnose_sets(options.folder, options.minutes, part, parts)
     elif options.step == "judge":
-        print(report(judge(options.folder)))
+        show(judge(options.folder))
     elif options.step == "tables":
-        print(report(read(options.record)))
+        show(read(options.record))
     elif options.step == "own":
         study_own(options.folder / "own.jsonl", options.minutes, options.sets)
     elif options.step == "write":

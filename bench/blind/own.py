@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 from causes.make import KINDS, simulated
+from stale import stale
 
 from blind.kinds import ALIKE, ERROR_SHARE
 from blind.scoring import interval, markdown
@@ -234,7 +235,7 @@ def study(path: Path, minutes: float, most: int) -> None:
             "cpu_seconds": seconds,
         })  # fmt: skip
         append(path, rows[-1])
-    print(tables(rows))
+    print(*stale(rows), tables(rows), sep="\n\n")
 
 
 def group(row: Row) -> str:

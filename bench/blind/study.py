@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm
+from stale import digest
 
 import stickslip
 from blind.readings import velocities
@@ -121,6 +122,7 @@ def state() -> dict[str, str]:
         "commit": commit,
         "engine": _checksum(deciding, np.array([run.mean_velocity for run in runs]).tobytes()),
         "data": _checksum(generator_files()),
+        "golden": digest(),
     }
 
 

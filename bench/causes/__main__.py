@@ -10,6 +10,8 @@ import argparse
 import json
 from pathlib import Path
 
+from stale import stale
+
 from causes import walkers
 from causes.make import TRUTH, make
 from causes.score import table
@@ -48,7 +50,10 @@ def main() -> None:
     else:
         truths = json.loads(TRUTH.read_text())
         for path in options.answers or sorted(ANSWERS.glob("*.json")):
-            print(f"**{path.stem}**\n\n{table(json.loads(path.read_text()), truths)}\n")
+            answers = json.loads(path.read_text())
+            # Those of other tools do not change with the diagnosis.
+            old = stale(answers.values()) if path.stem == "stickslip" else []
+            print(f"**{path.stem}**", *old, f"{table(answers, truths)}\n", sep="\n\n")
 
 
 if __name__ == "__main__":

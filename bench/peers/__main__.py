@@ -1,4 +1,4 @@
-"""Runs all peers and stickslip in turn, prints one table, writes docs/measured/peers.json."""
+"""Runs all peers and stickslip in turn, prints one table, writes it for the pages."""
 
 from __future__ import annotations
 
@@ -10,10 +10,9 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
-from measure import MEASURED, cpu_seconds_in_turn, pin, saved
+from measure import add_out, cpu_seconds_in_turn, pin, saved
 
 import stickslip
 from peers import stickslip_side
@@ -211,7 +210,7 @@ def show(rows: list[dict]) -> None:
 def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m bench peers", description=__doc__)
     parser.add_argument("--repeats", type=int, default=5)
-    parser.add_argument("--out", type=Path, default=MEASURED / "peers.json")
+    add_out(parser, "peers")
     parser.add_argument(
         "--shaken", action="store_true", help="print a block on a shaken surface, and nothing else"
     )

@@ -17,7 +17,8 @@ from typing import Any
 
 from cases.axis import case as axis
 from cases.tanks import case as tanks
-from measure import MEASURED, saved
+from measure import add_out, saved
+from stale import digest
 
 from . import impacts, robots, slider
 from .flights import read_drops
@@ -84,7 +85,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m bench real", description=__doc__)
     parser.add_argument("sets", nargs="*", metavar="SET", help=", ".join(NAMES))
     parser.add_argument("--drops", type=Path, default=DROPS, help="CSV of drops")
-    parser.add_argument("--out", type=Path, default=MEASURED / "real.json")
+    add_out(parser, "real")
     options = parser.parse_args(arguments)
     for name in options.sets:
         if name not in NAMES:
@@ -101,7 +102,7 @@ def main(arguments: list[str] | None = None) -> int:
                     wrong |= made.judgement.startswith("wrong")
                     print(text(made), flush=True)
                     key = f"{made.set}, listed: {made.listed}"
-                    found[key] = asdict(made)
+                    found[key] = {**asdict(made), "golden": digest()}
                     saved(options.out, "real", {"rows": found}, said=False)
     except (OSError, ValueError) as error:
         print(error, file=sys.stderr)

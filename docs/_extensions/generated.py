@@ -12,6 +12,7 @@ from blind import own, scoring, study
 from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
+from stale import VERDICTS, stale
 
 from stickslip import _core, effects
 from stickslip.cli.commands import loaded, stickslip
@@ -23,6 +24,8 @@ MEASURED = Path(__file__).parents[1] / "measured"
 STUDIES = {"own": (study.HERE / "study" / "own.jsonl", own.tables),
            "walkers": (study.HERE / "study" / study.RECORD, scoring.table),
            "laws": (study.HERE / "laws" / study.RECORD, scoring.table)}  # fmt: skip
+OF_VERDICTS = {"real.json": "rows", "planned.json": "rows", "untold.json": "kinds"}
+"""Files with figures of the diagnosis, and where their rows are."""
 
 
 def _markdown_table(header: list[str], rows: list[list[str]]) -> str:
@@ -172,7 +175,8 @@ class BenchResults(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         path = MEASURED / self.arguments[0]
-        self.env.note_dependency(str(path))
+        for each in (path, VERDICTS):
+            self.env.note_dependency(str(each))
         results = json.loads(path.read_text())
         tables = {
             "speed.json": _bench,
@@ -182,8 +186,9 @@ class BenchResults(SphinxDirective):
             "untold.json": _untold,
             "planned.json": _planned,
         }
-        table = tables[path.name]
-        parsed = self.parse_text_to_nodes(f"{table(results)}\n\n{_origin(results)}")
+        rows = results[OF_VERDICTS[path.name]].values() if path.name in OF_VERDICTS else []
+        parts = [*stale(rows), tables[path.name](results), _origin(results)]
+        parsed = self.parse_text_to_nodes("\n\n".join(parts))
         return [nodes.container("", *parsed, classes=["measured"])]
 
 
@@ -195,7 +200,9 @@ class Study(SphinxDirective):
     def run(self) -> list[nodes.Node]:
         path, tables = STUDIES[self.arguments[0]]
         self.env.note_dependency(str(path))
-        parsed = self.parse_text_to_nodes(tables(list(study.lines(path))))
+        self.env.note_dependency(str(VERDICTS))
+        rows = list(study.lines(path))
+        parsed = self.parse_text_to_nodes("\n\n".join([*stale(rows), tables(rows)]))
         return [nodes.container("", *parsed, classes=["measured"])]
 
 

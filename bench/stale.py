@@ -1,0 +1,32 @@
+"""Whether stored figures of the diagnosis are those of the present engine.
+
+Each row states the golden verdicts of the engine that made it. Where they are others now, or none
+are stated, the command that shows the rows says so.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+VERDICTS = Path(__file__).resolve().parents[1] / "tests" / "frozen" / "verdicts.jsonl"
+
+
+def digest() -> str:
+    """Of the golden verdicts: the first 12 hex digits of their SHA-256."""
+    return hashlib.sha256(VERDICTS.read_bytes()).hexdigest()[:12]
+
+
+def stale(rows: Iterable[Mapping[str, Any]]) -> list[str]:
+    """The line that marks rows of another engine; none where all are of the present one.
+
+    The golden verdicts of a row are its ``golden``, or that of its ``state``.
+    """
+    present, stated = digest(), [row.get("state", row).get("golden") for row in rows]
+    old = sum(each != present for each in stated)
+    if not old:
+        return []
+    whose = f"the golden verdicts of the present engine, {present}"
+    return [f"stale: {old} of {len(stated)} rows do not state {whose}"]
