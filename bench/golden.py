@@ -8,7 +8,6 @@ stored file anew, and prints what a commit of it has to list. The status is 1 wh
 from __future__ import annotations
 
 import argparse
-import hashlib
 import json
 import math
 import os
@@ -22,10 +21,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from problems import PROBLEMS, ROOT
+from stale import VERDICTS
 
 import stickslip
 
-FILE = ROOT / "tests" / "frozen" / "verdicts.jsonl"
 VARIES = ("version",)
 """Keys that tell of the package and not of the data."""
 MOST = 6
@@ -163,13 +162,8 @@ def answers(package: Path, names: Sequence[str], threads: int, jobs: int) -> dic
 
 def stored() -> dict[str, Any]:
     """The stored numbers by problem."""
-    lines = FILE.read_text().splitlines() if FILE.exists() else []
+    lines = VERDICTS.read_text().splitlines() if VERDICTS.exists() else []
     return {each["name"]: each["numbers"] for each in map(json.loads, lines)}
-
-
-def digest() -> str:
-    """Twelve digits that change with the stored file."""
-    return hashlib.sha256(FILE.read_bytes()).hexdigest()[:12]
 
 
 def _verdict(said: dict[str, Any] | None) -> str:
@@ -232,7 +226,7 @@ def main() -> int:
     count = compared(old, now, exact=options.renew, most=3 if options.renew else None)
     if options.renew:
         kept = {**before, **now}
-        FILE.write_text("".join(
+        VERDICTS.write_text("".join(
             json.dumps({"name": name, "numbers": kept[name]}, separators=(",", ":")) + "\n"
             for name in PROBLEMS if name in kept
         ))  # fmt: skip
