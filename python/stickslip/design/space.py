@@ -151,14 +151,20 @@ def made_space(
     knots: int | None,
     coils: Sequence[str],
     volts: float | None,
+    either_way: bool = False,
 ) -> Space:
-    """The checked search space; `volts` is the limit on the voltages."""
+    """The checked search space; `volts` is the limit on the voltages.
+
+    With `either_way` a sawtooth is tried in both directions unless its direction is stated.
+    """
     if not free and knots is None:
         raise ScenarioError("nothing is free: allowed are keys with a range, or knots, or both")
     by_name = Changes(free)
     names: tuple[str, ...] = ()
     if knots is None:
         refuse_sawtooth(scenario.drive.mode, by_name)
+        if either_way and scenario.drive.mode in ("IPP", "OPP"):
+            by_name = Changes({"drive.direction": ["+x", "-x"], **by_name})
     else:
         _check_waveform(scenario, by_name, knots, volts)
         names = tuple(COIL_NAMES[k] for k in coil_places(coils))
