@@ -16,7 +16,7 @@ from stickslip.design.goal import DRAGGED, WALKING, Goal, best_first, made_goal
 from stickslip.design.optimum import ABOUT, COMPARED, Optimum, SearchInterrupted
 from stickslip.design.sawtooth import POINTS, sawtooths
 from stickslip.design.search import search
-from stickslip.design.space import Space, Values, made_space
+from stickslip.design.space import WAY, Space, Values, made_space
 from stickslip.errors import ScenarioError
 from stickslip.scenario.changes import Changes
 from stickslip.scenario.keys import RECORD_RATE, find_key
@@ -226,12 +226,26 @@ class _Design:
                 f"limits: none of the {tried} is within all in every draw; the nearest has "
                 + ", ".join(goal.passed(nearest))
             )
-        if goal.figure in {*FROM_AXES, *VELOCITIES}:
-            back = -goal.sign * table.query("exceeding == 0")["mean"]
-            self.other_way = max(0.0, float(back.max()))
         # The best are so by luck, in part; the centres are less.
         leading = [*order[:LEADERS], *range(len(table) - centres, len(table))]
-        return table.loc[leading].query("exceeding == 0")
+        leaders = pd.concat([table.loc[leading], *self._turned(table)], ignore_index=True)
+        return leaders.query("exceeding == 0")
+
+    def _turned(self, table: pd.DataFrame) -> list[pd.DataFrame]:
+        """The fastest drive the wrong way, turned round, where it is faster than the best."""
+        if self._goal.figure not in {*FROM_AXES, *VELOCITIES} or self.best is None:
+            return []
+        back = -self._goal.sign * table.query("exceeding == 0")["mean"]
+        self.other_way = max(0.0, float(back.max()))
+        ways = {arm[WAY] for arm in self._space.arms if WAY in arm}
+        if len(ways) < 2 or self.other_way <= self._goal.sign * self.best["mean"]:
+            return []
+        values = table["values"][back.idxmax()]
+        (other,) = ways - {values[WAY]}
+        self.runs += len(self._searching)
+        turned = self._judged([{**values, WAY: other}], "searching")
+        self.other_way *= bool(turned["exceeding"][0])
+        return [turned]
 
     def compare(self, leaders: pd.DataFrame) -> None:
         """Choose among the leaders in draws of their own, and judge the best in others."""

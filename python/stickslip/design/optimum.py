@@ -109,7 +109,7 @@ class Optimum(OneLine):
     goal : Goal
     other_way : float
         Where the figure is a velocity, the greatest mean of a drive of the search that is within
-        the limits and goes against what is asked; else 0.
+        the limits and goes against what is asked; 0 without one, or once it was turned round.
     origin : {"search", "sawtooth"}
         Whose drive is the best.
     moves : int

@@ -30,6 +30,8 @@ from stickslip.simulation.note_table import STEADY_PULSES
 Values = Mapping[str, Value]
 """The free values of a drive: words and numbers by key, and knots such as "xp 3", V."""
 
+WAY = "drive.direction"
+
 _DECADE = 10.0  # ratio of the ends of a range that is searched in its logarithm
 _OF_A_PROGRAM = ("drive.frequency", "drive.ramp")  # what a free waveform uses of a sawtooth
 _MOST_KNOTS = 200  # of a coil; chosen: far more than a search of some thousand runs can place
@@ -164,7 +166,7 @@ def made_space(
     if knots is None:
         refuse_sawtooth(scenario.drive.mode, by_name)
         if either_way and scenario.drive.mode in ("IPP", "OPP"):
-            by_name = Changes({"drive.direction": ["+x", "-x"], **by_name})
+            by_name = Changes({WAY: ["+x", "-x"], **by_name})
     else:
         _check_waveform(scenario, by_name, knots, volts)
         names = tuple(COIL_NAMES[k] for k in coil_places(coils))
