@@ -11,6 +11,7 @@ import stickslip.design.optimise as module
 from helpers import HELD
 from measured_maps import formula_map, with_map
 from stickslip import Coils, Drive, Scenario, ScenarioError, load, optimise, simulate
+from stickslip.design.goal import DRAGGED
 from stickslip.design.sawtooth import GRID
 from stickslip.design.space import Space, drive_waveform
 
@@ -153,6 +154,54 @@ def test_the_drive_that_is_written_walks(few, robot, tmp_path):
     assert not robot or "it hops and does not walk" in hop.summary()
 
 
+@pytest.mark.parametrize(
+    "robot",
+    [
+        {},
+        {"coil.side": 40e-3, "coil.distance": 30e-3},
+        {"coil.side": 80e-3, "coil.distance": 50e-3, "coil.turns": 300},
+    ],
+    ids=["default", "near coils", "large coils"],
+)
+def test_no_drive_drags_unless_that_is_allowed(few, robot):
+    start = START.replace({"drive.peak": 4e-3, **robot}).with_uncertain(SURFACE)
+    free = {"drive.peak": (1.1e-3, 8e-3), "drive.base": (-1e-3, 1e-3)}
+    walk, drag = (
+        optimise(start, maximise="mean_velocity", free=free, allow_pull=pull, **LITTLE)
+        for pull in (False, True)
+    )
+    for draw in module._drawn(start, LITTLE["draws"], [0, 0]):  # those of the search
+        run = simulate(draw.replace({**walk.values, "record.pull_share": "yes"}))
+        assert run.pull_share <= DRAGGED["pull_share"]
+    assert walk.run.pull_share < 0.5 < 1.0 < drag.run.pull_share
+    (row,) = [line for line in walk.summary().splitlines() if line.startswith("start")]
+    assert row.endswith(", dragged")
+    for found, noted in ((walk, set()), (drag, {"dragged"})):
+        assert {"dragged", "pulled"} & {note.code for note in found.run.notes} == noted
+
+
+def test_the_better_way_is_found_or_told_where_the_direction_is_stated(few):
+    # It slides back: test_run_notes.py.
+    start = START.replace({"drive.mode": "OPP", "drive.peak": 1.5e-3, "drive.frequency": 60.0})
+    free = {"drive.hold": (0.8e-3, 1.2e-3)}
+    either, forward, along = (
+        optimise(start, maximise=figure, free={**free, **words}, **LITTLE)
+        for figure, words in (
+            ("mean_velocity", {}),
+            ("mean_velocity", {"drive.direction": ["+x"]}),
+            ("velocity_along", {}),
+        )
+    )
+    assert either.values["drive.direction"] == "-x"
+    assert either.run.mean_velocity > 0.0 > either.run.velocity[0]
+    assert "backward, against drive.direction" in either.summary()
+    assert "the other way" not in either.summary()
+    for found in (forward, along):
+        assert found.scenario.drive.direction == "+x"
+        assert found.other_way > abs(found.search["mean"])
+        assert "the other way a drive that was tried" in found.summary()
+
+
 def test_the_fastest_drives_without_limits_of_walking_get_the_note_on_flight():
     start = Scenario(drive=Drive(frequency=390.0, pulses=78))
     knots = {f"{coil} {k}": v for coil, each in FAST_KNOTS.items() for k, v in enumerate(each, 1)}
@@ -168,11 +217,13 @@ def test_the_limits_of_walking_are_stated_replaced_and_removed(few):
         optimise(START, **WALK, **LITTLE, **more).as_dict()
         for more in ({}, {"limits": {"airborne_fraction": 0.5}}, {"allow_flight": True})
     )
-    assert found["limits"] == {"airborne_fraction": 0.2, "tilt_max": 1.5}
-    assert found["default_limits"] == ["airborne_fraction", "tilt_max"]
-    assert own["limits"] == {"airborne_fraction": 0.5, "tilt_max": 1.5}
-    assert own["default_limits"] == ["tilt_max"]
-    assert without["limits"] == {}
+    assert found["limits"] == {"airborne_fraction": 0.2, "tilt_max": 1.5, **DRAGGED}
+    assert found["default_limits"] == ["airborne_fraction", "tilt_max", "pull_share"]
+    assert own["limits"] == {"airborne_fraction": 0.5, "tilt_max": 1.5, **DRAGGED}
+    assert own["default_limits"] == ["tilt_max", "pull_share"]
+    assert without["limits"] == DRAGGED
+    still = START.replace({"inner.mass": 1e-9})  # of which no share is known
+    assert "pull_share" not in optimise(still, **WALK, **LITTLE).as_dict()["limits"]
 
 
 def test_where_nothing_walks_the_error_names_the_default_limit():
@@ -251,7 +302,8 @@ def test_of_search_and_sawtooth_the_better_is_taken(few, monkeypatch):
     monkeypatch.setattr("stickslip.design.sawtooth.GRID", faster)
     found = optimise(START, **sized, evaluations=1)
     assert found.origin == "sawtooth"
-    assert {*found.values} == {*sized["free"]} == {*found.landscape["name"]}
+    assert {*found.landscape["name"]} == {*sized["free"]}
+    assert {*found.values} == {"drive.direction", *sized["free"]}
 
 
 def test_a_sawtooth_beside_a_free_waveform_is_taken_as_a_program(few):
@@ -279,7 +331,7 @@ def test_no_neighbour_within_the_limits_is_better(few):
     (about,) = found.landscape.to_dict("records")
     within = np.array(about["scores"])[about["feasible"]]
     assert within.max() == found.search["score"] <= 2.1e-3
-    assert about["kind"] == "slope at a limit"
+    assert about["kind"] == "at a limit"
     assert found.scenario.drive.peak > START.drive.peak
 
 
@@ -356,7 +408,7 @@ def test_words_alone_and_a_map_are_written(few, tmp_path):
     start = with_map(formula_map()).replace({"drive.base": 0.5e-3, "drive.pulses": 6})
     found = optimise(start, maximise="mean_velocity", free={"drive.edge": ["rise", "fall"]},
                      evaluations=20)  # fmt: skip
-    assert found.runs == 2
+    assert found.runs == 4  # either way
     assert found.landscape.empty
     found.save_report(tmp_path)
     assert {each.name for each in tmp_path.iterdir()} == {*found.files}

@@ -42,8 +42,8 @@ def test_a_pulsed_drive_is_the_same_as_a_program(changes):
 def test_a_score_is_on_the_bad_side(score, maximised, minimised):
     values = np.arange(11.0).reshape(1, 11, 1)
     goals = {
-        maximised: made_goal("power_mean", None, score, {}, False),
-        minimised: made_goal(None, "power_mean", score, {}, False),
+        maximised: made_goal("power_mean", None, score, {}, {}),
+        minimised: made_goal(None, "power_mean", score, {}, {}),
     }
     for expected, goal in goals.items():
         assert goal.table(values)["score"][0] == pytest.approx(expected)
@@ -51,7 +51,7 @@ def test_a_score_is_on_the_bad_side(score, maximised, minimised):
 
 
 def test_failures_rank_behind_what_passes_a_limit_and_that_behind_what_does_not():
-    goal = made_goal("mean_velocity", None, "worst", {"voltage_max": 26.0}, False)
+    goal = made_goal("mean_velocity", None, "worst", {"voltage_max": 26.0}, {})
     back = Waveform.hold(0.1, {"yp": 20.0}) + Waveform.hold(0.2, {"yp": -20.0})
     drives = [
         {"drive.mode": "program", "drive.program": back},  # the heading is lost
@@ -73,7 +73,7 @@ def test_failures_rank_behind_what_passes_a_limit_and_that_behind_what_does_not(
 
 def test_a_least_value_is_a_limit_from_below():
     speed, field = "mean_velocity", "field_max"
-    goal = made_goal(None, "power_mean", "worst", {speed: 5.0}, False, {speed: 2.0, field: 0.0})
+    goal = made_goal(None, "power_mean", "worst", {speed: 5.0}, {}, {speed: 2.0, field: 0.0})
     # The figure, the speed for both its limits, the field.
     fine, slow, fast = [5.0, 3.0, 3.0, 1.0], [1.0, 1.5, 1.5, 1.0], [1.0, 6.0, 6.0, 0.0]
     table = goal.table(np.array([[fine, fine], [fine, slow], [fast, fine]]))
@@ -102,7 +102,7 @@ def test_a_weaker_drive_that_still_walks_is_found():
 
 
 def test_one_draw_that_fails_or_passes_a_limit_counts():
-    goal = made_goal("mean_velocity", None, "mean", {"voltage_max": 10.0}, False)
+    goal = made_goal("mean_velocity", None, "mean", {"voltage_max": 10.0}, {})
     fine, over, lost = [[1.0, 9.0]] * 3, [[1.0, 9.0], [1.0, 12.0], [2.0, 9.0]], [[1.0, 9.0]] * 2
     lost += [[math.nan, math.nan]]
     table = goal.table(np.array([fine, over, lost]))
@@ -120,7 +120,7 @@ def test_a_drive_that_makes_no_scenario_is_told_as_a_failure():
 
 def test_every_sawtooth_of_the_grid_is_as_strong_as_the_limit_allows():
     limit = 1.5e-3
-    goal = made_goal("mean_velocity", None, "mean", {"field_max": limit}, False)
+    goal = made_goal("mean_velocity", None, "mean", {"field_max": limit}, {})
     space = space_of(
         {
             "drive.peak": (1e-3, 20e-3),
@@ -152,7 +152,7 @@ def test_a_sawtooth_of_the_grid_changes_what_is_free_only(knots):
     if knots is None:
         free |= {"drive.edge": ["rise", "fall"], "drive.hold": (0.6e-3, 1.5e-3)}
     coils = ("xp", "clamp")
-    goal = made_goal("mean_velocity", None, "mean", {}, False)
+    goal = made_goal("mean_velocity", None, "mean", {}, {})
     points = sawtooths(space_of(free, knots=knots, coils=coils), goal, np.empty((1, 1)), None)
     varied = {key: {each[key] for each in points} for key in points[0]}
     assert sorted(varied["drive.frequency"]) == pytest.approx([60.0, 90.9, 100.0])
@@ -202,25 +202,26 @@ def test_a_free_waveform_begins_as_the_start_drives():
 
 def about(space, values, score, **limits):
     """The landscape about a drive by a function to its score, by kind; and the table."""
-    goal = made_goal("power_mean", None, "mean", limits, False)
+    goal = made_goal("power_mean", None, "mean", limits, {})
     drives = [values, *neighbours(space, values)]
     scores = np.array([score(each) for each in drives])
     table = goal.table(np.repeat(scores[:, None, None], 1 + len(limits), axis=2))
     return pd.DataFrame(landscape(space, goal, drives, table)).set_index("name")
 
 
-def test_the_landscape_tells_a_peak_from_a_plateau():
-    space = space_of({"drive.frequency": (50.0, 100.0), "drive.hold": (1e-3, 2e-3)})
-    # Falls by a quarter at a twentieth of the range of the frequency, and not at all with hold.
-    found = about(
-        space, space.values(0, 0.5, 1.0), lambda each: 1.0 - 0.1 * abs(each["drive.frequency"] - 75)
+def test_the_landscape_tells_a_peak_from_a_plateau_and_an_end_first():
+    space = space_of(
+        {"drive.frequency": (50.0, 100.0), "drive.hold": (1e-3, 2e-3), "drive.ramp": (0.1, 0.2)}
     )
-    assert found["kind"].tolist() == ["peak", "plateau"]
-    assert found["loss"].tolist() == pytest.approx([0.25, 0.0])
-    assert found["at_end"].tolist() == ["", "high"]
-    assert found["best"].tolist() == pytest.approx([75.0, 2e-3])
+    # Falls by a quarter at a twentieth of the range of the frequency, and not at all with others.
+    best = space.values(0, 0.5, 1.0, 0.5)
+    found = about(space, best, lambda each: 1.0 - 0.1 * abs(each["drive.frequency"] - 75))
+    assert found["kind"].tolist() == ["peak", "at a limit", "plateau"]
+    assert found["loss"].tolist() == pytest.approx([0.25, 0.0, 0.0])
+    assert found["at_end"].tolist() == ["", "high", ""]
+    assert found["best"].tolist() == pytest.approx([75.0, 2e-3, 0.15])
     assert max(found["values"]["drive.hold"]) == 2e-3
-    assert list(map(len, found["scores"])) == [9, 5]
+    assert list(map(len, found["scores"])) == [9, 5, 9]
 
 
 def test_a_failure_nearby_is_a_peak():
@@ -232,19 +233,19 @@ def test_a_failure_nearby_is_a_peak():
 
 
 @pytest.mark.parametrize("limit", [1.01, 1.04])
-def test_the_landscape_tells_a_slope_at_a_limit(limit):
+def test_the_landscape_tells_a_number_at_a_limit(limit):
     # The score is the place and a half. A twentieth of the range is 5 % of a score of one.
     space = space_of({"drive.hold": (1e-3, 2e-3)})
     found = about(
         space, space.values(0, 0.5), lambda each: 1e3 * each["drive.hold"] - 0.5, power_mean=limit
     )
-    assert found["kind"].tolist() == ["slope at a limit"]
+    assert found["kind"].tolist() == ["at a limit"]
     within = np.array(found["scores"].iloc[0])[found["feasible"].iloc[0]]
     assert within.max() == pytest.approx(1.0 if limit == 1.01 else 1.02)
 
 
 def test_the_velocity_along_a_heading_can_be_a_goal():
-    goal = made_goal("velocity_along", None, "mean", {}, False)
+    goal = made_goal("velocity_along", None, "mean", {}, {})
     assert goal.unit == "m/s"
     run = simulate(START.replace({"drive.heading": 1.5}))
     assert goal.numbers(run) == [run.velocity[0]]

@@ -13,14 +13,17 @@ from stickslip.simulation.note import CODES, MOST_SHOWN, by_seriousness, shown_l
 from stickslip.simulation.note_table import TABLE
 
 LIMITS = {
-    row["code"]: (row["value"], float(row["when"][0].split()[-1]))
+    row["code"]: (row["value"], float(condition.split()[-1]))
     for row in TABLE["notes"]
-    if "many" in row
+    for condition in row["when"]
+    if "many" in row and condition.startswith(row["value"])
 }
 REST, FEWEST_PULSES = 1e-3, 20
 
 FIRST = {"drive.base": 0.5e-3}  # the first example of the documentation
 PAIRS = {**FIRST, "drive.coils": "pairs"}
+# Friction holds less than the gradient pulls for most of a pulse.
+DRAGGED = {"drive.peak": 4e-3, "drive.base": 2e-3, "record.pull_share": "yes"}
 # Its peaks of speed are hops.
 HOPPER = {
     "robot.length": 0.4e-3, "robot.width": 0.25e-3, "robot.height": 0.15e-3, "drive.mode": "OPP",
@@ -137,6 +140,7 @@ ADVICE = {
         {**HOPPER, "drive.frequency": 115.0},
         lambda s, _: s.replace({"drive.base": 0.5 * (s.drive.base + s.drive.peak)}),
     ),
+    "dragged": (DRAGGED, lambda s, _: s.replace({"drive.coils": "pairs"})),
     "pulled": (FIRST, lambda s, _: s.replace({"drive.coils": "pairs"})),
     "field-change": (
         {**FIRST, "drive.pulses": 2000},

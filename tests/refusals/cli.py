@@ -235,7 +235,7 @@ REFUSALS = [
     ("optimise", "--limit voltage_max=26V", "without its unit"),
     ("optimise", "--limit voltage_max=26 --limit voltage_max=20", "there twice"),
     ("optimise", "--limit voltage_max=-1 --free drive.hold=1e-3:2e-3", "the nearest has"),
-    ("optimise", "--limit airborne_fraction=0 --free drive.hold=1e-3:2e-3", "of 0"),
+    ("optimise", "--limit power_mean=0 --free drive.hold=1e-3:2e-3", "of 0"),
     ("optimise", f"{HOPS} --free drive.peak=2.4e-3:2.5e-3", "--allow-flight"),
     ("optimise", "--knots 8", "voltage_max"),
     ("optimise", "--knots 201 --limit voltage_max=26", "from 2 to 200"),

@@ -22,9 +22,10 @@ from stickslip.errors import ScenarioError, prefixed
     help="""Find the drive of a SCENARIO (a TOML file) that is best under limits.
 
     Uncertain parameters are drawn, the same draws for every drive, and a limit has to hold in all
-    of them. The drive has to walk: at most 20 % of the time in flight, and never upright, unless
-    --allow-flight or a limit of yours says otherwise. The result is compared with the start and
-    with the best sawtooth of a grid, on fresh draws; the better of search and sawtooth is written.
+    of them. The drive has to walk: at most 20 % of the time in flight, never upright, and pulled
+    by the gradient with at most 40 % of what friction could hold, unless --allow-flight,
+    --allow-pull or a limit of yours says otherwise. The result is compared with the start and with
+    the best sawtooth of a grid, on fresh draws; the better of search and sawtooth is written.
     Without uncertain parameters the scenario is the one draw.
 
     Fields of the drive, such as drive.peak, are those of a voltage held for ever; in a fast pulse
@@ -43,8 +44,8 @@ Examples:
 @click.option(
     "--maximise",
     metavar="FIGURE",
-    help="A number of the summary, as large as may be. mean_velocity is along x, velocity_along "
-    "along the heading of the drive.",
+    help="A number of the summary, as large as may be. mean_velocity is along x, for which both "
+    "directions of a sawtooth are tried; velocity_along is along the heading of the drive.",
 )
 @click.option("--minimise", metavar="FIGURE", help="The same, as small as may be.")
 @options.pairs(
@@ -65,6 +66,11 @@ Examples:
     "--allow-flight",
     is_flag=True,
     help="Drop the default limits of walking, airborne_fraction=0.2 and tilt_max=1.5 (rad).",
+)
+@click.option(
+    "--allow-pull",
+    is_flag=True,
+    help="Drop the default limit of being dragged, pull_share=0.4; a run takes half as long then.",
 )
 @options.pairs(
     "--free",

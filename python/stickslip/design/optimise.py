@@ -12,15 +12,17 @@ import pandas as pd
 
 from stickslip._util.arrays import Array, worker_count
 from stickslip._util.messages import check_kind, check_whole
-from stickslip.design.goal import Goal, best_first, made_goal
+from stickslip.design.goal import DRAGGED, WALKING, Goal, best_first, made_goal
 from stickslip.design.optimum import ABOUT, COMPARED, Optimum, SearchInterrupted
 from stickslip.design.sawtooth import POINTS, sawtooths
 from stickslip.design.search import search
-from stickslip.design.space import Space, Values, made_space
+from stickslip.design.space import WAY, Space, Values, made_space
 from stickslip.errors import ScenarioError
+from stickslip.scenario.changes import Changes
 from stickslip.scenario.keys import RECORD_RATE, find_key
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.quantities import ASKED
+from stickslip.simulation.seen_from_drive import FROM_AXES, VELOCITIES
 from stickslip.simulation.simulate import Progress, check_progress, simulate, simulate_batch
 
 LEADERS = 24
@@ -31,7 +33,8 @@ OFFSETS = (-0.2, -0.1, -0.05, -0.02, 0.02, 0.05, 0.1, 0.2)
 
 NEAR, LOSS, RISE = 0.05, 0.1, 0.01
 """Within the part `NEAR` of a range (as well as a lab repeats a setting) a peak loses more than the
-part `LOSS` of the score, and a slope at a limit gains more than `RISE` beyond it. All chosen."""
+part `LOSS` of the score, and what is held by a limit gains more than `RISE` beyond it. All
+chosen."""
 
 _MOST_MOVES = 4  # chosen: each costs a whole landscape
 
@@ -45,6 +48,7 @@ def optimise(
     limits: Mapping[str, float] | None = None,
     at_least: Mapping[str, float] | None = None,
     allow_flight: bool = False,
+    allow_pull: bool = False,
     knots: int | None = None,
     coils: Sequence[str] = ("xp", "clamp"),
     score: str = "q10",
@@ -72,7 +76,9 @@ def optimise(
         heading; one of the two.
     free : mapping, optional
         By key ``(low, high)`` of a number, or a list of words, each combination of which is a
-        restart. A positive range of a decade or more is searched in its logarithm. With
+        restart. A positive range of a decade or more is searched in its logarithm. Of a velocity
+        along an axis both words of ``drive.direction`` are tried unless it is here: the robot may
+        be faster backward. With
         ``drive.frequency`` the pulses change too, to at least four, so that all drives last as
         long as the start.
     limits : mapping, optional
@@ -82,7 +88,10 @@ def optimise(
     at_least : mapping, optional
         Least values of such numbers, as ``{"mean_velocity": 1e-3}``.
     allow_flight : bool
-        Leaves out the default limits: ``airborne_fraction`` 0.2 and ``tilt_max`` 1.5 rad.
+        Leaves out the default limits ``airborne_fraction`` 0.2 and ``tilt_max`` 1.5 rad.
+    allow_pull : bool
+        Leaves out the default limit ``pull_share`` 0.4, for which a simulation takes about twice as
+        long. A robot with a mass inside has no such share.
     knots : int, optional
         Makes the drive a periodic voltage program, linear between so many knots of each coil, which
         needs a limit on ``voltage_max``. It is measured over all of its time, and so are start and
@@ -120,13 +129,17 @@ def optimise(
     for name, given in {"free": free, "limits": limits, "at_least": at_least}.items():
         check_kind(name, given, Mapping)
     check_progress(progress)
-    goal = made_goal(maximise, minimise, score, limits, not allow_flight, at_least)
+    defaults = ({} if allow_flight else WALKING) | (
+        {} if allow_pull or _holds_mass(scenario, free) else DRAGGED
+    )
+    goal = made_goal(maximise, minimise, score, limits, defaults, at_least)
     named = {goal.figure, *goal.limits, *goal.at_least} & {*ASKED}
     scenario = scenario.replace({ASKED[name]: "yes" for name in named})
     for name, count in {"draws": draws, "fresh": fresh, "evaluations": evaluations}.items():
         check_whole(name, count, 1)
     check_whole("seed", seed)
-    space = made_space(scenario, free, knots, coils, limits.get("voltage_max"))
+    either_way = bool(FROM_AXES.keys() & {goal.figure, *at_least})
+    space = made_space(scenario, free, knots, coils, limits.get("voltage_max"), either_way)
     streams = [_drawn(scenario, n, [seed, k]) for k, n in enumerate((draws, fresh, fresh, ABOUT))]
     design = _Design(space, goal, streams, worker_count(threads, "threads"), progress)
     try:
@@ -138,6 +151,12 @@ def optimise(
     best = design.optimum(seed, interrupted=False)
     assert best is not None  # or the search has raised
     return best
+
+
+def _holds_mass(scenario: Scenario, free: Mapping[str, Any]) -> bool:
+    """Whether there is a mass inside in some run, of which `pull_share` is not known."""
+    uncertain = () if scenario.uncertain is None else scenario.uncertain.names
+    return scenario.inner.mass > 0.0 or "inner.mass" in {*Changes(free), *uncertain}
 
 
 def _drawn(scenario: Scenario, count: int, seeds: list[int]) -> list[Scenario]:
@@ -171,7 +190,7 @@ class _Design:
         self.compared: dict[str, Array] = {}
         self.sawtooth: Values | None = None
         self.landscape: list[dict[str, Any]] = []
-        self.origin, self.moves, self.runs = "search", 0, 0
+        self.origin, self.moves, self.runs, self.other_way = "search", 0, 0, 0.0
 
     def search(self, evaluations: int, seed: int) -> pd.DataFrame:
         """The leaders within the limits: rows of a table in the draws of the search."""
@@ -209,7 +228,24 @@ class _Design:
             )
         # The best are so by luck, in part; the centres are less.
         leading = [*order[:LEADERS], *range(len(table) - centres, len(table))]
-        return table.loc[leading].query("exceeding == 0")
+        leaders = pd.concat([table.loc[leading], *self._turned(table)], ignore_index=True)
+        return leaders.query("exceeding == 0")
+
+    def _turned(self, table: pd.DataFrame) -> list[pd.DataFrame]:
+        """The fastest drive the wrong way, turned round, where it is faster than the best."""
+        if self._goal.figure not in {*FROM_AXES, *VELOCITIES} or self.best is None:
+            return []
+        back = -self._goal.sign * table.query("exceeding == 0")["mean"]
+        self.other_way = max(0.0, float(back.max()))
+        ways = {arm[WAY] for arm in self._space.arms if WAY in arm}
+        if len(ways) < 2 or self.other_way <= self._goal.sign * self.best["mean"]:
+            return []
+        values = table["values"][back.idxmax()]
+        (other,) = ways - {values[WAY]}
+        self.runs += len(self._searching)
+        turned = self._judged([{**values, WAY: other}], "searching")
+        self.other_way *= bool(turned["exceeding"][0])
+        return [turned]
 
     def compare(self, leaders: pd.DataFrame) -> None:
         """Choose among the leaders in draws of their own, and judge the best in others."""
@@ -254,10 +290,11 @@ class _Design:
         if fresh:
             table = self._goal.table(np.array(list(fresh.values()))).set_axis(list(fresh))
         scenario = self._space.start.replace(self._space.changes(self.best["values"]))
+        asked = {} if scenario.inner.mass > 0.0 else dict.fromkeys(ASKED.values(), "yes")
         return Optimum(
             scenario=scenario,
             start=self._space.start,
-            run=simulate(scenario.replace({RECORD_RATE: "none"})),
+            run=simulate(scenario.replace({RECORD_RATE: "none", **asked})),
             table=table,
             fresh=pd.DataFrame({name: scores[:, 0] for name, scores in fresh.items()}),
             search=self.best.drop(["values", "sawtooth"], errors="ignore"),
@@ -265,6 +302,7 @@ class _Design:
             sawtooth=None if self.sawtooth is None else dict(self.sawtooth),
             landscape=pd.DataFrame(self.landscape),
             goal=self._goal,
+            other_way=self.other_way,
             origin=self.origin,
             moves=self.moves,
             runs=self.runs,
@@ -347,8 +385,8 @@ def landscape(
 ) -> list[dict[str, Any]]:
     """The score along each free number: of the best drive, the first, and its neighbours.
 
-    A number is on a slope at a limit if more than `RISE` is gained within `NEAR` where a limit does
-    not hold, or may be beyond the end of its range; else on a peak, if more than `LOSS` is lost.
+    A number is at a limit if it is at an end of its range, or if more than `RISE` is gained within
+    `NEAR` where a limit does not hold; else on a peak, if more than `LOSS` is lost.
     """
     rows = []
     for name in space.ranges:
@@ -362,15 +400,13 @@ def landscape(
         lost = goal.sign * (score - near["score"]) / (abs(score) or 1.0)
         loss = float(lost.fillna(math.inf).max())
         end = "low" if coordinate < 0.01 else "high" if coordinate > 0.99 else ""
-        beyond = bool((lost < -RISE)[near["exceeding"] > 0].any())
-        steep = loss > LOSS
-        limited = beyond or (steep and end)
+        limited = end or bool((lost < -RISE)[near["exceeding"] > 0].any())
         rows.append(
             {
                 "name": name,
                 "unit": "V" if " " in name else find_key(name).unit,
                 "best": values[0],
-                "kind": "slope at a limit" if limited else "peak" if steep else "plateau",
+                "kind": "at a limit" if limited else "peak" if loss > LOSS else "plateau",
                 "loss": loss,
                 "at_end": end,
                 "values": along["value"].tolist(),

@@ -20,13 +20,14 @@ from stickslip._util import palette, units
 from stickslip._util.files import text_writer, write_together
 from stickslip._util.picture import RC, Picture, legend_above
 from stickslip._util.text import OneLine
-from stickslip.design.goal import Goal
+from stickslip.design.goal import DRAGGED, Goal
 from stickslip.design.space import drive_waveform
 from stickslip.scenario.keys import COIL_NAMES, RECORD_RATE, Value, find_key
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.toml_file import held_writers, scenario_text
 from stickslip.simulation.note import shown_lines
 from stickslip.simulation.run import Run
+from stickslip.simulation.seen_from_drive import FROM_AXES
 from stickslip.simulation.simulate import simulate
 
 if TYPE_CHECKING:
@@ -102,10 +103,13 @@ class Optimum(OneLine):
     sawtooth : dict or None
         The best sawtooth by its keys; None where none is within the limits.
     landscape : pandas.DataFrame
-        A row for each free number: name, unit, best, kind ("peak", "plateau", "slope at a limit"),
+        A row for each free number: name, unit, best, kind ("at a limit", "peak", "plateau"),
         loss (part of the score that is lost nearby), at_end ("low", "high" or ""), and lists of
         values, scores and whether they are feasible. Empty of a sawtooth beside a free waveform.
     goal : Goal
+    other_way : float
+        Where the figure is a velocity, the greatest mean of a drive of the search that is within
+        the limits and goes against what is asked; 0 without one, or once it was turned round.
     origin : {"search", "sawtooth"}
         Whose drive is the best.
     moves : int
@@ -127,6 +131,7 @@ class Optimum(OneLine):
     sawtooth: dict[str, Value] | None
     landscape: pd.DataFrame
     goal: Goal
+    other_way: float
     origin: str
     moves: int
     runs: int
@@ -166,18 +171,29 @@ class Optimum(OneLine):
         """The result in some lines."""
         goal = self.goal
         rows = pd.concat([self.search.to_frame("best, in the search").T, self.table])
-        columns = ["score", "mean", "worst", "draws", "exceeding"]
+        shown = rows[["score", "mean", "worst", "draws", "exceeding"]].astype(object)
+        if "pull_share" in rows:
+            most = DRAGGED["pull_share"]
+            shares = rows["pull_share"].astype(float)
+            shown["pull_share"] = [f"{s:.3g}" + ", dragged" * (s > most) for s in shares]
         lines = [
             f"{'largest' if goal.sign > 0.0 else 'least'} {goal.figure} found, {goal.unit}; the "
             f"score is the {goal.score} of the draws:",
-            *rows[columns].to_string(float_format="{:.6g}".format).splitlines(),
+            *shown.to_string(float_format="{:.6g}".format).splitlines(),
             *["no sawtooth to compare with"] * (self.sawtooth is None),
             *["the best sawtooth is better than the search"] * (self.origin == "sawtooth"),
             *[f"better neighbours that were taken: {self.moves}"] * (self.moves > 0),
             *[self.beyond] * (self.beyond != ""),
+            *[
+                f"the other way a drive that was tried within the limits is faster, mean "
+                f"{self.other_way:.6g} {goal.unit}: for the best of these, state drive.direction, "
+                f"or exchange --maximise and --minimise"
+            ]
+            * bool(self.other_way > abs(self.search["mean"])),
             "the best drive:",
             *(f"  {line}" for line in self._drive_lines()),
             f"  in flight {100.0 * self.run.numbers['airborne_fraction']:.3g} % of the time",
+            *["  backward, against drive.direction"] * self._is_backward,
             *(f"  {line}" for line in shown_lines(self.run.notes)),
             "its limits, in every draw of the search:",
         ]
@@ -185,12 +201,17 @@ class Optimum(OneLine):
             active = ", active" if name in self.active else ""
             lines.append(f"  {goal.beside_limit(name, self.search[name])}{active}")
         if not self.landscape.empty:
-            for kind, names in self.landscape.groupby("kind")["name"]:
-                many = kind == "plateau" and len(names) > _FEW  # it asks for no care
+            for kind, names in self.landscape.groupby("kind")["name"]:  # limits come first
+                many = kind != "peak" and len(names) > _FEW  # they ask for no care
                 text = f"{len(names)} numbers" if many else ", ".join(names)
-                lines.append(f"  on a {kind}: {text}")
+                lines.append(f"  {'on a ' * (kind != 'at a limit')}{kind}: {text}")
         lines.append(f"{self.runs} runs of the search, seed {self.seed}, {self.seconds:.0f} s")
         return "\n".join(lines)
+
+    @property
+    def _is_backward(self) -> bool:
+        pulsed = self.run.scenario.drive.mode != "program"
+        return pulsed and self.goal.figure in FROM_AXES and bool(self.run.velocity[0] < 0.0)
 
     def _drive_lines(self) -> list[str]:
         """A line for each key, and for the knots of each coil."""
@@ -233,6 +254,7 @@ class Optimum(OneLine):
             "landscape": self.landscape.to_dict("records"),
             "draws": int(self.search["draws"]),
             **{name: getattr(self, name) for name in ("values", "origin", "moves", "sawtooth")},
+            "other_way": self.other_way,
             **{name: getattr(self, name) for name in ("runs", "seed", "interrupted", "seconds")},
         }
 

@@ -30,6 +30,8 @@ from stickslip.simulation.note_table import STEADY_PULSES
 Values = Mapping[str, Value]
 """The free values of a drive: words and numbers by key, and knots such as "xp 3", V."""
 
+WAY = "drive.direction"
+
 _DECADE = 10.0  # ratio of the ends of a range that is searched in its logarithm
 _OF_A_PROGRAM = ("drive.frequency", "drive.ramp")  # what a free waveform uses of a sawtooth
 _MOST_KNOTS = 200  # of a coil; chosen: far more than a search of some thousand runs can place
@@ -151,14 +153,20 @@ def made_space(
     knots: int | None,
     coils: Sequence[str],
     volts: float | None,
+    either_way: bool = False,
 ) -> Space:
-    """The checked search space; `volts` is the limit on the voltages."""
+    """The checked search space; `volts` is the limit on the voltages.
+
+    With `either_way` a sawtooth is tried in both directions unless its direction is stated.
+    """
     if not free and knots is None:
         raise ScenarioError("nothing is free: allowed are keys with a range, or knots, or both")
     by_name = Changes(free)
     names: tuple[str, ...] = ()
     if knots is None:
         refuse_sawtooth(scenario.drive.mode, by_name)
+        if either_way and scenario.drive.mode in ("IPP", "OPP"):
+            by_name = Changes({WAY: ["+x", "-x"], **by_name})
     else:
         _check_waveform(scenario, by_name, knots, volts)
         names = tuple(COIL_NAMES[k] for k in coil_places(coils))

@@ -21,8 +21,8 @@ CODES = (
     # A robot that does not walk.
     "rest-no-field", "rest-no-moment", "rest-torque", "rest-adhesion", "rest-drag", "rest-friction",
     "rest",
-    "no-pulses", "flight", "no-friction", "pulled", "backward", "roll-over", "beyond-upright",
-    "no-slip",
+    "no-pulses", "flight", "no-friction", "dragged", "pulled", "backward", "roll-over",
+    "beyond-upright", "no-slip",
     # A motion whose mean velocity says less than it seems to.
     "field-change", "velocity-grows", "turning", "start-up", "window-short", "pulses-short",
     "fluid", "inner",

@@ -21,7 +21,8 @@ def notes_of(points: Points, columns: Mapping[str, NDArray[Any]], things: str) -
     not depend on what is varied.
     """
     pulses = pulses_measured(points.at_each("drive.pulses")).reshape(columns["status"].shape)
-    facts = {**columns, "measured_pulses": pulses}
+    asked = points.scenario.record.pull_share
+    facts = {**columns, "measured_pulses": pulses, "record.pull_share": asked}
     rows = [row for row in TABLE["notes"] if "many" in row]
     beyond, texts = {}, {row["code"]: row["many"] for row in rows}
     for row in rows:  # by numbers of a sweep alone
