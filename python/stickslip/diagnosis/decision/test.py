@@ -8,12 +8,13 @@ same noise, so that twice the smaller p-value would be too cautious.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.stats import rankdata
 
-from stickslip._util.arrays import Array
+from stickslip._util.arrays import Array, Mask
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import Problem, lack_of_fit
 from stickslip.diagnosis.fitting.responses import Response
@@ -28,9 +29,10 @@ refused. Chosen."""
 # Permutations, and fewest and most readings of a table whose settings count. Chosen.
 _PERMUTED, _FEWEST, _MOST = 999, 8, 1000
 
-# Draws of pure noise: a p-value of 0.05 is then known to 0.003; of so many readings, to 0.007.
-# Numbers that are drawn at a time, 2 MiB. Signal below which a response is not seen. Chosen.
-_DRAWS, _MANY, _FEWER, _AT_ONCE, _UNSEEN = 4000, 2000, 1000, 1 << 18, 1e-3
+# Draws of pure noise: a p-value of 0.05 is then known to 0.003; of so many readings, or numbers of
+# all directions, to 0.007. Numbers that are drawn at a time, 2 MiB. Signal below which a response
+# is not seen. Chosen.
+_DRAWS, _MANY, _LARGE, _FEWER, _AT_ONCE, _UNSEEN = 4000, 2000, 300_000, 1000, 1 << 18, 1e-3
 
 
 @dataclass(frozen=True)
@@ -88,7 +90,11 @@ def follows_settings(problem: Problem, fit: Fit) -> bool:
 
 
 def tested(problem: Problem, null: Fit, responses: list[Response], seed: int) -> Test:
-    """Test the recalibrated model, with responses of causes about it."""
+    """Test the recalibrated model, with responses of causes about it.
+
+    All that was tried of a cause counts, such as every place of a scan, and not only where the data
+    looked best: noise has to find the best of as much.
+    """
     n, p = len(problem.y), len(null.free)
     lower = np.linalg.cholesky(null.precision)
     jacobian = np.vstack([problem.whitened(null.slopes), lower.T])
@@ -96,20 +102,20 @@ def tested(problem: Problem, null: Fit, responses: list[Response], seed: int) ->
     residual = np.concatenate([
         problem.whitened(null.residual[:, None])[:, 0], -lower.T @ null.x[null.free]
     ])  # fmt: skip
-    gaps = np.vstack([response.gaps for response in responses]) if responses else np.zeros((0, n))
-    raw = np.hstack([problem.whitened(gaps.T).T, np.zeros((len(gaps), p))])
-    for response in responses:
-        if response.cause.frees is not None and not response.cause.parameters:
-            row = np.zeros(n + p)
-            names = [one.name for one in problem.constants]
-            row[n + names.index(response.cause.frees)] = 1.0
-            raw = np.vstack([raw, row, -row])
-    directions = raw - (raw @ basis) @ basis.T
+    directions, either = _directions(problem, p, responses)
+    directions -= (directions @ basis) @ basis.T
     size = np.linalg.norm(directions, axis=1)
-    directions = directions[size > _UNSEEN] / size[size > _UNSEEN, None]
+    seen = size > _UNSEEN
+    directions, either = directions[seen] / size[seen, None], either[seen]
+
+    def largest(rows: Array) -> Array:
+        found = rows @ directions.T
+        return np.asarray(np.max(np.abs(found, out=found, where=either), axis=1, initial=-np.inf))
+
     random = np.random.default_rng([seed, 11])
-    count, observed = _DRAWS if n < _MANY else _FEWER, float(residual @ residual)
-    misfits, projected = np.empty(count), np.empty((count, len(directions)))
+    count = _DRAWS if n < _MANY and directions.size < _LARGE else _FEWER
+    observed = float(residual @ residual)
+    misfits, scores = np.empty(count), np.empty(count)
     size = max(_AT_ONCE // (n + p), 1)
     for start in range(0, count, size):
         part = slice(start, min(start + size, count))
@@ -119,16 +125,31 @@ def tested(problem: Problem, null: Fit, responses: list[Response], seed: int) ->
                 noise[:, rows] /= np.sqrt(random.chisquare(dof, (len(noise), 1)) / dof)
         # Directions are at right angles to what the model undoes.
         misfits[part] = np.sum(noise**2, axis=1) - np.sum((noise @ basis) ** 2, axis=1)
-        projected[part] = noise @ directions.T
+        scores[part] = largest(noise)
     exact = lack_of_fit(problem, observed, n)
     fits, fit_p = _shares(misfits, observed)
     if not len(directions):
         return Test(exact, exact, 1.0)
-    scores, score_p = _shares(np.max(projected, axis=1), float(np.max(directions @ residual)))
+    scores, score_p = _shares(scores, float(largest(residual[None, :])[0]))
     smaller = np.minimum(fits, scores)
     both = (1.0 + float(np.sum(smaller <= min(fit_p, score_p)))) / (count + 1.0)
     # Beyond what draws can tell, the law of the misfit is known.
     return Test(min(both, 2.0 * min(exact, score_p)), exact, score_p)
+
+
+def _directions(problem: Problem, p: int, responses: Sequence[Response]) -> tuple[Array, Mask]:
+    """What causes do to the whitened rows and the prior of `p` constants, and whether its opposite
+    counts, too."""
+    n, names = len(problem.y), [one.name for one in problem.constants]
+    parts, either = [np.zeros((0, n + p))], [np.zeros(0, dtype=bool)]
+    for response in {response.cause.name: response for response in responses}.values():
+        changes = problem.whitened(response.tried.T).T
+        parts.append(np.hstack([changes, np.zeros((len(changes), p))]))
+        either.append(response.either)
+        if response.cause.frees is not None and not response.cause.parameters:
+            parts.append(np.arange(n + p)[None] == n + names.index(response.cause.frees))
+            either.append(np.ones(1, dtype=bool))
+    return np.vstack(parts), np.concatenate(either)
 
 
 def _shares(values: Array, observed: float) -> tuple[Array, float]:

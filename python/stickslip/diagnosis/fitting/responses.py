@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip._util.arrays import Array
+from stickslip._util.arrays import Array, Mask
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.fitting.descent import End, precision_of
 from stickslip.diagnosis.fitting.forms import Form
@@ -41,7 +41,8 @@ class Response(OneLine):
     `x`, shape (size,), are the coordinates of its best amplitudes with the rest recalibrated, which
     lower the cost of misfit and prior by `gain`. `gaps`, shape (amplitudes, n), are changes of the
     predictions by one amplitude each. `slopes`, shape (n, free), are those of the model with the
-    cause, to begin its fit with.
+    cause, to begin its fit with. `tried`, shape (directions, n), are the changes by all that was
+    tried of the cause, whatever the data; the opposite of those with `either` counts, too.
     """
 
     cause: Cause
@@ -49,6 +50,8 @@ class Response(OneLine):
     gain: float
     gaps: Array
     slopes: Array
+    tried: Array
+    either: Mask
 
 
 @dataclass(frozen=True)
@@ -175,8 +178,9 @@ def _best(
     step = np.linalg.solve(curvature, downhill[..., None])[..., 0]
     least, most = _trusted(problem, probes[0], values)
     low, high = problem.limits[:, moved]
-    within_trust = np.clip(step[:, p:], np.minimum(least, most), np.maximum(least, most))
-    amplitudes = np.clip(within_trust, low, high)
+    least, most = np.minimum(least, most), np.maximum(least, most)
+    amplitudes = np.clip(np.clip(step[:, p:], least, most), low, high)
+    either = ((np.maximum(least, low) < 0.0) & (np.minimum(most, high) > 0.0)).reshape(-1)
     # The constants again for the amplitudes as they are.
     across = np.einsum("vij,vj->vi", curvature[:, :p, p:], amplitudes)
     rest = np.linalg.solve(curvature[:, :p, :p], (downhill[:, :p] - across)[..., None])[..., 0]
@@ -192,7 +196,7 @@ def _best(
         x[moved], x[[*probes[k].shapes]] = amplitudes[k], places[k]
         slopes = np.zeros((len(end.residual), len(free)))
         slopes[:, columns] = np.hstack([end.slopes, mine.T / values[k]])
-        found.append(Response(cause, x, float(gain[k]), mine, slopes))
+        found.append(Response(cause, x, float(gain[k]), mine, slopes, gaps, either))
     return found
 
 
