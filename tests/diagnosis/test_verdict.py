@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import logsumexp
 
-from stickslip import Cause, Prior, diagnose_model
+from stickslip import Cause, Prior, Series, diagnose_model
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.gain import Gain, measured
 from stickslip.diagnosis.decision.posterior import posterior
@@ -246,3 +246,22 @@ def test_what_changes_slowly_beside_a_dominant_cause_is_said():
     verdict = found(Table({"x": x}, y, sd=0.02, run=np.zeros(200, dtype=int)), (WAVE, STEP)).verdict
     assert (verdict.kind, verdict.causes) == ("dominant", ("wave",))
     assert [note.code for note in verdict.reasons] == ["long-correlation"]
+
+
+@pytest.mark.parametrize("sd", [0.002, 0.0005])
+def test_a_model_that_computes_nothing_explains_nothing(sd):
+    """Readings so precise that every model misses them by more errors than a lost row counts."""
+    t = np.linspace(0.0, 10.0, 200)
+    noise = 0.01 * np.random.default_rng(1).standard_normal(200)
+    y = 1.0 + 0.2 * t + 5.0 * np.sin(1.3 * t) + 2.0 * np.sin(3.1 * t + 1.0) + noise
+
+    def predict(table, p):
+        made = p["level"] + p["ramp"] * table["t"] / 10.0 + p["bend"] * (table["t"] - 5.0) ** 2
+        return np.where(p["ramp"] > 0.5, np.nan, made)
+
+    causes = [Cause(name, Parameter(name, size=size, low=0.0, high=20.0))
+              for name, size in (("ramp", 0.3), ("bend", 0.01))]  # fmt: skip
+    level = Parameter("level", Prior("normal", 1.0, 0.1))
+    verdict = diagnose_model(predict, Series(t, y, sd=sd), [level], causes).verdict
+    assert verdict.kind == "unexplained"
+    assert np.all(np.abs(verdict.leader.residual) < 100.0)
