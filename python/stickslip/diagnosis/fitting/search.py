@@ -649,7 +649,9 @@ def _may_improve(
 
 
 def _fit_other_forms(models: Models) -> None:
-    """Fit the most promising models with each further form of the discrepancy."""
+    """Fit the most promising models with each further form of the discrepancy, and every single
+    cause: twins are to be compared in the same form.
+    """
     for name in [form for form in models.forms if form != "exact"]:
         hopes = []
         for rank, old in enumerate(models.leaders(form="exact")):
@@ -666,7 +668,7 @@ def _fit_other_forms(models: Models) -> None:
         models.add_fits([
             Start(name, old.causes, old.x, old.slopes, hope.h)
             for rank, (_, old, hope, better) in enumerate(hopes)
-            if better and (rank < _OTHER_FORMS or not old.causes)
+            if better and (rank < _OTHER_FORMS or len(old.causes) < 2)
         ])  # fmt: skip
 
 
