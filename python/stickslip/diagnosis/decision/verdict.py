@@ -328,9 +328,10 @@ def _takes_little(fit: Fit, part: float, gains: Sequence[Gain | None]) -> list[N
     notes = []
     if not part >= DOMINANT:
         part = 0.0 if math.isnan(part) else part
+        asked = 100.0 * DOMINANT
         text = (
-            f"{fit.name} takes {math.floor(100.0 * part)} % of the model's error; a claim asks for "
-            f"{100.0 * DOMINANT:.0f} %."
+            f"{fit.name} takes {min(100.0 * part, asked - 1.0):.0f} % of the model's error; a "
+            f"claim asks for {asked:.0f} %."
         )
         notes.append(Note("small-share", text, part))
     known = [gain for gain in gains if gain is not None]
