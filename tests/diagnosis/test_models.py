@@ -190,6 +190,21 @@ def test_a_lost_row_does_not_stop_the_others():
     assert end.x == pytest.approx(wanted.x, abs=1e-3)
 
 
+@pytest.mark.parametrize("name", ["exact", "white", "ar1", "smooth"])
+@pytest.mark.parametrize("count", [1, 30])
+def test_a_lost_row_has_the_same_price_in_every_form(name, count):
+    """A constant residual along a run would be nearly free as a correlated error."""
+    known = {"run": np.zeros(30, dtype=int)} if name == "ar1" else {}
+    posed = problem(data(sd=np.linspace(0.05, 0.2, 30), **known))
+    posed = replace(posed, errors=tuple(replace(one, dof=9.0) for one in posed.errors))
+    form = forms(posed)[name]
+    h = form.limits()[3] if form.names else np.zeros(0)
+    some, alone = 0.1 * np.random.default_rng(1).standard_normal((2, 1, 30))
+    some[0, :count], alone[0] = LOST * posed.sd[:count], some[0]
+    alone[0, :count] = 0.0
+    assert form.cost(some, h) - form.cost(alone, h) == pytest.approx(count * LOST**2)
+
+
 @pytest.mark.parametrize("name", ["exact", "smooth"])
 def test_held_out_errors_are_those_of_refits(name):
     posed = problem(data(0.3 * np.sin(5.0 * np.linspace(1.0, 3.0, 30))), [WAVE])

@@ -115,6 +115,20 @@ def test_a_leader_that_takes_most_is_told_first_though_it_is_not_named(rough):
     assert first["wave"].startswith("Something is wrong that none of the 5 listed causes explains.")
 
 
+def test_a_sure_cause_that_takes_too_little_for_a_claim_acts_beside_something(rough, monkeypatch):
+    monkeypatch.setattr("stickslip.diagnosis.report.numbers.DOMINANT", 0.9)
+    leader = rough.findings.models.get(["bump"])
+    told = made.said(rough, "unexplained", fit=None, causes=(), leader=leader)
+    numbers = {**numbers_of(told), "origin": []}
+    assert numbers["headline"].startswith(
+        "A bump in the middle, and something beside it that none of the 5 listed causes explains."
+    )
+    text = page(numbers, figures_of(told))
+    assert "Go on with the recalibrated constants" not in text
+    assert "Try a bump in the middle in the model" in text
+    assert "The nearest is" not in text
+
+
 def test_the_page_has_no_number_that_the_dictionary_lacks(results, rough, none):
     """A page of report.json as it is read again, and one in which a number was changed."""
     for result in (rough, none, results["data-problem"]):

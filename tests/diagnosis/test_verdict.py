@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.special import logsumexp
 
-from stickslip import Cause, Prior, diagnose_model
+from stickslip import Cause, Prior, Series, diagnose_model
 from stickslip.diagnosis.data.table import Table
-from stickslip.diagnosis.decision.gain import Gain, measured
+from stickslip.diagnosis.decision.gain import Gain, in_blocks, measured
 from stickslip.diagnosis.decision.posterior import posterior
 from stickslip.diagnosis.decision.test import ADEQUATE, adequacy
-from stickslip.diagnosis.decision.verdict import _takes_little
+from stickslip.diagnosis.decision.verdict import _beside, _takes_little
 from stickslip.diagnosis.fitting.scatter import with_scatter
 from stickslip.diagnosis.pipeline import run
 from stickslip.diagnosis.terms.parameter import Parameter
@@ -136,13 +136,15 @@ def test_causes_that_take_nearly_all_only_must_not_predict_worse(share, interval
     assert [note.code for note in _takes_little(leader, share, gains)] == against
 
 
-def test_a_set_that_takes_little_of_the_error_explains_nothing():
-    """Two near twins beside scatter of thrice their effect, and of a fifth."""
+def test_a_set_asks_what_a_claim_asks():
+    """Two near twins beside scatter of a fifth of their effect, of thrice, and with a size at the
+    end of its range.
+    """
     x = np.linspace(0.0, 1.0, 60)
     scatter = np.random.default_rng(6).standard_normal(60)
     kinds = {}
-    for size in (0.02, 0.3):
-        amplitude = {"low": -20.0, "high": 20.0, "size": 0.3}
+    for size, high in ((0.02, 20.0), (0.3, 20.0), (0.02, 0.3)):
+        amplitude = {"low": -20.0, "high": high, "size": 0.3}
         twins = [Cause(name, Parameter(name, **amplitude)) for name in ("sine", "hump")]
         result = diagnose_model(
             lambda t, p: (
@@ -154,9 +156,13 @@ def test_a_set_that_takes_little_of_the_error_explains_nothing():
             [Parameter("level", Prior("normal", 1.0, 0.01))],
             twins,
         )
-        kinds[size] = result.verdict.kind
+        codes = {note.code for note in result.verdict.reasons}
+        kinds[size, high] = result.verdict.kind, "size-at-end" in codes
         assert set(result.verdict.probabilities) >= {"sine", "hump"}
-    assert kinds == {0.02: "ambiguous", 0.3: "unexplained"}
+    assert kinds == {
+        (0.02, 20.0): ("ambiguous", False), (0.3, 20.0): ("unexplained", False),
+        (0.02, 0.3): ("unexplained", True),
+    }  # fmt: skip
 
 
 def late(table, p):
@@ -246,3 +252,65 @@ def test_what_changes_slowly_beside_a_dominant_cause_is_said():
     verdict = found(Table({"x": x}, y, sd=0.02, run=np.zeros(200, dtype=int)), (WAVE, STEP)).verdict
     assert (verdict.kind, verdict.causes) == ("dominant", ("wave",))
     assert [note.code for note in verdict.reasons] == ["long-correlation"]
+
+
+@pytest.mark.parametrize("size", [0.05, 0.2])
+def test_twins_stay_open_beside_what_is_as_large_as_they_differ_by(size):
+    """A wave and the same 0.25 later, of an rms difference of 0.14, beside slow waves."""
+    x = np.linspace(1.0, 3.0, 200)
+    slow = np.cos(9.0 * x + 1.0) + 0.7 * np.cos(13.4 * x)
+    noise = 0.01 * np.random.default_rng(7).standard_normal(200)
+    y = x + 0.8 * np.sin(5.0 * x) + size * slow + noise
+    table = Table({"x": x}, y, sd=0.01, run=np.zeros(200, dtype=int))
+    verdict = found(table, (WAVE, TWIN, STEP)).verdict
+    kind, causes, code = {
+        0.05: ("dominant", ("wave",), "long-correlation"),
+        0.2: ("ambiguous", ("wave", "twin"), "twins-left-open"),
+    }[size]
+    assert (verdict.kind, verdict.causes) == (kind, causes)
+    assert [note.code for note in verdict.reasons] == [code]
+    assert verdict.fit.name == "wave"
+
+
+def test_a_form_that_fails_by_its_pattern_hands_over():
+    x = np.linspace(1.0, 3.0, 200)
+    y = x + 0.8 * np.sin(5.0 * x) + 0.05 * np.cos(13.0 * x)
+    y += 0.01 * np.random.default_rng(7).standard_normal(200)
+    models = found(Table({"x": x}, y, sd=0.01, run=np.zeros(200, dtype=int)), (WAVE,)).models
+    white, other = models.get(["wave"], "white"), models.get(["wave"], "ar1")
+    white = replace(white, log_evidence=other.log_evidence + 1.0)
+    models.best[white.names, "white"] = white
+    assert models.leaders(1)[0] is white
+    assert _beside(models, white) is other
+    del models.best[other.names, "ar1"]
+    assert _beside(models, white) is white
+
+
+def test_only_runs_and_blocks_have_no_neighbours_in_other_parts():
+    t = np.arange(40.0)
+    tables = [
+        (Series(t, t, {"x": t}, sd=1.0), False),
+        (Table({"x": t}, t, sd=1.0), False),
+        (Table({"x": t}, t, sd=1.0, run=np.zeros(40, dtype=int)), False),
+        (Table({"x": t}, t, sd=1.0, run=np.repeat(range(4), 10)), True),
+    ]
+    assert [in_blocks(problem(table)) for table, _ in tables] == [wanted for _, wanted in tables]
+
+
+@pytest.mark.parametrize("sd", [0.002, 0.0005])
+def test_a_model_that_computes_nothing_explains_nothing(sd):
+    """Readings so precise that every model misses them by more errors than a lost row counts."""
+    t = np.linspace(0.0, 10.0, 200)
+    noise = 0.01 * np.random.default_rng(1).standard_normal(200)
+    y = 1.0 + 0.2 * t + 5.0 * np.sin(1.3 * t) + 2.0 * np.sin(3.1 * t + 1.0) + noise
+
+    def predict(table, p):
+        made = p["level"] + p["ramp"] * table["t"] / 10.0 + p["bend"] * (table["t"] - 5.0) ** 2
+        return np.where(p["ramp"] > 0.5, np.nan, made)
+
+    causes = [Cause(name, Parameter(name, size=size, low=0.0, high=20.0))
+              for name, size in (("ramp", 0.3), ("bend", 0.01))]  # fmt: skip
+    level = Parameter("level", Prior("normal", 1.0, 0.1))
+    verdict = diagnose_model(predict, Series(t, y, sd=sd), [level], causes).verdict
+    assert verdict.kind == "unexplained"
+    assert np.all(np.abs(verdict.leader.residual) < 100.0)

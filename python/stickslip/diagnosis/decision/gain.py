@@ -59,6 +59,19 @@ def parts_of(problem: Problem) -> list[Indices]:
     return _numbered(groups * min(MOST_PARTS, number) // number)
 
 
+def in_blocks(problem: Problem) -> bool:
+    """Whether what is held out has no neighbours in the other parts: whole runs or blocks.
+
+    Else a form of correlated errors fills in a held-out reading from its neighbours, with a cause
+    or without.
+    """
+    groups = [table.group for table in problem.tables]
+    return all(
+        not isinstance(table, Series) and int(group.max()) + 1 < len(group)
+        for table, group in zip(problem.tables, groups, strict=True)
+    )
+
+
 def _finer(problem: Problem, effect: Array, parts: list[Indices]) -> list[Indices]:
     """Parts of equal shares of an effect, (n,), if one of `parts` has more than half of it.
 

@@ -7,9 +7,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
+import numpy as np
+
 from stickslip._util.text import OneLine
-from stickslip.diagnosis.decision.gain import Gain, gain_of, measured
-from stickslip.diagnosis.decision.posterior import SURE, Posterior, discrepancy, posterior, share
+from stickslip.diagnosis.decision.gain import Gain, gain_of, in_blocks, measured
+from stickslip.diagnosis.decision.posterior import (
+    ALIKE,
+    SURE,
+    Posterior,
+    cosine_of_swap,
+    discrepancy,
+    posterior,
+    share,
+)
 from stickslip.diagnosis.decision.test import ADEQUATE, Test, adequacy, follows_settings
 from stickslip.diagnosis.fitting.forms import HYPER
 from stickslip.diagnosis.fitting.models import Fit
@@ -217,43 +227,81 @@ def _claimed(
 ) -> Verdict:
     """A cause or a pair, named if it explains the data, dominant beside a discrepancy."""
     problem, names = models.problem, tuple(sorted(fit.names))
-    plain = models.get(fit.names)
+    plain, beside = models.get(fit.names), _beside(models, fit)
     gains = [gain_of(models, fit)]
-    own_null = models.get((), fit.form) or models.null
-    gains.append(measured(problem, own_null, fit, "own"))
-    kind: Kind = "pair" if len(names) > 1 else "named"
+    if in_blocks(problem):
+        own_null = models.get((), fit.form) or models.null
+        gains.append(measured(problem, own_null, fit, "own"))
     proven = _proven(models, test, fit, gains)
     explains = plain and adequacy(problem, plain) >= ADEQUATE and not _at_end(models, plain)
-    beside = fit
-    if fit.form == "exact":
-        beside = next((other for other in models.leaders() if other.names == fit.names
-                       and other.form != "exact"), fit)  # fmt: skip
     # Errors that were taken from the fit of all causes explain what it leaves by themselves.
     by_itself = any(errors.of_fit for errors in problem.errors)
     against = [] if explains and proven and not by_itself else _against(models, beside, gains)
     if against:
         notes = (*reasons, *against)
         return _with(verdict, "unexplained", (), None, notes, models, beside, gains[0])
-    if plain and explains and proven:
+    kind: Kind = "pair" if len(names) > 1 else "named" if explains else "dominant"
+    if plain and explains:
         # Errors that are larger, or alike along a run, leave more of the sizes open.
         likelier = fit if discrepancy(fit) > 0.0 else plain
         return _with(verdict, kind, names, likelier, reasons, models, plain, gains[0])
-    kind = "pair" if len(names) > 1 else "dominant"
+    twins = _open_twins(models, beside)
+    if twins:
+        also = " or ".join(twin.name for twin in twins)
+        text = f"What {beside.name} leaves is as large as what tells it from {also}."
+        reasons += (Note("twins-left-open", text),)
+        return _left_open(verdict, models, (beside, *twins), reasons, gains[0])
     reasons += _slow_rest(beside)
     return _with(verdict, kind, names, beside, reasons, models, beside, gains[0])
+
+
+def _beside(models: Models, fit: Fit) -> Fit:
+    """A fit of the same causes with a discrepancy, if there is one: the likeliest that is sound."""
+    every = [one for one in models.leaders() if one.names == fit.names and one.form != "exact"]
+    sound = (one for one in every if not _is_pattern(models, one))
+    return next(sound, next(iter(every), fit))
+
+
+def _is_pattern(models: Models, fit: Fit) -> bool:
+    """Whether what should be scatter follows the settings."""
+    return fit.form == "white" and follows_settings(models.problem, fit)
+
+
+def _open_twins(models: Models, fit: Fit) -> list[Fit]:
+    """Models with another cause in place of one of a claim, which what it leaves does not tell.
+
+    They act alike, take enough of the model's error too, and differ from the claim by no more than
+    it leaves, where that is alike along a run: an evidence of independent readings counts too much.
+    """
+    twins = []
+    for other in models.leaders(form="ar1") if fit.form == "ar1" else ():
+        apart = (fit.residual - other.residual) / models.problem.sd
+        if (
+            len(other.names ^ fit.names) == 2
+            and len(other.names) == len(fit.names)
+            and float(np.sum(apart**2)) <= fit.chi2
+            and share(models, other) >= DOMINANT
+            and not _at_end(models, other)
+            and abs(cosine_of_swap(models, fit, other)) > ALIKE
+        ):
+            twins.append(other)
+    return twins
 
 
 def _against(models: Models, fit: Fit, gains: Sequence[Gain | None]) -> list[Note]:
     """What speaks against causes beside a discrepancy."""
     part = share(models, fit) if fit.form != "exact" else 0.0
     notes = _takes_little(fit, part, gains)
-    if fit.form == "white" and follows_settings(models.problem, fit):
+    if _is_pattern(models, fit):
         text = f"What {fit.name} leaves follows the settings: it is no scatter."
         notes.append(Note("pattern-left", text))
     if _at_end(models, fit):
-        text = f"A size of {fit.name} is at the end of its range."
-        notes.append(Note("size-at-end", text))
+        notes.append(_end_of_range(fit))
     return notes
+
+
+def _end_of_range(fit: Fit) -> Note:
+    return Note("size-at-end", f"A size of {fit.name} is at the end of its range.")
 
 
 def _proven(models: Models, test: Test, fit: Fit, gains: Sequence[Gain | None]) -> bool:
@@ -280,9 +328,10 @@ def _takes_little(fit: Fit, part: float, gains: Sequence[Gain | None]) -> list[N
     notes = []
     if not part >= DOMINANT:
         part = 0.0 if math.isnan(part) else part
+        asked = 100.0 * DOMINANT
         text = (
-            f"{fit.name} takes {math.floor(100.0 * part)} % of the model's error; a claim asks for "
-            f"{100.0 * DOMINANT:.0f} %."
+            f"{fit.name} takes {min(100.0 * part, asked - 1.0):.0f} % of the model's error; a "
+            f"claim asks for {asked:.0f} %."
         )
         notes.append(Note("small-share", text, part))
     known = [gain for gain in gains if gain is not None]
@@ -313,9 +362,10 @@ def _set(
         parts = [share(models, member) for member in members if member.causes]
         part = max((value for value in parts if not math.isnan(value)), default=0.0)
         against += _takes_little(first, part, [gain])
+    if _at_end(models, first):
+        against.append(_end_of_range(first))
     if len(members) == 1 or len(against) > len(reasons):
         return _with(verdict, "unexplained", (), None, tuple(against), models, first, gain)
-    names = dict.fromkeys(name for member in members for name in sorted(member.names))
     probability = chance.models[first.name]
     if probability < SURE:
         together = sum(chance.models[member.name] for member in members)
@@ -324,8 +374,18 @@ def _set(
             f"first, {first.name}, has {100.0 * probability:.0f} %."
         )
         reasons = (*reasons, Note("not-separated", text, probability))
+    return _left_open(verdict, models, members, reasons, gain)
+
+
+def _left_open(
+    verdict: Verdict, models: Models, members: tuple[Fit, ...], reasons: tuple[Note, ...],
+    gain: Gain | None,
+) -> Verdict:  # fmt: skip
+    """The causes of models that stay open, of which the first with a cause is told."""
+    names = tuple(dict.fromkeys(name for one in members for name in sorted(one.names)))
+    first = next(member for member in members if member.causes)
     verdict = replace(verdict, members=members, common=_common(members))
-    return _with(verdict, "ambiguous", tuple(names), first, reasons, models, first, gain)
+    return _with(verdict, "ambiguous", names, first, reasons, models, first, gain)
 
 
 def _with(verdict: Verdict, kind: Kind, causes: tuple[str, ...], fit: Fit | None,

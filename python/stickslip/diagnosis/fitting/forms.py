@@ -27,7 +27,7 @@ from scipy.special import gammaln
 from stickslip._util.arrays import Array, Indices
 from stickslip.diagnosis.data.errors import Errors
 from stickslip.diagnosis.data.table import Table
-from stickslip.diagnosis.fitting.problem import Problem
+from stickslip.diagnosis.fitting.problem import LOST, Problem
 
 PRIOR = {"exact": 1 / 2, "white": 1 / 6, "ar1": 1 / 6, "smooth": 1 / 6}
 """Prior probabilities of the forms. Chosen; between 0.1 and 0.99 for exact hardly a verdict of the
@@ -54,7 +54,8 @@ class Form:
     """``exact`` and ``white``, and what the other forms share.
 
     Hyperparameters h are the logarithms named in `names`. `prepared` does what does not depend on
-    them, `gram` the rest.
+    them, `gram` the rest. A row that the model cannot compute is no discrepancy: its residual is
+    left out of the inner product, and has the same price in every form.
     """
 
     name = "white"
@@ -68,9 +69,17 @@ class Form:
         for part in problem.rows:
             self.unit[part] = np.median(problem.sd[part])
 
+    def computed(self, columns: Array) -> Array:
+        """Columns, shape (n, k), with 0 where a residual is that of a row that is not computed."""
+        return np.where(columns == LOST * self.problem.sd[:, None], 0.0, columns)
+
+    def price(self, residual: Array) -> Array:
+        """Cost of the rows that are not computed, of residuals, shape (vectors, n)."""
+        return np.asarray(LOST**2 * np.sum(residual == LOST * self.problem.sd, axis=1))
+
     def prepared(self, columns: Array) -> Any:
         """What `gram` needs of columns, shape (n, k)."""
-        whitened = self.problem.whitened(columns)
+        whitened = self.problem.whitened(self.computed(columns))
         return whitened.T @ whitened
 
     def gram(self, prepared: Any, h: Array) -> Array:
@@ -82,8 +91,12 @@ class Form:
         return self.problem.log_det + 2.0 * self.n * float(h[0])
 
     def cost(self, residual: Array, h: Array) -> Array:
-        """r' C^-1 r of residuals, shape (vectors, n)."""
-        return np.diag(self.gram(self.prepared(residual.T), h)).copy()
+        """r' C^-1 r of residuals, shape (vectors, n), and their price."""
+        return self.misfit(self.prepared(residual.T), h) + self.price(residual)
+
+    def misfit(self, prepared: Any, h: Array) -> Array:
+        """r' C^-1 r of prepared residuals, shape (vectors,)."""
+        return np.diag(self.gram(prepared, h))
 
     def density(self, residual: Array, h: Array) -> Array:
         """Log-likelihood of residuals, shape (vectors, n)."""
@@ -91,9 +104,10 @@ class Form:
         return -0.5 * (cost + self.log_det(h) + self.n * math.log(2.0 * math.pi))
 
     def weighted(self, prepared: Any, residual: Array, h: Array) -> Array:
-        """`gram` for a step from a residual; robust forms weigh by it."""
-        del residual
-        return self.gram(prepared, h)
+        """`gram` for a step from a residual, the last column; robust forms weigh by it."""
+        gram = self.gram(prepared, h)
+        gram[-1, -1] += self.price(residual[None])[0]
+        return gram
 
     def begin(self, residual: Array) -> Array:
         """Hyperparameters to begin with."""
@@ -117,13 +131,13 @@ class Exact(Form):
     names = ()
 
     def prepared(self, columns: Array) -> Any:
-        return self.problem.whitened(columns)
+        return self.problem.whitened(self.computed(columns))
 
     def gram(self, prepared: Any, h: Array) -> Array:
         return np.asarray(prepared.T @ prepared)
 
     def weighted(self, prepared: Any, residual: Array, h: Array) -> Array:
-        chi2 = self.problem.chi2_of_tables(residual[None, :])[:, 0]
+        chi2 = self.problem.chi2_of_tables(self.computed(residual[:, None]).T)[:, 0]
         return np.asarray(prepared.T @ (self._weights(chi2)[:, None] * prepared))
 
     def _weights(self, chi2: Array) -> Array:
@@ -134,11 +148,10 @@ class Exact(Form):
                 weights[part] = (dof + part.stop - part.start) / (dof + value)
         return weights
 
-    def cost(self, residual: Array, h: Array) -> Array:
-        total = np.zeros(len(residual))
-        chi2 = self.problem.chi2_of_tables(residual)
-        for part, dof, value in zip(self.problem.rows, self.problem.dof, chi2, strict=True):
-            count = part.stop - part.start
+    def misfit(self, prepared: Any, h: Array) -> Array:
+        total = np.zeros(prepared.shape[1])
+        for part, dof in zip(self.problem.rows, self.problem.dof, strict=True):
+            count, value = part.stop - part.start, np.sum(prepared[part] ** 2, axis=0)
             total += (dof + count) * np.log1p(value / dof) if math.isfinite(dof) else value
         return total
 
@@ -166,7 +179,7 @@ class Softened(Exact):
         self.factor, self._outlier = factor, outlier
 
     def prepared(self, columns: Array) -> Any:
-        return self.problem.whitened(columns) / self.factor
+        return self.problem.whitened(columns) / self.factor  # far off is a way to what is computed
 
     def weighted(self, prepared: Any, residual: Array, h: Array) -> Array:
         whitened = self.prepared(residual[:, None])
@@ -230,6 +243,7 @@ class Correlated(Form):
         return made
 
     def prepared(self, columns: Array) -> Any:
+        columns = self.computed(columns)
         others = columns[:0]
         if len(self._others):
             others = self.problem.whitened(columns)[self._others]
@@ -259,8 +273,8 @@ class Correlated(Form):
         whitened = self._whitened(prepared, h)
         return np.asarray(whitened.T @ whitened)
 
-    def cost(self, residual: Array, h: Array) -> Array:
-        return np.asarray(np.sum(self._whitened(self.prepared(residual.T), h) ** 2, axis=0))
+    def misfit(self, prepared: Any, h: Array) -> Array:
+        return np.asarray(np.sum(self._whitened(prepared, h) ** 2, axis=0))
 
     def log_det(self, h: Array) -> float:
         return self._log_det
@@ -301,7 +315,7 @@ class Smooth(Form):
         self._factors: tuple[bytes, list[Array]] = b"", []
 
     def prepared(self, columns: Array) -> Any:
-        return self.problem.whitened(columns)
+        return self.problem.whitened(self.computed(columns))
 
     def _factored(self, h: Array) -> list[Array]:
         """Cholesky factors of the tables' covariances, in whitened rows."""
@@ -329,9 +343,8 @@ class Smooth(Form):
         columns = self._independent(prepared, h)
         return np.asarray(columns.T @ columns)
 
-    def cost(self, residual: Array, h: Array) -> Array:
-        columns = self._independent(self.prepared(residual.T), h)
-        return np.asarray(np.sum(columns**2, axis=0))
+    def misfit(self, prepared: Any, h: Array) -> Array:
+        return np.asarray(np.sum(self._independent(prepared, h) ** 2, axis=0))
 
     def log_det(self, h: Array) -> float:
         total, others = self.problem.log_det, self.n

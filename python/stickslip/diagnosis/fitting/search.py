@@ -649,7 +649,9 @@ def _may_improve(
 
 
 def _fit_other_forms(models: Models) -> None:
-    """Fit the most promising models with each further form of the discrepancy."""
+    """Fit the most promising models with each further form of the discrepancy, and every single
+    cause: twins are to be compared in the same form.
+    """
     for name in [form for form in models.forms if form != "exact"]:
         hopes = []
         for rank, old in enumerate(models.leaders(form="exact")):
@@ -663,11 +665,14 @@ def _fit_other_forms(models: Models) -> None:
             better = known is None or hope.log_evidence > known.log_evidence + _BETTER
             hopes.append((models.log_posterior(hope), old, hope, better))
         hopes.sort(key=lambda hope: -hope[0])
-        models.add_fits([
-            Start(name, old.causes, old.x, old.slopes, hope.h)
-            for rank, (_, old, hope, better) in enumerate(hopes)
-            if better and (rank < _OTHER_FORMS or not old.causes)
-        ])  # fmt: skip
+        starts = []
+        for rank, (promised, old, hope, better) in enumerate(hopes):
+            near = len(old.causes) < 2 and promised > hopes[0][0] - _BEHIND
+            if better and (rank < _OTHER_FORMS or near or not old.causes):
+                starts.append(Start(name, old.causes, old.x, old.slopes, hope.h))
+            elif better and len(old.causes) < 2:
+                models.add(hope)  # far behind: the linear model will do
+        models.add_fits(starts)
 
 
 def _fit_exact_again(models: Models) -> None:

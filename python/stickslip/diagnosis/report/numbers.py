@@ -65,6 +65,7 @@ _TABLES = "parameters", "bounds", "recalibrated"
 _DECIDING, _POINTS = 3, 41  # readings that are named; points of a law
 _COMPARED = 12  # causes whose effects are compared
 _FURTHER = 0.01  # probability from which on a further cause is named
+_MOST_OF_IT = 0.5  # share from which on a sure cause is said to act, with something beside it
 
 # Of a pattern of the misfit: the least lead of its log-likelihood, what each setting in it costs,
 # the share of its square on one side, and ends of ranges that are tried. Chosen: more than the best
@@ -217,6 +218,7 @@ def _of_subject(
         "in_all": in_all,
         "further": further,
         "share": part,
+        "acts": in_all >= SURE and part is not None and part > _MOST_OF_IT,
         "takes_most": in_all >= SURE and part is not None and part >= DOMINANT,
         "left": _left_in_words(facts, candidate if facts.verdict.fit else facts.recalibrated),
     }
