@@ -154,8 +154,8 @@ def _in_units(
         for unit, per, zero in other_units(units):
             # A model's problem in a unit that is far off may be none.
             with contextlib.suppress(ScenarioError):
-                changed = [table.converted(column, per, zero) if column in table.quantities else table
-                           for table in tables]  # fmt: skip
+                changed = [one.converted(column, per, zero) if column in one.quantities else one
+                           for one in tables]  # fmt: skip
                 of_all = f'in {unit}: write "{name} ({unit})"' if unit else (
                     f"{factor_text(1.0 / per)} times as large: look at its unit")  # fmt: skip
                 yield of(changed), f"{name} were {of_all}"
