@@ -44,6 +44,9 @@ of the usual size change less."""
 _SMALL = 0.02
 """Errors that are not known, in the scatter of the readings. Chosen: few sensors are worse."""
 
+_SAME = 0.1
+"""Logarithm of the ratio of two factors that need not differ: 180 / pi and 60. Chosen."""
+
 _LEAD = 12.0
 """Cost by which a unit is ahead of one constant that is off, and up to which two units are alike.
 Chosen: a chance of 1 in 400."""
@@ -53,14 +56,16 @@ Chosen: a chance of 1 in 400."""
 class _Try:
     """A model in other units, where its fit begins, what is left there, and what it is called.
 
-    `constant` is the one that is in another unit; that of the column `freed` has no penalty.
+    `name` is the column or constant that is in it; the constant of the column `freed` has no
+    penalty.
     """
 
     problem: Problem
     x: Array
     left: float
+    name: str = ""
+    factor: float = 1.0
     words: str = ""
-    constant: str = ""
     freed: int | None = None
 
 
@@ -71,8 +76,7 @@ class _End:
     chi2: float
     penalty: float
     moved: float
-    words: str
-    constant: str
+    of: _Try
 
     def cost(self, scale: float) -> float:
         return self.chi2 / scale + self.penalty
@@ -102,7 +106,7 @@ def unit_meant(
     null, variance = _fits([_looked_at(problem, seed)])[0], _spread(problem)
     if _is_like(null, problem, variance / _MISSED) and null.moved < _FAR:
         return None
-    tries = [_looked_at(other, seed, words) for other, words in _in_units(problem, of, known)]
+    tries = [_looked_at(*other) for other in _in_units(problem, of, known, seed)]
     near, far = _single(problem)
     meant = _fits(_best(tries)) + _fits(_best(far))
     best = min(meant, key=lambda end: end.chi2 + end.penalty, default=null)
@@ -116,10 +120,16 @@ def unit_meant(
     first = best.cost(scale) + _LEAD
     if min(end.cost(scale) for end in rivals) < first:
         return None
+    constants = {constant.name for constant in problem.constants}
     alike = [end for end in meant if end.cost(scale) < first and end.moved < _FAR]
-    alike.sort(key=lambda end: (end.constant, end.cost(scale)))
-    # Two factors of one constant may be too near each other to be told apart.
-    told = {end.constant or end.words: end.words for end in reversed(alike)}
+    # Where two factors of one unit do as well, nothing moves in either, as nothing did.
+    factors = [(end.of.name, abs(math.log(end.of.factor))) for end in alike]
+    if any(abs(one - other) > _SAME for (name, one), (also, other)
+           in itertools.combinations(factors, 2) if name == also):  # fmt: skip
+        return None
+    alike.sort(key=lambda end: (end.of.name in constants, end.cost(scale)))
+    told = {end.of.name if end.of.name in constants else end.of.words: end.of.words
+            for end in reversed(alike)}  # fmt: skip
     text = " or ".join(reversed(told.values()))
     return Note("other-unit", f"The stated model would be like the data if {text}.")
 
@@ -144,8 +154,9 @@ def _in_units(
     problem: Problem,
     of: Callable[[Sequence[Table]], Problem],
     known: Mapping[str, tuple[str, Sequence[str]]],
-) -> Iterator[tuple[Problem, str]]:
-    """The problem in each other unit of each column that states none."""
+    seed: int,
+) -> Iterator[tuple[Problem, int, str, float, str]]:
+    """What is looked at for each other unit of each column that states none."""
     tables = problem.tables
     for column in dict.fromkeys(name for table in tables for name in table.unstated):
         if any(column in table.quantities and column not in table.unstated for table in tables):
@@ -158,7 +169,7 @@ def _in_units(
                            for one in tables]  # fmt: skip
                 of_all = f'in {unit}: write "{name} ({unit})"' if unit else (
                     f"{factor_text(1.0 / per)} times as large: look at its unit")  # fmt: skip
-                yield of(changed), f"{name} were {of_all}"
+                yield of(changed), seed, column, per, f"{name} were {of_all}"
 
 
 def _single(problem: Problem) -> tuple[list[_Try], list[_Try]]:
@@ -183,18 +194,21 @@ def _single(problem: Problem) -> tuple[list[_Try], list[_Try]]:
             moved = _other(problem, k, lambda one, by=factor: _times(one, by))  # type: ignore[misc]
             text = (f"{constant.name} were {factor_text(factor)} times what is stated: "
                     "look at its unit")  # fmt: skip
-            far.append(_Try(moved, np.zeros(problem.size), each, text, constant.name))
+            x = np.zeros(problem.size)
+            far.append(_Try(moved, x, each, constant.name, factor, text))
     return near, far
 
 
-def _looked_at(problem: Problem, seed: int, words: str = "") -> _Try:
+def _looked_at(
+    problem: Problem, seed: int, name: str = "", factor: float = 1.0, words: str = ""
+) -> _Try:
     """The best of some points of the priors of the stated constants."""
     x = np.zeros((_DRAWS, problem.size))
     stated = [k for k, constant in enumerate(problem.constants) if _is_stated(constant)]
     x[1:, stated] = np.random.default_rng([seed, 6]).standard_normal((_DRAWS - 1, len(stated)))
     left = _left(problem, problem.physical(x))
     best = int(np.argmin(left))
-    return _Try(problem, x[best], float(left[best]), words)
+    return _Try(problem, x[best], float(left[best]), name, factor, words)
 
 
 def _left(problem: Problem, values: Array) -> Array:
@@ -215,9 +229,9 @@ def _fits(tries: Sequence[_Try]) -> list[_End]:
             x = np.abs(fit.x)
             if one.freed is not None:
                 x[one.freed] = 0.0
-            moved = [x[k] for k, c in enumerate(one.problem.constants) if _is_stated(c)]
-            ends.append(_End(fit.chi2, float(x @ x), max(moved, default=0.0), one.words,
-                             one.constant))  # fmt: skip
+            stated = [k for k, c in enumerate(one.problem.constants) if _is_stated(c)]
+            moved = float(np.max(x[stated], initial=0.0))
+            ends.append(_End(fit.chi2, float(x @ x), moved, one))
     return ends
 
 
