@@ -286,12 +286,27 @@ def _is_of_pandas(values: object) -> bool:
     return type(values).__module__.partition(".")[0] == "pandas"
 
 
-def _without_unit(what: str, values: Any, unit: str | None) -> Any:
-    """The values in the wanted unit, if they carry one; else as they are."""
+def states_unit(values: object) -> bool:
+    """Whether values carry a unit, or are dates or durations."""
+    if _carried(values) is not None:
+        return True
+    given = np.asarray(values)
+    first = next(iter(given.flat), None) if given.dtype.kind == "O" else None
+    return given.dtype.kind in "mM" or _kind_of(first) in (_DATE, _DURATION)
+
+
+def _carried(values: Any) -> Any:
+    """The unit that values carry; None of plain numbers."""
     # An Index of dates has a `unit`, its resolution, and a Series that of a label: ask the dtype.
     carrier = getattr(values, "dtype", None) if _is_of_pandas(values) else values
     carried = getattr(carrier, "units", getattr(carrier, "unit", None))
-    if carried is None or _is_of_pandas(carrier):
+    return None if _is_of_pandas(carrier) else carried
+
+
+def _without_unit(what: str, values: Any, unit: str | None) -> Any:
+    """The values in the wanted unit, if they carry one; else as they are."""
+    carried = _carried(values)
+    if carried is None:
         return values
     wanted = "" if unit in (None, "-", "1") else str(unit)
     allowed = f"numbers in {wanted}" if wanted else "numbers without a unit"

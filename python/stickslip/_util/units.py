@@ -139,6 +139,22 @@ def zero_of(unit: str | None) -> float:
     return 273.15 if unit in _CELSIUS else 0.0
 
 
+def other_units(units: Iterable[str]) -> list[tuple[str, float, float]]:
+    """Units that numbers of a quantity may be in: name, how many are one SI unit, and their zero.
+
+    Of a quantity that is not known, the factors of usual mistakes without a name.
+    """
+    found: dict[tuple[str, float], tuple[str, float, float]] = {}
+    for si in units:
+        for unit, per in (_known(si) if si in _SI else {}).items():
+            # Nobody counts in krad or kK.
+            if per != 1.0 and not (unit == f"k{si}" and si[0] not in "NWV"):
+                found.setdefault((si, per), (unit, per, 0.0))
+        if si == "K":
+            return [("degF", 1.8, 0.0), ("degF", 1.8, 32.0)]
+    return list(found.values()) or [("", factor, 0.0) for factor in MISTAKES]
+
+
 def to_si(value: float, per: float) -> float:
     """A number in SI units; by an exact power of ten where there is one, so rounded once."""
     return value / per if per >= 1.0 else value * (1.0 / per)
@@ -160,6 +176,16 @@ def _listed(known: dict[str, float]) -> str:
 
 FACTORS = (10.0, 100.0, 1e3, 1e6)
 """Mistakes of a unit, and their inverses."""
+
+_TAKEN = {
+    60.0: "min for s", 3600.0: "h for s", 3.6: "km/h for m/s", 1.8: "degF for K",
+    30.0 / math.pi: "rpm for rad/s", 180.0 / math.pi: "degrees for rad", 6e4: "l/min for m^3/s",
+}  # fmt: skip
+MISTAKES = tuple(each for one in (*FACTORS, 1e4, 1e5, 1e7, *_TAKEN) for each in (one, 1.0 / one))
+"""Factors of units that are taken for each other, and their inverses."""
+
+_CHANGE = 3.0
+"""Factor up to which a constant has changed, whatever the unit. Chosen: degF for K is less."""
 
 NEAR = math.sqrt(10.0)
 """Ratio to one of `FACTORS` within which a number is near it. Chosen: what is expected is seldom
@@ -215,6 +241,17 @@ def unit_meant(
 def factor_text(factor: float) -> str:
     """``1000`` or ``1/1000``."""
     return f"{factor:.7g}" if factor >= 1.0 else f"1/{1.0 / factor:.7g}"
+
+
+def mistaken(ratio: float, within: float) -> str:
+    """A sentence on a ratio that is, within a part of it, that of two units; "" of any other."""
+    factor = unit_factor(ratio, 1.0 + within, (*FACTORS, 1e4, *_TAKEN))
+    if factor is None or max(factor, 1.0 / factor) < _CHANGE:
+        return ""
+    size = max(factor, 1.0 / factor)
+    units = [words for one, words in _TAKEN.items() if math.isclose(one, size)]
+    of = f", as of {units[0]}" if units else ""
+    return f"That is a factor of {factor_text(factor)}{of}: look at its unit and those of the data."
 
 
 def far_size(measured: float, usual: float, unit: str, whose: str) -> str | None:

@@ -12,7 +12,8 @@ from threadpoolctl import threadpool_limits
 
 from stickslip._util.arrays import worker_count
 from stickslip._util.messages import check_whole, shown
-from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.data.table import READINGS, Table
+from stickslip.diagnosis.fitting.other_units import unit_meant
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.scatter import with_scatter
 from stickslip.diagnosis.fitting.search import Progress
@@ -20,6 +21,7 @@ from stickslip.diagnosis.measured import problem_of
 from stickslip.diagnosis.own_model import (
     OwnModel,
     Predict,
+    bare_problem,
     computed_tables,
     overflows,
     problem_of_model,
@@ -134,6 +136,13 @@ def diagnose_model(
     ('named', ('wave',))
     """
     check_whole("seed", seed)
+
+    def of(tables: Sequence[Table]) -> Problem:
+        """The problem of other tables."""
+        terms = _with_terms(predict, tables, more) if given is None else (given, more)
+        return bare_problem(predict, tables, *terms)
+
+    given, more = uncertain, causes
     if uncertain is None:
         uncertain, causes = _with_terms(predict, data, causes)
     problem = problem_of_model(predict, data, uncertain, causes)
@@ -141,9 +150,11 @@ def diagnose_model(
     if tables != problem.tables:
         problem = problem_of_model(predict, tables, uncertain, causes)
     with _one_blas_thread():
-        problem = with_scatter(problem, int(seed))
+        fault = unit_meant(problem, of, _units(predict), int(seed))
+        problem = problem if fault else with_scatter(problem, int(seed))
         notes = [*overflows(problem), *without_effect(problem)]
-        findings = run(problem, int(seed), progress or _silent, fault_of(problem))
+        fault = fault or fault_of(problem)
+        findings = run(problem, int(seed), progress or _silent, fault)
     notes += moved_constants(findings)
 
     problem = findings.problem  # with the forms of its laws
@@ -159,6 +170,17 @@ def _with_terms(
         raise ScenarioError("uncertain: allowed is a list of Parameter, or a model of `models`")
     uncertain, terms = predict.terms(data)
     return uncertain, [*terms, *causes] if isinstance(causes, Sequence) else causes
+
+
+def _units(predict: Predict) -> dict[str, tuple[str, Sequence[str]]]:
+    """What the columns of a model's logs are called, and their SI units."""
+    known: dict[str, tuple[str, Sequence[str]]] = {
+        READINGS: ("the readings", ()), "t": ("time", ("s",))}  # fmt: skip
+    columns: Any = getattr(predict, "columns", ())
+    if hasattr(columns, "reads") and hasattr(columns, "inputs"):
+        known[READINGS] = columns.reads, (columns.unit,)
+        known |= {name: (name, units) for name, units in columns.inputs.items()}
+    return known
 
 
 # Matrices are small: further threads of their products wait for each other longer than they work.

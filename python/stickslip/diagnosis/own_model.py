@@ -65,6 +65,27 @@ def problem_of_model(
 
     A ScenarioError is raised if something is given that is not allowed.
     """
+    problem = bare_problem(predict, data, uncertain, causes)
+    if np.all(_not_computed(problem, np.zeros(problem.size))):
+        raise ScenarioError("predict: with the stated parameters it computes no reading")
+    stated = problem.physical(np.zeros((1, problem.size)))
+    assert isinstance(problem.model, Cached)
+    once, again = problem.model(stated), problem.model.anew(stated)
+    if not np.allclose(once, again, _SAME, _SAME * np.nanmax(np.abs(once)), equal_nan=True):
+        raise ScenarioError(
+            "predict: it returns other readings when it is called again: allowed is a function of "
+            "its arguments alone; fix the seed of its random numbers"
+        )
+    return with_measured_fineness(problem)
+
+
+def bare_problem(
+    predict: Predict,
+    data: Table | Sequence[Table],
+    uncertain: Sequence[Parameter],
+    causes: Sequence[Cause],
+) -> Problem:
+    """The same before anything is predicted."""
     tables = [data] if isinstance(data, Table) else data
     if (
         not isinstance(tables, Sequence)
@@ -91,17 +112,7 @@ def problem_of_model(
 
     rows = partial(_of_tables, model, tuple(tables), names)
     forms = partial(_with_forms, model)
-    problem = Problem(tuple(tables), Cached(rows), constants, every, forms=forms)
-    if np.all(_not_computed(problem, np.zeros(problem.size))):
-        raise ScenarioError("predict: with the stated parameters it computes no reading")
-    stated = problem.physical(np.zeros((1, problem.size)))
-    once, again = problem.model(stated), rows(stated)
-    if not np.allclose(once, again, _SAME, _SAME * np.nanmax(np.abs(once)), equal_nan=True):
-        raise ScenarioError(
-            "predict: it returns other readings when it is called again: allowed is a function of "
-            "its arguments alone; fix the seed of its random numbers"
-        )
-    return with_measured_fineness(problem)
+    return Problem(tuple(tables), Cached(rows), constants, every, forms=forms)
 
 
 def _with_forms(model: OwnModel, problem: Problem, more: Sequence[Cause]) -> Problem:

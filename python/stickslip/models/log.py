@@ -18,6 +18,7 @@ from stickslip._util.tables import CsvTable
 from stickslip._util.text import counted, number, plain
 from stickslip._util.units import is_of, per_si, same_unit, split_unit, zero_of
 from stickslip.diagnosis.data.series import LATEST, Series
+from stickslip.diagnosis.data.table import READINGS
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.measurement.read_table import (
     LARGEST,
@@ -164,6 +165,8 @@ def read_log(path: str | PathLike[str], model: object) -> Series:
     log = Series(
         values[_TIME], values[wanted.reads], inputs, values.get(_ERROR), path.stem, unit=shows
     )
+    unstated = {column for column, each in found.items() if each.unit is None} - told - {_ERROR}
+    log.unstated = [READINGS if column == wanted.reads else column for column in unstated]
     largest = float(np.max(np.abs(log.y)))
     if wanted.unit == "rad" and wanted.reads in bare and largest > _TURN:
         raise ScenarioError(

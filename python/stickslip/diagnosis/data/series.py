@@ -6,6 +6,7 @@ import functools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,16 +20,26 @@ from stickslip._util.arrays import (
     locked,
     root_mean_square,
     row,
+    states_unit,
 )
 from stickslip._util.messages import refuse
 from stickslip._util.text import brief
 from stickslip._util.units import with_unit
 from stickslip.diagnosis.data.errors import FEWEST, Errors
 from stickslip.diagnosis.data.settings import Settings
-from stickslip.diagnosis.data.table import Table, stated_errors, without_gaps, without_marks
+from stickslip.diagnosis.data.table import (
+    READINGS,
+    Table,
+    stated_errors,
+    without_gaps,
+    without_marks,
+)
 from stickslip.errors import ScenarioError
 from stickslip.measurement.outliers import far_from_all_others, marks_of_none
 from stickslip.simulation.note import Note
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 LATEST = 1e11
 """Time, s since 1970, from which on it is in a smaller unit: the year 5138."""
@@ -133,6 +144,10 @@ class Series(Table):
             whole = Series(times, read, acting, 1.0, self.name, self.repeat_of, unit=unit)
             self._take_of(whole, np.flatnonzero(~gap))
         self.stated = stated is not None
+        bare = {"t": t, **given}
+        if unit == "-":
+            bare[READINGS] = y
+        self.unstated = [key for key, values in bare.items() if not states_unit(values)]
         self.rows = np.flatnonzero(~gap)
         self._take(times, readings, acting, stated, ~gap)
 
@@ -196,6 +211,14 @@ class Series(Table):
         sd = self.errors.sd if self.stated else None
         made._take(self.t, self.y, self.inputs, sd, ~gone)
         return made._less(self, ~gone, why)
+
+    def converted(self, column: str, per: float, zero: float = 0.0) -> Self:
+        """The same with a column in SI that was in another unit; see `Table`."""
+        made = super().converted(column, per, zero)
+        if column != READINGS:
+            made.t = made.settings["t"]
+            made.inputs = {key: made.settings[key] for key in self.inputs}
+        return made
 
     def with_inputs(self, inputs: Mapping[str, Array]) -> Series:
         """The same record with other inputs, of shape (n,) or (vectors, n)."""

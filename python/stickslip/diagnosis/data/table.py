@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -26,9 +27,10 @@ from stickslip._util.arrays import (
     representatives,
     root_mean_square,
     row,
+    states_unit,
 )
 from stickslip._util.text import brief, counted
-from stickslip._util.units import factor_text, far_size, unit_label
+from stickslip._util.units import far_size, unit_label
 from stickslip.diagnosis.data.errors import estimate, no_finer_than_the_meter
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.errors import ScenarioError
@@ -49,9 +51,12 @@ _SPREAD = 3.0
 """Variance of the conditions' means, in that of their errors, below which they are alike. Chosen:
 means of nothing but errors have 1."""
 
-_LIKENESS, _FACTORS = 0.3, (1e3, 1e-3, 1e6, 1e-6)
-"""Part of the model's size within which changed readings are its own, and mistakes of a unit.
-Chosen: constants and causes of the usual size change predictions by less."""
+_LIKENESS = 0.3
+"""Part of the model's size within which changed readings are its own. Chosen: constants and causes
+of the usual size change predictions by less."""
+
+READINGS = ""
+"""What the readings are called among the columns of a table."""
 
 
 class Table:
@@ -121,6 +126,8 @@ class Table:
     """What was read and is not used."""
     inputs: Mapping[str, Array] = {}
     """What was put in, by name; only a record has such."""
+    unstated: Collection[str] = ()
+    """Columns whose unit the data do not state."""
     drawable = True
     """Whether its readings share a unit, so that they are drawn over a setting."""
 
@@ -178,6 +185,10 @@ class Table:
         self.mean, self.errors = estimate(self.y, self.condition, sd=stated, run=runs, block=blocks)
         if sd is None:
             self.errors = no_finer_than_the_meter(self.y, self.condition, self.errors, unit)
+        self.unstated = [
+            *([] if unit != "-" or states_unit(y) else [READINGS]),
+            *self.quantities[1:],
+        ]
         self.rows, self._labels = np.flatnonzero(~gap), {"sd": stated, "block": blocks, "run": runs}
         self.own_notes = tuple(notes)
         if runs is not None and len(number) == len(self.y):
@@ -199,6 +210,7 @@ class Table:
         else:
             settings = settings[kept]
         made = Table(settings, self.y[kept], **beside, name=self.name, unit=self.unit)
+        made.unstated = self.unstated
         return made._less(self, kept, why)
 
     def _less(self, whole: Table, kept: Mask, why: str) -> Self:
@@ -320,7 +332,7 @@ class Table:
         return None
 
     def _meant(self, stated: Array) -> Note | None:
-        """Readings that are the stated model's once they are reversed, rescaled or exchanged.
+        """Readings that are the stated model's once they are reversed or exchanged.
 
         Only a nearly perfect likeness counts: what is between is a matter of causes.
         """
@@ -349,9 +361,32 @@ class Table:
     def _changes(self, y: Array) -> Iterator[tuple[Array, str, str]]:
         """Readings as they may have been meant, with the code of the note and its words."""
         yield -y, "readings-reversed", "of the other sign"
-        for factor in _FACTORS:
-            size = factor_text(1.0 / factor)
-            yield y / factor, "readings-unit", f"{size} times as large: look at its unit"
+
+    # ------------------------------------------------------------------ units
+    @property
+    def quantities(self) -> list[str]:
+        """Names of all columns of numbers."""
+        settings = self.settings if isinstance(self.settings, dict) else {}
+        return [READINGS, *(key for key, values in settings.items() if values.dtype.kind == "f")]
+
+    def converted(self, column: str, per: float, zero: float = 0.0) -> Self:
+        """The same with a column in SI that was in a unit of which `per` are one of it.
+
+        `zero` is what that unit has at 0. Errors of the readings follow, for a fit.
+        """
+        changes: dict[str, Any] = {}
+        if self.whole is not None:
+            changes["whole"] = self.whole.converted(column, per, zero)
+        if column == READINGS:
+            covariance = self.errors.covariance
+            changes |= {
+                "y": locked((self.y - zero) / per), "mean": locked((self.mean - zero) / per),
+                "errors": replace(self.errors, sd=self.errors.sd / per, covariance=
+                                  None if covariance is None else covariance / per**2),
+            }  # fmt: skip
+            return self.having(**changes)
+        values = locked((np.asarray(self[column]) - zero) / per)
+        return self.having(settings={**self.settings, column: values}, **changes)
 
     def having(self, **changes: Any) -> Self:
         """The same with other attributes."""

@@ -315,14 +315,14 @@ class Cached:
     """A model whose predictions are kept: fits begin where others have ended."""
 
     def __init__(self, model: Model) -> None:
-        self._model = model
+        self.anew = model
         self._rows: OrderedDict[bytes, Array] = OrderedDict()
 
     def __call__(self, values: Array) -> Array:
         keys = [row.tobytes() for row in np.ascontiguousarray(values)]
         new = {key: row for key, row in zip(keys, values, strict=True) if key not in self._rows}
         if new:
-            made = np.asarray(self._model(np.stack(list(new.values()))), dtype=float)
+            made = np.asarray(self.anew(np.stack(list(new.values()))), dtype=float)
             # A row by itself, as a view would keep all rows of its call.
             self._rows |= {key: row.copy() for key, row in zip(new, made, strict=True)}
         rows = np.stack([self._rows[key] for key in keys])

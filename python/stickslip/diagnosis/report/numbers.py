@@ -17,7 +17,7 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.arrays import Array, Mask
 from stickslip._util.html import page_text
-from stickslip._util.units import is_of, unit_label
+from stickslip._util.units import is_of, mistaken, unit_label
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.diagnosis.decision.candidate import Candidate, spread_of
 from stickslip.diagnosis.decision.cannot_tell import Combination
@@ -71,6 +71,10 @@ _MOST_OF_IT = 0.5  # share from which on a sure cause is said to act, with somet
 # the share of its square on one side, and ends of ranges that are tried. Chosen: more than the best
 # of some hundred ranges of noise has; hardly a reading against the sign; a twentieth of the data.
 _STANDS_OUT, _A_WORD, _ONE_SIDED, _ENDS = 4.0, 2.0, 0.9, 21
+
+_NEAR, _NEAREST = 2.0, 0.1
+"""Errors of a constant, and part of it, within which its ratio is that of two units. Chosen: 20 %
+are no unit."""
 
 
 def reference() -> dict[str, str]:
@@ -284,10 +288,24 @@ def _claim(facts: Facts, candidate: Candidate) -> dict[str, Any]:
             form = "" if cause.has_knots else f", {article} {cause.curve.form}"
             row |= {"finding": f"The law of {cause.curve.name} has another shape{form}.",
                     "drawing": cause.curve.law, "interval": ""}  # fmt: skip
+        if cause.frees is not None and not cause.parameters:
+            row["finding"] += _in_another_unit(facts, cause.frees, sizes[cause.name])
         causes.append(row)
     chance = facts.chance.models[candidate.name]
     return {"candidate": candidate.name, "title": facts.words.title(candidate.name),
             "probability": chance, "causes": causes}  # fmt: skip
+
+
+def _in_another_unit(facts: Facts, name: str, sizes: Mapping[str, Mapping[str, Any]]) -> str:
+    """What is said of a constant that is off by the factor of a unit, within its errors."""
+    constant = next(one for one in facts.problem.constants if one.name == name)
+    stated, beside = constant.value(np.array([0.0, 1.0])).tolist()
+    value, sd = sizes[name]["value"], sizes[name]["sd"]
+    if not stated or not value:
+        return ""
+    within = min(_NEAR * math.hypot(beside / stated - 1.0, sd / value), _NEAREST)
+    said = mistaken(value / stated, within)
+    return f" {said}" if said else ""
 
 
 def _left_in_words(facts: Facts, candidate: Candidate) -> list[str]:

@@ -1,0 +1,271 @@
+"""A column or constant whose numbers are in another unit than its model takes.
+
+Nothing is asked of a column whose unit the data state, or where the stated model is like the
+readings as they stand. Each other unit is a model without a cause: its constants are fitted within
+their priors, and it competes with the stated units and with each single constant that is off.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stickslip._util.arrays import Array
+from stickslip._util.units import MISTAKES, factor_text, other_units
+from stickslip.diagnosis.data.errors import FEWEST
+from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.fitting.descent import in_step
+from stickslip.diagnosis.fitting.forms import forms
+from stickslip.diagnosis.fitting.models import minimise
+from stickslip.diagnosis.fitting.problem import Problem
+from stickslip.diagnosis.terms.parameter import Parameter
+from stickslip.errors import ScenarioError
+from stickslip.scenario.uncertain import Prior
+from stickslip.simulation.note import Note
+
+_DRAWS, _FITTED = 12, 4
+"""Points of the priors at which a unit is looked at, and units that are fitted. Chosen: with fewer
+points an oscillation is out of phase at all of them."""
+
+_WRONG_PART = 30.0
+"""Factor, either way, up to which one constant may be a part that was mistaken. Chosen: a wrong
+gear or coil is tenfold; what is farther off is a unit."""
+
+_LIKE, _MISSED, _FAR = 0.05, 4.0, 4.0
+"""Part of the variance of the readings that a model like them leaves, how many times more is left
+as they stand, and the stated errors by which a constant is moved there otherwise. Chosen: causes
+of the usual size change less."""
+
+_SMALL = 0.02
+"""Errors that are not known, in the scatter of the readings. Chosen: few sensors are worse."""
+
+_SAME = 0.1
+"""Logarithm of the ratio of two factors that need not differ: 180 / pi and 60. Chosen."""
+
+_LEAD = 12.0
+"""Cost by which a unit is ahead of one constant that is off, and up to which two units are alike.
+Chosen: a chance of 1 in 400."""
+
+
+@dataclass(frozen=True)
+class _Try:
+    """A model in other units, where its fit begins, what is left there, and what it is called.
+
+    `name` is the column or constant that is in it; the constant of the column `freed` has no
+    penalty.
+    """
+
+    problem: Problem
+    x: Array
+    left: float
+    name: str = ""
+    factor: float = 1.0
+    words: str = ""
+    freed: int | None = None
+
+
+@dataclass(frozen=True)
+class _End:
+    """A fit: its chi-square and penalty, and how far it moves a stated constant, in its errors."""
+
+    chi2: float
+    penalty: float
+    moved: float
+    of: _Try
+
+    def cost(self, scale: float) -> float:
+        return self.chi2 / scale + self.penalty
+
+
+def unit_meant(
+    problem: Problem,
+    of: Callable[[Sequence[Table]], Problem],
+    known: Mapping[str, tuple[str, Sequence[str]]],
+    seed: int,
+) -> Note | None:
+    """A note where readings are the stated model's in a unit that nobody stated; else None.
+
+    Parameters
+    ----------
+    problem : Problem
+    of : callable
+        The problem of other tables.
+    known : mapping
+        What columns are called in words, and their SI units, by name.
+    seed : int
+        Of the points of the priors.
+    """
+    if len(problem.y) < len(problem.constants) + FEWEST:
+        return None
+    problem = _with_some_errors(problem)
+    null, variance = _fits([_looked_at(problem, seed)])[0], _spread(problem)
+    if _is_like(null, problem, variance / _MISSED) and null.moved < _FAR:
+        return None
+    tries = [_looked_at(*other) for other in _in_units(problem, of, known, seed)]
+    near, far = _single(problem)
+    meant = _fits(_best(tries)) + _fits(_best(far))
+    best = min(meant, key=lambda end: end.chi2 + end.penalty, default=null)
+    missed = null.chi2 > _MISSED * best.chi2 or null.moved > _FAR
+    if not missed or best.moved > _FAR or not _is_like(best, problem, variance):
+        return None
+    rivals = [null, *_fits(near)]
+    # Errors that are stated wrongly, or not at all, are those that the best model leaves.
+    least = min(end.chi2 for end in (*meant, *rivals))
+    scale = max(least / len(problem.y), 1e-9 * variance / len(problem.y))
+    first = best.cost(scale) + _LEAD
+    if min(end.cost(scale) for end in rivals) < first:
+        return None
+    constants = {constant.name for constant in problem.constants}
+    alike = [end for end in meant if end.cost(scale) < first and end.moved < _FAR]
+    # Where two factors of one unit do as well, nothing moves in either, as nothing did.
+    factors = [(end.of.name, abs(math.log(end.of.factor))) for end in alike]
+    if any(abs(one - other) > _SAME for (name, one), (also, other)
+           in itertools.combinations(factors, 2) if name == also):  # fmt: skip
+        return None
+    alike.sort(key=lambda end: (end.of.name in constants, end.cost(scale)))
+    told = {end.of.name if end.of.name in constants else end.of.words: end.of.words
+            for end in reversed(alike)}  # fmt: skip
+    text = " or ".join(reversed(told.values()))
+    return Note("other-unit", f"The stated model would be like the data if {text}.")
+
+
+def _is_like(end: _End, problem: Problem, variance: float) -> bool:
+    """Whether a fit leaves hardly more than errors, or than a small part of the readings."""
+    return end.chi2 < max(2.0 * len(problem.y), _LIKE * variance)
+
+
+def _best(tries: Sequence[_Try]) -> list[_Try]:
+    return sorted(tries, key=lambda one: one.left)[:_FITTED]
+
+
+def _with_some_errors(problem: Problem) -> Problem:
+    """The problem with small errors where none are known: only their ratios count here."""
+    tables = [table if errors.dof else table.having(errors=replace(errors, sd=_SMALL * errors.sd))
+              for table, errors in zip(problem.tables, problem.errors, strict=True)]  # fmt: skip
+    return replace(problem, tables=tuple(tables), errors=())
+
+
+def _in_units(
+    problem: Problem,
+    of: Callable[[Sequence[Table]], Problem],
+    known: Mapping[str, tuple[str, Sequence[str]]],
+    seed: int,
+) -> Iterator[tuple[Problem, int, str, float, str]]:
+    """What is looked at for each other unit of each column that states none."""
+    tables = problem.tables
+    for column in dict.fromkeys(name for table in tables for name in table.unstated):
+        if any(column in table.quantities and column not in table.unstated for table in tables):
+            continue
+        name, units = known.get(column, (column, ()))
+        for unit, per, zero in other_units(units):
+            # A model's problem in a unit that is far off may be none.
+            with contextlib.suppress(ScenarioError):
+                changed = [one.converted(column, per, zero) if column in one.quantities else one
+                           for one in tables]  # fmt: skip
+                of_all = f'in {unit}: write "{name} ({unit})"' if unit else (
+                    f"{factor_text(1.0 / per)} times as large: look at its unit")  # fmt: skip
+                yield of(changed), seed, column, per, f"{name} were {of_all}"
+
+
+def _single(problem: Problem) -> tuple[list[_Try], list[_Try]]:
+    """Fits with one constant that is off, up to `_WRONG_PART` and beyond."""
+    near, far = [], []
+    grid = np.geomspace(1.0 / _WRONG_PART, _WRONG_PART, 25)
+    beyond = np.array([one for one in MISTAKES if max(one, 1.0 / one) > _WRONG_PART])
+    for k, constant in enumerate(problem.constants):
+        if not _is_stated(constant) or not constant.value(np.zeros(1))[0]:
+            continue
+        values = np.repeat(problem.physical(np.zeros((1, problem.size))), len(grid), axis=0)
+        values[:, k] *= grid
+        left = _left(problem, values)
+        wide = _other(problem, k, _wide)
+        for place in np.argsort(left)[:2].tolist():
+            x = np.zeros(problem.size)
+            x[k] = wide.constants[k].coordinate(values[place, k])
+            near.append(_Try(wide, x, float(left[place]), freed=k))
+        values = values[:1].repeat(len(beyond), axis=0)
+        values[:, k] = constant.value(np.zeros(1))[0] * beyond
+        for factor, each in zip(beyond.tolist(), _left(problem, values).tolist(), strict=True):
+            moved = _other(problem, k, lambda one, by=factor: _times(one, by))  # type: ignore[misc]
+            text = (f"{constant.name} were {factor_text(factor)} times what is stated: "
+                    "look at its unit")  # fmt: skip
+            x = np.zeros(problem.size)
+            far.append(_Try(moved, x, each, constant.name, factor, text))
+    return near, far
+
+
+def _looked_at(
+    problem: Problem, seed: int, name: str = "", factor: float = 1.0, words: str = ""
+) -> _Try:
+    """The best of some points of the priors of the stated constants."""
+    x = np.zeros((_DRAWS, problem.size))
+    stated = [k for k, constant in enumerate(problem.constants) if _is_stated(constant)]
+    x[1:, stated] = np.random.default_rng([seed, 6]).standard_normal((_DRAWS - 1, len(stated)))
+    left = _left(problem, problem.physical(x))
+    best = int(np.argmin(left))
+    return _Try(problem, x[best], float(left[best]), name, factor, words)
+
+
+def _left(problem: Problem, values: Array) -> Array:
+    """Chi-square of the readings at values, shape (vectors,)."""
+    with np.errstate(all="ignore"):
+        missed = (problem.y - problem.model(values)) / problem.sd
+        left = np.sum(missed**2, axis=1)
+    return np.where(np.isfinite(left), left, 1e300)
+
+
+def _fits(tries: Sequence[_Try]) -> list[_End]:
+    """Ends of fits without a cause, where they can be fitted."""
+    ends = []
+    for one in tries:
+        form = forms(one.problem, ["exact"])["exact"]
+        with contextlib.suppress(np.linalg.LinAlgError):
+            (fit,) = in_step(one.problem, [minimise(one.problem, form, (), one.x)])
+            x = np.abs(fit.x)
+            if one.freed is not None:
+                x[one.freed] = 0.0
+            stated = [k for k, c in enumerate(one.problem.constants) if _is_stated(c)]
+            moved = float(np.max(x[stated], initial=0.0))
+            ends.append(_End(fit.chi2, float(x @ x), moved, one))
+    return ends
+
+
+def _spread(problem: Problem) -> float:
+    """Chi-square of the readings about their mean."""
+    left = problem.y - np.average(problem.y, weights=problem.sd**-2.0)
+    return float(np.sum((left / problem.sd) ** 2))
+
+
+def _is_stated(constant: Parameter) -> bool:
+    return constant.cause and constant.prior is not None and constant.prior.has_middle
+
+
+def _other(problem: Problem, k: int, change: Callable[[Parameter], Parameter]) -> Problem:
+    constants = itertools.chain(
+        problem.constants[:k], [change(problem.constants[k])], problem.constants[k + 1 :]
+    )
+    return replace(problem, constants=tuple(constants), finer={})
+
+
+def _times(constant: Parameter, factor: float) -> Parameter:
+    """A constant that was stated in a unit `factor` times smaller."""
+    assert constant.prior is not None
+    first, second = factor * constant.prior.first, constant.prior.second
+    second *= factor if constant.prior.kind == "normal" else 1.0
+    low, high = factor * constant.low, factor * constant.high
+    return replace(constant, prior=Prior(constant.prior.kind, first, second), low=low, high=high)
+
+
+def _wide(constant: Parameter) -> Parameter:
+    """A constant that may be another part."""
+    middle = float(constant.value(np.zeros(1))[0])
+    ends = sorted((middle / _WRONG_PART, middle * _WRONG_PART))
+    prior = Prior("log-normal", middle, math.sqrt(_WRONG_PART))
+    if middle < 0.0:
+        prior = Prior("normal", middle, _WRONG_PART * abs(middle))
+    return replace(constant, prior=prior, low=ends[0], high=ends[1])
