@@ -122,7 +122,7 @@ std::array<double, 2> TwoMasses::margins(const State& z, const Input& u, const M
 }
 
 TwoMasses::Point TwoMasses::begun(const State& z, const Input& u) const {
-    const int side = u[0] < 0.0 ? -1 : 1, s = sign(z[1]);
+    const int side = std::signbit(u[0]) ? -1 : 1, s = sign(z[1]);
     return driven({z[0], z[1], z[0] - side * c.gap, z[1]}, u,
                   {s != 0 ? s : static_cast<int>(!dry), side});
 }

@@ -102,7 +102,8 @@ public:
 
     State rate(const State& z, const Input& u, const Mode& mode) const;
     std::array<double, 2> margins(const State& z, const Input& u, const Mode& mode) const;
-    /// Both move as one; the gap is closed in the direction of the first input.
+    /// Both move as one; the gap is closed in the direction of the first input, of which a zero has
+    /// the sign as well.
     Point begun(const State& z, const Input& u) const;
     Point driven(const State& z, const Input& u, const Mode& mode) const;
     Point after(const State& z, const Input& u, const Mode& mode, std::size_t hit) const;

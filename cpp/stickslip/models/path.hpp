@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-/// Steps in time of models of machines and heaters, from event to event. An input is held from one
-/// reading to the next. Where the motion is linear between events its steps are exact, by
+/// Steps in time of models of machines and heaters, from event to event. An input is held between
+/// the instants at which it switches. Where the motion is linear between events its steps are exact, by
 /// exponentials of matrices.
 namespace stickslip {
 
@@ -258,32 +258,53 @@ private:
 
 /// States at readings: calls `write(reading, state)`, with NaN where they are not known.
 ///
-/// times: s, of the readings. input(reading): what acts from it on.
+/// times: s, of the readings. input(k): of the first reading before its switch (k = 0), and what
+/// acts from the reading k - 1 on, each of the inputs by its own time `late`, s, later.
 template <class System>
 void follow(const System& system, const typename System::State& start,
-            const std::vector<double>& times, auto&& input, auto&& write) {
+            const std::vector<double>& times, auto&& input, const typename System::Input& late,
+            auto&& write) {
     if (times.empty()) return;
+    const std::size_t count = times.size();
     std::vector<double> gaps;
-    for (std::size_t k = 1; k < times.size(); ++k) gaps.push_back(times[k] - times[k - 1]);
-    std::vector<double> sorted = gaps;
-    std::sort(sorted.begin(), sorted.end());
-    const std::size_t half = sorted.size() / 2;
-    const double usual = sorted.empty()          ? 1.0
-                         : sorted.size() % 2 > 0 ? sorted[half]
-                                                 : 0.5 * (sorted[half - 1] + sorted[half]);
+    for (std::size_t k = 1; k < count; ++k) gaps.push_back(times[k] - times[k - 1]);
+    std::sort(gaps.begin(), gaps.end());
+    const std::size_t half = gaps.size() / 2;
+    const double usual = gaps.empty()          ? 1.0
+                         : gaps.size() % 2 > 0 ? gaps[half]
+                                               : 0.5 * (gaps[half - 1] + gaps[half]);
     Path<System> path(system, usual);
+    // The next switch of each input, and what acts until the first of them.
+    std::array<std::size_t, System::kInputs> next = {};
+    typename System::Input u = input(0);
+    const auto due = [&](std::size_t i) {
+        return next[i] < count ? times[next[i]] + late[i]
+                               : std::numeric_limits<double>::infinity();
+    };
+    const auto switched = [&](std::size_t i) { u[i] = input(++next[i])[i]; };
+    for (std::size_t i = 0; i < next.size(); ++i) {
+        while (due(i) <= times[0]) switched(i);
+    }
     typename System::State unknown;
     unknown.fill(std::numeric_limits<double>::quiet_NaN());
     const auto is_known = [](const auto& state) {
         return std::all_of(state.begin(), state.end(), [](double x) { return std::isfinite(x); });
     };
-    auto now = system.begun(start, input(0));
+    auto now = system.begun(start, u);
     bool known = path.is_seen() && is_known(now.first);
     write(0, known ? now.first : unknown);
-    for (std::size_t k = 0; k < gaps.size(); ++k) {
-        if (known) now = path.advanced(now, input(k), gaps[k]);
+    for (std::size_t k = 1; k < count; ++k) {
+        for (double time = times[k - 1]; known && time < times[k];) {
+            double until = times[k];
+            for (std::size_t i = 0; i < next.size(); ++i) {
+                while (due(i) <= time) switched(i);
+                until = std::min(until, due(i));
+            }
+            now = path.advanced(now, u, until - time);
+            time = until;
+        }
         known = known && is_known(now.first);
-        write(k + 1, known ? now.first : unknown);
+        write(k, known ? now.first : unknown);
     }
 }
 
