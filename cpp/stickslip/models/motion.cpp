@@ -22,9 +22,15 @@ OneMass::OneMass(const MotionTerms& terms) : c(terms) {
           c.stribeck != 0.0;
     linear = c.quadratic == 0.0 && c.cubic_damping == 0.0 && c.square == 0.0 && c.cubic == 0.0 &&
              c.gravity == 0.0 && c.swing == 0.0 && c.stribeck == 0.0;
-    const double falls = c.stribeck != 0.0 ? c.stribeck / c.stribeck_speed : 0.0;
+    falls = c.stribeck != 0.0 ? c.stribeck / c.stribeck_speed : 0.0;
     const double turns = std::sqrt(std::abs(c.stiffness) + std::abs(c.gravity));
-    fastest = turns + falls + c.rate + std::abs(c.rate_asymmetry);
+    fastest = turns + c.rate + std::abs(c.rate_asymmetry);
+}
+
+double OneMass::fastest_at(double x, double v, double u) const {
+    const double turns = std::abs(c.swing * u) + std::abs((2.0 * c.square + 3.0 * c.cubic * x) * x);
+    return fastest + falls + std::sqrt(turns) + 2.0 * std::abs(c.quadratic * v) +
+           3.0 * std::abs(c.cubic_damping) * v * v;
 }
 
 double OneMass::driving(double x, double v, double u) const {
@@ -83,6 +89,11 @@ TwoMasses::TwoMasses(const MotionTerms& terms) : OneMass(terms), hard(terms.spri
     const double small = c.share * (1.0 - c.share);
     fastest /= std::sqrt(small);
     fastest += std::sqrt(c.spring / small) + c.damping / small;
+}
+
+double TwoMasses::fastest_at(const State& z, const Input& u) const {
+    const double least = std::min(c.share, 1.0 - c.share);
+    return OneMass::fastest_at(std::max(std::abs(z[0]), std::abs(z[2])), z[1], u[0]) / least;
 }
 
 TwoMasses::Pulls TwoMasses::pulls(const State& z, const Input& u, const Mode& mode) const {

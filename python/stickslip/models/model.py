@@ -351,6 +351,9 @@ class Model(OneLine):
         made["force"] = max(
             made.get(self.kind.inertia, 1.0) * fastest,
             made.get(self.kind.gain, 1.0) * made["input"], tiny,
+            # A weight that is stated acts too, where the inertia may be what is wrong.
+            *(abs(made.get(term.name, 0.0)) for term in self.kind.terms
+              if term.of == "force" and term.signed),
         )  # fmt: skip
         # A spring whose ringing the readings resolve.
         ringing = 4.0 * made["step"] ** 2 / made.get(self.kind.inertia, 1.0)

@@ -30,8 +30,8 @@ from stickslip._util.arrays import Array
 def moved(c: Mapping[str, ArrayLike], start: Array, t: Array, inputs: Array, late: Array) -> Array:
     """States at the times `t`, s: x and v, and y and w of the load, (readings, 4, vectors).
 
-    NaN from where a motion has no finite state, and all along where it is too fast for the
-    readings to follow.
+    NaN from where a motion has no finite state, or where it takes more than 100 000 steps and
+    40 for each reading to follow it.
 
     Parameters
     ----------
