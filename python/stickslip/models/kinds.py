@@ -219,7 +219,8 @@ def joint(
     Stops, reversals and contacts are events, found to 1e-11 of how far a step goes beyond them.
     Between them steps are exact where the terms are linear, and of order 5 with `stribeck`,
     `quadratic` or `gravity`. 25 000 readings of one vector take 2 to 4 ms, and 7 to 13 ms with
-    terms of order 5, which takes shorter steps where they change fast. Friction as in Armstrong-Helouvry et al., Automatica 30 (1994) 1083.
+    terms of order 5, which takes shorter steps where they change fast; twice that with
+    ``smooth=True``. Friction as in Armstrong-Helouvry et al., Automatica 30 (1994) 1083.
 
     Examples
     --------

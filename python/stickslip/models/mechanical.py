@@ -42,8 +42,7 @@ def _moved(t: Array, late: _Named, values: _Named, inertia: str, force: Array) -
     if "backlash" in values:
         share, compliance = values["load_share"], values["compliance"]
         small = share * (1.0 - share)
-        step = float(np.median(np.diff(t))) if len(t) > 1 else 0.0
-        soft = compliance * whole * small > (step / _FASTEST) ** 2
+        soft = compliance * whole * small > (values["step"] / _FASTEST) ** 2
         c["spring"] = np.where(soft, 1.0 / np.where(soft, compliance * whole, 1.0), 0.0)
         c["damping"] = 2.0 * values["damping_ratio"] * np.sqrt(c["spring"] * small)
         c |= {"gap": 0.5 * values["backlash"], "share": share}

@@ -29,7 +29,8 @@ Known = float | tuple[float, float] | Prior
 Physics = Callable[[Array, Mapping[str, Array], Mapping[str, Array], Mapping[str, Array]], Array]
 """``physics(t, inputs, late, values)``: states, (readings, states, vectors), at times, (readings,).
 Inputs by name, (1 + readings, vectors), are what acted before the first time and is held from each
-of them on, all by `late`, (vectors,), later. Values by name, (vectors,)."""
+of them on, all by `late`, (vectors,), later. Values by name, (vectors,), have the usual `step` of
+the readings too, s."""
 
 _KNOWN = "a number, (value, error) or a Prior"
 
@@ -217,15 +218,22 @@ class Model(OneLine):
             stated = self.known.get(name)
             value = p[name][:, 0] if name in p else term.absent if stated is None else stated
             values[name] = np.broadcast_to(np.asarray(value, dtype=float), vectors)
-        inputs, late = {}, {}
+        values["step"] = np.full(vectors, record.step)
+        t, inputs, late = record.t, {}, {}
+        if self.smooth:
+            t = np.sort(np.concatenate([t, 0.5 * (t[1:] + t[:-1])]))
         for name, signal in signals.items():
             if self.smooth:
-                signal = Signal.of(record.t, signal.means(), held=True)
+                # Two held halves with the mean and the first moment of a line.
+                half = signal.means(t)
+                one, two = half[:, :-1:2], half[:, 1::2]
+                half[:, :-1:2], half[:, 1::2] = (7.0 * one - two) / 6.0, (7.0 * two - one) / 6.0
+                signal = Signal.of(t, half, held=True)
             rows = np.vstack([signal.first, signal.values.T])
             inputs[name] = np.broadcast_to(rows, (len(rows), vectors))
             late[name] = np.broadcast_to(signal.late, vectors)
         with np.errstate(all="ignore"):
-            states = self.kind.physics(record.t, inputs, late, values)
+            states = self.kind.physics(t, inputs, late, values)[:: 1 + self.smooth]
         return np.asarray(states[:, self.kind.reads[self.reads][0]].T)
 
     @property
