@@ -23,12 +23,15 @@ void require(bool fits, const char* what) {
 }
 
 /// States x, v, y, w at the readings, shape (vectors, readings, 4). terms: (vectors, terms);
-/// start: (vectors, 2); times: (readings,); inputs: (vectors, readings).
-Array moved(const Array& terms, const Array& start, const Array& times, const Array& inputs) {
+/// start: (vectors, 2); times: (readings,); inputs: (vectors, 1 + readings), the first before the
+/// record; late: (vectors,).
+Array moved(const Array& terms, const Array& start, const Array& times, const Array& inputs,
+            const Array& late) {
     const py::ssize_t vectors = terms.shape(0), readings = times.shape(0);
     require(terms.ndim() == 2 && terms.shape(1) == py::ssize_t{kMotionTerms.size()} &&
                 start.ndim() == 2 && start.shape(0) == vectors && start.shape(1) == 2 &&
-                inputs.ndim() == 2 && inputs.shape(0) == vectors && inputs.shape(1) == readings,
+                inputs.ndim() == 2 && inputs.shape(0) == vectors && inputs.shape(1) == 1 + readings &&
+                late.ndim() == 1 && late.shape(0) == vectors,
             "moved: the shapes do not fit");
     Array result({vectors, readings, py::ssize_t{4}});
     const std::vector<double> t(times.data(), times.data() + readings);
@@ -40,15 +43,15 @@ Array moved(const Array& terms, const Array& start, const Array& times, const Ar
         }
         const double x = start.at(k, 0), v = start.at(k, 1);
         double* out = result.mutable_data(k);
-        const auto input = [&](std::size_t reading) {
-            return OneMass::Input{inputs.at(k, reading)};
-        };
+        const double* acting = inputs.data(k);
+        const auto input = [&](std::size_t n) { return OneMass::Input{acting[n]}; };
+        const OneMass::Input after = {late.at(k)};
         if (own.gap != 0.0 || own.spring != 0.0) {
-            follow(TwoMasses(own), {x, v, x, v}, t, input, [&](std::size_t n, const auto& z) {
+            follow(TwoMasses(own), {x, v, x, v}, t, input, after, [&](std::size_t n, const auto& z) {
                 std::copy(z.begin(), z.end(), out + 4 * n);
             });
         } else {
-            follow(OneMass(own), {x, v}, t, input, [&](std::size_t n, const auto& z) {
+            follow(OneMass(own), {x, v}, t, input, after, [&](std::size_t n, const auto& z) {
                 for (std::size_t i = 0; i < 4; ++i) out[4 * n + i] = z[i % 2];
             });
         }
@@ -57,12 +60,15 @@ Array moved(const Array& terms, const Array& start, const Array& times, const Ar
 }
 
 /// Temperatures of the body at the readings, shape (vectors, readings). terms: (vectors, 5);
-/// start: (vectors,); times: (readings,); inputs: (vectors, readings, 2).
-Array heated(const Array& terms, const Array& start, const Array& times, const Array& inputs) {
+/// start: (vectors,); times: (readings,); inputs: (vectors, 1 + readings, 2), the first before the
+/// record; late: (vectors, 2).
+Array heated(const Array& terms, const Array& start, const Array& times, const Array& inputs,
+             const Array& late) {
     const py::ssize_t vectors = terms.shape(0), readings = times.shape(0);
     require(terms.ndim() == 2 && terms.shape(1) == 5 && start.shape(0) == vectors &&
-                inputs.ndim() == 3 && inputs.shape(0) == vectors && inputs.shape(1) == readings &&
-                inputs.shape(2) == 2,
+                inputs.ndim() == 3 && inputs.shape(0) == vectors && inputs.shape(1) == 1 + readings &&
+                inputs.shape(2) == 2 && late.ndim() == 2 && late.shape(0) == vectors &&
+                late.shape(1) == 2,
             "heated: the shapes do not fit");
     Array result({vectors, readings});
     const std::vector<double> t(times.data(), times.data() + readings);
@@ -72,14 +78,16 @@ Array heated(const Array& terms, const Array& start, const Array& times, const A
         const HeatTerms c{own[0], own[1], own[2], own[3], own[4]};
         const double begin = start.at(k);
         double* out = result.mutable_data(k);
-        const auto input = [&](std::size_t reading) {
-            return HeatStores<1>::Input{inputs.at(k, reading, 0), inputs.at(k, reading, 1)};
+        const double* acting = inputs.data(k);
+        const auto input = [&](std::size_t n) {
+            return HeatStores<1>::Input{acting[2 * n], acting[2 * n + 1]};
         };
+        const HeatStores<1>::Input after = {late.at(k, 0), late.at(k, 1)};
         const auto write = [&](std::size_t n, const auto& z) { out[n] = z[0]; };
         if (c.heater > 0.0) {
-            follow(HeatStores<2>(c), {begin, begin}, t, input, write);
+            follow(HeatStores<2>(c), {begin, begin}, t, input, after, write);
         } else {
-            follow(HeatStores<1>(c), {begin}, t, input, write);
+            follow(HeatStores<1>(c), {begin}, t, input, after, write);
         }
     }
     return result;
@@ -90,9 +98,9 @@ Array heated(const Array& terms, const Array& start, const Array& times, const A
 void register_models(py::module_& module) {
     module.attr("motion_terms") = names_of(kMotionTerms);
     module.def("moved", &moved, py::arg("terms"), py::arg("start"), py::arg("times"),
-               py::arg("inputs"));
+               py::arg("inputs"), py::arg("late"));
     module.def("heated", &heated, py::arg("terms"), py::arg("start"), py::arg("times"),
-               py::arg("inputs"));
+               py::arg("inputs"), py::arg("late"));
 }
 
 }  // namespace stickslip::bindings

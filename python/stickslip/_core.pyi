@@ -46,6 +46,7 @@ def moved(
     start: NDArray[float64],
     times: NDArray[float64],
     inputs: NDArray[float64],
+    late: NDArray[float64],
 ) -> NDArray[float64]:
     """States x, v, y, w at the readings, (vectors, readings, 4)."""
 
@@ -54,6 +55,7 @@ def heated(
     start: NDArray[float64],
     times: NDArray[float64],
     inputs: NDArray[float64],
+    late: NDArray[float64],
 ) -> NDArray[float64]:
     """Temperatures of the body at the readings, (vectors, readings)."""
 

@@ -376,10 +376,36 @@ def test_many_vectors_are_each_its_own_and_what_cannot_be_computed_is_nan():
     # Two vectors of an input, as where a cause acts on it.
     seen = log.with_inputs({"torque": np.stack([torque, 0.5 * torque])})
     assert np.array_equal(joint(seen, {})[1], joint.simulate(T, {"torque": 0.5 * torque}))
-    stiff = models.pendulum(length=1e-9).simulate(T, start_position=0.1)
+    stiff = models.pendulum(length=1e-15).simulate(T, start_position=0.1)
     assert np.isnan(stiff[1:]).all()
     runaway = models.oscillator(mass=1.0, stiffness=1.0, cubic_stiffness=-5.0)
     assert np.isnan(runaway.simulate(10.0 * T, start_position=3.0)[-1])
+
+
+# Softening springs have no finite motion, no pendulum is read each 10 s, and a joint that turns
+# below a weight some hundred times from a reading to the next is not followed.
+@pytest.mark.parametrize("step", [1e-3, 0.1, 10.0])
+@pytest.mark.parametrize("name", ["joint", "axis", "thermal"])
+def test_a_model_computes_wherever_it_is_allowed_to(name, step):
+    """Half of all effects at a time, of any size that is searched, and any start."""
+    t, u = step * np.arange(80), np.abs(staircase(5, 1.0, 8, 80)) - 0.5 * (name != "thermal")
+    stated = {"joint": {"inertia": 1.0}, "axis": {"mass": 1.0},
+              "thermal": {"capacity": 1.0, "loss": 0.1 / step}}  # fmt: skip
+    model = getattr(models, name)(**stated[name])
+    inputs = {next(iter(model.kind.inputs)): u}
+    record = Series(t, model.simulate(t, inputs), inputs, sd=1.0)
+    uncertain, causes = model.terms(record)
+    hangs = {"gravity"} if step > 1.0 else set()
+    effects = [one for one in causes if not one.is_instrument and one.name not in hangs]
+    draw, p = random(9), {}
+    for one in (*uncertain, *(one for cause in effects for one in cause.parameters)):
+        low, high = np.clip(one.limits, -4.5, 40.0)
+        values = one.value(draw.uniform(low, high, 400))
+        if one.is_amplitude:
+            values = np.where(draw.random(400) < 0.5, values, one.absent)
+        p[one.name] = values[:, None]
+    assert {"stribeck_speed", "coupling"} & p.keys()
+    assert np.isfinite(model(record, p)).all()
 
 
 def test_uneven_clocks_have_exact_steps():

@@ -270,23 +270,3 @@ def test_a_correlated_discrepancy_and_its_kept_rows_beside_dense_matrices():
     own, inner = form.of_rows(kept), covariance[np.ix_(kept, kept)]
     dense = columns[kept].T @ np.linalg.solve(inner, columns[kept])
     assert own.gram(own.prepared(columns), h) == pytest.approx(dense, rel=1e-9)
-
-
-def test_a_delay_of_an_input_is_one_with_its_times_given_or_not():
-    t = np.linspace(0.0, 9.0, 40)
-    record, signal = Series(t, np.cos(t), {"u": t}), np.sin(t)[None]
-    given = [instruments.delay(times, 0.2, input="u") for times in (None, t)]
-    assert [cause.input for cause in given] == ["u", "u"]
-    one, other = (
-        cause.read(signal, signal, {"delay.time": np.array([[0.3]])}, record) for cause in given
-    )
-    assert np.array_equal(one, other)
-    assert not np.array_equal(one, signal)
-
-
-def test_a_delay_of_an_input_is_one_of_each_curve_by_itself():
-    t, curve = np.array([2.0, 0.0, 1.0, 0.0, 1.0, 2.0]), np.array([0, 0, 0, 1, 1, 1])
-    cause = instruments.delay(t, 0.2, curve=curve, input="u")
-    signal = np.where(curve == 0, t, 10.0 + t)[None]
-    late = cause.read(signal, signal, {"delay.time": np.array([[0.5]])}, Table({"t": t}, t))
-    assert late[0] == pytest.approx([1.5, 0.0, 0.5, 10.0, 10.5, 11.5])

@@ -167,6 +167,7 @@ TERMS = [
     (lambda: own(causes=[instruments.scale(rows=[12])]), "rows"),
     (lambda: own(causes=[instruments.scale(rows=[True, False])]), "rows"),
     (lambda: own(causes=[instruments.delay([0.0, 1.0], 0.1)]), "one for each"),
+    (lambda: instruments.delay([0.0, 1.0], 0.1, input="u"), "times, curve, rows: allowed is none"),
     (lambda: own(causes=[instruments.marker_place([0], [1], 0.1, angle=[0, 1])]), "one for each"),
 ]  # fmt: skip
 

@@ -33,6 +33,10 @@ public:
     bool linear;
     double fastest;
 
+    double fastest_at(const State& z, const Input& u) const {
+        return fastest + 2.0 * std::abs(c.growth * (z[0] - u[1])) / c.capacity;
+    }
+
     State rate(const State& z, const Input& u, const Mode&) const {
         const double over = z[0] - u[1], lost = (c.loss + c.growth * std::abs(over)) * over;
         if constexpr (N == 1) {

@@ -22,9 +22,15 @@ OneMass::OneMass(const MotionTerms& terms) : c(terms) {
           c.stribeck != 0.0;
     linear = c.quadratic == 0.0 && c.cubic_damping == 0.0 && c.square == 0.0 && c.cubic == 0.0 &&
              c.gravity == 0.0 && c.swing == 0.0 && c.stribeck == 0.0;
-    const double falls = c.stribeck != 0.0 ? c.stribeck / c.stribeck_speed : 0.0;
+    falls = c.stribeck != 0.0 ? c.stribeck / c.stribeck_speed : 0.0;
     const double turns = std::sqrt(std::abs(c.stiffness) + std::abs(c.gravity));
-    fastest = turns + falls + c.rate + std::abs(c.rate_asymmetry);
+    fastest = turns + c.rate + std::abs(c.rate_asymmetry);
+}
+
+double OneMass::fastest_at(double x, double v, double u) const {
+    const double turns = std::abs(c.swing * u) + std::abs((2.0 * c.square + 3.0 * c.cubic * x) * x);
+    return fastest + falls + std::sqrt(turns) + 2.0 * std::abs(c.quadratic * v) +
+           3.0 * std::abs(c.cubic_damping) * v * v;
 }
 
 double OneMass::driving(double x, double v, double u) const {
@@ -85,6 +91,11 @@ TwoMasses::TwoMasses(const MotionTerms& terms) : OneMass(terms), hard(terms.spri
     fastest += std::sqrt(c.spring / small) + c.damping / small;
 }
 
+double TwoMasses::fastest_at(const State& z, const Input& u) const {
+    const double least = std::min(c.share, 1.0 - c.share);
+    return OneMass::fastest_at(std::max(std::abs(z[0]), std::abs(z[2])), z[1], u[0]) / least;
+}
+
 TwoMasses::Pulls TwoMasses::pulls(const State& z, const Input& u, const Mode& mode) const {
     const auto [x, v, y, w] = z;
     const auto [s, contact] = mode;
@@ -122,7 +133,7 @@ std::array<double, 2> TwoMasses::margins(const State& z, const Input& u, const M
 }
 
 TwoMasses::Point TwoMasses::begun(const State& z, const Input& u) const {
-    const int side = u[0] < 0.0 ? -1 : 1, s = sign(z[1]);
+    const int side = std::signbit(u[0]) ? -1 : 1, s = sign(z[1]);
     return driven({z[0], z[1], z[0] - side * c.gap, z[1]}, u,
                   {s != 0 ? s : static_cast<int>(!dry), side});
 }

@@ -65,6 +65,8 @@ public:
     bool linear = false;
     double fastest = 0.0;
 
+    double fastest_at(const State& z, const Input& u) const { return fastest_at(z[0], z[1], u[0]); }
+
     State rate(const State& z, const Input& u, const Mode& mode) const;
     std::array<double, 1> margins(const State& z, const Input& u, const Mode& mode) const;
     Point begun(const State& z, const Input& u) const;
@@ -72,6 +74,7 @@ public:
     Point after(const State& z, const Input& u, const Mode& mode, std::size_t hit) const;
 
 protected:
+    double fastest_at(double x, double v, double u) const;
     /// All that acts at the motor, but friction that depends on the sign of the motion.
     double driving(double x, double v, double u) const;
     /// What the load resists.
@@ -85,6 +88,7 @@ protected:
 
     MotionTerms c;
     bool dry = false;
+    double falls = 0.0;  ///< fastest fall of the friction with speed, 1/s
 };
 
 /// A motor and its load: x, v, y, w; the sign of the motor's motion, and of the contact or 0.
@@ -100,9 +104,11 @@ public:
 
     explicit TwoMasses(const MotionTerms& terms);
 
+    double fastest_at(const State& z, const Input& u) const;
     State rate(const State& z, const Input& u, const Mode& mode) const;
     std::array<double, 2> margins(const State& z, const Input& u, const Mode& mode) const;
-    /// Both move as one; the gap is closed in the direction of the first input.
+    /// Both move as one; the gap is closed in the direction of the first input, of which a zero has
+    /// the sign as well.
     Point begun(const State& z, const Input& u) const;
     Point driven(const State& z, const Input& u, const Mode& mode) const;
     Point after(const State& z, const Input& u, const Mode& mode, std::size_t hit) const;

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-/// Steps in time of models of machines and heaters, from event to event. An input is held from one
-/// reading to the next. Where the motion is linear between events its steps are exact, by
-/// exponentials of matrices.
+/// Steps in time of models of machines and heaters, from event to event. An input is held between
+/// the instants at which it switches. Where the motion is linear between events its steps are exact,
+/// by exponentials of matrices; else they are as short as their errors ask for.
 namespace stickslip {
 
 /// A square matrix of a few rows.
@@ -70,7 +70,8 @@ SquareMatrix<N> exponential_of(const SquareMatrix<N>& matrix) {
 ///     State, Input, Mode          arrays of so many doubles, doubles and signs
 ///     linear                      whether the derivative is linear in state and inputs while the
 ///                                 phases last
-///     fastest                     the largest rate of change, 1/s
+///     fastest                     the largest rate of change, 1/s, of the terms that bound it
+///     fastest_at(z, u)            that of all terms near a state, at least; of no linear system
 ///     rate(z, u, mode)            derivative of the state
 ///     margins(z, u, mode)         what is below zero where a phase has ended
 ///     begun(z, u)                 state and phases at the first reading
@@ -84,19 +85,23 @@ public:
     using Mode = typename System::Mode;
     using Point = std::pair<State, Mode>;
 
-    /// step: s, the usual one between two readings.
-    Path(const System& system, double step) : system_(system) {
-        const double parts = std::ceil(std::max(1.0, step * system.fastest / kFine));
-        parts_ = system.linear ? 1 : parts <= kMostParts ? static_cast<int>(parts) : 0;
-    }
+    /// step: s, the usual one between two readings. steps: how many may be taken.
+    Path(const System& system, double step, double steps)
+        : system_(system), alike_(kAlike * step), left_(steps) {}
 
-    /// Whether the readings follow the motion; else nothing is known between them.
-    bool is_seen() const { return parts_ > 0; }
+    /// Whether the motion was followed as far as it was asked for.
+    bool is_followed() const { return left_ >= 0.0; }
 
-    /// From a reading to the next, `gap` s later.
+    /// After an input has been held for `gap` s.
     Point advanced(Point from, const Input& u, double gap) {
         Point now = system_.driven(from.first, u, from.second);
-        for (int part = 0; part < parts_; ++part) now = step(now, u, gap / parts_);
+        const double turns = system_.linear ? 0.0 : gap * system_.fastest;
+        const double parts = std::ceil(std::clamp(turns / kFine, 1.0, std::max(kEven, turns)));
+        if (!(parts <= left_)) {
+            left_ = -1.0;
+            return now;
+        }
+        for (double part = 0.0; part < parts; ++part) now = step(now, u, gap / parts);
         return now;
     }
 
@@ -108,9 +113,15 @@ private:
     // Longest step of the method in units of the shortest time constant. Chosen: an oscillation is
     // followed with an error of 3e-10 of its phase a step.
     static constexpr double kFine = 0.1;
-    // Most parts of the time between two readings. Chosen: where more are needed, a log does not
-    // show what goes on between its readings.
-    static constexpr double kMostParts = 16;
+    // Parts of the time between two switches that are cut evenly so. Chosen: where more are needed,
+    // what turns so fast mostly rests, and errors tell where it does not.
+    static constexpr double kEven = 16.0;
+    // Largest difference of the results of orders 4 and 5, of the state and its change, for which a
+    // step is not halved, and how often it is at most. Chosen: of a usual step, whose own error is a
+    // hundredth of it.
+    static constexpr double kSharp = 1e-7;
+    static constexpr int kHalvings = 20;
+    static constexpr double kAlike = 1e-9;  // of a usual step: lengths that are the same
     static constexpr int kEvents = 24, kTries = 60;  // of a step, and of one event; never met
     static constexpr double kExact = 1e-11;  // of its value after the step, the margin at an event
 
@@ -144,7 +155,7 @@ private:
 
     const Rows& whole_rows(const Mode& mode, double h) {
         for (const Known& each : known_) {
-            if (each.mode == mode && std::abs(h - each.step) < 1e-9 * h) return each.rows;
+            if (each.mode == mode && std::abs(h - each.step) < alike_) return each.rows;
         }
         if (known_.size() == kMostKnown) known_.clear();
         return known_.emplace_back(Known{mode, h, rows(mode, h)}).rows;
@@ -161,17 +172,16 @@ private:
         return result;
     }
 
-    // A step without an event, or a part of one.
-    State whole(const State& z, const Input& u, const Mode& mode, double h) {
-        return system_.linear ? by(whole_rows(mode, h), z, u) : runge_kutta(z, u, mode, h);
-    }
+    // A part of a step without an event.
     State part(const State& z, const Input& u, const Mode& mode, double h) const {
         if (system_.linear && h * system_.fastest > kFine) return by(rows(mode, h), z, u);
         return runge_kutta(z, u, mode, h);
     }
 
-    // The method of Dormand and Prince of order 5, J. Comput. Appl. Math. 6 (1980) 19.
-    State runge_kutta(const State& z, const Input& u, const Mode& mode, double h) const {
+    // The method of Dormand and Prince of order 5, J. Comput. Appl. Math. 6 (1980) 19. `sharp`
+    // becomes false where a long step of order 4 ends elsewhere.
+    State runge_kutta(const State& z, const Input& u, const Mode& mode, double h,
+                      bool* sharp = nullptr) const {
         constexpr std::array<std::array<double, 5>, 5> kA = {{
             {1.0 / 5.0},
             {3.0 / 40.0, 9.0 / 40.0},
@@ -193,13 +203,38 @@ private:
         for (std::size_t stage = 1; stage < k.size(); ++stage) {
             k[stage] = system_.rate(moved(kA[stage - 1], stage), u, mode);
         }
-        return moved(kB, k.size());
+        const State end = moved(kB, k.size());
+        if (sharp != nullptr && !(h * std::max(system_.fastest_at(z, u),
+                                               system_.fastest_at(end, u)) <= kFine)) {
+            constexpr std::array<double, 6> kOff = {71.0 / 57600.0, 0.0, -71.0 / 16695.0,
+                                                    71.0 / 1920.0, -17253.0 / 339200.0,
+                                                    22.0 / 525.0};
+            const State last = system_.rate(end, u, mode);
+            for (std::size_t i = 0; i < kStates; ++i) {
+                double off = -last[i] / 40.0, change = 0.0;
+                for (std::size_t stage = 0; stage < k.size(); ++stage) {
+                    off += kOff[stage] * k[stage][i];
+                    change = std::max(change, std::abs(k[stage][i]));
+                }
+                const double size = std::abs(z[i]) + h * change;
+                if (!(h * std::abs(off) <= kSharp * size)) *sharp = false;
+            }
+        }
+        return end;
     }
 
-    // A step through all events on the way.
-    Point step(Point now, const Input& u, double h) {
-        State end = whole(now.first, u, now.second, h);
-        for (int event = 0; event < kEvents; ++event) {
+    // A step through all events on the way; its halves where it is too long.
+    Point step(Point now, const Input& u, double h, int halvings = 0, int event = 0) {
+        bool sharp = true;
+        bool* asked = halvings == kHalvings ? nullptr : &sharp;
+        State end = system_.linear ? by(whole_rows(now.second, h), now.first, u)
+                                   : runge_kutta(now.first, u, now.second, h, asked);
+        if (!system_.linear && --left_ < 0.0) return now;
+        if (!sharp) {
+            now = step(now, u, 0.5 * h, halvings + 1, event);
+            return step(now, u, 0.5 * h, halvings + 1, event);
+        }
+        for (; event < kEvents; ++event) {
             const double below = least(system_.margins(end, u, now.second));
             if (!(below < 0.0)) break;
             const auto [time, met] = find_event(now, u, h, below);
@@ -208,6 +243,7 @@ private:
             now = system_.after(met, u, now.second, static_cast<std::size_t>(hit));
             h -= time;
             if (h <= 0.0) return now;
+            if (!system_.linear) return step(now, u, h, halvings, event + 1);
             end = part(now.first, u, now.second, h);
         }
         return {end, now.second};
@@ -252,38 +288,62 @@ private:
     static constexpr std::size_t kMostKnown = 32;
 
     const System& system_;
-    int parts_ = 0;
+    double alike_, left_;
     std::vector<Known> known_;
 };
 
 /// States at readings: calls `write(reading, state)`, with NaN where they are not known.
 ///
-/// times: s, of the readings. input(reading): what acts from it on.
+/// times: s, of the readings. input(k): of the first reading before its switch (k = 0), and what
+/// acts from the reading k - 1 on, each of the inputs by its own time `late`, s, later.
 template <class System>
 void follow(const System& system, const typename System::State& start,
-            const std::vector<double>& times, auto&& input, auto&& write) {
+            const std::vector<double>& times, auto&& input, const typename System::Input& late,
+            auto&& write) {
+    // Most steps of a record and of each of its readings. Chosen: a motion that needs more is none
+    // that its readings follow, and would hold up all others.
+    constexpr double kMost = 1e5, kMostOfEach = 40.0;
     if (times.empty()) return;
+    const std::size_t count = times.size();
     std::vector<double> gaps;
-    for (std::size_t k = 1; k < times.size(); ++k) gaps.push_back(times[k] - times[k - 1]);
-    std::vector<double> sorted = gaps;
-    std::sort(sorted.begin(), sorted.end());
-    const std::size_t half = sorted.size() / 2;
-    const double usual = sorted.empty()          ? 1.0
-                         : sorted.size() % 2 > 0 ? sorted[half]
-                                                 : 0.5 * (sorted[half - 1] + sorted[half]);
-    Path<System> path(system, usual);
+    for (std::size_t k = 1; k < count; ++k) gaps.push_back(times[k] - times[k - 1]);
+    std::sort(gaps.begin(), gaps.end());
+    const std::size_t half = gaps.size() / 2;
+    const double usual = gaps.empty()          ? 1.0
+                         : gaps.size() % 2 > 0 ? gaps[half]
+                                               : 0.5 * (gaps[half - 1] + gaps[half]);
+    Path<System> path(system, usual, kMost + kMostOfEach * static_cast<double>(count));
+    // The next switch of each input, and what acts until the first of them.
+    std::array<std::size_t, System::kInputs> next = {};
+    typename System::Input u = input(0);
+    const auto due = [&](std::size_t i) {
+        return next[i] < count ? times[next[i]] + late[i]
+                               : std::numeric_limits<double>::infinity();
+    };
+    const auto switched = [&](std::size_t i) { u[i] = input(++next[i])[i]; };
+    for (std::size_t i = 0; i < next.size(); ++i) {
+        while (due(i) <= times[0]) switched(i);
+    }
     typename System::State unknown;
     unknown.fill(std::numeric_limits<double>::quiet_NaN());
     const auto is_known = [](const auto& state) {
         return std::all_of(state.begin(), state.end(), [](double x) { return std::isfinite(x); });
     };
-    auto now = system.begun(start, input(0));
-    bool known = path.is_seen() && is_known(now.first);
+    auto now = system.begun(start, u);
+    bool known = is_known(now.first);
     write(0, known ? now.first : unknown);
-    for (std::size_t k = 0; k < gaps.size(); ++k) {
-        if (known) now = path.advanced(now, input(k), gaps[k]);
-        known = known && is_known(now.first);
-        write(k + 1, known ? now.first : unknown);
+    for (std::size_t k = 1; k < count; ++k) {
+        for (double time = times[k - 1]; known && time < times[k];) {
+            double until = times[k];
+            for (std::size_t i = 0; i < next.size(); ++i) {
+                while (due(i) <= time) switched(i);
+                until = std::min(until, due(i));
+            }
+            now = path.advanced(now, u, until - time);
+            time = until;
+        }
+        known = known && path.is_followed() && is_known(now.first);
+        write(k, known ? now.first : unknown);
     }
 }
 

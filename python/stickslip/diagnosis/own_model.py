@@ -17,6 +17,7 @@ from stickslip._util.messages import meant
 from stickslip._util.text import OneLine, brief
 from stickslip._util.units import is_of, same_unit
 from stickslip.diagnosis.data.series import Series, with_repeats
+from stickslip.diagnosis.data.signal import Signal
 from stickslip.diagnosis.data.table import Table, rows_in_words
 from stickslip.diagnosis.fitting.fineness import with_measured_fineness
 from stickslip.diagnosis.fitting.problem import HUGE, Cached, Problem
@@ -220,7 +221,7 @@ class OwnModel(OneLine):
         elsewhere = {
             one.name
             for cause in self.causes
-            if cause.read is not None and cause.table not in (None, table)
+            if cause.is_instrument and cause.table not in (None, table)
             for one in cause.parameters
         }
         places = {}
@@ -260,17 +261,25 @@ def _unread(settings: Any) -> Table:
 
 def _seen(table: Table, causes: Sequence[Cause], p: Mapping[str, Array]) -> Table:
     """A record with its inputs as they act."""
-    acting = [cause for cause in causes if cause.input is not None and cause.read is not None]
+    acting: dict[str, list[Cause]] = {}
+    for cause in causes:
+        if cause.input is not None and cause.is_instrument:
+            acting.setdefault(cause.input, []).append(cause)
     if not acting or not isinstance(table, Series):
         return table
-    inputs: dict[str, Array] = {}
-    for cause in acting:
-        assert cause.input is not None
-        assert cause.read is not None
+    signals = {name: partial(_signal, table, name, some, p) for name, some in acting.items()}
+    return table.acted_on(signals)
+
+
+def _signal(
+    table: Series, name: str, causes: Sequence[Cause], p: Mapping[str, Array], held: bool
+) -> Signal:
+    given = np.tile(table[name], (len(p[causes[0].parameters[0].name]), 1))
+    signal = Signal.of(table.t, given, held)
+    for cause in causes:
         values = {one.name: p[one.name] for one in cause.parameters}
-        given = np.tile(table[cause.input], (len(next(iter(values.values()))), 1))
-        inputs[cause.input] = cause.read(inputs.get(cause.input, given), given, values, table)
-    return table.with_inputs(inputs)
+        signal = cause.acted(signal, values, table, given)
+    return signal
 
 
 def _records(tables: Sequence[Table]) -> list[Table]:
@@ -346,6 +355,9 @@ def without_effect(problem: Problem) -> list[Note]:
         notes += outside
         if outside or cause.curve:
             named |= {parameter.name for parameter in cause.parameters}
+        elif cause.acts is not None:
+            # What an input was before its record is nothing where it begins at zero.
+            named |= {parameter.name for parameter in cause.parameters[1:]}
     for name in itertools.compress(problem.names, dead):
         if name not in named:
             text = (

@@ -10,13 +10,17 @@ from stickslip import _core
 from stickslip._util.arrays import Array
 
 
-def heater_states(t: Array, inputs: Mapping[str, Array], values: Mapping[str, Array]) -> Array:
+def heater_states(
+    t: Array, inputs: Mapping[str, Array], late: Mapping[str, Array], values: Mapping[str, Array]
+) -> Array:
     """Temperatures of the body, and with a `heater_capacity` of its heater, moved by the core."""
-    shape = len(t), len(values["capacity"])
+    shape = 1 + len(t), len(values["capacity"])
     power = inputs.get("power", np.zeros(shape)) * (1.0 + values["power_error"])
     ambient = np.broadcast_to(inputs.get("ambient", values["ambient"]), shape)
     names = ("capacity", "loss", "loss_growth", "heater_capacity", "coupling")
     terms = np.stack([values[name] for name in names], axis=1)
     start = np.asarray(values["start_temperature"])
     both = np.stack([power.T, ambient.T], axis=2)
-    return _core.heated(terms, start, t, both).T[:, None, :]
+    none = np.zeros(shape[1])
+    each = np.stack([late.get(name, none) for name in ("power", "ambient")], axis=1)
+    return _core.heated(terms, start, t, both, each).T[:, None, :]

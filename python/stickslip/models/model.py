@@ -15,6 +15,7 @@ from stickslip._util.messages import meant, refuse
 from stickslip._util.text import OneLine, brief, is_number
 from stickslip._util.units import same_unit, unit_label, zero_of
 from stickslip.diagnosis.data.series import Series
+from stickslip.diagnosis.data.signal import Signal
 from stickslip.diagnosis.terms import instruments
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import LARGEST_ERROR, Parameter
@@ -25,9 +26,11 @@ from stickslip.scenario.uncertain import Prior
 Known = float | tuple[float, float] | Prior
 """What is known of a term: its value; its value and standard deviation; or a Prior."""
 
-Physics = Callable[[Array, Mapping[str, Array], Mapping[str, Array]], Array]
-"""``physics(t, inputs, values)``: states, (readings, states, vectors), at times, (readings,), of
-inputs by name, (readings, vectors), and of values by name, (vectors,)."""
+Physics = Callable[[Array, Mapping[str, Array], Mapping[str, Array], Mapping[str, Array]], Array]
+"""``physics(t, inputs, late, values)``: states, (readings, states, vectors), at times, (readings,).
+Inputs by name, (1 + readings, vectors), are what acted before the first time and is held from each
+of them on, all by `late`, (vectors,), later. Values by name, (vectors,), have the usual `step` of
+the readings too, s."""
 
 _KNOWN = "a number, (value, error) or a Prior"
 
@@ -206,21 +209,31 @@ class Model(OneLine):
 
     def __call__(self, record: Series, p: Mapping[str, Array]) -> Array:
         self._check_record(record)
-        given = {name: np.atleast_2d(record[name]) for name in self.kind.inputs
-                 if name in record.inputs}  # fmt: skip
-        vectors = max((len(array) for array in (*p.values(), *given.values())), default=1)
+        signals = {name: record.signal(name, held=not self.smooth) for name in self.kind.inputs
+                   if name in record.inputs}  # fmt: skip
+        columns = (*p.values(), *(signal.values for signal in signals.values()))
+        vectors = max((len(array) for array in columns), default=1)
         values = {}
         for name, term in self.kind.every.items():
             stated = self.known.get(name)
             value = p[name][:, 0] if name in p else term.absent if stated is None else stated
             values[name] = np.broadcast_to(np.asarray(value, dtype=float), vectors)
-        inputs = {}
-        for name, signal in given.items():
+        values["step"] = np.full(vectors, record.step)
+        t, inputs, late = record.t, {}, {}
+        if self.smooth:
+            t = np.sort(np.concatenate([t, 0.5 * (t[1:] + t[:-1])]))
+        for name, signal in signals.items():
             if self.smooth:
-                signal = np.hstack([0.5 * (signal[:, :-1] + signal[:, 1:]), signal[:, -1:]])
-            inputs[name] = np.broadcast_to(signal.T, (len(record), vectors))
+                # Two held halves with the mean and the first moment of a line.
+                half = signal.means(t)
+                one, two = half[:, :-1:2], half[:, 1::2]
+                half[:, :-1:2], half[:, 1::2] = (7.0 * one - two) / 6.0, (7.0 * two - one) / 6.0
+                signal = Signal.of(t, half, held=True)
+            rows = np.vstack([signal.first, signal.values.T])
+            inputs[name] = np.broadcast_to(rows, (len(rows), vectors))
+            late[name] = np.broadcast_to(signal.late, vectors)
         with np.errstate(all="ignore"):
-            states = self.kind.physics(record.t, inputs, values)
+            states = self.kind.physics(t, inputs, late, values)[:: 1 + self.smooth]
         return np.asarray(states[:, self.kind.reads[self.reads][0]].T)
 
     @property
@@ -346,6 +359,9 @@ class Model(OneLine):
         made["force"] = max(
             made.get(self.kind.inertia, 1.0) * fastest,
             made.get(self.kind.gain, 1.0) * made["input"], tiny,
+            # A weight that is stated acts too, where the inertia may be what is wrong.
+            *(abs(made.get(term.name, 0.0)) for term in self.kind.terms
+              if term.of == "force" and term.signed),
         )  # fmt: skip
         # A spring whose ringing the readings resolve.
         ringing = 4.0 * made["step"] ** 2 / made.get(self.kind.inertia, 1.0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -27,6 +27,7 @@ from stickslip._util.text import brief
 from stickslip._util.units import with_unit
 from stickslip.diagnosis.data.errors import FEWEST, Errors
 from stickslip.diagnosis.data.settings import Settings
+from stickslip.diagnosis.data.signal import Signal
 from stickslip.diagnosis.data.table import (
     READINGS,
     Table,
@@ -85,7 +86,9 @@ class Series(Table):
     ----------
     t, y : ndarray, shape (n,)
     inputs : dict of ndarray
-        In `predict` those that a cause acts on have the shape (vectors, n).
+        In `predict` those that a cause acts on have the shape (vectors, n). What acts between two
+        readings is not known there: a late input is a line between its values, which on even steps
+        is the mean of a held one up to the next reading.
 
     Raises
     ------
@@ -157,6 +160,7 @@ class Series(Table):
         """Let these rows be the record; without an `sd` its errors are estimated from them."""
         self.t, self.y = locked(t[kept]), locked(y[kept])
         self.inputs = {key: locked(values[kept]) for key, values in inputs.items()}
+        self.signals: Mapping[str, Callable[[bool], Signal]] = {}
         count = len(self.t)
         self.settings = {"t": self.t, **self.inputs}
         self.condition = self.first = np.arange(count)
@@ -220,10 +224,21 @@ class Series(Table):
             made.inputs = {key: made.settings[key] for key in self.inputs}
         return made
 
+    def signal(self, name: str, held: bool) -> Signal:
+        """An input as it acts, where it is held between readings or else a line."""
+        if name in self.signals:
+            return self.signals[name](held)
+        return Signal.of(self.t, np.atleast_2d(self[name]), held)
+
+    def acted_on(self, signals: Mapping[str, Callable[[bool], Signal]]) -> Series:
+        """The same with inputs as causes let them act, see `signal`."""
+        seen = {name: made(False).sampled() for name, made in signals.items()}
+        return self.with_inputs(seen).having(signals=signals)
+
     def with_inputs(self, inputs: Mapping[str, Array]) -> Series:
         """The same record with other inputs, of shape (n,) or (vectors, n)."""
         acting = {key: locked(values) for key, values in inputs.items()}
-        return self.having(inputs={**self.inputs, **acting})
+        return self.having(inputs={**self.inputs, **acting}, signals={})
 
 
 def with_repeats(series: Sequence[Series]) -> list[Table]:

@@ -63,7 +63,7 @@ def _turning(problem: Problem, cause: Cause) -> Iterator[int]:
     """
     columns = [] if cause.has_knots else problem.columns([cause]).tolist()
     amplitudes = [k for k in columns if problem.parameters[k].is_amplitude]
-    alone = cause.read is not None and len(amplitudes) == 1
+    alone = cause.is_instrument and len(amplitudes) == 1
     yield from (k for k in columns if k not in amplitudes or alone)
 
 

@@ -30,6 +30,7 @@ from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import LOST
 from stickslip.diagnosis.terms import amounts
 from stickslip.diagnosis.terms.curve import CURVE, SHAPES, Curve
+from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.diagnosis.terms.words import Words, data_problem
 from stickslip.scenario.keys import LAWS
 from stickslip.scenario.law import Law, law_lines
@@ -64,6 +65,7 @@ _TABLES = "parameters", "bounds", "recalibrated"
 
 _DECIDING, _POINTS = 3, 41  # readings that are named; points of a law
 _COMPARED = 12  # causes whose effects are compared
+_NO_NEWS = 0.9  # of its prior's error, from which on data tell nothing of a shape; chosen
 _FURTHER = 0.01  # probability from which on a further cause is named
 _MOST_OF_IT = 0.5  # share from which on a sure cause is said to act, with something beside it
 
@@ -277,8 +279,18 @@ def _sizes(facts: Facts, candidate: Candidate) -> dict[str, dict[str, dict[str, 
     }
 
 
+def _is_shown(parameter: Parameter, sd: float) -> bool:
+    """Whether data say more of a parameter than its prior; of a shape its error may be as large."""
+    low, high = parameter.value(np.array([-1.0, 1.0])).tolist()
+    return parameter.is_amplitude or parameter.cause or sd < _NO_NEWS * 0.5 * (high - low)
+
+
 def _claim(facts: Facts, candidate: Candidate) -> dict[str, Any]:
-    sizes = _sizes(facts, candidate)
+    problem = facts.problem
+    sizes, known = _sizes(facts, candidate), {one.name: one for one in problem.parameters}
+    step = max((table.step or 0.0 for table in problem.tables), default=0.0)
+    for name, size in (pair for rows in sizes.values() for pair in rows.items()):
+        size |= {"shown": _is_shown(known[name], size["sd"]), "step": step}
     causes = []
     for cause in candidate.fit.causes:
         row: dict[str, Any] = facts.words.description(cause, sizes[cause.name])

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from stickslip._util.arrays import Array
 from stickslip._util.messages import refuse
 from stickslip._util.text import OneLine
+from stickslip.diagnosis.data.signal import Signal
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.curve import CURVE, Curve
 from stickslip.diagnosis.terms.parameter import Parameter
@@ -15,6 +16,9 @@ from stickslip.errors import ScenarioError
 
 Read = Callable[[Array, Array, dict[str, Array], Table], Array]
 """How an instrument reads; see `Cause`."""
+
+Acts = Callable[[Signal, dict[str, Array]], Signal]
+"""How an input acts; see `Cause`."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -40,6 +44,11 @@ class Cause(OneLine):
         Name of the table that an instrument reads; all of them, if not given.
     input : str, optional
         Name of the input that `read` changes; the readings, if not given.
+    acts : callable, optional
+        In place of `read`, of an input that is slow or late: ``acts(signal, p)``.
+    told : callable, optional
+        ``told(value, amount, step)`` is a sentence on its first parameter, of which `amount` is a
+        text with error and unit, for readings that are `step` apart, s.
     curve : Curve, optional
         Of a law of another shape, whose values at the knots, or amplitude and scale, are the
         parameters. Forms of one law have one name.
@@ -61,6 +70,8 @@ class Cause(OneLine):
     read: Read | None = field(default=None, repr=False)
     table: str | None = None
     input: str | None = None
+    acts: Acts | None = field(default=None, repr=False)
+    told: Callable[[float, str, float], str] | None = field(default=None, repr=False)
     curve: Curve | None = None
     between: tuple[float, float] | None = None
     odds: float = 1.0
@@ -76,6 +87,19 @@ class Cause(OneLine):
         object.__setattr__(self, "parameters", tuple(given))
         if not self.parameters and self.frees is None:
             raise ScenarioError(f"cause {self.name} has no Parameter: allowed are one or more")
+
+    @property
+    def is_instrument(self) -> bool:
+        """Whether it changes readings or inputs in place of the physics."""
+        return self.read is not None or self.acts is not None
+
+    def acted(self, signal: Signal, p: dict[str, Array], table: Table, given: Array) -> Signal:
+        """What it makes of an input that was recorded as `given`, (vectors, rows)."""
+        if self.acts is not None:
+            return self.acts(signal, p)
+        assert self.read is not None
+        read = self.read(signal.sampled(), given, p, table)
+        return Signal.of(signal.t, read, signal.held)
 
     @property
     def has_knots(self) -> bool:

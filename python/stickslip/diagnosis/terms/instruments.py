@@ -29,12 +29,12 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
-from scipy.linalg import lapack
 from scipy.spatial.transform import Rotation
 
 from stickslip._util.arrays import Array, Indices, check_indexes, labels, root_mean_square, row
 from stickslip._util.messages import refuse
 from stickslip.diagnosis.data.series import Series
+from stickslip.diagnosis.data.signal import Signal
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import LARGEST_ERROR, Parameter, either_way
@@ -153,40 +153,35 @@ def lag(
 ) -> Cause:
     """A first-order lag, with a ``time`` constant in s, of an input or of readings in time.
 
-    Between readings it takes the value as linear. Readings are at rest before the first one. An
-    input was the part ``before`` of its first value: 0 where a log begins with the command.
+    Between readings it takes the value as linear, and an input as a ready-made model does: as held,
+    or with ``smooth=True`` as linear. Readings are at rest before the first one. An input was the
+    part ``before`` of its first value: 0 where a log begins with the command.
     """
     time = Parameter(f"{name}.time", unit="s", low=0.0, high=LARGEST_ERROR * size, size=size)
-    parts = (time, _before(name)) if input else (time,)
     what = f"a lag of {input or 'the readings'}"
-    return Cause(name, parts, what, read=partial(_lagged, name), table=table, input=input)
+    if input is None:
+        return Cause(name, (time,), what, read=partial(_lagged, name), table=table)
+    acts = partial(_acting, Signal.lagged, name)
+    return Cause(name, (time, _before(name)), what, table=table, input=input, acts=acts)
+
+
+def _lagged(name: str, values: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
+    signal = Signal.of(_in_time(table, name).t, values, held=False)
+    time = p[f"{name}.time"][:, 0]
+    return signal.lagged(time, np.ones_like(time)).values
+
+
+def _acting(
+    change: Callable[[Signal, Array, Array], Signal], name: str, signal: Signal,
+    p: dict[str, Array],
+) -> Signal:  # fmt: skip
+    return change(signal, p[f"{name}.time"][:, 0], p[f"{name}.before"][:, 0])
 
 
 def _before(name: str) -> Parameter:
     """The part of its first value that an input had before its record."""
     prior = Prior("normal", 0.5, 0.5)
     return Parameter(f"{name}.before", prior, low=0.0, high=1.0, cause=False)
-
-
-def _first(name: str, values: Array, p: dict[str, Array]) -> Array:
-    """What was there before the record, (vectors,)."""
-    return np.asarray(values[:, 0] * p.get(f"{name}.before", np.ones((1, 1)))[:, 0])
-
-
-def _lagged(name: str, values: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
-    gap, result, times = np.diff(_in_time(table, name).t), values.copy(), p[f"{name}.time"][:, 0]
-    first = _first(name, values, p)
-    for vector in np.flatnonzero(times > 0.0):
-        tau = times[vector]
-        kept = np.exp(-gap / tau)
-        # v' = (u - v) / tau with u linear between readings, solved exactly.
-        slope = np.diff(values[vector]) / gap
-        band = np.ones((2, len(gap) + 1))
-        band[1, :-1] = -kept
-        rest = (1.0 - kept) * (values[vector, :-1] - tau * slope) + slope * gap
-        lagged, _ = lapack.dtbtrs(band, np.r_[first[vector], rest][:, None], uplo="L")
-        result[vector] = lagged[:, 0]
-    return result
 
 
 def delay(
@@ -202,8 +197,13 @@ def delay(
     """A clock that is late or early: at time t the value of t - ``time``, s, is read.
 
     Between the given times the value is a cubic spline of the prediction, so the times have to be
-    dense enough to follow it; a spline does not follow a jump. Of an input it is linear. Beyond the
-    times it is constant; before them an input was the part ``before`` of its first value.
+    dense enough to follow it; a spline does not follow a jump. Beyond the times it is constant.
+
+    An input that a ready-made model holds switches later, between two readings too. Else it is a
+    line from one reading to the next: with ``smooth=True``, and in a model of one's own, whose
+    inputs are values at the readings. On even steps these are the means of a held input up to the
+    next reading: its momentum is right, and the instant is not. Before its times it was the part
+    ``before`` of its first value.
 
     Parameters
     ----------
@@ -212,10 +212,19 @@ def delay(
     curve : array_like of int, shape (rows,), optional
         Curve of each reading; one for all, if not given. A curve has two or more different times.
     input : str, optional
-        Name of the input that acts late; the readings, if not given.
+        Name of the input that acts late, all of it at the times of its record; the readings, if
+        not given.
     """
     if size is None:
         refuse("size", size, "a number above 0")
+    parameter = either_way(f"{name}.time", "s", size)
+    what = f"a delay of {input or 'the readings'}"
+    if input is not None:
+        if times is not None or curve is not None or not isinstance(rows, slice):
+            raise ScenarioError("times, curve, rows: allowed is none of them with an input")
+        acts, told = partial(_acting, Signal.delayed, name), partial(_late_in_words, input)
+        parts = (parameter, _before(name))
+        return Cause(name, parts, what, table=table, input=input, acts=acts, told=told)
     at, curves = None, [np.arange(0)]
     if times is not None:
         check_indexes("", {"times": times, "curve": curve})
@@ -225,15 +234,23 @@ def delay(
         curves = [rows_of[np.argsort(at[rows_of], kind="stable")] for rows_of in curves]
         if any(len(rows_of) < 2 or not np.all(np.diff(at[rows_of]) > 0.0) for rows_of in curves):
             raise ScenarioError("times: allowed are two or more of each curve, all different")
-    parameter = either_way(f"{name}.time", "s", size)
-    read = partial(_late, name, at, curves, slice(None) if at is None else rows, input)
-    what = f"a delay of {input or 'the readings'}"
-    parts = (parameter, _before(name)) if input else (parameter,)
-    return Cause(name, parts, what, read=read, table=table, input=input)
+    read = partial(_late, name, at, curves, slice(None) if at is None else rows)
+    return Cause(name, (parameter,), what, read=read, table=table)
+
+
+def _late_in_words(input: str, time: float, amount: str, step: float) -> str:
+    """A sentence on an input that acts late, by less than nothing or less than a step too."""
+    text = f"{input[:1].upper()}{input[1:]} acts {amount} {'after' if time > 0.0 else 'before'} "
+    if time > step:
+        return f"{text}the log says."
+    if time < -step:
+        return f"{text}the log says: do their clocks agree?"
+    asked = "draw a line through a held input" if time > 0.0 else "hold a sampled input"
+    return f"{text}the log says, within a step of it: do you {asked}?"
 
 
 def _late(
-    name: str, at: Array | None, curves: Sequence[Indices], rows: Rows, input: str | None,
+    name: str, at: Array | None, curves: Sequence[Indices], rows: Rows,
     values: Array, _: Array, p: dict[str, Array], table: Table,
 ) -> Array:  # fmt: skip
     if at is None:
@@ -245,15 +262,8 @@ def _late(
     # A row that was not computed stays so, and a delay of zero leaves the very numbers.
     late = np.flatnonzero((delays != 0.0) & np.all(np.isfinite(some), axis=1))
     for rows_of in curves:
-        if input is None:
-            mine = np.ix_(late, rows_of)
-            result[mine] = _delayed(at[rows_of], some[mine], delays[late])
-        else:
-            t, first = at[rows_of], _first(name, some[:, rows_of], p)
-            for vector in late:
-                result[vector, rows_of] = np.interp(
-                    t - delays[vector], t, some[vector, rows_of], left=first[vector]
-                )
+        mine = np.ix_(late, rows_of)
+        result[mine] = _delayed(at[rows_of], some[mine], delays[late])
     return _changed(values, rows, result)
 
 

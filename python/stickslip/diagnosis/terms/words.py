@@ -97,8 +97,9 @@ class Words:
         """A cause in words: `title`, `meaning`, `finding`, `interval`, `remedy`, `drawing`, `way`.
 
         `sizes` are its parameters, or the constant that it frees, by full name, with `value`,
-        `sd`, `low`, `high`, `unit` and, of a constant, what was `stated`. `way` is the word for the
-        sign of the largest; `meaning` is empty where the title says as much.
+        `sd`, `low`, `high`, `unit`, whether the data show it (`shown`), the `step` of their times,
+        s, and, of a constant, what was `stated`. `way` is the word for the sign of the largest;
+        `meaning` is empty where the title says as much.
         """
         name, meaning, known = cause.name, cause.meaning, self._causes.get(cause.name)
         row = {"name": name, "title": self.title(name), "remedy": "", "way": ""}
@@ -134,7 +135,13 @@ class Words:
             row["remedy"] = "Measure it again"
             row["drawing"] = constant["drawing"] if constant else ""
             return row
-        shorts = [name_of.rpartition(".")[2] for name_of in sizes]
+        if cause.told is not None:
+            first = sizes[cause.parameters[0].name]
+            factor, unit = self.shown_in(cause.parameters[0].name, first["unit"])
+            text = amount(abs(first["value"]) * factor, first["sd"] * factor, unit)
+            row["finding"] = cause.told(first["value"], text, first["step"])
+            return row
+        shorts = [name_of.rpartition(".")[2] for name_of, size in sizes.items() if size["shown"]]
         values = [f"{short} = {amounts[short]}" for short in shorts]
         what = row["title"]
         row["finding"] = f"{what[:1].upper()}{what[1:]}: {', '.join(values)}."

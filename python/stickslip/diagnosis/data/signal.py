@@ -1,0 +1,94 @@
+"""An input of a record as it acts: held between readings or a line, slow, and late."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import lapack
+
+from stickslip._util.arrays import Array, Indices
+from stickslip._util.text import OneLine
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Signal(OneLine):
+    """An input of many vectors, which all acts `late`.
+
+    Attributes
+    ----------
+    t : ndarray, shape (rows,)
+        Times of the readings, s.
+    values : ndarray, shape (vectors, rows)
+        What it was from each time on, if it is held; else at each time, with lines between them.
+    held : bool
+    first : ndarray, shape (vectors,)
+        What it was before the first time.
+    late : ndarray, shape (vectors,)
+        By how much it acts later, s.
+    """
+
+    t: Array
+    values: Array
+    held: bool
+    first: Array
+    late: Array
+
+    @classmethod
+    def of(cls, t: Array, values: Array, held: bool) -> Signal:
+        """An input as it was recorded, shape (vectors, rows)."""
+        return cls(t, values, held, values[:, 0], np.zeros(len(values)))
+
+    def delayed(self, time: Array, before: Array) -> Signal:
+        """The same later by a time, s, and at first a part of its first value, (vectors,)."""
+        return replace(self, first=self.values[:, 0] * before, late=self.late + time)
+
+    def lagged(self, time: Array, before: Array) -> Signal:
+        """Behind a first-order lag that was at rest at a part of the first value, (vectors,).
+
+        v' = (u - v) / time is solved exactly. What was held is the mean of v from each reading to
+        the next then, which gives it its whole momentum.
+        """
+        gap, result, first = np.diff(self.t), self.values.copy(), self.values[:, 0] * before
+        for vector in np.flatnonzero(time > 0.0):
+            tau, u = time[vector], self.values[vector]
+            kept = np.exp(-gap / tau)
+            slope = 0.0 if self.held else np.diff(u) / gap
+            band = np.ones((2, len(gap) + 1))
+            band[1, :-1] = -kept
+            rest = (1.0 - kept) * (u[:-1] - tau * slope) + slope * gap
+            v = lapack.dtbtrs(band, np.r_[first[vector], rest][:, None], uplo="L")[0][:, 0]
+            result[vector] = np.r_[u[:-1] - tau * np.diff(v) / gap, v[-1]] if self.held else v
+        return replace(self, values=result, first=np.where(time > 0.0, first, self.first))
+
+    def sampled(self) -> Array:
+        """Values at the readings, (vectors, rows); of a held input means up to the next reading."""
+        result = self.values.copy()
+        # A delay of zero leaves the very numbers.
+        late = np.flatnonzero(self.late)
+        if self.held:
+            result[late] = self.means(self.t, late)
+            return result
+        for k in late:
+            at = self.t - self.late[k]
+            result[k] = np.interp(at, self.t, self.values[k], left=self.first[k])
+        return result
+
+    def means(self, t: Array, vectors: Indices | slice = slice(None)) -> Array:
+        """Means from each of some times to the next, (vectors, times); at last the value there."""
+        u, gap = self.values[vectors], np.diff(self.t)
+        slope = np.zeros_like(u)
+        if not self.held:
+            slope[:, :-1] = np.diff(u) / gap
+        result = np.empty((len(u), len(t)))
+        first, late = self.first[vectors], self.late[vectors]
+        for k in range(len(u)):
+            sums = np.r_[0.0, np.cumsum(gap * (u[k, :-1] + 0.5 * gap * slope[k, :-1]))]
+            at = t - late[k]
+            piece = np.clip(np.searchsorted(self.t, at, side="right") - 1, 0, None)
+            since = at - self.t[piece]
+            whole = sums[piece] + (u[k, piece] + 0.5 * slope[k, piece] * since) * since
+            whole = np.where(since < 0.0, first[k] * since, whole)
+            last = u[k, piece[-1]] + slope[k, piece[-1]] * since[-1]
+            result[k] = np.r_[np.diff(whole) / np.diff(t), first[k] if since[-1] < 0.0 else last]
+        return result
