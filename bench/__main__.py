@@ -17,6 +17,7 @@ PROGRAMS = {
     "sweep": ("sweep", "sweeps: cost of a run and of a point, threads"),
     "promises": ("promises", "import, Ctrl-C, long runs, sweeps; fails if a promise is broken"),
     "against": ("against", "this version beside an earlier commit (against COMMIT)"),
+    "golden": ("golden", "whether the diagnosis says of 149 problems what it said before"),
     "interface": ("interface", "what changed in the public interface since a commit"),
     "limit": ("limit.figures", "runs and a sweep beside a fixed program at equal error"),
     "peers": ("peers", "SciPy, heyoka, MuJoCo and magpylib at equal accuracy"),

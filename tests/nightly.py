@@ -35,6 +35,7 @@ def jobs(seed: int) -> dict[str, tuple[int, str]]:
         "wheel": (6, "make wheel"),
         "docs": (5, "make docs"),
         "lint": (15, "make lint"),
+        "golden": (12, f"{PYTHON} -m bench golden --jobs 2"),
     }
 
 
@@ -49,10 +50,14 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--minutes", type=float, default=600.0, help="for all jobs together")
     parser.add_argument("--start", choices=every, help="first job; without it, by the hour")
+    parser.add_argument("--only", choices=every, help="one job")
+    parser.add_argument("--without", choices=every, help="all jobs but one")
     options = parser.parse_args()
-    names = list(every)
+    names = [options.only] if options.only else [name for name in every if name != options.without]
     first = (
-        names.index(options.start) if options.start else int(now // HOUR + now // DAY) % len(names)
+        names.index(options.start)
+        if options.start in names
+        else int(now // HOUR + now // DAY) % len(names)
     )
     order = names[first:] + names[:first]
     print(f"nightly: from {order[0]} on; `--start {order[0]}` repeats this order", flush=True)

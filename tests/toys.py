@@ -2,11 +2,7 @@
 
 import numpy as np
 
-from stickslip import Prior
-from stickslip.diagnosis.data.table import Table
-from stickslip.diagnosis.own_model import problem_of_model
-from stickslip.diagnosis.terms.cause import Cause
-from stickslip.diagnosis.terms.parameter import Parameter
+from stickslip import Cause, Parameter, Prior, Table
 
 SLOPE = Parameter("slope", Prior("normal", 1.0, 0.1), cause=False)
 LEVEL = Parameter("level", Prior("normal", 0.0, 0.5), cause=False)
@@ -45,4 +41,7 @@ def data(extra=0.0, sd=0.1, n=30, seed=0, **options):
 
 
 def problem(table, causes=CAUSES, uncertain=(SLOPE, LEVEL)):
+    # The rest of this file asks for public names alone: an earlier package can answer it.
+    from stickslip.diagnosis.own_model import problem_of_model
+
     return problem_of_model(line, table, uncertain, causes)

@@ -1,0 +1,151 @@
+"""Problems of the golden verdicts, by name: each a diagnosis with fixed seeds.
+
+They ask the package by its public names alone, so that an earlier one can answer them too.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import io
+import json
+import lzma
+import os
+import re
+import runpy
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from stickslip import Diagnosis, diagnose, diagnose_model, models, read_measurement
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.append(str(ROOT / "tests"))
+import toys  # noqa: E402
+
+
+class Problem(NamedTuple):
+    """A diagnosis by a number of threads; whether it uses more than one."""
+
+    diagnosed: Callable[[int], Diagnosis]
+    threaded: bool = False
+
+
+# Stored sets of the blind study whose diagnosis takes little time: walkers; tables of angles, of
+# fields and of both beside velocities; films, of which those of a cause without their velocities.
+WALKERS = {
+    "76a8acdf": "nothing", "8e488dd7": "nothing, hard noise", "7c024bef": "weak cause",
+    "8edbe26b": "nothing, outlier", "247ea6b2": "shuffled", "8db8e269": "constant off by 3 sd",
+    "f04b2094": "constant off by 5 sd", "34644b75": "nothing, set-ups",
+    "ac8e076f": "nothing, correlated", "99a58e22": "near twins", "7ea00b71": "law",
+    "a8b830d5": "law, not seen",
+}  # fmt: skip
+TABLES = {
+    "8f53a71b": "angles, nothing", "54e6daed": "angles, one cause",
+    "1db93e00": "angles, instrument", "single, angles 23001": "angles, misalignment",
+    "instrument, angles 23000": "angles, clipping", "ed3c0527": "fields, nothing",
+    "841bad6d": "fields, instrument", "single, fields 23000": "fields, gain",
+    "constant 5 sd, fields 23000": "fields, constant off", "4f72736d": "all tables, nothing",
+}  # fmt: skip
+FILMS = {
+    "b4e909ba": "nothing", "74240c1c": "nothing, correlated", "aadef3e5": "one cause",
+    "single, film 23000": "surface tilt",
+}  # fmt: skip
+CASES = {
+    "axis": "diagnosed", "axis in time": "diagnose_in_time", "axis repeats": "diagnose_repeats",
+    "cart": "diagnosed", "heater": "diagnosed", "rollers": "result", "tumbler": "result",
+}  # fmt: skip
+_X = np.linspace(1.0, 3.0, 30)
+_WAVE, _STEP, _BEND, _ = toys.shapes(_X).values()
+TOYS = {
+    "nothing": 0.0, "wave": 0.5 * _WAVE, "step": 0.4 * _STEP, "bend": 0.5 * _BEND,
+    "weak wave": 0.08 * _WAVE, "wave and bend": 0.5 * (_WAVE + _BEND),
+    "unlisted": 0.4 * np.sin(11.0 * _X), "smooth": 0.15 * np.sin(2.2 * _X) ** 2,
+}  # fmt: skip
+"""What is added to the toys' line; the seed of each is its place."""
+
+QUICK = (
+    *(f"toy {name}" for name in ("nothing", "wave", "step", "bend", "wave and bend", "unlisted")),
+    "case axis", "case tumbler", "table angles, clipping", "table angles, one cause",
+    "table fields, nothing", "table fields, instrument", "blind nothing", "axis-04", "joint-00",
+    "oscillator-00", "pendulum-00", "thermal-00", "axis-03 unlisted", "axis-10 unlisted",
+)  # fmt: skip
+"""Those of `make test`: within 60 s of CPU together, with the same verdict on each machine."""
+
+
+def _log(path: Path, _: int) -> Diagnosis:
+    told = tomllib.loads(path.read_text())
+    known = {**{name: tuple(each) for name, each in told["constants"].items()}, **told["known"]}
+    model = getattr(models, told["kind"])(without=told["without"], **known)
+    return diagnose_model(model, models.read_log(path.with_name(told["log"]), model))
+
+
+def _measured(path: Path, threads: int) -> Diagnosis:
+    return diagnose(read_measurement(path), threads=threads)
+
+
+@functools.cache
+def _sets() -> dict[str, dict[str, str]]:
+    """Files of each stored set; those that are known by kind and seed are of the old seeds."""
+    found = {}
+    for folder in ("study", "frozen"):
+        with lzma.open(ROOT / "bench" / "blind" / folder / "sets.jsonl.xz", "rt") as file:
+            found.update({each["name"]: each["files"] for each in map(json.loads, file)})
+    return found
+
+
+def _stored(name: str, film_alone: bool, threads: int) -> Diagnosis:
+    with tempfile.TemporaryDirectory() as folder:
+        for file, text in _sets()[name].items():
+            if film_alone and file == "measurement.toml":
+                text = re.sub(r"\[\[velocity\]\][^\[]*", "", text)
+            Path(folder, file).write_text(text)
+        return _measured(Path(folder, "measurement.toml"), threads)
+
+
+def _case(name: str, what: str, _: int) -> Diagnosis:
+    before = os.getcwd()
+    with contextlib.redirect_stdout(io.StringIO()), tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)  # for the picture of one
+        try:
+            ran = runpy.run_path(str(ROOT / "examples" / "cases" / name / "case.py"))[what]
+        finally:
+            os.chdir(before)
+    return ran if isinstance(ran, Diagnosis) else ran()
+
+
+def _toy(seed: int, extra: float | np.ndarray, _: int) -> Diagnosis:
+    table = toys.data(extra, seed=seed)
+    return diagnose_model(toys.line, table, [toys.SLOPE, toys.LEVEL], toys.CAUSES)
+
+
+def _problems() -> Iterator[tuple[str, Problem]]:
+    def of(function: Callable[..., Diagnosis], *given: object, threaded: bool = False) -> Problem:
+        return Problem(functools.partial(function, *given), threaded)
+
+    for seed, (name, extra) in enumerate(TOYS.items()):
+        yield f"toy {name}", of(_toy, seed, extra)
+    for name, what in CASES.items():
+        yield f"case {name}", of(_case, name.partition(" ")[0], what)
+    yield "example", of(_measured, ROOT / "examples" / "measurement.toml", threaded=True)
+    for kind, sets in (("blind", WALKERS), ("table", TABLES), ("film", FILMS)):
+        for name, what in sets.items():
+            alone = kind == "film" and "nothing" not in what
+            yield f"{kind} {what}", of(_stored, name, alone, threaded=True)
+    logs = ROOT / "bench" / "causes" / "sets"
+    for name in ("walker-00", "walker-02"):
+        yield name, of(_measured, logs / name / "measurement.toml", threaded=True)
+    for path in sorted(logs.glob("[!w]*/*.toml")):
+        yield path.parent.name + " unlisted" * (path.stem == "unlisted"), of(_log, path)
+
+
+PROBLEMS = dict(_problems())
