@@ -63,6 +63,10 @@ TOLERANCES = (
 )
 
 
+PLACES = r"^(?!conditions).*\.(number|where)$"
+"""Which reading is farthest off: of two that are nearly so, rounding decides."""
+
+
 def tolerated(path: str, before: float, now: float, sd: float) -> bool:
     """Whether a number is the stored one but for rounding."""
     each = next(each for each in TOLERANCES if re.search(rf"\b(?:{each.words})\b", path))
@@ -97,7 +101,7 @@ def differences(
     elif isinstance(before, list) and isinstance(now, list) and len(before) == len(now):
         for k, pair in enumerate(zip(before, now, strict=True)):
             yield from differences(*pair, exact, f"{path}[{k}]", sd)
-    elif repr(before) != repr(now):
+    elif repr(before) != repr(now) and (exact or not re.search(PLACES, path)):
         same = False
         if not exact and isinstance(before, float) and isinstance(now, float):
             same = tolerated(path, before, now, sd)
@@ -110,12 +114,15 @@ def differences(
 def thinned(value: Any) -> Any:
     """What the stored file keeps of a value: of a long list its length and some of its items.
 
-    Rows of candidates are by name: which of two that are equally likely comes first is rounding.
+    Words and rows of candidates are in order of the alphabet: which of two that are equally likely
+    comes first is rounding.
     """
     if isinstance(value, dict):
         return {key: thinned(each) for key, each in value.items()}
     if isinstance(value, list):
-        if value and isinstance(value[0], dict) and "candidate" in value[0]:
+        if value and isinstance(value[0], str):
+            value = sorted(value)
+        elif value and isinstance(value[0], dict) and "candidate" in value[0]:
             value = sorted(value, key=lambda row: str(row["candidate"]))
         n = len(value)
         if n <= MOST:

@@ -75,7 +75,7 @@ TOYS = {
 
 QUICK = (
     *(f"toy {name}" for name in ("nothing", "wave", "step", "bend", "wave and bend", "unlisted")),
-    "case axis", "case tumbler", "table angles, nothing", "table angles, one cause",
+    "case axis", "case tumbler", "table angles, clipping", "table angles, one cause",
     "table fields, nothing", "table fields, instrument", "blind nothing", "axis-04", "joint-00",
     "oscillator-00", "pendulum-00", "thermal-00", "axis-03 unlisted", "axis-10 unlisted",
 )  # fmt: skip
