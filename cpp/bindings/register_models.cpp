@@ -30,8 +30,8 @@ Array moved(const Array& terms, const Array& start, const Array& times, const Ar
     const py::ssize_t vectors = terms.shape(0), readings = times.shape(0);
     require(terms.ndim() == 2 && terms.shape(1) == py::ssize_t{kMotionTerms.size()} &&
                 start.ndim() == 2 && start.shape(0) == vectors && start.shape(1) == 2 &&
-                inputs.ndim() == 2 && inputs.shape(0) == vectors && inputs.shape(1) == 1 + readings &&
-                late.ndim() == 1 && late.shape(0) == vectors,
+                inputs.ndim() == 2 && inputs.shape(0) == vectors &&
+                inputs.shape(1) == 1 + readings && late.ndim() == 1 && late.shape(0) == vectors,
             "moved: the shapes do not fit");
     Array result({vectors, readings, py::ssize_t{4}});
     const std::vector<double> t(times.data(), times.data() + readings);
@@ -47,9 +47,9 @@ Array moved(const Array& terms, const Array& start, const Array& times, const Ar
         const auto input = [&](std::size_t n) { return OneMass::Input{acting[n]}; };
         const OneMass::Input after = {late.at(k)};
         if (own.gap != 0.0 || own.spring != 0.0) {
-            follow(TwoMasses(own), {x, v, x, v}, t, input, after, [&](std::size_t n, const auto& z) {
-                std::copy(z.begin(), z.end(), out + 4 * n);
-            });
+            follow(
+                TwoMasses(own), {x, v, x, v}, t, input, after,
+                [&](std::size_t n, const auto& z) { std::copy(z.begin(), z.end(), out + 4 * n); });
         } else {
             follow(OneMass(own), {x, v}, t, input, after, [&](std::size_t n, const auto& z) {
                 for (std::size_t i = 0; i < 4; ++i) out[4 * n + i] = z[i % 2];
@@ -66,9 +66,9 @@ Array heated(const Array& terms, const Array& start, const Array& times, const A
              const Array& late) {
     const py::ssize_t vectors = terms.shape(0), readings = times.shape(0);
     require(terms.ndim() == 2 && terms.shape(1) == 5 && start.shape(0) == vectors &&
-                inputs.ndim() == 3 && inputs.shape(0) == vectors && inputs.shape(1) == 1 + readings &&
-                inputs.shape(2) == 2 && late.ndim() == 2 && late.shape(0) == vectors &&
-                late.shape(1) == 2,
+                inputs.ndim() == 3 && inputs.shape(0) == vectors &&
+                inputs.shape(1) == 1 + readings && inputs.shape(2) == 2 && late.ndim() == 2 &&
+                late.shape(0) == vectors && late.shape(1) == 2,
             "heated: the shapes do not fit");
     Array result({vectors, readings});
     const std::vector<double> t(times.data(), times.data() + readings);

@@ -10,8 +10,8 @@
 #include <vector>
 
 /// Steps in time of models of machines and heaters, from event to event. An input is held between
-/// the instants at which it switches. Where the motion is linear between events its steps are exact,
-/// by exponentials of matrices; else they are as short as their errors ask for.
+/// the instants at which it switches. Where the motion is linear between events its steps are
+/// exact, by exponentials of matrices; else they are as short as their errors ask for.
 namespace stickslip {
 
 /// A square matrix of a few rows.
@@ -117,11 +117,11 @@ private:
     // what turns so fast mostly rests, and errors tell where it does not.
     static constexpr double kEven = 16.0;
     // Largest difference of the results of orders 4 and 5, of the state and its change, for which a
-    // step is not halved, and how often it is at most. Chosen: of a usual step, whose own error is a
-    // hundredth of it.
+    // step is not halved, and how often it is at most. Chosen: of a usual step, whose own error is
+    // a hundredth of it.
     static constexpr double kSharp = 1e-7;
     static constexpr int kHalvings = 20;
-    static constexpr double kAlike = 1e-9;  // of a usual step: lengths that are the same
+    static constexpr double kAlike = 1e-9;           // of a usual step: lengths that are the same
     static constexpr int kEvents = 24, kTries = 60;  // of a step, and of one event; never met
     static constexpr double kExact = 1e-11;  // of its value after the step, the margin at an event
 
@@ -204,11 +204,11 @@ private:
             k[stage] = system_.rate(moved(kA[stage - 1], stage), u, mode);
         }
         const State end = moved(kB, k.size());
-        if (sharp != nullptr && !(h * std::max(system_.fastest_at(z, u),
-                                               system_.fastest_at(end, u)) <= kFine)) {
-            constexpr std::array<double, 6> kOff = {71.0 / 57600.0, 0.0, -71.0 / 16695.0,
-                                                    71.0 / 1920.0, -17253.0 / 339200.0,
-                                                    22.0 / 525.0};
+        if (sharp != nullptr &&
+            !(h * std::max(system_.fastest_at(z, u), system_.fastest_at(end, u)) <= kFine)) {
+            constexpr std::array<double, 6> kOff = {71.0 / 57600.0,      0.0,
+                                                    -71.0 / 16695.0,     71.0 / 1920.0,
+                                                    -17253.0 / 339200.0, 22.0 / 525.0};
             const State last = system_.rate(end, u, mode);
             for (std::size_t i = 0; i < kStates; ++i) {
                 double off = -last[i] / 40.0, change = 0.0;
@@ -317,8 +317,7 @@ void follow(const System& system, const typename System::State& start,
     std::array<std::size_t, System::kInputs> next = {};
     typename System::Input u = input(0);
     const auto due = [&](std::size_t i) {
-        return next[i] < count ? times[next[i]] + late[i]
-                               : std::numeric_limits<double>::infinity();
+        return next[i] < count ? times[next[i]] + late[i] : std::numeric_limits<double>::infinity();
     };
     const auto switched = [&](std::size_t i) { u[i] = input(++next[i])[i]; };
     for (std::size_t i = 0; i < next.size(); ++i) {
