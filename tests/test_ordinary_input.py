@@ -85,6 +85,7 @@ SAME = {
     "no mask": lambda v: np.ma.array(v),
     "memory": lambda v: memoryview(v.copy()),
     "durations": lambda v: (1000 * v).astype("timedelta64[ms]"),
+    "objects of durations": lambda v: np.array([*(1000 * v).astype("timedelta64[ms]"), None])[:-1],
     "timedelta": lambda v: [datetime.timedelta(seconds=each) for each in v.tolist()],
 }
 GAPS = {

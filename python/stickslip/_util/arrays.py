@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip._util.messages import check_whole, refuse, shown, suggestion
+from stickslip._util.text import is_number
 from stickslip.errors import ScenarioError
 
 Array = NDArray[np.float64]
@@ -337,7 +338,7 @@ def _kind_of(value: Any) -> str | None:
     """Kind of an object; None of one that has no place here, such as a complex number."""
     if isinstance(value, bool | np.bool_):
         return _TRUTH
-    if isinstance(value, kinds_of_numbers.Real | Decimal):
+    if is_number(value) or isinstance(value, Decimal):
         return _NUMBER
     if isinstance(value, str):
         return _TEXT
