@@ -102,6 +102,7 @@ def numbers(
     allowed: str = _FINITE,
     *,
     unit: str | None = None,
+    differences: bool = False,
     gaps: bool = False,
     finite: bool = True,
 ) -> Array:
@@ -119,6 +120,8 @@ def numbers(
         What messages call allowed.
     unit : str, optional
         Unit to which values that carry one are converted. Without it these are refused.
+    differences : bool
+        Whether the values are differences, so that 0.1 degC are 0.1 K.
     gaps : bool
         Whether gaps become NaN. They are refused otherwise.
     finite : bool
@@ -130,7 +133,7 @@ def numbers(
         If a value is no finite number, if the values are of several kinds, or if their unit cannot
         be converted.
     """
-    given, missing = _elements(what, _without_unit(what, values, unit), allowed)
+    given, missing = _elements(what, _without_unit(what, values, unit, differences), allowed)
     array = _as_floats(what, given, missing, allowed)
     if missing.any() and not gaps:
         first = given[tuple(np.argwhere(missing)[0])]
@@ -287,7 +290,7 @@ def _is_of_pandas(values: object) -> bool:
     return type(values).__module__.partition(".")[0] == "pandas"
 
 
-def _without_unit(what: str, values: Any, unit: str | None) -> Any:
+def _without_unit(what: str, values: Any, unit: str | None, differences: bool = False) -> Any:
     """The values in the wanted unit, if they carry one; else as they are."""
     # An Index of dates has a `unit`, its resolution, and a Series that of a label: ask the dtype.
     carrier = getattr(values, "dtype", None) if _is_of_pandas(values) else values
@@ -306,7 +309,12 @@ def _without_unit(what: str, values: Any, unit: str | None) -> Any:
         raise ScenarioError(f"{refusal}; pint, which converts them, is not installed") from None
     plain = getattr(values, "magnitude", getattr(values, "value", values))
     try:
-        return Quantity(np.ma.asanyarray(plain), str(carried)).to(wanted).magnitude
+        given = Quantity(np.ma.asanyarray(plain), str(carried))
+        if not differences:
+            return given.to(wanted).magnitude
+        # A unit with a zero of its own, less that zero, is the unit of a difference.
+        zero = Quantity(0.0, wanted)
+        return (given - Quantity(0.0, str(carried))).to((zero - zero).units).magnitude
     except (PintError, TypeError, ValueError, AttributeError):
         raise ScenarioError(refusal) from None
 
