@@ -114,6 +114,8 @@ def p_values(name, seed, only=None):
     causes = [one for one in listed(name, data, 5.0 * sd) if only in (None, one.name)]
     # With a fault of the data no cause is looked for, and the test is as ever.
     found = run(problem_of_model(predict, data, constants, causes), 0, fault=ONLY_TESTED)
+    if only is not None:
+        return {only: found.test.p_value}
     result = {"all": found.test.p_value}
     for cause in causes:
         own = [effect for effect in found.responses if effect.cause.name == cause.name]

@@ -221,6 +221,14 @@ def test_an_error_without_a_unit_is_in_that_of_its_readings(tmp_path, heading):
     assert sd == pytest.approx(np.full(len(T), 0.3 * np.pi / 30.0))
 
 
+@pytest.mark.parametrize("readings", ["K", "degC"])
+@pytest.mark.parametrize("heading", ["sd", "sd (K)", "sd (degC)", "error [°C]"])
+def test_an_error_of_a_temperature_is_a_difference(tmp_path, heading, readings):
+    write(tmp_path / "a.csv", {"t": T, f"temperature ({readings})": T, heading: 0.0 * T + 0.1})
+    log = models.read_log(tmp_path / "a.csv", models.thermal(capacity=1.0, loss=1.0))
+    assert log.errors.sd == pytest.approx(np.full(len(T), 0.1))
+
+
 def test_an_angle_beyond_a_turn_states_its_unit(tmp_path):
     pendulum = models.pendulum(length=0.5)
     for heading, per in (("angle (deg)", 57.3), ("angle (rad)", 1.0)):

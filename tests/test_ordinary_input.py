@@ -10,6 +10,7 @@ import pandas as pd
 import pint
 import polars
 import pytest
+import xarray
 from astropy import units as astropy_units
 
 from made_velocities import drives, measurement, trials
@@ -41,6 +42,7 @@ from stickslip import (
 )
 from stickslip.control import Path
 from stickslip.diagnosis.data.exposure import record
+from stickslip.diagnosis.data.series import with_repeats
 from stickslip.diagnosis.own_model import OwnModel, _of_conditions
 from stickslip.models import vectorised
 
@@ -85,6 +87,7 @@ SAME = {
     "no mask": lambda v: np.ma.array(v),
     "memory": lambda v: memoryview(v.copy()),
     "durations": lambda v: (1000 * v).astype("timedelta64[ms]"),
+    "objects of durations": lambda v: np.array([*(1000 * v).astype("timedelta64[ms]"), None])[:-1],
     "timedelta": lambda v: [datetime.timedelta(seconds=each) for each in v.tolist()],
 }
 GAPS = {
@@ -152,6 +155,41 @@ def test_a_unit_is_converted_or_refused(door):
         np.testing.assert_allclose(make(quantity), make(V), rtol=1e-12)
     with pytest.raises(ScenarioError, match="kelvin"):
         make(pint.Quantity(V, "kelvin"))
+
+
+TENTH = {
+    "degC": pint.Quantity(0.1, "degC"),
+    "delta_degC": pint.Quantity(np.full(12, 0.1), "delta_degC"),
+    "K": pint.Quantity(0.1, "kelvin"),
+    "degF": pint.Quantity(0.18, "degF"),
+    "xarray": xarray.DataArray(0.1, attrs={"units": "degC"}),
+    "astropy": 0.1 * astropy_units.K,
+    "masked": pint.Quantity(np.ma.masked_equal(np.where(ROW == 3, 9.0, 0.1), 9.0), "degC"),
+}
+
+
+@pytest.mark.parametrize("unit", ["K", "degC"])
+@pytest.mark.parametrize("door", ["Table sd", "Series sd"])
+@pytest.mark.parametrize("kind", TENTH)
+def test_an_error_of_a_temperature_is_a_difference(kind, door, unit):
+    make = {
+        "Table sd": lambda v: Table({"x": ROW}, ROW, sd=v, unit=unit).errors.sd,
+        "Series sd": lambda v: Series(ROW, ROW, sd=v, unit=unit).errors.sd,
+    }[door]
+    np.testing.assert_allclose(make(TENTH[kind]), 0.1, rtol=1e-12)
+
+
+def test_readings_of_a_temperature_are_none_and_neither_is_the_scatter_of_their_repeats():
+    t, warm = np.arange(60.0), 20.0 + np.random.default_rng(0).normal(size=(2, 60))
+    sizes = []
+    for given in (pint.Quantity(warm, "degC"), warm + 273.15):
+        first, again = (
+            Series(t, given[k], name=f"{k}", repeat_of="0" if k else None, unit="K") for k in (0, 1)
+        )
+        np.testing.assert_allclose(first.y, warm[0] + 273.15)
+        sizes.append([each.errors.sizes["s0"] for each in with_repeats([first, again])])
+    np.testing.assert_allclose(*sizes)
+    assert max(sizes[0]) < 2.0
 
 
 @pytest.mark.parametrize("unit", [pint.Unit("kelvin"), astropy_units.Unit("K")])

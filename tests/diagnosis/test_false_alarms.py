@@ -9,21 +9,21 @@ from clean_records import MACHINES, p_values
 
 
 def check(names, seeds, only=None):
-    """Few enough p-values are below two levels, by each list of causes."""
+    """Few enough p-values are below three levels, by each list of causes."""
     count, low = Counter(), Counter()
     for seed in seeds:
         for name in names:
             for listed, value in p_values(name, seed, only).items():
-                for level in (0.05, 0.2):
+                for level in (0.05, 0.2, 0.4):
                     count[listed, level] += 1
                     low[listed, level] += value < level
-    # One of fourteen lists would be refused by chance in 1 of 40 sets of seeds.
+    # One of fourteen lists would be refused by chance in at most 1 of 24 sets of seeds.
     wrong = {key: low[key] for key in count if binom.sf(low[key] - 1, count[key], key[1]) < 1e-3}
     assert not wrong, f"of {dict(count)}"
 
 
 def test_a_search_over_places_makes_no_misfit():
-    check(["line"], range(46000, 46032), "pulse")
+    check(["line"], range(46000, 46018), "pulse")
 
 
 @pytest.mark.nightly

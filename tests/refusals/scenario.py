@@ -316,6 +316,8 @@ REFUSALS = [
     ("voltages", b"\0" * 20_000, "byte 1 is NUL"),
     ("class", ("Drive", {"frequency": -1.0}), ["drive.frequency = -1.0", "from 1e-06"]),
     ("class", ("Drive", {"frequency": True}), ["drive.frequency = true", "a number"]),
+    ("class", ("Drive", {"base": np.timedelta64(1, "s")}), ["drive.base = ", "a number"]),
+    ("class", ("State", {"x": np.timedelta64(1, "s")}), ["initial.x = ", "a number"]),
     ("class", ("Drive", {"pulses": 10**400}), ["drive.pulses = 1000", "whole number"]),
     ("class", ("Drive", {"mode": "ipp"}), ['drive.mode = "ipp"', '"IPP", "OPP", "program"']),
     ("class", ("Drive", {"program": "file.csv"}), ["drive.program", "Waveform"]),
@@ -335,6 +337,14 @@ REFUSALS = [
     ("class", ("Prior", {"kind": "gaussian"}), ["kind of a prior", "normal"]),
     ("class", ("Prior", {"kind": "normal", "first": 1.0, "second": 0.0}), "sd = 0.0"),
     ("pulses", "OPP", 'mode = "OPP": allowed is none, as the voltages are those of IPP'),
+    *(
+        (
+            "class",
+            ("Waveform", {"blocks": [([0.0, 1.0], np.zeros((2, 5)), repeats)]}),
+            ["repeats = ", "allowed is a whole number from 1"],
+        )
+        for repeats in (2.7, np.float32(2.0), 0, "2", True, None, np.timedelta64(2, "s"))
+    ),
     ("waveform", ("from_points", [0.0], np.zeros((1, 5))), "two points or more"),
     ("waveform", ("from_points", [0.0, 0.0], np.zeros((2, 5))), "no duration"),
     ("waveform", ("from_points", [0.1, 0.2], np.zeros((2, 5))), "has to be at 0"),

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip._util.messages import check_whole, refuse, shown, suggestion
+from stickslip._util.text import is_number
 from stickslip.errors import ScenarioError
 
 Array = NDArray[np.float64]
@@ -101,6 +102,7 @@ def numbers(
     allowed: str = _FINITE,
     *,
     unit: str | None = None,
+    differences: bool = False,
     gaps: bool = False,
     finite: bool = True,
 ) -> Array:
@@ -118,6 +120,8 @@ def numbers(
         What messages call allowed.
     unit : str, optional
         Unit to which values that carry one are converted. Without it these are refused.
+    differences : bool
+        Whether the values are differences, so that 0.1 degC are 0.1 K.
     gaps : bool
         Whether gaps become NaN. They are refused otherwise.
     finite : bool
@@ -129,7 +133,7 @@ def numbers(
         If a value is no finite number, if the values are of several kinds, or if their unit cannot
         be converted.
     """
-    given, missing = _elements(what, _without_unit(what, values, unit), allowed)
+    given, missing = _elements(what, _without_unit(what, values, unit, differences), allowed)
     array = _as_floats(what, given, missing, allowed)
     if missing.any() and not gaps:
         first = given[tuple(np.argwhere(missing)[0])]
@@ -303,7 +307,7 @@ def _carried(values: Any) -> Any:
     return None if _is_of_pandas(carrier) else carried
 
 
-def _without_unit(what: str, values: Any, unit: str | None) -> Any:
+def _without_unit(what: str, values: Any, unit: str | None, differences: bool = False) -> Any:
     """The values in the wanted unit, if they carry one; else as they are."""
     carried = _carried(values)
     if carried is None:
@@ -320,7 +324,12 @@ def _without_unit(what: str, values: Any, unit: str | None) -> Any:
         raise ScenarioError(f"{refusal}; pint, which converts them, is not installed") from None
     plain = getattr(values, "magnitude", getattr(values, "value", values))
     try:
-        return Quantity(np.ma.asanyarray(plain), str(carried)).to(wanted).magnitude
+        given = Quantity(np.ma.asanyarray(plain), str(carried))
+        if not differences:
+            return given.to(wanted).magnitude
+        # A unit with a zero of its own, less that zero, is the unit of a difference.
+        zero = Quantity(0.0, wanted)
+        return (given - Quantity(0.0, str(carried))).to((zero - zero).units).magnitude
     except (PintError, TypeError, ValueError, AttributeError):
         raise ScenarioError(refusal) from None
 
@@ -352,7 +361,7 @@ def _kind_of(value: Any) -> str | None:
     """Kind of an object; None of one that has no place here, such as a complex number."""
     if isinstance(value, bool | np.bool_):
         return _TRUTH
-    if isinstance(value, kinds_of_numbers.Real | Decimal):
+    if is_number(value) or isinstance(value, Decimal):
         return _NUMBER
     if isinstance(value, str):
         return _TEXT

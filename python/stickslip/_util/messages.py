@@ -47,7 +47,7 @@ def refuse(key: str, value: object, allowed: str) -> NoReturn:
 
 def check_whole(name: str, value: object, least: int = 0) -> None:
     """Refuse what is not a whole number from `least`."""
-    if isinstance(value, bool) or not isinstance(value, numbers.Integral) or value < least:
+    if not is_number(value) or not isinstance(value, numbers.Integral) or value < least:
         refuse(name, value, f"a whole number from {least}")
 
 

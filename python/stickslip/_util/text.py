@@ -60,8 +60,9 @@ def plain(name: str) -> str:
 
 
 def is_number(value: object) -> TypeGuard[float]:
-    """Whether a value is a real number; True and False are none."""
-    return isinstance(value, numbers.Real) and not isinstance(value, bool)
+    """Whether a value is a real number; True, False and durations of NumPy are none."""
+    duration = getattr(getattr(value, "dtype", None), "kind", "") == "m"  # an integer to NumPy
+    return isinstance(value, numbers.Real) and not isinstance(value, bool) and not duration
 
 
 def number(cell: str, below: float = math.inf) -> float:

@@ -195,8 +195,9 @@ def fault_of(problem: Problem) -> Note | None:
     """What is wrong with the data of a problem, if anything is; each table is asked."""
     alone = len(problem.tables) == 1
     stated = problem.model(problem.physical(np.zeros((1, problem.size))))[0]
+    known = any(errors.known for errors in problem.errors)
     for table, part in zip(problem.tables, problem.rows, strict=True):
-        fault = table.problem(stated[part], alone)
+        fault = table.problem(stated[part], alone or not known)
         if fault is not None:
             return fault if alone else replace(fault, text=f"{table.at}{fault.text}")
     count, free = len(problem.y), len(problem.constants)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import keyword
 import math
-import numbers
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ from typing import Any, Literal, ParamSpec, TypeVar
 
 from stickslip import _core
 from stickslip._util.messages import meant, nearest, refuse, shown, suggestion
+from stickslip._util.text import is_number
 from stickslip._util.units import unit_meant
 from stickslip.errors import ScenarioError
 
@@ -310,7 +310,7 @@ def set_value(core: _core.Scenario, name: str, value: object) -> None:
         key = find_key(name, value)
     if key.kind == "fields" and isinstance(value, list | tuple) and value:
         given: object = ", ".join(map(str, value))
-    elif isinstance(value, numbers.Real) and not isinstance(value, bool | int | float):
+    elif is_number(value) and not isinstance(value, int | float):
         given = float(value)
     else:
         given = None
@@ -333,7 +333,7 @@ def checked(name: str, value: object) -> Value:
 def _other_unit(key: Key, value: object) -> str:
     """A number beyond its range, read in degrees, mT, um or ug; "" if it is beyond it there too."""
     try:
-        given = float(value) if isinstance(value, numbers.Real) else math.nan
+        given = float(value) if is_number(value) else math.nan
     except OverflowError:
         given = math.nan
     if math.isnan(given) or isinstance(key.default, str):

@@ -73,8 +73,8 @@ class Waveform:
     ------
     ScenarioError
         If a block has fewer than two points or no duration, does not begin at 0, falls in time,
-        has three different points at one time, holds a value that is not finite, or is played less
-        than once.
+        has three different points at one time, holds a value that is not finite, or is not played
+        a whole number of times above zero.
 
     Examples
     --------
@@ -422,6 +422,7 @@ def _frozen_block(times: ArrayLike, voltages: ArrayLike, repeats: int) -> _Block
     risen = np.maximum.accumulate(t)
     t = locked(np.where(risen - t <= _ROUNDING * risen, risen, t))
     _check_points(t, v)
+    check_whole("repeats", repeats, 1)
     return t, v, int(repeats)
 
 

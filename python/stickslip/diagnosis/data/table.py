@@ -403,7 +403,7 @@ class Table:
 
 def stated_errors(what: str, sd: ArrayLike, count: int, unit: str) -> Array:
     """The stated error of each reading, shape (count,); NaN in gaps."""
-    values = flat(numbers(what, sd, unit=unit, gaps=True))
+    values = flat(numbers(what, sd, unit=unit, differences=True, gaps=True))
     if values.shape not in ((), (count,)) or not np.all(np.isnan(values) | (values > 0.0)):
         raise ScenarioError(
             f"{what} = {brief(sd)}: allowed is a number above 0, or {count} of them"

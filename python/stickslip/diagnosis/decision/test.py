@@ -32,7 +32,7 @@ _PERMUTED, _FEWEST, _MOST = 999, 8, 1000
 # Draws of pure noise: a p-value of 0.05 is then known to 0.003; of so many readings, or numbers of
 # all directions, to 0.007. Numbers that are drawn at a time, 2 MiB. Signal below which a response
 # is not seen. Chosen.
-_DRAWS, _MANY, _LARGE, _FEWER, _AT_ONCE, _UNSEEN = 4000, 2000, 300_000, 1000, 1 << 18, 1e-3
+_DRAWS, _MANY, _LARGE, _FEWER, _AT_ONCE, _UNSEEN = 4000, 2000, 150_000, 1000, 1 << 18, 1e-3
 
 
 @dataclass(frozen=True)

@@ -91,7 +91,7 @@ def _size(problem: Problem, k: int, residual: Array, spent: float) -> float:
     table, left = problem.tables[k], residual[problem.rows[k]]
     free = max(1.0 - spent / len(problem.y), 1e-9)
     size = root_mean_square(left * np.sqrt(np.bincount(table.condition))) / math.sqrt(free)
-    return max(size, _SMALLEST * float(np.std(table.y)), 1e-300)
+    return max(size, _SMALLEST * float(np.std(table.y)))
 
 
 def _scattered(problem: Problem, unknown: Sequence[int], residual: Array, spent: float) -> Problem:
@@ -100,7 +100,7 @@ def _scattered(problem: Problem, unknown: Sequence[int], residual: Array, spent:
     for k in unknown:
         table, size = tables[k], _size(problem, k, residual, spent)
         free = len(table.mean) * (1.0 - spent / len(problem.y))
-        if free < FEWEST:
+        if free < FEWEST or not np.ptp(table.y):  # readings that never change tell no error
             continue
         text = (
             f"A reading scatters by {with_unit(size, table.unit)} about the fit of all causes "
