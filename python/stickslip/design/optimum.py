@@ -210,8 +210,8 @@ class Optimum(OneLine):
 
     @property
     def _is_backward(self) -> bool:
-        pulsed = self.run.scenario.drive.mode != "program"
-        return pulsed and self.goal.figure in FROM_AXES and bool(self.run.velocity[0] < 0.0)
+        directed = self.run.scenario.drive.kind != "program"
+        return directed and self.goal.figure in FROM_AXES and bool(self.run.velocity[0] < 0.0)
 
     def _drive_lines(self) -> list[str]:
         """A line for each key, and for the knots of each coil."""

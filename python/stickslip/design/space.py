@@ -165,7 +165,7 @@ def made_space(
     names: tuple[str, ...] = ()
     if knots is None:
         refuse_sawtooth(scenario.drive.mode, by_name)
-        if either_way and scenario.drive.mode in ("IPP", "OPP"):
+        if either_way and scenario.drive.kind == "sawtooth":
             by_name = Changes({WAY: ["+x", "-x"], **by_name})
     else:
         _check_waveform(scenario, by_name, knots, volts)

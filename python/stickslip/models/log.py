@@ -165,8 +165,9 @@ def read_log(path: str | PathLike[str], model: object) -> Series:
     log = Series(
         values[_TIME], values[wanted.reads], inputs, values.get(_ERROR), path.stem, unit=shows
     )
-    unstated = {column for column, each in found.items() if each.unit is None} - told - {_ERROR}
-    log.unstated = [READINGS if column == wanted.reads else column for column in unstated]
+    log.unstated = [READINGS if column == wanted.reads else column
+                    for column, each in found.items()
+                    if each.unit is None and column not in {*told, _ERROR}]  # fmt: skip
     largest = float(np.max(np.abs(log.y)))
     if wanted.unit == "rad" and wanted.reads in bare and largest > _TURN:
         raise ScenarioError(

@@ -28,9 +28,9 @@ Known = float | tuple[float, float] | Prior
 
 Physics = Callable[[Array, Mapping[str, Array], Mapping[str, Array], Mapping[str, Array]], Array]
 """``physics(t, inputs, late, values)``: states, (readings, states, vectors), at times, (readings,).
-Inputs by name, (1 + readings, vectors), are what acted before the first time and is held from each
-of them on, all by `late`, (vectors,), later. Values by name, (vectors,), have the usual `step` of
-the readings too, s."""
+Inputs by name, (1 + readings, vectors), are what acted before the first time, then what is held
+from each time on; all of it acts later by `late`, (vectors,), s. Values by name, (vectors,), have
+the usual `step` of the readings too, s."""
 
 _KNOWN = "a number, (value, error) or a Prior"
 

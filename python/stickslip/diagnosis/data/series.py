@@ -86,9 +86,9 @@ class Series(Table):
     ----------
     t, y : ndarray, shape (n,)
     inputs : dict of ndarray
-        In `predict` those that a cause acts on have the shape (vectors, n). What acts between two
-        readings is not known there: a late input is a line between its values, which on even steps
-        is the mean of a held one up to the next reading.
+        In `predict` those that a cause acts on have the shape (vectors, n). They are values at the
+        readings alone: a late input is a line between its values, which on even steps is the mean
+        of a held one up to the next reading.
 
     Raises
     ------

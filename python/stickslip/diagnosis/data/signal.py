@@ -13,7 +13,7 @@ from stickslip._util.text import OneLine
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Signal(OneLine):
-    """An input of many vectors, which all acts `late`.
+    """An input, as some parameter vectors have it, and by how much it acts late.
 
     Attributes
     ----------
@@ -46,8 +46,8 @@ class Signal(OneLine):
     def lagged(self, time: Array, before: Array) -> Signal:
         """Behind a first-order lag that was at rest at a part of the first value, (vectors,).
 
-        v' = (u - v) / time is solved exactly. What was held is the mean of v from each reading to
-        the next then, which gives it its whole momentum.
+        v' = (u - v) / time is solved exactly. A held input becomes the mean of v from each reading
+        to the next, so that its momentum is right.
         """
         gap, result, first = np.diff(self.t), self.values.copy(), self.values[:, 0] * before
         for vector in np.flatnonzero(time > 0.0):

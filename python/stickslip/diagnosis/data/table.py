@@ -370,9 +370,9 @@ class Table:
         return [READINGS, *(key for key, values in settings.items() if values.dtype.kind == "f")]
 
     def converted(self, column: str, per: float, zero: float = 0.0) -> Self:
-        """The same with a column in SI that was in a unit of which `per` are one of it.
+        """The same with a column converted to SI, as if its numbers were in another unit.
 
-        `zero` is what that unit has at 0. Errors of the readings follow, for a fit.
+        `per` of that unit are one SI unit, whose 0 is `zero` in it. Errors of the readings follow.
         """
         changes: dict[str, Any] = {}
         if self.whole is not None:

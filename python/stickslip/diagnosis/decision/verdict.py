@@ -268,10 +268,11 @@ def _is_pattern(models: Models, fit: Fit) -> bool:
 
 
 def _open_twins(models: Models, fit: Fit) -> list[Fit]:
-    """Models with another cause in place of one of a claim, which what it leaves does not tell.
+    """Models with another cause in place of a claimed one, from which the data do not tell it.
 
     They act alike, take enough of the model's error too, and differ from the claim by no more than
-    it leaves, where that is alike along a run: an evidence of independent readings counts too much.
+    it leaves. Asked only where that is alike along a run, so that readings count for less than
+    their number.
     """
     twins = []
     for other in models.leaders(form="ar1") if fit.form == "ar1" else ():
@@ -352,8 +353,8 @@ def _set(
 ) -> Verdict:  # fmt: skip
     """Models that stay open, if not given the smallest set with 95 %: the causes of each in turn.
 
-    Where that is one model, which cannot be claimed, or where none of its models takes enough of
-    the model's error, nothing explains the data.
+    Where that is one model, which cannot be claimed, where none of its models takes enough of the
+    model's error, or where a size of the first is at its end, nothing explains the data.
     """
     members = members or verdict.members
     first = next(member for member in members if member.causes)

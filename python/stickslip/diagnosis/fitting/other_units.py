@@ -20,7 +20,7 @@ from stickslip._util.units import MISTAKES, factor_text, other_units
 from stickslip.diagnosis.data.errors import FEWEST
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.fitting.descent import in_step
-from stickslip.diagnosis.fitting.forms import forms
+from stickslip.diagnosis.fitting.forms import Exact
 from stickslip.diagnosis.fitting.models import minimise
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.terms.parameter import Parameter
@@ -223,9 +223,8 @@ def _fits(tries: Sequence[_Try]) -> list[_End]:
     """Ends of fits without a cause, where they can be fitted."""
     ends = []
     for one in tries:
-        form = forms(one.problem, ["exact"])["exact"]
         with contextlib.suppress(np.linalg.LinAlgError):
-            (fit,) = in_step(one.problem, [minimise(one.problem, form, (), one.x)])
+            (fit,) = in_step(one.problem, [minimise(one.problem, Exact(one.problem), (), one.x)])
             x = np.abs(fit.x)
             if one.freed is not None:
                 x[one.freed] = 0.0
