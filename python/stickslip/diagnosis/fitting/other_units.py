@@ -36,6 +36,9 @@ _WRONG_PART = 30.0
 """Factor, either way, up to which one constant may be a part that was mistaken. Chosen: a wrong
 gear or coil is tenfold; what is farther off is a unit."""
 
+_SCANNED = 97
+"""Values at which one constant is looked at. Chosen: 7 % apart, as a period is lost beyond."""
+
 _LIKE, _MISSED, _FAR = 0.05, 4.0, 4.0
 """Part of the variance of the readings that a model like them leaves, how many times more is left
 as they stand, and the stated errors by which a constant is moved there otherwise. Chosen: causes
@@ -175,21 +178,27 @@ def _in_units(
 def _single(problem: Problem) -> tuple[list[_Try], list[_Try]]:
     """Fits with one constant that is off, up to `_WRONG_PART` and beyond."""
     near, far = [], []
-    grid = np.geomspace(1.0 / _WRONG_PART, _WRONG_PART, 25)
+    grid = np.geomspace(1.0 / _WRONG_PART, _WRONG_PART, _SCANNED)
     beyond = np.array([one for one in MISTAKES if max(one, 1.0 / one) > _WRONG_PART])
     for k, constant in enumerate(problem.constants):
-        if not _is_stated(constant) or not constant.value(np.zeros(1))[0]:
+        if not _is_stated(constant):
             continue
-        values = np.repeat(problem.physical(np.zeros((1, problem.size))), len(grid), axis=0)
-        values[:, k] *= grid
+        middle = float(constant.value(np.zeros(1))[0])
+        assert constant.prior is not None
+        # A constant that may be zero is off by so many of its errors.
+        tried = middle * grid if middle else np.outer((-1.0, 1.0), constant.prior.second * grid)
+        values = np.repeat(problem.physical(np.zeros((1, problem.size))), tried.size, axis=0)
+        values[:, k] = tried.ravel()
         left = _left(problem, values)
         wide = _other(problem, k, _wide)
         for place in np.argsort(left)[:2].tolist():
             x = np.zeros(problem.size)
             x[k] = wide.constants[k].coordinate(values[place, k])
             near.append(_Try(wide, x, float(left[place]), freed=k))
+        if not middle:
+            continue
         values = values[:1].repeat(len(beyond), axis=0)
-        values[:, k] = constant.value(np.zeros(1))[0] * beyond
+        values[:, k] = middle * beyond
         for factor, each in zip(beyond.tolist(), _left(problem, values).tolist(), strict=True):
             moved = _other(problem, k, lambda one, by=factor: _times(one, by))  # type: ignore[misc]
             text = (f"{constant.name} were {factor_text(factor)} times what is stated: "
@@ -262,9 +271,11 @@ def _times(constant: Parameter, factor: float) -> Parameter:
 
 def _wide(constant: Parameter) -> Parameter:
     """A constant that may be another part."""
+    assert constant.prior is not None
     middle = float(constant.value(np.zeros(1))[0])
-    ends = sorted((middle / _WRONG_PART, middle * _WRONG_PART))
-    prior = Prior("log-normal", middle, math.sqrt(_WRONG_PART))
-    if middle < 0.0:
-        prior = Prior("normal", middle, _WRONG_PART * abs(middle))
-    return replace(constant, prior=prior, low=ends[0], high=ends[1])
+    far = _WRONG_PART * (abs(middle) or constant.prior.second)
+    if middle > 0.0:
+        prior = Prior("log-normal", middle, math.sqrt(_WRONG_PART))
+        return replace(constant, prior=prior, low=middle / _WRONG_PART, high=far)
+    high = middle / _WRONG_PART if middle else far
+    return replace(constant, prior=Prior("normal", middle, far), low=-far, high=high)
