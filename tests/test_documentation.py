@@ -199,6 +199,7 @@ def measured_words():
             f"{fast[1e-8]:.0f} at the default 1e-8",
             *counts,
             counts_of_walkers[1],
+            f"That is as of commit `{judged}`.",
             "from 250 drops of a real square the diagnosis found that the angle readings are too"
             f" large by {found:.1f} ± {error:.1f} mrad (known: {known:.1f})",
             f"{stated} optional effects",

@@ -34,7 +34,7 @@ points an oscillation is out of phase at all of them."""
 
 _WRONG_PART = 30.0
 """Factor, either way, up to which one constant may be a part that was mistaken. Chosen: a wrong
-gear or coil is tenfold; what is farther off is a unit."""
+gear or winding is tenfold; what is farther off is a unit."""
 
 _SCANNED = 97
 """Values at which one constant is looked at. Chosen: 7 % apart, as a period is lost beyond."""
