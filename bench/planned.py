@@ -22,10 +22,10 @@ from measure import add_out, saved
 from stale import digest, stale
 
 from stickslip import Cause, Drive, Measurement, Scenario, diagnose, simulate_batch
-from stickslip.diagnosis.decision.experiments import CHOICES
-from stickslip.diagnosis.measured import problem_of
-from stickslip.diagnosis.planning import NOISE, plan
 from stickslip.scenario.toml_file import parse_toml
+from stickslip.walker.experiments import CHOICES
+from stickslip.walker.planning import NOISE, plan
+from stickslip.walker.problem import posed_by
 
 FIRST = 27200  # seeds; of no other study
 COUNT, TRIALS, PULSES = 12, 3, 8
@@ -101,7 +101,7 @@ def main(arguments: Iterable[str] | None = None) -> None:
     about = Measurement.from_dataframe(tables["even"].assign(velocity=1e-3), scenario)
     known = set(Scenario.keys())
     # What acts on the robot, and not on what is read of it.
-    causes = [each for each in problem_of(about).causes
+    causes = [each for each in posed_by(about).causes
               if each.parameters and {p.name for p in each.parameters} <= known]  # fmt: skip
     for seed in range(FIRST, FIRST + options.robots):
         if str(seed) in rows or time.monotonic() > end:

@@ -7,7 +7,7 @@ from scipy.signal import lfilter
 
 from stickslip import Cause, Parameter, Prior, Series, Table, events, instruments, models
 from stickslip.diagnosis.decision.test import tested
-from stickslip.diagnosis.own_model import problem_of_model
+from stickslip.diagnosis.model import posed
 from stickslip.diagnosis.pipeline import run
 from stickslip.simulation.note import Note
 
@@ -113,7 +113,7 @@ def p_values(name, seed, only=None):
     data = make(sound + sd * draw.standard_normal(len(sound)), sd=sd)
     causes = [one for one in listed(name, data, 5.0 * sd) if only in (None, one.name)]
     # With a fault of the data no cause is looked for, and the test is as ever.
-    found = run(problem_of_model(predict, data, constants, causes), 0, fault=ONLY_TESTED)
+    found = run(posed(data, predict, constants, causes), 0, fault=ONLY_TESTED)
     if only is not None:
         return {only: found.test.p_value}
     result = {"all": found.test.p_value}

@@ -4,8 +4,8 @@ import numpy as np
 
 from made_measurement import write_files
 from stickslip import Scenario
-from stickslip.diagnosis.data.exposure import Exposure, record
-from stickslip.measurement.read_tracking import TrackingRun
+from stickslip.walker.exposure import Exposure, record
+from stickslip.walker.read_tracking import TrackingRun
 
 NOISE = {"x": 5e-7, "theta": 5e-3, "current_x": 2e-3, "current_clamp": 2e-3}
 

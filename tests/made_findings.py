@@ -4,18 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 
+from stickslip._util.note import Note
+from stickslip._util.prior import Prior
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.verdict import Verdict
 from stickslip.diagnosis.entry import diagnose_model
 from stickslip.diagnosis.fitting.problem import Cached, Problem
-from stickslip.diagnosis.measured import freed
+from stickslip.diagnosis.model import freed
 from stickslip.diagnosis.pipeline import run
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.laws import free_law
 from stickslip.diagnosis.terms.parameter import Parameter
-from stickslip.scenario.uncertain import Prior
-from stickslip.simulation.note import Note
 
 SD, BUMP = 0.05, 0.9
 TRUTH = (1.1, 1.9, BUMP, 0.0, 0.0)

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from stickslip import Scenario, simulate_batch
-from stickslip.diagnosis import measured
+from stickslip.walker import problem as measured
 
 NOMINAL = """stickslip = 1
 

@@ -5,7 +5,7 @@ import pandas as pd
 
 from stickslip import Scenario, simulate_batch
 from stickslip.diagnosis import Prior
-from stickslip.measurement.reading import Measurement
+from stickslip.walker.reading import Measurement
 
 SCENARIO = Scenario().replace({"drive.base": 0.5e-3, "drive.pulses": 6, "solver.rtol": 1e-6})
 FRICTION = {"contact.kinetic_friction": Prior("normal", 0.145, 0.01)}

@@ -26,7 +26,7 @@ from works import REFERENCE, WORKS, with_solver
 
 import stickslip
 from stickslip.diagnosis.fitting.scatter import with_scatter
-from stickslip.diagnosis.own_model import problem_of_model
+from stickslip.diagnosis.model import posed
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -213,7 +213,7 @@ def test_errors_that_a_fit_of_all_causes_tells_are_those_of_the_best_one():
     (record,) = case.data
     unknown = replace(record.errors, sd=np.full(len(record), np.std(record.y)), dof=0.0)
     tables = [record.having(errors=unknown)]
-    found = with_scatter(problem_of_model(case.predict, tables, case.uncertain, case.causes), 0)
+    found = with_scatter(posed(tables, case.predict, case.uncertain, case.causes), 0)
     assert found.sd[0] == pytest.approx(float(record.errors.sd[0]), rel=0.25)
 
 

@@ -24,10 +24,10 @@ from blind.truth import Hidden, Truth
 from blind.writing import write_case
 
 from stickslip import Coils, Scenario, _core, simulate
-from stickslip.diagnosis.data.exposure import Exposure, record
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.instruments import of_angles, of_velocities, read_by
-from stickslip.measurement import read_measurement
+from stickslip.walker import read_measurement
+from stickslip.walker.exposure import Exposure, record
 
 # A condition in which every cause of a moving robot does something.
 DRIVES = [

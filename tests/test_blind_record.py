@@ -23,8 +23,8 @@ from blind.scoring import (
 )
 from blind.writing import KEYS
 
-from stickslip.diagnosis.data.velocity import VelocityTable
-from stickslip.measurement import read_measurement
+from stickslip.walker import read_measurement
+from stickslip.walker.velocity import VelocityTable
 
 ROOT = Path(__file__).resolve().parents[1]
 

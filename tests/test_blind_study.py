@@ -17,7 +17,7 @@ from blind.settings import FLOOR, PULSES, SCATTER, TRIALS, priors
 from blind.writing import write_case, write_more
 
 from stickslip import Drive, Scenario, diagnose, read_measurement, simulate_batch
-from stickslip.diagnosis import measured
+from stickslip.walker import problem as measured
 
 DATA = Path(__file__).with_name("data") / "blind"
 TWINS = 20002  # seed of near twins

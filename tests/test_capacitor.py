@@ -75,7 +75,8 @@ def test_extremes_and_power_are_those_of_a_fine_record():
     mean = trapezoid(power, run.t) / (run.t[-1] - run.t[0])
     assert found["power_mean"] == pytest.approx(mean, rel=1e-5)
     largest = np.abs(run.current).max()
-    assert largest <= found["current_max"] <= largest * (1.0 + 1e-5)
+    # But for rounding: the instant of the largest may be one of the record.
+    assert largest * (1.0 - 1e-14) <= found["current_max"] <= largest * (1.0 + 1e-5)
     field = np.sqrt(run.bx**2 + run.by**2 + run.bz**2)
     assert field.max() <= found["field_max"] <= field.max() * (1.0 + 1e-5)
     assert found["field_min"] <= field.min() + 1e-9

@@ -14,8 +14,8 @@ from stickslip import Drive, Measurement, Scenario, ScenarioError, Waveform, dia
 from stickslip._util.files import text_writer, write_together
 from stickslip._util.text import json_text, printable, printable_lines, quoted
 from stickslip.diagnosis import Cause, Parameter, Prior, Table, diagnose_model
-from stickslip.measurement import read_measurement
 from stickslip.scenario.toml_file import parse_toml, write_scenario
+from stickslip.walker import read_measurement
 
 # Red letters in both spellings of a control sequence, DEL, ends of lines, and text from the right.
 WILD = "a\x1b[31m\x9b31m\x7f\r\n\u2028\u202eb"

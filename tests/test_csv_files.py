@@ -15,9 +15,9 @@ from asking_results import measurement
 from command_line import check, stickslip
 from stickslip import FieldMap, Measurement, Scenario, ScenarioError, Waveform
 from stickslip._util.units import per_si, to_si
-from stickslip.measurement.read_table import read_numbers, read_rows
-from stickslip.measurement.read_velocity import read_velocity, velocity_units
+from stickslip.diagnosis.data.read_table import read_numbers, read_rows
 from stickslip.scenario.keys import COIL_NAMES
+from stickslip.walker.read_velocity import read_velocity, velocity_units
 
 FRAMES = {"t": "s", "x": "m", "theta": "rad"}
 ANGLES = {"Bx": "T", "Bz": "T", "theta": "rad"}

@@ -8,10 +8,10 @@ import pytest
 from asking_results import SAFE, asking, measurement
 from command_line import stickslip
 from made_measurement import write
+from stickslip.diagnosis.data.read_table import read_rows
 from stickslip.diagnosis.decision.experiments import LEAST_WORTH
-from stickslip.diagnosis.report.next_table import PREDICTIONS, TABLE, with_measured
-from stickslip.measurement.read_table import read_rows
-from stickslip.measurement.read_velocity import velocity_units
+from stickslip.walker.next_table import PREDICTIONS, TABLE, with_measured
+from stickslip.walker.read_velocity import velocity_units
 
 
 @pytest.fixture

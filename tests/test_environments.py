@@ -15,9 +15,9 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 
 from stickslip import Scenario, ScenarioError, Simulator, State
+from stickslip._util.prior import Prior
 from stickslip.control import Camera
 from stickslip.control.environments import OBSERVED, RobotEnv, RobotVectorEnv
-from stickslip.scenario.uncertain import Prior
 
 TASKS = ("Walk", "Reach", "Place", "Follow")
 UNCERTAIN = {

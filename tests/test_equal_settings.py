@@ -6,10 +6,10 @@ import pytest
 
 from stickslip import Measurement, Scenario, ScenarioError, sweep
 from stickslip._util.arrays import representatives
-from stickslip.diagnosis.data.velocity import _pooled
-from stickslip.diagnosis.decision.experiments import proposals
-from stickslip.measurement import read_measurement
 from stickslip.sweeping.points import grid
+from stickslip.walker import read_measurement
+from stickslip.walker.experiments import proposals
+from stickslip.walker.velocity import _pooled
 
 NOMINAL = Scenario().replace({"drive.base": 0.5e-3, "drive.pulses": 6})
 

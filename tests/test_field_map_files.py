@@ -19,7 +19,7 @@ from stickslip import (
     simulate,
     sweep,
 )
-from stickslip.measurement import read_measurement
+from stickslip.walker import read_measurement
 
 HEAD = "stickslip = 1\n\n[drive]\nbase = 0.5e-3\npulses = 8\n"
 SCENARIO = HEAD + '\n[coil]\nmap = "map.csv"\n'

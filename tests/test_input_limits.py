@@ -11,9 +11,9 @@ from made_measurement import write
 from refusals.scenario import CSV, HEAD, PROGRAM
 from stickslip import Scenario, ScenarioError, Waveform
 from stickslip._util.files import check_folder, read_bytes
-from stickslip.measurement import read_measurement
-from stickslip.measurement.read_table import read_rows
-from stickslip.measurement.read_velocity import velocity_units
+from stickslip.diagnosis.data.read_table import read_rows
+from stickslip.walker import read_measurement
+from stickslip.walker.read_velocity import velocity_units
 
 MEASUREMENT = 'stickslip_measurement = 1\nscenario = "s.toml"\n'
 NOT_UTF8 = "caf\udce9"  # how Python spells the bytes "café" has in Latin-1

@@ -10,10 +10,10 @@ from command_line import check, stickslip
 from made_measurement import write_files
 from refusals.measurement import FRAMES, NOMINAL, TOML, in_memory
 from stickslip import Scenario, ScenarioError
-from stickslip.diagnosis.data.velocity import VelocityTable
-from stickslip.measurement import Prior, read_measurement
-from stickslip.measurement.read_table import read_rows
-from stickslip.measurement.read_velocity import read_velocity, velocity_units
+from stickslip.diagnosis.data.read_table import read_rows
+from stickslip.walker import Prior, read_measurement
+from stickslip.walker.read_velocity import read_velocity, velocity_units
+from stickslip.walker.velocity import VelocityTable
 
 TABLE = pd.DataFrame(
     {

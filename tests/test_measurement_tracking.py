@@ -8,10 +8,10 @@ import pytest
 from films import NOISE, NOMINAL, ROBOT, TRUE, film
 from made_measurement import write_files
 from stickslip import simulate
-from stickslip.diagnosis.data.exposure import Exposure
-from stickslip.diagnosis.data.film import FilmTable
 from stickslip.errors import ScenarioError
-from stickslip.measurement import read_measurement
+from stickslip.walker import read_measurement
+from stickslip.walker.exposure import Exposure
+from stickslip.walker.film import FilmTable
 
 TOML = """stickslip_measurement = 1
 scenario = "nominal.toml"

@@ -41,10 +41,10 @@ from stickslip import (
     velocity_of_track,
 )
 from stickslip.control import Path
-from stickslip.diagnosis.data.exposure import record
 from stickslip.diagnosis.data.series import with_repeats
-from stickslip.diagnosis.own_model import OwnModel, _of_conditions
+from stickslip.diagnosis.model import ForwardModel
 from stickslip.models import vectorised
+from stickslip.walker.exposure import record
 
 V = np.arange(1.0, 13.0)
 PLANE = np.array([1.0, 1.0, 0.0, 0.0, 1.0])  # of the five coils those in the plane y = 0
@@ -311,13 +311,13 @@ def test_what_was_put_in_while_nothing_was_read_counts(gap, named):
     if named:
         tank = tank.named("tank")
         assert tank.whole.name == "tank"
-    model = OwnModel(filled, (Parameter("slope", Prior("normal", 1.0, 0.1)),), ())
+    model = ForwardModel(filled, None, (Parameter("slope", Prior("normal", 1.0, 0.1)),), ())
     for table in (
         tank,
         tank.without(np.arange(30) == 3, "lost."),
         tank.without(np.arange(30) == 3, "lost.").without(np.arange(29) < 5, "lost."),
     ):
-        found = _of_conditions(model, table, ["slope"], np.ones((1, 1)))[0]
+        found = table.of_conditions(lambda whole: model(whole, ["slope"], np.ones((1, 1))))[0]
         assert found == pytest.approx(table.y, rel=1e-12)
 
 
@@ -329,8 +329,8 @@ def test_a_table_without_more_and_more_rows_is_predicted_as_the_first():
 
     table = Table({"x": V}, np.arange(12.0), sd=1.0)
     fewer = table.without(np.arange(12) == 2, "lost.").without(np.arange(11) == 0, "lost.")
-    model = OwnModel(place, (Parameter("slope", Prior("normal", 1.0, 0.1)),), ())
-    found = _of_conditions(model, fewer, ["slope"], np.ones((1, 1)))[0]
+    model = ForwardModel(place, None, (Parameter("slope", Prior("normal", 1.0, 0.1)),), ())
+    found = fewer.of_conditions(lambda whole: model(whole, ["slope"], np.ones((1, 1))))[0]
     assert found.tolist() == [1.0, *map(float, range(3, 12))] == fewer.y.tolist()
     assert fewer.rows.tolist() == [1, *range(3, 12)]
 

@@ -16,8 +16,8 @@ from stickslip import (
     simulate,
     sweep,
 )
-from stickslip.diagnosis.terms.library import library
 from stickslip.scenario.sections import OneCoil
+from stickslip.walker.library import library
 
 OWN = {
     "coil.clamp.side": 0.11,

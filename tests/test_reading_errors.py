@@ -9,9 +9,9 @@ import pytest
 from films import write_films
 from made_measurement import few_causes, write_files
 from stickslip import Coils, Measurement, Prior, Scenario, _core, diagnose, simulate_batch
-from stickslip.diagnosis.measured import problem_of
-from stickslip.measurement import read_measurement
 from stickslip.scenario.keys import COIL_NAMES
+from stickslip.walker import read_measurement
+from stickslip.walker.problem import posed_by
 
 ANGLES = ["Bx", "Bz", "theta"]
 FIELDS = 1e-3 * np.array([[2.0, z] for z in (-3, -2.5, -2, -1.6, -1.3, -1, 1, 1.3, 1.6, 2, 2.5, 3)])
@@ -106,7 +106,7 @@ def test_a_limit_is_searched_below_the_widest_of_several_tables(tmp_path):
     few = rows[np.abs(theta) < np.median(np.abs(theta))]
     ends = []
     for tables in ({"flat": few, "a": rows}, {"a": rows, "flat": few}):
-        posed = problem_of(read(tmp_path, "angle", ANGLES, **tables))
+        posed = posed_by(read(tmp_path, "angle", ANGLES, **tables))
         causes = {each.name: each for each in posed.causes}
         ends.append(causes["angle_clipping"].parameters[0].high)
     assert ends[0] == ends[1] > np.max(np.abs(theta))

@@ -17,8 +17,8 @@ from stickslip import (
     simulate,
     sweep,
 )
-from stickslip.measurement import read_measurement
 from stickslip.scenario.scenario import with_uncertain_of
+from stickslip.walker import read_measurement
 
 KEYS = ("coil.resistance", "effects.surface_tilt.angle", "drag.linear")
 # Correlations of 0.5, -0.8 and 0.1; the middles below lie at least 5 standard deviations inside.

@@ -42,6 +42,6 @@ def data(extra=0.0, sd=0.1, n=30, seed=0, **options):
 
 def problem(table, causes=CAUSES, uncertain=(SLOPE, LEVEL)):
     # The rest of this file asks for public names alone: an earlier package can answer it.
-    from stickslip.diagnosis.own_model import problem_of_model
+    from stickslip.diagnosis.model import posed
 
-    return problem_of_model(line, table, uncertain, causes)
+    return posed(table, line, uncertain, causes)

@@ -28,8 +28,8 @@ from blind.readings import velocities
 from blind.truth import Truth
 from blind.writing import KEYS, write_case, write_more
 from stickslip import Cause, Diagnosis, Drive, Scenario, diagnose, read_measurement, simulate_batch
-from stickslip.diagnosis.data.velocity import VelocityTable
 from stickslip.diagnosis.report.numbers import law_of
+from stickslip.walker.velocity import VelocityTable
 
 Row = dict[str, Any]
 Array = NDArray[np.float64]
@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 HERE = Path(__file__).resolve().parent
 SETS, ANSWERS, SAID, RECORD = "sets.jsonl.xz", "answers.jsonl.xz", "said.jsonl", "record.jsonl"
 # Packages that decide about a verdict.
-_ENGINE = ("diagnosis", "measurement", "scenario")
+_ENGINE = ("diagnosis", "walker", "scenario")
 
 
 def sets(path: Path) -> Iterator[Row]:
@@ -270,7 +270,7 @@ def diagnosed(path: Path) -> Row:
 def _effect(law: Cause) -> str:
     """Where a law of the simulator acts."""
     assert law.curve is not None
-    return next(iter(law.curve.fixed)).split(".")[1]
+    return next(iter(law.curve.statement.fixed)).split(".")[1]
 
 
 def _law(result: Diagnosis, laws: dict[str, str]) -> Row | None:

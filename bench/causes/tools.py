@@ -17,9 +17,9 @@ from stale import digest
 from causes.make import FOLDER
 from stickslip import Diagnosis, diagnose, diagnose_model, models, read_measurement
 from stickslip.diagnosis.fitting.problem import Problem
-from stickslip.diagnosis.measured import problem_of
-from stickslip.diagnosis.own_model import problem_of_model
+from stickslip.diagnosis.model import posed
 from stickslip.scenario.toml_file import parse_toml
+from stickslip.walker.problem import posed_by
 
 SIGNIFICANT = 0.05  # of the stepwise test, as is usual
 UNSEEN = 1e-3  # of the usual size of a cause: none
@@ -52,13 +52,13 @@ def _of_a_model(folder: Path, told: dict[str, Any]) -> Asked:
     model = getattr(models, told["kind"])(without=told["without"], **known)
     log = models.read_log(folder / told["log"], model)
     return Asked(
-        problem_of_model(model, log, *model.terms(log)), partial(diagnose_model, model, log)
+        posed(log, model, *model.terms(log)), partial(diagnose_model, model, log)
     )
 
 
 def _walker(folder: Path, told: dict[str, Any]) -> Asked:
     measured = read_measurement(folder / "measurement.toml")
-    effects = {each.name: each for each in problem_of(measured).causes}
+    effects = {each.name: each for each in posed_by(measured).causes}
     # What the scenario has is no cause: it is there, too small to be seen.
     nothing = {
         each.name: each.absent + UNSEEN * each.size
@@ -66,7 +66,7 @@ def _walker(folder: Path, told: dict[str, Any]) -> Asked:
         for each in effects[name].parameters
     }
     measured = replace(measured, scenario=measured.scenario.replace(nothing))
-    problem = problem_of(measured)
+    problem = posed_by(measured)
     return Asked(problem, partial(diagnose, measured, threads=1), problem.sd)
 
 

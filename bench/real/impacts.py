@@ -14,8 +14,7 @@ from scipy.optimize import least_squares
 from scipy.stats import norm, qmc
 
 from stickslip import Cause, Diagnosis, Parameter, Prior, Table, diagnose_model, instruments
-from stickslip.diagnosis import Problem
-from stickslip.diagnosis.own_model import problem_of_model
+from stickslip.diagnosis import Problem, model
 
 from .contacts import ABOUT, SIDE, Impacts, reach, single_impacts
 from .flights import Drops, find_flights, fit_flights
@@ -285,7 +284,8 @@ def robust_fit(
 
 def _problem(pose: Callable[[Impacts, np.ndarray], Posed], impacts: Impacts) -> Problem:
     """Of residuals in their own unit, and of no law of the errors."""
-    return problem_of_model(*pose(impacts, np.ones(3)))
+    predict, table, *rest = pose(impacts, np.ones(3))
+    return model.posed(table, predict, *rest)
 
 
 def _limits(problem: Problem) -> np.ndarray:

@@ -12,13 +12,14 @@ import importlib
 _NAMES = {
     "stickslip": "models plot",
     "stickslip._core": "Snapshot __version__",
+    "stickslip._util.note": "Note",
+    "stickslip._util.prior": "Prior",
     "stickslip.design.optimise": "optimise",
     "stickslip.design.optimum": "Optimum",
     "stickslip.diagnosis.data.series": "Series",
     "stickslip.diagnosis.data.table": "Table",
-    "stickslip.diagnosis.entry": "diagnose diagnose_model",
+    "stickslip.diagnosis.entry": "diagnose_model",
     "stickslip.diagnosis.result": "Diagnosis",
-    "stickslip.diagnosis.rounds": "diagnose_in_rounds",
     "stickslip.diagnosis.terms": "events instruments",
     "stickslip.diagnosis.terms.cause": "Cause",
     "stickslip.diagnosis.terms.laws": "free_law",
@@ -26,8 +27,6 @@ _NAMES = {
     "stickslip.errors": "ScenarioError SimulationError",
     "stickslip.field.coils": "Coils",
     "stickslip.field.field_map": "FieldMap",
-    "stickslip.measurement.reading": "Measurement read_measurement",
-    "stickslip.measurement.track": "velocity_of_track",
     "stickslip.reproduction.study": "reproduce",
     "stickslip.scenario.effects": "EffectParameter effects register_effect",
     "stickslip.scenario.keys": "COIL_NAMES",
@@ -36,9 +35,8 @@ _NAMES = {
     "stickslip.scenario.scenario": "Scenario load",
     "stickslip.scenario.sections": "STATE_COLUMNS Coil Contact Drag Drive Environment Inner Record "
     "Robot Shake Solver State",
-    "stickslip.scenario.uncertain": "JointPrior Prior",
+    "stickslip.scenario.uncertain": "JointPrior",
     "stickslip.scenario.waveform": "Waveform volts_per_tesla",
-    "stickslip.simulation.note": "Note",
     "stickslip.simulation.rollout": "STATE_UNITS Rollout rollout",
     "stickslip.simulation.run": "Run open_run",
     "stickslip.simulation.simulate": "simulate simulate_batch",
@@ -47,6 +45,10 @@ _NAMES = {
     "stickslip.sweeping.run_sweep": "sweep",
     "stickslip.sweeping.sweep_table": "sweep_dataframe",
     "stickslip.versions": "show_versions",
+    "stickslip.walker.diagnose": "diagnose",
+    "stickslip.walker.reading": "Measurement read_measurement",
+    "stickslip.walker.rounds": "diagnose_in_rounds",
+    "stickslip.walker.track": "velocity_of_track",
 }
 _HOMES = {name: home for home, names in _NAMES.items() for name in names.split()}
 

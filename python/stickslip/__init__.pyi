@@ -3,14 +3,14 @@ from stickslip import models as models
 from stickslip import plot as plot
 from stickslip._core import Snapshot as Snapshot
 from stickslip._core import __version__ as __version__
+from stickslip._util.note import Note as Note
+from stickslip._util.prior import Prior as Prior
 from stickslip.design.optimise import optimise as optimise
 from stickslip.design.optimum import Optimum as Optimum
 from stickslip.diagnosis.data.series import Series as Series
 from stickslip.diagnosis.data.table import Table as Table
-from stickslip.diagnosis.entry import diagnose as diagnose
 from stickslip.diagnosis.entry import diagnose_model as diagnose_model
 from stickslip.diagnosis.result import Diagnosis as Diagnosis
-from stickslip.diagnosis.rounds import diagnose_in_rounds as diagnose_in_rounds
 from stickslip.diagnosis.terms import events as events
 from stickslip.diagnosis.terms import instruments as instruments
 from stickslip.diagnosis.terms.cause import Cause as Cause
@@ -20,9 +20,6 @@ from stickslip.errors import ScenarioError as ScenarioError
 from stickslip.errors import SimulationError as SimulationError
 from stickslip.field.coils import Coils as Coils
 from stickslip.field.field_map import FieldMap as FieldMap
-from stickslip.measurement.reading import Measurement as Measurement
-from stickslip.measurement.reading import read_measurement as read_measurement
-from stickslip.measurement.track import velocity_of_track as velocity_of_track
 from stickslip.reproduction.study import reproduce as reproduce
 from stickslip.scenario.effects import EffectParameter as EffectParameter
 from stickslip.scenario.effects import effects as effects
@@ -46,10 +43,8 @@ from stickslip.scenario.sections import Shake as Shake
 from stickslip.scenario.sections import Solver as Solver
 from stickslip.scenario.sections import State as State
 from stickslip.scenario.uncertain import JointPrior as JointPrior
-from stickslip.scenario.uncertain import Prior as Prior
 from stickslip.scenario.waveform import Waveform as Waveform
 from stickslip.scenario.waveform import volts_per_tesla as volts_per_tesla
-from stickslip.simulation.note import Note as Note
 from stickslip.simulation.rollout import STATE_UNITS as STATE_UNITS
 from stickslip.simulation.rollout import Rollout as Rollout
 from stickslip.simulation.rollout import rollout as rollout
@@ -62,3 +57,8 @@ from stickslip.sweeping.predict import predict as predict
 from stickslip.sweeping.run_sweep import sweep as sweep
 from stickslip.sweeping.sweep_table import sweep_dataframe as sweep_dataframe
 from stickslip.versions import show_versions as show_versions
+from stickslip.walker.diagnose import diagnose as diagnose
+from stickslip.walker.reading import Measurement as Measurement
+from stickslip.walker.reading import read_measurement as read_measurement
+from stickslip.walker.rounds import diagnose_in_rounds as diagnose_in_rounds
+from stickslip.walker.track import velocity_of_track as velocity_of_track

@@ -8,8 +8,8 @@ from scipy.stats import f as f_law
 from scipy.stats import kstest
 
 from stickslip import Scenario, _core
-from stickslip.diagnosis.data.angle import READING, AngleTable
 from stickslip.errors import ScenarioError
+from stickslip.walker.angle import READING, AngleTable
 
 DEGREE = math.radians(1.0)
 SCENARIO = Scenario().replace({"drive.base": 0.5e-3, "drive.pulses": 6})

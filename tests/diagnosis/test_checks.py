@@ -9,7 +9,7 @@ import pytest
 
 from made_velocities import drives, measurement, trials
 from stickslip.diagnosis.data.table import FEWEST_CONDITIONS, Table
-from stickslip.diagnosis.data.velocity import VelocityTable
+from stickslip.walker.velocity import VelocityTable
 
 
 @pytest.fixture(scope="module")

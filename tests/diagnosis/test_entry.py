@@ -5,8 +5,8 @@ import pytest
 
 from made_velocities import drives, measurement, trials
 from stickslip import Scenario, diagnose
-from stickslip.diagnosis.measured import problem_of
-from stickslip.diagnosis.terms.library import library
+from stickslip.walker.library import library
+from stickslip.walker.problem import posed_by
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +53,7 @@ def test_the_result_does_not_depend_on_threads_and_little_on_the_seed(table, sou
 
 # ---------------------------------------------------------------------------------- the problem
 def test_a_measurement_poses_its_tables_constants_and_instruments(table):
-    posed = problem_of(measurement(table), threads=1)
+    posed = posed_by(measurement(table), threads=1)
     assert [each.name for each in posed.tables] == ["velocity"]
     assert posed.constants[0].name == "contact.kinetic_friction"
     names = [each.name for each in posed.causes]
@@ -67,7 +67,7 @@ def test_a_measurement_poses_its_tables_constants_and_instruments(table):
 
 
 def test_the_stated_model_is_at_the_middle_of_the_coordinates(table):
-    posed = problem_of(measurement(table), threads=1)
+    posed = posed_by(measurement(table), threads=1)
     x = np.zeros((1, posed.size))
     made = posed.model(posed.physical(x))[0]
     # Readings have an error of 2 %, of which three were taken.

@@ -8,8 +8,9 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from stickslip import Scenario
-from stickslip.diagnosis.decision import experiments as design
+from stickslip.diagnosis.decision import experiments as asked
 from stickslip.diagnosis.decision.verdict import Verdict
+from stickslip.walker import experiments as design
 
 PAIR = [(0, 1)]
 
@@ -126,7 +127,7 @@ def test_a_second_drive_that_pins_the_constants_is_worth_its_time():
     # So the first is needed too, though alone it tells little.
     assert found[0].separation < design.DECISIVE / 3
     assert (
-        design.worth_measuring(design.next_step(Verdict("ambiguous"), ["a", "b"], 0.5), found)
+        asked.worth_measuring(asked.next_step(Verdict("ambiguous"), ["a", "b"], 0.5), found)
         == found
     )
 
@@ -166,21 +167,21 @@ def test_what_was_measured_is_not_proposed_again():
 @pytest.mark.parametrize("kind", ["named", "dominant", "pair"])
 def test_a_safe_name_asks_for_nothing(kind):
     step, open_step = (
-        design.next_step(Verdict(k), ["warm coils"], 0.9812) for k in (kind, "ambiguous")
+        asked.next_step(Verdict(k), ["warm coils"], 0.9812) for k in (kind, "ambiguous")
     )
     assert step.code == "name-safe"
     assert "safe: warm coils, with a probability of 0.981" in step.text
     found = chosen([[0.0], [5.0]])
-    assert design.worth_measuring(step, found) == []
-    assert design.worth_measuring(design.next_step(Verdict("none"), [], 0.0), found) == []
-    left = design.next_step(Verdict("none"), ["warm coils"], 0.3, ["direction"])
+    assert asked.worth_measuring(step, found) == []
+    assert asked.worth_measuring(asked.next_step(Verdict("none"), [], 0.0), found) == []
+    left = asked.next_step(Verdict("none"), ["warm coils"], 0.3, ["direction"])
     assert (left.code, left.value) == ("cause-left", 0.3)
     assert "direction" in str(left)
-    assert design.worth_measuring(open_step, found) == found
+    assert asked.worth_measuring(open_step, found) == found
     # Three in a row would not be enough.
     poor = chosen([[0.0], [1.0]])
     assert poor[0].separation < design.DECISIVE / 3
-    assert design.worth_measuring(open_step, poor) == []
+    assert asked.worth_measuring(open_step, poor) == []
 
 
 def test_advice_is_given_where_it_tells_causes_apart():

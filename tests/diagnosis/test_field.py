@@ -8,8 +8,8 @@ from scipy.stats import f as f_law
 from scipy.stats import kstest
 
 from stickslip import COIL_NAMES, Coils, Scenario, Waveform, simulate, volts_per_tesla
-from stickslip.diagnosis.data.field import FieldTable
 from stickslip.errors import ScenarioError
+from stickslip.walker.field import FieldTable
 
 COLUMNS = (*COIL_NAMES, "x", "y", "z", "Bx", "By", "Bz")
 NOISE = 5e-6  # T

@@ -10,10 +10,10 @@ from scipy.stats import norm
 
 from films import NOISE, ROBOT, TRUE, film, noisy, tracking_run
 from stickslip import Scenario, Waveform
-from stickslip.diagnosis.data.exposure import Exposure, record, recording_rate
-from stickslip.diagnosis.data.film import FilmTable
-from stickslip.diagnosis.data.folding import fold
-from stickslip.measurement.read_tracking import TrackingRun
+from stickslip.walker.exposure import Exposure, record, recording_rate
+from stickslip.walker.film import FilmTable
+from stickslip.walker.folding import fold
+from stickslip.walker.read_tracking import TrackingRun
 
 NAMES, VALUES = list(TRUE), np.array([list(TRUE.values())])
 

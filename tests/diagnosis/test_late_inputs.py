@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stickslip import Series, diagnose_model, instruments, models
-from stickslip.diagnosis.own_model import OwnModel
+from stickslip.diagnosis.model import ForwardModel
 
 STEP, RATE = 0.01, 4.0
 T = STEP * np.arange(200)
@@ -52,7 +52,7 @@ def test_a_ready_made_model_is_told_when_an_input_acts(kind, late, slow):
         acting = [cause for cause in causes if cause.parameters[1].name in p]
         names = [one.name for cause in acting for one in cause.parameters]
         values = np.array([[p[name] for name in names], [0.0] * len(names)])
-        made = OwnModel(predict, (), tuple(acting))(record, names, values)
+        made = ForwardModel(predict, None, (), tuple(acting))(record, names, values)
         # To the third order in a step where a line is within it; a lag makes none of a jump.
         near = 1e-12 if kind == "held" else 1e-4
         near = near if not slow else 3e-4 if kind == "held" else 2e-2
@@ -64,7 +64,7 @@ def test_a_late_input_of_an_own_model_is_a_line_which_is_the_mean_of_a_held_one(
     u = INPUTS["held"]
     cause = instruments.delay(size=0.01, input="u", name="late")
     p = {"late.time": np.array([[0.0031]]), "late.before": np.array([[0.0]])}
-    seen = OwnModel(lambda table, p: table["u"], (), (cause,))
+    seen = ForwardModel(lambda table, p: table["u"], None, (), (cause,))
     made = seen(Series(T, u, {"u": u}, sd=1.0), list(p), np.hstack(list(p.values())))
     mean = 0.31 * u[:-1] + 0.69 * u[1:]
     assert made[0, 1:] == pytest.approx(mean, abs=1e-12)

@@ -14,20 +14,14 @@ from stickslip.diagnosis.decision.candidate import Candidate
 from stickslip.diagnosis.fitting.law_forms import with_forms
 from stickslip.diagnosis.fitting.models import log_prior
 from stickslip.diagnosis.fitting.search import Models, Start
-from stickslip.diagnosis.measured import problem_of
 from stickslip.diagnosis.report.numbers import law_of
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.curve import LENGTHS, SIZES
 from stickslip.diagnosis.terms.curve import SHAPES as SHAPES_OF
-from stickslip.diagnosis.terms.laws import (
-    Curves,
-    beside_constants,
-    find_spans,
-    forms,
-    free_law,
-    laws,
-)
+from stickslip.diagnosis.terms.laws import Curves, beside_constants, forms, free_law
 from stickslip.diagnosis.terms.parameter import Parameter
+from stickslip.walker.laws import find_spans, laws
+from stickslip.walker.problem import posed_by
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -133,7 +127,7 @@ def test_the_curve_is_the_law_of_the_core():
     knots = (0.1, 0.4, -0.2, 0.3, 0.0)
     arguments = np.linspace(0.0, 0.012, 26)
     values = dict(zip([each.name for each in law.parameters], knots, strict=True))
-    bent = BASE.replace({**law.curve.fixed, **values})
+    bent = BASE.replace({**law.curve.statement.fixed, **values})
     expected = bent.to_core().free_curve("free_drag_speed", arguments)
     assert law.curve.design(arguments) @ knots == pytest.approx(expected, abs=1e-15)
     assert law.curve.design(arguments.reshape(2, 13)).shape == (2, 13, 5)
@@ -146,7 +140,7 @@ def test_every_free_shape_of_the_core_is_a_law_that_starts_absent():
     by_effect = {each.parameters[0].name.split(".")[1]: each for each in causes}
     assert set(by_effect) == FREE
     keys = {each.name: 0.0 for cause in causes for each in cause.parameters}
-    fixed = {key: value for cause in causes for key, value in cause.curve.fixed.items()}
+    fixed = {key: value for cause in causes for key, value in cause.curve.statement.fixed.items()}
     plain = simulate(BASE).mean_velocity
     assert simulate(BASE.replace({**fixed, **keys})).mean_velocity == plain
     for name, each in by_effect.items():
@@ -193,10 +187,10 @@ def test_forms_of_the_simulator_compete_with_the_curve_that_is_fitted(seed):
             for v in at + 2e-5 * random.standard_normal(4)]  # fmt: skip
     uncertain = {"contact.adhesion": Prior("log-normal", 1e-7, 1.1)}
     measurement = Measurement.from_dataframe(pd.DataFrame(rows), base, uncertain)
-    problem = problem_of(measurement)
+    problem = posed_by(measurement)
     models = Models(problem, problem.causes)
     models.add_fits([Start("exact", (), np.zeros(problem.size))])
-    wider = problem.laws(problem, models.null.x)
+    wider = problem.wider(problem, problem.laws(problem, models.null.x))
     (law,) = [each for each in wider.causes if each.name == "adhesion over age of the contact"]
     models = models.widened(wider, wider.causes)
     models.add_fits([Start("exact", (law,), models.null.x)])
@@ -214,7 +208,7 @@ def test_forms_of_the_simulator_compete_with_the_curve_that_is_fitted(seed):
         assert found["sd"] < 0.5 * true
     # The scenario of these numbers, and of the lines as they are printed, is the model.
     (curve,) = [each.curve for each in told.fit.causes]
-    stated = base.replace({**told.params["value"].to_dict(), **curve.fixed})
+    stated = base.replace({**told.params["value"].to_dict(), **curve.statement.fixed})
     own = Law(**tomllib.loads("\n".join(shape["lines"]))["laws"]["adhesion_age_saturation"])
     for scenario in (stated, stated.replace({section: own})):
         made = [simulate(scenario.replace(each)).mean_velocity for each in drives]
@@ -229,7 +223,11 @@ def test_forms_act_as_the_core_has_them():
         numbers = dict(zip([p.name for p in each.parameters], (0.2, 0.02), strict=False))
         f = each.curve.at(law.curve.places[None, :], np.array([[*numbers.values()]]))[0]
         knots = dict(zip([p.name for p in law.parameters], f, strict=True))
-        stated = {**numbers, **each.curve.fixed}, {**knots, **law.curve.fixed}, {}
+        stated = (
+            {**numbers, **each.curve.statement.fixed},
+            {**knots, **law.curve.statement.fixed},
+            {},
+        )
         runs = [simulate(BASE.replace(values)).mean_velocity for values in stated]
         assert abs(runs[0] - runs[1]) < 0.05 * abs(runs[0] - runs[2])
     assert forms(laws(BASE, {}, {"free_field_time": 0.1})[0]) == []

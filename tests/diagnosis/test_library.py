@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from stickslip import Scenario, simulate
-from stickslip.diagnosis.terms.library import _ALIKE, _SHAPES, _SIZES, CONSTANTS, SHAKEN, library
+from stickslip._util.prior import Prior
 from stickslip.scenario.effects import effects
-from stickslip.scenario.uncertain import Prior
+from stickslip.walker.library import _ALIKE, _SHAPES, _SIZES, CONSTANTS, SHAKEN, library
 
 VOLTS = 20.0
 SHORT = Scenario().replace({"drive.frequency": 50.0, "drive.pulses": 5, "drive.base": 0.5e-3})

@@ -18,7 +18,7 @@ from stickslip.diagnosis.fitting.forms import forms
 from stickslip.diagnosis.fitting.models import laplace, linear, minimise
 from stickslip.diagnosis.fitting.problem import LOST, Cached, Problem
 from stickslip.diagnosis.fitting.search import Models, _fit_exact_again, _fit_other_forms
-from stickslip.diagnosis.own_model import problem_of_model
+from stickslip.diagnosis.model import posed
 from toys import BEND, LEVEL, SLOPE, STEP, WAVE, data, problem, shapes
 
 X = np.linspace(1.0, 3.0, 30)
@@ -239,16 +239,16 @@ def test_a_refit_that_meets_the_end_of_a_range_moves_the_rest():
     law, sd = sliding_block.OVER_SPEED, sliding_block.SD
     hidden, at = sliding_block.HIDDEN[law]
     table = Table(sliding_block.SETTINGS, sliding_block.measured(0, 1.0 + hidden(at)), sd=sd)
-    posed = problem_of_model(sliding_block.push, table, sliding_block.UNCERTAIN, sliding_block.LAWS)
-    (law,) = (each for each in posed.causes if each.name == law.name)
+    block = posed(table, sliding_block.push, sliding_block.UNCERTAIN, sliding_block.LAWS)
+    (law,) = (each for each in block.causes if each.name == law.name)
     null, found = (
-        finished(posed, minimise(posed, forms(posed)["exact"], causes, np.zeros(posed.size)))
+        finished(block, minimise(block, forms(block)["exact"], causes, np.zeros(block.size)))
         for causes in ([], [law])
     )
-    missed = np.abs(held_out(posed, found, "exact", parts_of(posed))) / posed.sd
+    missed = np.abs(held_out(block, found, "exact", parts_of(block))) / block.sd
     # Of a right model about sqrt(2 / pi), and more at the ends of a law that is known by its data.
     assert np.mean(missed) < 1.6
-    assert measured(posed, null, found).certain
+    assert measured(block, null, found).certain
 
 
 @pytest.mark.parametrize("stuck", ["exact", "smooth"])

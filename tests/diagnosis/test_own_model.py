@@ -10,7 +10,7 @@ import pytest
 import roller_table
 from documentation_blocks import EXAMPLES
 from stickslip import Cause, Parameter, Prior, Series, Table, diagnose_model, events, instruments
-from stickslip.diagnosis.own_model import overflows, problem_of_model, without_effect
+from stickslip.diagnosis.model import overflows, posed, without_effect
 from toys import BEND, LEVEL, SLOPE, STEP, WAVE, data, line, problem
 
 X = np.linspace(1.0, 3.0, 12)
@@ -115,10 +115,10 @@ def test_tables_have_their_own_rows_and_instruments():
 def test_repeats_and_single_readings_give_one_row_a_condition():
     x = np.array([1.0, 2.0, 1.0, 3.0])
     readings = Table({"x": x}, [1.0, 2.0, 3.0, 4.0], sd=0.1)
-    posed = problem_of_model(lambda table, p: p["slope"] * table["x"], readings, [SLOPE], [])
-    assert posed.y.tolist() == [2.0, 2.0, 4.0]
+    made = posed(readings, lambda table, p: p["slope"] * table["x"], [SLOPE], [])
+    assert made.y.tolist() == [2.0, 2.0, 4.0]
     # The model is asked for all rows, and answers for the conditions.
-    assert posed.model(np.array([[2.0]])).tolist() == [[2.0, 4.0, 6.0]]
+    assert made.model(np.array([[2.0]])).tolist() == [[2.0, 4.0, 6.0]]
 
 
 # -------------------------------------------------------------------------------------- verdicts
@@ -138,8 +138,8 @@ def test_a_constant_that_is_stated_far_off_is_named(stated):
 
 def test_a_constant_that_is_no_cause_is_not_named():
     slope = Parameter("slope", Prior("normal", 0.5, 0.01), cause=False)
-    posed = problem_of_model(line, data(), [slope, Parameter("level", LEVEL.prior)], [])
-    assert [each.name for each in posed.causes] == ["level"]
+    made = posed(data(), line, [slope, Parameter("level", LEVEL.prior)], [])
+    assert [each.name for each in made.causes] == ["level"]
 
 
 def test_a_cause_that_overflows_is_noted_by_its_name():
@@ -149,8 +149,8 @@ def test_a_cause_that_overflows_is_noted_by_its_name():
         with np.errstate(over="ignore"):
             return p["slope"] * table["x"] + np.expm1(p.get("burst.rate", 0.0) * table["x"])
 
-    posed = problem_of_model(growing, data(), [SLOPE], [burst, *problem(data()).causes[:1]])
-    (note,) = overflows(posed)
+    made = posed(data(), growing, [SLOPE], [burst, *problem(data()).causes[:1]])
+    (note,) = overflows(made)
     assert (note.code, note.text.count("\n")) == ("predictions-overflow", 0)
     assert "burst makes 30 of 30 predictions" in note.text
     # exp(400 x) passes 1e100 where x > 0.58: everywhere.
@@ -185,9 +185,7 @@ def test_what_changes_no_prediction_is_noted(causes, codes):
         return p["level"] + p.get("bump.height", 0.0) * bump
 
     level = Parameter("level", Prior("normal", 3.0, 0.5))
-    notes = without_effect(
-        problem_of_model(model, Series(TIME, TIME - 997.0, sd=0.1), [level], causes)
-    )
+    notes = without_effect(posed(Series(TIME, TIME - 997.0, sd=0.1), model, [level], causes))
     found = {each.text.split(" ")[0]: each.code.split("-")[0] for each in notes}
     assert found == codes
 

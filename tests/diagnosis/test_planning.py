@@ -15,7 +15,7 @@ from stickslip import (
     read_measurement,
     simulate_batch,
 )
-from stickslip.diagnosis.planning import FILES, _chosen, _distances, plan
+from stickslip.walker.planning import FILES, _chosen, _distances, plan
 
 PRIORS = {
     "contact.kinetic_friction": {"mean": 0.145, "sd": 0.01},

@@ -12,13 +12,12 @@ import films
 import made_findings as made
 import made_velocities
 from report_page import Page
+from stickslip._util.note import Note
 from stickslip._util.palette import VERMILION
 from stickslip._util.text import json_text
-from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.entry import diagnose_model
-from stickslip.diagnosis.measured import problem_of
 from stickslip.diagnosis.pipeline import run
 from stickslip.diagnosis.report.files import figures_of, page
 from stickslip.diagnosis.report.numbers import WORDS, notes_of, numbers_of, reference
@@ -27,9 +26,10 @@ from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.terms import amounts
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
-from stickslip.diagnosis.terms.words import _WORDS, Words, data_problem
+from stickslip.diagnosis.terms.words import Vocabulary, Words
 from stickslip.scenario.scenario import load
-from stickslip.simulation.note import Note
+from stickslip.walker.film import FilmTable
+from stickslip.walker.problem import posed_by, vocabulary
 from toys import LEVEL, SLOPE, STEP, WAVE, data, line, problem
 
 KEYS = {name for names in reference() for name in names.split(", ")}
@@ -63,7 +63,7 @@ def test_each_verdict_has_a_page_of_its_numbers(results, kind, tmp_path):
     numbers = numbers_of(result)
     assert numbers["verdict"] == kind
     assert set(numbers) == KEYS
-    html = page({**numbers, "origin": []}, figures_of(result))
+    html = page({**numbers, "origin": []}, figures_of(result), result.problem.words)
     html = re.sub(r"<(style|script).*?</\1>", "", html, flags=re.DOTALL)
     (tmp_path / "report.html").write_text(html)
     seen = Page(tmp_path / "report.html")
@@ -123,7 +123,7 @@ def test_a_sure_cause_that_takes_too_little_for_a_claim_acts_beside_something(ro
     assert numbers["headline"].startswith(
         "A bump in the middle, and something beside it that none of the 5 listed causes explains."
     )
-    text = page(numbers, figures_of(told))
+    text = page(numbers, figures_of(told), told.problem.words)
     assert "Go on with the recalibrated constants" not in text
     assert "Try a bump in the middle in the model" in text
     assert "The nearest is" not in text
@@ -134,10 +134,11 @@ def test_the_page_has_no_number_that_the_dictionary_lacks(results, rough, none):
     for result in (rough, none, results["data-problem"]):
         numbers, figures = {**numbers_of(result), "origin": []}, figures_of(result)
         again = json.loads(json_text(numbers))
-        assert page(again, figures) == page(numbers, figures)
+        words = result.problem.words
+        assert page(again, figures, words) == page(numbers, figures, words)
     numbers = {**numbers_of(rough), "origin": []}
     numbers["parameters"]["bump.height"]["value"] = 0.7654321
-    assert "0.765" in page(numbers, figures)
+    assert "0.765" in page(numbers, figures, words)
 
 
 def test_numbers_are_those_of_the_result(rough, none):
@@ -176,7 +177,7 @@ def test_the_misfit_is_that_of_the_recalibrated_model(rough):
 
 
 def test_a_drift_is_told_by_its_size_over_all_trials():
-    _, size, do = data_problem(Note("drift", "They drift.", 0.31))
+    _, size, do = Words(vocabulary()).data_problem(Note("drift", "They drift.", 0.31))
     assert "31 %" in size
     assert "random order" in do
 
@@ -277,7 +278,7 @@ def test_a_law_is_told_by_its_form_and_its_lines():
     # At new conditions too the law is in its form.
     predicted = result.predict({"u": at[1:]})["extended"]
     assert np.array(predicted) == pytest.approx(value[1:], abs=1e-6)
-    assert "friction" in page({**numbers, "origin": []}, figures_of(result))
+    assert "friction" in page({**numbers, "origin": []}, figures_of(result), result.problem.words)
 
 
 def test_user_text_is_escaped(rough, tmp_path):
@@ -299,7 +300,7 @@ def test_nothing_is_written_where_one_file_cannot_be(rough, tmp_path):
 
 def test_a_measurement_has_an_extended_scenario(tmp_path):
     measured = made_velocities.measurement(made_velocities.trials())
-    result = Diagnosis(run(problem_of(measured), 0), measured)
+    result = Diagnosis(run(posed_by(measured), 0), measured)
     result.save_report(tmp_path)
     extended = load(tmp_path / "extended.toml")
     key = "contact.kinetic_friction"
@@ -326,7 +327,7 @@ def wave_of(cause, **names):
 
 
 def test_a_cause_of_one_letter_is_no_part_of_a_word():
-    words = Words(True, [Cause("s", frees="s")])
+    words = Words(Vocabulary(), [Cause("s", frees="s")])
     assert words.in_titles("s takes the model's error") == (
         "another s than stated takes the model's error"
     )
@@ -425,6 +426,7 @@ def test_an_amount_ends_at_the_second_digit_of_its_error(value, sd, said):
 
 
 def test_each_cause_of_the_library_has_its_drawing():
-    assert drawing("no such thing") == ""
-    for name, each in {**_WORDS["effects"], **_WORDS["readings"]}.items():
-        assert drawing(each["drawing"]), name
+    symbols = vocabulary().drawings
+    assert drawing(symbols, "no such thing") == ""
+    for name, each in vocabulary().causes.items():
+        assert drawing(symbols, each["drawing"]), name

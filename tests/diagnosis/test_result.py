@@ -8,7 +8,7 @@ import pytest
 import made_findings as made
 from stickslip import Parameter, Prior, diagnose_model
 from stickslip.diagnosis.decision.posterior import discrepancy
-from stickslip.diagnosis.terms.words import data_problem
+from stickslip.diagnosis.terms.words import Vocabulary, Words
 from toys import LEVEL, SLOPE, WAVE, data, line
 
 
@@ -127,7 +127,7 @@ def test_the_number_of_constants_is_told_where_they_are_too_many():
     refused = diagnose_model(line, data(n=5), [SLOPE, LEVEL, *idle], [WAVE])
     (reason,) = refused.verdict.reasons
     assert reason.text.startswith("5 conditions cannot tell 5 uncertain constants")
-    assert data_problem(reason)[1] == "5 uncertain constants."
+    assert Words(Vocabulary()).data_problem(reason)[1] == "5 uncertain constants."
 
 
 def test_data_that_cannot_be_judged_teach_nothing():

@@ -6,9 +6,9 @@ import pytest
 
 from asking_results import NOMINAL, OLD, SAFE, UNSAFE, asking, experiments, measurement
 from stickslip import Measurement, Prior, ScenarioError, diagnose_in_rounds, simulate
-from stickslip.diagnosis import rounds
-from stickslip.diagnosis.decision.experiments import PROPOSED
-from stickslip.diagnosis.rounds import BUDGET
+from stickslip.walker import rounds
+from stickslip.walker.experiments import PROPOSED
+from stickslip.walker.rounds import BUDGET
 
 
 @pytest.fixture

@@ -17,6 +17,7 @@ from sliding_block import (
     result,
 )
 from stickslip import Cause, Parameter, Prior, Table, diagnose_model, instruments
+from stickslip._util.note import Note
 from stickslip.diagnosis.fitting.descent import End, derivatives, finished
 from stickslip.diagnosis.fitting.forms import forms
 from stickslip.diagnosis.fitting.models import minimise
@@ -29,10 +30,9 @@ from stickslip.diagnosis.fitting.search import (
     recalibrated,
     search,
 )
-from stickslip.diagnosis.own_model import problem_of_model
+from stickslip.diagnosis.model import posed
 from stickslip.diagnosis.pipeline import run
 from stickslip.diagnosis.terms.laws import free_law
-from stickslip.simulation.note import Note
 from toys import LEVEL, SLOPE, WAVE, data, problem, shapes
 
 X = np.linspace(1.0, 3.0, 30)
@@ -59,7 +59,7 @@ def crowd(count):
 def test_the_truth_is_found_among_many_causes_and_pairs(hidden):
     causes, columns, model = crowd(14)  # 14 single ones and 91 pairs
     table = data(sum(size * columns[k] for k, size in hidden.items()), sd=0.05)
-    found = run(problem_of_model(model, table, [SLOPE, LEVEL], causes), 0)
+    found = run(posed(table, model, [SLOPE, LEVEL], causes), 0)
     names = tuple(sorted(f"c{k}" for k in hidden))
     assert (found.verdict.kind, found.verdict.causes) == ("pair" if names[1:] else "named", names)
     values = found.problem.physical(found.verdict.fit.x[None, :])[0]
@@ -80,7 +80,7 @@ def twins(extra=()):
     causes = [Cause(n, Parameter(f"{n}.size", size=1.0, low=-5.0, high=5.0)) for n in "ab"]
     constant = Parameter("k", Prior("normal", 0.0, 1.0), cause=False)
     table = Table({"x": np.arange(16.0)}, h + g, sd=0.05)
-    return problem_of_model(model, table, [constant], [*causes, *extra])
+    return posed(table, model, [constant], [*causes, *extra])
 
 
 def searched(posed, ends=()):
@@ -119,7 +119,7 @@ def two_wells(kink=0.0):
     constant = Parameter("k", Prior("normal", 0.0, 1.0), cause=False)
     noise = 0.02 * np.random.default_rng(3).standard_normal(20)
     y = steep + 0.3 * gentle + 0.4 * np.sin(9.0 * x) + kink * x**3 + noise
-    return problem_of_model(model, Table({"x": x}, y, sd=0.02), [constant], causes)
+    return posed(Table({"x": x}, y, sd=0.02), model, [constant], causes)
 
 
 def test_the_model_without_a_cause_is_fitted_again_from_the_leaders_constants():
@@ -307,15 +307,17 @@ def with_laws(posed, asked):
 
     def laws(given, x):
         asked.append(x)
+        return (law,)
 
+    def wider(given, more):
         def model(values):
             knots = values[:, given.size :]
             return given.model(values[:, : given.size]) + knots @ law.curve.design(X).T
 
-        causes = (*given.causes, law)
-        return replace(given, model=model, draft=None, causes=causes, forms=None)
+        causes = (*given.causes, *more)
+        return replace(given, model=model, draft=None, causes=causes, wider=None)
 
-    return replace(posed, laws=laws), law
+    return replace(posed, laws=laws, wider=wider), law
 
 
 @pytest.mark.parametrize(

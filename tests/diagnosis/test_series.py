@@ -21,7 +21,7 @@ from stickslip import (
 from stickslip.diagnosis.data.series import with_repeats
 from stickslip.diagnosis.fitting.forms import Correlated
 from stickslip.diagnosis.fitting.problem import Problem
-from stickslip.diagnosis.own_model import problem_of_model
+from stickslip.diagnosis.model import posed
 
 STEP, COUNT, NOISE = 0.2, 200, 0.02
 T = STEP * np.arange(COUNT)
@@ -235,7 +235,7 @@ def test_vectors_that_differ_in_another_record_alone_share_a_prediction():
         return tank(record, p)
 
     records = [made(40, 1, name="a"), made(40, 2, name="b"), made(40, 3, name="c")]
-    problem = problem_of_model(counting, records, [RATE, START], [DRAG])
+    problem = posed(records, counting, [RATE, START], [DRAG])
     asked.clear()
     x = np.zeros((problem.size + 1, problem.size))
     x[1:] = 0.1 * np.eye(problem.size)

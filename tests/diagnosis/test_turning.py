@@ -16,7 +16,7 @@ from stickslip import (
     events,
     instruments,
 )
-from stickslip.diagnosis.own_model import OwnModel, problem_of_model
+from stickslip.diagnosis.model import ForwardModel, posed
 
 TIMES = np.arange(300.0)
 SQUARE = 5.0 + 2.0 * np.sign(np.sin(2.0 * np.pi * TIMES / 70.0))
@@ -40,7 +40,7 @@ def readings(u, causes, values):
     names = ["gain", *(one.name for cause in causes for one in cause.parameters)]
     record = Series(TIMES, TIMES, {"u": u}, sd=1.0)
     row = np.array([[values.get(name, 0.0) for name in names]])
-    return OwnModel(relaxed, (GAIN,), tuple(causes))(record, names, row)[0]
+    return ForwardModel(relaxed, None, (GAIN,), tuple(causes))(record, names, row)[0]
 
 
 WAVE = Cause(
@@ -98,7 +98,7 @@ def test_fineness_is_that_of_the_predictions():
     def model(series, p):
         return relaxed(series, p) - p["drag.size"] * np.cumsum(series["u"], axis=-1) / 300.0
 
-    made = problem_of_model(model, record, [GAIN], [WAVE, LATE, steady])
+    made = posed(record, model, [GAIN], [WAVE, LATE, steady])
     fineness = dict(zip(made.names, made.fineness, strict=True))
     assert fineness["gain"] == fineness["wave.size"] == fineness["drag.size"] == 1.0
     # A move of a quarter of a period over the record turns an effect: ln(1 + 14 / (4 * 300)).
@@ -115,7 +115,7 @@ def test_an_amplitude_that_only_grows_is_not_fine(low):
     def model(series, p):
         return relaxed(series, p) + p["bias.size"] * np.cos(series.t / 9.0)
 
-    assert np.all(problem_of_model(model, record, [GAIN], [bias]).fineness == 1.0)
+    assert np.all(posed(record, model, [GAIN], [bias]).fineness == 1.0)
 
 
 def test_a_cause_may_state_the_fineness_of_one_of_two_amplitudes():

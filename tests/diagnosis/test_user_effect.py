@@ -12,7 +12,7 @@ from own_effects import (
     register,
 )
 from stickslip import diagnose, simulate_batch
-from stickslip.diagnosis.measured import problem_of
+from stickslip.walker.problem import posed_by
 
 HIDDEN = 2e-8  # N
 
@@ -41,7 +41,7 @@ def pulled():
 
 def test_it_is_a_cause_with_its_range():
     register(pulling, parameter(unit="N", low=-1e-7, high=2e-7))
-    posed = problem_of(measurement(trials()), threads=1)
+    posed = posed_by(measurement(trials()), threads=1)
     (own,) = (each for each in posed.causes if each.name == "own")
     (size,) = own.parameters
     assert (size.name, size.unit) == ("effects.own.k", "N")

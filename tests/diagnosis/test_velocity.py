@@ -9,7 +9,7 @@ import pytest
 from made_velocities import SCENARIO, drives, measurement, trials, velocities
 from stickslip import simulate_batch
 from stickslip.diagnosis import Prior
-from stickslip.diagnosis.data.velocity import VelocityTable
+from stickslip.walker.velocity import VelocityTable
 
 NAMES = ["contact.kinetic_friction", "velocity_offset.shift"]
 
@@ -43,11 +43,11 @@ def test_predictions_are_simulations_read_by_the_instruments(found, monkeypatch)
     assert np.array_equal(found.predict(NAMES, values[:1])[0], got[0])
     # Of low fidelity are fewer pulses and a loose tolerance.
     short = simulated(found.conditions, drive__pulses=4, solver__rtol=1e-4)
-    assert found.low_fidelity(NAMES[:1], np.array([[0.145]]))[0] == pytest.approx(short, rel=1e-12)
+    assert one.low_fidelity(NAMES[:1], np.array([[0.145]]))[0] == pytest.approx(short, rel=1e-12)
 
 
 def test_a_simulation_has_so_many_steps_for_each_pulse(found, monkeypatch):
-    monkeypatch.setattr("stickslip.diagnosis.data.velocity._STEPS_A_PULSE", 1)
+    monkeypatch.setattr("stickslip.walker.velocity._STEPS_A_PULSE", 1)
     for predict in (found.predict, found.low_fidelity):
         assert np.isnan(predict(NAMES[:1], np.array([[0.145]]))).all()
 

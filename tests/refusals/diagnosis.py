@@ -26,11 +26,11 @@ from stickslip import (
     instruments,
 )
 from stickslip.diagnosis.data.series import with_repeats
-from stickslip.diagnosis.decision.experiments import drive_settings
-from stickslip.diagnosis.measured import problem_of
-from stickslip.diagnosis.own_model import Values, problem_of_model
-from stickslip.diagnosis.report.next_table import TABLE, with_measured
+from stickslip.diagnosis.model import Values, posed
 from stickslip.diagnosis.terms.laws import Curves, beside_constants
+from stickslip.walker.experiments import drive_settings
+from stickslip.walker.next_table import TABLE, with_measured
+from stickslip.walker.problem import posed_by
 from toys import SLOPE, WAVE
 
 X, ROW = np.linspace(1.0, 3.0, 12), np.ones(3)
@@ -66,11 +66,11 @@ RECORDS = [
     (lambda: with_repeats([Series(T3, Y3, name="a"),
                            Series([0, 1, 3], Y3, name="b", repeat_of="a")]),
      "series b: repeat_of = a: row 2: t = 3: allowed is the same time, 2"),
-    (lambda: problem_of_model(lambda record, p: record["u"], Series(X, X, {"u": X}), [SLOPE],
-                      [instruments.lag(1.0, input="v")]),
+    (lambda: posed(Series(X, X, {"u": X}), lambda record, p: record["u"], [SLOPE],
+                   [instruments.lag(1.0, input="v")]),
      "cause lag: input = v: allowed is an input: u"),
-    (lambda: problem_of_model(lambda record, p: record["u"], Series(X, X, {"u": X}, unit="K"),
-                              [SLOPE], [events.step(0.1, 0.0, 2.0, unit="mK")]),
+    (lambda: posed(Series(X, X, {"u": X}, unit="K"), lambda record, p: record["u"],
+                   [SLOPE], [events.step(0.1, 0.0, 2.0, unit="mK")]),
      "cause step: unit = mK: allowed is that of the readings, K"),
     (lambda: events.step(0.1, 3.0, 2.0), "begin = 3.0, end = 2.0: allowed is begin < end"),
 ]  # fmt: skip
@@ -245,7 +245,7 @@ ENTRY = [
     (lambda: diagnose(data(), seed=0.5), ScenarioError, f"seed = 0.5: {FROM_0}"),
     (lambda: diagnose(data(), threads=0), ValueError, "threads"),
     (lambda: diagnose(data(), threads=1.5), ValueError, "threads"),
-    (lambda: problem_of(measured(drives().assign(velocity=1e-3, heading=0.5))), ScenarioError,
+    (lambda: posed_by(measured(drives().assign(velocity=1e-3, heading=0.5))), ScenarioError,
      ["drive.heading = 0.5", "walk along x"]),
 ]  # fmt: skip
 

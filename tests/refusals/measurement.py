@@ -8,7 +8,7 @@ import pandas as pd
 from made_measurement import write_files
 from stickslip import Drive, Measurement, Prior, Scenario, velocity_of_track
 from stickslip.errors import ScenarioError
-from stickslip.measurement import read_measurement
+from stickslip.walker import read_measurement
 
 NOMINAL = "stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 8\n"
 TOML = """stickslip_measurement = 1

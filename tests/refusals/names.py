@@ -1,8 +1,8 @@
 """Names of other packages that are nearly right: what was probably meant is said."""
 
 from stickslip import reproduce
+from stickslip._util.prior import Prior
 from stickslip.diagnosis import Cause, Parameter, Table, diagnose_model
-from stickslip.scenario.uncertain import Prior
 
 
 def of_cause(_, freed):

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from markupsafe import Markup
     from matplotlib.figure import Figure
 
+VERSION = _core.__version__
+
 
 def page_text(template: str, **values: object) -> str:
     """The page of a template, a file whose path in the package is given, with values by name.

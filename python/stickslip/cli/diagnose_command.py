@@ -13,13 +13,14 @@ from stickslip._util.files import check_folder
 from stickslip.cli.options import FOLDER, JSON, PATH, SEED, THREADS, pairs, stated
 from stickslip.cli.output import print_json, say, write_new
 from stickslip.cli.progress import progress_bar
-from stickslip.diagnosis.planning import FILES, NOISE, plan
-from stickslip.diagnosis.report.files import report_files
-from stickslip.diagnosis.report.next_table import TABLES, with_measured
+from stickslip.diagnosis.report.files import FILES as REPORT
 from stickslip.diagnosis.result import Diagnosis
-from stickslip.diagnosis.rounds import BUDGET
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.measurement.first_lines import TableGiven
+from stickslip.walker.first_lines import TableGiven
+from stickslip.walker.next_table import TABLES, with_measured
+from stickslip.walker.planning import FILES, NOISE, plan
+from stickslip.walker.problem import report_files
+from stickslip.walker.rounds import BUDGET
 
 # Lines about left-out data that are printed before the work; the report has all.
 _SAID_FIRST = 3
@@ -214,7 +215,7 @@ def _diagnose_logs(
         out = Path("diagnosis")
     if out is not None:
         with prefixed("--out", OSError):
-            check_folder(out, report_files(None))
+            check_folder(out, REPORT)
     made = load_model(model, given, files)
     logs = [read_log(path, made) for path in files]
     for log in logs:
@@ -228,7 +229,7 @@ def _diagnose_logs(
         if out is not None:
             result.save_report(out, title=", ".join(path.name for path in files))
     if out is not None and not as_json:
-        say(f"  in {out}: {', '.join(report_files(None))}")
+        say(f"  in {out}: {', '.join(REPORT)}")
 
 
 def _print(

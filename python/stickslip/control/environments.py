@@ -25,6 +25,7 @@ from stickslip._util.messages import (
     shown,
     suggestion,
 )
+from stickslip._util.prior import Prior
 from stickslip.control.camera import Camera, Film
 from stickslip.control.drawing import Pixels, side_view, view_from_above
 from stickslip.control.path import COLUMNS, Path
@@ -35,7 +36,7 @@ from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import CONTACT_WORDS, STATE_COLUMNS
-from stickslip.scenario.uncertain import JointPrior, Prior
+from stickslip.scenario.uncertain import JointPrior
 
 _BODY = {"goal ahead": 1e-3, "goal left": 1e-3, "cos heading": 1.0, "sin heading": 1.0}
 OBSERVED = {

@@ -1,4 +1,4 @@
-"""The two ways into a diagnosis: of a measurement, and of data with a model of one's own."""
+"""A diagnosis of data with a forward model."""
 
 from __future__ import annotations
 
@@ -10,21 +10,19 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from stickslip._util.arrays import worker_count
-from stickslip._util.messages import check_whole, shown
+from stickslip._util.messages import check_whole
+from stickslip._util.note import Note
 from stickslip.diagnosis.data.table import READINGS, Table
 from stickslip.diagnosis.fitting.other_units import unit_meant
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.scatter import with_scatter
 from stickslip.diagnosis.fitting.search import Progress
-from stickslip.diagnosis.measured import problem_of
-from stickslip.diagnosis.own_model import (
-    OwnModel,
+from stickslip.diagnosis.model import (
     Predict,
     bare_problem,
     computed_tables,
     overflows,
-    problem_of_model,
+    posed,
     without_effect,
 )
 from stickslip.diagnosis.pipeline import moved_constants, run
@@ -32,53 +30,6 @@ from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
-from stickslip.measurement.reading import Measurement
-from stickslip.simulation.note import Note
-
-
-def diagnose(
-    measurement: Measurement,
-    *,
-    seed: int = 0,
-    threads: int | None = None,
-    progress: Progress | None = None,
-) -> Diagnosis:
-    """Diagnose a measurement with the simulator and its library of causes.
-
-    Parameters
-    ----------
-    measurement : Measurement
-        From `read_measurement` or `Measurement.from_dataframe`.
-    seed : int
-        From 0, of the random draws. The result does not depend on `threads`.
-    threads : int, optional
-        Simulations at a time; as many as there are processors, if not given.
-    progress : callable, optional
-        ``progress(fraction, stage)`` is told the fraction that is done and what comes next.
-
-    Returns
-    -------
-    Diagnosis
-
-    Raises
-    ------
-    ScenarioError
-        If `measurement` is none, nothing was measured that the diagnosis can use, or `seed` is not
-        allowed.
-    ValueError
-        If `threads` is not a whole number above zero.
-    """
-    if not isinstance(measurement, Measurement):
-        raise ScenarioError(
-            f"measurement = {shown(measurement)}: allowed is a Measurement; "
-            "Measurement.from_dataframe(...) or read_measurement(path) makes one"
-        )
-    check_whole("seed", seed)
-    problem = problem_of(measurement, worker_count(threads, "threads"), seed)
-    notes = [note for table in problem.tables for note in table.remarks()]
-    with _one_blas_thread():
-        findings = run(problem, int(seed), progress or _silent, fault_of(problem))
-    return Diagnosis(findings, measurement, (*notes, *moved_constants(findings)))
 
 
 def diagnose_model(
@@ -140,26 +91,22 @@ def diagnose_model(
     def of(tables: Sequence[Table]) -> Problem:
         """The problem of other tables."""
         terms = _with_terms(predict, tables, more) if given is None else (given, more)
-        return bare_problem(predict, tables, *terms)
+        return bare_problem(tables, predict, *terms)
 
     given, more = uncertain, causes
     if uncertain is None:
         uncertain, causes = _with_terms(predict, data, causes)
-    problem = problem_of_model(predict, data, uncertain, causes)
+    problem = posed(data, predict, uncertain, causes)
     tables = computed_tables(problem, int(seed))
     if tables != problem.tables:
-        problem = problem_of_model(predict, tables, uncertain, causes)
-    with _one_blas_thread():
+        problem = posed(tables, predict, uncertain, causes)
+    with one_blas_thread():
         fault = unit_meant(problem, of, _units(predict), int(seed))
         problem = problem if fault else with_scatter(problem, int(seed))
         notes = [*overflows(problem), *without_effect(problem)]
         fault = fault or fault_of(problem)
-        findings = run(problem, int(seed), progress or _silent, fault)
-    notes += moved_constants(findings)
-
-    problem = findings.problem  # with the forms of its laws
-    model, names = OwnModel(predict, tuple(uncertain), problem.causes), problem.names
-    return Diagnosis(findings, None, tuple(notes), partial(model.of_new, names))
+        findings = run(problem, int(seed), progress or silent, fault)
+    return Diagnosis(findings, None, (*notes, *moved_constants(findings)))
 
 
 def _with_terms(
@@ -184,10 +131,10 @@ def _units(predict: Predict) -> dict[str, tuple[str, Sequence[str]]]:
 
 
 # Matrices are small: further threads of their products wait for each other longer than they work.
-_one_blas_thread = partial(threadpool_limits, limits=1, user_api="blas")
+one_blas_thread = partial(threadpool_limits, limits=1, user_api="blas")
 
 
-def _silent(fraction: float, stage: str) -> None:
+def silent(fraction: float, stage: str) -> None:
     """Say nothing."""
 
 

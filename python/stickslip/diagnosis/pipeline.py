@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from stickslip._util.arrays import Array
+from stickslip._util.note import Note
 from stickslip.diagnosis.decision.facts import Findings
 from stickslip.diagnosis.decision.posterior import posterior
 from stickslip.diagnosis.decision.test import ADEQUATE, adequacy, tested
@@ -17,7 +18,6 @@ from stickslip.diagnosis.fitting.models import Fit, minimise, sharpened
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.responses import responses
 from stickslip.diagnosis.fitting.search import Models, Progress, recalibrated, screened, search
-from stickslip.simulation.note import Note
 
 # Draws about the recalibrated model that show its roughness, and their widths: a share of what the
 # data leave open, and at most so many standard deviations of the priors. Chosen: well within both.
@@ -47,12 +47,12 @@ def run(
         models = Models(problem, problem.causes)
         models.add(null)
         search(models, ends, problem.causes, say, seed)
-        if problem.laws is not None and models.reaches and not _explained(models):
+        if problem.laws and problem.wider and models.reaches and not _explained(models):
             say(0.8, "laws of a free shape")
-            known = len(problem.causes)
-            wider = problem.laws(problem, models.null.x)
+            laws = problem.laws(problem, models.null.x)
+            wider = problem.wider(problem, laws)
             models = models.widened(wider, wider.causes)
-            search(models, [], wider.causes[known:], say, seed)
+            search(models, [], laws, say, seed)
         models = with_forms(models)
     say(0.9, "deciding")
     if models.null.cost < null.cost - _BETTER:

@@ -45,10 +45,10 @@ class Diagnosis(Facts, ShownBySummary):
 
     def summary(self) -> str:
         """The verdict, what it rests on, the parameters and the leading candidates as text."""
-        return summary_text(self.as_dict())
+        return summary_text(self.as_dict(), self.problem.words)
 
     def _repr_html_(self) -> str:
-        return notebook(self.as_dict())
+        return notebook(self.as_dict(), self.problem.words)
 
     @property
     def plot(self) -> Plots:

@@ -14,13 +14,11 @@ import numpy as np
 from stickslip._util.arrays import Array
 from stickslip._util.files import read_bytes
 from stickslip._util.messages import shown
+from stickslip._util.note import Note
 from stickslip._util.tables import CsvTable
 from stickslip._util.text import counted, number, plain
 from stickslip._util.units import is_of, per_si, same_unit, split_unit, zero_of
-from stickslip.diagnosis.data.series import LATEST, Series
-from stickslip.diagnosis.data.table import READINGS
-from stickslip.errors import ScenarioError, prefixed
-from stickslip.measurement.read_table import (
+from stickslip.diagnosis.data.read_table import (
     LARGEST,
     MOST_BYTES,
     STAMP,
@@ -32,7 +30,9 @@ from stickslip.measurement.read_table import (
     seconds,
     validity,
 )
-from stickslip.simulation.note import Note
+from stickslip.diagnosis.data.series import LATEST, Series
+from stickslip.diagnosis.data.table import READINGS
+from stickslip.errors import ScenarioError, prefixed
 
 _TIME, _ERROR = "t", "sd"
 _ALSO = {

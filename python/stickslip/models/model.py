@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from stickslip._util.arrays import Array, root_mean_square, row
 from stickslip._util.messages import meant, refuse
+from stickslip._util.prior import Prior
 from stickslip._util.text import OneLine, brief, is_number
 from stickslip._util.units import same_unit, unit_label, zero_of
 from stickslip.diagnosis.data.series import Series
@@ -21,7 +22,6 @@ from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import LARGEST_ERROR, Parameter
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.models.log import Columns
-from stickslip.scenario.uncertain import Prior
 
 Known = float | tuple[float, float] | Prior
 """What is known of a term: its value; its value and standard deviation; or a Prior."""

@@ -1,13 +1,11 @@
-"""Notes: sentences about a result that a reader could misread."""
+"""The order of the notes of runs, and how they are printed and stored."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
-from typing import Any
 
-from stickslip._util.text import printable
+from stickslip._util.note import Note
 
 MOST_SHOWN = 4
 """Notes that are printed at once; all are in `Run.notes` and in the JSON output."""
@@ -34,35 +32,6 @@ CODES = (
     "map", "shake-mean",
 )  # fmt: skip
 """Codes of the notes of runs, the most serious first."""
-
-
-@dataclass(frozen=True)
-class Note:
-    """One note; ``str()`` gives its text.
-
-    Attributes
-    ----------
-    code : str
-        Of a run one of `CODES`; it stays the same where the words change.
-    text : str
-        One line: the observation and the remedy. Control characters are escaped.
-    value : float or None
-        The number concerned, SI units; None without one.
-    """
-
-    code: str
-    text: str
-    value: float | None = None
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "text", printable(self.text))
-
-    def __str__(self) -> str:
-        return self.text
-
-    def as_dict(self) -> dict[str, Any]:
-        """For JSON."""
-        return asdict(self)
 
 
 def by_seriousness(notes: Iterable[Note]) -> list[Note]:

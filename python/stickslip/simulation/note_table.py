@@ -12,10 +12,10 @@ from importlib import resources
 from typing import TYPE_CHECKING, Any
 
 from stickslip import _core
+from stickslip._util.note import Note
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import FIELDS, known_keys
 from stickslip.scenario.waveform import Waveform
-from stickslip.simulation.note import Note
 from stickslip.simulation.seen_from_drive import seen_from_drive
 from stickslip.simulation.unit_notes import DEFAULTS
 

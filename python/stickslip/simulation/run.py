@@ -16,11 +16,12 @@ import numpy as np
 
 from stickslip import _core
 from stickslip._util.files import NETCDF_SUFFIXES, check_suffix, replacing
+from stickslip._util.note import Note
 from stickslip._util.text import printable
 from stickslip._util.units import handy
 from stickslip.extras import naming_the_extra
 from stickslip.scenario.sections import State
-from stickslip.simulation.note import Note, by_seriousness, notes_json, shown_lines
+from stickslip.simulation.note import by_seriousness, notes_json, shown_lines
 from stickslip.simulation.quantities import (
     ASKED,
     INNER_COLUMNS,

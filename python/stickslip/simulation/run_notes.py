@@ -6,8 +6,9 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from stickslip._util.note import Note
 from stickslip.scenario.matter import left_out
-from stickslip.simulation.note import Note, by_seriousness
+from stickslip.simulation.note import by_seriousness
 from stickslip.simulation.note_table import Facts, notes_of_table
 from stickslip.simulation.scenario_notes import scenario_notes
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from stickslip import _core
 from stickslip._util.messages import shown
-from stickslip.simulation.note import Note
+from stickslip._util.note import Note
 from stickslip.simulation.note_table import STEADY_PULSES, Facts, notes_of_table
 from stickslip.simulation.unit_notes import DEFAULTS, time_constants, unit_notes
 

@@ -10,9 +10,9 @@ import numpy as np
 
 from stickslip import _core
 from stickslip._util.arrays import Array
+from stickslip._util.note import Note
 from stickslip._util.units import NEAR, unit_meant
 from stickslip.scenario.keys import known_keys
-from stickslip.simulation.note import Note
 
 if TYPE_CHECKING:
     from stickslip.field.field_map import FieldMap

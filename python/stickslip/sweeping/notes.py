@@ -7,8 +7,9 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from stickslip._util.note import Note
 from stickslip.errors import ScenarioError
-from stickslip.simulation.note import Note, by_seriousness
+from stickslip.simulation.note import by_seriousness
 from stickslip.simulation.note_table import TABLE, holds, pulses_measured
 from stickslip.simulation.scenario_notes import scenario_notes
 from stickslip.sweeping.points import Points

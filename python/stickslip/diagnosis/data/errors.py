@@ -26,9 +26,9 @@ from scipy.stats import chi2 as chi2_law
 from scipy.stats import qmc
 
 from stickslip._util.arrays import Array, Indices, Mask, root_mean_square
+from stickslip._util.note import Note
 from stickslip._util.text import OneLine, counted
 from stickslip._util.units import with_unit
-from stickslip.simulation.note import Note
 
 FEWEST, ENOUGH = 4, 12
 """Degrees of freedom from which on a scatter tells the error, and from which on repeats need no
@@ -214,7 +214,7 @@ def of_readings(y: Array, design: Array, condition: Indices, smallest: float, un
 
     From repeats, if they have at least 12 degrees of freedom, or 4 and no fewer than a free fit;
     else from what that fit leaves. Free in it are the columns of `design`, shape (n, k), such as
-    gains of coils or local lines. `smallest`, an error of a reading in its `unit`, is used where an
+    gains of axes or local lines. `smallest`, an error of a reading in its `unit`, is used where an
     estimate is below it, or has fewer than 4 degrees of freedom; it counts as stated. The readings
     `y` and `condition` have the shape (n,); conditions are 0 to m - 1, none missing.
     """

@@ -23,9 +23,11 @@ from stickslip._util.arrays import (
     states_unit,
 )
 from stickslip._util.messages import refuse
+from stickslip._util.note import Note
 from stickslip._util.text import brief
 from stickslip._util.units import with_unit
 from stickslip.diagnosis.data.errors import FEWEST, Errors
+from stickslip.diagnosis.data.outliers import far_from_all_others, marks_of_none
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.diagnosis.data.signal import Signal
 from stickslip.diagnosis.data.table import (
@@ -36,8 +38,6 @@ from stickslip.diagnosis.data.table import (
     without_marks,
 )
 from stickslip.errors import ScenarioError
-from stickslip.measurement.outliers import far_from_all_others, marks_of_none
-from stickslip.simulation.note import Note
 
 if TYPE_CHECKING:
     from typing_extensions import Self

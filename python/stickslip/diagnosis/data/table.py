@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -29,15 +29,16 @@ from stickslip._util.arrays import (
     row,
     states_unit,
 )
+from stickslip._util.note import Note
 from stickslip._util.text import brief, counted
 from stickslip._util.units import far_size, unit_label
 from stickslip.diagnosis.data.errors import estimate, no_finer_than_the_meter
+from stickslip.diagnosis.data.outliers import marks_of_none
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.errors import ScenarioError
-from stickslip.measurement.outliers import marks_of_none
-from stickslip.simulation.note import Note
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
     from typing_extensions import Self
 
 FEWEST_CONDITIONS = 4
@@ -227,6 +228,17 @@ class Table:
         self.kept = kept if whole.whole is None else whole.kept[kept]
 
     @property
+    def predicted(self) -> int:
+        """How many readings a model has to predict of this table."""
+        return len(self)
+
+    def of_conditions(self, predict: Callable[[Table], Array]) -> Array:
+        """Predictions of the conditions, (vectors, m), by those of a whole table, (vectors, n)."""
+        if self.whole is None:
+            return predict(self)[:, self.first]
+        return predict(self.whole)[:, self.kept[self.first]]
+
+    @property
     def at(self) -> str:
         """What messages begin with."""
         return f"table {self.name}: " if self.name else "table: "
@@ -280,6 +292,16 @@ class Table:
     def shown_unit(self, condition: int) -> tuple[float, str]:
         """Factor from that unit to the one that is shown; readings of one's own keep theirs."""
         return 1.0, unit_label(self.unit_of(condition))
+
+    def figure(
+        self, names: Sequence[str], models: Mapping[str, tuple[str, Array]]
+    ) -> Figure | None:
+        """Its own picture, of a table that is not drawn over a setting; None without one.
+
+        `models` are the recalibrated one first: by label the colour, and values of the parameters
+        `names`.
+        """
+        return None
 
     # ------------------------------------------------------------------ what is wrong with it
     def problem(self, stated: Array, alone: bool = True) -> Note | None:

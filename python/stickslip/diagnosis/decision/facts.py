@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from pathlib import Path
+from typing import Any, Protocol
 
 import numpy as np
 from pandas import DataFrame
 
 from stickslip._util.arrays import Array
 from stickslip._util.messages import check_whole, meant, refuse
+from stickslip._util.note import Note
 from stickslip._util.text import OneLine, is_number, printable
-from stickslip.diagnosis.data.velocity import VelocityTable
 from stickslip.diagnosis.decision import experiments as design
 from stickslip.diagnosis.decision.candidate import Candidate, frame, spread_of
 from stickslip.diagnosis.decision.cannot_tell import CannotTell, cannot_tell
@@ -25,19 +26,30 @@ from stickslip.diagnosis.decision.test import Test, adequacy
 from stickslip.diagnosis.decision.verdict import Verdict
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.responses import Response
+from stickslip.diagnosis.fitting.rivals import Forward, Rivals
 from stickslip.diagnosis.fitting.search import Models
-from stickslip.diagnosis.terms.laws import fixed_numbers
 from stickslip.diagnosis.terms.words import Words
 from stickslip.errors import ScenarioError
-from stickslip.measurement.reading import Measurement
-from stickslip.scenario.keys import Value, known_keys
-from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.uncertain import JointPrior
-from stickslip.simulation.note import Note
 
-Forward = Callable[[Any, Array], Array]
-"""``forward(conditions, values)``: readings that a model predicts at new conditions, shape
-(vectors, conditions), from values of all parameters, (vectors, size); NaN where it has none."""
+
+class Measurement(Protocol):
+    """What a report says of measured files.
+
+    Attributes
+    ----------
+    name : str
+    files : sequence of path
+    left_out : sequence
+        Sentences on rows that are not used.
+    """
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def files(self) -> Sequence[Path]: ...
+    @property
+    def left_out(self) -> Sequence[object]: ...
+
 
 # Models to tell apart, and the odds below which one is no rival beside the first. Chosen.
 _COMPARED, _RIVAL = 3, 1e-3
@@ -78,6 +90,10 @@ class Facts:
     notes: tuple[Note, ...] = ()
     forward: Forward | None = None
 
+    def __post_init__(self) -> None:
+        if self.forward is None:
+            object.__setattr__(self, "forward", self.problem.forward)
+
     @property
     def problem(self) -> Problem:
         """What was fitted, with the errors that models were compared with."""
@@ -103,8 +119,13 @@ class Facts:
 
     @cached_property
     def words(self) -> Words:
-        """What causes and parameters are called: by the user where the model is."""
-        return Words(self.measurement is None, self.problem.causes)
+        """What causes and parameters are called."""
+        return Words(self.problem.words, self.problem.causes)
+
+    @property
+    def rivals(self) -> Rivals:
+        """What else can be measured, and how the extended model is stated."""
+        return self.problem.rivals
 
     @cached_property
     def chance(self) -> Posterior:
@@ -246,7 +267,7 @@ class Facts:
             no velocities.
         """
         self._refuse_without_models("predict")
-        at, settings = self._conditions(conditions)
+        at, settings = self.rivals.conditions(conditions)
         for name, candidate in self.candidates.items():
             made = self._predicted(candidate, at)
             sd = np.sqrt(np.diag(spread_of(made)))
@@ -271,7 +292,7 @@ class Facts:
         candidates, pairs = self._rivals
         if not pairs:
             return None
-        at, settings = self._conditions(conditions)
+        at, settings = self.rivals.conditions(conditions)
         level, covariance, noise = self._apart(candidates, at)
         chi2 = design.expected_chi2(level, covariance, noise, pairs)
         best = np.argmax(chi2, axis=0)
@@ -292,7 +313,7 @@ class Facts:
             If `count` is no whole number from 0; and for a model of one's own, of which no other
             conditions are known; see `separate`.
         """
-        if self.measurement is None:
+        if not self.rivals.proposes:
             raise ScenarioError(
                 "propose_experiments: which conditions a model of one's own can have is not known; "
                 "separate(conditions) compares those that you give"
@@ -311,11 +332,7 @@ class Facts:
             causes = tuple(self.chance.causes)[:1]
             probability = 1.0 - self.chance.none
         names = [self.words.title(name) for name in causes]
-        tables = () if self.measurement is None else self.measurement.velocity
-        drives = [drive for table in tables for drive in table.conditions]
-        keys = ("direction", "frequency", "mode", "peak")
-        same = [key for key in keys if len({drive[f"drive.{key}"] for drive in drives}) == 1]
-        return design.next_step(verdict, names, probability, same[:2])
+        return design.next_step(verdict, names, probability, self.rivals.unvaried()[:2])
 
     def worth_measuring(self, count: int = design.PROPOSED) -> list[design.Experiment]:
         """Of the proposed experiments those that `next_step` needs."""
@@ -333,11 +350,10 @@ class Facts:
         self, experiments: Sequence[design.Experiment], trials: int = design.TRIALS
     ) -> DataFrame:
         """A row for each trial of some experiments, with an empty column `velocity`."""
-        assert self.measurement is not None  # for a model of one's own none are proposed
-        return design.trial_table(self.measurement, experiments, trials)
+        return self.rivals.trial_table(experiments, trials)
 
     @property
-    def extended(self) -> Scenario | dict[str, float]:
+    def extended(self) -> Any:
         """The model with recalibrated constants and, where there is one, the claimed cause.
 
         Of a measurement a scenario; of a model of one's own the values of its parameters by name.
@@ -350,70 +366,24 @@ class Facts:
         ScenarioError
             If the fitted values are none that a scenario can have together.
         """
-        values: dict[str, Any] = {}
-        if self.fitted:
-            values = self.best.params["value"].to_dict()
-            for cause in self.best.fit.causes:
-                values |= {} if cause.curve is None else cause.curve.fixed
-        if self.measurement is None:
-            return values
-        keys = known_keys()
-        changes = {name: value for name, value in values.items() if name in keys}
-        try:
-            changed = self.measurement.scenario.replace(changes)
-            return changed.with_uncertain(self._uncertain(changes))
-        except ScenarioError as error:
-            raise ScenarioError(f"the extended model makes no scenario: {error}") from None
-
-    def _uncertain(self, changes: Mapping[str, float]) -> JointPrior | None:
-        """The covariance of fitted keys; one that is pushed against its end is taken as known."""
         if not self.fitted:
-            return None
-        matrix = self.best.covariance
-        names = [name for name in matrix.columns if name in changes and matrix.loc[name, name] > 0]
-        if not names:
-            return None
-        rows = matrix.loc[names, names].to_numpy().tolist()
-        return JointPrior({}, tuple(names), tuple(map(tuple, rows)))
+            return self.rivals.extended({}, None)
+        values: dict[str, Any] = self.best.params["value"].to_dict()
+        for cause in self.best.fit.causes:
+            if cause.curve is not None and cause.curve.statement is not None:
+                values |= cause.curve.statement.fixed
+        return self.rivals.extended(values, self.best.covariance)
 
     # ---------------------------------------------------------------------- helpers
     def _refuse_without_models(self, what: str) -> None:
         if not self.fitted:
             raise ScenarioError(f"{what}: the data allow no diagnosis, so no model was fitted")
 
-    def _conditions(self, given: Any) -> tuple[Any, dict[str, list[Any]]]:
-        """What the model takes, and the settings as columns where they have names."""
-        if self.measurement is None:
-            return given, {}
-        drives = design.drive_settings(given, self.measurement.scenario)
-        keys = dict.fromkeys(key for drive in drives for key in drive)
-        scenario = self.measurement.scenario
-        return drives, {key: [row.get(key, scenario.get(key)) for row in drives] for key in keys}
-
     def _predicted(self, candidate: Candidate, at: Any) -> Array:
         """Readings at new conditions for the values of a candidate, (values, conditions)."""
-        forward = self.forward if self.measurement is None else self._velocities
-        if forward is None:
+        if self.forward is None:
             raise ScenarioError("predict: this model was given without a way to new conditions")
-        return np.asarray(forward(at, candidate.values()))
-
-    @cached_property
-    def _velocity(self) -> VelocityTable:
-        for table in self.problem.tables:
-            if isinstance(table, VelocityTable):
-                return table
-        raise ScenarioError(
-            "there are no velocities in this measurement; stickslip.predict(result.extended, ...) "
-            "predicts those of any drive"
-        )
-
-    def _velocities(self, drives: Sequence[Mapping[str, Value]], values: Array) -> Array:
-        """Velocities of any drives as they are read, m/s."""
-        table, names = self._velocity, self.problem.names
-        at, fixed = table.own_columns(names), fixed_numbers(self.problem.causes)
-        beside = np.tile(list(fixed.values()), (len(values), 1))
-        values = np.hstack([values[:, at], beside])
-        return table.readings(drives, [*(names[k] for k in at), *fixed], values)
+        return np.asarray(self.forward(at, candidate.values()))
 
     @cached_property
     def _rivals(self) -> tuple[list[Candidate], list[tuple[int, int]]]:
@@ -442,9 +412,7 @@ class Facts:
         made = [self._predicted(candidate, at) for candidate in candidates]
         level = np.array([values[0] for values in made])
         covariance = np.array([spread_of(values) for values in made])
-        first = 0
-        if self.measurement is not None:
-            first = self.problem.tables.index(self._velocity)
+        first = self.rivals.table
         sd = self.problem.errors[first].of_reading(np.mean(level, axis=0))
         rough = self.problem.roughness
         scatter = 0.0 if rough is None else float(np.median(rough[self.problem.rows[first]]))
@@ -456,10 +424,9 @@ class Facts:
 
     def _proposed(self, count: int) -> list[design.Experiment]:
         candidates, pairs = self._rivals
-        assert self.measurement is not None
-        if not pairs or not any(len(data.conditions) for data in self.measurement.velocity):
+        proposals = self.rivals.proposals() if pairs else None
+        if proposals is None:
             return []
-        drives = design.proposals(self._velocity.conditions)
-        level, covariance, noise = self._apart(candidates, drives)
+        level, covariance, noise = self._apart(candidates, proposals)
         names = [candidate.name for candidate in candidates]
-        return design.choose(drives, names, level, covariance, noise, count=count, pairs=pairs)
+        return self.rivals.chosen(proposals, names, level, covariance, noise, count, pairs)

@@ -21,7 +21,7 @@ SURE = 0.95
 
 ALIKE = 0.9
 """Cosine of the projected effects of two causes above which the lead of one over the other counts
-half: a library's law is not the robot's. Chosen."""
+half: a library's law is not nature's. Chosen."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)

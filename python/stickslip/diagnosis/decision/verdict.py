@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from stickslip._util.note import Note
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.decision.gain import Gain, gain_of, in_blocks, measured
 from stickslip.diagnosis.decision.posterior import (
@@ -24,7 +25,6 @@ from stickslip.diagnosis.decision.test import ADEQUATE, Test, adequacy, follows_
 from stickslip.diagnosis.fitting.forms import HYPER
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.search import Models
-from stickslip.simulation.note import Note
 
 Kind = Literal["named", "dominant", "pair", "ambiguous", "unexplained", "none", "data-problem"]
 

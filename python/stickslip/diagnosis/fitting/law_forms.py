@@ -45,9 +45,9 @@ def with_forms(models: Models) -> Models:
 def _compared(models: Models, names: frozenset[str], law: Cause) -> Models:
     """The same with the best form of the law in the models of these causes."""
     others = forms(law)
-    if models.problem.forms is None or not others:
+    if models.problem.wider is None or not others:
         return models
-    models = models.widened(models.problem.forms(models.problem, others), models.offered)
+    models = models.widened(models.problem.wider(models.problem, others), models.offered)
     problem, least = models.problem, models.log_posterior(models.leaders(1)[0]) - NEAR
     evidence: dict[str, dict[str, Fit]] = {}
     for name in models.forms:

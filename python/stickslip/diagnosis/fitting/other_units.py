@@ -16,6 +16,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stickslip._util.arrays import Array
+from stickslip._util.note import Note
+from stickslip._util.prior import Prior
 from stickslip._util.units import MISTAKES, factor_text, other_units
 from stickslip.diagnosis.data.errors import FEWEST
 from stickslip.diagnosis.data.table import Table
@@ -25,8 +27,6 @@ from stickslip.diagnosis.fitting.models import minimise
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
-from stickslip.scenario.uncertain import Prior
-from stickslip.simulation.note import Note
 
 _DRAWS, _FITTED = 12, 4
 """Points of the priors at which a unit is looked at, and units that are fitted. Chosen: with fewer

@@ -19,8 +19,10 @@ from stickslip._util.text import OneLine
 from stickslip.diagnosis.data.errors import Errors
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.fitting.rivals import Forward, Rivals
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
+from stickslip.diagnosis.terms.words import Vocabulary
 
 Model = Callable[[Array], Array]
 """From physical parameters, shape (vectors, size), to predictions of all rows, (vectors, n)."""
@@ -65,11 +67,16 @@ class Problem(OneLine):
     draft : callable, optional
         A cheaper model for searches from afar, where errors are taken as too large.
     laws : callable, optional
-        ``laws(problem, x)`` is the problem with laws of a free shape as further, last causes, for
-        constants at the coordinates `x`: where no listed cause explains the data.
-    forms : callable, optional
-        ``forms(problem, causes)`` is the problem with other forms of its laws as further, last
-        causes.
+        ``laws(problem, x)`` are laws of a free shape as causes, for constants at the coordinates
+        `x`: where no listed cause explains the data.
+    wider : callable, optional
+        ``wider(problem, causes)`` is the problem with further, last causes.
+    forward : callable, optional
+        ``forward(conditions, values)`` predicts readings at new conditions.
+    words : Vocabulary
+        What causes and constants are called.
+    rivals : Rivals
+        What else can be measured.
     errors : tuple of Errors
         Of the tables.
     roughness : ndarray, shape (n,)
@@ -83,8 +90,11 @@ class Problem(OneLine):
     constants: tuple[Parameter, ...]
     causes: tuple[Cause, ...] = ()
     draft: Model | None = None
-    laws: Callable[[Problem, Array], Problem] | None = field(default=None, repr=False)
-    forms: Callable[[Problem, Sequence[Cause]], Problem] | None = field(default=None, repr=False)
+    laws: Callable[[Problem, Array], Sequence[Cause]] | None = field(default=None, repr=False)
+    wider: Callable[[Problem, Sequence[Cause]], Problem] | None = field(default=None, repr=False)
+    forward: Forward | None = field(default=None, repr=False)
+    words: Vocabulary = field(default_factory=Vocabulary, repr=False)
+    rivals: Rivals = field(default_factory=Rivals, repr=False)
     errors: tuple[Errors, ...] = ()
     roughness: Array | None = None
     finer: Mapping[str, float] = field(default_factory=dict, repr=False)

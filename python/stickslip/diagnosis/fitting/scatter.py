@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from stickslip._util.arrays import Array, root_mean_square
+from stickslip._util.note import Note
 from stickslip._util.units import with_unit
 from stickslip.diagnosis.data.errors import FEWEST, Errors
 from stickslip.diagnosis.data.series import SMOOTH
@@ -18,7 +19,6 @@ from stickslip.diagnosis.fitting.forms import Exact
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.responses import responses
 from stickslip.diagnosis.fitting.search import APART, recalibrated, separated
-from stickslip.simulation.note import Note
 
 # Rounds of fit and scatter and steps of each; ends beside the recalibrated model about which single
 # causes are tried, steps of a look from each of them, looks that are followed, and looks of each

@@ -1,7 +1,4 @@
-"""The files of a report: report.html, report.json, and of a measurement extended.toml.
-
-Beside extended.toml are the voltages and the map of a scenario that has them.
-"""
+"""The files of a report: report.html, report.json, and those that state the extended model."""
 
 from __future__ import annotations
 
@@ -20,12 +17,10 @@ import scipy
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from stickslip import _core
 from stickslip._util.files import check_folder, sha256_of, text_writer, write_together
-from stickslip._util.html import page_text, svg
+from stickslip._util.html import VERSION, page_text, svg
 from stickslip._util.palette import BLUE, DARK_GREY, VERMILION
 from stickslip._util.text import json_text
-from stickslip.diagnosis.decision.experiments import changed_settings
 from stickslip.diagnosis.decision.facts import Facts
 from stickslip.diagnosis.decision.posterior import SURE
 from stickslip.diagnosis.decision.test import ADEQUATE
@@ -33,44 +28,26 @@ from stickslip.diagnosis.decision.verdict import DOMINANT
 from stickslip.diagnosis.report.numbers import numbers_of
 from stickslip.diagnosis.report.pictures import Plots, drawing
 from stickslip.diagnosis.terms import amounts
-from stickslip.diagnosis.terms.words import Words
-from stickslip.measurement.reading import Measurement
-from stickslip.scenario.keys import is_of_one_coil, known_keys
-from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.toml_file import (
-    files_beside,
-    held_writers,
-    scenario_writers,
-)
+from stickslip.diagnosis.terms.words import Vocabulary, Words
 
-PAGE, JSON, EXTENDED = "report.html", "report.json", "extended.toml"
-
-
-def report_files(scenario: Scenario | None) -> tuple[str, ...]:
-    """Names of the files of a report; of a model of one's own there is no scenario."""
-    if scenario is None:
-        return PAGE, JSON
-    held = held_writers(scenario.content, files_beside(Path(EXTENDED)))
-    return (PAGE, JSON, EXTENDED, *(path.name for path in held))
+FILES = PAGE, JSON = "report.html", "report.json"
 
 
 def save(facts: Facts, out: str | PathLike[str], title: str | None) -> None:
     """Write all files into the folder `out`, which is made, or none; see `save_report`."""
-    source, folder = facts.measurement, Path(out)
-    check_folder(out, report_files(None if source is None else source.scenario))
+    folder, verdict = Path(out), facts.verdict
+    told = f"{verdict.kind} {', '.join(verdict.causes)}"
+    first = verdict.fit.name if verdict.kind == "ambiguous" and verdict.fit is not None else ""
+    beside = facts.rivals.writers(folder, told, first, facts.extended)
+    check_folder(out, [*FILES, *(path.name for path in beside)])
     numbers = numbers_of(facts, title)
     numbers["origin"] = _origin(facts)
     writers = {
         folder / JSON: text_writer(json_text(numbers) + "\n"),
-        folder / PAGE: text_writer(page(numbers, figures_of(facts))),
+        folder / PAGE: text_writer(page(numbers, figures_of(facts), facts.problem.words)),
     }
-    if source is not None:
-        extended = facts.extended
-        assert isinstance(extended, Scenario)
-        lines = _comments(facts, source, extended)
-        writers |= scenario_writers(extended.content, folder / EXTENDED, lines)[1]
     folder.mkdir(parents=True, exist_ok=True)
-    write_together(writers)
+    write_together(writers | beside)
 
 
 def figures_of(facts: Facts) -> dict[str, Any]:
@@ -84,18 +61,18 @@ def figures_of(facts: Facts) -> dict[str, Any]:
     }
 
 
-def page(numbers: Mapping[str, Any], figures: Mapping[str, Any]) -> str:
+def page(numbers: Mapping[str, Any], figures: Mapping[str, Any], vocabulary: Vocabulary) -> str:
     """The report of a `numbers_of` as one page that needs no other file."""
     text = page_text(
         "diagnosis/report/report.html.j2",
         report=numbers,
         figures=figures,
         a=amounts,
-        w=Words(not numbers["of_measurement"]),
+        w=Words(vocabulary),
         sure=SURE,
         adequate=ADEQUATE,
         dominant=DOMINANT,
-        drawing=lambda name, way: Markup(drawing(name, way)),
+        drawing=lambda name, way: Markup(drawing(vocabulary.drawings, name, way)),
     )
     # No line ends between a number and its sign or unit.
     units = r"(?<=\d) (?=(?:Hz|mT|mm/s|V|ms|s|N)\b)"
@@ -116,10 +93,11 @@ def save_figures(facts: Facts, folder: Path, formats: Sequence[str]) -> list[Pat
     return written
 
 
-def notebook(numbers: Mapping[str, Any]) -> str:
+def notebook(numbers: Mapping[str, Any], vocabulary: Vocabulary) -> str:
     """The verdict with its tables as a cell of a notebook shows it."""
-    words = Words(not numbers["of_measurement"])
-    return page_text("diagnosis/report/notebook.html.j2", report=numbers, a=amounts, w=words)
+    return page_text(
+        "diagnosis/report/notebook.html.j2", report=numbers, a=amounts, w=Words(vocabulary)
+    )
 
 
 def _svg(figure: Figure | None) -> Markup:
@@ -131,27 +109,6 @@ def _svg(figure: Figure | None) -> Markup:
     return text
 
 
-def _comments(facts: Facts, measurement: Measurement, extended: Scenario) -> list[str]:
-    """Where an extended scenario is from, and what it has changed."""
-    verdict = facts.verdict
-    head = f"stickslip diagnose {measurement.path.name}: {verdict.kind} {', '.join(verdict.causes)}"
-    lines = [head.rstrip()]
-    if verdict.kind == "ambiguous" and verdict.fit is not None:
-        lines.append(f"here: {verdict.fit.name}, the first of the set")
-    changed = [
-        f"{key}: {measurement.scenario.get(key):.6g} -> {extended.get(key):.6g}"
-        for key, known in known_keys().items()
-        if known.kind == "real"
-        and not (is_of_one_coil(key) and key not in extended.coil.own_values())
-        and extended.get(key) != measurement.scenario.get(key)
-    ]
-    drive = "[drive] is that of the scenario as it was given"
-    differs = [key.removeprefix("drive.") for key in sorted(changed_settings(measurement))]
-    if differs:
-        drive += f"; the measurements set {', '.join(differs)}"
-    return [*lines, *(changed or ["nothing is changed"]), drive]
-
-
 def _origin(facts: Facts) -> list[list[str]]:
     """How a report was made: date, command, seed, versions, and checksums of the files."""
     program = Path(sys.argv[0]) if sys.argv else Path()
@@ -161,7 +118,7 @@ def _origin(facts: Facts) -> list[list[str]]:
         ["date", datetime.now().astimezone().isoformat(sep=" ", timespec="seconds")],
         ["made by", shlex.join(["stickslip", *sys.argv[1:]]) if is_command else "save_report"],
         ["seed", str(facts.findings.seed)],
-        ["stickslip", _core.__version__],
+        ["stickslip", VERSION],
         ["Python", f"{python}, numpy {numpy.__version__}, scipy {scipy.__version__}"],
     ]
     if facts.measurement is not None:

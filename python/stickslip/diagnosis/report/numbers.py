@@ -14,14 +14,12 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from stickslip import _core
 from stickslip._util.arrays import Array, Mask
-from stickslip._util.html import page_text
+from stickslip._util.html import VERSION, page_text
 from stickslip._util.units import is_of, mistaken, unit_label
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.diagnosis.decision.candidate import Candidate, spread_of
 from stickslip.diagnosis.decision.cannot_tell import Combination
-from stickslip.diagnosis.decision.experiments import advice
 from stickslip.diagnosis.decision.facts import Facts
 from stickslip.diagnosis.decision.posterior import SURE
 from stickslip.diagnosis.decision.verdict import DOMINANT, Kind
@@ -31,9 +29,7 @@ from stickslip.diagnosis.fitting.problem import LOST
 from stickslip.diagnosis.terms import amounts
 from stickslip.diagnosis.terms.curve import CURVE, SHAPES, Curve
 from stickslip.diagnosis.terms.parameter import Parameter
-from stickslip.diagnosis.terms.words import Words, data_problem
-from stickslip.scenario.keys import LAWS
-from stickslip.scenario.law import Law, law_lines
+from stickslip.diagnosis.terms.words import Vocabulary, Words
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -116,28 +112,28 @@ def numbers_of(facts: Facts, title: str | None = None) -> dict[str, Any]:
         "offered": len(findings.models.offered),
         "tests": {"lack_of_fit": findings.test.lack_of_fit, "score": findings.test.score},
         "seed": findings.seed,
-        "version": _core.__version__,
+        "version": VERSION,
         "of_measurement": source is not None,
     }  # fmt: skip
     if facts.fitted:
         numbers |= _of_models(facts, numbers["conditions"])
     elif verdict.reasons:
-        numbers["data_problem"] = data_problem(verdict.reasons[0])
-    if source is not None and verdict.kind == "ambiguous":
+        numbers["data_problem"] = facts.words.data_problem(verdict.reasons[0])
+    if verdict.kind == "ambiguous" and facts.rivals.proposes:
         numbers["next_experiments"] = _experiments(facts)
         names = {name: facts.words.title(name) for name in verdict.causes}
-        looks = advice(names, facts.propose_experiments())
+        looks = facts.rivals.advice(names, facts.propose_experiments())
         numbers["advice"] = [
             re.sub(r": this shows (.*), and nothing of .*", r". This shows \1 alone.", str(look))
             for look in looks
         ]
-    numbers["headline"] = summary_text(numbers).split("\n", 1)[0]
+    numbers["headline"] = summary_text(numbers, facts.problem.words).split("\n", 1)[0]
     return numbers
 
 
-def summary_text(numbers: Mapping[str, Any]) -> str:
+def summary_text(numbers: Mapping[str, Any], vocabulary: Vocabulary) -> str:
     """The verdict and what it rests on, as the command and `Diagnosis.summary` print it."""
-    words = Words(not numbers["of_measurement"])
+    words = Words(vocabulary)
     page = page_text("diagnosis/report/summary.txt.j2", report=numbers, a=amounts, w=words)
     return "\n".join(line.rstrip() for line in unescape(page).strip().split("\n"))
 
@@ -604,7 +600,7 @@ def law_of(candidate: Candidate) -> dict[str, Any] | None:
 
 def _lines(curve: Curve, base: float, numbers: Mapping[str, float]) -> list[str]:
     """A law as a scenario states it; that of a model of one's own as a formula, if it has one."""
-    if not curve.fixed:
+    if curve.statement is None:
         if curve.form == CURVE:
             return []
         law = "" if curve.law_unit == "-" else f" {curve.law_unit}"
@@ -615,13 +611,7 @@ def _lines(curve: Curve, base: float, numbers: Mapping[str, float]) -> list[str]
         argument = less if curve.origin else curve.argument
         unit = "" if curve.unit == "-" else f" {curve.unit}"
         return [f"{curve.law} = {right}, u = {argument} / {amounts.number(scale)}{unit}"]
-    rounded = {key: float(f"{value:.4g}") for key, value in numbers.items()}
-    section = next(iter(rounded)).rpartition(".")[0]
-    given = {key.rpartition(".")[2]: value for key, value in {**curve.fixed, **rounded}.items()}
-    if not section.startswith(LAWS):
-        return [f"[{section}]", *(f"{key} = {value}" for key, value in given.items())]
-    knots = [given.pop(key) for key in list(given) if key.startswith("knot_")]
-    return law_lines(section.removeprefix(LAWS), Law(**given, knots=knots or None))[1:]  # type: ignore[arg-type]
+    return curve.statement.lines(numbers)
 
 
 def _gain(facts: Facts) -> dict[str, Any] | None:

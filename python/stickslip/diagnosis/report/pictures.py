@@ -11,7 +11,6 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from importlib import resources
 from typing import Any
 
 import matplotlib
@@ -23,7 +22,6 @@ from stickslip._util.palette import BLACK, BLUE, DARK_GREY, GREY, LIGHT_GREY, VE
 from stickslip._util.picture import PLAIN, Picture
 from stickslip._util.text import shortened
 from stickslip._util.units import handy, in_handy_units
-from stickslip.diagnosis.data.film import FilmTable
 from stickslip.diagnosis.data.settings import ROW
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.facts import Facts
@@ -33,7 +31,7 @@ from stickslip.errors import ScenarioError
 _COLOURS = {"stated": GREY, "recalibrated": BLUE, "extended": VERMILION, "nearest": DARK_GREY}
 _MARKERS, _MOST_PANELS = "osD^v<>Ph*", 8
 _FEW = 3  # places of a setting below which nothing is seen over it
-_SAMPLES = 200  # points of a film's picture; of a group from which on there are no signs and bars
+_SAMPLES = 200  # points of a group from which on there are no signs and bars
 # Places between readings at which models are computed, and how far a model may be from what it is
 # known to predict at the readings, in their errors. Chosen: a smooth curve; no visible step.
 _BETWEEN, _SAME = 25, 0.3
@@ -68,11 +66,11 @@ class Plots:
     def fit(self, table: int = 0) -> Figure | None:
         """Readings and models of a table over the setting that varies most.
 
-        Of a film pitch and place over the phase of the drive; None where nothing is steady.
+        Of a table that has no setting its own picture, or None.
         """
         shown = self._table(table)
-        if isinstance(shown, FilmTable):
-            return self._film(shown) if self._facts.fitted else None
+        if not shown.drawable:
+            return self._of_its_own(shown) if self._facts.fitted else None
         return _figure(self.panels(table, shown.named_settings.most_varied), self._draw)
 
     @matplotlib.rc_context(PLAIN)
@@ -102,6 +100,15 @@ class Plots:
         axes.legend(frameon=False)
         return figure
 
+    def _of_its_own(self, table: Table) -> Figure | None:
+        """The picture of a table that is not drawn over a setting."""
+        names = self._facts.problem.names
+        looks = {
+            self._label(name): (_COLOURS[name], candidate.values()[0])
+            for name, candidate in self._facts.candidates.items()
+        }
+        return table.figure(names, looks)
+
     def of_tables(self) -> dict[str, Figure | None]:
         """The figures of all tables by the names of their files, and that of a law."""
         if not self._facts.fitted:
@@ -112,38 +119,6 @@ class Plots:
             if self._tables[k].drawable:
                 figures[f"residuals-{name}"] = self.residuals(k)
         return figures | {"law": self.law()}
-
-    def _film(self, film: FilmTable) -> Figure | None:
-        names = self._facts.problem.names
-        used = film.own_columns(names)
-        traces = {}
-        for name, of in self._facts.candidates.items():
-            seen = film.over_phase([names[k] for k in used], of.values()[0, used])
-            if seen is None:
-                return None
-            traces[name] = seen
-        figure = Picture(figsize=(9.6, 5.0), layout="constrained")
-        frames = figure.subplots(2, 2, sharex=True)
-        step = max(1, len(traces["recalibrated"]["phase"]) // _SAMPLES)
-        for row, key, unit in zip(frames, ("theta", "x"), ("rad", "m"), strict=True):
-            factor, label = in_handy_units({"theta": "pitch", "x": "place"}[key], unit)
-            base = traces["recalibrated"][f"{key}_model"]
-            # Beside the motion what differs from the recalibrated model, which would hide there.
-            for axes, below, words in zip(row, (0.0 * base, base), ("", "change of "), strict=True):
-                for name, seen in traces.items():
-                    at = seen["phase"][::step]
-                    if name == "recalibrated":
-                        measured = (seen[key] - below)[::step] * factor
-                        axes.plot(at, measured, ".", color=BLACK, ms=3, label="measured")
-                    level = (seen[f"{key}_model"] - below)[::step] * factor
-                    axes.plot(at, level, color=_COLOURS[name], label=self._label(name))
-                axes.set_ylabel(words + label)
-                _plain(axes)
-        for axes in frames[1]:
-            axes.set_xlabel("phase of the drive, in periods")
-        figure.legend(*frames[0, 0].get_legend_handles_labels(), loc="outside upper center",
-                      ncols=3, frameon=False)  # fmt: skip
-        return figure
 
     # ---------------------------------------------------------------- panels of a table
     def panels(self, k: int, over: str) -> list[Panel]:
@@ -315,21 +290,19 @@ class Plots:
         axes.set_ylabel(label)
         axes.set_title(panel.title, fontsize=11, fontweight="bold")
         axes.margins(x=0.07, y=0.12)
-        _plain(axes)
+        plain_axes(axes)
 
 
-def drawing(name: str, way: str = "") -> str:
-    """The drawing of a cause on the robot as SVG; `way`, the word for its sign, turns its arrow.
+def drawing(symbols: str, name: str, way: str = "") -> str:
+    """The drawing of a cause as SVG; `way`, the word for its sign, turns its arrow.
 
-    Empty where there is none of that name.
+    `symbols` are those of a vocabulary. Empty where there is none of that name.
     """
-    symbols = resources.files("stickslip").joinpath("diagnosis/report/drawings.svg")
-    text = symbols.read_text("utf-8")
-    parts = dict(re.findall(r'<g id="([\w-]+)">(.*?)</g>\n', text))
+    parts = dict(re.findall(r'<g id="([\w-]+)">(.*?)</g>\n', symbols))
     for key in (f"{name} {way}", name):
         match = re.search(
             rf'<symbol id="{re.escape(key)}" viewBox="(.*?)"><title>(.*?)</title>(.*?)</symbol>',
-            text, re.S,
+            symbols, re.S,
         )  # fmt: skip
         if match:
             box, title, inside = match.groups()
@@ -341,7 +314,7 @@ def drawing(name: str, way: str = "") -> str:
     return ""
 
 
-def _plain(axes: Any) -> None:
+def plain_axes(axes: Any) -> None:
     """A grid, and no frame where no axis is."""
     axes.grid(color=LIGHT_GREY, lw=0.6)
     axes.spines[["top", "right"]].set_visible(False)

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from stickslip._util.arrays import Array
 from stickslip._util.text import OneLine
-from stickslip.scenario.keys import Value
 
 SIZES, LENGTHS = (0.5, 1.0, 2.0, 4.0), (0.35, 0.8)
 """Sizes, in a knot's usual size, and lengths, in the curve's range, of the process that is the
@@ -48,6 +47,35 @@ SHAPES = {
 }
 
 
+class Statement(Protocol):
+    """How a model that has words of its own states a law.
+
+    Attributes
+    ----------
+    section : str
+        What the names of the law's parameters begin with.
+    fixed : dict
+        Values that the model has besides these parameters, by name.
+    forms : sequence of str
+        Those of `SHAPES` that the law may have.
+    """
+
+    @property
+    def section(self) -> str: ...
+    @property
+    def fixed(self) -> Mapping[str, float | str]: ...
+    @property
+    def forms(self) -> Sequence[str]: ...
+
+    def in_form(self, form: str, scale: float | None) -> Statement:
+        """That of another form, with a scale that is no parameter."""
+        ...
+
+    def lines(self, numbers: Mapping[str, float]) -> list[str]:
+        """The law as the model states it, with the values of the parameters by name."""
+        ...
+
+
 @dataclass(frozen=True, repr=False, eq=False)
 class Curve(OneLine):
     """A law f of one argument by its values at knots, in which it is linear, or by a form.
@@ -73,8 +101,8 @@ class Curve(OneLine):
         The law without f, where the model does not fit `constant`.
     relative : bool
         Whether the law is `stated` times 1 + f; else it is their sum.
-    fixed : dict
-        Values that the extended model has besides its parameters, by name.
+    statement : Statement, optional
+        How a model with words of its own states the law.
     form : str
         ``curve``, or one of `SHAPES`: then the parameters are its amplitude and, unless that is the
         range, its scale.
@@ -91,7 +119,7 @@ class Curve(OneLine):
     constant: str | None
     stated: float
     relative: bool
-    fixed: dict[str, Value]
+    statement: Statement | None = None
     form: str = CURVE
 
     @property

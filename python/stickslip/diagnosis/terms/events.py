@@ -28,13 +28,13 @@ import numpy as np
 
 from stickslip._util.arrays import Array
 from stickslip._util.messages import refuse, shown
+from stickslip._util.prior import Prior
 from stickslip._util.text import is_number
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter, either_way
 from stickslip.errors import ScenarioError
-from stickslip.scenario.uncertain import Prior
 
 _WIDTH = 0.4
 """Standard deviation of the prior of a time, in the range. Chosen: nearly even over it."""

@@ -33,13 +33,13 @@ from scipy.spatial.transform import Rotation
 
 from stickslip._util.arrays import Array, Indices, check_indexes, labels, root_mean_square, row
 from stickslip._util.messages import refuse
+from stickslip._util.prior import Prior
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.signal import Signal
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import LARGEST_ERROR, Parameter, either_way
 from stickslip.errors import ScenarioError
-from stickslip.scenario.uncertain import Prior
 
 Rows = ArrayLike | slice
 
@@ -50,7 +50,7 @@ _EVERY = slice(None)
 _ZERO_OF_VELOCITY = 0.02  # of the velocities' root mean square: a stage or a picture that creeps
 _SCALE_OF_ANGLES = 0.02
 _TURN_OF_PROBE, _LARGEST_TURN = 0.03, 0.5  # rad
-_LATE, _MARKER = 1e-3, 2e-5  # s and m: a frame of 1 kHz, a tenth of a robot
+_LATE, _MARKER = 1e-3, 2e-5  # s and m: a frame of 1 kHz, a tenth of a body of 200 um
 # Where a limit begins to act and its usual distance below, in the largest reading.
 _ABOVE_ALL, _SIZE_OF_CLIP = 1.2, 0.12
 # Of a camera: microns per pixel, frame rate, and how it is turned against the surface.
@@ -444,14 +444,14 @@ _ABOUT = [f"probe_turned.about_{axis}" for axis in "xyz"]
 
 
 def of_fields(fields: Array) -> tuple[Cause, ...]:
-    """A probe that is turned against the coils, and its limit; fields in T, shape (n, 3)."""
+    """A turned probe, and its limit; fields in T along x, y and z, shape (n, 3)."""
     angles = tuple(either_way(name, "rad", _TURN_OF_PROBE, _LARGEST_TURN) for name in _ABOUT)
     turned = Cause("probe_turned", angles, "the probe is turned", read=_turned, table="field")
     return turned, *_limit("probe_clipping", "T", fields, "field")
 
 
 def _turned(readings: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
-    # The probe's axes are those of the coils after the rotation vector.
+    # The probe's axes are those of the field after the rotation vector.
     turns = Rotation.from_rotvec(np.hstack([p[name] for name in _ABOUT])).as_matrix()
     seen = np.einsum("vji,vnj->vni", turns, readings.reshape(len(turns), -1, 3))
     return np.asarray(seen.reshape(readings.shape))

@@ -10,9 +10,9 @@ import numpy as np
 
 from stickslip._util.arrays import Array
 from stickslip._util.messages import refuse, shown
+from stickslip._util.prior import Prior
 from stickslip._util.text import is_number
 from stickslip.errors import ScenarioError
-from stickslip.scenario.uncertain import Prior
 
 _FARTHEST = 3.5
 """Largest coordinate of a range or a shape, whose ends it has nearly reached there. Chosen: a

@@ -1,45 +1,78 @@
-"""What causes, their parameters and sizes are called: the words of causes.toml."""
+"""What causes, their parameters and sizes are called, by the words of a model."""
 
 from __future__ import annotations
 
 import math
 import re
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from importlib import resources
 from typing import Any
 
+from stickslip._util.note import Note
+from stickslip._util.text import OneLine
 from stickslip._util.units import handy, unit_label
 from stickslip.diagnosis.terms.amounts import amount, joined, number, p_text, percent
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
-from stickslip.scenario.keys import known_keys
-from stickslip.simulation.note import Note
 
 if sys.version_info >= (3, 11):
     import tomllib
 else:
     import tomli as tomllib
 
-_WORDS: Mapping[str, Mapping[str, Any]] = tomllib.loads(
-    resources.files("stickslip").joinpath("diagnosis/terms/causes.toml").read_text("utf-8")
+_PROBLEMS: Mapping[str, list[str]] = tomllib.loads(
+    resources.files("stickslip").joinpath("diagnosis/terms/problems.toml").read_text("utf-8")
 )
-_CAUSES: Mapping[str, Mapping[str, Any]] = {**_WORDS["effects"], **_WORDS["readings"]}
 
 _NEW_WORDS = 3  # of a meaning that says more than the title
 
 
-class Words:
-    """What causes, parameters and their sizes are called.
+def _never(name: str) -> bool:
+    return False
 
-    Those of the simulator have the words of causes.toml. A model of one's own has the words of its
-    user, whatever names it shares with the simulator. `causes` are those of a problem.
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Vocabulary(OneLine):
+    """The words of a model; those of a model of one's own are its user's names and meanings.
+
+    Attributes
+    ----------
+    causes, constants : mapping
+        By name a row with its words: `name`, `finding`, `remedy`, `drawing`, and of a cause
+        `sizes`, of a constant `unit`.
+    units : dict of float
+        What a value in SI units is multiplied by to be told in a unit of these rows.
+    problems : mapping
+        Of a check that only this model's data can fail, what `data_problem` returns.
+    drawings : str
+        SVG with a symbol for each drawing.
+    is_handy : callable
+        Whether a parameter of this name is told in the handiest unit, such as mm for m.
+    nouns : bool
+        Whether the meanings of causes follow ``of``; else those that begin with an article do.
     """
 
-    def __init__(self, of_user: bool, causes: Sequence[Cause] = ()) -> None:
-        self._of_user, self._known = of_user, {cause.name: cause for cause in causes}
-        self._causes: Mapping[str, Mapping[str, Any]] = {} if of_user else _CAUSES
-        self._constants: Mapping[str, Mapping[str, Any]] = {} if of_user else _WORDS["constants"]
+    causes: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    constants: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    units: Mapping[str, float] = field(default_factory=dict)
+    problems: Mapping[str, list[str]] = field(default_factory=dict)
+    drawings: str = ""
+    is_handy: Callable[[str], bool] = _never
+    nouns: bool = True
+
+
+class Words:
+    """What causes, parameters and their sizes are called by a vocabulary.
+
+    A model of one's own has the words of its user, whatever names it shares with others. `causes`
+    are those of a problem.
+    """
+
+    def __init__(self, vocabulary: Vocabulary, causes: Sequence[Cause] = ()) -> None:
+        self._words, self._known = vocabulary, {cause.name: cause for cause in causes}
+        self._causes, self._constants = vocabulary.causes, vocabulary.constants
 
     def title(self, name: str) -> str:
         """A model in plain words that follow ``of``.
@@ -61,8 +94,8 @@ class Words:
         if constant or (cause is not None and cause.frees == name):
             return f"another {constant['name'] if constant else name} than stated"
         meaning = "" if cause is None else cause.meaning.strip().rstrip(".")
-        # A meaning of a user's effect of the robot may be a sentence.
-        noun = meaning and (self._of_user or re.match(r"an? ", meaning))
+        # A meaning of another cause may be a sentence.
+        noun = meaning and (self._words.nouns or re.match(r"an? ", meaning))
         return meaning if noun else f"“{name}”"
 
     def parameter(self, name: str) -> str:
@@ -89,9 +122,8 @@ class Words:
         if size is None and name in self._constants:
             size = self._constants[name]
         if size is None:
-            known = name in known_keys() or name.startswith("tracking.")
-            return handy(unit) if known and not self._of_user else (1.0, unit_label(unit))
-        return float(_WORDS["units"][size["unit"]]), str(size["unit"])
+            return handy(unit) if self._words.is_handy(name) else (1.0, unit_label(unit))
+        return float(self._words.units[size["unit"]]), str(size["unit"])
 
     def description(self, cause: Cause, sizes: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
         """A cause in words: `title`, `meaning`, `finding`, `interval`, `remedy`, `drawing`, `way`.
@@ -188,11 +220,10 @@ class Words:
         factor, shown = self.shown_in(name, unit)
         return amount(value * factor, sd * factor, shown)
 
-
-def data_problem(note: Note) -> list[str]:
-    """Of a check that data failed what it compares, how large the finding is, and what to do."""
-    unknown = ["the data with what they can be", "", ""]
-    what, large, do = _WORDS["problems"].get(note.code, unknown)
-    value = note.value
-    size = "" if value is None else percent(value) if note.code == "drift" else number(value, 2)
-    return [what, large.format(size), do]
+    def data_problem(self, note: Note) -> list[str]:
+        """Text of a failed check of the data: what it compares, how far off, what to do."""
+        unknown = ["the data with what they can be", "", ""]
+        what, large, do = {**_PROBLEMS, **self._words.problems}.get(note.code, unknown)
+        value = note.value
+        size = "" if value is None else percent(value) if note.code == "drift" else number(value, 2)
+        return [what, large.format(size), do]

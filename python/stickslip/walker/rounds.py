@@ -13,11 +13,11 @@ from stickslip._util.arrays import Array, numbers
 from stickslip._util.messages import check_whole, refuse, shown
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.decision.experiments import PROPOSED
-from stickslip.diagnosis.entry import diagnose
 from stickslip.diagnosis.fitting.search import Progress
 from stickslip.diagnosis.result import Diagnosis
-from stickslip.measurement.reading import Measurement
 from stickslip.scenario.keys import Value
+from stickslip.walker.diagnose import diagnose
+from stickslip.walker.reading import Measurement
 
 if TYPE_CHECKING:
     from pandas import DataFrame

@@ -38,7 +38,7 @@ _SHARE, _QUANTILE = 0.8, 1.2816  # of normal errors four fifths are below so man
 _ENOUGH = 2000  # trials; chosen: they tell a scale to 3 %, and more would only cost time
 _GRID, _WIDEST = 40, 50.0  # steps and reach of a scale about the median; chosen: 22 % a step
 _SOME, _SOME_NORMAL = 0.25, 0.3186  # a quarter of normal errors are below so many sd
-ONE_TRACK = "the track of one robot"
+ONE_TRACK = "the track of one body"
 """What is allowed of places."""
 
 _RETURN = 0.1  # of the way from frame to frame, back after two; chosen: no walk returns so often

@@ -9,10 +9,10 @@ from stickslip._util.files import read_bytes
 from stickslip._util.tables import INSTRUMENTS_PAGE, CsvTable
 from stickslip._util.text import printable, quoted
 from stickslip._util.units import split_unit
+from stickslip.diagnosis.data.read_table import MOST_BYTES
 from stickslip.errors import ScenarioError
-from stickslip.measurement.read_table import MOST_BYTES
-from stickslip.measurement.read_velocity import bare_names
 from stickslip.scenario.keys import known_keys
+from stickslip.walker.read_velocity import bare_names
 
 _SUFFIXES = (".csv", ".tsv", ".txt", ".dat")
 """Names of tables; a file with another one is a table if its columns are those of one."""

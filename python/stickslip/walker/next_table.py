@@ -14,19 +14,19 @@ from stickslip._util.messages import shown
 from stickslip._util.tables import csv_line, text_lines
 from stickslip._util.text import counted
 from stickslip._util.units import handy
-from stickslip.diagnosis.decision.experiments import (
-    Experiment,
-    advice,
-    prediction_table,
-    setting_columns,
-)
+from stickslip.diagnosis.data.read_table import check_columns, read_rows
+from stickslip.diagnosis.decision.experiments import Experiment
 from stickslip.diagnosis.decision.facts import Facts
 from stickslip.diagnosis.report.files import JSON
 from stickslip.diagnosis.terms.amounts import amount
 from stickslip.errors import ScenarioError
-from stickslip.measurement.read_table import check_columns, read_rows
-from stickslip.measurement.read_velocity import unmeasured, velocity_units
-from stickslip.measurement.reading import Measurement
+from stickslip.walker.experiments import (
+    advice,
+    prediction_table,
+    setting_columns,
+)
+from stickslip.walker.read_velocity import unmeasured, velocity_units
+from stickslip.walker.reading import Measurement
 
 TABLES = TABLE, PREDICTIONS = "next.csv", "next-predictions.csv"
 
@@ -52,7 +52,7 @@ class Rounds:
     def write(self, facts: Facts) -> None:
         """Write both tables, if something is proposed; what was filled in stays as it is."""
         experiments = self.proposed(facts)
-        if not experiments or facts.measurement is None:
+        if not experiments or not isinstance(facts.measurement, Measurement):
             return
         path = self.folder / TABLE
         predictions = prediction_table(facts.measurement, experiments)

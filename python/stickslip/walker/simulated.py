@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from stickslip._util.arrays import Array
+from stickslip._util.note import Note
 from stickslip._util.units import handy
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.instruments import read_by
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.scenario.keys import known_keys
-from stickslip.simulation.note import Note
 
 
 class SimulatedTable(Table):
@@ -30,6 +30,13 @@ class SimulatedTable(Table):
     instruments: tuple[Cause, ...]
     nuisance: tuple[Parameter, ...] = ()
     left_out: list[Note]
+
+    @property
+    def predicted(self) -> int:
+        return len(self.mean)
+
+    def of_conditions(self, predict: Callable[[Table], Array]) -> Array:
+        return predict(self)
 
     def predict(self, names: Sequence[str], values: Array) -> Array:
         """Readings of all conditions, shape (vectors, m); NaN where there is none.

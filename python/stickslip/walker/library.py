@@ -11,12 +11,12 @@ from collections.abc import Collection
 
 import numpy as np
 
+from stickslip._util.prior import Prior
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.scenario.effects import effects, is_free_shape
 from stickslip.scenario.keys import PREFIX, Key, known_keys
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.uncertain import Prior
 
 _SIZES = {
     "coil_heating.coefficient": (1e-3, 0.0, 0.02),

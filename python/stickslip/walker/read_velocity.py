@@ -13,12 +13,12 @@ import numpy as np
 
 from stickslip._util.arrays import RELATIVE, Array, Indices, Mask, representatives
 from stickslip._util.messages import shown
+from stickslip._util.note import Note
 from stickslip._util.tables import Units
 from stickslip._util.text import OneLine, comma_hint, counted, number
 from stickslip._util.units import factor_text, split_unit, unit_factor, unit_meant
-from stickslip.errors import ScenarioError, prefixed
-from stickslip.measurement.outliers import far_from_their_group
-from stickslip.measurement.read_table import (
+from stickslip.diagnosis.data.outliers import far_from_their_group
+from stickslip.diagnosis.data.read_table import (
     LARGEST,
     STAMP,
     Line,
@@ -30,9 +30,9 @@ from stickslip.measurement.read_table import (
     seconds,
     valid_rows,
 )
+from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import Value, full_name, in_allowed_case, known_keys
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.note import Note
 from stickslip.sweeping.points import name_of
 
 FASTEST = 1.0

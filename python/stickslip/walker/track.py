@@ -10,13 +10,13 @@ from numpy.typing import ArrayLike
 
 from stickslip._util.arrays import Array, Mask, check_indexes, row
 from stickslip._util.messages import check_kind, refuse
+from stickslip.diagnosis.data.outliers import far_from_a_fit, lost_frames, one_place_each
 from stickslip.errors import ScenarioError
-from stickslip.measurement.outliers import far_from_a_fit, lost_frames, one_place_each
-from stickslip.measurement.read_tracking import too_long
-from stickslip.measurement.read_velocity import FASTEST
 from stickslip.scenario.keys import Value, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import Drive
+from stickslip.walker.read_tracking import too_long
+from stickslip.walker.read_velocity import FASTEST
 
 FEWEST = 8
 """Frames in the measuring window. Chosen: five are left to tell the noise of a frame."""

@@ -13,29 +13,30 @@ from typing import TYPE_CHECKING, Any
 from stickslip._util.arrays import Array
 from stickslip._util.files import check_name
 from stickslip._util.messages import refuse, shown, suggestion
+from stickslip._util.note import Note
+from stickslip._util.prior import Prior
 from stickslip._util.text import OneLine, printable
-from stickslip.errors import ScenarioError, prefixed
-from stickslip.measurement.first_lines import TableGiven, refuse_table
-from stickslip.measurement.read_table import (
+from stickslip.diagnosis.data.read_table import (
     NothingSound,
     read_numbers,
     read_rows,
     rows_of_frame,
     stated_number,
 )
-from stickslip.measurement.read_tracking import REQUIRED, TrackingRun, read_tracking
-from stickslip.measurement.read_velocity import (
+from stickslip.errors import ScenarioError, prefixed
+from stickslip.scenario.keys import COIL_NAMES
+from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.toml_file import named_files, read_document
+from stickslip.scenario.uncertain import COVARIANCE, parse_priors
+from stickslip.walker.first_lines import TableGiven, refuse_table
+from stickslip.walker.read_tracking import REQUIRED, TrackingRun, read_tracking
+from stickslip.walker.read_velocity import (
     VelocityData,
     read_new_trials,
     read_velocity,
     velocity_units,
     with_index_columns,
 )
-from stickslip.scenario.keys import COIL_NAMES
-from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.toml_file import named_files, read_document
-from stickslip.scenario.uncertain import COVARIANCE, Prior, parse_priors
-from stickslip.simulation.note import Note
 
 if TYPE_CHECKING:
     from pandas import DataFrame

@@ -14,21 +14,20 @@ from stickslip._util.arrays import Array, Indices, Mask, worker_count
 from stickslip._util.files import text_writer, write_together
 from stickslip._util.messages import check_kind, check_whole, refuse
 from stickslip._util.text import is_number
-from stickslip.diagnosis.data.velocity import VelocityTable, settings_of
-from stickslip.diagnosis.decision.experiments import (
+from stickslip.diagnosis.decision.experiments import DECISIVE, TRIALS
+from stickslip.diagnosis.fitting.problem import Problem
+from stickslip.diagnosis.terms.words import Words
+from stickslip.errors import ScenarioError
+from stickslip.scenario.scenario import Scenario
+from stickslip.walker.experiments import (
     CHOICES,
-    DECISIVE,
-    TRIALS,
     Drive,
     advice,
     proposals,
 )
-from stickslip.diagnosis.fitting.problem import Problem
-from stickslip.diagnosis.measured import problem_of
-from stickslip.diagnosis.terms.words import Words
-from stickslip.errors import ScenarioError
-from stickslip.measurement.reading import Measurement
-from stickslip.scenario.scenario import Scenario
+from stickslip.walker.problem import posed_by
+from stickslip.walker.reading import Measurement
+from stickslip.walker.velocity import VelocityTable, settings_of
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -235,7 +234,7 @@ def plan(
     variance = (noise * np.maximum(speed, floor)) ** 2 / trials + rough**2
     chosen = _chosen(slopes, gaps, variance, sound.tolist(), count)
     apart, seen = _distances(*(array[..., chosen] for array in (slopes, gaps, variance)))
-    names, words = [cause.name for cause in causes], Words(False, problem.causes)
+    names, words = [cause.name for cause in causes], Words(problem.words, problem.causes)
     left_out = [cause.name for cause in itertools.compress(problem.causes, ~known)]
     return Plan(
         scenario, [drives[k] for k in chosen], level[chosen], noise, trials, seed, names, left_out,
@@ -254,7 +253,7 @@ def _posed(
     frequencies = [0.5 * drive.frequency, drive.frequency, 1.5 * drive.frequency]
     rows = {"frequency": frequencies, "velocity": [1e-3] * 3}  # of which nothing is used
     data = Measurement.from_dataframe(pd.DataFrame(rows), short, velocity_sd=noise)
-    problem = problem_of(data, threads)
+    problem = posed_by(data, threads)
     table = problem.tables[0]
     assert isinstance(table, VelocityTable)
     at = [condition["drive.frequency"] for condition in table.conditions]
@@ -315,11 +314,11 @@ def _possible(
     An end that cannot be is where the scenario is; velocities of what else cannot be are NaN.
     """
     names = problem.names
-    columns = table.own_columns(names)
+    columns, table = table.own_columns(names), table.at_drives(drives)
 
     def made(points: Array) -> Array:
         values = problem.physical(points)[:, columns]
-        return table.readings(drives, [names[k] for k in columns], values)
+        return table.predict([names[k] for k in columns], values)
 
     points, velocities = changes.copy(), made(changes)
     if not np.isfinite(velocities[0]).any():

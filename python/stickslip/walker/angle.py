@@ -9,13 +9,13 @@ import numpy as np
 
 from stickslip import _core
 from stickslip._util.arrays import Array, Indices
+from stickslip._util.note import Note
 from stickslip.diagnosis.data.errors import of_readings
-from stickslip.diagnosis.data.simulated import SimulatedTable
+from stickslip.diagnosis.data.outliers import far_from_their_neighbours, free_of_bends
 from stickslip.diagnosis.terms.instruments import of_angles
 from stickslip.errors import ScenarioError
-from stickslip.measurement.outliers import far_from_their_neighbours, free_of_bends
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.note import Note
+from stickslip.walker.simulated import SimulatedTable
 
 READING = math.radians(0.5)
 """Smallest error of an angle that is read off a picture, rad. Chosen: a side of 250 um at one um a

@@ -12,17 +12,20 @@ import numpy as np
 
 from stickslip._util.arrays import RELATIVE, Array, Mask, are_equal
 from stickslip._util.messages import refuse, shown
+from stickslip._util.note import Note
 from stickslip._util.text import OneLine, counted, highest, is_number
 from stickslip._util.units import split_unit, unit_meant
+from stickslip.diagnosis.data.outliers import NEIGHBOURS, lost_frames, one_place_each
+from stickslip.diagnosis.data.read_table import read_numbers, stated_number
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.measurement.outliers import NEIGHBOURS, lost_frames, one_place_each
-from stickslip.measurement.read_table import read_numbers, stated_number
 from stickslip.scenario.keys import FILE
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.note import Note
 from stickslip.simulation.quantities import COLUMNS, headings
 
 REQUIRED = {"t": "s", "x": "m", "theta": "rad"}
+_TRACKED = "", "track", "particle", "robot", "object"
+"""What columns number where several bodies were tracked."""
+
 _OPTIONAL = {"z": "m", "current_x": "A", "current_clamp": "A"}
 
 _OF_A_RUN = [split_unit(heading)[0] for name in COLUMNS for heading in headings(name)]
@@ -109,7 +112,7 @@ def read_tracking(
         stated = "frame_rate" in entry
         rate = stated_number("frame_rate", entry["frame_rate"]) if stated else math.nan
         exposure = _exposure(entry.get("exposure", 0.0), rate)
-    columns, left_out = read_numbers(path, REQUIRED, _OPTIONAL, _OF_A_RUN, track=True)
+    columns, left_out = read_numbers(path, REQUIRED, _OPTIONAL, _OF_A_RUN, _TRACKED)
     why = _unit_of_times(columns["t"], rate, driven.window[1])
     if why is None:
         try:

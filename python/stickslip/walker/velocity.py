@@ -6,24 +6,28 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import compress
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.stats import t as t_law
 
 from stickslip import _core
 from stickslip._util.arrays import Array
+from stickslip._util.note import Note
 from stickslip._util.units import far_size
 from stickslip.diagnosis.data.errors import along_runs, estimate, independent
 from stickslip.diagnosis.data.settings import Settings
-from stickslip.diagnosis.data.simulated import SimulatedTable
-from stickslip.diagnosis.terms.instruments import of_velocities, read_by
-from stickslip.measurement.read_velocity import VelocityData
-from stickslip.measurement.reading import Measurement
+from stickslip.diagnosis.terms.instruments import of_velocities
 from stickslip.scenario.keys import Value, known_keys
-from stickslip.simulation.note import Note
 from stickslip.simulation.note_table import STEADY_PULSES
 from stickslip.sweeping.notes import notes_of
 from stickslip.sweeping.points import encoded, from_changes
+from stickslip.walker.read_velocity import VelocityData
+from stickslip.walker.reading import Measurement
+from stickslip.walker.simulated import SimulatedTable
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 Conditions = Sequence[Mapping[str, Value]]
 """Drive settings by dotted key, of each condition."""
@@ -133,7 +137,7 @@ class VelocityTable(SimulatedTable):
              "drive.pulses": min(self._pulses(drive), _FEW_PULSES)}
             for drive in self.conditions
         ]  # fmt: skip
-        return self.readings(loose, names, values)
+        return self.at_drives(loose).predict(names, values)
 
     def velocities(self, conditions: Conditions, names: Sequence[str], values: Array) -> Array:
         """Mean velocities at any conditions, m/s, shape (vectors, conditions).
@@ -155,12 +159,9 @@ class VelocityTable(SimulatedTable):
         velocity = np.where(columns["status"] == 0, columns["mean_velocity"], np.nan)
         return np.asarray(velocity.reshape(vectors, count), dtype=float)
 
-    def readings(self, conditions: Conditions, names: Sequence[str], values: Array) -> Array:
-        """The same as they are read; `names` may be parameters of `instruments` too."""
-        return read_by(
-            self.instruments, names, values,
-            lambda keys, rows: self.velocities(conditions, keys, rows), self,
-        )  # fmt: skip
+    def at_drives(self, drives: Conditions) -> Self:
+        """What is predicted at other drives; it has no readings."""
+        return self.having(conditions=list(drives), mean=np.full(len(drives), np.nan))
 
     def _setting(self, condition: Mapping[str, Value], key: str) -> Value:
         return condition[key] if key in condition else self.scenario.get(key)

@@ -15,12 +15,12 @@ import numpy as np
 from stickslip._util.arrays import Array, Mask, numbers
 from stickslip._util.files import read_bytes
 from stickslip._util.messages import misspelt, nearest, refuse, shown
+from stickslip._util.note import Note
 from stickslip._util.tables import DECIMAL_COMMAS, CsvTable, Units, without_units
 from stickslip._util.text import counted, is_number, number, plain
 from stickslip._util.units import is_unit, split_unit, to_si
+from stickslip.diagnosis.data.outliers import ONE_TRACK, marks_of_none
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.measurement.outliers import ONE_TRACK, marks_of_none
-from stickslip.simulation.note import Note
 
 if TYPE_CHECKING:
     from pandas import DataFrame, Series
@@ -48,9 +48,6 @@ _VALID = "valid", "ok"
 _SAID = {"1": True, "1.0": True, "true": True, "yes": True,
          "0": False, "0.0": False, "false": False, "no": False}  # fmt: skip
 """Columns that say which rows are valid, and how they say it."""
-
-_TRACKED = "", "track", "particle", "robot", "object"
-"""What columns number where several bodies were tracked, with and without ``id`` behind it."""
 
 _NAMED = 5
 """Rows that a note names; of more only the number is given. Chosen: one line."""
@@ -177,10 +174,10 @@ def refuse_twice(names: Sequence[str]) -> None:
         raise ScenarioError(f"column {shown(twice[0])} is there twice")
 
 
-def _refuse_several(table: Rows, times: Array) -> None:
+def _refuse_several(table: Rows, numbering: Collection[str], times: Array) -> None:
     """Refuse a column that numbers tracked bodies, two of which are there at the same times."""
     for k, name in enumerate(table.header):
-        if plain(name).removesuffix("id").strip() not in _TRACKED:
+        if plain(name).removesuffix("id").strip() not in numbering:
             continue
         seen: dict[str, list[float]] = {}
         for (_, row), t in zip(table.rows, times.tolist(), strict=True):
@@ -354,15 +351,16 @@ def read_numbers(
     required: Mapping[str, str],
     optional: Mapping[str, str] | None = None,
     information: Collection[str] = (),
-    track: bool = False,
+    numbering: Collection[str] = (),
     most: Mapping[str, float] | None = None,
 ) -> tuple[dict[str, Array], list[Note]]:
     """Columns of numbers by name, shape (n,), of the sound rows, and what was left out.
 
     The columns are given with their SI units. A row is sound if all its required cells are numbers;
     a gap in an optional column is NaN. `information` is as in `check_columns`. A NothingSound says
-    that no row is sound. Of a `track` with times ``t`` all rows have to be of one robot. Larger
-    numbers than `most` allows, by unit, are refused.
+    that no row is sound. Columns called `numbering`, with or without ``id`` behind it,
+    number bodies of which only one may be there at a time ``t``. Larger numbers than `most` allows,
+    by unit, are refused.
     """
     optional = optional or {}
     units = {**required, **optional}
@@ -374,8 +372,8 @@ def read_numbers(
     whole = [row if len(row) == len(header) else none for _, row in rows]
     numbers = np.array([[number(row[k], LARGEST) for k in columns.values()] for row in whole])
     by_name = dict(zip(columns, numbers.T, strict=True))
-    if track:
-        _refuse_several(table, by_name["t"])
+    if numbering:
+        _refuse_several(table, numbering, by_name["t"])
     sound = np.all([np.isfinite(by_name[name]) for name in required], axis=0)
     for name, unit in units.items():
         highest = (most or {}).get(unit, math.inf)

@@ -1,4 +1,4 @@
-"""A model of one's own and its data as a problem."""
+"""A forward model and its data as a problem."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ import numpy as np
 
 from stickslip._util.arrays import Array, Mask, columns_of, locked, numbers
 from stickslip._util.messages import meant
+from stickslip._util.note import Note
 from stickslip._util.text import OneLine, brief
 from stickslip._util.units import is_of, same_unit
 from stickslip.diagnosis.data.series import Series, with_repeats
@@ -21,14 +22,14 @@ from stickslip.diagnosis.data.signal import Signal
 from stickslip.diagnosis.data.table import Table, rows_in_words
 from stickslip.diagnosis.fitting.fineness import with_measured_fineness
 from stickslip.diagnosis.fitting.problem import HUGE, Cached, Problem
+from stickslip.diagnosis.fitting.rivals import Rivals
 from stickslip.diagnosis.fitting.search import recalibrated
-from stickslip.diagnosis.measured import freed
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.instruments import read_by
 from stickslip.diagnosis.terms.laws import Curves, beside_constants
 from stickslip.diagnosis.terms.parameter import Parameter
+from stickslip.diagnosis.terms.words import Vocabulary
 from stickslip.errors import ScenarioError
-from stickslip.simulation.note import Note
 
 Predict = Callable[..., Array]
 """``predict(table, p)`` of a `Table` or `Series`, or ``predict(table, p, curves)``, which free laws
@@ -56,17 +57,45 @@ class Values(dict[str, Array]):
         raise ScenarioError(f"p: there is no parameter {name}{meant(str(name), self)}")
 
 
-def problem_of_model(
+def posed(
+    tables: Table | Sequence[Table],
     predict: Predict,
-    data: Table | Sequence[Table],
-    uncertain: Sequence[Parameter],
+    constants: Sequence[Parameter],
     causes: Sequence[Cause],
+    *,
+    low_fidelity: Predict | None = None,
+    laws: Callable[[Problem, Array], Sequence[Cause]] | None = None,
+    words: Vocabulary | None = None,
+    rivals: Rivals | None = None,
 ) -> Problem:
-    """The problem of data with a model of one's own; see `diagnose_model`.
+    """The problem that data pose to a forward model: the one door of the diagnosis.
 
-    A ScenarioError is raised if something is given that is not allowed.
+    Parameters
+    ----------
+    tables, predict, constants, causes
+        As for `diagnose_model`.
+    low_fidelity : callable, optional
+        A cheaper `predict` for searches from afar. A model that has one is a simulation, whose
+        predictions jump and cost too much for measuring how they turn.
+    laws : callable, optional
+        ``laws(problem, x)`` returns laws of a free shape as causes, at coordinates `x` of the
+        recalibrated constants, for data that no listed cause explains.
+    words : Vocabulary, optional
+        What causes and constants are called.
+    rivals : Rivals, optional
+        What else can be measured.
+
+    Raises
+    ------
+    ScenarioError
+        If something is given that is not allowed.
     """
-    problem = bare_problem(predict, data, uncertain, causes)
+    problem = bare_problem(
+        tables, predict, constants, causes, low_fidelity=low_fidelity, laws=laws, words=words,
+        rivals=rivals,
+    )  # fmt: skip
+    if low_fidelity is not None:
+        return problem
     if np.all(_not_computed(problem, np.zeros(problem.size))):
         raise ScenarioError("predict: with the stated parameters it computes no reading")
     stated = problem.physical(np.zeros((1, problem.size)))
@@ -81,61 +110,80 @@ def problem_of_model(
 
 
 def bare_problem(
+    tables: Table | Sequence[Table],
     predict: Predict,
-    data: Table | Sequence[Table],
-    uncertain: Sequence[Parameter],
+    constants: Sequence[Parameter],
     causes: Sequence[Cause],
+    *,
+    low_fidelity: Predict | None = None,
+    laws: Callable[[Problem, Array], Sequence[Cause]] | None = None,
+    words: Vocabulary | None = None,
+    rivals: Rivals | None = None,
 ) -> Problem:
     """The same before anything is predicted."""
-    tables = [data] if isinstance(data, Table) else data
+    given = [tables] if isinstance(tables, Table) else tables
     if (
-        not isinstance(tables, Sequence)
-        or not tables
-        or not all(isinstance(table, Table) for table in tables)
+        not isinstance(given, Sequence)
+        or not given
+        or not all(isinstance(table, Table) for table in given)
     ):
         raise ScenarioError(
-            f"data = {brief(data)}: allowed is a Table or a Series, or a list of them"
+            f"data = {brief(tables)}: allowed is a Table or a Series, or a list of them"
         )
-    _check_list("uncertain", uncertain, Parameter)
+    _check_list("uncertain", constants, Parameter)
     _check_list("causes", causes, Cause)
-    if any(constant.prior is None for constant in uncertain):
-        (name, *_) = (constant.name for constant in uncertain if constant.prior is None)
+    if any(constant.prior is None for constant in constants):
+        (name, *_) = (constant.name for constant in constants if constant.prior is None)
         raise ScenarioError(f"uncertain: {name} has no prior; an amplitude belongs to a Cause")
-    tables = _records(tables)
-    constants = _of_each_record(uncertain, tables)
-    named = beside_constants(causes, constants)
-    every = (*named, *freed(constants))
-    _check_names(tables, constants, named)
-    _check_causes(tables, constants, named)
-    model = OwnModel(predict, tuple(uncertain), tuple(named))
+    records = tuple(_records(given))
+    each = _of_each_record(constants, records)
+    named = tuple(beside_constants(causes, each))
+    _check_names(records, each, named)
+    _check_causes(records, each, named)
+    model = ForwardModel(predict, low_fidelity, tuple(constants), (*named, *freed(each)))
     _check_predict(predict, model)
-    names = [*(c.name for c in constants), *(p.name for c in every for p in c.parameters)]
-
-    rows = partial(_of_tables, model, tuple(tables), names)
-    forms = partial(_with_forms, model)
-    return Problem(tuple(tables), Cached(rows), constants, every, forms=forms)
+    empty = Problem(records, _unposed, each, laws=laws)
+    empty = replace(empty, words=words or Vocabulary(), rivals=rivals or Rivals())
+    return _with_model(model, empty)
 
 
-def _with_forms(model: OwnModel, problem: Problem, more: Sequence[Cause]) -> Problem:
-    """The problem with further forms of the free laws of its model."""
-    wider = replace(model, causes=(*model.causes, *more))
-    names = [*problem.names, *(one.name for cause in more for one in cause.parameters)]
-    rows = Cached(partial(_of_tables, wider, problem.tables, names))
-    causes, forms = (*problem.causes, *more), partial(_with_forms, wider)
-    return replace(problem, model=rows, causes=causes, forms=forms)
+def freed(constants: Sequence[Parameter]) -> list[Cause]:
+    """A cause for each constant that is stated with a middle: it is other than stated."""
+    return [
+        Cause(constant.name, (), f"{constant.name} is other than stated", frees=constant.name)
+        for constant in constants
+        if constant.cause and constant.prior is not None and constant.prior.has_middle
+    ]
+
+
+def _unposed(values: Array) -> Array:
+    raise NotImplementedError
+
+
+def _with_model(model: ForwardModel, problem: Problem) -> Problem:
+    """The problem with the causes of a model, and its predictions."""
+    causes = model.causes
+    names = [*(c.name for c in problem.constants), *(p.name for c in causes for p in c.parameters)]
+    rows = Cached(partial(_of_tables, model, problem.tables, names))
+    draft = None
+    if model.low_fidelity is not None:
+        cheap = replace(model, predict=model.low_fidelity, low_fidelity=None)
+        draft = Cached(partial(_of_tables, cheap, problem.tables, names))
+    return replace(
+        problem, model=rows, draft=draft, causes=causes, wider=partial(_wider, model),
+        forward=partial(model.of_new, names),
+    )  # fmt: skip
+
+
+def _wider(model: ForwardModel, problem: Problem, more: Sequence[Cause]) -> Problem:
+    return _with_model(replace(model, causes=(*model.causes, *more)), problem)
 
 
 def _of_tables(
-    model: OwnModel, tables: Sequence[Table], names: Sequence[str], values: Array
+    model: ForwardModel, tables: Sequence[Table], names: Sequence[str], values: Array
 ) -> Array:
-    return np.hstack([_of_conditions(model, table, names, values) for table in tables])
-
-
-def _of_conditions(model: OwnModel, table: Table, names: Sequence[str], values: Array) -> Array:
-    """Predictions of the conditions of a table, shape (vectors, m)."""
-    if table.whole is None:
-        return model(table, names, values)[:, table.first]
-    return model(table.whole, names, values)[:, table.kept[table.first]]
+    of = [table.of_conditions(lambda whole: model(whole, names, values)) for table in tables]
+    return np.hstack(of)
 
 
 def computed_tables(problem: Problem, seed: int) -> tuple[Table, ...]:
@@ -170,14 +218,15 @@ def _not_computed(problem: Problem, x: Array) -> Mask:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class OwnModel(OneLine):
-    """What a model of one's own, and the instruments that read it, say of a table.
+class ForwardModel(OneLine):
+    """What a forward model, and the instruments that read it, say of a table.
 
     `uncertain` is as it was given. A cause that is a constant other than stated changes nothing
     here.
     """
 
     predict: Predict
+    low_fidelity: Predict | None
     uncertain: tuple[Parameter, ...]
     causes: tuple[Cause, ...]
 
@@ -398,11 +447,11 @@ def _unchanged(problem: Problem, base: Array, changed: Array) -> Mask:
 def _rows(table: Table, made: Any, vectors: int) -> Array:
     """Predictions of a table, shape (vectors, n), in an array of their own; NaN is allowed."""
     rows = numbers("predict: its answer", made, "an array of numbers", gaps=True, finite=False)
-    if rows.shape != (vectors, len(table)):
+    if rows.shape != (vectors, table.predicted):
         at = f" of table {table.name}" if table.name else ""
         raise ScenarioError(
             f"predict: it returned shape {np.shape(made)} for {vectors} vectors{at}; allowed is "
-            f"(vectors, rows), here {(vectors, len(table))}"
+            f"(vectors, rows), here {(vectors, table.predicted)}"
         )
     return rows
 
@@ -412,7 +461,7 @@ def _check_list(key: str, given: object, kind: type[Parameter] | type[Cause]) ->
         raise ScenarioError(f"{key} = {brief(given)}: allowed is a list of {kind.__name__}")
 
 
-def _check_predict(predict: object, model: OwnModel) -> None:
+def _check_predict(predict: object, model: ForwardModel) -> None:
     """Refuse a model that does not take the arguments that it is called with."""
     arguments = ["table", "p", "curves"][: 3 if model.laws else 2]
     wanted = f"allowed is a function of ({', '.join(arguments)})"
@@ -440,7 +489,7 @@ def _check_names(
 ) -> None:
     """Refuse names that come twice."""
     groups: Mapping[str, list[str]] = {
-        "tables": [table.name for table in tables] if len(tables) > 1 else [],
+        "tables": [table.title for table in tables] if len(tables) > 1 else [],
         "causes and uncertain": [*(one.name for one in constants), *(c.name for c in causes)],
         "parameters": [p.name for p in (*constants, *(p for c in causes for p in c.parameters))],
     }

@@ -6,21 +6,25 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
+from matplotlib.figure import Figure
 from scipy.linalg import block_diag
 
 from stickslip._util.arrays import Array, Indices, Mask, root_mean_square
-from stickslip._util.units import far_size
+from stickslip._util.note import Note
+from stickslip._util.palette import BLACK
+from stickslip._util.picture import Picture
+from stickslip._util.prior import Prior
+from stickslip._util.units import far_size, in_handy_units
 from stickslip.diagnosis.data.errors import Errors, meter_step
-from stickslip.diagnosis.data.exposure import Exposure, Recording, record, recording_rate, rocking
-from stickslip.diagnosis.data.folding import Kind, fold, frame_errors, reduce, undrifted
-from stickslip.diagnosis.data.simulated import SimulatedTable
+from stickslip.diagnosis.data.outliers import far_from_their_phase
+from stickslip.diagnosis.report.pictures import plain_axes
 from stickslip.diagnosis.terms.instruments import of_films
 from stickslip.diagnosis.terms.parameter import Parameter
-from stickslip.measurement.outliers import far_from_their_phase
-from stickslip.measurement.read_tracking import FEWEST, REQUIRED, TrackingRun
 from stickslip.scenario.keys import known_keys
-from stickslip.scenario.uncertain import Prior
-from stickslip.simulation.note import Note
+from stickslip.walker.exposure import Exposure, Recording, record, recording_rate, rocking
+from stickslip.walker.folding import Kind, fold, frame_errors, reduce, undrifted
+from stickslip.walker.read_tracking import FEWEST, REQUIRED, TrackingRun
+from stickslip.walker.simulated import SimulatedTable
 
 _KINDS: dict[str, tuple[Kind, str]] = {
     "theta": ("level", "rad"),
@@ -53,6 +57,8 @@ II."""
 _TOO_LARGE = 10.0
 """Ratio of a stated error to the scatter of frames that is reported. Chosen: no camera differs by
 as much from what it is taken for."""
+
+_DRAWN = 200  # points of the picture
 
 _CORRELATED = 0.2
 """Correlation of neighbours that is reported. Chosen: it changes an error by a fifth."""
@@ -122,6 +128,41 @@ class FilmTable(SimulatedTable):
             parts = [matrix @ frames[key][used] for key, (used, matrix) in self.columns.items()]
             result[vector] = np.concatenate(parts)
         return result
+
+    def figure(
+        self, names: Sequence[str], models: Mapping[str, tuple[str, Array]]
+    ) -> Figure | None:
+        """Pitch and place over the phase of the drive; None where nothing is steady."""
+        used = self.own_columns(names)
+        traces = {}
+        for label, (colour, values) in models.items():
+            seen = self.over_phase([names[k] for k in used], values[used])
+            if seen is None:
+                return None
+            traces[label] = colour, seen
+        figure = Picture(figsize=(9.6, 5.0), layout="constrained")
+        frames = figure.subplots(2, 2, sharex=True)
+        _, first = next(iter(traces.values()))
+        step = max(1, len(first["phase"]) // _DRAWN)
+        for row, key, unit in zip(frames, ("theta", "x"), ("rad", "m"), strict=True):
+            factor, label_of = in_handy_units({"theta": "pitch", "x": "place"}[key], unit)
+            base = first[f"{key}_model"]
+            # Beside the motion what differs from the recalibrated model, which would hide there.
+            for axes, below, words in zip(row, (0.0 * base, base), ("", "change of "), strict=True):
+                for label, (colour, seen) in traces.items():
+                    at = seen["phase"][::step]
+                    if seen is first:
+                        measured = (seen[key] - below)[::step] * factor
+                        axes.plot(at, measured, ".", color=BLACK, ms=3, label="measured")
+                    level = (seen[f"{key}_model"] - below)[::step] * factor
+                    axes.plot(at, level, color=colour, label=label)
+                axes.set_ylabel(words + label_of)
+                plain_axes(axes)
+        for axes in frames[1]:
+            axes.set_xlabel("phase of the drive, in periods")
+        figure.legend(*frames[0, 0].get_legend_handles_labels(), loc="outside upper center",
+                      ncols=3, frameon=False)  # fmt: skip
+        return figure
 
     def over_phase(self, names: Sequence[str], values: Array) -> dict[str, Array] | None:
         """Steady frames beside those of a model, in the order of their phase, for a picture.

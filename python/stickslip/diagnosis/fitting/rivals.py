@@ -1,0 +1,71 @@
+"""What else can be measured to tell rival models apart, and where what was found is stated."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stickslip._util.arrays import Array
+from stickslip._util.note import Note
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+Forward = Callable[[Any, Array], Array]
+"""``forward(conditions, values)``: readings that a model predicts at new conditions, shape
+(vectors, conditions), from values of all parameters, (vectors, size); NaN where it has none."""
+
+
+class Rivals:
+    """Conditions that were not measured yet, and the statement of the extended model.
+
+    This is what a model of one's own has: which conditions it can have only its user knows, and
+    what it states are the values of its parameters.
+    """
+
+    proposes = False
+    """Whether it knows conditions that may be measured."""
+
+    @property
+    def table(self) -> int:
+        """Number of the table whose errors readings at new conditions have."""
+        return 0
+
+    def conditions(self, given: Any) -> tuple[Any, dict[str, list[Any]]]:
+        """What the model takes for conditions that a person writes, and their settings as columns.
+
+        There are no columns where settings have no names.
+        """
+        return given, {}
+
+    def proposals(self) -> Any:
+        """Conditions that may be measured next, as the model takes them; None without any."""
+        return None
+
+    def chosen(
+        self, proposals: Any, names: Sequence[str], level: Array, covariance: Array,
+        noise_variance: Array, count: int, pairs: Sequence[tuple[int, int]],
+    ) -> list[Any]:  # fmt: skip
+        """The experiments that tell models apart best; the arrays as for `expected_chi2`."""
+        return []
+
+    def unvaried(self) -> list[str]:
+        """Settings that all measured conditions share and that could be varied."""
+        return []
+
+    def advice(self, names: Mapping[str, str], experiments: Sequence[Any]) -> list[Note]:
+        """What to measure beside conditions; `names` says each cause of a set by its name."""
+        return []
+
+    def trial_table(self, experiments: Sequence[Any], trials: int) -> DataFrame:
+        """A row for each trial of some experiments, to be filled in."""
+        raise NotImplementedError
+
+    def extended(self, values: Mapping[str, Any], covariance: DataFrame | None) -> Any:
+        """The model with these values by name; None of a covariance where nothing was fitted."""
+        return dict(values)
+
+    def writers(self, folder: Path, told: str, causes: str, extended: Any) -> dict[Path, Any]:
+        """What writes the files that state the extended model, with the verdict in words."""
+        return {}
