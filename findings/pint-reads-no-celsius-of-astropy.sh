@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# Expected: two libraries of units that both know degrees Celsius understand each other's name of it,
-#   as they do for "m / s2", "mT" or "K".
+# Expected: two libraries of units that both know degrees Celsius and m/s^2 understand each other's
+#   text of them, as they do for "mT" or "K".
 # What happens: astropy writes `deg_C`, which pint does not know; pint writes `degree_Celsius`, which
-#   astropy does not know. And of what is read, an offset is applied by pint, while astropy converts
-#   to kelvin only with an equivalency that has to be given.
+#   astropy does not know. An acceleration of astropy is `m / s2`, of which pint takes `s2` for a name.
+#   And astropy converts Celsius to kelvin only with an equivalency that has to be given.
 # Packages: astropy 6.1.7, pint 0.24.4.
-# Who is hurt: whoever passes the text of a unit from one to the other: a log in Celsius is refused,
-#   or its conversion fails, where the same log in K works.
-# Instead: convert to K on the side that made the values (tried below).
+# Who is hurt: whoever passes the text of a unit from one to the other: a log in Celsius or of an
+#   acceleration is refused, where the same log in K or in m / s / s works.
+# Instead: convert to K on the side that made the values, and write powers with ** (tried below).
 # Source: found by trying; both names stand in the lists of units of the two documentations.
 set -euo pipefail
 folder=$(mktemp -d)
@@ -21,8 +21,16 @@ import astropy.units as u
 import pint
 
 registry = pint.UnitRegistry()
-for shared in (u.K, u.m / u.s**2, u.mT):
+for shared in (u.K, u.mT):
     registry.Unit(str(shared))
+acceleration = u.m / u.s**2
+try:
+    registry.Unit(str(acceleration))
+except pint.UndefinedUnitError:
+    pass
+else:
+    raise SystemExit("pint knows m / s2 now")
+assert registry.Unit("m / s**2").dimensionality == registry.Unit("m/s/s").dimensionality
 try:
     registry.Unit(str(u.deg_C))
 except pint.UndefinedUnitError as error:
@@ -45,6 +53,6 @@ else:
 kelvin = warm.to(u.K, equivalencies=u.temperature())
 assert abs(registry.Quantity(kelvin.value, str(kelvin.unit)).to("degC").magnitude - 20.0) < 1e-9
 print("astropy", astropy.__version__, "pint", pint.__version__)
-print("astropy writes", str(u.deg_C), "and pint says:", unknown)
+print("astropy writes", str(u.deg_C), "and", str(acceleration), "and pint says:", unknown)
 print("pint writes", str(registry.degC))
 PROGRAM
