@@ -3,9 +3,10 @@
 `make` draws data sets into a folder, `diagnose` reads their files alone, `judge` opens the answers
 and prints the tables. `tables` prints those of a record, `write` lays out one data set as files,
 `store` keeps sets of old seeds with what the present engine says of them, `compare` sets the
-verdicts and fits of a later engine beside these. `own` diagnoses sets of models of one's own, and
-`twins` logs of near twins beside a distorted sensor; both print their counts. The folder is that of
-the stored study unless another one is given; a step that was stopped goes on where it stood.
+verdicts and fits of a later engine beside these. `own` diagnoses sets of models of one's own,
+`twins` logs of near twins beside a distorted sensor, and `units` logs in a unit that nobody stated;
+all three print their counts. The folder is that of the stored study unless another one is given; a
+step that was stopped goes on where it stood.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ from blind.stored import compare, store
 from blind.study import HERE, Row, diagnose_sets, judge, make
 from blind.twins import FIRST as FIRST_TWINS
 from blind.twins import study as study_twins
+from blind.units import FIRST as FIRST_UNITS
+from blind.units import study as study_units
 from blind.writing import write_case
 
 
@@ -63,9 +66,13 @@ def main() -> None:
     kept.add_argument("--seeds", type=int, default=2, help="data sets of a kind, at most")
     own = steps.add_parser("own", parents=[folder, time], help="sets of models of one's own")
     own.add_argument("--sets", type=int, default=250, help="at most")
-    twins = steps.add_parser("twins", parents=[folder, time], help="logs of near twins")
-    twins.add_argument("--first", type=int, default=FIRST_TWINS + 60, help="seed")
-    twins.add_argument("--sets", type=int, default=60, help="at most")
+    for name, first, text in (
+        ("twins", FIRST_TWINS + 60, "logs of near twins"),
+        ("units", FIRST_UNITS, "logs in a unit that nobody stated"),
+    ):
+        step = steps.add_parser(name, parents=[folder, time], help=text)
+        step.add_argument("--first", type=int, default=first, help="seed")
+        step.add_argument("--sets", type=int, default=60, help="at most")
     again = steps.add_parser("compare", parents=[time, some, short], help="before and now")
     again.add_argument("--out", type=Path, default=Path("bench/results/stored.jsonl"))
     options = parser.parse_args()
@@ -84,8 +91,10 @@ def main() -> None:
         show(read(options.record))
     elif options.step == "own":
         study_own(options.folder / "own.jsonl", options.minutes, options.sets)
-    elif options.step == "twins":
-        study_twins(options.folder / "twins.jsonl", options.minutes, options.first, options.sets)
+    elif options.step in ("twins", "units"):
+        study = study_twins if options.step == "twins" else study_units
+        rows = options.folder / f"{options.step}.jsonl"
+        study(rows, options.minutes, options.first, options.sets)
     elif options.step == "write":
         answer = write_case(options.into / "data", options.kind, options.seed)
         (options.into / "answer.json").write_text(json.dumps(answer, indent=2) + "\n")

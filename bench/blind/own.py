@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -22,7 +21,7 @@ from stale import stale
 
 from blind.kinds import ALIKE, ERROR_SHARE
 from blind.scoring import interval, markdown
-from blind.study import append, lines, state
+from blind.study import in_parts
 from stickslip import Cause, Diagnosis, Parameter, Prior, Series, Table, diagnose_model, models
 from stickslip.diagnosis.decision.posterior import cosine
 
@@ -90,7 +89,7 @@ def line(hidden: str, draw: np.random.Generator) -> tuple[str, Array, float, Dia
     y = draw.normal(1.0, 0.1) * PLACES + 0.1 * draw.standard_normal(len(PLACES))
     if cause:
         effect = _shapes(PLACES)[cause]
-        effect *= _scaled(_refitted(effect, PLACES[:, None]), 0.1 * draw.uniform(2.0, 4.0))
+        effect *= _scaled(refitted(effect, PLACES[:, None]), 0.1 * draw.uniform(2.0, 4.0))
         y = y + effect
     offered = [name for name in _shapes(PLACES) if hidden == "listed" or name != cause]
     causes = [Cause(each, Parameter(f"{each}.size", size=0.2, low=-5.0, high=5.0))
@@ -131,7 +130,7 @@ def log(
     if errors in MODEL_ERRORS:
         error = _error(errors, t, seen, draw)
         # What constants undo is no effect, and no error.
-        left, wrong = (_refitted(change, moves) for change in (effect, error))
+        left, wrong = (refitted(change, moves) for change in (effect, error))
         size = part * (float(np.sqrt(np.mean(left**2))) or wanted)
         seen = seen + _scaled(wrong, size) * error
     noise = draw.standard_normal(COUNT)
@@ -174,10 +173,10 @@ def _stands_out(effect: Array, moves: Array, size: float | Array, sd: float) -> 
     """
     prior = np.diag(np.full(moves.shape[1], 1.0) / size)
     columns = np.vstack([moves / sd, prior])
-    return float(np.linalg.norm(_refitted(np.append(effect / sd, np.zeros(len(prior))), columns)))
+    return float(np.linalg.norm(refitted(np.append(effect / sd, np.zeros(len(prior))), columns)))
 
 
-def _refitted(change: Array, columns: Array) -> Array:
+def refitted(change: Array, columns: Array) -> Array:
     """What a fit of the columns leaves of a change."""
     return change - columns @ np.linalg.lstsq(columns, change, rcond=None)[0]
 
@@ -212,30 +211,23 @@ def sets() -> Iterator[tuple[str, str, str]]:
 
 def study(path: Path, minutes: float, most: int) -> None:
     """Diagnose sets that the present engine has no row of, and print the counts."""
-    now, end = state(), time.monotonic() + 60.0 * minutes
-    rows = [row for row in lines(path) if row["state"]["engine"] == now["engine"]]
-    done = {row["seed"] for row in rows}
-    for seed, (kind, hidden, errors) in zip(range(FIRST, FIRST + most), sets(), strict=False):
-        if seed in done:
-            continue
-        if time.monotonic() > end:
-            break
-        draw, begin = np.random.default_rng([7, seed]), time.process_time()
-        of_line = kind == "line"
-        cause, effect, stands_out, found = (
-            line(hidden, draw) if of_line else log(kind, hidden, errors, draw)
-        )
-        verdict, seconds = found.verdict, round(time.process_time() - begin, 2)
-        alike = likeness(found, effect) if hidden == "unlisted" else None
-        rows.append({
-            "seed": seed, "kind": kind, "hidden": hidden, "errors": errors, "cause": cause,
-            "alike": alike and round(alike, 3), "strength": round(stands_out, 2),
-            "verdict": verdict.kind, "causes": list(verdict.causes),
-            "p_value": found.findings.test.p_value, "state": now,
-            "cpu_seconds": seconds,
-        })  # fmt: skip
-        append(path, rows[-1])
+    asked = dict(zip(range(FIRST, FIRST + most), sets(), strict=False))
+    rows = in_parts(path, minutes, asked, lambda seed: judged(seed, *asked[seed]))
     print(*stale(rows), tables(rows), sep="\n\n")
+
+
+def judged(seed: int, kind: str, hidden: str, errors: str) -> Row:
+    """What a set hides, and what is said of it."""
+    draw = np.random.default_rng([7, seed])
+    made = line(hidden, draw) if kind == "line" else log(kind, hidden, errors, draw)
+    cause, effect, stands_out, found = made
+    alike = likeness(found, effect) if hidden == "unlisted" else None
+    return {
+        "kind": kind, "hidden": hidden, "errors": errors, "cause": cause,
+        "alike": alike and round(alike, 3), "strength": round(stands_out, 2),
+        "verdict": found.verdict.kind, "causes": list(found.verdict.causes),
+        "p_value": found.findings.test.p_value,
+    }  # fmt: skip
 
 
 def group(row: Row) -> str:

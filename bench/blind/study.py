@@ -14,7 +14,7 @@ import lzma
 import subprocess
 import tempfile
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 HERE = Path(__file__).resolve().parent
 SETS, ANSWERS, SAID, RECORD = "sets.jsonl.xz", "answers.jsonl.xz", "said.jsonl", "record.jsonl"
 # Packages that decide about a verdict.
-_ENGINE = ("diagnosis", "walker", "scenario")
+_ENGINE = ("diagnosis", "models", "walker", "scenario")
 
 
 def sets(path: Path) -> Iterator[Row]:
@@ -60,6 +60,36 @@ def append(path: Path, row: Row) -> None:
     with path.open("a") as file:
         cut = file.tell() and not path.read_text().endswith("\n")
         file.write(("\n" if cut else "") + json.dumps(row) + "\n")
+
+
+def in_parts(
+    path: Path, minutes: float, seeds: Iterable[int], judged: Callable[[int], Row]
+) -> list[Row]:
+    """Rows of the seeds by the present engine: those of a file, and others judged and appended.
+
+    Parameters
+    ----------
+    path : Path
+    minutes : float
+        No set is begun after this time.
+    seeds : iterable of int
+    judged : callable
+        The row of a seed: what is hidden and what was said.
+    """
+    now, end = state(), time.monotonic() + 60.0 * minutes
+    rows = [row for row in lines(path) if row["state"]["engine"] == now["engine"]]
+    seeds, done = list(seeds), {row["seed"] for row in rows}
+    for seed in seeds:
+        if seed in done:
+            continue
+        if time.monotonic() > end:
+            break
+        begin = time.process_time()
+        row = judged(seed)
+        seconds = round(time.process_time() - begin, 2)
+        rows.append({"seed": seed, **row, "cpu_seconds": seconds, "state": now})
+        append(path, rows[-1])
+    return [row for row in rows if row["seed"] in seeds]
 
 
 def unpacked(one: Row, folder: Path) -> Path:

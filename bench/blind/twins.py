@@ -8,18 +8,18 @@ effect as is drawn, so that no fit but a bent one could reach it.
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
+from stale import stale
 
 from blind.kinds import ERROR_SHARE
-from blind.own import _refitted
+from blind.own import refitted
 from blind.scoring import interval, markdown
-from blind.study import append, lines, state
+from blind.study import in_parts
 from stickslip import Cause, Parameter, Prior, Series, Table, diagnose_model
 from stickslip.diagnosis.decision.verdict import CLAIMS
 
@@ -143,12 +143,12 @@ def made(seed: int) -> tuple[Row, Series, list[Parameter], list[Cause]]:
     every = np.hstack([
         of_constants, _moves(kind, acting, t, {key: 0.01 * u for key, u in kind.causes.items()})
     ])  # fmt: skip
-    effect = float(np.std(_refitted(seen - plain, of_constants)))
+    effect = float(np.std(refitted(seen - plain, of_constants)))
     z, taken, left = 2.0 * (seen - seen.min()) / np.ptp(seen) - 1.0, 1.0, 0.0
     while left < NEITHER * taken:
         bent = str(draw.choice([*DISTORTIONS]))
         error = DISTORTIONS[bent](z, draw.uniform())
-        taken, left = (float(np.std(_refitted(error, some))) for some in (of_constants, every))
+        taken, left = (float(np.std(refitted(error, some))) for some in (of_constants, every))
     error *= draw.uniform(*ERROR_SHARE) * effect / taken
     sd = effect / math.exp(draw.uniform(*np.log(STRENGTH)))
     y = seen + error + sd * draw.normal(size=COUNT)
@@ -163,21 +163,15 @@ def made(seed: int) -> tuple[Row, Series, list[Parameter], list[Cause]]:
 
 def study(path: Path, minutes: float, first: int, most: int) -> None:
     """Diagnose sets that the present engine has no row of, and print the counts."""
-    now, end = state(), time.monotonic() + 60.0 * minutes
-    rows = [row for row in lines(path) if row["state"]["engine"] == now["engine"]]
-    done = {row["seed"] for row in rows}
-    for seed in sorted({*range(first, first + most)} - done):
-        if time.monotonic() > end:
-            break
-        answer, record, uncertain, causes = made(seed)
-        begin = time.process_time()
-        verdict = diagnose_model(_model(answer["kind"]), record, uncertain, causes).verdict
-        rows.append({
-            "seed": seed, **answer, "verdict": verdict.kind, "causes": list(verdict.causes),
-            "cpu_seconds": round(time.process_time() - begin, 2), "state": now,
-        })  # fmt: skip
-        append(path, rows[-1])
-    print(table([row for row in rows if first <= row["seed"] < first + most]))
+    rows = in_parts(path, minutes, range(first, first + most), judged)
+    print(*stale(rows), table(rows), sep="\n\n")
+
+
+def judged(seed: int) -> Row:
+    """What a set hides, and what is said of it."""
+    answer, record, uncertain, causes = made(seed)
+    verdict = diagnose_model(_model(answer["kind"]), record, uncertain, causes).verdict
+    return {**answer, "verdict": verdict.kind, "causes": list(verdict.causes)}
 
 
 def said(row: Row) -> str:

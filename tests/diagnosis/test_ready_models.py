@@ -473,14 +473,15 @@ def test_a_hidden_effect_is_named_with_its_size(hidden):
 
 
 @pytest.mark.parametrize(
-    ("name", "reading", "count", "code"),
-    [*((name, 0.0, 1, "all-zero") for name in FACTORIES), ("thermal", 2.0, 1, "no-noise"),
-     ("thermal", 0.1, 2, "no-noise")],
+    ("name", "reading", "acts", "count", "code"),
+    [*((name, 0.0, 0.0, 1, "all-zero") for name in FACTORIES), ("joint", 0.0, 0.1, 1, "all-zero"),
+     ("joint", 1.0, 0.1, 1, "no-noise"), ("thermal", 2.0, 0.0, 1, "no-noise"),
+     ("thermal", 0.1, 0.0, 2, "no-noise")],
 )  # fmt: skip
-def test_a_record_at_rest_without_an_input_is_told_in_a_sentence(name, reading, count, code):
-    # The model leaves nothing of it: what never changes has no error that a fit could tell.
+def test_a_record_at_rest_is_told_in_a_sentence(name, reading, acts, count, code):
+    # What never changes has no error that a fit could tell, and is like a model in many units.
     model = FACTORIES[name](**LEAST[name])
-    inputs = dict.fromkeys(model.kind.inputs, 0.0 * T[::10])
+    inputs = dict.fromkeys(model.kind.inputs, constant(acts)[::10])
     records = [Series(T[::10], constant(reading)[::10], inputs, name=f"{k}") for k in range(count)]
     verdict = diagnose_model(model, records).verdict
     assert (verdict.kind, [each.code for each in verdict.reasons]) == ("data-problem", [code])

@@ -106,11 +106,14 @@ def unit_meant(
     if len(problem.y) < len(problem.constants) + FEWEST:
         return None
     problem = _with_some_errors(problem)
-    null, variance = _fits([_looked_at(problem, seed)])[0], _spread(problem)
+    variance = _spread(problem)
+    if variance < 2.0 * len(problem.y):  # Readings that do not change are like many models.
+        return None
+    null = _fits([_looked_at(problem, seed)])[0]
     if _is_like(null, problem, variance / _MISSED) and null.moved < _FAR:
         return None
     tries = [_looked_at(*other) for other in _in_units(problem, of, known, seed)]
-    near, far = _single(problem)
+    near, far = _single(problem, seed)
     meant = _fits(_best(tries)) + _fits(_best(far))
     best = min(meant, key=lambda end: end.chi2 + end.penalty, default=null)
     missed = null.chi2 > _MISSED * best.chi2 or null.moved > _FAR
@@ -175,11 +178,11 @@ def _in_units(
                 yield of(changed), seed, column, per, f"{name} were {of_all}"
 
 
-def _single(problem: Problem) -> tuple[list[_Try], list[_Try]]:
+def _single(problem: Problem, seed: int) -> tuple[list[_Try], list[_Try]]:
     """Fits with one constant that is off, up to `_WRONG_PART` and beyond."""
     near, far = [], []
     grid = np.geomspace(1.0 / _WRONG_PART, _WRONG_PART, _SCANNED)
-    beyond = np.array([one for one in MISTAKES if max(one, 1.0 / one) > _WRONG_PART])
+    beyond = [one for one in MISTAKES if max(one, 1.0 / one) > _WRONG_PART]
     for k, constant in enumerate(problem.constants):
         if not _is_stated(constant):
             continue
@@ -197,14 +200,11 @@ def _single(problem: Problem) -> tuple[list[_Try], list[_Try]]:
             near.append(_Try(wide, x, float(left[place]), freed=k))
         if not middle:
             continue
-        values = values[:1].repeat(len(beyond), axis=0)
-        values[:, k] = middle * beyond
-        for factor, each in zip(beyond.tolist(), _left(problem, values).tolist(), strict=True):
+        for factor in beyond:
             moved = _other(problem, k, lambda one, by=factor: _times(one, by))  # type: ignore[misc]
             text = (f"{constant.name} were {factor_text(factor)} times what is stated: "
                     "look at its unit")  # fmt: skip
-            x = np.zeros(problem.size)
-            far.append(_Try(moved, x, each, constant.name, factor, text))
+            far.append(_looked_at(moved, seed, constant.name, factor, text))
     return near, far
 
 
