@@ -180,6 +180,58 @@ def test_no_drive_drags_unless_that_is_allowed(few, robot):
         assert {"dragged", "pulled"} & {note.code for note in found.run.notes} == noted
 
 
+def drawn_robot(draw):
+    """A block, a liquid and coils of its own; mostly within what a laboratory has."""
+    length, side = draw.uniform(0.2e-3, 1.2e-3), draw.uniform(20e-3, 80e-3)
+    width, height = length * draw.uniform(0.4, 0.9), length * draw.uniform(0.3, 0.7)
+    static = draw.uniform(0.1, 0.5)
+    return {
+        "robot.length": length, "robot.width": width, "robot.height": height,
+        "robot.mass": length * width * height * draw.uniform(4000.0, 7600.0),
+        "robot.magnetization": draw.uniform(1e5, 8e5),
+        "contact.static_friction": static,
+        "contact.kinetic_friction": static * draw.uniform(0.5, 0.95),
+        "contact.adhesion": draw.integers(2) * draw.uniform(0.0, 4e-7),
+        "drag.linear": 10.0 ** draw.uniform(-7.0, -4.5),
+        "coil.side": side, "coil.distance": side * draw.uniform(0.5, 1.0),
+        "coil.turns": int(draw.integers(100, 600)), "coil.resistance": draw.uniform(1.0, 15.0),
+        "coil.inductance": draw.uniform(1e-3, 40e-3),
+    }  # fmt: skip
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.usefixtures("few")
+def test_no_drive_drags_whatever_the_robot_and_whatever_is_free(seed):
+    draw = np.random.default_rng([29, seed])
+    robot = drawn_robot(draw)
+    start = Scenario(drive=Drive(base=0.5e-3, pulses=10, ramp=0.02)).replace(robot)
+    kinetic = robot["contact.kinetic_friction"]
+    start = start.with_uncertain(
+        {"contact.kinetic_friction": {"mean": kinetic, "sd": 0.05 * kinetic}}
+    )
+    free = {
+        "drive.peak": (1e-3, 15e-3), "drive.base": (-2e-3, 10e-3), "drive.hold": (0.0, 6e-3),
+        "drive.frequency": (10.0, 250.0), "drive.mode": ["IPP", "OPP"],
+        "drive.edge": ["rise", "fall"],
+        "robot.length": (0.5 * robot["robot.length"], 2.0 * robot["robot.length"]),
+    }  # fmt: skip
+    asked = {key: free[key] for key in draw.permutation(list(free))[: draw.integers(1, 6)].tolist()}
+    few = {"draws": 2, "fresh": 8, "evaluations": 300}
+    found, said = None, ""
+    try:
+        found = optimise(start, maximise="mean_velocity", free=asked, **few)
+    except ScenarioError as nothing:
+        said = str(nothing)
+    if found is None:  # Some robots only drag or fly, which is said.
+        assert said.startswith("limits: none of the")
+        assert "default (--allow-" in said
+        return
+    for each in found.scenario.draws(20, seed=3):
+        run = simulate(each.replace({"record.rate": "none", "record.pull_share": "yes"}))
+        assert run.pull_share <= DRAGGED["pull_share"]
+
+
 def test_the_better_way_is_found_or_told_where_the_direction_is_stated(few):
     # It slides back: test_run_notes.py.
     start = START.replace({"drive.mode": "OPP", "drive.peak": 1.5e-3, "drive.frequency": 60.0})
