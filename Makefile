@@ -10,7 +10,7 @@ VENV := .venv
 RUN := $(VENV)/bin/python
 BUILD := build/release
 APT_PACKAGES := g++ cmake ninja-build libeigen3-dev libsundials-dev doctest-dev python3-venv python3-dev
-SOURCES := $(shell find cpp/stickslip cpp/bindings python cmake -name __pycache__ -prune -o -type f -print) \
+SOURCES := $(shell find cpp/stickslip cpp/bindings cpp/machines python cmake -name __pycache__ -prune -o -type f -print) \
 	CMakeLists.txt pyproject.toml
 # tomllib came with Python 3.11; pip carries the same module.
 BUILD_REQUIRES = $$($(RUN) -c 'from pip._vendor import tomli; \

@@ -23,16 +23,15 @@ def _package(of: str) -> str:
     return rf"python/stickslip/({of})\.py"
 
 
-_MACHINES = r"cpp/(stickslip/models(/.*)?|bindings/register_models)\.[hc]pp"
 WINGS = {
     "common": (_package(r"_util/.*|errors"), 2_100),
     "simulator": (_package(r"(scenario|field|simulation|sweeping|plot)/.*"), 9_300),
     "applications": (_package(r"(design|control|reproduction)/.*"), 4_500),
     "diagnosis": (_package(r"diagnosis/.*"), 11_380),
-    "machines": (rf"{_package(r'models/.*')}|{_MACHINES}", 2_320),
+    "machines": (rf"{_package(r'models/.*')}|cpp/machines/.*\.[hc]pp", 2_320),
     "walker": (_package(r"walker/.*"), 4_700),
     "command": (_package(r"cli/.*|(?!errors)\w+"), 2_400),
-    "core": (rf"(?!{_MACHINES})cpp/(stickslip|bindings)/.*\.[hc]pp", 19_020),
+    "core": (r"cpp/(stickslip|bindings)/.*\.[hc]pp", 19_020),
     "tests": (r"(tests|cpp/tests)/.*\.(py|[hc]pp)", 39_700),
     "bench": (r"bench/.*\.(py|cpp)", 11_930),
 }

@@ -9,7 +9,7 @@ CORE = Path(__file__).parents[1] / "cpp" / "stickslip"
 
 ORDER = (
     *("numbers", "drive", "field", "body", "solver"),
-    *("contact", "scenario", "run", "batch", "readings", "models"),
+    *("contact", "scenario", "run", "batch", "readings"),
 )
 
 
@@ -34,3 +34,12 @@ def test_no_headers_of_a_folder_include_each_other_in_a_circle(folder):
     while leaves := {name for name, needed in includes.items() if not needed & includes.keys()}:
         includes = {name: needed for name, needed in includes.items() if name not in leaves}
     assert includes == {}
+
+
+def test_core_and_machines_include_nothing_of_each_other():
+    found = {}
+    for wing in ("stickslip", "bindings", "machines"):
+        texts = [file.read_text() for file in (CORE.parent / wing).rglob("*.?pp")]
+        found[wing] = {top for text in texts for top in re.findall(r'#include "(\w+)/', text)}
+    core = {"stickslip"}
+    assert found == {"stickslip": core, "bindings": core, "machines": {"machines"}}

@@ -27,7 +27,8 @@ OWN = STUDY.with_name("own.jsonl")
 
 def modules():
     found = pkgutil.walk_packages(stickslip.__path__, "stickslip.")
-    return [each.name for each in found if not each.name.endswith(("__main__", "_core"))]
+    left = ("__main__", "_core", "_machines")
+    return [each.name for each in found if not each.name.endswith(left)]
 
 
 def _is_slow(page):

@@ -15,12 +15,13 @@ WINGS = {
     **dict.fromkeys(SIMULATOR, SIMULATOR),
     **dict.fromkeys(APPLICATIONS, (*SIMULATOR, *APPLICATIONS)),
     "diagnosis": ("diagnosis",),
-    "models": ("diagnosis", "models"),
+    "_machines": (),
+    "models": ("_machines", "diagnosis", "models"),
     "walker": (*SIMULATOR, "diagnosis", "walker"),
 }
 """What each may import beside the common ones; `cli` and the top-level files import all."""
-ORDER = (*BASE, *SIMULATOR, *APPLICATIONS, "diagnosis", "models", "walker", "cli")
-CORELESS = ("diagnosis",)
+ORDER = (*BASE, *SIMULATOR, *APPLICATIONS, "diagnosis", "_machines", "models", "walker", "cli")
+CORELESS = ("diagnosis", "models")
 """What does not know the core either."""
 FACES = {"plot": {"design.coil_axes"}}
 """What the face of a package offers from elsewhere: `plot.coil_lines` draws numbers of a design."""

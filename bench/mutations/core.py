@@ -1,4 +1,4 @@
-"""Drawn changes of the core, which is built step by step in build/mutations."""
+"""Drawn changes of the core and the machines, which are built step by step in build/mutations."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from mutations import cpp, trial
 from mutations.trial import Mutation, limited
 
-FILES = ("cpp/stickslip/**/*.cpp", "cpp/stickslip/**/*.hpp")
+FILES = ("cpp/stickslip/**/*.[ch]pp", "cpp/machines/*.[ch]pp")
 _IDLE = re.compile(  # what is no text of a running program
     rb'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\])\'|\[\[[^\n]*?\]\]'
     rb"|^ *(?:#|static_assert|template|using|requires|namespace|STICKSLIP)[^\n]*",
@@ -64,7 +64,7 @@ class Copy(trial.Copy):
             raise SystemExit(f"without a change: {said}")
 
     def build(self) -> bool:
-        return not cpp.build("_core")
+        return not cpp.build("_core", "_machines")
 
     def own_tests(self, limit: float) -> str:
         if cpp.build("stickslip_tests"):

@@ -207,15 +207,15 @@ def configure() -> None:
         "-DSKBUILD_PROJECT_VERSION=0.1.0",
         f"-DPython_EXECUTABLE={sys.executable}",
         f"-DCMAKE_PREFIX_PATH={sysconfig.get_path('purelib')}",
-    ) or build("_core")
+    ) or build("_core", "_machines")
     if said:
         sys.exit(said)
 
 
-def build(target: str) -> str:
-    """Build a target of the copy, the core beside the copied package; what goes wrong."""
-    said = failure("--build", BUILD, "--target", target)
-    for module in BUILD.glob("_core*.so"):
+def build(*targets: str) -> str:
+    """Build targets of the copy, its modules beside the copied package; what goes wrong."""
+    said = failure("--build", BUILD, "--target", *targets)
+    for module in BUILD.glob("_*.so"):
         shutil.copy(module, PACKAGE / "stickslip")
     return said
 

@@ -107,7 +107,7 @@ def can_be_read(source: bytes) -> bool:
 
 
 class Copy(trial.Copy):
-    """The package beside the core that is installed."""
+    """The package beside the compiled modules that are installed."""
 
     def __init__(self) -> None:
         self._temporary = tempfile.TemporaryDirectory(prefix="mutations")
@@ -119,5 +119,5 @@ class Copy(trial.Copy):
         mode = py_compile.PycInvalidationMode.CHECKED_HASH
         compileall.compile_dir(self.package, quiet=2, invalidation_mode=mode)
         for folder in importlib.util.find_spec("stickslip").submodule_search_locations:
-            for core in Path(folder).glob("_core*.so"):
-                shutil.copy(core, self.package / "stickslip")
+            for module in Path(folder).glob("_*.so"):
+                shutil.copy(module, self.package / "stickslip")

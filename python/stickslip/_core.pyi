@@ -39,26 +39,6 @@ _Block = tuple[NDArray[float64], NDArray[float64], int]
 def kernel() -> tuple[str, int]:
     """Kind of processor that steps are made for, and runs in a pack."""
 
-motion_terms: tuple[str, ...]
-
-def moved(
-    terms: NDArray[float64],
-    start: NDArray[float64],
-    times: NDArray[float64],
-    inputs: NDArray[float64],
-    late: NDArray[float64],
-) -> NDArray[float64]:
-    """States x, v, y, w at the readings, (vectors, readings, 4)."""
-
-def heated(
-    terms: NDArray[float64],
-    start: NDArray[float64],
-    times: NDArray[float64],
-    inputs: NDArray[float64],
-    late: NDArray[float64],
-) -> NDArray[float64]:
-    """Temperatures of the body at the readings, (vectors, readings)."""
-
 def key_table() -> list[dict[str, Any]]: ...
 def law_key(name: str) -> dict[str, Any] | None: ...
 def effects() -> list[_Effect]: ...

@@ -12,7 +12,7 @@ masses: the motor's with the friction, and the load's, a `share` of the whole, w
 on the place. Across the gap they meet without rebound and pull at nothing; the spring has a moment
 of `spring` per angle and a `damping`.
 
-The core moves them (cpp/stickslip/models): exactly from event to event where the motion is linear
+C++ moves them (cpp/machines): exactly from event to event where the motion is linear
 between events, else by steps of order 5.
 """
 
@@ -23,7 +23,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip import _core
+from stickslip import _machines
 from stickslip._util.arrays import Array
 
 
@@ -44,5 +44,5 @@ def moved(c: Mapping[str, ArrayLike], start: Array, t: Array, inputs: Array, lat
         By how much the inputs act later than the readings, s.
     """
     vectors = start.shape[1]
-    terms = [np.broadcast_to(c.get(name, 0.0), vectors) for name in _core.motion_terms]
-    return _core.moved(np.stack(terms, axis=1), start.T, t, inputs.T, late).transpose(1, 2, 0)
+    terms = [np.broadcast_to(c.get(name, 0.0), vectors) for name in _machines.motion_terms]
+    return _machines.moved(np.stack(terms, axis=1), start.T, t, inputs.T, late).transpose(1, 2, 0)

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <utility>
 
-namespace stickslip {
+namespace machines {
 
 /// One mass with friction that sticks, or a motor and its load: coefficients per unit of inertia, 0
 /// where a term is absent.
@@ -124,4 +124,4 @@ private:
     bool hard = false;
 };
 
-}  // namespace stickslip
+}  // namespace machines

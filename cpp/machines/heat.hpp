@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-namespace stickslip {
+namespace machines {
 
 /// Heat stores: a body, and with a second one its heater. Inputs: power (W) and the temperature
 /// around (K). See Path.
@@ -57,4 +57,4 @@ private:
     HeatTerms c;
 };
 
-}  // namespace stickslip
+}  // namespace machines

@@ -2,18 +2,15 @@
 #include <pybind11/stl.h>
 
 #include <stdexcept>
-#include <string>
 #include <vector>
 
-#include "register.hpp"
-#include "stickslip/models/heat.hpp"
-#include "stickslip/models/motion.hpp"
-#include "stickslip/models/path.hpp"
-#include "tables.hpp"
+#include "machines/heat.hpp"
+#include "machines/motion.hpp"
+#include "machines/path.hpp"
 
 namespace py = pybind11;
 
-namespace stickslip::bindings {
+namespace machines {
 namespace {
 
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
@@ -94,13 +91,17 @@ Array heated(const Array& terms, const Array& start, const Array& times, const A
 }
 
 }  // namespace
+}  // namespace machines
 
-void register_models(py::module_& module) {
-    module.attr("motion_terms") = names_of(kMotionTerms);
+// Without the GIL its functions are safe side by side: they share nothing.
+PYBIND11_MODULE(_machines, module, py::mod_gil_not_used()) {
+    using namespace machines;
+    module.doc() = "Motions of machines and heaters; the public interface is `stickslip.models`.";
+    py::list names;
+    for (const MotionTerm& each : kMotionTerms) names.append(each.name);
+    module.attr("motion_terms") = py::tuple(names);
     module.def("moved", &moved, py::arg("terms"), py::arg("start"), py::arg("times"),
                py::arg("inputs"), py::arg("late"));
     module.def("heated", &heated, py::arg("terms"), py::arg("start"), py::arg("times"),
                py::arg("inputs"), py::arg("late"));
 }
-
-}  // namespace stickslip::bindings

@@ -1,10 +1,10 @@
-#include "stickslip/models/motion.hpp"
+#include "machines/motion.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-namespace stickslip {
+namespace machines {
 namespace {
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
@@ -174,4 +174,4 @@ TwoMasses::Point TwoMasses::after(const State& z, const Input& u, const Mode& mo
     return driven({x, v, y, w}, u, {s, contact});
 }
 
-}  // namespace stickslip
+}  // namespace machines

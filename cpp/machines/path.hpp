@@ -12,7 +12,7 @@
 /// Steps in time of models of machines and heaters, from event to event. An input is held between
 /// the instants at which it switches. Where the motion is linear between events its steps are
 /// exact, by exponentials of matrices; else they are as short as their errors ask for.
-namespace stickslip {
+namespace machines {
 
 /// A square matrix of a few rows.
 template <std::size_t N>
@@ -346,4 +346,4 @@ void follow(const System& system, const typename System::State& start,
     }
 }
 
-}  // namespace stickslip
+}  // namespace machines
