@@ -22,7 +22,7 @@ from measure import add_out, saved
 from stale import digest, stale
 
 from stickslip import Cause, Drive, Measurement, Scenario, diagnose, simulate_batch
-from stickslip.scenario.toml_file import parse_toml
+from stickslip._util.toml import parse_toml
 from stickslip.walker.experiments import CHOICES
 from stickslip.walker.planning import NOISE, plan
 from stickslip.walker.problem import posed_by

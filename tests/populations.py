@@ -11,13 +11,15 @@
 
 import json
 import math
+from functools import partial
 
 import numpy as np
 from hypothesis import strategies as st
 
 from free_shapes import SHAPES, shaped
-from stickslip import Robot, Scenario, ScenarioError, Waveform
+from stickslip import Robot, Scenario, ScenarioError, Waveform, effects
 from stickslip.scenario.keys import known_keys
+from stickslip.walker.library import known
 
 # Of a recording of `EXTREME`: enough to be seen, and in no danger of filling the memory.
 MOST_SAMPLES = 1e5
@@ -207,27 +209,28 @@ def wild_plane(draw, keys):
     }
 
 
-# Values of the named extensions at which each of them counts.
+def acting(draw, name):
+    """Values of a named extension at which it counts: about as far as a diagnosis looks."""
+    values = {}
+    for parameter, size in known()["causes"][name]["sizes"].items():
+        if "middle" in size:
+            values[parameter] = size["middle"] * draw.decades(1e-2, 1e2)
+        elif "falls" in size:  # of the largest voltage, some 30 V
+            values[parameter] = 30.0 * draw.decades(0.1 * size["low"], 3.0)
+        elif size["low"] < 0.0:
+            most = known_keys()[f"effects.{name}.{parameter}"].high
+            values[parameter] = draw.uniform(size["low"], min(size["high"], most))
+        else:
+            values[parameter] = draw.decades(1e-2 * size["size"], size["high"])
+    return values
+
+
 EFFECTS = {
-    "coil_heating": lambda d: {"coefficient": d.decades(1e-4, 1.0)},
-    "amplifier_limit": lambda d: {"voltage": d.decades(1.0, 100.0)},
-    "eddy_lag": lambda d: {"time": d.decades(1e-6, 0.1)},
-    "sample_hold": lambda d: {"period": d.decades(1e-4, 1e-2)},
-    "mutual_inductance": lambda d: {"coupling": d.uniform(-0.24, 0.24)},
-    "gradient_scale": lambda d: {"fraction": d.uniform(-0.5, 1.0)},
-    "field_gain": lambda d: {"in_plane": d.uniform(-0.3, 0.3), "clamp": d.uniform(-0.3, 0.3)},
-    "misalignment": lambda d: {"angle": d.uniform(-1.0, 1.0)},
-    "ambient_field": lambda d: {"Bx": d.uniform(-1e-3, 1e-3), "Bz": d.uniform(-1e-3, 1e-3)},
-    "stribeck_friction": lambda d: {"velocity": d.decades(1e-5, 1e-1)},
-    "viscous_friction": lambda d: {"coefficient": d.decades(1e-2, 1e2)},
-    "friction_anisotropy": lambda d: {"fraction": d.uniform(-1.0, 1.0)},
-    "angle_adhesion": lambda d: {"strength": d.uniform(-2.0, 1.0)},
-    "adhesion_ageing": lambda d: {"rate": d.decades(1e-2, 2.0), "time": d.decades(1e-5, 1e-1)},
-    "angle_drag": lambda d: {"strength": d.uniform(-0.9, 5.0)},
-    "quadratic_drag": lambda d: {"coefficient": d.decades(1e-7, 1e-3)},
-    "rotational_drag": lambda d: {"coefficient": d.decades(1e-16, 1e-11)},
-    "surface_tilt": lambda d: {"angle": d.uniform(-0.5, 0.5)},
-    "friction_patches": lambda d: {"amplitude": d.uniform(-1, 1), "period": d.decades(1e-5, 1e-3)},
+    **{
+        each.name: partial(acting, name=each.name)
+        for each in effects()
+        if each.name in known()["causes"]
+    },
     **{
         name: lambda d, name=name, span=span: shaped(
             name, [d.uniform(-0.9, 2.0) for _ in range(5)], span * d.decades(0.1, 2.0)

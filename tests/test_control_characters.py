@@ -13,8 +13,9 @@ from report_page import Page
 from stickslip import Drive, Measurement, Scenario, ScenarioError, Waveform, diagnose
 from stickslip._util.files import text_writer, write_together
 from stickslip._util.text import json_text, printable, printable_lines, quoted
+from stickslip._util.toml import parse_toml
 from stickslip.diagnosis import Cause, Parameter, Prior, Table, diagnose_model
-from stickslip.scenario.toml_file import parse_toml, write_scenario
+from stickslip.scenario.toml_file import write_scenario
 from stickslip.walker import read_measurement
 
 # Red letters in both spellings of a control sequence, DEL, ends of lines, and text from the right.

@@ -16,9 +16,9 @@ from stale import digest
 
 from causes.make import FOLDER
 from stickslip import Diagnosis, diagnose, diagnose_model, models, read_measurement
+from stickslip._util.toml import parse_toml
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.model import posed
-from stickslip.scenario.toml_file import parse_toml
 from stickslip.walker.problem import posed_by
 
 SIGNIFICANT = 0.05  # of the stepwise test, as is usual

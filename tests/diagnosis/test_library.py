@@ -8,7 +8,7 @@ import pytest
 from stickslip import Scenario, simulate
 from stickslip._util.prior import Prior
 from stickslip.scenario.effects import effects
-from stickslip.walker.library import _ALIKE, _SHAPES, _SIZES, CONSTANTS, SHAKEN, library
+from stickslip.walker.library import alike, known, library
 
 VOLTS = 20.0
 SHORT = Scenario().replace({"drive.frequency": 50.0, "drive.pulses": 5, "drive.base": 0.5e-3})
@@ -24,12 +24,15 @@ def test_every_extension_of_a_known_law_is_a_cause_that_starts_absent():
     left_out = {each.name for each in effects()} - {each.name for each in causes}
     assert len(left_out) == 4
     assert all(name.startswith("free_") for name in left_out)
-    known = parameters(causes)
-    # Each has a size of its own: else it would be guessed from a range as wide as physics allows.
-    own = {f"effects.{name}" for name in [*_SIZES, *_SHAPES, "amplifier_limit.voltage"]}
-    own |= {key for key, _ in CONSTANTS.values()}
-    assert set(known) == own
-    absent = {name: float(each.value(np.zeros(1))[0]) for name, each in known.items()}
+    # Each has words and sizes of its own, which else would be guessed from all that physics allows.
+    rows = known()["causes"]
+    sized = {name for name in rows if "'size'" in repr(rows[name]["sizes"])}
+    assert {each.name for each in causes} == sized
+    for cause in causes:
+        sizes = rows[cause.name]["sizes"]
+        assert list(sizes) == [each.name.rpartition(".")[2] for each in cause.parameters]
+        assert all("size" in each or "middle" in each for each in sizes.values())
+    absent = {name: float(each.value(np.zeros(1))[0]) for name, each in parameters(causes).items()}
     assert simulate(SHORT.replace(absent)).mean_velocity == simulate(SHORT).mean_velocity
 
 
@@ -90,10 +93,10 @@ def test_what_the_model_has_already_is_no_cause():
     assert every - names(effects__misalignment__angle=1) == {"misalignment"}
     assert names(contact__kinetic_friction=1) == every
     # Nor is another name of an uncertain constant.
-    shaken = SHORT.replace({key: 1e-6 for key, _ in SHAKEN.values()})
+    shaken = SHORT.replace(dict.fromkeys(known()["shaken"]["keys"], 1e-06))
     every = names(shaken)
-    assert set(_ALIKE) <= every
-    for name, constant in _ALIKE.items():
+    assert set(alike()) <= every
+    for name, constant in alike().items():
         assert every - names(shaken, **{constant: 1}) == {name}
 
 

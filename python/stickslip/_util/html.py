@@ -10,12 +10,12 @@ import re
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from html import escape
-from importlib import resources
 from typing import TYPE_CHECKING
 
 from stickslip import _core
 from stickslip._util import palette
 from stickslip._util.text import printable, printable_lines
+from stickslip._util.toml import own_text
 
 if TYPE_CHECKING:
     import jinja2
@@ -40,9 +40,8 @@ def _templates() -> jinja2.Environment:
     """All templates, each of which is compiled once."""
     import jinja2
 
-    package = resources.files("stickslip")
     return jinja2.Environment(
-        loader=jinja2.FunctionLoader(lambda path: package.joinpath(path).read_text("utf-8")),
+        loader=jinja2.FunctionLoader(own_text),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,

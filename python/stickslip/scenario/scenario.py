@@ -18,6 +18,7 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.html import html_table
 from stickslip._util.messages import check_kind, check_whole
+from stickslip._util.toml import parse_toml
 from stickslip._util.units import handy
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.field.field_map import FieldMap
@@ -60,7 +61,6 @@ from stickslip.scenario.sections import (
 from stickslip.scenario.toml_file import (
     Content,
     changes_of,
-    parse_toml,
     read_document,
     scenario_text,
     write_scenario,

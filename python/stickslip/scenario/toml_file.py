@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
@@ -11,6 +10,7 @@ from stickslip import _core
 from stickslip._util.files import read_bytes, text_writer, write_together
 from stickslip._util.messages import refuse, shown, suggestion
 from stickslip._util.text import printable, quoted
+from stickslip._util.toml import parse_toml
 from stickslip.errors import ScenarioError
 from stickslip.field.field_map import FieldMap
 from stickslip.scenario.effects import flat_effects
@@ -38,11 +38,6 @@ from stickslip.scenario.sections import SECTIONS
 from stickslip.scenario.uncertain import JointPrior
 from stickslip.scenario.waveform import Waveform
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
-
 FORMAT_VERSION = 1
 
 # Chosen: a scenario is a page of text; what is longer is another file, or a device without end.
@@ -61,16 +56,6 @@ class Content(NamedTuple):
     forces: Forces | None
     fluid: Fluid | None
     uncertain: JointPrior | None
-
-
-def parse_toml(text: str) -> dict[str, Any]:
-    """The document of a TOML text; a ScenarioError of one line says that it is none."""
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise ScenarioError(f"is not valid TOML: {' '.join(str(error).split())}") from None
-    except (RecursionError, ValueError):  # lists in lists, or a number of thousands of digits
-        raise ScenarioError("is not valid TOML: a list or a number in it has no end") from None
 
 
 def read_document(

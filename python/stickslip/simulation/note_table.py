@@ -6,30 +6,22 @@ import functools
 import math
 import operator
 import re
-import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from importlib import resources
 from typing import TYPE_CHECKING, Any
 
 from stickslip import _core
 from stickslip._util.note import Note
+from stickslip._util.toml import own_table
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import FIELDS, known_keys
 from stickslip.scenario.waveform import Waveform
 from stickslip.simulation.seen_from_drive import seen_from_drive
 from stickslip.simulation.unit_notes import DEFAULTS
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
-
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
 
-TABLE = tomllib.loads(
-    resources.files("stickslip").joinpath("simulation/notes.toml").read_text("utf-8")
-)
+TABLE = own_table("simulation/notes.toml")
 
 FAST = 300.0
 """Frequency of pulses beyond which a robot is not asked for more, Hz. Chosen: the coils let none of

@@ -24,6 +24,7 @@ from stickslip.diagnosis.decision.experiments import (
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import Value, find_key, in_allowed_case
 from stickslip.scenario.scenario import Scenario
+from stickslip.walker.library import known
 from stickslip.walker.read_velocity import NOT_SETTINGS, with_index_columns
 from stickslip.walker.reading import Measurement
 from stickslip.walker.velocity import settings_of
@@ -43,21 +44,6 @@ CHOICES: dict[str, tuple[Value, ...]] = {
 measured. Chosen."""
 
 _ROUNDING = 0.005  # part of a number by which three digits may change it
-
-_CURRENTS = "coil_heating", "amplifier_limit", "sample_hold", "edge_time", "mutual_inductance"
-_LOOKS: dict[str, tuple[str, tuple[str, ...]]] = {
-    "look-at-currents": ("Log the coil currents", _CURRENTS),
-    "look-at-field": ("Measure the field at the robot for known currents",
-                      ("field_gain", "ambient_field")),
-    "look-at-tilt": ("Tilt the stage by 2 degrees one way and the other, and compare how much "
-                     "faster and slower the robot walks", ("surface_tilt",)),
-    "look-at-scale": ("Film a scale", ("length_scale",)),
-    "look-at-clock": ("Film a clock", ("clock_scale",)),
-    "look-at-rest": ("Film the robot flat on the surface without a field", ("angle_offset",)),
-    "look-at-static-tilt": ("Read the static pitch in held fields",
-                            ("misalignment", "magnetization_scale")),
-}  # fmt: skip
-"""Measurements beside the drive, and the causes that they show."""
 
 
 def proposals(conditions: Sequence[Drive]) -> list[dict[str, Value]]:
@@ -181,11 +167,14 @@ def advice(names: Mapping[str, str], experiments: Sequence[Experiment]) -> list[
     if experiments and not any(experiment.decides for experiment in experiments):
         text = f"No drive that was tried tells the candidates apart with {TRIALS} trials."
         notes.append(Note("none-separates", text))
-    for code, (text, shows) in _LOOKS.items():
-        seen = " and ".join(word for name, word in names.items() if name in shows)
-        unseen = " or ".join(word for name, word in names.items() if name not in shows)
+    rows = known()["causes"]
+    shown_by = {name: rows.get(name, {}).get("shown_by") for name in names}
+    for look, text in known()["looks"].items():
+        seen = " and ".join(word for name, word in names.items() if shown_by[name] == look)
+        unseen = " or ".join(word for name, word in names.items() if shown_by[name] != look)
         if seen and unseen:
-            notes.append(Note(code, f"{text}: this shows {seen}, and nothing of {unseen}."))
+            text = f"{text}: this shows {seen}, and nothing of {unseen}."
+            notes.append(Note(f"look-at-{look}", text))
     return notes
 
 

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import functools
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -15,6 +13,7 @@ import numpy as np
 
 from stickslip._util.arrays import Array
 from stickslip._util.note import Note
+from stickslip._util.toml import own_text
 from stickslip.diagnosis.decision.experiments import Experiment
 from stickslip.diagnosis.fitting.problem import Cached, Problem
 from stickslip.diagnosis.fitting.rivals import Rivals
@@ -35,15 +34,10 @@ from stickslip.walker.angle import AngleTable
 from stickslip.walker.field import FieldTable
 from stickslip.walker.film import FilmTable
 from stickslip.walker.laws import find_spans, fixed_numbers, laws
-from stickslip.walker.library import library
+from stickslip.walker.library import known, library
 from stickslip.walker.reading import Measurement
 from stickslip.walker.simulated import SimulatedTable
 from stickslip.walker.velocity import VelocityTable
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -254,14 +248,13 @@ def _comments(measurement: Measurement, told: str, first: str, extended: Scenari
 @functools.cache
 def vocabulary() -> Vocabulary:
     """The words of causes.toml, and the drawings beside it."""
-    here = resources.files("stickslip").joinpath("walker")
-    words: Mapping[str, Any] = tomllib.loads(here.joinpath("causes.toml").read_text("utf-8"))
+    words = known()
     return Vocabulary(
-        causes={**words["effects"], **words["readings"]},
+        causes=words["causes"],
         constants=words["constants"],
         units=words["units"],
         problems=words["problems"],
-        drawings=here.joinpath("drawings.svg").read_text("utf-8"),
+        drawings=own_text("walker/drawings.svg"),
         is_handy=_is_handy,
         nouns=False,
     )

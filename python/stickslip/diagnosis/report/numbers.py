@@ -5,17 +5,16 @@ from __future__ import annotations
 import itertools
 import math
 import re
-import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from html import unescape
-from importlib import resources
 from typing import Any, Literal, get_args
 
 import numpy as np
 
 from stickslip._util.arrays import Array, Mask
 from stickslip._util.html import VERSION, page_text
+from stickslip._util.toml import own_text, parse_toml
 from stickslip._util.units import is_of, mistaken, unit_label
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.diagnosis.decision.candidate import Candidate, spread_of
@@ -30,11 +29,6 @@ from stickslip.diagnosis.terms import amounts
 from stickslip.diagnosis.terms.curve import CURVE, SHAPES, Curve
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.diagnosis.terms.words import Vocabulary, Words
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 ROUTINE = (
     "no-block-column", "errors-correlated", "noise-repeats", "noise-free-fit", "frame-noise",
@@ -77,10 +71,10 @@ are no unit."""
 
 def reference() -> dict[str, str]:
     """The meaning of each key of the dictionary, in Markdown; some stand together in one text."""
-    text = resources.files(__package__).joinpath("keys.toml").read_text("utf-8")
+    text = own_text("diagnosis/report/keys.toml")
     for name, words in WORDS.items():
         text = text.replace(f"<{name}>", ", ".join(f"`{word}`" for word in words))
-    return dict(tomllib.loads(text)["keys"])
+    return dict(parse_toml(text)["keys"])
 
 
 def numbers_of(facts: Facts, title: str | None = None) -> dict[str, Any]:

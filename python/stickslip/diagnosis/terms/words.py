@@ -4,27 +4,19 @@ from __future__ import annotations
 
 import math
 import re
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib import resources
 from typing import Any
 
 from stickslip._util.note import Note
 from stickslip._util.text import OneLine
+from stickslip._util.toml import own_table
 from stickslip._util.units import handy, unit_label
 from stickslip.diagnosis.terms.amounts import amount, joined, number, p_text, percent
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
-
-_PROBLEMS: Mapping[str, list[str]] = tomllib.loads(
-    resources.files("stickslip").joinpath("diagnosis/terms/problems.toml").read_text("utf-8")
-)
+_PROBLEMS: Mapping[str, list[str]] = own_table("diagnosis/terms/problems.toml")
 
 _NEW_WORDS = 3  # of a meaning that says more than the title
 

@@ -1,0 +1,34 @@
+"""TOML that a person wrote, and tables of the package."""
+
+from __future__ import annotations
+
+import sys
+from importlib import resources
+from typing import Any
+
+from stickslip.errors import ScenarioError
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+
+def parse_toml(text: str) -> dict[str, Any]:
+    """The document of a TOML text; a ScenarioError of one line says that it is none."""
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise ScenarioError(f"is not valid TOML: {' '.join(str(error).split())}") from None
+    except (RecursionError, ValueError):  # lists in lists, or a number of thousands of digits
+        raise ScenarioError("is not valid TOML: a list or a number in it has no end") from None
+
+
+def own_text(path: str) -> str:
+    """A text file of the package, by its path in there."""
+    return resources.files("stickslip").joinpath(path).read_text("utf-8")
+
+
+def own_table(path: str) -> dict[str, Any]:
+    """A table of the package, by its path in there."""
+    return parse_toml(own_text(path))
