@@ -16,6 +16,7 @@ from stale import stale
 from blind.scoring import interval, markdown
 from blind.study import in_parts
 from stickslip import Parameter, Prior, ScenarioError, Series, diagnose_model, models
+from stickslip._util.units import factor_text
 from stickslip.diagnosis.decision.verdict import CLAIMS
 
 Row = dict[str, Any]
@@ -144,6 +145,8 @@ def made(seed: int) -> tuple[Row, str, Any, Series]:
         known[what] *= factor
     stated = {key: (value, errors[key] * value) for key, value in known.items()}
     log = Series(t, y, {of.input: u}, sd if draw.random() < 0.6 else None)
+    if kind == "own" and wrong in ("reading", "input"):  # A model of one's own has no units.
+        words = f"{factor_text(1.0 / factor)} times as large"
     return (
         {"kind": kind, "wrong": wrong, "what": what, "factor": factor},
         words,
