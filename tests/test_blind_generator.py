@@ -25,9 +25,10 @@ from blind.writing import write_case
 
 from stickslip import Coils, Scenario, _core, simulate
 from stickslip.diagnosis.data.table import Table
-from stickslip.diagnosis.terms.instruments import of_angles, of_velocities, read_by
+from stickslip.diagnosis.terms.instruments import read_by
 from stickslip.walker import read_measurement
 from stickslip.walker.exposure import Exposure, record
+from stickslip.walker.instruments import of_angles, of_velocities
 
 # A condition in which every cause of a moving robot does something.
 DRIVES = [

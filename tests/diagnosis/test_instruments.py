@@ -5,6 +5,7 @@ import pytest
 
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms import instruments
+from stickslip.walker.instruments import of_fields, of_films, of_velocities
 
 # At three times the places p t, and then the angles p.
 TIMES = np.array([0.0, 1.0, 2.0])
@@ -52,7 +53,7 @@ VELOCITIES = np.array([1e-3, -2e-3, 3e-3])
 
 
 def test_an_offset_and_a_limit_act_one_after_the_other_on_one_prediction():
-    *_, offset, limit = instruments.of_velocities(VELOCITIES)
+    *_, offset, limit = of_velocities(VELOCITIES)
     names = ["velocity_clipping.limit", "drag.linear", "velocity_offset.shift"]
     asked = []
 
@@ -73,14 +74,14 @@ def test_an_offset_and_a_limit_act_one_after_the_other_on_one_prediction():
         (offset, limit), names[1:2], values[:1, 1:2], physics, Table({}, VELOCITIES)
     )
     assert np.array_equal(alone[0], 2.0 * VELOCITIES)
-    assert instruments.of_velocities(np.zeros(3)) == ()
+    assert of_velocities(np.zeros(3)) == ()
 
 
 @pytest.mark.parametrize(("length", "clock"), [(0.05, 0.0), (0.0, 0.05), (-0.1, 0.2)])
 def test_scales_of_length_and_clock_are_one_factor_of_velocities(length, clock):
     names = ["length_scale.fraction", "clock_scale.fraction"]
     seen = instruments.read_by(
-        instruments.of_velocities(VELOCITIES), names, np.array([[length, clock], [0.0, 0.0]]),
+        of_velocities(VELOCITIES), names, np.array([[length, clock], [0.0, 0.0]]),
         lambda _, values: np.tile(VELOCITIES, (len(values), 1)), Table({}, VELOCITIES),
     )  # fmt: skip
     assert seen[0] == pytest.approx((1.0 + length) / (1.0 + clock) * VELOCITIES, rel=1e-15)
@@ -88,7 +89,7 @@ def test_scales_of_length_and_clock_are_one_factor_of_velocities(length, clock):
 
 
 def test_a_turned_probe_reads_the_field_in_its_own_axes():
-    turned, _ = instruments.of_fields(np.ones((1, 3)))
+    turned, _ = of_fields(np.ones((1, 3)))
     fields = np.array([1e-3, 0.0, 0.0, 0.0, 2e-3, 0.0])
     # After a quarter turn about z the probe's x axis is the coils' y, and its y axis their -x;
     # rounding of the sines is 1e-16 of the field.
@@ -100,7 +101,7 @@ def test_a_wild_frame_does_not_hide_a_limit():
     # All of 300 angles are cut off at 1.1, but for one that went wrong.
     angles = np.clip(1.4 * np.sin(np.arange(300.0)), -1.1, 1.1)
     angles[17] = 3.0
-    causes = {each.name: each for each in instruments.of_films(angles)}
+    causes = {each.name: each for each in of_films(angles)}
     (limit,) = causes["film_clipping"].parameters
     assert limit.high == pytest.approx(1.2 * 1.1)
     # One size below it, where the search begins, is near the limit.

@@ -17,11 +17,11 @@ from stickslip._util.note import Note
 from stickslip._util.units import far_size
 from stickslip.diagnosis.data.errors import along_runs, estimate, independent
 from stickslip.diagnosis.data.settings import Settings
-from stickslip.diagnosis.terms.instruments import of_velocities
 from stickslip.scenario.keys import Value, known_keys
 from stickslip.simulation.note_table import STEADY_PULSES
 from stickslip.sweeping.notes import notes_of
 from stickslip.sweeping.points import encoded, from_changes
+from stickslip.walker.instruments import of_velocities
 from stickslip.walker.read_velocity import VelocityData
 from stickslip.walker.reading import Measurement
 from stickslip.walker.simulated import SimulatedTable
