@@ -4,8 +4,9 @@
 and prints the tables. `tables` prints those of a record, `write` lays out one data set as files,
 `store` keeps sets of old seeds with what the present engine says of them, `compare` sets the
 verdicts and fits of a later engine beside these. `own` diagnoses sets of models of one's own, and
-`twins` logs of near twins beside a distorted sensor; both print their counts. The folder is that of
-the stored study unless another one is given; a step that was stopped goes on where it stood.
+`twins` logs of near twins beside a distorted sensor, `late` logs whose input acts late; each prints
+its counts. The folder is that of the stored study unless another one is given; a step that was
+stopped goes on where it stood.
 """
 
 from __future__ import annotations
@@ -17,6 +18,8 @@ from pathlib import Path
 from stale import stale
 
 from blind.kinds import KINDS, OLD, STUDY, plan
+from blind.late import FIRST as FIRST_LATE
+from blind.late import study as study_late
 from blind.own import study as study_own
 from blind.scoring import read, report
 from blind.stored import compare, store
@@ -66,6 +69,9 @@ def main() -> None:
     twins = steps.add_parser("twins", parents=[folder, time], help="logs of near twins")
     twins.add_argument("--first", type=int, default=FIRST_TWINS + 60, help="seed")
     twins.add_argument("--sets", type=int, default=60, help="at most")
+    late = steps.add_parser("late", parents=[folder, time], help="logs whose input acts late")
+    late.add_argument("--first", type=int, default=FIRST_LATE, help="seed")
+    late.add_argument("--sets", type=int, default=60, help="at most")
     again = steps.add_parser("compare", parents=[time, some, short], help="before and now")
     again.add_argument("--out", type=Path, default=Path("bench/results/stored.jsonl"))
     options = parser.parse_args()
@@ -86,6 +92,8 @@ def main() -> None:
         study_own(options.folder / "own.jsonl", options.minutes, options.sets)
     elif options.step == "twins":
         study_twins(options.folder / "twins.jsonl", options.minutes, options.first, options.sets)
+    elif options.step == "late":
+        study_late(options.folder / "late.jsonl", options.minutes, options.first, options.sets)
     elif options.step == "write":
         answer = write_case(options.into / "data", options.kind, options.seed)
         (options.into / "answer.json").write_text(json.dumps(answer, indent=2) + "\n")

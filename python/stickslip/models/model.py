@@ -16,21 +16,19 @@ from stickslip._util.prior import Prior
 from stickslip._util.text import OneLine, brief, is_number
 from stickslip._util.units import same_unit, unit_label, zero_of
 from stickslip.diagnosis.data.series import Series
-from stickslip.diagnosis.data.signal import Signal
 from stickslip.diagnosis.terms import instruments
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import LARGEST_ERROR, Parameter
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.models.log import Columns
+from stickslip.models.physics import Inputs
 
 Known = float | tuple[float, float] | Prior
 """What is known of a term: its value; its value and standard deviation; or a Prior."""
 
-Physics = Callable[[Array, Mapping[str, Array], Mapping[str, Array], Mapping[str, Array]], Array]
-"""``physics(t, inputs, late, values)``: states, (readings, states, vectors), at times, (readings,).
-Inputs by name, (1 + readings, vectors), are what acted before the first time, then what is held
-from each time on; all of it acts later by `late`, (vectors,), s. Values by name, (vectors,), have
-the usual `step` of the readings too, s."""
+Physics = Callable[[Array, Inputs, Mapping[str, Array]], Array]
+"""``physics(t, inputs, values)``: states, (readings, states, vectors), at times, (readings,).
+Values by name, (vectors,), have the usual `step` of the readings too, s."""
 
 _KNOWN = "a number, (value, error) or a Prior"
 
@@ -219,21 +217,14 @@ class Model(OneLine):
             value = p[name][:, 0] if name in p else term.absent if stated is None else stated
             values[name] = np.broadcast_to(np.asarray(value, dtype=float), vectors)
         values["step"] = np.full(vectors, record.step)
-        t, inputs, late = record.t, {}, {}
-        if self.smooth:
-            t = np.sort(np.concatenate([t, 0.5 * (t[1:] + t[:-1])]))
+        acts, late = {}, {}
         for name, signal in signals.items():
-            if self.smooth:
-                # Two held halves with the mean and the first moment of a line.
-                half = signal.means(t)
-                one, two = half[:, :-1:2], half[:, 1::2]
-                half[:, :-1:2], half[:, 1::2] = (7.0 * one - two) / 6.0, (7.0 * two - one) / 6.0
-                signal = Signal.of(t, half, held=True)
             rows = np.vstack([signal.first, signal.values.T])
-            inputs[name] = np.broadcast_to(rows, (len(rows), vectors))
+            acts[name] = np.broadcast_to(rows, (len(rows), vectors))
             late[name] = np.broadcast_to(signal.late, vectors)
+        inputs = Inputs(record.t[:, None], acts, late, self.smooth)
         with np.errstate(all="ignore"):
-            states = self.kind.physics(t, inputs, late, values)[:: 1 + self.smooth]
+            states = self.kind.physics(record.t, inputs, values)
         return np.asarray(states[:, self.kind.reads[self.reads][0]].T)
 
     @property
