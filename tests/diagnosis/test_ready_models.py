@@ -631,7 +631,9 @@ BAD = {
     "no parameters": (lambda: diagnose_model(lambda table, p: T, LOG), "uncertain: allowed is"),
     "no function": (lambda: models.vectorised(3), "vectorised = 3: allowed is a function"),
     "an uneven clock": (lambda: models.low_pass(T**2, T, 1.0), "t: row 1 = .*even step"),
-    "a fast cutoff": (lambda: models.low_pass(T, T, 60.0), "cutoff = 60.0: .* below 50 Hz"),
+    "a fast cutoff": (lambda: models.low_pass(T, T, 60.0), "cutoff = 60.0: .* from 1 to 49 Hz"),
+    "a cutoff near half the rate": (lambda: models.low_pass(T, T, 49.9), "from 1 to 49 Hz, 2"),
+    "a cutoff that no period shows": (lambda: models.low_pass(T, T, 1e-9), "from 1 to 49 Hz, 2"),
     "no derivative": (lambda: models.low_pass(T, T, 1.0, derivatives=3), "derivatives = 3"),
     "a short row": (lambda: models.low_pass(T[:5], T[:5], 1.0), "t: 5 times; allowed are 12"),
 }  # fmt: skip
@@ -663,6 +665,17 @@ def test_a_low_pass_comes_at_no_time_late_and_leaves_half_of_the_power_at_its_cu
         wave = np.sin(2.0 * np.pi * frequency * t)
         inner = slice(500, 3500)
         assert models.low_pass(t, wave, 10.0)[inner] == pytest.approx(kept * wave[inner], abs=0.01)
+    # As twice the filter of second order, whose frequencies are tangents, does it for all sines.
+    rate, inner, waves = 1000.0, slice(1000, 3000), np.array([0.004, 0.03, 0.11, 0.26, 0.38, 0.47])
+    for cutoff in (0.004, 0.02, 0.1, 0.25, 0.3, 0.4, 0.45, 0.49, 0.496):
+        for part in (cutoff, *waves):
+            wave = np.exp(2j * np.pi * part * rate * t)
+            left = [models.low_pass(t, each, cutoff * rate) for each in (wave.real, wave.imag)]
+            gain = np.vdot(wave[inner], (left[0] + 1j * left[1])[inner]).real / 2000.0
+            ratio = np.tan(np.pi * part) / np.tan(np.pi * cutoff)
+            assert gain == pytest.approx(1.0 / (1.0 + (np.sqrt(2.0) - 1.0) * ratio**4), abs=2e-3)
+            if part == cutoff:
+                assert gain**2 == pytest.approx(0.5, abs=4e-3)
     slow = models.low_pass(t, np.sin(t), 10.0, derivatives=1)[500:3500]
     assert slow == pytest.approx(np.cos(t[500:3500]), abs=1e-5)
     faster = models.low_pass(t, np.sin(t), 10.0, derivatives=2)[500:3500]
