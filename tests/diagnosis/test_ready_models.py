@@ -584,6 +584,16 @@ def test_what_is_stated_is_a_constant_and_what_is_not_is_a_cause():
     assert {"start_position", "start_speed"} <= {each.name for each in free[0]}
 
 
+@pytest.mark.parametrize("length", [0.01, 50.0])
+def test_usual_sizes_of_a_pendulum_are_those_of_one_of_another_length(length):
+    def sizes(length):
+        log = Series(T, 0.1 * np.sin(T), {"pivot": length * 300.0 * np.cos(T)})
+        _, causes = models.pendulum(length=length).terms(log)
+        return [one.size for cause in causes for one in cause.parameters if one.size]
+
+    assert sizes(length) == pytest.approx(sizes(1.0), rel=1e-12)
+
+
 @pytest.mark.parametrize("name", FACTORIES)
 def test_every_term_is_in_the_docstring_and_acts(name):
     make, least = FACTORIES[name], LEAST[name]

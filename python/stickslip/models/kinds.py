@@ -114,7 +114,8 @@ KINDS = {
             ),
             (("start_position", "rad"), ("start_speed", "rad/s")),
             {"angle": (0, 0), "speed": (1, 1)},
-            {"pivot": "m/s^2"}, _sensors("pivot", zero=True), placed=frozenset({"length"}),
+            {"pivot": "m/s^2"}, _sensors("pivot", zero=True), lever="length",
+            placed=frozenset({"length"}),
         ),
         Kind(
             "oscillator", oscillator_states,

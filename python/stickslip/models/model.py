@@ -151,8 +151,9 @@ class Kind:
     inputs : dict
         Units by name.
     sensors : tuple of Sensor
-    inertia, gain : str
-        Constants that make a force of the fastest derivative, and of the first input.
+    inertia, gain, lever : str
+        Constants that make a force of the fastest derivative, and of the first input, which is
+        over `lever`.
     placed : frozenset of str
         Effects by which readings depend on the first start state, though another one is read.
     """
@@ -166,6 +167,7 @@ class Kind:
     sensors: tuple[Sensor, ...]
     inertia: str = ""
     gain: str = ""
+    lever: str = ""
     placed: frozenset[str] = frozenset()
 
     @property
@@ -337,6 +339,8 @@ class Model(OneLine):
         size, change = root_mean_square(y) or 1.0, root_mean_square(slope) or 1.0
         made = {name: float(value.value(0.0)) if isinstance(value, Prior) else value
                 for name, value in self.known.items()}  # fmt: skip
+        # Before scales, of which one is a length too.
+        per_input = made.get(self.kind.gain, 1.0) / made.get(self.kind.lever, 1.0)
         made |= {"reading": size}
         if self.kind.reads[self.reads][1] == 1:
             made |= {"length": size**2 / change, "speed": size, "acceleration": change}
@@ -349,7 +353,7 @@ class Model(OneLine):
         fastest = made[("speed", "acceleration")[len(self.kind.states) - 1]]
         made["force"] = max(
             made.get(self.kind.inertia, 1.0) * fastest,
-            made.get(self.kind.gain, 1.0) * made["input"], tiny,
+            per_input * made["input"], tiny,
             # A weight that is stated acts too, where the inertia may be what is wrong.
             *(abs(made.get(term.name, 0.0)) for term in self.kind.terms
               if term.of == "force" and term.signed),
