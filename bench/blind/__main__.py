@@ -4,9 +4,9 @@
 and prints the tables. `tables` prints those of a record, `write` lays out one data set as files,
 `store` keeps sets of old seeds with what the present engine says of them, `compare` sets the
 verdicts and fits of a later engine beside these. `own` diagnoses sets of models of one's own,
-`twins` logs of near twins beside a distorted sensor, and `units` logs in a unit that nobody stated;
-all three print their counts. The folder is that of the stored study unless another one is given; a
-step that was stopped goes on where it stood.
+`twins` logs of near twins beside a distorted sensor, `late` logs whose input acts late, and `units`
+logs in a unit that nobody stated; each prints its counts. The folder is that of the stored study
+unless another one is given; a step that was stopped goes on where it stood.
 """
 
 from __future__ import annotations
@@ -17,16 +17,20 @@ from pathlib import Path
 
 from stale import stale
 
+from blind import late, twins, units
 from blind.kinds import KINDS, OLD, STUDY, plan
 from blind.own import study as study_own
 from blind.scoring import read, report
 from blind.stored import compare, store
 from blind.study import HERE, Row, diagnose_sets, judge, make
-from blind.twins import FIRST as FIRST_TWINS
-from blind.twins import study as study_twins
-from blind.units import FIRST as FIRST_UNITS
-from blind.units import study as study_units
 from blind.writing import write_case
+
+OF_LOGS = {
+    "twins": (twins.study, twins.FIRST + 60, "logs of near twins"),
+    "late": (late.study, late.FIRST, "logs whose input acts late"),
+    "units": (units.study, units.FIRST, "logs in a unit that nobody stated"),
+}
+"""Of each study of logs: what does it, its first seed, and what it has."""
 
 
 def show(rows: list[Row]) -> None:
@@ -66,10 +70,7 @@ def main() -> None:
     kept.add_argument("--seeds", type=int, default=2, help="data sets of a kind, at most")
     own = steps.add_parser("own", parents=[folder, time], help="sets of models of one's own")
     own.add_argument("--sets", type=int, default=250, help="at most")
-    for name, first, text in (
-        ("twins", FIRST_TWINS + 60, "logs of near twins"),
-        ("units", FIRST_UNITS, "logs in a unit that nobody stated"),
-    ):
+    for name, (_, first, text) in OF_LOGS.items():
         step = steps.add_parser(name, parents=[folder, time], help=text)
         step.add_argument("--first", type=int, default=first, help="seed")
         step.add_argument("--sets", type=int, default=60, help="at most")
@@ -91,8 +92,8 @@ def main() -> None:
         show(read(options.record))
     elif options.step == "own":
         study_own(options.folder / "own.jsonl", options.minutes, options.sets)
-    elif options.step in ("twins", "units"):
-        study = study_twins if options.step == "twins" else study_units
+    elif options.step in OF_LOGS:
+        study, *_ = OF_LOGS[options.step]
         rows = options.folder / f"{options.step}.jsonl"
         study(rows, options.minutes, options.first, options.sets)
     elif options.step == "write":

@@ -51,9 +51,7 @@ def _of_a_model(folder: Path, told: dict[str, Any]) -> Asked:
     known = {**{k: tuple(v) for k, v in told["constants"].items()}, **told["known"]}
     model = getattr(models, told["kind"])(without=told["without"], **known)
     log = models.read_log(folder / told["log"], model)
-    return Asked(
-        posed(log, model, *model.terms(log)), partial(diagnose_model, model, log)
-    )
+    return Asked(posed(log, model, *model.terms(log)), partial(diagnose_model, model, log))
 
 
 def _walker(folder: Path, told: dict[str, Any]) -> Asked:

@@ -49,6 +49,7 @@ public:
     std::array<double, 1> margins(const State&, const Input&, const Mode&) const {
         return {std::numeric_limits<double>::infinity()};
     }
+    double fall(const State&, const Input&, const Mode&) const { return 0.0; }
     Point begun(const State& z, const Input&) const { return {z, {}}; }
     Point driven(const State& z, const Input&, const Mode&) const { return {z, {}}; }
     Point after(const State& z, const Input&, const Mode&, std::size_t) const { return {z, {}}; }

@@ -1,8 +1,9 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <span>
 #include <stdexcept>
-#include <vector>
 
 #include "machines/heat.hpp"
 #include "machines/motion.hpp"
@@ -19,19 +20,39 @@ void require(bool fits, const char* what) {
     if (!fits) throw std::invalid_argument(what);
 }
 
+/// The inputs of one vector. knots: (1 or vectors, knots); inputs: (vectors, 1 + knots, inputs), at
+/// first before the record; late: (vectors, inputs).
+template <std::size_t N>
+Signals<N> signals_of(py::ssize_t vector, const Array& knots, const Array& inputs,
+                      const Array& late, bool lines) {
+    Signals<N> result = {};
+    const double* own = knots.data(knots.shape(0) > 1 ? vector : 0);
+    result.knots = {own, static_cast<std::size_t>(knots.shape(1))};
+    result.values = inputs.data(vector);
+    std::copy_n(late.data(vector), N, result.late.begin());
+    result.lines = lines;
+    return result;
+}
+
+bool fit(py::ssize_t vectors, py::ssize_t count, const Array& knots, const Array& inputs,
+         const Array& late) {
+    return knots.ndim() == 2 && (knots.shape(0) == 1 || knots.shape(0) == vectors) &&
+           inputs.ndim() == 3 && inputs.shape(0) == vectors &&
+           inputs.shape(1) == 1 + knots.shape(1) && inputs.shape(2) == count && late.ndim() == 2 &&
+           late.shape(0) == vectors && late.shape(1) == count;
+}
+
 /// States x, v, y, w at the readings, shape (vectors, readings, 4). terms: (vectors, terms);
-/// start: (vectors, 2); times: (readings,); inputs: (vectors, 1 + readings), the first before the
-/// record; late: (vectors,).
-Array moved(const Array& terms, const Array& start, const Array& times, const Array& inputs,
-            const Array& late) {
+/// start: (vectors, 2); times: (readings,); see signals_of.
+Array moved(const Array& terms, const Array& start, const Array& times, const Array& knots,
+            const Array& inputs, const Array& late, bool lines) {
     const py::ssize_t vectors = terms.shape(0), readings = times.shape(0);
     require(terms.ndim() == 2 && terms.shape(1) == py::ssize_t{kMotionTerms.size()} &&
                 start.ndim() == 2 && start.shape(0) == vectors && start.shape(1) == 2 &&
-                inputs.ndim() == 2 && inputs.shape(0) == vectors &&
-                inputs.shape(1) == 1 + readings && late.ndim() == 1 && late.shape(0) == vectors,
+                fit(vectors, 1, knots, inputs, late),
             "moved: the shapes do not fit");
     Array result({vectors, readings, py::ssize_t{4}});
-    const std::vector<double> t(times.data(), times.data() + readings);
+    const std::span t(times.data(), static_cast<std::size_t>(readings));
     const py::gil_scoped_release release;
     for (py::ssize_t k = 0; k < vectors; ++k) {
         MotionTerms own;
@@ -40,15 +61,13 @@ Array moved(const Array& terms, const Array& start, const Array& times, const Ar
         }
         const double x = start.at(k, 0), v = start.at(k, 1);
         double* out = result.mutable_data(k);
-        const double* acting = inputs.data(k);
-        const auto input = [&](std::size_t n) { return OneMass::Input{acting[n]}; };
-        const OneMass::Input after = {late.at(k)};
+        const Signals<1> acting = signals_of<1>(k, knots, inputs, late, lines);
         if (own.gap != 0.0 || own.spring != 0.0) {
-            follow(
-                TwoMasses(own), {x, v, x, v}, t, input, after,
-                [&](std::size_t n, const auto& z) { std::copy(z.begin(), z.end(), out + 4 * n); });
+            follow(TwoMasses(own), {x, v, x, v}, t, acting, [&](std::size_t n, const auto& z) {
+                std::copy(z.begin(), z.end(), out + 4 * n);
+            });
         } else {
-            follow(OneMass(own), {x, v}, t, input, after, [&](std::size_t n, const auto& z) {
+            follow(OneMass(own), {x, v}, t, acting, [&](std::size_t n, const auto& z) {
                 for (std::size_t i = 0; i < 4; ++i) out[4 * n + i] = z[i % 2];
             });
         }
@@ -57,34 +76,27 @@ Array moved(const Array& terms, const Array& start, const Array& times, const Ar
 }
 
 /// Temperatures of the body at the readings, shape (vectors, readings). terms: (vectors, 5);
-/// start: (vectors,); times: (readings,); inputs: (vectors, 1 + readings, 2), the first before the
-/// record; late: (vectors, 2).
-Array heated(const Array& terms, const Array& start, const Array& times, const Array& inputs,
-             const Array& late) {
+/// start: (vectors,); times: (readings,); inputs: power and ambient, see signals_of.
+Array heated(const Array& terms, const Array& start, const Array& times, const Array& knots,
+             const Array& inputs, const Array& late, bool lines) {
     const py::ssize_t vectors = terms.shape(0), readings = times.shape(0);
     require(terms.ndim() == 2 && terms.shape(1) == 5 && start.shape(0) == vectors &&
-                inputs.ndim() == 3 && inputs.shape(0) == vectors &&
-                inputs.shape(1) == 1 + readings && inputs.shape(2) == 2 && late.ndim() == 2 &&
-                late.shape(0) == vectors && late.shape(1) == 2,
+                fit(vectors, 2, knots, inputs, late),
             "heated: the shapes do not fit");
     Array result({vectors, readings});
-    const std::vector<double> t(times.data(), times.data() + readings);
+    const std::span t(times.data(), static_cast<std::size_t>(readings));
     const py::gil_scoped_release release;
     for (py::ssize_t k = 0; k < vectors; ++k) {
         const double* own = terms.data(k);
         const HeatTerms c{own[0], own[1], own[2], own[3], own[4]};
         const double begin = start.at(k);
         double* out = result.mutable_data(k);
-        const double* acting = inputs.data(k);
-        const auto input = [&](std::size_t n) {
-            return HeatStores<1>::Input{acting[2 * n], acting[2 * n + 1]};
-        };
-        const HeatStores<1>::Input after = {late.at(k, 0), late.at(k, 1)};
+        const Signals<2> acting = signals_of<2>(k, knots, inputs, late, lines);
         const auto write = [&](std::size_t n, const auto& z) { out[n] = z[0]; };
         if (c.heater > 0.0) {
-            follow(HeatStores<2>(c), {begin, begin}, t, input, after, write);
+            follow(HeatStores<2>(c), {begin, begin}, t, acting, write);
         } else {
-            follow(HeatStores<1>(c), {begin}, t, input, after, write);
+            follow(HeatStores<1>(c), {begin}, t, acting, write);
         }
     }
     return result;
@@ -101,7 +113,7 @@ PYBIND11_MODULE(_machines, module, py::mod_gil_not_used()) {
     for (const MotionTerm& each : kMotionTerms) names.append(each.name);
     module.attr("motion_terms") = py::tuple(names);
     module.def("moved", &moved, py::arg("terms"), py::arg("start"), py::arg("times"),
-               py::arg("inputs"), py::arg("late"));
+               py::arg("knots"), py::arg("inputs"), py::arg("late"), py::arg("lines"));
     module.def("heated", &heated, py::arg("terms"), py::arg("start"), py::arg("times"),
-               py::arg("inputs"), py::arg("late"));
+               py::arg("knots"), py::arg("inputs"), py::arg("late"), py::arg("lines"));
 }

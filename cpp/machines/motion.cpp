@@ -67,8 +67,13 @@ OneMass::State OneMass::rate(const State& z, const Input& u, const Mode& mode) c
     return {z[1], driving(z[0], z[1], u[0]) - loading(z[0]) - friction(z[1], s)};
 }
 
-std::array<double, 1> OneMass::margins(const State& z, const Input&, const Mode& mode) const {
-    return {dry ? mode[0] * z[1] : kEndless};
+std::array<double, 1> OneMass::margins(const State& z, const Input& u, const Mode& mode) const {
+    if (!dry) return {kEndless};
+    return {mode[0] != 0 ? mode[0] * z[1] : held(driving(z[0], 0.0, u[0]) - loading(z[0]))};
+}
+
+double OneMass::fall(const State& z, const Input& u, const Mode& mode) const {
+    return dry && mode[0] != 0 ? -mode[0] * rate(z, u, mode)[1] : 0.0;
 }
 
 OneMass::Point OneMass::begun(const State& z, const Input& u) const {
@@ -81,7 +86,8 @@ OneMass::Point OneMass::driven(const State& z, const Input& u, const Mode& mode)
     return {z, {way(driving(z[0], 0.0, u[0]) - loading(z[0]))}};
 }
 
-OneMass::Point OneMass::after(const State& z, const Input& u, const Mode&, std::size_t) const {
+OneMass::Point OneMass::after(const State& z, const Input& u, const Mode& mode, std::size_t) const {
+    if (mode[0] == 0) return {z, {sign(driving(z[0], 0.0, u[0]) - loading(z[0]))}};
     return driven({z[0], 0.0}, u, {0});
 }
 
@@ -130,6 +136,10 @@ std::array<double, 2> TwoMasses::margins(const State& z, const Input& u, const M
         meets = hard ? contact * between : contact * (x - y) - c.gap;
     }
     return {rests, meets};
+}
+
+double TwoMasses::fall(const State& z, const Input& u, const Mode& mode) const {
+    return dry && mode[0] != 0 ? -mode[0] * rate(z, u, mode)[1] : 0.0;
 }
 
 TwoMasses::Point TwoMasses::begun(const State& z, const Input& u) const {

@@ -69,6 +69,7 @@ public:
 
     State rate(const State& z, const Input& u, const Mode& mode) const;
     std::array<double, 1> margins(const State& z, const Input& u, const Mode& mode) const;
+    double fall(const State& z, const Input& u, const Mode& mode) const;
     Point begun(const State& z, const Input& u) const;
     Point driven(const State& z, const Input& u, const Mode& mode) const;
     Point after(const State& z, const Input& u, const Mode& mode, std::size_t hit) const;
@@ -107,6 +108,7 @@ public:
     double fastest_at(const State& z, const Input& u) const;
     State rate(const State& z, const Input& u, const Mode& mode) const;
     std::array<double, 2> margins(const State& z, const Input& u, const Mode& mode) const;
+    double fall(const State& z, const Input& u, const Mode& mode) const;
     /// Both move as one; the gap is closed in the direction of the first input, of which a zero has
     /// the sign as well.
     Point begun(const State& z, const Input& u) const;

@@ -5,64 +5,37 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
-/// Steps in time of models of machines and heaters, from event to event. An input is held between
-/// the instants at which it switches. Where the motion is linear between events its steps are
-/// exact, by exponentials of matrices; else they are as short as their errors ask for.
+/// Steps in time of models of machines and heaters, from event to event. From one knot to the next
+/// an input is held, or a line. Where the motion is linear between events its steps are exact, by
+/// exponentials of matrices; else they are as short as their errors ask for.
 namespace machines {
 
-/// A square matrix of a few rows.
+/// Inputs now, and their slopes, 1/s.
 template <std::size_t N>
-using SquareMatrix = std::array<std::array<double, N>, N>;
+struct Lines {
+    std::array<double, N> value = {}, slope = {};
 
-template <std::size_t N>
-SquareMatrix<N> product(const SquareMatrix<N>& a, const SquareMatrix<N>& b) {
-    SquareMatrix<N> result = {};
-    for (std::size_t i = 0; i < N; ++i) {
-        for (std::size_t k = 0; k < N; ++k) {
-            for (std::size_t j = 0; j < N; ++j) result[i][j] += a[i][k] * b[k][j];
-        }
+    std::array<double, N> at(double time) const {
+        std::array<double, N> result = value;
+        for (std::size_t i = 0; i < N; ++i) result[i] += slope[i] * time;
+        return result;
     }
-    return result;
-}
+    Lines after(double time) const { return {at(time), slope}; }
+};
 
-/// Its exponential, by a series of the halved matrix that is squared again.
+/// Inputs of a record: what acts before the first knot, and from each knot on, held or with `lines`
+/// changing evenly up to the next one; each of them by its own time later.
 template <std::size_t N>
-SquareMatrix<N> exponential_of(const SquareMatrix<N>& matrix) {
-    constexpr int kMost = 20;  // terms; with a norm up to a half, 14 do
-    double largest = 1e-300;
-    for (const auto& row : matrix) {
-        double sum = 0.0;
-        for (const double each : row) sum += std::abs(each);
-        largest = std::max(largest, sum);
-    }
-    const int halvings = std::max(0, static_cast<int>(std::ceil(std::log2(largest / 0.5))));
-    SquareMatrix<N> part = matrix, result = {};
-    for (std::size_t i = 0; i < N; ++i) {
-        for (double& each : part[i]) each = std::ldexp(each, -halvings);
-        result[i][i] = 1.0;
-    }
-    SquareMatrix<N> term = part;
-    for (int k = 2; k <= kMost; ++k) {
-        double size = 0.0;
-        for (std::size_t i = 0; i < N; ++i) {
-            for (std::size_t j = 0; j < N; ++j) {
-                result[i][j] += term[i][j];
-                size = std::max(size, std::abs(term[i][j]));
-            }
-        }
-        if (size < 1e-18) break;
-        term = product(term, part);
-        for (auto& row : term) {
-            for (double& each : row) each /= k;
-        }
-    }
-    for (int k = 0; k < halvings; ++k) result = product(result, result);
-    return result;
-}
+struct Signals {
+    std::span<const double> knots;  ///< s
+    const double* values;           ///< of all inputs, before the first knot and from each on
+    std::array<double, N> late;     ///< s
+    bool lines = false;
+};
 
 /// The path of one system, which has
 ///
@@ -74,6 +47,7 @@ SquareMatrix<N> exponential_of(const SquareMatrix<N>& matrix) {
 ///     fastest_at(z, u)            that of all terms near a state, at least; of no linear system
 ///     rate(z, u, mode)            derivative of the state
 ///     margins(z, u, mode)         what is below zero where a phase has ended
+///     fall(z, u, mode)            how fast the first of them falls, where it may turn in a step
 ///     begun(z, u)                 state and phases at the first reading
 ///     driven(z, u, mode)          the same where the input has changed
 ///     after(z, u, mode, hit)      the same where the margin `hit` has become zero
@@ -84,6 +58,7 @@ public:
     using Input = typename System::Input;
     using Mode = typename System::Mode;
     using Point = std::pair<State, Mode>;
+    using Inputs = Lines<System::kInputs>;
 
     /// step: s, the usual one between two readings. steps: how many may be taken.
     Path(const System& system, double step, double steps)
@@ -92,22 +67,25 @@ public:
     /// Whether the motion was followed as far as it was asked for.
     bool is_followed() const { return left_ >= 0.0; }
 
-    /// After an input has been held for `gap` s.
-    Point advanced(Point from, const Input& u, double gap) {
-        Point now = system_.driven(from.first, u, from.second);
+    /// After lines of the inputs for `gap` s.
+    Point advanced(Point from, Inputs u, double gap) {
+        Point now = system_.driven(from.first, u.value, from.second);
         const double turns = system_.linear ? 0.0 : gap * system_.fastest;
         const double parts = std::ceil(std::clamp(turns / kFine, 1.0, std::max(kEven, turns)));
         if (!(parts <= left_)) {
             left_ = -1.0;
             return now;
         }
-        for (double part = 0.0; part < parts; ++part) now = step(now, u, gap / parts);
+        for (double part = 0.0; part < parts; ++part) {
+            now = step(now, u, gap / parts);
+            u = u.after(gap / parts);
+        }
         return now;
     }
 
 private:
     static constexpr std::size_t kStates = System::kStates, kInputs = System::kInputs;
-    static constexpr std::size_t kWhole = kStates + 1 + kInputs;
+    static constexpr std::size_t kHeld = kStates + 1 + kInputs, kWhole = kHeld + kInputs;
     using Rows = std::array<std::array<double, kWhole>, kStates>;
 
     // Longest step of the method in units of the shortest time constant. Chosen: an oscillation is
@@ -129,28 +107,78 @@ private:
         return *std::min_element(margins.begin(), margins.end());
     }
 
-    /// What takes state, one and inputs to the state after h s.
+    // Product of square matrices that are `one` and `rise` below: a number times one, and what an
+    // input takes of its rise.
+    static Rows product(const Rows& a, const Rows& b, double one, double rise) {
+        Rows result = {};
+        for (std::size_t i = 0; i < kStates; ++i) {
+            for (std::size_t k = 0; k < kStates; ++k) {
+                for (std::size_t j = 0; j < kWhole; ++j) result[i][j] += a[i][k] * b[k][j];
+            }
+            for (std::size_t j = kStates; j < kWhole; ++j) {
+                result[i][j] += one * a[i][j];
+                if (j >= kHeld) result[i][j] += rise * a[i][j - kInputs];
+            }
+        }
+        return result;
+    }
+
+    // Exponential of a square matrix whose rows are 0 below but for a half of each rise, by a
+    // series of the halved matrix that is squared again. With a half its norm is mostly that of the
+    // rest.
+    static Rows exponential_of(Rows part) {
+        constexpr int kMost = 20;  // terms; with a norm up to a half, 14 do
+        double largest = 1e-300, rise = 0.5;
+        for (const auto& row : part) {
+            double sum = 0.0;
+            for (const double each : row) sum += std::abs(each);
+            largest = std::max(largest, sum);
+        }
+        const int halvings = std::max(0, static_cast<int>(std::ceil(std::log2(largest / 0.5))));
+        rise = std::ldexp(rise, -halvings);
+        Rows result = {};
+        for (std::size_t i = 0; i < kStates; ++i) {
+            for (double& each : part[i]) each = std::ldexp(each, -halvings);
+            result[i][i] = 1.0;
+        }
+        Rows term = part;
+        for (int k = 2; k <= kMost; ++k) {
+            double size = 0.0;
+            for (std::size_t i = 0; i < kStates; ++i) {
+                for (std::size_t j = 0; j < kWhole; ++j) {
+                    result[i][j] += term[i][j];
+                    size = std::max(size, std::abs(term[i][j]));
+                }
+            }
+            if (size < 1e-18) break;
+            term = product(term, part, 0.0, rise);
+            for (auto& row : term) {
+                for (double& each : row) each /= k;
+            }
+        }
+        for (int k = 0; k < halvings; ++k, rise *= 2.0) result = product(result, result, 1.0, rise);
+        return result;
+    }
+
+    // What takes state, one, inputs and twice their rises to the state after h s.
     Rows rows(const Mode& mode, double h) const {
-        SquareMatrix<kWhole> generator = {};
+        Rows generator = {};
         const auto of = [&](std::size_t unit) {
             State z = {};
             Input u = {};
             if (unit < kStates) z[unit] = 1.0;
-            if (unit > kStates && unit < kWhole) u[unit - kStates - 1] = 1.0;
+            if (unit > kStates && unit < kHeld) u[unit - kStates - 1] = 1.0;
             return system_.rate(z, u, mode);
         };
         const State none = of(kWhole);
-        for (std::size_t column = 0; column < kWhole; ++column) {
+        for (std::size_t column = 0; column < kHeld; ++column) {
             const State made = of(column);
             for (std::size_t i = 0; i < kStates; ++i) {
                 const double own = column == kStates ? none[i] : made[i] - none[i];
                 generator[i][column] = own * h;
             }
         }
-        const SquareMatrix<kWhole> whole = exponential_of(generator);
-        Rows result;
-        std::copy_n(whole.begin(), kStates, result.begin());
-        return result;
+        return exponential_of(generator);
     }
 
     const Rows& whole_rows(const Mode& mode, double h) {
@@ -161,26 +189,29 @@ private:
         return known_.emplace_back(Known{mode, h, rows(mode, h)}).rows;
     }
 
-    static State by(const Rows& rows, const State& z, const Input& u) {
+    static State by(const Rows& rows, const State& z, const Inputs& u, double h) {
         State result;
         for (std::size_t i = 0; i < kStates; ++i) {
             double sum = rows[i][kStates];
             for (std::size_t j = 0; j < kStates; ++j) sum += rows[i][j] * z[j];
-            for (std::size_t j = 0; j < kInputs; ++j) sum += rows[i][kStates + 1 + j] * u[j];
+            for (std::size_t j = 0; j < kInputs; ++j) {
+                sum += rows[i][kStates + 1 + j] * u.value[j];
+                sum += rows[i][kHeld + j] * (2.0 * h * u.slope[j]);
+            }
             result[i] = sum;
         }
         return result;
     }
 
     // A part of a step without an event.
-    State part(const State& z, const Input& u, const Mode& mode, double h) const {
-        if (system_.linear && h * system_.fastest > kFine) return by(rows(mode, h), z, u);
+    State part(const State& z, const Inputs& u, const Mode& mode, double h) const {
+        if (system_.linear && h * system_.fastest > kFine) return by(rows(mode, h), z, u, h);
         return runge_kutta(z, u, mode, h);
     }
 
     // The method of Dormand and Prince of order 5, J. Comput. Appl. Math. 6 (1980) 19. `sharp`
     // becomes false where a long step of order 4 ends elsewhere.
-    State runge_kutta(const State& z, const Input& u, const Mode& mode, double h,
+    State runge_kutta(const State& z, const Inputs& u, const Mode& mode, double h,
                       bool* sharp = nullptr) const {
         constexpr std::array<std::array<double, 5>, 5> kA = {{
             {1.0 / 5.0},
@@ -189,10 +220,12 @@ private:
             {19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0},
             {9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0},
         }};
+        constexpr std::array<double, 6> kC = {0.0,       1.0 / 5.0, 3.0 / 10.0,
+                                              4.0 / 5.0, 8.0 / 9.0, 1.0};
         constexpr std::array<double, 6> kB = {
             35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0};
         std::array<State, 6> k;
-        k[0] = system_.rate(z, u, mode);
+        k[0] = system_.rate(z, u.value, mode);
         const auto moved = [&](const auto& weights, std::size_t count) {
             State y = z;
             for (std::size_t stage = 0; stage < count; ++stage) {
@@ -201,15 +234,17 @@ private:
             return y;
         };
         for (std::size_t stage = 1; stage < k.size(); ++stage) {
-            k[stage] = system_.rate(moved(kA[stage - 1], stage), u, mode);
+            k[stage] = system_.rate(moved(kA[stage - 1], stage), u.at(kC[stage] * h), mode);
         }
         const State end = moved(kB, k.size());
+        const Input last_u = u.at(h);
         if (sharp != nullptr &&
-            !(h * std::max(system_.fastest_at(z, u), system_.fastest_at(end, u)) <= kFine)) {
+            !(h * std::max(system_.fastest_at(z, u.value), system_.fastest_at(end, last_u)) <=
+              kFine)) {
             constexpr std::array<double, 6> kOff = {71.0 / 57600.0,      0.0,
                                                     -71.0 / 16695.0,     71.0 / 1920.0,
                                                     -17253.0 / 339200.0, 22.0 / 525.0};
-            const State last = system_.rate(end, u, mode);
+            const State last = system_.rate(end, last_u, mode);
             for (std::size_t i = 0; i < kStates; ++i) {
                 double off = -last[i] / 40.0, change = 0.0;
                 for (std::size_t stage = 0; stage < k.size(); ++stage) {
@@ -224,23 +259,39 @@ private:
     }
 
     // A step through all events on the way; its halves where it is too long.
-    Point step(Point now, const Input& u, double h, int halvings = 0, int event = 0) {
+    Point step(Point now, Inputs u, double h, int halvings = 0, int event = 0) {
         bool sharp = true;
         bool* asked = halvings == kHalvings ? nullptr : &sharp;
-        State end = system_.linear ? by(whole_rows(now.second, h), now.first, u)
+        State end = system_.linear ? by(whole_rows(now.second, h), now.first, u, h)
                                    : runge_kutta(now.first, u, now.second, h, asked);
         if (!system_.linear && --left_ < 0.0) return now;
         if (!sharp) {
             now = step(now, u, 0.5 * h, halvings + 1, event);
-            return step(now, u, 0.5 * h, halvings + 1, event);
+            return step(now, u.after(0.5 * h), 0.5 * h, halvings + 1, event);
         }
+        const auto margin = [&](const State& z, const Input& acts) {
+            return least(system_.margins(z, acts, now.second));
+        };
+        const auto fall = [&](const State& z, const Input& acts) {
+            return system_.fall(z, acts, now.second);
+        };
         for (; event < kEvents; ++event) {
-            const double below = least(system_.margins(end, u, now.second));
-            if (!(below < 0.0)) break;
-            const auto [time, met] = find_event(now, u, h, below);
-            const auto margins = system_.margins(met, u, now.second);
+            double within = h, below = margin(end, u.at(h));
+            if (!(below < 0.0)) {
+                // What stops a mass may turn before the end, and the mass has come to rest before.
+                const double rises = fall(end, u.at(h));
+                if (!(rises < 0.0) || !(fall(now.first, u.value) > 0.0)) break;
+                const auto [time, lowest] = find_zero(now, u, h, rises, fall);
+                const double least_margin = margin(lowest, u.at(time));
+                if (!(least_margin < -kExact * below)) break;
+                within = time;
+                below = least_margin;
+            }
+            const auto [time, met] = find_zero(now, u, within, below, margin);
+            u = u.after(time);
+            const auto margins = system_.margins(met, u.value, now.second);
             const auto hit = std::min_element(margins.begin(), margins.end()) - margins.begin();
-            now = system_.after(met, u, now.second, static_cast<std::size_t>(hit));
+            now = system_.after(met, u.value, now.second, static_cast<std::size_t>(hit));
             h -= time;
             if (h <= 0.0) return now;
             if (!system_.linear) return step(now, u, h, halvings, event + 1);
@@ -249,11 +300,12 @@ private:
         return {end, now.second};
     }
 
-    // When the first margin becomes zero, s, and where, by false position (Illinois).
-    std::pair<double, State> find_event(const Point& from, const Input& u, double h,
-                                        double below) const {
+    // When a value that is `below` zero after h s was zero, s, and where, by false position
+    // (Illinois).
+    std::pair<double, State> find_zero(const Point& from, const Inputs& u, double h, double below,
+                                       const auto& value_at) const {
         const auto& [z, mode] = from;
-        double low = 0.0, high = h, time = 0.0, above = least(system_.margins(z, u, mode));
+        double low = 0.0, high = h, time = 0.0, above = value_at(z, u.value);
         const double small = -kExact * below;
         State met = z;
         int last = -1;
@@ -262,7 +314,7 @@ private:
             // An event that has just been left has a margin of nearly zero: only halves lead away.
             if (k % 3 != 2 && above > small) time = low + (high - low) * above / (above - below);
             met = part(z, u, mode, time);
-            const double value = least(system_.margins(met, u, mode));
+            const double value = value_at(met, u.at(time));
             if (std::abs(value) <= small) break;
             const int inside = value > 0.0;
             if (inside) {
@@ -294,12 +346,10 @@ private:
 
 /// States at readings: calls `write(reading, state)`, with NaN where they are not known.
 ///
-/// times: s, of the readings. input(k): of the first reading before its switch (k = 0), and what
-/// acts from the reading k - 1 on, each of the inputs by its own time `late`, s, later.
+/// times: s, of the readings.
 template <class System>
 void follow(const System& system, const typename System::State& start,
-            const std::vector<double>& times, auto&& input, const typename System::Input& late,
-            auto&& write) {
+            std::span<const double> times, const Signals<System::kInputs>& signals, auto&& write) {
     // Most steps of a record and of each of its readings. Chosen: a motion that needs more is none
     // that its readings follow, and would hold up all others.
     constexpr double kMost = 1e5, kMostOfEach = 40.0;
@@ -313,31 +363,47 @@ void follow(const System& system, const typename System::State& start,
                          : gaps.size() % 2 > 0 ? gaps[half]
                                                : 0.5 * (gaps[half - 1] + gaps[half]);
     Path<System> path(system, usual, kMost + kMostOfEach * static_cast<double>(count));
-    // The next switch of each input, and what acts until the first of them.
-    std::array<std::size_t, System::kInputs> next = {};
-    typename System::Input u = input(0);
-    const auto due = [&](std::size_t i) {
-        return next[i] < count ? times[next[i]] + late[i] : std::numeric_limits<double>::infinity();
+    // The next knot of each input, and the line up to it, from its beginning.
+    constexpr std::size_t kInputs = System::kInputs;
+    const std::size_t knots = signals.knots.size();
+    std::array<std::size_t, kInputs> next = {};
+    std::array<double, kInputs> begun = {}, first = {};
+    Lines<kInputs> u;
+    const auto value = [&](std::size_t i, std::size_t ahead = 0) {
+        return signals.values[(next[i] + ahead) * kInputs + i];
     };
-    const auto switched = [&](std::size_t i) { u[i] = input(++next[i])[i]; };
-    for (std::size_t i = 0; i < next.size(); ++i) {
-        while (due(i) <= times[0]) switched(i);
-    }
+    const auto due = [&](std::size_t i) {
+        return next[i] < knots ? signals.knots[next[i]] + signals.late[i]
+                               : std::numeric_limits<double>::infinity();
+    };
+    for (std::size_t i = 0; i < kInputs; ++i) first[i] = value(i);
+    const auto to = [&](double time) {
+        for (std::size_t i = 0; i < kInputs; ++i) {
+            while (due(i) <= time) {
+                begun[i] = due(i);
+                ++next[i];
+                first[i] = value(i);
+                const double left = due(i) - begun[i];
+                const bool changes = signals.lines && next[i] < knots && left > 0.0;
+                u.slope[i] = changes ? (value(i, 1) - first[i]) / left : 0.0;
+            }
+            u.value[i] = first[i] + u.slope[i] * (time - begun[i]);
+        }
+    };
+    to(times[0]);
     typename System::State unknown;
     unknown.fill(std::numeric_limits<double>::quiet_NaN());
     const auto is_known = [](const auto& state) {
         return std::all_of(state.begin(), state.end(), [](double x) { return std::isfinite(x); });
     };
-    auto now = system.begun(start, u);
+    auto now = system.begun(start, u.value);
     bool known = is_known(now.first);
     write(0, known ? now.first : unknown);
     for (std::size_t k = 1; k < count; ++k) {
         for (double time = times[k - 1]; known && time < times[k];) {
+            to(time);
             double until = times[k];
-            for (std::size_t i = 0; i < next.size(); ++i) {
-                while (due(i) <= time) switched(i);
-                until = std::min(until, due(i));
-            }
+            for (std::size_t i = 0; i < kInputs; ++i) until = std::min(until, due(i));
             now = path.advanced(now, u, until - time);
             time = until;
         }

@@ -1,7 +1,10 @@
 """The models of `stickslip.models`: closed forms, another integrator, and hidden effects."""
 
 import inspect
+import itertools
 import pickle
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -9,6 +12,7 @@ from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 
 from stickslip import Prior, ScenarioError, Series, Table, diagnose_model, events, models
+from stickslip.diagnosis.data.signal import Signal
 from stickslip.models.model import Kind
 
 T = np.linspace(0.0, 2.0, 201)
@@ -126,71 +130,128 @@ def test_a_heater_warms_up_and_cools_down():
     assert warm == pytest.approx(10.0 + 20.0 * np.exp(-0.5 * T), rel=1e-12)
 
 
-def test_an_input_that_changes_evenly_is_a_ramp_to_second_order():
+def test_an_input_that_changes_evenly_is_a_ramp():
     joint = models.joint(inertia=0.5, smooth=True)
     assert joint.simulate(T, {"torque": T}) == pytest.approx(T**2, abs=1e-12)
+
+
+def test_a_mass_that_a_line_stops_between_two_readings_goes_on_when_it_lets_go():
+    joint = models.joint(inertia=1.0, coulomb=3.0, smooth=True)
+    # 0.2 - t + t^2 would be 0.2 again at the end; it rests from 0.276 s up to half a second.
+    found = joint.simulate(np.array([0.0, 1.0, 2.0]), {"torque": [2.0, 4.0, 4.0]}, start_speed=0.2)
+    assert found == pytest.approx([0.2, 0.25, 1.25], abs=1e-12)
+
+
+@pytest.mark.parametrize("late", [0.0031, 0.0074, 0.0268])
+@pytest.mark.parametrize("coulomb", [0.0, 0.3])
+def test_the_change_of_a_reading_with_a_delay_is_that_with_time(late, coulomb):
+    u, joint = np.sin(7.0 * T), models.joint(inertia=0.1, viscous=0.2, coulomb=coulomb)
+    few = 1e-7
+    less, v, more = (Acts(True, late + each).read(joint, {"torque": u}) for each in (-few, 0, few))
+    acts = np.interp(T - late, T, u) - 0.2 * v
+    pulls = np.where(v, acts - coulomb * np.sign(v), 0.0) / 0.1
+    assert (more - less) / (2.0 * few) == pytest.approx(-pulls, abs=1e-6)
 
 
 # Another integrator: SciPy's, from event to event, and the equations as they are written in the
 # docstrings.
 
 
-def integrated(slope, start, t, u, margins=(), switch=None):
-    """States at the times, with events where a margin falls through zero."""
-    z = np.array(start, dtype=float)
+class Acts(NamedTuple):
+    """An input at `T`, held or as lines, that is late and was 0.3 of its first value."""
+
+    lines: bool
+    late: float
+
+    def values(self, seed, size):
+        return np.clip(staircase(seed, size) + self.lines * random(seed).normal(
+            0.0, 0.2 * size, len(T)), -size, size)  # fmt: skip
+
+    def at(self, time, u):
+        if time < self.late:
+            return 0.3 * u[0]
+        if self.lines:
+            return np.interp(time - self.late, T, u)
+        return u[np.searchsorted(T, time - self.late + 1e-9, side="right") - 1]
+
+    def read(self, model, inputs, **start):
+        """Readings of a model."""
+        ((name, u),) = inputs.items()
+        late, before = np.array([self.late]), np.array([0.3])
+        acted = {name: lambda held: Signal.of(T, u[None], held).delayed(late, before)}
+        record = Series(T, 0.0 * T, inputs, sd=1.0).acted_on(acted)
+        model = replace(model, smooth=self.lines)
+        return model(record, {key: np.array([[value]]) for key, value in start.items()})[0]
+
+
+def integrated(slope, start, acts, u, margins=(), switch=None):
+    """States at the readings, with events where a margin falls through zero."""
+    ends = np.unique(np.concatenate([T, (T + acts.late)[T + acts.late < T[-1]]]).round(12))
+    z, state, rows = np.array(start, dtype=float), None, []
     if switch:
-        z, state = switch(z, u[0], None, None)
-    rows = [z]
-    for k in range(len(t) - 1):
-        left = t[k + 1] - t[k]
-        z, state = switch(z, u[k], state, None) if switch else (z, None)
+        z, state = switch(z, acts.at(0.0, u), None, None)
+    for begin, end in itertools.pairwise(ends):
+        rows.append(z)
+        # Held from the knot on, or the line on which both ends are.
+        first = acts.at(begin, u)
+        rise = (acts.at(end, u) - first) / (end - begin) if acts.lines and begin >= acts.late else 0
+
+        def now(time, begin=begin, first=first, rise=rise):
+            return first + rise * (time - begin)
+
+        z, state = switch(z, first, state, None) if switch else (z, None)
         for _ in range(20):
 
-            def event(number, u=u[k], state=state):
+            def event(number, begin=begin, state=state, now=now):
                 # What begins at zero has not fallen through it.
                 def margin(time, there):
-                    return margins[number](there, u, state) + (1e-13 if time == 0.0 else 0.0)
+                    return margins[number](there, now(time), state) + 1e-13 * (time == begin)
 
                 margin.terminal, margin.direction = True, -1
                 return margin
 
             found = solve_ivp(
-                lambda _, z, u=u[k], state=state: slope(z, u, state), (0.0, left), z,
-                method="DOP853", rtol=1e-11, atol=1e-13,
+                lambda time, z, state=state, now=now: slope(z, now(time), state), (begin, end), z,
+                method="DOP853", rtol=1e-12, atol=1e-14, max_step=0.3 * (end - begin) + 1e-9,
                 events=[event(number) for number in range(len(margins))] or None,
             )  # fmt: skip
-            z, left = found.y[:, -1], left - found.t[-1]
-            if found.status != 1 or left < 1e-15:
+            z, begin = found.y[:, -1], found.t[-1]
+            if found.status != 1 or end - begin < 1e-15:
                 break
             hit = next(n for n, times in enumerate(found.t_events) if len(times))
-            z, state = switch(z, u[k], state, hit)
-        rows.append(z)
-    return np.array(rows)
+            z, state = switch(z, now(begin), state, hit)
+    return np.array([*rows, z])[np.searchsorted(ends, T - 1e-11)]
 
 
-def with_friction(force, friction, inertia, start, u):
+def with_friction(force, friction, inertia, acts, u):
     """One inertia that sticks: `force(x, v, u)`, `friction(v, sign)`."""
 
+    def margin(z, u, sign):
+        pulls = force(z[0], 0.0, u)
+        return sign * z[1] if sign else abs(friction(0.0, np.sign(pulls))) - abs(pulls)
+
     def switch(z, u, sign, hit):
+        pulls = force(z[0], 0.0, u)
+        if sign == 0 and hit is not None:
+            return z, np.sign(pulls)
         if hit is not None or sign is None:
             sign = 0 if hit is not None else np.sign(z[1])
             z = np.array([z[0], 0.0 if hit is not None else z[1]])
         if sign == 0:
-            pulls = force(z[0], 0.0, u)
-            sign = np.sign(pulls) * (abs(pulls) > abs(friction(0.0, np.sign(pulls))))
+            sign = np.sign(pulls) * (margin(z, u, 0) < 0.0)
         return z, sign
 
     def slope(z, u, sign):
         return [z[1], (force(*z, u) - friction(z[1], sign)) / inertia] if sign else [0.0, 0.0]
 
-    return integrated(slope, start, T, u, [lambda z, u, sign: sign * z[1]], switch)
+    return integrated(slope, (0.1, 0.2), acts, u, [margin], switch)
 
 
-def of_joint():
+def of_joint(acts):
     p = {"inertia": 0.1, "viscous": 0.2, "viscous_asymmetry": 0.05, "coulomb": 0.3,
          "asymmetry": 0.08, "stribeck": 0.2, "stribeck_speed": 0.4, "quadratic": 0.02,
          "load": 0.1, "gravity": 0.7}  # fmt: skip
-    u = staircase(1, 2.5)
+    u = acts.values(1, 2.5)
 
     def force(x, v, u):
         return u - 0.2 * v - 0.1 - 0.7 * np.sin(x)
@@ -200,11 +261,11 @@ def of_joint():
         return sign * (0.3 + sign * 0.08 + falls) + 0.05 * sign * v + sign * 0.02 * v**2
 
     return models.joint(reads="angle", **p), {"torque": u}, with_friction(
-        force, friction, 0.1, (0.1, 0.2), u)[:, 0]  # fmt: skip
+        force, friction, 0.1, acts, u)[:, 0]  # fmt: skip
 
 
-def of_axis():
-    u = staircase(2, 4.0)
+def of_axis(acts):
+    u = acts.values(2, 4.0)
     model = models.axis(mass=2.0, gain=3.0, viscous=4.0, coulomb=2.0, dead_zone=0.3, load=0.5,
                         saturation=2.0, reads="speed")  # fmt: skip
 
@@ -213,22 +274,22 @@ def of_axis():
         return 3.0 * acts - 4.0 * v - 0.5
 
     return model, {"command": u}, with_friction(
-        force, lambda v, sign: 2.0 * sign, 2.0, (0.1, 0.2), u)[:, 1]  # fmt: skip
+        force, lambda v, sign: 2.0 * sign, 2.0, acts, u)[:, 1]  # fmt: skip
 
 
-def of_pendulum():
-    u = staircase(3, 3.0)
+def of_pendulum(acts):
+    u = acts.values(3, 3.0)
     model = models.pendulum(length=0.5, viscous=0.3, coulomb=0.4, quadratic=0.1, stiffness=2.0)
 
     def force(x, v, u):
         return -9.81 / 0.5 * np.sin(x) - u / 0.5 * np.cos(x) - 0.3 * v - 2.0 * x
 
     return model, {"pivot": u}, with_friction(
-        force, lambda v, sign: sign * (0.4 + 0.1 * v**2), 1.0, (0.1, 0.2), u)[:, 0]  # fmt: skip
+        force, lambda v, sign: sign * (0.4 + 0.1 * v**2), 1.0, acts, u)[:, 0]  # fmt: skip
 
 
-def of_oscillator():
-    u = staircase(4, 8.0)
+def of_oscillator(acts):
+    u = acts.values(4, 8.0)
     model = models.oscillator(mass=0.5, stiffness=60.0, viscous=0.3, coulomb=0.5, quadratic=0.2,
                               cubic_damping=0.1, quadratic_stiffness=40.0,
                               cubic_stiffness=300.0)  # fmt: skip
@@ -237,11 +298,11 @@ def of_oscillator():
         return u - 60.0 * x - 40.0 * x**2 - 300.0 * x**3 - 0.3 * v - 0.1 * v**3
 
     return model, {"force": u}, with_friction(
-        force, lambda v, sign: sign * (0.5 + 0.2 * v**2), 0.5, (0.1, 0.2), u)[:, 0]  # fmt: skip
+        force, lambda v, sign: sign * (0.5 + 0.2 * v**2), 0.5, acts, u)[:, 0]  # fmt: skip
 
 
-def of_heater():
-    u = np.abs(staircase(5, 90.0))
+def of_heater(acts):
+    u = np.abs(acts.values(5, 90.0))
     model = models.thermal(capacity=20.0, loss=2.0, ambient=20.0, loss_growth=0.05,
                            heater_capacity=5.0, coupling=8.0)  # fmt: skip
 
@@ -250,12 +311,12 @@ def of_heater():
         flow = 8.0 * (z[1] - z[0])
         return [(flow - 2.0 * over - 0.05 * over * abs(over)) / 20.0, (u - flow) / 5.0]
 
-    return model, {"power": u}, integrated(slope, (20.0, 20.0), T, u)[:, 0]
+    return model, {"power": u}, integrated(slope, (20.0, 20.0), acts, u)[:, 0]
 
 
-def of_backlash():
+def of_backlash(acts):
     """Motor and load with the phases of sticking and of contact, each with its own equation."""
-    u, motor, load, gap = staircase(6, 3.0), 0.06, 0.04, 0.02
+    u, motor, load, gap = acts.values(6, 3.0), 0.06, 0.04, 0.02
     model = models.joint(inertia=0.1, load_share=0.4, viscous=0.2, coulomb=0.4, gravity=0.5,
                          backlash=2 * gap, reads="load angle")  # fmt: skip
 
@@ -293,6 +354,8 @@ def of_backlash():
             return settled(np.array([z[0], z[1], z[0] - side * gap, z[1]]), u, np.sign(z[1]), side)
         sign, side = state
         z = z.copy()
+        if hit == 0 and sign == 0:
+            return z, (np.sign(u - hangs(z) * abs(side)), side)
         if hit == 0:
             z[1], sign = 0.0, 0
             z[3] = 0.0 if side else z[3]
@@ -305,16 +368,16 @@ def of_backlash():
         return settled(z, u, sign, side)
 
     margins = [
-        lambda z, u, state: state[0] * z[1] if state[0] else 1.0,
-        lambda z, u, state: state[1] * pushes(z, u, state) if state[1] else gap - abs(z[0] - z[2]),
+        lambda z, u, s: s[0] * z[1] if s[0] else 0.4 - abs(u - hangs(z) * abs(s[1])),
+        lambda z, u, s: s[1] * pushes(z, u, s) if s[1] else gap - abs(z[0] - z[2]),
     ]
     return model, {"torque": u}, integrated(
-        slope, (0.1, 0.2, 0.1, 0.2), T, u, margins, switch)[:, 2]  # fmt: skip
+        slope, (0.1, 0.2, 0.1, 0.2), acts, u, margins, switch)[:, 2]  # fmt: skip
 
 
-def of_spring():
+def of_spring(acts):
     """A motor that sticks, and its load on a spring behind a gap."""
-    u, gap = staircase(7, 3.0), 0.01
+    u, gap = acts.values(7, 3.0), 0.01
     model = models.joint(inertia=0.1, load_share=0.4, viscous=0.2, coulomb=0.4, backlash=2 * gap,
                          compliance=0.01, damping_ratio=0.1, reads="load angle")  # fmt: skip
     damping = 2.0 * 0.1 * np.sqrt(100.0 * 0.04 * 0.06 / 0.1)
@@ -348,20 +411,21 @@ def of_spring():
         if s[1] else gap - abs(z[0] - z[2]),
     ]  # fmt: skip
     return model, {"torque": u}, integrated(
-        slope, (0.1, 0.2, 0.1, 0.2), T, u, margins, switch)[:, 2]  # fmt: skip
+        slope, (0.1, 0.2, 0.1, 0.2), acts, u, margins, switch)[:, 2]  # fmt: skip
 
 
+@pytest.mark.parametrize("acts", [Acts(False, 0.0268), Acts(True, 0.0031), Acts(True, 0.0268)])
 @pytest.mark.parametrize(
     "case", [of_joint, of_axis, of_pendulum, of_oscillator, of_heater, of_backlash, of_spring]
 )
-def test_readings_are_those_of_another_integrator(case):
-    model, inputs, expected = case()
+def test_readings_are_those_of_another_integrator(case, acts):
+    model, inputs, expected = case(acts)
     start = {"start_position": 0.1, "start_speed": 0.2}
     if "power" in inputs:
         start = {"start_temperature": 20.0}
-    found = model.simulate(T, inputs, **start)
+    found = acts.read(model, inputs, **start)
     assert np.ptp(expected) > 1e-2
-    assert found == pytest.approx(expected, abs=1e-6 * np.ptp(expected))
+    assert found == pytest.approx(expected, abs=1e-8 * np.ptp(expected))
 
 
 def test_many_vectors_are_each_its_own_and_what_cannot_be_computed_is_nan():
@@ -521,6 +585,16 @@ def test_what_is_stated_is_a_constant_and_what_is_not_is_a_cause():
     assert {"start_position", "start_speed"} <= {each.name for each in free[0]}
 
 
+@pytest.mark.parametrize("length", [0.01, 50.0])
+def test_usual_sizes_of_a_pendulum_are_those_of_one_of_another_length(length):
+    def sizes(length):
+        log = Series(T, 0.1 * np.sin(T), {"pivot": length * 300.0 * np.cos(T)})
+        _, causes = models.pendulum(length=length).terms(log)
+        return [one.size for cause in causes for one in cause.parameters if one.size]
+
+    assert sizes(length) == pytest.approx(sizes(1.0), rel=1e-12)
+
+
 @pytest.mark.parametrize("name", FACTORIES)
 def test_every_term_is_in_the_docstring_and_acts(name):
     make, least = FACTORIES[name], LEAST[name]
@@ -568,7 +642,9 @@ BAD = {
     "no parameters": (lambda: diagnose_model(lambda table, p: T, LOG), "uncertain: allowed is"),
     "no function": (lambda: models.vectorised(3), "vectorised = 3: allowed is a function"),
     "an uneven clock": (lambda: models.low_pass(T**2, T, 1.0), "t: row 1 = .*even step"),
-    "a fast cutoff": (lambda: models.low_pass(T, T, 60.0), "cutoff = 60.0: .* below 50 Hz"),
+    "a fast cutoff": (lambda: models.low_pass(T, T, 60.0), "cutoff = 60.0: .* from 1 to 49 Hz"),
+    "a cutoff near half the rate": (lambda: models.low_pass(T, T, 49.9), "from 1 to 49 Hz, 2"),
+    "a cutoff that no period shows": (lambda: models.low_pass(T, T, 1e-9), "from 1 to 49 Hz, 2"),
     "no derivative": (lambda: models.low_pass(T, T, 1.0, derivatives=3), "derivatives = 3"),
     "a short row": (lambda: models.low_pass(T[:5], T[:5], 1.0), "t: 5 times; allowed are 12"),
 }  # fmt: skip
@@ -600,6 +676,17 @@ def test_a_low_pass_comes_at_no_time_late_and_leaves_half_of_the_power_at_its_cu
         wave = np.sin(2.0 * np.pi * frequency * t)
         inner = slice(500, 3500)
         assert models.low_pass(t, wave, 10.0)[inner] == pytest.approx(kept * wave[inner], abs=0.01)
+    # As twice the filter of second order, whose frequencies are tangents, does it for all sines.
+    rate, inner, waves = 1000.0, slice(1000, 3000), np.array([0.004, 0.03, 0.11, 0.26, 0.38, 0.47])
+    for cutoff in (0.004, 0.02, 0.1, 0.25, 0.3, 0.4, 0.45, 0.49, 0.496):
+        for part in (cutoff, *waves):
+            wave = np.exp(2j * np.pi * part * rate * t)
+            left = [models.low_pass(t, each, cutoff * rate) for each in (wave.real, wave.imag)]
+            gain = np.vdot(wave[inner], (left[0] + 1j * left[1])[inner]).real / 2000.0
+            ratio = np.tan(np.pi * part) / np.tan(np.pi * cutoff)
+            assert gain == pytest.approx(1.0 / (1.0 + (np.sqrt(2.0) - 1.0) * ratio**4), abs=2e-3)
+            if part == cutoff:
+                assert gain**2 == pytest.approx(0.5, abs=4e-3)
     slow = models.low_pass(t, np.sin(t), 10.0, derivatives=1)[500:3500]
     assert slow == pytest.approx(np.cos(t[500:3500]), abs=1e-5)
     faster = models.low_pass(t, np.sin(t), 10.0, derivatives=2)[500:3500]

@@ -9,14 +9,14 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Callable, Sequence
 
-from stickslip.models.heat import heater_states
-from stickslip.models.mechanical import (
+from stickslip.models.model import Kind, Known, Model, Sensor, Term, made
+from stickslip.models.physics import (
     axis_states,
+    heater_states,
     joint_states,
     oscillator_states,
     pendulum_states,
 )
-from stickslip.models.model import Kind, Known, Model, Sensor, Term, made
 
 
 def _friction(force: str, of: str) -> tuple[Term, ...]:
@@ -114,7 +114,8 @@ KINDS = {
             ),
             (("start_position", "rad"), ("start_speed", "rad/s")),
             {"angle": (0, 0), "speed": (1, 1)},
-            {"pivot": "m/s^2"}, _sensors("pivot", zero=True), placed=frozenset({"length"}),
+            {"pivot": "m/s^2"}, _sensors("pivot", zero=True), lever="length",
+            placed=frozenset({"length"}),
         ),
         Kind(
             "oscillator", oscillator_states,
@@ -218,9 +219,10 @@ def joint(
     -----
     Stops, reversals and contacts are events, found to 1e-11 of how far a step goes beyond them.
     Between them steps are exact where the terms are linear, and of order 5 with `stribeck`,
-    `quadratic` or `gravity`. 25 000 readings of one vector take 2 to 4 ms, and 7 to 13 ms with
-    terms of order 5, which takes shorter steps where they change fast; twice that with
-    ``smooth=True``. Friction as in Armstrong-Helouvry et al., Automatica 30 (1994) 1083.
+    `quadratic` or `gravity`, also with ``smooth=True`` and whenever an input is late. 25 000
+    readings of one vector take 2 to 4 ms, and 7 to 13 ms with terms of order 5, which takes shorter
+    steps where they change fast. Friction as in Armstrong-Helouvry et al., Automatica 30 (1994)
+    1083.
 
     Examples
     --------

@@ -16,21 +16,19 @@ from stickslip._util.prior import Prior
 from stickslip._util.text import OneLine, brief, is_number
 from stickslip._util.units import same_unit, unit_label, zero_of
 from stickslip.diagnosis.data.series import Series
-from stickslip.diagnosis.data.signal import Signal
 from stickslip.diagnosis.terms import instruments
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import LARGEST_ERROR, Parameter
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.models.log import Columns
+from stickslip.models.physics import Inputs
 
 Known = float | tuple[float, float] | Prior
 """What is known of a term: its value; its value and standard deviation; or a Prior."""
 
-Physics = Callable[[Array, Mapping[str, Array], Mapping[str, Array], Mapping[str, Array]], Array]
-"""``physics(t, inputs, late, values)``: states, (readings, states, vectors), at times, (readings,).
-Inputs by name, (1 + readings, vectors), are what acted before the first time, then what is held
-from each time on; all of it acts later by `late`, (vectors,), s. Values by name, (vectors,), have
-the usual `step` of the readings too, s."""
+Physics = Callable[[Array, Inputs, Mapping[str, Array]], Array]
+"""``physics(t, inputs, values)``: states, (readings, states, vectors), at times, (readings,).
+Values by name, (vectors,), have the usual `step` of the readings too, s."""
 
 _KNOWN = "a number, (value, error) or a Prior"
 
@@ -153,8 +151,9 @@ class Kind:
     inputs : dict
         Units by name.
     sensors : tuple of Sensor
-    inertia, gain : str
-        Constants that make a force of the fastest derivative, and of the first input.
+    inertia, gain, lever : str
+        Constants that make a force of the fastest derivative, and of the first input, which is
+        over `lever`.
     placed : frozenset of str
         Effects by which readings depend on the first start state, though another one is read.
     """
@@ -168,6 +167,7 @@ class Kind:
     sensors: tuple[Sensor, ...]
     inertia: str = ""
     gain: str = ""
+    lever: str = ""
     placed: frozenset[str] = frozenset()
 
     @property
@@ -219,21 +219,14 @@ class Model(OneLine):
             value = p[name][:, 0] if name in p else term.absent if stated is None else stated
             values[name] = np.broadcast_to(np.asarray(value, dtype=float), vectors)
         values["step"] = np.full(vectors, record.step)
-        t, inputs, late = record.t, {}, {}
-        if self.smooth:
-            t = np.sort(np.concatenate([t, 0.5 * (t[1:] + t[:-1])]))
+        acts, late = {}, {}
         for name, signal in signals.items():
-            if self.smooth:
-                # Two held halves with the mean and the first moment of a line.
-                half = signal.means(t)
-                one, two = half[:, :-1:2], half[:, 1::2]
-                half[:, :-1:2], half[:, 1::2] = (7.0 * one - two) / 6.0, (7.0 * two - one) / 6.0
-                signal = Signal.of(t, half, held=True)
             rows = np.vstack([signal.first, signal.values.T])
-            inputs[name] = np.broadcast_to(rows, (len(rows), vectors))
+            acts[name] = np.broadcast_to(rows, (len(rows), vectors))
             late[name] = np.broadcast_to(signal.late, vectors)
+        inputs = Inputs(record.t[:, None], acts, late, self.smooth)
         with np.errstate(all="ignore"):
-            states = self.kind.physics(t, inputs, late, values)[:: 1 + self.smooth]
+            states = self.kind.physics(record.t, inputs, values)
         return np.asarray(states[:, self.kind.reads[self.reads][0]].T)
 
     @property
@@ -346,6 +339,8 @@ class Model(OneLine):
         size, change = root_mean_square(y) or 1.0, root_mean_square(slope) or 1.0
         made = {name: float(value.value(0.0)) if isinstance(value, Prior) else value
                 for name, value in self.known.items()}  # fmt: skip
+        # Before scales, of which one is a length too.
+        per_input = made.get(self.kind.gain, 1.0) / made.get(self.kind.lever, 1.0)
         made |= {"reading": size}
         if self.kind.reads[self.reads][1] == 1:
             made |= {"length": size**2 / change, "speed": size, "acceleration": change}
@@ -358,7 +353,7 @@ class Model(OneLine):
         fastest = made[("speed", "acceleration")[len(self.kind.states) - 1]]
         made["force"] = max(
             made.get(self.kind.inertia, 1.0) * fastest,
-            made.get(self.kind.gain, 1.0) * made["input"], tiny,
+            per_input * made["input"], tiny,
             # A weight that is stated acts too, where the inertia may be what is wrong.
             *(abs(made.get(term.name, 0.0)) for term in self.kind.terms
               if term.of == "force" and term.signed),

@@ -23,6 +23,9 @@ from stickslip.models.log import Columns
 
 _ORDER = 4  # of the filter, half of it each way; common in the identification of robots
 _UNEVEN = 0.01  # of a step: how even steps have to be; chosen
+_PERIODS = 2.0
+"""Periods that a record has of a cutoff, and of half its rate less that. Chosen: of a sine at the
+cutoff the middle half of a record keeps half of the power to a tenth; with 5, to a hundredth."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -129,7 +132,8 @@ def low_pass(t: ArrayLike, y: ArrayLike, cutoff: float, *, derivatives: int = 0)
     t, y : array_like, shape (n,)
         Times, s, with even steps, and what was read.
     cutoff : float
-        Frequency at which half of the power is left, Hz, below half the rate of the log.
+        Frequency at which half of the power is left, Hz: two periods in the record or more, and as
+        far below half the rate of the log.
     derivatives : int
         0, 1 or 2.
 
@@ -152,13 +156,18 @@ def low_pass(t: ArrayLike, y: ArrayLike, cutoff: float, *, derivatives: int = 0)
     if len(uneven):
         at = int(uneven[0]) + 1
         refuse(f"t: row {at}", float(times[at]), f"{times[at - 1] + step:.12g}, an even step")
-    if not is_number(cutoff) or not 0.0 < cutoff < 0.5 / step:
-        refuse("cutoff", cutoff, f"a frequency above 0 and below {0.5 / step:g} Hz")
+    least = _PERIODS / float(times[-1] - times[0])
+    most = 0.5 / step - least
+    if not is_number(cutoff) or not least <= cutoff <= most:
+        away = f"{_PERIODS:g} periods of the record away from 0 and from half its rate"
+        refuse("cutoff", cutoff, f"a frequency from {least:g} to {most:g} Hz, {away}")
     if derivatives not in (0, 1, 2):
         refuse("derivatives", derivatives, "0, 1 or 2")
-    # Twice the filter: at the cutoff each pass leaves the root of a half.
-    width = cutoff / (np.sqrt(2.0) - 1.0) ** (1.0 / _ORDER)
-    sections = butter(_ORDER // 2, min(width, 0.4999 / step), fs=1.0 / step, output="sos")
+    # Twice the filter: at the cutoff each pass leaves the root of a half. In the bilinear transform
+    # a frequency is the tangent of half its phase from one reading to the next.
+    width = np.tan(np.pi * step * cutoff) / (np.sqrt(2.0) - 1.0) ** (1.0 / _ORDER)
+    edge = np.arctan(width) / (np.pi * step)
+    sections = butter(_ORDER // 2, edge, fs=1.0 / step, output="sos")
     result = np.asarray(sosfiltfilt(sections, values))
     for _ in range(derivatives):
         result = np.gradient(result, step, edge_order=2)

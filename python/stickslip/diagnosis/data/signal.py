@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import lapack
 
-from stickslip._util.arrays import Array, Indices
+from stickslip._util.arrays import Array
 from stickslip._util.text import OneLine
 
 
@@ -63,32 +63,17 @@ class Signal(OneLine):
 
     def sampled(self) -> Array:
         """Values at the readings, (vectors, rows); of a held input means up to the next reading."""
-        result = self.values.copy()
+        result, gap = self.values.copy(), np.diff(self.t)
         # A delay of zero leaves the very numbers.
-        late = np.flatnonzero(self.late)
-        if self.held:
-            result[late] = self.means(self.t, late)
-            return result
-        for k in late:
-            at = self.t - self.late[k]
-            result[k] = np.interp(at, self.t, self.values[k], left=self.first[k])
-        return result
-
-    def means(self, t: Array, vectors: Indices | slice = slice(None)) -> Array:
-        """Means from each of some times to the next, (vectors, times); at last the value there."""
-        u, gap = self.values[vectors], np.diff(self.t)
-        slope = np.zeros_like(u)
-        if not self.held:
-            slope[:, :-1] = np.diff(u) / gap
-        result = np.empty((len(u), len(t)))
-        first, late = self.first[vectors], self.late[vectors]
-        for k in range(len(u)):
-            sums = np.r_[0.0, np.cumsum(gap * (u[k, :-1] + 0.5 * gap * slope[k, :-1]))]
-            at = t - late[k]
+        for k in np.flatnonzero(self.late):
+            u, first, at = self.values[k], self.first[k], self.t - self.late[k]
+            if not self.held:
+                result[k] = np.interp(at, self.t, u, left=first)
+                continue
             piece = np.clip(np.searchsorted(self.t, at, side="right") - 1, 0, None)
             since = at - self.t[piece]
-            whole = sums[piece] + (u[k, piece] + 0.5 * slope[k, piece] * since) * since
-            whole = np.where(since < 0.0, first[k] * since, whole)
-            last = u[k, piece[-1]] + slope[k, piece[-1]] * since[-1]
-            result[k] = np.r_[np.diff(whole) / np.diff(t), first[k] if since[-1] < 0.0 else last]
+            before, acts = since < 0.0, u[piece]
+            acts[before] = first
+            whole = np.r_[0.0, np.cumsum(gap * u[:-1])][piece] + acts * since
+            result[k] = np.r_[np.diff(whole) / gap, acts[-1]]
         return result

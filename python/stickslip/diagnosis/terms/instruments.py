@@ -181,11 +181,11 @@ def delay(
     Between the given times the value is a cubic spline of the prediction, so the times have to be
     dense enough to follow it; a spline does not follow a jump. Beyond the times it is constant.
 
-    An input that a ready-made model holds switches later, between two readings too. Else it is a
-    line from one reading to the next: with ``smooth=True``, and in a model of one's own, whose
-    inputs are values at the readings. On even steps these are the means of a held input up to the
-    next reading: its momentum is right, and the instant is not. Before its times it was the part
-    ``before`` of its first value.
+    In a ready-made model a held input switches later, and with ``smooth=True`` its lines bend
+    later, between two readings too. In a model of one's own inputs are values at the readings, with
+    lines between them. On even steps these are the means of a held input up to the next reading:
+    its momentum is right, and the instant is not. Before its times it was the part ``before`` of
+    its first value.
 
     Parameters
     ----------
