@@ -90,7 +90,7 @@ def line(hidden: str, draw: np.random.Generator) -> tuple[str, Array, float, Dia
     y = draw.normal(1.0, 0.1) * PLACES + 0.1 * draw.standard_normal(len(PLACES))
     if cause:
         effect = _shapes(PLACES)[cause]
-        effect *= _scaled(_refitted(effect, PLACES[:, None]), 0.1 * draw.uniform(2.0, 4.0))
+        effect *= _scaled(refitted(effect, PLACES[:, None]), 0.1 * draw.uniform(2.0, 4.0))
         y = y + effect
     offered = [name for name in _shapes(PLACES) if hidden == "listed" or name != cause]
     causes = [Cause(each, Parameter(f"{each}.size", size=0.2, low=-5.0, high=5.0))
@@ -131,7 +131,7 @@ def log(
     if errors in MODEL_ERRORS:
         error = _error(errors, t, seen, draw)
         # What constants undo is no effect, and no error.
-        left, wrong = (_refitted(change, moves) for change in (effect, error))
+        left, wrong = (refitted(change, moves) for change in (effect, error))
         size = part * (float(np.sqrt(np.mean(left**2))) or wanted)
         seen = seen + _scaled(wrong, size) * error
     noise = draw.standard_normal(COUNT)
@@ -174,10 +174,10 @@ def _stands_out(effect: Array, moves: Array, size: float | Array, sd: float) -> 
     """
     prior = np.diag(np.full(moves.shape[1], 1.0) / size)
     columns = np.vstack([moves / sd, prior])
-    return float(np.linalg.norm(_refitted(np.append(effect / sd, np.zeros(len(prior))), columns)))
+    return float(np.linalg.norm(refitted(np.append(effect / sd, np.zeros(len(prior))), columns)))
 
 
-def _refitted(change: Array, columns: Array) -> Array:
+def refitted(change: Array, columns: Array) -> Array:
     """What a fit of the columns leaves of a change."""
     return change - columns @ np.linalg.lstsq(columns, change, rcond=None)[0]
 

@@ -15,9 +15,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
+from stale import stale
 
 from blind.kinds import ERROR_SHARE
-from blind.own import _refitted
+from blind.own import refitted
 from blind.scoring import interval, markdown
 from blind.study import append, lines, state
 from stickslip import Cause, Parameter, Prior, Series, Table, diagnose_model
@@ -143,12 +144,12 @@ def made(seed: int) -> tuple[Row, Series, list[Parameter], list[Cause]]:
     every = np.hstack([
         of_constants, _moves(kind, acting, t, {key: 0.01 * u for key, u in kind.causes.items()})
     ])  # fmt: skip
-    effect = float(np.std(_refitted(seen - plain, of_constants)))
+    effect = float(np.std(refitted(seen - plain, of_constants)))
     z, taken, left = 2.0 * (seen - seen.min()) / np.ptp(seen) - 1.0, 1.0, 0.0
     while left < NEITHER * taken:
         bent = str(draw.choice([*DISTORTIONS]))
         error = DISTORTIONS[bent](z, draw.uniform())
-        taken, left = (float(np.std(_refitted(error, some))) for some in (of_constants, every))
+        taken, left = (float(np.std(refitted(error, some))) for some in (of_constants, every))
     error *= draw.uniform(*ERROR_SHARE) * effect / taken
     sd = effect / math.exp(draw.uniform(*np.log(STRENGTH)))
     y = seen + error + sd * draw.normal(size=COUNT)
@@ -177,7 +178,8 @@ def study(path: Path, minutes: float, first: int, most: int) -> None:
             "cpu_seconds": round(time.process_time() - begin, 2), "state": now,
         })  # fmt: skip
         append(path, rows[-1])
-    print(table([row for row in rows if first <= row["seed"] < first + most]))
+    chosen = [row for row in rows if first <= row["seed"] < first + most]
+    print(*stale(chosen), table(chosen), sep="\n\n")
 
 
 def said(row: Row) -> str:
