@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 from stickslip._util.messages import check_whole
 from stickslip._util.note import Note
 from stickslip.diagnosis.data.table import READINGS, Table
-from stickslip.diagnosis.fitting.other_units import unit_meant
+from stickslip.diagnosis.fitting.other_units import unit_fault
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.scatter import with_scatter
 from stickslip.diagnosis.fitting.search import Progress
@@ -87,32 +87,46 @@ def diagnose_model(
     ('named', ('wave',))
     """
     check_whole("seed", seed)
-
-    def of(tables: Sequence[Table]) -> Problem:
-        """The problem of other tables."""
-        terms = _with_terms(predict, tables, more) if given is None else (given, more)
-        return bare_problem(tables, predict, *terms)
-
-    given, more = uncertain, causes
-    if uncertain is None:
-        uncertain, causes = _with_terms(predict, data, causes)
-    problem = posed(data, predict, uncertain, causes)
+    terms = partial(_terms, predict, uncertain, causes)
+    stated = terms(data)
+    problem = posed(data, predict, *stated)
     tables = computed_tables(problem, int(seed))
     if tables != problem.tables:
-        problem = posed(tables, predict, uncertain, causes)
+        problem = posed(tables, predict, *stated)
     with one_blas_thread():
-        fault = unit_meant(problem, of, _units(predict), int(seed))
+        fault = unit_fault(problem, partial(_of_tables, predict, terms), _units(predict), int(seed))
         problem = problem if fault else with_scatter(problem, int(seed))
         notes = [*overflows(problem), *without_effect(problem)]
-        fault = fault or fault_of(problem)
-        findings = run(problem, int(seed), progress or silent, fault)
-    return Diagnosis(findings, None, (*notes, *moved_constants(findings)))
+        return diagnosed(problem, int(seed), progress, notes, fault=fault)
 
 
-def _with_terms(
-    predict: Predict, data: Any, causes: Sequence[Cause]
+def diagnosed(
+    problem: Problem,
+    seed: int,
+    progress: Progress | None,
+    notes: Sequence[Note],
+    source: Any = None,
+    fault: Note | None = None,
+) -> Diagnosis:
+    """The diagnosis of a problem; `source` is what poses it, a `fault` what is wrong with data."""
+    findings = run(problem, seed, progress or _silent, fault or _fault_of(problem))
+    return Diagnosis(findings, source, (*notes, *moved_constants(findings)))
+
+
+def _of_tables(
+    predict: Predict,
+    terms: Callable[[Any], tuple[Sequence[Parameter], Sequence[Cause]]],
+    tables: Sequence[Table],
+) -> Problem:
+    return bare_problem(tables, predict, *terms(tables))
+
+
+def _terms(
+    predict: Predict, uncertain: Sequence[Parameter] | None, causes: Sequence[Cause], data: Any
 ) -> tuple[Sequence[Parameter], Sequence[Cause]]:
-    """What a model that has `terms` says of data, and the other causes."""
+    """What is stated, or what a model that has `terms` says of data, and the other causes."""
+    if uncertain is not None:
+        return uncertain, causes
     if not hasattr(predict, "terms"):
         raise ScenarioError("uncertain: allowed is a list of Parameter, or a model of `models`")
     uncertain, terms = predict.terms(data)
@@ -134,11 +148,11 @@ def _units(predict: Predict) -> dict[str, tuple[str, Sequence[str]]]:
 one_blas_thread = partial(threadpool_limits, limits=1, user_api="blas")
 
 
-def silent(fraction: float, stage: str) -> None:
+def _silent(fraction: float, stage: str) -> None:
     """Say nothing."""
 
 
-def fault_of(problem: Problem) -> Note | None:
+def _fault_of(problem: Problem) -> Note | None:
     """What is wrong with the data of a problem, if anything is; each table is asked."""
     alone = len(problem.tables) == 1
     stated = problem.model(problem.physical(np.zeros((1, problem.size))))[0]

@@ -90,10 +90,9 @@ def posed(
     ScenarioError
         If something is given that is not allowed.
     """
-    problem = bare_problem(
-        tables, predict, constants, causes, low_fidelity=low_fidelity, laws=laws, words=words,
-        rivals=rivals,
-    )  # fmt: skip
+    problem = bare_problem(tables, predict, constants, causes, low_fidelity)
+    words, rivals = words or problem.words, rivals or problem.rivals
+    problem = replace(problem, laws=laws, words=words, rivals=rivals)
     if low_fidelity is not None:
         return problem
     if np.all(_not_computed(problem, np.zeros(problem.size))):
@@ -114,13 +113,9 @@ def bare_problem(
     predict: Predict,
     constants: Sequence[Parameter],
     causes: Sequence[Cause],
-    *,
     low_fidelity: Predict | None = None,
-    laws: Callable[[Problem, Array], Sequence[Cause]] | None = None,
-    words: Vocabulary | None = None,
-    rivals: Rivals | None = None,
 ) -> Problem:
-    """The same before anything is predicted."""
+    """The same in the user's words, before anything is predicted."""
     given = [tables] if isinstance(tables, Table) else tables
     if (
         not isinstance(given, Sequence)
@@ -142,9 +137,7 @@ def bare_problem(
     _check_causes(records, each, named)
     model = ForwardModel(predict, low_fidelity, tuple(constants), (*named, *freed(each)))
     _check_predict(predict, model)
-    empty = Problem(records, _unposed, each, laws=laws)
-    empty = replace(empty, words=words or Vocabulary(), rivals=rivals or Rivals())
-    return _with_model(model, empty)
+    return Problem(records, constants=each, **_of_model(model, records, each))
 
 
 def freed(constants: Sequence[Parameter]) -> list[Cause]:
@@ -152,31 +145,29 @@ def freed(constants: Sequence[Parameter]) -> list[Cause]:
     return [
         Cause(constant.name, (), f"{constant.name} is other than stated", frees=constant.name)
         for constant in constants
-        if constant.cause and constant.prior is not None and constant.prior.has_middle
+        if constant.may_be_off
     ]
 
 
-def _unposed(values: Array) -> Array:
-    raise NotImplementedError
-
-
-def _with_model(model: ForwardModel, problem: Problem) -> Problem:
-    """The problem with the causes of a model, and its predictions."""
+def _of_model(
+    model: ForwardModel, tables: tuple[Table, ...], constants: tuple[Parameter, ...]
+) -> dict[str, Any]:
+    """What a problem has of a model: its causes, its predictions, and how it takes more causes."""
     causes = model.causes
-    names = [*(c.name for c in problem.constants), *(p.name for c in causes for p in c.parameters)]
-    rows = Cached(partial(_of_tables, model, problem.tables, names))
+    names = [*(c.name for c in constants), *(p.name for c in causes for p in c.parameters)]
     draft = None
     if model.low_fidelity is not None:
         cheap = replace(model, predict=model.low_fidelity, low_fidelity=None)
-        draft = Cached(partial(_of_tables, cheap, problem.tables, names))
-    return replace(
-        problem, model=rows, draft=draft, causes=causes, wider=partial(_wider, model),
-        forward=partial(model.of_new, names),
-    )  # fmt: skip
+        draft = Cached(partial(_of_tables, cheap, tables, names))
+    return {
+        "model": Cached(partial(_of_tables, model, tables, names)), "draft": draft,
+        "causes": causes, "wider": partial(_wider, model), "forward": partial(model.of_new, names),
+    }  # fmt: skip
 
 
 def _wider(model: ForwardModel, problem: Problem, more: Sequence[Cause]) -> Problem:
-    return _with_model(replace(model, causes=(*model.causes, *more)), problem)
+    model = replace(model, causes=(*model.causes, *more))
+    return replace(problem, **_of_model(model, problem.tables, problem.constants))
 
 
 def _of_tables(

@@ -71,8 +71,8 @@ def moved_constants(findings: Findings) -> list[Note]:
     freed = {cause.frees for cause in fit.causes}
     notes = []
     for k, constant in enumerate(findings.problem.constants):
-        known = constant.prior is not None and constant.prior.has_middle
-        if known and constant.name not in freed and abs(fit.x[k]) > _FAR:
+        moved = abs(fit.x[k]) > _FAR
+        if constant.is_stated and constant.name not in freed and moved:
             far = f"{abs(fit.x[k]):.0f} of its stated errors"
             text = f"{constant.name} is {far} from its stated value."
             notes.append(Note("constant-far", text, float(fit.x[k])))

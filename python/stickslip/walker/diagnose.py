@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from stickslip._util.arrays import worker_count
 from stickslip._util.messages import check_whole, shown
-from stickslip.diagnosis.entry import fault_of, one_blas_thread, silent
+from stickslip.diagnosis.entry import diagnosed, one_blas_thread
 from stickslip.diagnosis.fitting.search import Progress
-from stickslip.diagnosis.pipeline import moved_constants, run
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.errors import ScenarioError
 from stickslip.walker.problem import posed_by
@@ -26,12 +25,11 @@ def diagnose(
     ----------
     measurement : Measurement
         From `read_measurement` or `Measurement.from_dataframe`.
-    seed : int
-        From 0, of the random draws. The result does not depend on `threads`.
+    seed, progress
+        As for `diagnose_model`.
     threads : int, optional
-        Simulations at a time; as many as there are processors, if not given.
-    progress : callable, optional
-        ``progress(fraction, stage)`` is told the fraction that is done and what comes next.
+        Simulations at a time, which change no result; as many as there are processors, if not
+        given.
 
     Returns
     -------
@@ -54,5 +52,4 @@ def diagnose(
     problem = posed_by(measurement, worker_count(threads, "threads"), seed)
     notes = [note for table in problem.tables for note in table.remarks()]
     with one_blas_thread():
-        findings = run(problem, int(seed), progress or silent, fault_of(problem))
-    return Diagnosis(findings, measurement, (*notes, *moved_constants(findings)))
+        return diagnosed(problem, int(seed), progress, notes, measurement)

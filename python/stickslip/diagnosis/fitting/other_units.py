@@ -85,7 +85,7 @@ class _End:
         return self.chi2 / scale + self.penalty
 
 
-def unit_meant(
+def unit_fault(
     problem: Problem,
     of: Callable[[Sequence[Table]], Problem],
     known: Mapping[str, tuple[str, Sequence[str]]],
@@ -184,7 +184,7 @@ def _single(problem: Problem, seed: int) -> tuple[list[_Try], list[_Try]]:
     grid = np.geomspace(1.0 / _WRONG_PART, _WRONG_PART, _SCANNED)
     beyond = [one for one in MISTAKES if max(one, 1.0 / one) > _WRONG_PART]
     for k, constant in enumerate(problem.constants):
-        if not _is_stated(constant):
+        if not constant.may_be_off:
             continue
         middle = float(constant.value(np.zeros(1))[0])
         assert constant.prior is not None
@@ -213,7 +213,7 @@ def _looked_at(
 ) -> _Try:
     """The best of some points of the priors of the stated constants."""
     x = np.zeros((_DRAWS, problem.size))
-    stated = [k for k, constant in enumerate(problem.constants) if _is_stated(constant)]
+    stated = [k for k, constant in enumerate(problem.constants) if constant.may_be_off]
     x[1:, stated] = np.random.default_rng([seed, 6]).standard_normal((_DRAWS - 1, len(stated)))
     left = _left(problem, problem.physical(x))
     best = int(np.argmin(left))
@@ -237,7 +237,7 @@ def _fits(tries: Sequence[_Try]) -> list[_End]:
             x = np.abs(fit.x)
             if one.freed is not None:
                 x[one.freed] = 0.0
-            stated = [k for k, c in enumerate(one.problem.constants) if _is_stated(c)]
+            stated = [k for k, c in enumerate(one.problem.constants) if c.may_be_off]
             moved = float(np.max(x[stated], initial=0.0))
             ends.append(_End(fit.chi2, float(x @ x), moved, one))
     return ends
@@ -247,10 +247,6 @@ def _spread(problem: Problem) -> float:
     """Chi-square of the readings about their mean."""
     left = problem.y - np.average(problem.y, weights=problem.sd**-2.0)
     return float(np.sum((left / problem.sd) ** 2))
-
-
-def _is_stated(constant: Parameter) -> bool:
-    return constant.cause and constant.prior is not None and constant.prior.has_middle
 
 
 def _other(problem: Problem, k: int, change: Callable[[Parameter], Parameter]) -> Problem:

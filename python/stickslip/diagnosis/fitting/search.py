@@ -281,8 +281,7 @@ def _scan(problem: Problem, count: int, seed: int) -> Array:
 
 def _strata(problem: Problem, points: Array) -> list[Array]:
     """The best point of each stratum of the constants that are known in range only."""
-    priors = [constant.prior for constant in problem.constants]
-    wide = [k for k, prior in enumerate(priors) if prior is not None and not prior.has_middle]
+    wide = [k for k, constant in enumerate(problem.constants) if not constant.is_stated]
     chosen = list(separated(points, lambda point: point, APART))[: _STRATA // 2]
     for k in wide:
         edges = np.quantile(points[:, k], np.linspace(0.0, 1.0, max(_STRATA // len(wide), 3) + 1))

@@ -254,8 +254,8 @@ def _rows(facts: Facts, candidate: Candidate) -> dict[str, dict[str, Any]]:
         for name, row in candidate.params.to_dict("index").items()
     }  # fmt: skip
     for constant in facts.problem.constants:
-        middle = constant.prior is not None and constant.prior.has_middle
-        rows[constant.name]["stated"] = float(constant.value(np.zeros(1))[0]) if middle else None
+        stated = float(constant.value(np.zeros(1))[0]) if constant.is_stated else None
+        rows[constant.name]["stated"] = stated
     return rows
 
 

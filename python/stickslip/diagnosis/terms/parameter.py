@@ -112,6 +112,16 @@ class Parameter:
         """Whether it says how strong an effect is."""
         return self.size is not None
 
+    @property
+    def is_stated(self) -> bool:
+        """Whether it is a constant whose prior has a middle."""
+        return self.prior is not None and self.prior.has_middle
+
+    @property
+    def may_be_off(self) -> bool:
+        """Whether it may be a cause as other than stated."""
+        return self.is_stated and self.cause
+
     def value(self, u: Array) -> Array:
         """Physical value at coordinates."""
         if self.prior is not None:
