@@ -162,7 +162,8 @@ def test_the_error_of_prediction_is_that_of_fits_without_each_point():
     fields = formula_fields(points)[:, 0]
     fields = fields + 1e-5 * np.random.default_rng(3).standard_normal(fields.shape)
     basis = _Basis(points.min(axis=0), points.max(axis=0), points)
-    found = basis._prediction_errors(fields.reshape(-1), basis._q.T @ fields.reshape(-1))
+    values = fields.reshape(-1, 1)
+    found = basis._prediction_errors(values, basis._q.T @ values)[:, 0]
     for degree in (1, 2, 3):
         design = (basis._q @ basis._r)[:, : degree * (degree + 2)].reshape(len(points), 3, -1)
         squares = []

@@ -21,17 +21,10 @@ from stickslip._util.files import read_bytes
 from stickslip._util.messages import meant, refuse
 from stickslip._util.tables import read_table
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.field.map_fit import CoilFit, fit_coils, point_name
-
-_AXES = "xxyyz"
-"""Along which each coil's field points at the centre."""
+from stickslip.field.arrangement import check_arrangement
+from stickslip.field.map_fit import fit_coils
 
 _PLACE, _FIELD = ("x", "y", "z"), ("Bx", "By", "Bz")
-
-_WORST = 0.05
-"""Largest rms residual of a coil, relative to its rms field. Chosen: probes are read to a per cent
-or so, and values that no source-free field fits to 5 % have columns in a wrong order, wrong places,
-or iron within the map."""
 
 _COLUMNS = {
     **dict.fromkeys(_PLACE, "m"),
@@ -70,7 +63,7 @@ class FieldMap:
     ------
     ScenarioError
         If the map cannot be simulated: its box does not hold x = y = z = 0, the centre to which the
-        drive refers, a positive current gives a field of the wrong sign, or a coil is missing.
+        drive refers, or a coil is missing.
     """
 
     low: tuple[float, float, float]
@@ -86,14 +79,6 @@ class FieldMap:
             _check_count(name, getattr(self, name))
         core = _core.Scenario()
         core.set_map(self.to_core())
-        fields = core.coils().centre_field_per_ampere
-        for name, axis, value in zip(_core.coil_names, _AXES, fields, strict=True):
-            if value < 0.0:
-                raise ScenarioError(
-                    f"coil {name}: B{axis} = {value:.4g} T/A at x = y = z = 0: allowed is a "
-                    f"positive field, as a positive current of any coil makes one along +{axis}; "
-                    "take the values of this coil with the other sign"
-                )
 
     @classmethod
     def from_file(cls, path: str | PathLike[str]) -> FieldMap:
@@ -143,12 +128,14 @@ class FieldMap:
         places = in_columns("points", points, _PLACE, unit="m")
         values = numbers("fields", fields, unit="T/A")
         count = len(places) if places.ndim else 0
-        if places.shape != (count, 3) or values.shape != (count, len(_AXES), 3):
+        if places.shape != (count, 3) or values.shape != (count, len(_core.coil_names), 3):
             raise ScenarioError(
                 f"points of shape {places.shape} and fields of shape {values.shape}: allowed are "
                 "(n, 3) and (n, 5, 3)"
             )
-        return cls.from_coils([(places, values[:, k]) for k in range(len(_AXES))], source)
+        return cls.from_coils(
+            [(places, values[:, k]) for k in range(len(_core.coil_names))], source
+        )
 
     @classmethod
     def from_coils(
@@ -185,9 +172,7 @@ class FieldMap:
                 for name, (points, fields) in zip(_core.coil_names, samples, strict=True)
             ]
         low, high, fits = fit_coils(samples, lines)
-        for k, (name, fit) in enumerate(zip(_core.coil_names, fits, strict=True)):
-            if fit.residual > _WORST * fit.field:
-                _refuse_bad_fit(name, fit, point_name(lines, k, fit.farthest))
+        check_arrangement(samples, lines, fits)
         return cls(
             tuple(low.tolist()),
             tuple(high.tolist()),
@@ -279,15 +264,7 @@ def _floats(values: Iterable[Any]) -> tuple[float, ...]:
 
 
 def _check_count(name: str, given: Sequence[object]) -> None:
-    if len(given) != len(_AXES):
+    if len(given) != len(_core.coil_names):
         raise ScenarioError(
-            f"{name} of {len(given)} coils: allowed is one for each of {len(_AXES)}"
+            f"{name} of {len(given)} coils: allowed is one for each of {len(_core.coil_names)}"
         )
-
-
-def _refuse_bad_fit(name: str, fit: CoilFit, farthest: str) -> None:
-    raise ScenarioError(
-        f"coil {name}: the fit leaves {fit.residual:.3g} T/A rms, {fit.residual / fit.field:.2g} "
-        f"of the field: allowed is at most {_WORST:g}; the largest residual is at {farthest}; look "
-        "for exchanged columns, wrong signs, wrong places, or iron within the map"
-    )

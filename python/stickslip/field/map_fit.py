@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -34,12 +35,26 @@ eigenvalues are 0 to 1, so that the least is not below it. Chosen: they have err
 rounding, so that the error at a point that is left out has seven digits and more."""
 
 
+TURNS = np.array(
+    [
+        np.diag([1.0, *signs])[:, order]
+        for order in itertools.permutations(range(3))
+        for signs in itertools.product((1.0, -1.0), repeat=2)
+    ]
+)
+"""The 24 arrangements of the components of a vector but for a common sign, shape (24, 3, 3); the
+first is that as given. Of a source-free field no other is source-free."""
+
+
 @dataclass(frozen=True)
 class CoilFit:
     """The harmonics of one coil: `coefficients` (T/A), the residual and the measured field.
 
     `residual` and `field` are root mean squares of one component, T/A; `points` counts, and
-    `farthest` is the index of the point with the largest residual.
+    `farthest` is the index of the point with the largest residual. `errors`, shape (24,), T/A, are
+    those at points left out of the fit, for each of `TURNS`. `centre` and its standard deviations
+    `centre_sd`, shape (6,), T/A, are Bx, By, Bz at x = y = z = 0, and dBx/dx, dBy/dy, dBz/dz there
+    times the largest side of the box.
     """
 
     coefficients: Array
@@ -47,6 +62,9 @@ class CoilFit:
     field: float
     points: int
     farthest: int
+    errors: Array
+    centre: Array
+    centre_sd: Array
 
 
 def point_name(lines: Sequence[Sequence[int]] | None, coil: int, point: int) -> str:
@@ -101,25 +119,40 @@ class _Basis:
                 "the points do not determine the gradient of the field: allowed are points of a "
                 "box, or of the plane y = 0, and not of a line"
             )
+        # Bx, By, Bz and their growth at the centre, of each harmonic.
+        step = 1e-3 * np.max(high - low)
+        at = np.concatenate([np.zeros((1, 3)), step * np.eye(3), -step * np.eye(3)])
+        centre = _core.harmonic_fields(low, high, degree, at)
+        growth = [(centre[1 + k, k] - centre[4 + k, k]) / 2e-3 for k in range(3)]
+        self._centre = np.vstack([centre[0], *growth]) / self._scale
 
     def fit(self, fields: Array) -> CoilFit:
         """The fit of the degree that best predicts points left out of it."""
+        turned = np.einsum("tij,nj->nit", TURNS, fields).reshape(-1, len(TURNS))
+        errors = self._prediction_errors(turned, self._q.T @ turned)
+        degree = 1 + int(np.argmin(errors[:, 0]))
         values = fields.reshape(-1)
-        shares = self._q.T @ values
-        degree = 1 + int(np.argmin(self._prediction_errors(values, shares)))
         count = _count(degree)
-        left = values - self._q[:, :count] @ shares[:count]
-        solution = np.linalg.solve(self._r[:count, :count], shares[:count])
+        q, r, centre = self._q[:, :count], self._r[:count, :count], self._centre[:, :count]
+        shares = q.T @ values
+        left = values - q @ shares
+        solution = np.linalg.solve(r, shares)
+        noise = np.linalg.norm(left) / np.sqrt(len(values) - count)
         return CoilFit(
             solution / self._scale[:count],
             root_mean_square(left),
             root_mean_square(values),
             len(fields),
             int(np.argmax(np.sum(left.reshape(-1, 3) ** 2, axis=1))),
+            np.sqrt(errors.min(axis=0)),
+            centre @ solution,
+            noise * np.linalg.norm(np.linalg.solve(r.T, centre.T), axis=0),
         )
 
     def _prediction_errors(self, values: Array, shares: Array) -> Array:
         """Mean squared error at a point that is left out of the fit, for each degree from 1.
+
+        `values` and `shares` have a column for each field, and so have the errors.
 
         Exact without another fit (Allen, Technometrics 16, 1974): what is left at a point, times
         the inverse of 1 - H with the point's three rows of the projection H.
@@ -137,10 +170,10 @@ class _Basis:
             # A point without which the fit is not determined has an error without bound.
             safe = np.linalg.det(free) > _UNDETERMINED
             if not safe.all():
-                errors.append(np.inf)
+                errors.append(np.full(values.shape[1], np.inf))
                 continue
-            out = np.linalg.solve(free, left.reshape(count, 3, 1))
-            errors.append(float(np.mean(out**2)))
+            out = np.linalg.solve(free, left.reshape(count, 3, -1))
+            errors.append(np.mean(out**2, axis=(0, 1)))
         return np.array(errors)
 
 
@@ -169,6 +202,14 @@ def _check(coil: int, points: Array, fields: Array, lines: Sequence[Sequence[int
                     f"{where}: {column} = {shown(worst)}: allowed are -{most:g} to {most:g} "
                     f"{unit}; {hint}"
                 )
+
+    zero = np.flatnonzero(~fields.any(axis=1))
+    if 0 < len(zero) < len(fields):
+        raise ScenarioError(
+            f"coil {name}, {point_name(lines, coil, int(zero[0]))}: Bx = By = Bz = 0 at "
+            f"{len(zero)} of {counted(len(fields), 'point')}: allowed are zeros at all points, for "
+            "a coil that is not there; leave out places without a value"
+        )
 
 
 def _check_box(low: Array, high: Array) -> None:
