@@ -76,8 +76,8 @@ _WORDS = {
     "minute": "min", "hour": "h", "hr": "h", "day": "d", "ampere": "A", "amp": "A", "kelvin": "K",
     "celsius": "degC", "deg_celsius": "degC", "deg_c": "degC", "degc": "degC", "°c": "degC",
     "c": "degC", "°celsius": "degC", "fahrenheit": "degF", "deg_fahrenheit": "degF",
-    "deg_f": "degF", "degf": "degF", "°f": "degF", "radian": "rad", "degree": "deg", "°": "deg", "turn": "rev",
-    "revolution": "rev", "cycle": "rev", "newton": "N",
+    "deg_f": "degF", "degf": "degF", "°f": "degF", "radian": "rad", "degree": "deg", "°": "deg",
+    "turn": "rev", "revolution": "rev", "cycle": "rev", "newton": "N",
     "joule": "J", "watt": "W", "volt": "V", "henry": "H", "tesla": "T", "gauss": "G",
     "hertz": "Hz", "hz": "Hz", "rpm": "rpm", "revolutions_per_minute": "rpm", "min": "min",
     "deg": "deg", "rad": "rad", "rev": "rev", "percent": "%", "pct": "%", "dimensionless": "1",
@@ -175,6 +175,15 @@ def ratio(unit: str, other: str) -> float:
     return per_si(unit, si) / per_si(other, si)
 
 
+def is_quotient(over: str, under: str, unit: str) -> bool:
+    """Whether one unit over another is a third, whatever angles are in them."""
+    sizes = [_size(each) for each in (over, under, unit)]
+    if any(size is None for size in sizes):
+        return False
+    first, second, third = ((0,) * 5 if size is None else size[1][:5] for size in sizes)
+    return all(a - b == c for a, b, c in zip(first, second, third, strict=True))
+
+
 @functools.lru_cache(256)
 def _size(unit: str) -> _Size | None:
     """SI size and dimensions of a product of units as people and programs write it; else None."""
@@ -247,7 +256,7 @@ def is_of(unit: str, si: str) -> bool:
 def is_unit(text: str) -> bool:
     """Whether a text is a unit of a file."""
     return any(text in _known(si) for si in _SI) or (
-        bool(text) and not text.isdigit() and _size(text) is not None
+        text[:1] not in "+-.0123456789" and _size(text) is not None
     )
 
 
@@ -293,6 +302,7 @@ def _is_pure(unit: str) -> bool:
     return unit in ("1", "-")
 
 
+@functools.lru_cache(64)
 def _known(si: str) -> dict[str, float]:
     """All units of the quantity of an SI unit, with how many of each are one of it."""
     prefixed = {} if si == "kg" else {f"{prefix}{si}": n for prefix, n in _PREFIXES.items()}
