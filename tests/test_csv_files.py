@@ -14,10 +14,12 @@ import pytest
 from asking_results import measurement
 from command_line import check, stickslip
 from stickslip import FieldMap, Measurement, Scenario, ScenarioError, Waveform
+from stickslip._util.columns import Recipe, read_table, sound_numbers
 from stickslip._util.units import per_si, to_si
-from stickslip.diagnosis.data.read_table import read_numbers, read_rows
+from stickslip.diagnosis.data.outliers import marks_of_none
 from stickslip.scenario.keys import COIL_NAMES
-from stickslip.walker.read_velocity import read_velocity, velocity_units
+from stickslip.walker.read_velocity import read_velocity
+from stickslip.walker.read_velocity import velocities as of_velocities
 
 FRAMES = {"t": "s", "x": "m", "theta": "rad"}
 ANGLES = {"Bx": "T", "Bz": "T", "theta": "rad"}
@@ -33,7 +35,7 @@ def voltages(path):
 
 
 def velocities(path):
-    data, left_out = read_velocity(read_rows(path, velocity_units()), Scenario(), float("nan"))
+    data, left_out = read_velocity(read_table(path, of_velocities()), Scenario(), float("nan"))
     return (data.conditions, data.velocity.tolist()), left_out
 
 
@@ -44,7 +46,8 @@ def new_trials(path):
 
 def numbers_of(columns):
     def read(path):
-        table, left_out = read_numbers(path, columns)
+        recipe = Recipe.of(columns, columns, gaps=marks_of_none)
+        table, left_out = sound_numbers(path, recipe)
         return {name: column.tolist() for name, column in table.items()}, left_out
 
     return read
@@ -222,7 +225,7 @@ def test_a_row_that_begins_with_a_hash_is_not_lost(tmp_path, kind, header, cell)
 def test_a_label_may_begin_with_a_hash(tmp_path):
     lines = ["block,frequency,velocity", "#1,20,1e-3", "# a remark", "#2,20,2e-3"]
     path = write(tmp_path / "a.csv", lines)
-    data, left_out = read_velocity(read_rows(path, velocity_units()), Scenario(), 0.01)
+    data, left_out = read_velocity(read_table(path, of_velocities()), Scenario(), 0.01)
     assert data.block.tolist() == [0, 1]
     assert [each.code for each in left_out] == ["comments"]
 

@@ -8,10 +8,10 @@ import pytest
 from asking_results import SAFE, asking, measurement
 from command_line import stickslip
 from made_measurement import write
-from stickslip.diagnosis.data.read_table import read_rows
+from stickslip._util.columns import read_table
 from stickslip.diagnosis.decision.experiments import LEAST_WORTH
 from stickslip.walker.next_table import PREDICTIONS, TABLE, with_measured
-from stickslip.walker.read_velocity import velocity_units
+from stickslip.walker.read_velocity import velocities
 
 
 @pytest.fixture
@@ -56,10 +56,11 @@ def test_a_table_that_a_spreadsheet_has_written_gets_new_drives_in_its_own_colum
     more, going = with_measured(data, folder, 2, 3)
     assert more.velocity[1].velocity.tolist() == [1.5e-3]
     going.write(asking(more))
-    found = read_rows(folder / TABLE, velocity_units())
-    assert found.header == [*header.split(","), "operator"]
-    assert found.rows[0][1] == [*rows[0].split(",")[:-1], "0.0015", "the; first"]
-    assert [row for _, row in found.rows[1:]] == [[*each.split(","), ""] for each in rows]
+    found = read_table(folder / TABLE, velocities())
+    assert list(found.columns) == [*header.split(","), "operator"]
+    lines = (folder / TABLE).read_text().splitlines()[-1 - len(rows) :]
+    assert lines[0] == ",".join([*rows[0].split(",")[:-1], "0.0015", "the; first"])
+    assert lines[1:] == [f"{each}," for each in rows]
     assert "# by Ada" in (folder / TABLE).read_text().splitlines()
     again, _ = with_measured(data, folder, 2, 3)
     assert again.velocity[1].velocity.tolist() == [1.5e-3]

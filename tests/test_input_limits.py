@@ -10,10 +10,10 @@ from command_line import check, stickslip, stickslip_process
 from made_measurement import write
 from refusals.scenario import CSV, HEAD, PROGRAM
 from stickslip import Scenario, ScenarioError, Waveform
+from stickslip._util import columns
 from stickslip._util.files import check_folder, read_bytes
-from stickslip.diagnosis.data.read_table import read_rows
 from stickslip.walker import read_measurement
-from stickslip.walker.read_velocity import velocity_units
+from stickslip.walker.read_velocity import velocities
 
 MEASUREMENT = 'stickslip_measurement = 1\nscenario = "s.toml"\n'
 NOT_UTF8 = "caf\udce9"  # how Python spells the bytes "café" has in Latin-1
@@ -30,7 +30,7 @@ def refused(path, *words, read=Scenario.from_toml):
 
 
 def read_table(path):
-    return read_rows(path, velocity_units())
+    return columns.read_table(path, velocities())
 
 
 def test_names_with_a_nul_are_refused_wherever_they_stand(tmp_path):

@@ -10,9 +10,9 @@ from command_line import check, stickslip
 from made_measurement import write_files
 from refusals.measurement import FRAMES, NOMINAL, TOML, in_memory
 from stickslip import Scenario, ScenarioError
-from stickslip.diagnosis.data.read_table import read_rows
+from stickslip._util.columns import read_table
 from stickslip.walker import Prior, read_measurement
-from stickslip.walker.read_velocity import read_velocity, velocity_units
+from stickslip.walker.read_velocity import read_velocity, velocities
 from stickslip.walker.velocity import VelocityTable
 
 TABLE = pd.DataFrame(
@@ -179,7 +179,7 @@ def test_lines_are_numbered_as_in_the_file_and_reasons_are_grouped(tmp_path):
         "# our robot\nmode,frequency,hold,velocity\n\nIPP,30,6e-4,1e-3\noop,30,6e-4,1e-3\n"
         "oop,40,6e-4,1e-3\n# again\nIPP,50,6e-4,lost\nIPP,50,0.6,1e-3\n" + "IPP,60,6e-4,\n" * 6
     )
-    data, left_out = read_velocity(read_rows(path, velocity_units()), Scenario(), math.nan)
+    data, left_out = read_velocity(read_table(path, velocities()), Scenario(), math.nan)
     assert len(data.velocity) == 1
     said = [str(each) for each in left_out]
     (refused,) = (each for each in said if "oop" in each)

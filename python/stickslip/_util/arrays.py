@@ -12,13 +12,14 @@ import numbers as kinds_of_numbers
 import os
 from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
 from decimal import Decimal
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip._util.messages import check_whole, refuse, shown, suggestion
 from stickslip._util.text import is_number
+from stickslip._util.units import quantity_of, ratio, without_delta, zero_of
 from stickslip.errors import ScenarioError
 
 Array = NDArray[np.float64]
@@ -119,7 +120,7 @@ def numbers(
     allowed : str
         What messages call allowed.
     unit : str, optional
-        Unit to which values that carry one are converted. Without it these are refused.
+        Unit to which values that carry one are converted. Without it they may carry none.
     differences : bool
         Whether the values are differences, so that 0.1 degC are 0.1 K.
     gaps : bool
@@ -133,8 +134,12 @@ def numbers(
         If a value is no finite number, if the values are of several kinds, or if their unit cannot
         be converted.
     """
-    given, missing = _elements(what, _without_unit(what, values, unit, differences), allowed)
+    plain, carried = _bare(values)
+    change = None if carried is None else conversion(what, carried, unit or "-", differences)
+    given, missing = _elements(what, plain, allowed)
     array = _as_floats(what, given, missing, allowed)
+    if change is not None:
+        array = change(array)
     if missing.any() and not gaps:
         first = given[tuple(np.argwhere(missing)[0])]
         refuse(_at(what, missing), first if _is_gap(first) else np.nan, allowed)
@@ -182,7 +187,9 @@ def in_columns(
 
 def _named_columns(what: str, values: Any) -> dict[Any, Any] | None:
     """Columns, or the numbers of a pandas Series, by their names; None where these are no texts."""
-    is_row = _is_of_pandas(values) and hasattr(values, "index") and not hasattr(values, "columns")
+    is_row = (
+        _is_of(values, "pandas") and hasattr(values, "index") and not hasattr(values, "columns")
+    )
     names = list(values.index) if is_row else []
     if names and all(isinstance(name, str) for name in names):
         return _by_name(what, values, names)
@@ -219,7 +226,9 @@ def column(what: str, values: object, count: int) -> tuple[Elements, Mask]:
     It holds floats, with NaN in gaps, or texts or truths, which are labels, empty or False in gaps.
     """
     allowed = "numbers or texts"
-    given, missing = map(flat, _elements(what, _without_unit(what, values, None), allowed))
+    plain, carried = _bare(values)
+    change = None if carried is None else conversion(what, carried, None)
+    given, missing = map(flat, _elements(what, plain, allowed))
     if given.shape != (count,):
         raise ScenarioError(f"{what}: allowed are {count} rows, one for each reading")
     kind = _kind_of_all(what, given, missing, allowed)
@@ -232,12 +241,12 @@ def column(what: str, values: object, count: int) -> tuple[Elements, Mask]:
     wrong = ~np.isfinite(array) & ~missing
     if wrong.any():
         _refuse_element(what, given, wrong, allowed)
-    return locked(array), missing
+    return locked(array if change is None else change(array)), missing
 
 
 def labels(what: str, values: object, count: int) -> Indices:
     """Numbers of the different labels, from 0, shape (count,); a gap is like no other."""
-    given, missing = _elements(what, values, "labels")
+    given, missing = _elements(what, _bare(values)[0], "labels")
     if given.shape != (count,):
         raise ScenarioError(f"{what}: allowed is one for each of {count} readings")
     plain = given.tolist()
@@ -276,7 +285,7 @@ def check_indexes(at: str, given: Mapping[str, Any]) -> None:
     indexes = {
         name: values.index
         for name, values in given.items()
-        if _is_of_pandas(values) and hasattr(values, "index")
+        if _is_of(values, "pandas") and hasattr(values, "index")
     }
     first = next(iter(indexes), "")
     for name, index in indexes.items():
@@ -286,56 +295,110 @@ def check_indexes(at: str, given: Mapping[str, Any]) -> None:
             )
 
 
-def _is_of_pandas(values: object) -> bool:
-    return type(values).__module__.partition(".")[0] == "pandas"
+def _is_of(values: object, *libraries: str) -> bool:
+    return type(values).__module__.partition(".")[0] in libraries
 
 
 def states_unit(values: object) -> bool:
     """Whether values carry a unit, or are dates or durations."""
-    if _carried(values) is not None:
+    plain, carried = _bare(values)
+    if carried is not None:
         return True
-    given = np.asarray(values)
+    given = np.asarray(plain)
     first = next(iter(given.flat), None) if given.dtype.kind == "O" else None
     return given.dtype.kind in "mM" or _kind_of(first) in (_DATE, _DURATION)
 
 
-def _carried(values: Any) -> Any:
-    """The unit that values carry; None of plain numbers."""
-    # An Index of dates has a `unit`, its resolution, and a Series that of a label: ask the dtype.
-    carrier = getattr(values, "dtype", None) if _is_of_pandas(values) else values
-    carried = getattr(carrier, "units", getattr(carrier, "unit", None))
-    return None if _is_of_pandas(carrier) else carried
+def unit_carried(values: Any) -> str | None:
+    """The unit that values carry, as text; None of plain numbers."""
+    return _bare(values)[1]
 
 
-def _without_unit(what: str, values: Any, unit: str | None, differences: bool = False) -> Any:
-    """The values in the wanted unit, if they carry one; else as they are."""
-    carried = _carried(values)
-    if carried is None:
-        return values
-    wanted = "" if unit in (None, "-", "1") else str(unit)
+def _bare(values: Any) -> tuple[Any, str | None]:
+    """Values without what other libraries put around them, and the unit that these carry.
+
+    A mask stays: of an array that hides it, it becomes one of NumPy's.
+    """
+    if hasattr(values, "datetime64"):  # astropy's Time
+        return values.datetime64, None
+    if _is_of(values, "pandas"):
+        # An Index of dates has a `unit`, its resolution, and a Series that of a label.
+        quantity = getattr(getattr(values, "array", None), "quantity", None)
+        return (values, None) if quantity is None else _bare(quantity)
+    unit = getattr(values, "units", getattr(values, "unit", None))
+    carried = None if unit is None else str(unit)
+    if _is_of(values, "xarray"):  # which may hold an array with a unit of its own
+        inner, own = _bare(values.data)
+        return inner, carried if own is None else own
+    plain = values
+    if hasattr(values, "set_auto_mask"):  # a variable of netCDF4, which is read as it says
+        plain = values[...]
+    elif _is_of(values, "scipp"):
+        plain = values.values
+    elif carried is not None:
+        names = ("magnitude", "value", "values")
+        plain = next((getattr(values, name) for name in names if hasattr(values, name)), values)
+    if isinstance(getattr(plain, "unmasked", None), np.ndarray):  # astropy's Masked
+        plain = np.ma.MaskedArray(np.asarray(plain.unmasked), np.asarray(plain.mask))
+    hidden = getattr(values, "masks", None)
+    if _is_of(values, "scipp") and hidden:
+        mask = np.any([each.values for each in hidden.values()], axis=0)
+        plain = np.ma.MaskedArray(plain, mask)
+    return plain, carried
+
+
+class Conversion(NamedTuple):
+    """How numbers in one unit become those in another: ``(number + zero) / per - wanted_zero``."""
+
+    unit: str
+    wanted: str
+    per: float = 1.0
+    zero: float = 0.0
+    wanted_zero: float = 0.0
+
+    def __call__(self, array: Array) -> Array:
+        if not self.changes:
+            return array
+        scaled = array / self.per if self.per >= 1.0 else array * (1.0 / self.per)
+        return np.asarray(scaled + (self.zero - self.wanted_zero))
+
+    def __str__(self) -> str:
+        return f"from {self.unit} to {self.wanted or 'no unit'}"
+
+    @property
+    def changes(self) -> bool:
+        """Whether any number changes."""
+        return self.per != 1.0 or self.zero != self.wanted_zero
+
+
+def conversion(what: str, carried: str, unit: str | None, differences: bool = False) -> Conversion:
+    """From a unit that values carry to a wanted one; a ScenarioError if that cannot be.
+
+    None is any: the SI unit. Of `differences`, ``degC`` and ``K`` are the same.
+    """
+    wanted = (quantity_of(carried) or carried) if unit is None else unit
+    wanted = "" if wanted in ("-", "1") else wanted
+    of = without_delta(carried)
     allowed = f"numbers in {wanted}" if wanted else "numbers without a unit"
     refusal = f"{what} is in {carried}: allowed are {allowed}"
-    if unit is None:
-        raise ScenarioError(refusal)
+    if of is not None and not differences:
+        raise ScenarioError(f"{refusal}; {carried} is a unit of differences")
+    one = carried if of is None else of
     try:
-        from pint import Quantity
-        from pint.errors import PintError
-    except ModuleNotFoundError:
-        raise ScenarioError(f"{refusal}; pint, which converts them, is not installed") from None
-    plain = getattr(values, "magnitude", getattr(values, "value", values))
-    try:
-        given = Quantity(np.ma.asanyarray(plain), str(carried))
-        if not differences:
-            return given.to(wanted).magnitude
-        # A unit with a zero of its own, less that zero, is the unit of a difference.
-        zero = Quantity(0.0, wanted)
-        return (given - Quantity(0.0, str(carried))).to((zero - zero).units).magnitude
-    except (PintError, TypeError, ValueError, AttributeError):
-        raise ScenarioError(refusal) from None
+        if one == wanted or (wanted == "rad" and one in ("", "1", "dimensionless")):
+            return Conversion(carried, wanted)
+        per = ratio(one, wanted or "-")
+    except ValueError:
+        hz = {quantity_of(one), quantity_of(wanted or "-")} == {"Hz", "rad/s"}
+        hint = "; Hz does not say whether it counts turns: a turn is 2 pi rad" if hz else ""
+        raise ScenarioError(f"{refusal}{hint}") from None
+    if differences:
+        return Conversion(carried, wanted, per)
+    return Conversion(carried, wanted, per, zero_of(one), zero_of(wanted))
 
 
 def _elements(what: str, values: Any, allowed: str) -> tuple[Elements, Mask]:
-    """The values in an array of their own, and which of them are gaps."""
+    """Values without a unit in an array of their own, and which of them are gaps."""
     try:
         given = np.array(np.ma.getdata(values) if np.ma.isMaskedArray(values) else values)
         if given.dtype.kind in "USM" and not hasattr(values, "dtype"):

@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 import stickslip
+from stickslip._util.columns import Source
 from stickslip._util.files import check_folder
 from stickslip.cli.options import FOLDER, JSON, PATH, SEED, THREADS, pairs, stated
 from stickslip.cli.output import print_json, say, write_new
@@ -216,8 +217,13 @@ def _diagnose_logs(
     if out is not None:
         with prefixed("--out", OSError):
             check_folder(out, REPORT)
-    made = load_model(model, given, files)
-    logs = [read_log(path, made) for path in files]
+    sources = [Source(path) for path in files]
+    made = load_model(model, given, sources)
+    logs = [read_log(source, made) for source in sources]
+    names = [log.name for log in logs]
+    logs = [log.named(f"{path.resolve().parent.name}/{log.name}")
+            if names.count(log.name) > 1 else log
+            for log, path in zip(logs, files, strict=True)]  # fmt: skip
     for log in logs:
         for note in log.own_notes:
             say(f"stickslip: {log.name}: {note}", err=True)

@@ -10,26 +10,28 @@ from pathlib import Path
 from typing import Any
 
 from stickslip import models
+from stickslip._util.columns import Source
 from stickslip._util.messages import meant
-from stickslip._util.text import plain
-from stickslip._util.units import split_unit
 from stickslip.errors import ScenarioError
 from stickslip.models.kinds import KINDS
-from stickslip.models.log import headings
-from stickslip.models.model import Kind, Model
+from stickslip.models.log import read_in
+from stickslip.models.model import Model
 from stickslip.models.scalar import Own
 
 _ALLOWED = f"allowed is {', '.join(KINDS)} or FILE.py:NAME"
 
 
-def load_model(text: str, given: Mapping[str, Any], logs: Sequence[Path]) -> Any:
+def load_model(text: str, given: Mapping[str, Any], logs: Sequence[Source]) -> Any:
     """The model that ``--model`` names, with what ``--set`` says of it.
 
     A ready-made one reads the first of its columns that the first log has, where that is not set.
     """
     if text in KINDS:
         make = getattr(models, text)
-        reads = _read(KINDS[text], logs[0]) if "reads" not in given else None
+        several = list(KINDS[text].reads)
+        reads = None
+        if "reads" not in given and len(several) > 1:
+            reads = read_in(logs[0], several)
         try:
             return make(**({} if reads is None else {"reads": reads}), **given)
         except ScenarioError as error:
@@ -43,12 +45,6 @@ def load_model(text: str, given: Mapping[str, Any], logs: Sequence[Path]) -> Any
     if given:
         raise ScenarioError(f"--set: {file} says what is known of its model: change it there")
     return _of_file(Path(file), name)
-
-
-def _read(kind: Kind, log: Path) -> str | None:
-    """The first of what a kind of model may read that is a column of a log."""
-    there = {plain(split_unit(heading)[0]) for heading in headings(log, kind.reads)}
-    return next((name for name in kind.reads if len(kind.reads) > 1 and name in there), None)
 
 
 def _of_file(path: Path, name: str) -> Any:

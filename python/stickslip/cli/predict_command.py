@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import stickslip
+from stickslip._util.columns import write_frame
 from stickslip._util.messages import shown, suggestion
-from stickslip._util.tables import write_frame
 from stickslip.cli import options, output
 from stickslip.cli.loading import load_uncertain
 from stickslip.cli.progress import progress_bar

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import stickslip
-from stickslip._util.tables import write_frame
+from stickslip._util.columns import write_frame
 from stickslip.cli import options, output
 from stickslip.cli.loading import load_with
 from stickslip.cli.progress import progress_bar

@@ -17,20 +17,18 @@ from numpy.typing import ArrayLike
 
 from stickslip import _core
 from stickslip._util.arrays import Array, in_columns, numbers
+from stickslip._util.columns import Recipe, read_table
 from stickslip._util.files import read_bytes
 from stickslip._util.messages import meant, refuse
-from stickslip._util.tables import read_table
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.field.arrangement import check_arrangement
 from stickslip.field.map_fit import fit_coils
 
 _PLACE, _FIELD = ("x", "y", "z"), ("Bx", "By", "Bz")
 
-_COLUMNS = {
-    **dict.fromkeys(_PLACE, "m"),
-    "coil": None,
-    **dict.fromkeys(_FIELD, "T/A"),
-}
+_RECIPE = Recipe.of(
+    {**dict.fromkeys(_PLACE, "m"), "coil": None, **dict.fromkeys(_FIELD, "T/A")}, exact=True
+)
 
 _MOST_JSON = 1 << 20  # bytes; chosen: ten times those of a map of the highest degree
 
@@ -97,16 +95,21 @@ class FieldMap:
         if path.suffix.lower() == ".json":
             with prefixed(path):
                 return cls.from_json(read_bytes(path, _MOST_JSON, "map of a scenario"))
-        table, words, lines = read_table(path, _COLUMNS)
+        table = read_table(path, _RECIPE)
+        places, fields = (
+            np.stack([table.columns[name].values for name in names], axis=1)
+            for names in (_PLACE, _FIELD)
+        )
+        coils, lines = table.columns["coil"].texts, table.lines
         names = _core.coil_names
         with prefixed(path):
-            for line, coil in zip(lines, words["coil"], strict=True):
+            for line, coil in zip(lines, coils, strict=True):
                 if coil not in names:
                     allowed = f"one of {', '.join(names)}{meant(coil, names)}"
                     refuse(f"row {line}, column coil", coil, allowed)
-            chosen = [np.flatnonzero(np.array(words["coil"]) == name) for name in names]
-            samples = [(table[rows, :3], table[rows, 3:]) for rows in chosen]
-            numbers = [[lines[row] for row in rows.tolist()] for rows in chosen]
+            chosen = [np.flatnonzero(np.array(coils) == name) for name in names]
+            samples = [(places[rows], fields[rows]) for rows in chosen]
+            numbers = [[int(lines[row]) for row in rows.tolist()] for rows in chosen]
             return cls.from_coils(samples, path.name, numbers)
 
     @classmethod

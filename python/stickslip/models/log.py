@@ -2,51 +2,63 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-import re
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 from os import PathLike
-from pathlib import Path
-from typing import NamedTuple, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
 from stickslip._util.arrays import Array
-from stickslip._util.files import read_bytes
+from stickslip._util.clocks import JUMP, counted_on, times
+from stickslip._util.columns import (
+    Column,
+    Match,
+    Recipe,
+    Source,
+    SourceTable,
+    limits,
+    not_used,
+    per_heading,
+    refuse_twice,
+)
 from stickslip._util.messages import shown
 from stickslip._util.note import Note
-from stickslip._util.tables import CsvTable
-from stickslip._util.text import counted, number, plain
-from stickslip._util.units import is_of, per_si, same_unit, split_unit, zero_of
-from stickslip.diagnosis.data.read_table import (
-    LARGEST,
-    MOST_BYTES,
-    STAMP,
-    Line,
-    Rows,
-    not_used,
-    not_valid,
-    read_rows,
-    seconds,
-    validity,
+from stickslip._util.text import counted, plain
+from stickslip._util.units import (
+    is_of,
+    is_quotient,
+    is_unit,
+    same_unit,
+    split_unit,
+    zero_of,
 )
-from stickslip.diagnosis.data.series import LATEST, Series
+from stickslip.diagnosis.data.outliers import marks_of_none
+from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import READINGS
-from stickslip.errors import ScenarioError, prefixed
+from stickslip.errors import ScenarioError
 
 _TIME, _ERROR = "t", "sd"
 _ALSO = {
-    _TIME: ("time", "timestamp", "unix", "unix time", "date", "datetime", "clock"),
-    _ERROR: ("error",),
+    _TIME: ("time", "timestamp", "unix", "unix time", "datetime", "clock", "date"),
 }  # what columns are called, too
-_JUMP = 20.0
-"""Steps of a clock that has jumped. Chosen: a link loses a few readings, and a break loses many."""
-_DATE = 1e8
-"""Seconds since 1970 from which on a time is a date. Chosen: no experiment runs for three years."""
 _TURN = 2.0 * math.pi
 """Largest angle without a unit, rad. Chosen: beyond a turn it may be in degrees as well."""
-_DAY = 86400.0  # s, after which a clock without a date begins anew
 _CUT = "cut the log into two files there"
+
+_ASKED = {"set", "setpoint", "sp", "target", "ref", "reference", "demand", "desired", "goal", "cmd",
+          "command", "commanded", "soll"}  # fmt: skip
+_READ = {"actual", "act", "measured", "meas", "feedback", "fb", "read", "ist", "sensor"}
+"""Words in the names of columns that were asked for, and of those that were read."""
+
+_FREE = "pendulum", "oscillator"
+"""Kinds that move by themselves; of the others a log without what drove them tells nothing."""
+
+_FAST = 1e-3
+"""Part of a step in which all stated time constants pass that is none of their log. Chosen: nothing
+of them would be seen."""
 
 
 class Columns(NamedTuple):
@@ -64,6 +76,8 @@ class Columns(NamedTuple):
         Whether all inputs have to be there. They are 0 otherwise.
     assumed : frozenset
         Inputs beside the first that are 0 where there is no column, as nothing else is stated.
+    driven : bool
+        Whether nothing happens without the first input.
     """
 
     reads: str
@@ -71,6 +85,7 @@ class Columns(NamedTuple):
     inputs: Mapping[str, tuple[str, ...]]
     needed: bool = False
     assumed: frozenset[str] = frozenset()
+    driven: bool = False
 
     @property
     def units(self) -> dict[str, tuple[str, ...]]:
@@ -84,31 +99,211 @@ class Columns(NamedTuple):
         return ", ".join(f"{name} ({unit})" for name, unit in words.items() if name != _ERROR)
 
 
-def headings(path: str | PathLike[str], columns: Collection[str]) -> list[str]:
-    """The headings of a CSV file; one of `columns` makes a comment above the numbers a header."""
-    with prefixed(path):
-        header = CsvTable(read_bytes(path, MOST_BYTES, "table"), columns).header
-        if not header:
-            raise ScenarioError("is empty: allowed are rows below a line of column names")
-        if not any(math.isnan(number(name.replace(",", "."))) for name in header if name):
-            raise ScenarioError("its first line is numbers: write a line of column names above it")
-        return header
+@dataclass(frozen=True)
+class _Log(Recipe):
+    """The recipe of a log of a model: its columns are known by their names, or by their units.
+
+    A column is known in whatever case; ``speed_rpm`` states its unit, too. One that states its unit
+    comes before a bare counter.
+    """
+
+    wanted: Columns | None = None
+    also_reads: Collection[str] = ()
+
+    @staticmethod
+    def of_model(model: Any) -> _Log:
+        """The recipe of a model's logs."""
+        wanted = getattr(model, "columns", None)
+        if not isinstance(wanted, Columns):
+            raise ScenarioError(f"model = {shown(model)}: allowed is a model of stickslip.models")
+        kind = getattr(model, "kind", None)
+        wanted = wanted._replace(driven=kind is not None and kind.name not in _FREE)
+        reads = tuple(getattr(kind, "reads", ()))
+        recipe = Recipe.of({name: units[0] for name, units in wanted.units.items()})
+        return _Log(recipe.entries, gaps=marks_of_none, wanted=wanted, also_reads=reads)
+
+    @property
+    def of(self) -> Columns:  # type: ignore[override]
+        """What the model takes."""
+        assert self.wanted is not None
+        return self.wanted
+
+    @property
+    def names(self) -> list[str]:
+        """All names that a column may have."""
+        return [*self.of.units, *_ALSO[_TIME]]
+
+    def matched(self, headings: Sequence[str]) -> list[Match]:
+        """What the columns are, those that are not there apart."""
+        found = self.found([_Heading(text, *split_unit(text)) for text in headings])
+        made = [Match(text, known=False) for text in headings]
+        for column, (k, heading) in found.items():
+            units = self.of.units[column]
+            si = heading.si(units)
+            per = 1.0 if heading.unit is None else per_heading(heading.text, heading.unit, si)
+            made[k] = Match(column, si, heading.unit, per)
+        refuse_twice(headings)
+        refuse_twice([name for name in (split_unit(text)[0] for text in headings)
+                      if name in self.of.units])  # fmt: skip
+        # Another column may have the name of one that stated its unit behind it.
+        return [
+            match
+            if match.known or match.name not in found
+            else match._replace(name=f"{match.name} (beside)")
+            for match in made
+        ]
+
+    def found(self, there: Sequence[_Heading]) -> dict[str, tuple[int, _Heading]]:
+        """Headings, and their places, by the column that they are."""
+        found: dict[str, tuple[int, _Heading]] = {}
+        for column, units in self.of.units.items():
+            names = (plain(column), *_ALSO.get(column, ()))
+            named = [(k, each) for k, each in enumerate(there) if plain(each.name) in names]
+            for k, each in enumerate(there):
+                name, _, unit = each.text.rpartition("_")
+                ended = _Heading(each.text, name, unit)
+                if plain(name) in names and ended.fits(units):
+                    named.append((k, ended))
+            if named:
+                found[column] = min(named, key=lambda one: (
+                    one[1].unit is None, names.index(plain(one[1].name))))  # fmt: skip
+                self._check_meaning(column, found[column][1], there)
+        first = next(iter(self.of.inputs), None)
+        for column in (_TIME, self.of.reads, *self.of.inputs)[:3]:
+            if column in found:
+                continue
+            taken = {k for k, _ in found.values()}
+            units = self.of.units[column]
+            fit = [(k, each) for k, each in enumerate(there) if k not in taken and each.fits(units)
+                   and (column == first or not each.words & _ASKED)]  # fmt: skip
+            if len(fit) == 1:
+                found[column] = fit[0]
+            elif fit or column != first or self.of.driven:
+                self._missing(column, there)
+        for column in self.of.inputs:
+            if column not in found and self.of.needed:
+                self._missing(column, there)
+        return found
+
+    def _check_meaning(self, column: str, found: _Heading, there: Sequence[_Heading]) -> None:
+        """Refuse a name beside one of the same that was read: it may be what was asked for."""
+        if column not in (self.of.reads, *self.of.inputs):
+            return
+        for each in there:
+            rest = each.words - {*plain(column).split()}
+            fits = each.unit is None or each.fits(self.of.units[column])
+            if each is not found and rest and rest <= _READ and each.words != rest and fits:
+                unit = self.of.units[column][0]
+                raise ScenarioError(
+                    f"columns {shown(found.text)} and {shown(each.text)} may both be the {column}: "
+                    f'call the one to be used "{column} ({unit})", and the other what it is, such '
+                    f'as "{column} setpoint"'
+                )
+
+    def _missing(self, name: str, there: Sequence[_Heading]) -> NoReturn:
+        units = self.of.units
+        unit = units[name][0]
+        have = ", ".join(shown(each.text) for each in there)
+        other = next((each for each in self.also_reads if each != name for heading in there
+                      if plain(heading.bare) == plain(each)), None)  # fmt: skip
+        more = ""
+        if name == self.of.reads and other:
+            more = f'; with reads="{other}" (--set reads={other}) the model reads that'
+        if name in self.of.inputs and not self.of.needed:
+            more = "; where nothing acted, write a column of zeros"
+        raise ScenarioError(
+            f'column "{name}" is missing; there are {have}: call one "{name} ({unit})"; '
+            f"allowed are {self.of}, or the same in other units{more}"
+        )
+
+    def notes(self, table: SourceTable) -> list[Note]:
+        """On columns that were told by their unit, or are missing, or are not used."""
+        notes = []
+        found = {name: column for name, column in table.columns.items() if column.what.known}
+        valid = table.validity()
+        others = [column.heading for column in table.columns.values()
+                  if not column.what.known and column not in valid]  # fmt: skip
+        for name in (_TIME, self.of.reads, *self.of.inputs):
+            if name in found and plain(_bare_name(found[name])) not in (
+                plain(name),
+                *_ALSO.get(name, ()),
+            ):
+                text = f"{shown(found[name].heading)} is taken for {name}."
+                notes.append(Note("column-by-unit", text))
+        first = next(iter(self.of.inputs), None)
+        for name in self.of.inputs:
+            if name not in found and name in (first, *self.of.assumed):
+                text, units = f"There is no column {name}: it is taken as 0.", self.of.units[name]
+                heads = [_Heading(each, *split_unit(each)) for each in others]
+                fit = [each.text for each in heads
+                       if (each.unit is None and name == first) or each.fits(units)]  # fmt: skip
+                if fit:
+                    these = " or ".join(map(shown, fit))
+                    text += f' If {these} is the {name}, call it "{name} ({units[0]})".'
+                notes.append(Note("no-input", text))
+        for name in others:
+            if plain(split_unit(name)[0]) == "error":
+                text = f"Column {shown(name)} is not used, as it may be a set point less a "
+                text += f'reading: call the standard deviation of a reading "{_ERROR}".'
+                notes.append(Note("error-not-used", text))
+        return [*notes, *table.notes, *not_used(table.name, others)]
 
 
-def read_log(path: str | PathLike[str], model: object) -> Series:
+class _Heading(NamedTuple):
+    """A heading, its name, and its unit if it states one."""
+
+    text: str
+    name: str
+    unit: str | None
+
+    @property
+    def words(self) -> set[str]:
+        """The words of its name."""
+        return {*plain(self.name).split()}
+
+    @property
+    def bare(self) -> str:
+        """Its name without a unit behind an underscore."""
+        name, _, unit = self.name.rpartition("_")
+        return name if name and is_unit(unit) else self.name
+
+    def si(self, units: Sequence[str]) -> str:
+        """The one of the units that its own is of; the first of them, if of none."""
+        return next((each for each in units if self.unit and is_of(self.unit, each)), units[0])
+
+    def fits(self, units: Sequence[str]) -> bool:
+        """Whether it states one of the units, or one of the same quantity."""
+        return any(self.unit and is_of(self.unit, each) for each in units if each != "-")
+
+
+def _bare_name(column: Column) -> str:
+    """The name of a heading without its unit."""
+    name = split_unit(column.heading)[0]
+    ended, _, unit = name.rpartition("_")
+    return ended if ended and column.what.unit == unit else name
+
+
+def read_in(source: Source, quantities: Sequence[str]) -> str | None:
+    """The first of some quantities that is a column of a log."""
+    heads = [_Heading(text, *split_unit(text)) for text in source.headings(quantities)]
+    return next((name for name in quantities for each in heads
+                 if plain(name) in (plain(each.name), plain(each.bare))), None)  # fmt: skip
+
+
+def read_log(path: str | PathLike[str] | Any, model: object) -> Series:
     """A log for a model: columns of time, of what is read, and of inputs.
 
     A column is known by its name, in whatever case, and else by its unit, where it is the only one
-    of it: the time, what is read, and the first input. ``speed (rpm)`` is converted. A column
-    ``sd`` has the error of each reading. Temperatures get the zero of the readings. Times may be
-    dates or clocks, ``2026-05-01 12:00:00.25``, or counts since 1970; these are counted from the
-    first reading. Rows without a reading are left out, and those whose column ``valid`` or ``ok``
-    has 0.
+    of it: the time, what is read, and the first input. ``speed (rpm)`` is converted, and a note
+    says so. A column ``sd`` has the error of each reading. Temperatures get the zero of the
+    readings. Times may be dates or clocks, ``2026-05-01 12:00:00.25``, or counts since 1970; these
+    are counted from the first reading. Clocks, angles and counters that begin anew are counted on.
+    Rows without a reading are left out, and those whose column ``valid`` or ``ok`` has 0.
 
     Parameters
     ----------
-    path : path
-        CSV, with a line of headings.
+    path : path, DataFrame, Dataset or mapping
+        CSV, with a line of headings; or columns by heading, also with units of their own.
     model : Model or Own
         Of `stickslip.models`.
 
@@ -120,128 +315,76 @@ def read_log(path: str | PathLike[str], model: object) -> Series:
     Raises
     ------
     ScenarioError
-        If a column or unit is not known, the time or an input is missing in a row, or the clock
-        runs backwards or jumps by more than 20 of its steps. It names line and column.
+        If a column or unit is not known, one may have several meanings or times several units, the
+        time or an input is missing in a row, or the clock runs backwards or jumps by more than 20
+        of its steps. It names line and column.
     """
-    path = Path(path)
-    wanted = getattr(model, "columns", None)
-    if not isinstance(wanted, Columns):
-        raise ScenarioError(f"model = {shown(model)}: allowed is a model of stickslip.models")
-    there = headings(path, wanted.units)
-    with prefixed(path):
-        found, notes = _found(there, wanted)
-    units = {each.name: each.si(wanted.units[column]) for column, each in found.items()}
-    table = read_rows(path, units)
-    used = {column: table.header.index(each.name) for column, each in found.items()}
-    valid = [k for k in validity(table.header) if k not in used.values()]
-    others = [head for k, head in enumerate(table.header) if k not in (*used.values(), *valid)]
-    notes += [*table.left_out, *not_used(path.name, others)]
-    rows = _whole_rows(table, used, wanted, notes)
-    values = {
-        column: found[column].in_si([_READ.get(column, _number)(cells[k]) for _, cells in rows],
-                                    wanted.units[column])
-        for column, k in used.items()
-    }  # fmt: skip
-    read = found[wanted.reads]
-    if _ERROR in found and found[_ERROR].unit is None and read.unit:
+    source = path if isinstance(path, Source) else Source(path)
+    recipe = _Log.of_model(model)
+    wanted, table = recipe.of, source.read(recipe)
+    columns = {name: column for name, column in table.columns.items() if column.what.known}
+    notes = recipe.notes(table)
+    t, told, stated = times(columns[_TIME], table.path, table.lines)
+    table, t = _whole_rows(table, t, wanted, notes)
+    columns = {name: column for name, column in table.columns.items() if column.what.known}
+    values = {name: column.values for name, column in columns.items()}
+    read = columns[wanted.reads]
+    if _ERROR in columns and columns[_ERROR].what.unit is None and read.what.unit:
         # An error without a unit is in that of its readings.
-        values[_ERROR] = values[_ERROR] / per_si(read.unit, read.si(wanted.units[wanted.reads]))
-    for k in valid:
-        lost = np.isfinite(values[wanted.reads]) & not_valid(table, rows, k)
-        values[wanted.reads][lost] = math.nan
+        values[_ERROR] = values[_ERROR] / read.what.per
+    for column in table.validity():
+        lost = np.isfinite(values[wanted.reads]) & table.not_valid(column)
+        values[wanted.reads] = np.where(lost, math.nan, values[wanted.reads])
         if lost.any():
-            text = f"{counted(int(lost.sum()), 'reading')} left out by column {table.header[k]}."
+            text = f"{counted(int(lost.sum()), 'reading')} left out by column {column.heading}."
             notes.append(Note("not-valid", text, int(lost.sum())))
-    stamps = [STAMP.fullmatch(cells[used[_TIME]]) for _, cells in rows]
-    values[_TIME] = _counted_on(values[_TIME], stamps, found[_TIME].unit, notes)
-    told = {_TIME} if stamps[0] or "dates" in {note.code for note in notes} else set()
-    _check_clock(table, [line for line, _ in rows], values[_TIME])
-    bare = _bare({column: each for column, each in found.items() if column not in told}, wanted)
+    beyond = limits(read)
+    if beyond:
+        text = f"{table.at(beyond)}: {shown(read.cell(beyond[0]))} is a limit and no reading."
+        notes.append(Note("limits", text, len(beyond)))
+    notes += told
+    _check_clock(table, t)
+    bare = _bare({name: each for name, each in columns.items()
+                  if not (name == _TIME and stated)}, wanted)  # fmt: skip
     if bare:
         units_of = ", ".join(f"{column} in {wanted.units[column][0]}" for column in bare)
         notes.append(Note("no-unit", f"Headings without a unit are read in SI units: {units_of}."))
-    shows = read.unit if read.unit and same_unit(read.unit, wanted.unit) else wanted.unit
-    inputs = _with_one_zero(values, found, wanted, notes)
-    log = Series(
-        values[_TIME], values[wanted.reads], inputs, values.get(_ERROR), path.stem, unit=shows
-    )
-    log.unstated = [READINGS if column == wanted.reads else column
-                    for column, each in found.items()
-                    if each.unit is None and column not in {*told, _ERROR}]  # fmt: skip
+    for name in (wanted.reads, *wanted.inputs):
+        turn = _TURN if columns.get(name) and columns[name].what.si == "rad" else None
+        if name in values:
+            values[name], note = counted_on(values[name], columns[name], turn, table.lines)
+            notes += [note] if note else []
+    if _TIME in bare:
+        _check_fast(table, columns[_TIME], t, model)
+    unit = read.what.unit
+    shows = unit if unit and same_unit(unit, wanted.unit) else wanted.unit
+    if unit and zero_of(unit) and not same_unit(unit, "K"):  # degF is shown as degC
+        values[wanted.reads], shows = values[wanted.reads] + zero_of(unit) - zero_of("degC"), "degC"
+    inputs = _with_one_zero(values, columns, shows, wanted, notes)
+    notes += _conversions(columns, values)
+    name = source.path.stem if source.is_file else "log"
+    log = Series(t, values[wanted.reads], inputs, values.get(_ERROR), name, unit=shows)
+    log.unstated = [READINGS if name == wanted.reads else name
+                    for name, each in columns.items()
+                    if each.what.unit is None and name != _ERROR
+                    and not (name == _TIME and stated)]  # fmt: skip
     largest = float(np.max(np.abs(log.y)))
     if wanted.unit == "rad" and wanted.reads in bare and largest > _TURN:
         raise ScenarioError(
-            f"{path}: column {read.text} has no unit and reaches {largest:.4g}: beyond a turn "
-            f'allowed is "{read.text} (rad)" or "{read.text} (deg)"'
+            f"{table.path}: column {read.heading} has no unit and reaches {largest:.4g}: beyond a "
+            f'turn allowed is "{read.heading} (rad)" or "{read.heading} (deg)"'
         )
     return log.noted(notes)
 
 
-class _Heading(NamedTuple):
-    """A heading, the name of its column in a table that was read, and its unit if it states one."""
-
-    text: str
-    name: str
-    unit: str | None
-
-    def si(self, units: Sequence[str]) -> str:
-        """The one of the units that its own is of; the first of them, if of none."""
-        return next((each for each in units if self.unit and is_of(self.unit, each)), units[0])
-
-    def in_si(self, values: Sequence[float], units: Sequence[str]) -> Array:
-        """Values as they were read, in SI: a unit after an underscore is left to be converted."""
-        ends = self.unit is not None and self.name == self.text
-        return np.array(values) / (per_si(str(self.unit), self.si(units)) if ends else 1.0)
-
-    def fits(self, units: Sequence[str]) -> bool:
-        """Whether it states one of the units, or one of the same quantity."""
-        return any(self.unit and is_of(self.unit, each) for each in units if each != "-")
+def _conversions(columns: Mapping[str, Column], values: Mapping[str, Array]) -> list[Note]:
+    """A note on the columns that were converted."""
+    made = [f"{name} from {each.what.unit} to {each.what.si}" for name, each in columns.items()
+            if each.what.per != 1.0]  # fmt: skip
+    return [Note("converted", f"Converted: {', '.join(made)}.", len(made))] if made else []
 
 
-def _found(there: Sequence[str], wanted: Columns) -> tuple[dict[str, _Heading], list[Note]]:
-    """Headings by the column that they are, and notes on those told by their unit or missing."""
-    all_there = [_Heading(text, *split_unit(text)) for text in there]
-    found: dict[str, _Heading] = {}
-    notes = []
-    for column, units in wanted.units.items():
-        names = (plain(column), *_ALSO.get(column, ()))
-        named = [each for each in all_there if plain(each.name) in names]
-        for text in there:
-            name, _, unit = text.rpartition("_")
-            ended = _Heading(text, text, unit)
-            if plain(name) in names and ended.fits(units):
-                named.append(ended)
-        if named:  # one that states its unit comes before a bare counter
-            found[column] = min(named, key=lambda each: each.unit is None)
-    first = next(iter(wanted.inputs), None)
-    for column in (_TIME, wanted.reads, *wanted.inputs)[:3]:
-        if column in found:
-            continue
-        taken = {each.text for each in found.values()}
-        units = wanted.units[column]
-        fit = [each for each in all_there if each.text not in taken and each.fits(units)]
-        if len(fit) == 1:
-            found[column] = fit[0]
-            notes.append(Note("column-by-unit", f"{shown(fit[0].text)} is taken for {column}."))
-        elif fit or column != first:
-            _missing(column, there, wanted)
-    for column in wanted.inputs:
-        if column not in found and wanted.needed:
-            _missing(column, there, wanted)
-    for column in wanted.inputs:
-        if column not in found and column in (first, *wanted.assumed):
-            text = f"There is no column {column}: it is taken as 0."
-            taken = {each.text for each in found.values()}
-            bare = [each.text for each in all_there if not each.unit and each.text not in taken]
-            if bare and column == first:
-                these = " or ".join(map(shown, bare))
-                unit = wanted.units[column][0]
-                text += f' If {these} is the {column}, call it "{column} ({unit})".'
-            notes.append(Note("no-input", text))
-    return found, notes
-
-
-def _bare(found: Mapping[str, _Heading], wanted: Columns) -> list[str]:
+def _bare(found: Mapping[str, Column], wanted: Columns) -> list[str]:
     """Columns that need a unit, and state none.
 
     An input may have none, and a temperature without one has the zero of the readings.
@@ -250,109 +393,93 @@ def _bare(found: Mapping[str, _Heading], wanted: Columns) -> list[str]:
         column
         for column in (_TIME, wanted.reads, *wanted.inputs)
         if column in found
-        and found[column].unit is None
+        and found[column].what.unit is None
         and (column == wanted.reads or {"-", "K"}.isdisjoint(wanted.units[column]))
     ]
 
 
 def _with_one_zero(
-    values: Mapping[str, Array], found: Mapping[str, _Heading], wanted: Columns, notes: list[Note]
+    values: Mapping[str, Array],
+    found: Mapping[str, Column],
+    shows: str,
+    wanted: Columns,
+    notes: list[Note],
 ) -> dict[str, Array]:
     """Inputs by name; temperatures have the zero of the readings."""
     inputs = {column: values[column] for column in wanted.inputs if column in values}
-    unit = found[wanted.reads].unit
+    stated = found[wanted.reads].what.unit
     for column in inputs:
-        own = found[column].unit
+        own = found[column].what.unit
         temperature = "K" in wanted.units[column]
-        if temperature and own and unit and zero_of(own) != zero_of(unit):
-            inputs[column] = inputs[column] + (zero_of(own) - zero_of(unit))
-            notes.append(Note("other-zero", f"{column} is converted from {own} to {unit}."))
+        if temperature and own and stated and zero_of(own) != zero_of(shows):
+            inputs[column] = inputs[column] + (zero_of(own) - zero_of(shows))
+            notes.append(Note("other-zero", f"{column} is converted from {own} to {shows}."))
     return inputs
 
 
-def _missing(name: str, there: Sequence[str], wanted: Columns) -> NoReturn:
-    unit = wanted.units[name][0]
-    have = ", ".join(map(shown, there))
-    raise ScenarioError(
-        f'column "{name}" is missing; there are {have}: call one "{name} ({unit})"; '
-        f"allowed are {wanted}, or the same in other units"
-    )
-
-
 def _whole_rows(
-    table: Rows, used: Mapping[str, int], wanted: Columns, notes: list[Note]
-) -> list[tuple[Line, list[str]]]:
-    """Lines and cells of rows that have a time and all inputs; the last one may be cut off."""
-    width, rows = len(table.header), list(table.rows)
-    strict = [name for name in used if name not in (wanted.reads, _ERROR)]
-
-    def wrong(cells: list[str]) -> str | None:
-        """A column without a number, or "" of a row of another length."""
-        if len(cells) != width:
-            return ""
-        bad = (name for name in strict if math.isnan(_READ.get(name, _number)(cells[used[name]])))
-        return next(bad, None)
-
-    if len(rows) > 1 and wrong(rows[-1][1]) is not None:
-        notes.append(Note("cut-off", f"{table.at([rows.pop()[0]])}, the last, is cut off."))
-    for line, cells in rows:
-        name = wrong(cells)
-        at = f"{table.path}: line {line}"
-        if name == "":
+    table: SourceTable, t: Array, wanted: Columns, notes: list[Note]
+) -> tuple[SourceTable, Array]:
+    """Rows that have a time and all inputs, with their times; the last one may be cut off."""
+    columns, count = table.columns, len(table)
+    strict = {_TIME: t} | {name: columns[name].values for name in wanted.inputs if name in columns}
+    gap = np.zeros(count, dtype=bool)
+    for values in strict.values():
+        gap |= ~np.isfinite(values)
+    gap[list(table.ragged)] = True
+    if count > 1 and gap[-1]:
+        notes.append(Note("cut-off", f"{table.at([count - 1])}, the last, is cut off."))
+        table, t, gap = table.kept(range(count - 1)), t[:-1], gap[:-1]
+    for k in np.flatnonzero(gap)[:1].tolist():
+        at = f"{table.path}: {table.word} {table.lines[k]}"
+        if k in table.ragged:
             raise ScenarioError(
-                f"{at} has {len(cells)} cells, and the header {width} names: write all of them, or "
-                f"{_CUT}"
+                f"{at} has {table.ragged[k]} cells, and the header {len(columns)} names: write all "
+                f"of them, or {_CUT}"
             )
-        if name is not None:
-            cell = shown(cells[used[name]])
-            date = " or a date such as 2026-05-01 12:00:00.25" if name == _TIME else ""
-            write = "write it" if name == _TIME else "write the one that holds"
-            raise ScenarioError(
-                f"{at}, column {name} = {cell}: allowed is a finite number{date}: {write}, "
-                f"or {_CUT}"
-            )
-    return list(rows)
+        name = next(each for each, values in strict.items() if not np.isfinite(values[k]))
+        cell = shown(columns[name].cell(k))
+        date = " or a date such as 2026-05-01 12:00:00.25" if name == _TIME else ""
+        write = "write it" if name == _TIME else "write the one that holds"
+        raise ScenarioError(
+            f"{at}, column {name} = {cell}: allowed is a finite number{date}: {write}, or {_CUT}"
+        )
+    return table, t
 
 
-def _counted_on(
-    t: Array, stamps: Sequence[re.Match[str] | None], unit: str | None, notes: list[Note]
-) -> Array:
-    """Times, s, of dates and of clocks, which begin anew each day, counted from the first.
-
-    Numbers are dates where they are as large. Without a unit their size tells it: ms, us and ns
-    since 1970 are far beyond s.
-    """
-    of_clock = [stamp is not None and stamp["date"] is None for stamp in stamps]
-    if all(of_clock):
-        return t + _DAY * np.cumsum(np.diff(t, prepend=t[:1]) < -0.5 * _DAY)
-    power = 0
-    while unit is None and t[0] / 1e3**power >= LATEST and power < 3:
-        power += 1
-    if not _DATE <= t[0] / 1e3**power < LATEST:
-        return t
-    read = "" if stamps[0] else f" {('s', 'ms', 'us', 'ns')[power]} since 1970,"
-    date = np.datetime64(round(t[0] / 1e3 ** (power - 1)), "ms")
-    notes.append(Note("dates", f"Times are{read} counted from the first, {date}."))
-    return np.asarray((t - t[0]) / 1e3**power)
-
-
-def _number(cell: str) -> float:
-    return number(cell, LARGEST)
+def _check_fast(table: SourceTable, column: Column, t: Array, model: Any) -> None:
+    """Refuse times without a unit in whose steps all stated time constants have passed."""
+    known = getattr(model, "known", None)
+    terms = getattr(getattr(model, "kind", None), "every", {})
+    if not isinstance(known, Mapping) or len(t) < 2:
+        return
+    sizes = {name: abs(float(value.value(0.0) if hasattr(value, "value") else value))
+             for name, value in known.items() if name in terms
+             and (not hasattr(value, "has_middle") or value.has_middle)}  # fmt: skip
+    lasts = []
+    for one, other in itertools.permutations(sizes, 2):
+        if sizes[one] and sizes[other] and terms[other].absent is None:
+            for unit, power in (("s", 1.0), ("s^2", 0.5)):
+                if is_quotient(terms[one].unit, terms[other].unit, unit):
+                    lasts.append((sizes[one] / sizes[other]) ** power)
+    step = float(np.median(np.diff(t)))
+    if lasts and max(lasts) < _FAST * step:
+        raise ScenarioError(
+            f"{table.path}: column {column.heading} has no unit, and in steps of {step:g} s all "
+            f"that is stated is over, within {max(lasts):.3g} s: write "
+            f'"{column.heading} (ms)" or "{column.heading} (us)", or "{column.heading} (s)"'
+        )
 
 
-_READ = {_TIME: seconds}
-"""How cells are read that are no plain numbers."""
-
-
-def _check_clock(table: Rows, lines: Sequence[object], t: Array) -> None:
+def _check_clock(table: SourceTable, t: Array) -> None:
     steps = np.diff(t)
     usual = float(np.median(steps)) if len(steps) else 0.0
-    for k in np.flatnonzero(~(steps > 0.0) | (steps > _JUMP * abs(usual)))[:1].tolist():
-        at = f"{table.path}: line {lines[k + 1]}, column t = {t[k + 1]:.12g} s"
+    for k in np.flatnonzero(~(steps > 0.0) | (steps > JUMP * abs(usual)))[:1].tolist():
+        at = f"{table.path}: {table.word} {table.lines[k + 1]}, column t = {t[k + 1]:.12g} s"
         if not steps[k] > 0.0:
             remedy = "write more digits" if steps[k] == 0.0 else "sort the rows"
             raise ScenarioError(f"{at}: allowed is a time after {t[k]:.12g} s: {remedy}, or {_CUT}")
         raise ScenarioError(
-            f"{at}: the clock jumps by {steps[k]:.6g} s, and allowed are {_JUMP:g} of its steps of "
+            f"{at}: the clock jumps by {steps[k]:.6g} s, and allowed are {JUMP:g} of its steps of "
             f"{usual:.3g} s: {_CUT}"
         )

@@ -14,9 +14,9 @@ import pandas as pd
 
 from stickslip import plot
 from stickslip._util.arrays import worker_count
+from stickslip._util.columns import write_frame
 from stickslip._util.files import check_folder
 from stickslip._util.messages import meant, shown
-from stickslip._util.tables import write_frame
 from stickslip.errors import ScenarioError
 from stickslip.reproduction.figures import (
     CURVES,

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from stickslip import _core
 from stickslip._util.arrays import Array, in_columns, locked
-from stickslip._util.tables import read_table
+from stickslip._util.columns import Recipe, read_table
 from stickslip.errors import ScenarioError, prefixed
 
 _P = TypeVar("_P", bound="PlayedRows")
@@ -39,7 +39,8 @@ class PlayedRows:
     @classmethod
     def from_csv(cls: type[_P], path: str | PathLike[str]) -> _P:
         """Read a CSV file with these columns, whose headings may state other units."""
-        rows = read_table(path, cls._columns).numbers
+        table = read_table(path, Recipe.of(cls._columns, exact=True))
+        rows = np.stack([table.columns[name].values for name in cls._columns], axis=1)
         with prefixed(path):
             return cls(rows)
 

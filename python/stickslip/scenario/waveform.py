@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike
 
 from stickslip import _core
 from stickslip._util.arrays import Array, Mask, check_indexes, in_columns, locked, numbers
+from stickslip._util.columns import Recipe, read_table
 from stickslip._util.files import replacing
 from stickslip._util.messages import check_above_zero, check_whole, refuse
-from stickslip._util.tables import read_table
 from stickslip._util.text import counted, highest, is_number
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.changes import Changes
@@ -203,10 +203,12 @@ class Waveform:
             If the file cannot be read or a column or value is not as it has to be; the message
             names file, row and column.
         """
-        table, _, lines = read_table(path, _COLUMNS)
+        table = read_table(path, Recipe.of(_COLUMNS, exact=True))
+        times, *volts = (table.columns[name].values for name in _COLUMNS)
+        voltages = np.stack(volts, axis=1)
         with prefixed(path, ValueError):
-            _check_points(table[:, 0], table[:, 1:], lines)
-            return cls.from_points(table[:, 0], table[:, 1:])
+            _check_points(times, voltages, table.lines)
+            return cls.from_points(times, voltages)
 
     def to_csv(self, path: str | PathLike[str]) -> None:
         """Write the points with every repeat in full; `from_csv` reads the same numbers.
@@ -436,7 +438,7 @@ def _interpolated(local: Array, times: Array, voltages: Array) -> Array:
     return voltages[index] * (1.0 - part) + voltages[index + 1] * part
 
 
-def _check_points(t: Array, v: Array, lines: Sequence[int] | None = None) -> None:
+def _check_points(t: Array, v: Array, lines: Sequence[int | str] | None = None) -> None:
     """Refuse points that are no program, by their lines if they are of a file.
 
     Times have shape (n,), s, and voltages (n, 5).

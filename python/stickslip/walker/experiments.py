@@ -11,9 +11,9 @@ import numpy as np
 from pandas import DataFrame
 
 from stickslip._util.arrays import Array, are_equal
+from stickslip._util.columns import Line, index_labels
 from stickslip._util.messages import shown
 from stickslip._util.note import Note
-from stickslip.diagnosis.data.read_table import Line, index_labels
 from stickslip.diagnosis.decision.experiments import (
     DECISIVE,
     PROPOSED,

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from pathlib import Path
 
+from stickslip._util.cells import INSTRUMENTS_PAGE, CsvTable
+from stickslip._util.columns import MOST_BYTES
 from stickslip._util.files import read_bytes
-from stickslip._util.tables import INSTRUMENTS_PAGE, CsvTable
 from stickslip._util.text import printable, quoted
 from stickslip._util.units import split_unit
-from stickslip.diagnosis.data.read_table import MOST_BYTES
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import known_keys
 from stickslip.walker.read_velocity import bare_names

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from pandas import DataFrame
 
+from stickslip._util.cells import CsvTable, csv_line, text_lines
+from stickslip._util.columns import Recipe, Source, SourceTable
 from stickslip._util.files import text_writer, write_together
 from stickslip._util.messages import shown
-from stickslip._util.tables import csv_line, text_lines
 from stickslip._util.text import counted
 from stickslip._util.units import handy
-from stickslip.diagnosis.data.read_table import check_columns, read_rows
 from stickslip.diagnosis.decision.experiments import Experiment
 from stickslip.diagnosis.decision.facts import Facts
 from stickslip.diagnosis.report.files import JSON
@@ -25,7 +26,7 @@ from stickslip.walker.experiments import (
     prediction_table,
     setting_columns,
 )
-from stickslip.walker.read_velocity import unmeasured, velocity_units
+from stickslip.walker.read_velocity import unmeasured, velocities
 from stickslip.walker.reading import Measurement
 
 TABLES = TABLE, PREDICTIONS = "next.csv", "next-predictions.csv"
@@ -127,13 +128,33 @@ def with_measured(
             f"{path} is of another measurement, {shown(name)}, by the report beside it: "
             "allowed is a folder --out for each measurement"
         )
-    table = read_rows(path, velocity_units())
-    check_columns(path, table.header, [*setting_columns(data), "velocity"])
-    if len(unmeasured(table)) == len(table.rows):
+    recipe = velocities()
+    table = Source(path).read(recipe)
+    needed = {name: recipe.entries[name]._replace(required=True)
+              for name in (*setting_columns(data), "velocity")}  # fmt: skip
+    Recipe({**recipe.entries, **needed}).check(table)
+    if len(unmeasured(table)) == len(table):
         return data, Rounds(folder, most, budget)
-    data = data.with_velocities(path)
+    data = data.with_velocities(table)
     new = data.velocity[-1]
     return data, Rounds(folder, most, budget, len(new.conditions), len(new.velocity))
+
+
+def _in_si(table: SourceTable, file: CsvTable) -> dict[int, list[str]]:
+    """Cells of each line of a table, as they stand but for numbers in other units."""
+    there = [k for k, name in enumerate(file.header)
+             if name or {f"column {k + 1}", "index"} & table.columns.keys()]  # fmt: skip
+    found: dict[int, list[str]] = {}
+    for block in file.blocks():
+        for line, *row in zip(block.lines, *block.columns, strict=True):
+            k, cells = len(found), [row[at].strip() for at in there]
+            for at, column in enumerate(table.columns.values()):
+                if column.what.si is not None and not math.isnan(column.values[k]):
+                    exact = column.what.per == 1.0
+                    value = float(column.values[k])
+                    cells[at] = cells[at].replace(",", ".") if exact else repr(value)
+            found[line] = cells
+    return found
 
 
 def _below_what_was_measured(path: Path, trials: DataFrame) -> str:
@@ -143,15 +164,17 @@ def _below_what_was_measured(path: Path, trials: DataFrame) -> str:
     """
     if not path.exists():
         return str(trials.to_csv(index=False))
-    table = read_rows(path, velocity_units())
-    empty = set(unmeasured(table))
-    cells = {table.header_line: table.header, **dict(table.rows)}
+    source = Source(path)
+    table, file = source.read(velocities()), source.csv(velocities().names)
+    empty = {table.lines[k] for k in unmeasured(table)}
+    header = list(table.columns)
+    cells = {file.line: header, **_in_si(table, file)}
     kept = []
-    for number, line in enumerate(text_lines(path.read_bytes()), start=1):
+    for number, line in enumerate(text_lines(source.data), start=1):
         if number in cells and number not in empty:
             kept.append(csv_line(line, cells[number]))
         elif line.lstrip().startswith("#"):  # between commas it must not look like a row
-            alike = line.count(",") + 1 == len(table.header)
+            alike = line.count(",") + 1 == len(header)
             kept.append(line.replace(",", ";") if alike else line)
-    new = trials.reindex(columns=table.header).to_csv(index=False, header=False)
+    new = trials.reindex(columns=header).to_csv(index=False, header=False)
     return "\n".join([*kept, str(new)])

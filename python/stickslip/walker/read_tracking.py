@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,12 +12,18 @@ from typing import Any
 import numpy as np
 
 from stickslip._util.arrays import RELATIVE, Array, Mask, are_equal
+from stickslip._util.columns import Recipe, SourceTable, sound_numbers
 from stickslip._util.messages import refuse, shown
 from stickslip._util.note import Note
-from stickslip._util.text import OneLine, counted, highest, is_number
+from stickslip._util.text import OneLine, counted, highest, is_number, plain
 from stickslip._util.units import split_unit, unit_meant
-from stickslip.diagnosis.data.outliers import NEIGHBOURS, lost_frames, one_place_each
-from stickslip.diagnosis.data.read_table import read_numbers, stated_number
+from stickslip.diagnosis.data.outliers import (
+    NEIGHBOURS,
+    ONE_TRACK,
+    lost_frames,
+    marks_of_none,
+    one_place_each,
+)
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import FILE
 from stickslip.scenario.scenario import Scenario
@@ -30,6 +37,10 @@ _OPTIONAL = {"z": "m", "current_x": "A", "current_clamp": "A"}
 
 _OF_A_RUN = [split_unit(heading)[0] for name in COLUMNS for heading in headings(name)]
 """Columns of the CSV file of a run, which is a film too."""
+
+_RECIPE = Recipe.of(
+    REQUIRED | _OPTIONAL, REQUIRED, gaps=marks_of_none, information=frozenset(_OF_A_RUN)
+)
 
 FEWEST = 20
 """Frames after the third pulse; runs with fewer are left out. Chosen: they tell too little."""
@@ -112,7 +123,7 @@ def read_tracking(
         stated = "frame_rate" in entry
         rate = stated_number("frame_rate", entry["frame_rate"]) if stated else math.nan
         exposure = _exposure(entry.get("exposure", 0.0), rate)
-    columns, left_out = read_numbers(path, REQUIRED, _OPTIONAL, _OF_A_RUN, _TRACKED)
+    columns, left_out = sound_numbers(path, _RECIPE, _refuse_several)
     why = _unit_of_times(columns["t"], rate, driven.window[1])
     if why is None:
         try:
@@ -132,6 +143,33 @@ def read_tracking(
         text = f"{path.name}: frame_rate = {rate:g} Hz is not used, as most frames are "
         left_out.append(Note("frame-rate-not-used", f"{text}{spacing:g} s apart.", rate))
     return TrackingRun(path.name, columns, driven, exposure, noise), left_out
+
+
+def stated_number(key: str, value: object, highest: float = math.inf, unit: str = "") -> float:
+    """A number of a measurement file above 0 and below `highest`."""
+    if not is_number(value) or not 0.0 < value < highest:
+        below = "" if math.isinf(highest) else f" and below {highest:g} {unit}".rstrip()
+        refuse(key, value, f"a number above 0{below}")
+    return float(value)
+
+
+def _refuse_several(table: SourceTable) -> None:
+    """Refuse a column that numbers tracked bodies, two of which are there at the same times."""
+    times = table.columns["t"].values.tolist()
+    for name, column in table.columns.items():
+        if plain(name).removesuffix("id").strip() not in _TRACKED:
+            continue
+        seen: dict[str, list[float]] = {}
+        for value, t in zip(column.texts, times, strict=True):
+            if not math.isnan(t) and value:
+                seen.setdefault(value, []).append(t)
+        spans = sorted((min(of), max(of), value) for value, of in seen.items())
+        for (_, end, one), (begin, _, other) in itertools.pairwise(spans):
+            if begin < end:
+                raise ScenarioError(
+                    f"{table.path}: column {name} has {shown(one)} and {shown(other)} at the same "
+                    f"times: allowed is {ONE_TRACK}"
+                )
 
 
 def _own_scenario(drive: object, scenario: Scenario) -> Scenario:

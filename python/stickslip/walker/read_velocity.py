@@ -5,32 +5,36 @@ from __future__ import annotations
 import itertools
 import math
 from collections import Counter, defaultdict
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from stickslip._util.arrays import RELATIVE, Array, Indices, Mask, representatives
+from stickslip._util.clocks import STAMP, seconds
+from stickslip._util.columns import (
+    Column,
+    Entry,
+    NothingSound,
+    Plausible,
+    Recipe,
+    SourceTable,
+    not_used,
+)
 from stickslip._util.messages import shown
 from stickslip._util.note import Note
-from stickslip._util.tables import Units
-from stickslip._util.text import OneLine, comma_hint, counted, number
-from stickslip._util.units import factor_text, split_unit, unit_factor, unit_meant
-from stickslip.diagnosis.data.outliers import far_from_their_group
-from stickslip.diagnosis.data.read_table import (
-    LARGEST,
-    STAMP,
-    Line,
-    NothingSound,
-    Rows,
-    check_columns,
-    not_used,
-    refuse_twice,
-    seconds,
-    valid_rows,
+from stickslip._util.text import OneLine, comma_hint, counted, plain
+from stickslip._util.units import (
+    factor_text,
+    is_of,
+    quantity_of,
+    split_unit,
+    unit_factor,
+    unit_meant,
 )
-from stickslip.errors import ScenarioError, prefixed
+from stickslip.diagnosis.data.outliers import far_from_their_group, marks_of_none
+from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import Value, full_name, in_allowed_case, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.sweeping.points import name_of
@@ -45,9 +49,9 @@ _USUAL = 1e-3
 _ALIKE = 1.1
 """Ratio within which trials of one condition are alike. Chosen: their errors are some per cent."""
 
-_STRONGEST, _SLOWEST = 0.1, 0.2
-"""Fields above, T, and frequencies below, Hz, are in another unit. Chosen: the coils of the paper
-give some mT, and the robot is driven at some Hz or more."""
+_FIELD, _PACE = Plausible("T", high=0.1), Plausible("Hz", low=0.2)
+"""Fields above and frequencies below are in another unit. Chosen: the coils of the paper give some
+mT, and the robot is driven at some Hz or more."""
 
 _MANY_LOST = 0.1
 """Part of the rows; if more are left out, the first fact says so. Chosen: it changes the design."""
@@ -61,10 +65,30 @@ _MOST = 0.5
 _DRIVE, _EFFECTS = "drive.", "effects_"
 """What keys of settings begin with, and what those of effects may leave out of a column's name."""
 
-NOT_SETTINGS: Units = {
+NOT_SETTINGS: Mapping[str, str | None] = {
     "velocity": "m/s", "standard_error": "m/s", "trial": None, "block": None, "order": "-",
 }  # fmt: skip
 """Columns that say nothing of the drive, with the units of their numbers."""
+
+_CALLED = {
+    "mode": ("coil", "plane"), "frequency": ("f", "freq", "rate", "pulse rate"),
+    "peak": ("amplitude", "ampl", "amp", "field", "peak field", "drive field", "b", "bmax", "b0",
+             "bpeak", "ac field", "intensity"),
+    "base": ("offset", "bias", "dc field", "baseline", "bmin"),
+    "hold": ("clamp field", "holding field", "hold field", "bz", "bclamp"),
+    "edge_time": ("rise time", "fall time"), "edge": ("slope", "shape", "waveform"),
+    "direction": ("dir", "sense", "heading"), "pulses": ("cycles", "n pulses", "steps"),
+    "": ("duty", "duty cycle", "phase", "gain", "voltage", "current", "power"),
+}  # fmt: skip
+"""What settings are called in laboratories, too; the last ones are of no key."""
+
+_BESIDE = {
+    "index", "no", "nr", "number", "n", "id", "run", "repeat", "repetition", "rep", "film", "file",
+    "video", "sample", "day", "week", "date", "time", "temperature", "temp", "humidity", "pressure",
+    "sd", "error", "std", "stderr", "velocity", "speed", "v", "distance", "quality", "frames",
+    "row", "measurement", "test", "series", "set", "operator", "comment", "weight", "r2", "p",
+}  # fmt: skip
+"""Words in the names of columns whose numbers differ between repeats of one setting."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -105,21 +129,14 @@ class _Unsound(Exception):
 
 
 class _Trial(NamedTuple):
-    """A sound row."""
+    """A sound row, and its number."""
 
     velocity: float
     setting: tuple[tuple[str, Any], ...]
     block: str
     label: str
     order: float
-    line: Line
-
-
-def velocity_units() -> Units:
-    """The columns that a table of velocities may have, with the units of their numbers."""
-    keys = {name: known_keys()[f"{_DRIVE}{bare}"] for name, bare in bare_names().items()}
-    settings = {name: None if key.kind == "word" else key.unit for name, key in keys.items()}
-    return {**NOT_SETTINGS, **settings}
+    row: int
 
 
 def bare_names() -> dict[str, str]:
@@ -132,21 +149,78 @@ def bare_names() -> dict[str, str]:
     }
 
 
-def _with_bare_names(table: Rows) -> Rows:
-    """The table with settings by their bare names; columns of other keys are refused."""
-    bare, keys = bare_names(), known_keys()
-    header = [bare.get(name, name) for name in table.header]
-    with prefixed(table.path):
-        refuse_twice(header)
-        written = {name_of(key).removeprefix(start) for key in keys for start in ("", _EFFECTS)}
-        for name in header:
+class _Velocities(Recipe):
+    """The recipe of a table of velocities, whose other columns may be settings by other names."""
+
+    def check(self, table: SourceTable) -> list[str]:
+        """The columns that are information; keys of the scenario are refused, too."""
+        written = {name_of(key).removeprefix(start)
+                   for key in known_keys() for start in ("", _EFFECTS)}  # fmt: skip
+        keys = [name for name in self.entries if name not in NOT_SETTINGS]
+        others = [name for name in table.columns if name not in self.entries]
+        for name in others:
             key = split_unit(name)[0]
-            if key not in bare and (full_name(key) in keys or key in written):
+            if full_name(key) in known_keys() or key in written:
                 raise ScenarioError(
-                    f"column {shown(name)} is a key of the scenario: allowed are those of [drive], "
-                    f"{', '.join(dict.fromkeys(bare.values()))}; write it into the scenario"
+                    f"{table.path}: column {shown(name)} is a key of the scenario: allowed are "
+                    f"those of [drive], {', '.join(keys)}; write it into the scenario"
                 )
-    return table._replace(header=header)
+        others = super().check(table)
+        for name in others:
+            self._check_setting(table, table.columns[name])
+        return others
+
+    def _check_setting(self, table: SourceTable, column: Column) -> None:
+        """Refuse what is a setting by its name or its unit."""
+        name, unit = split_unit(column.heading)
+        unit = unit or column.what.unit
+        meant = next((key for key, also in _CALLED.items() if plain(name) in also), None)
+        if unit and not {*plain(name).split()} & _BESIDE:
+            si = quantity_of(unit)
+            of = [
+                key
+                for key, entry in self.entries.items()
+                if entry.unit == si and si not in ("-", "m/s") and key not in NOT_SETTINGS
+            ]
+            if of and (meant is None or meant not in of):
+                meant = " or ".join(key for key in of if key not in table.columns) or of[0]
+        if meant:
+            said = meant.split(" or ")[0]
+            in_unit = f" ({unit})" if unit and is_of(unit, self.entries[said].unit or "") else ""
+            raise ScenarioError(
+                f"{table.path}: column {shown(column.heading)} may be the setting {meant}, which "
+                f'would be lost: call it "{said}{in_unit}", or give it as information a name that '
+                "is less like a setting"
+            )
+        if meant == "":
+            raise ScenarioError(
+                f"{table.path}: column {shown(column.heading)} may be a setting of the drive, and "
+                f"[drive] has no such key: allowed are {', '.join(self.entries)}; write what it "
+                "means as one of these, or leave it out"
+            )
+
+
+def velocities() -> Recipe:
+    """The columns that a table of velocities may have."""
+    keys = known_keys()
+    settings = {name.removeprefix(_DRIVE): key for name, key in keys.items()
+                if name.startswith(_DRIVE)}  # fmt: skip
+    plausible = {**dict.fromkeys(("peak", "base", "hold"), _FIELD), "frequency": _PACE}
+    entries = {name: Entry(unit, required=name == "velocity")
+               for name, unit in NOT_SETTINGS.items()}  # fmt: skip
+    return _Velocities(
+        gaps=marks_of_none,
+        entries=entries
+        | {
+            name: Entry(
+                None if key.kind == "word" else key.unit,
+                (key.name, name_of(key.name)),
+                False,
+                plausible.get(name),
+            )
+            for name, key in settings.items()
+        },
+    )
 
 
 def with_index_columns(table: Any) -> Any:
@@ -155,12 +229,12 @@ def with_index_columns(table: Any) -> Any:
     They are what ``set_index`` and ``groupby`` leave there; other levels stay what rows are called.
     """
     names = getattr(getattr(table, "index", None), "names", ())
-    known = [name for name in names if name in velocity_units() and name not in table]
+    known = [name for name in names if name in velocities().names and name not in table]
     return table.reset_index(known) if known else table
 
 
 def read_velocity(
-    table: Rows,
+    table: SourceTable,
     scenario: Scenario,
     relative_sd: float,
     earlier: Sequence[VelocityData] = (),
@@ -172,12 +246,12 @@ def read_velocity(
     of one trial, NaN if not known. Settings that are equal to one of the scenario or of the
     `earlier` tables become that one. If `strict`, the first row that is not sound is refused.
     """
-    table = valid_rows(_with_bare_names(table))
-    known_columns = [*NOT_SETTINGS, *bare_names().values()]
-    others = check_columns(table.path, table.header, ["velocity"], known_columns)
+    table = table.valid()
+    others = velocities().check(table)
     _check_clocks(table)
     trials, left_out = _sound_rows(table, scenario, strict)
-    left_out += [*table.left_out, *not_used(table.name, others)]
+    _check_repeats(table, trials, others)
+    left_out += [*table.notes, *not_used(table.name, others)]
     known = [condition for data in earlier for condition in data.conditions]
     trials = _with_equal_settings(table.name, trials, scenario, known, left_out)
     velocity = np.array([trial.velocity for trial in trials])
@@ -191,7 +265,7 @@ def read_velocity(
     sound = _without_outliers(table.name, velocity, condition, left_out)
     fast = sound & (np.abs(velocity) > FASTEST)
     if fast.any():
-        at = table.at([trials[k].line for k in np.flatnonzero(fast)])
+        at = table.at([trials[k].row for k in np.flatnonzero(fast)])
         text = f"{at}: the velocity is above {FASTEST:g} m/s; divide velocities in mm/s or um/s by "
         left_out.append(Note("too-fast", f"{text}1e3 or 1e6.", int(fast.sum())))
         if strict:
@@ -211,7 +285,7 @@ def read_velocity(
 
 
 def read_new_trials(
-    table: Rows, scenario: Scenario, earlier: Sequence[VelocityData]
+    table: SourceTable, scenario: Scenario, earlier: Sequence[VelocityData]
 ) -> tuple[VelocityData, list[Note]]:
     """The trials of a table of proposed drives, and which of them are left out as outliers.
 
@@ -222,13 +296,12 @@ def read_new_trials(
     trials are among the `earlier` ones.
     """
     path = table.path
-    check_columns(path, table.header, ["velocity"])
-    empty = set(unmeasured(table))
-    filled = [(line, row) for line, row in table.rows if line not in empty]
+    velocities().check(table)
+    filled = sorted({*range(len(table))} - {*unmeasured(table)})
     if not filled:
         raise ScenarioError(f"{path}: no row has a velocity; allowed is one or more")
     # Whoever filled it in has to find it, so notes name its whole path.
-    whole = table._replace(rows=filled, name=str(path))
+    whole = replace(table.kept(filled), name=str(path))
     data, left_out = read_velocity(whole, scenario, math.nan, earlier, strict=True)
     known = {trial for old in earlier for trial in _trials(old)}
     if known.issuperset(_trials(data)):
@@ -237,10 +310,11 @@ def read_new_trials(
     return data, left_out
 
 
-def unmeasured(table: Rows) -> list[Line]:
-    """Lines of the rows whose velocity is empty."""
-    at = table.header.index("velocity")
-    return [line for line, row in table.rows if at < len(row) and not row[at]]
+def unmeasured(table: SourceTable) -> list[int]:
+    """Rows whose velocity is empty."""
+    column = table.columns["velocity"]
+    return [k for k in np.flatnonzero(np.isnan(column.values)).tolist() if not column.cell(k)
+            and k not in table.ragged]  # fmt: skip
 
 
 def _trials(data: VelocityData) -> list[tuple[object, ...]]:
@@ -294,40 +368,42 @@ def _sweeps(trials: Sequence[_Trial]) -> Indices:
     return np.array(places, dtype=np.int64)
 
 
-def _sound_rows(table: Rows, scenario: Scenario, strict: bool) -> tuple[list[_Trial], list[Note]]:
+def _sound_rows(
+    table: SourceTable, scenario: Scenario, strict: bool
+) -> tuple[list[_Trial], list[Note]]:
     """Rows that can be used, at least one, and why the others cannot."""
-    header, count = table.header, len(table.rows)
-    compared = [tuple(map(_as_compared, row)) for _, row in table.rows]
+    columns, count = table.columns, len(table)
+    compared = list(zip(*(_compared(column) for column in columns.values()), strict=True))
     times = {*Counter(compared).values()}
     pasted = len(times) == 1 and times != {1}  # all rows equally often: a table put in again
-    counts_once = "trial" in header or "order" in header or pasted
-    wrong: dict[tuple[str, str], list[Line]] = {}  # in the order of the file
+    counts_once = "trial" in columns or "order" in columns or pasted
+    wrong: dict[tuple[str, str], list[int]] = {}  # in the order of the file
     kept: list[_Trial] = []
     seen: set[tuple[object, ...]] = set()
-    for (line, row), same in zip(table.rows, compared, strict=True):
+    settings = _Settings(table, scenario)
+    labels = [columns[name].texts if name in columns else [""] * count
+              for name in ("block", "trial")]  # fmt: skip
+    for row, same in enumerate(compared):
         try:
-            if len(row) != len(header):
-                text = f"a row of {len(row)} cells is not used, as the header names {len(header)}"
-                raise _Unsound("cell-count", f"{text} columns.")
+            if row in table.ragged:
+                text = f"a row of {table.ragged[row]} cells is not used, as the header names "
+                raise _Unsound("cell-count", f"{text}{len(columns)} columns.")
             if counts_once and same in seen:
                 raise _Unsound("repeated-row", "the row repeats an earlier one.")
-            cells = dict(zip(header, row, strict=True))
-            velocity, setting = _number("velocity", cells["velocity"]), _setting(cells, scenario)
-            order = _number("order", cells["order"], seconds) if cells.get("order") else math.nan
-            labels = cells.get("block", ""), cells.get("trial", "")
-            kept.append(_Trial(velocity, setting, *labels, order, line))
+            velocity, setting = _number(columns["velocity"], row), settings.of(row)
+            order = _order(columns["order"], row) if "order" in columns else math.nan
+            kept.append(_Trial(velocity, setting, labels[0][row], labels[1][row], order, row))
             seen.add(same)
         except _Unsound as error:
-            wrong.setdefault(error.args, []).append(line)
-    in_other_unit = [(key[1], lines) for key, lines in wrong.items() if key[0] == "setting-unit"]
-    lost = sum(len(lines) for _, lines in in_other_unit)
+            wrong.setdefault(error.args, []).append(row)
+    in_other_unit = [(key[1], rows) for key, rows in wrong.items() if key[0] == "setting-unit"]
+    lost = sum(len(rows) for _, rows in in_other_unit)
     if lost > _MOST * count:
-        text, lines = in_other_unit[0]
-        where = table._replace(name=str(table.path)).at(lines)
+        text, rows = in_other_unit[0]
+        where = replace(table, name=str(table.path)).at(rows)
         raise ScenarioError(f"{where}: {text} {lost} rows are like this")
     left_out = [
-        Note(code, f"{table.at(lines)}: {text}", len(lines))
-        for (code, text), lines in wrong.items()
+        Note(code, f"{table.at(rows)}: {text}", len(rows)) for (code, text), rows in wrong.items()
     ]
     if left_out and strict:
         hint = " Allowed are numbers; a velocity that was not measured stays empty."
@@ -341,28 +417,55 @@ def _sound_rows(table: Rows, scenario: Scenario, strict: bool) -> tuple[list[_Tr
     return kept, left_out
 
 
-def _as_compared(cell: str) -> object:
-    """A cell as repeated rows are told: a number whatever its spelling."""
-    value = number(cell)
-    return cell if math.isnan(value) else value
+def _compared(column: Column) -> list[object]:
+    """Cells as repeated rows are told: a number whatever its spelling."""
+    if column.what.si is None:
+        pairs = zip(column.texts, column.numbers.tolist(), strict=True)
+        return [text if math.isnan(value) else value for text, value in pairs]
+    return [column.cell(k) if math.isnan(value) else value
+            for k, value in enumerate(column.values.tolist())]  # fmt: skip
 
 
-def _plain_number(cell: str) -> float:
-    return number(cell, LARGEST)
+def _check_repeats(table: SourceTable, trials: Sequence[_Trial], others: Sequence[str]) -> None:
+    """Refuse a column of numbers that differ between trials which would be repeats without it."""
+    groups: dict[object, list[int]] = defaultdict(list)
+    for trial in trials:
+        groups[trial.setting].append(trial.row)
+    several = [rows for rows in groups.values() if len(rows) > 1]
+    for name in others:
+        column = table.columns[name]
+        bare, unit = split_unit(column.heading)
+        unit = unit or column.what.unit
+        if {*plain(bare).replace(".", " ").split()} & _BESIDE or (unit and is_of(unit, "K")):
+            continue
+        told = {tuple(sorted({*column.numbers[rows].tolist()})) for rows in several}
+        differ = [values for values in told if len(values) > 1 and not any(map(math.isnan, values))]
+        different, count = {*column.numbers.tolist()}, sum(map(len, several))
+        # What is measured beside hardly comes twice, and has its unit.
+        if differ and (not unit or 2 * len(different) <= count):
+            values = " and ".join(f"{value:g}" for value in differ[0][:2])
+            raise ScenarioError(
+                f"{table.path}: column {shown(column.heading)} has {values} in rows that would be "
+                f"repeats without it: if it is a setting, call it by its key of [drive] "
+                f"({', '.join(e for e in velocities().entries if e not in NOT_SETTINGS)}); if it "
+                'numbers them, call it "trial" or "block"; else leave it out'
+            )
 
 
-def _check_clocks(table: Rows) -> None:
+def _check_clocks(table: SourceTable) -> None:
     """Refuse an order by clocks without dates that may go on after midnight."""
-    at = table.header.index("order") if "order" in table.header else len(table.header)
-    stamps = [STAMP.fullmatch(row[at]) for _, row in table.rows if len(row) > at]
-    written = [row[at] for _, row in table.rows if len(row) > at and row[at]]
-    kinds = {(stamp is None, stamp is not None and bool(stamp["date"])) for stamp in
-             map(STAMP.fullmatch, written)}  # fmt: skip
-    if len(kinds) > 1 and any(stamps):
+    if "order" not in table.columns:
+        return
+    column = table.columns["order"]
+    written = [column.odd[k] for k in sorted(column.odd) if column.odd[k]]
+    stamps = [stamp for stamp in map(STAMP.fullmatch, written) if stamp]
+    kinds = {bool(stamp["date"]) for stamp in stamps}
+    numbers = bool(np.isfinite(column.values).any()) or len(stamps) < len(written)
+    if stamps and len(kinds) + numbers > 1:
         raise ScenarioError(
             f"{table.path}: column order mixes dates, clocks and numbers: allowed is one of these"
         )
-    clocks = [seconds(stamp[0]) for stamp in stamps if stamp and not stamp["date"]]
+    clocks = [seconds(stamp[0]) for stamp in stamps if not stamp["date"]]
     if clocks and max(clocks) - min(clocks) > _LONGEST_DAY:
         raise ScenarioError(
             f"{table.path}: clocks in column order are more than {_LONGEST_DAY / 3600:g} h apart: "
@@ -370,43 +473,75 @@ def _check_clocks(table: Rows) -> None:
         )
 
 
-def _number(column: str, cell: str, read: Callable[[str], float] = _plain_number) -> float:
-    value = read(cell)
+def _number(column: Column, row: int) -> float:
+    value, cell = float(column.values[row]), column.cell(row)
     if math.isnan(value):
-        text = f"{column} {shown(cell)} is not a number{comma_hint(cell)}." if cell else ""
-        raise _Unsound("not-a-number", text or f"{column} is empty.")
+        name = column.what.name
+        text = f"{name} {shown(cell)} is not a number{comma_hint(cell)}." if cell else ""
+        raise _Unsound("not-a-number", text or f"{name} is empty.")
     return value
 
 
-def _setting(cells: Mapping[str, str], scenario: Scenario) -> tuple[tuple[str, Any], ...]:
-    """The drive settings of a row, in the order of the keys; checked as a scenario."""
-    drive = {name: key for name, key in known_keys().items() if name.startswith("drive.")}
-    changes: dict[str, Value] = {}
-    for name, key in drive.items():
-        column = name.removeprefix("drive.")
-        if column not in cells:
-            continue
-        if key.kind == "word":
-            changes[name] = in_allowed_case(key, cells[column])
-        else:
-            value = _number(column, cells[column])
-            changes[name] = int(value) if key.kind == "whole" and value == int(value) else value
-    if changes.get("drive.mode") == "program":
-        raise _Unsound("setting-refused", 'mode "program" has no place in a table of velocities.')
-    try:
-        full = scenario.replace(changes)
-    except ScenarioError as error:
-        raise _Unsound("setting-refused", f"{error}.") from None
-    for name in ("peak", "base", "hold"):
-        field = float(full.get(f"drive.{name}"))
-        if field > _STRONGEST:
-            text = f"{name} of {field:.3g} T is above {_STRONGEST:g} T; if it is in mT, divide it"
-            raise _Unsound("setting-unit", f"{text} by 1e3.")
-    frequency = full.drive.frequency
-    if frequency < _SLOWEST:
-        text = f"frequency of {frequency:.3g} Hz is below {_SLOWEST:g} Hz; if it is in kHz, "
-        raise _Unsound("setting-unit", f"{text}multiply it by 1e3.")
-    return tuple((name, full.get(name)) for name in drive)
+def _order(column: Column, row: int) -> float:
+    """A place in the order: a number, a date or a clock; NaN where none is stated."""
+    value, cell = float(column.values[row]), column.cell(row)
+    if math.isnan(value) and cell:
+        value = seconds(cell)
+        return _number(column, row) if math.isnan(value) else value
+    return value
+
+
+class _Settings:
+    """The drive settings of rows, in the order of the keys; each is checked once as a scenario."""
+
+    def __init__(self, table: SourceTable, scenario: Scenario) -> None:
+        self.scenario, self.entries = scenario, velocities().entries
+        self.keys = {name: key for name, key in known_keys().items() if name.startswith(_DRIVE)}
+        self.columns = {name: table.columns[name.removeprefix(_DRIVE)] for name in self.keys
+                        if name.removeprefix(_DRIVE) in table.columns}  # fmt: skip
+        self.made: dict[tuple[Value, ...], tuple[tuple[str, Any], ...] | _Unsound] = {}
+
+    def of(self, row: int) -> tuple[tuple[str, Any], ...]:
+        """The settings of a row."""
+        changes: dict[str, Value] = {}
+        for name, column in self.columns.items():
+            key = self.keys[name]
+            if key.kind == "word":
+                changes[name] = in_allowed_case(key, column.texts[row])
+            else:
+                value = _number(column, row)
+                changes[name] = int(value) if key.kind == "whole" and value == int(value) else value
+        same = tuple(changes.values())
+        if same not in self.made:
+            try:
+                self.made[same] = self._checked(changes)
+            except _Unsound as error:
+                self.made[same] = error
+        made = self.made[same]
+        if isinstance(made, _Unsound):
+            raise made
+        return made
+
+    def _checked(self, changes: Mapping[str, Value]) -> tuple[tuple[str, Any], ...]:
+        if changes.get("drive.mode") == "program":
+            text = 'mode "program" has no place in a table of velocities.'
+            raise _Unsound("setting-refused", text)
+        try:
+            full = self.scenario.replace(changes)
+        except ScenarioError as error:
+            raise _Unsound("setting-refused", f"{error}.") from None
+        for name, entry in self.entries.items():
+            if entry.plausible is None:
+                continue
+            value = float(full.get(f"{_DRIVE}{name}"))
+            unit, low, high = entry.plausible
+            if value > high:
+                text = f"{name} of {value:.3g} {unit} is above {high:g} {unit}; if it is in m{unit}"
+                raise _Unsound("setting-unit", f"{text}, divide it by 1e3.")
+            if value < low:
+                text = f"{name} of {value:.3g} {unit} is below {low:g} {unit}; if it is in k{unit}"
+                raise _Unsound("setting-unit", f"{text}, multiply it by 1e3.")
+        return tuple((name, full.get(name)) for name in self.keys)
 
 
 def _without_outliers(name: str, velocity: Array, condition: Indices, left_out: list[Note]) -> Mask:

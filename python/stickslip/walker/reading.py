@@ -11,30 +11,33 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip._util.arrays import Array
+from stickslip._util.columns import (
+    Entry,
+    NothingSound,
+    Plausible,
+    Recipe,
+    SourceTable,
+    read_table,
+    sound_numbers,
+)
 from stickslip._util.files import check_name
 from stickslip._util.messages import refuse, shown, suggestion
 from stickslip._util.note import Note
 from stickslip._util.prior import Prior
 from stickslip._util.text import OneLine, printable
-from stickslip.diagnosis.data.read_table import (
-    NothingSound,
-    read_numbers,
-    read_rows,
-    rows_of_frame,
-    stated_number,
-)
+from stickslip.diagnosis.data.outliers import marks_of_none
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.toml_file import named_files, read_document
 from stickslip.scenario.uncertain import COVARIANCE, parse_priors
 from stickslip.walker.first_lines import TableGiven, refuse_table
-from stickslip.walker.read_tracking import REQUIRED, TrackingRun, read_tracking
+from stickslip.walker.read_tracking import REQUIRED, TrackingRun, read_tracking, stated_number
 from stickslip.walker.read_velocity import (
     VelocityData,
     read_new_trials,
     read_velocity,
-    velocity_units,
+    velocities,
     with_index_columns,
 )
 
@@ -60,9 +63,15 @@ _COLUMNS = {
     },
 }
 
-_MOST = {"T": 1.0, "m": 1.0}
+_MOST = {unit: Plausible(unit, high=1.0) for unit in "Tm"}
 """Largest numbers of [[angle]] and [[field]], by their unit. Chosen: the coils make millitesla
 within decimetres, so beyond them a unit is wrong or a probe is saturated."""
+
+_RECIPES = {
+    observable: Recipe({name: Entry(unit, (), True, _MOST.get(unit))
+                        for name, unit in units.items()}, gaps=marks_of_none)
+    for observable, units in _COLUMNS.items()
+}  # fmt: skip
 
 _REQUIRED = {"velocity": ("velocity",), "tracking": tuple(REQUIRED), **_COLUMNS}
 """The columns without which there is no table of an observable."""
@@ -152,13 +161,13 @@ class Measurement(OneLine):
         """
         if not isinstance(scenario, Scenario):
             refuse("scenario", scenario, "a Scenario")
-        rows = rows_of_frame(with_index_columns(table), velocity_units())
+        rows = read_table(with_index_columns(table), velocities())
         data, left_out = read_velocity(rows, scenario, _relative_sd(velocity_sd))
         priors = _uncertain(uncertain, scenario)
         scenario = scenario.with_uncertain(None)
         return Measurement(name, scenario, priors, (data,), (), (), (), tuple(left_out), rows.path)
 
-    def with_velocities(self, table: DataFrame | str | PathLike[str]) -> Measurement:
+    def with_velocities(self, table: DataFrame | str | PathLike[str] | SourceTable) -> Measurement:
         """The same with one more table of velocities, such as that of `Diagnosis.next_trials`.
 
         Rows without a velocity were not measured, and are not used.
@@ -174,11 +183,10 @@ class Measurement(OneLine):
             With one line, if a column is missing or like a known one, a row with a velocity is not
             sound, no row has one, or all trials are in the measurement already.
         """
-        units, files = velocity_units(), self.files
-        if isinstance(table, str | PathLike):
-            rows, files = read_rows(Path(table), units), (*files, Path(table))
-        else:
-            rows = rows_of_frame(with_index_columns(table), units)
+        rows = table if isinstance(table, SourceTable) else read_table(
+            with_index_columns(table), velocities())  # fmt: skip
+        more = () if rows.word == "row" else (rows.path,)
+        files = (*self.files, *more)
         data, lost = read_new_trials(rows, self.scenario, self.velocity)
         velocity, left_out = (*self.velocity, data), (*self.left_out, *lost)
         return replace(self, velocity=velocity, left_out=left_out, files=files)
@@ -283,11 +291,11 @@ def _table(
     earlier: Sequence[VelocityData],
 ) -> tuple[Any, list[Note]]:
     if observable == "velocity":
-        rows, sd = read_rows(file, velocity_units()), _relative_sd(entry.get("velocity_sd"))
+        rows, sd = read_table(file, velocities()), _relative_sd(entry.get("velocity_sd"))
         return read_velocity(rows, scenario, sd, earlier)
     if observable == "tracking":
         return read_tracking(file, entry, scenario)
-    return read_numbers(file, _COLUMNS[observable], most=_MOST)
+    return sound_numbers(file, _RECIPES[observable])
 
 
 def _path_of(table: Mapping[str, Any], key: str, section: str, what: str) -> str:

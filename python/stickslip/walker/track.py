@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from stickslip._util.arrays import Array, Mask, check_indexes, row
 from stickslip._util.messages import check_kind, refuse
 from stickslip.diagnosis.data.outliers import far_from_a_fit, lost_frames, one_place_each
+from stickslip.diagnosis.data.table import conversions
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import Value, known_keys
 from stickslip.scenario.scenario import Scenario
@@ -144,6 +145,8 @@ def _frames(
 ) -> tuple[Array, Array, tuple[float, float]]:
     """Frames of the robot in the order of time, s and m, and the whole pulses that they hold, s."""
     check_indexes("", {"t": t, "x": x})
+    for note in conversions("", {"t": (t, "s"), "x": (x, "m")}):
+        warnings.warn(str(note), stacklevel=4)
     times = row("t", t, unit="s", gaps=True)
     places = row("x", x, len(times), unit="m", gaps=True)
     sound = np.isfinite(times) & np.isfinite(places)

@@ -21,11 +21,12 @@ from stickslip._util.arrays import (
     root_mean_square,
     row,
     states_unit,
+    unit_carried,
 )
-from stickslip._util.messages import refuse
+from stickslip._util.messages import refuse, shown
 from stickslip._util.note import Note
 from stickslip._util.text import brief
-from stickslip._util.units import with_unit
+from stickslip._util.units import quantity_of, with_unit
 from stickslip.diagnosis.data.errors import FEWEST, Errors
 from stickslip.diagnosis.data.outliers import far_from_all_others, marks_of_none
 from stickslip.diagnosis.data.settings import Settings
@@ -33,6 +34,7 @@ from stickslip.diagnosis.data.signal import Signal
 from stickslip.diagnosis.data.table import (
     READINGS,
     Table,
+    conversions,
     stated_errors,
     without_gaps,
     without_marks,
@@ -71,7 +73,8 @@ class Series(Table):
         Readings. A row with a gap (masked, None, NaN) is left out, and a note says so; its inputs
         act all the same. So are up to three single readings, three spans beyond all others.
     inputs : mapping, optional
-        What acts on the system, by name, each of shape (n,).
+        What acts on the system, by name, each of shape (n,); one with a unit becomes SI, and a
+        temperature has the zero of the readings.
     sd : float or array_like, shape (n,), optional
         Standard deviation of each reading. If not given, it is estimated: from repeats; else from
         the scatter about a smooth curve; else from what the fit of all causes leaves.
@@ -111,7 +114,10 @@ class Series(Table):
         self.name, self.unit = str(name), unit
         self.repeat_of = repeat_of.name if isinstance(repeat_of, Series) else repeat_of
         if inputs is not None and not isinstance(inputs, Mapping):
-            raise ScenarioError(f"{self.at}inputs = {brief(inputs)}: allowed are rows by name")
+            raise ScenarioError(
+                f"{self.at}inputs = {brief(inputs)}: allowed are rows by name, such as "
+                '{"torque": [...]}'
+            )
         given = {str(key): values for key, values in (inputs or {}).items()}
         check_indexes(self.at, {"t": t, "y": y, "sd": sd, **given})
         times = row(f"{self.at}t", t, unit="s")
@@ -125,7 +131,14 @@ class Series(Table):
         notes: list[Note] = []
         what = f"{self.at}y"
         readings = without_marks(what, row(what, y, count, unit=unit, gaps=True), notes)
-        acting = {key: row(f"{self.at}inputs {key}", array, count) for key, array in given.items()}
+        units = {key: _unit_of_input(values, unit) for key, values in given.items()}
+        acting = {key: row(f"{self.at}inputs {key}", values, count, unit=units[key])
+                  for key, values in given.items()}  # fmt: skip
+        notes += conversions(
+            self.at,
+            {"t": (t, "s"), "y": (y, unit), "sd": (sd, unit)}
+            | {key: (values, units[key]) for key, values in given.items()},
+        )
         for key, values in acting.items():
             for k in np.flatnonzero(marks_of_none(values))[:1].tolist():
                 what = f"{self.at}inputs {key}: row {k}"
@@ -182,8 +195,10 @@ class Series(Table):
         if column == "t":
             return self.t
         if column not in self.inputs:
-            known = ", ".join(["t", *self.inputs])
-            raise ScenarioError(f"{self.at}there is no input {column}; there are {known}")
+            known = ", ".join(map(shown, ["t", *self.inputs]))
+            raise ScenarioError(
+                f"{self.at}there is no input {shown(column)}; there are {known}, by name"
+            )
         return self.inputs[column]
 
     def __repr__(self) -> str:
@@ -239,6 +254,15 @@ class Series(Table):
         """The same record with other inputs, of shape (n,) or (vectors, n)."""
         acting = {key: locked(values) for key, values in inputs.items()}
         return self.having(inputs={**self.inputs, **acting}, signals={})
+
+
+def _unit_of_input(values: ArrayLike, unit: str) -> str | None:
+    """The unit that an input is taken in: SI, or of temperatures that of the readings."""
+    carried = unit_carried(values)
+    if carried is None:
+        return None
+    si = quantity_of(carried)
+    return unit if si == "K" == quantity_of(unit) else si or carried
 
 
 def with_repeats(series: Sequence[Series]) -> list[Table]:

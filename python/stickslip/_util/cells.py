@@ -1,4 +1,4 @@
-"""Tables of numbers in CSV files."""
+"""Cells of CSV files: the header, and the rows below it in blocks."""
 
 from __future__ import annotations
 
@@ -6,25 +6,13 @@ import codecs
 import csv
 import io
 import itertools
-import math
 import re
 import textwrap
-from array import array
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from os import PathLike
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from typing import NamedTuple
 
-import numpy as np
-
-from stickslip._util.arrays import Array
-from stickslip._util.files import read_bytes, replacing
-from stickslip._util.messages import nearest, refuse, shown
-from stickslip._util.text import comma_hint, number
-from stickslip._util.units import is_unit, per_si, split_unit, to_si
-from stickslip.errors import ScenarioError, prefixed
-
-if TYPE_CHECKING:
-    import pandas as pd
+from stickslip._util.units import is_unit, split_unit
+from stickslip.errors import ScenarioError
 
 INSTRUMENTS_PAGE = "examples/read_instruments.py"
 """The page on tables from other programs."""
@@ -102,8 +90,25 @@ def csv_line(line: str, cells: list[str]) -> str:
     return file.getvalue()
 
 
+_BLOCK = 1 << 14  # lines; chosen: few enough for the room of their cells
+_UNUSUAL = re.compile(r'["#_]')
+
+
+class Block(NamedTuple):
+    """Rows below a header: their lines, their cells by column, and which have too many or few.
+
+    `ragged` has the number of cells of these by row of the block; their cells are empty here. Cells
+    are `plain` if none has a quote, a mark of a comment or an underscore.
+    """
+
+    lines: Sequence[int]
+    columns: Sequence[Sequence[str]]
+    ragged: dict[int, int]
+    plain: bool
+
+
 class CsvTable:
-    """The header of a CSV file and, by `rows`, the rows below it.
+    """The header of a CSV file and, by `blocks`, the rows below it.
 
     Commas, semicolons or tabs separate the cells; a first line such as ``sep=;`` says which. Lines
     above the header that begin with # are comments; lines that name none of `columns` are skipped,
@@ -125,7 +130,7 @@ class CsvTable:
         Names of the columns as they stand there, "" for a column without one.
     separator : str
     comments : int
-        Comments below the header, as far as `rows` has come.
+        Comments below the header, as far as `blocks` has come.
     beyond : int
         Empty columns beyond the header, the same.
     above : int
@@ -142,10 +147,12 @@ class CsvTable:
         self.line, self.header, self.separator = 0, list[str](), ","
         self.comments = self.beyond = self.above = 0
         self._mark: tuple[str, str, int] | None = None
+        self._first: tuple[int, list[str]] | None = None
         # By column, the first cell that may have thousands, and the first without any mark.
         self._thousands, self._bare = dict[int, tuple[int, str]](), dict[int, tuple[int, str]]()
         self._decimals = False
         self._rows: Iterator[tuple[int, list[str]]] = iter(())
+        self._lines: Iterator[tuple[int, str]] = iter(())
         lines = enumerate(text_lines(data), start=1)
         comments = []
         stated = None
@@ -159,9 +166,10 @@ class CsvTable:
         else:
             return
         (at, line), below = self._past_preamble((at, line), lines, columns, stated and stated[1])
-        self._rows = self._parsed(itertools.chain([(at, line)], below))
+        self._lines = itertools.chain([(at, line)], below)
         if any(map(_is_number, self._cells(line))):
             self._take_header(comments, columns, (at, line), below)
+        self._rows = self._parsed(self._lines)
         if not self.line:
             self.line, self.header = next(self._rows)
         self._take_units()
@@ -209,12 +217,12 @@ class CsvTable:
             known = any(split_unit(name)[0] in columns for name in names)
             if known and len(names) == count and not any(map(_is_number, names)):
                 self.line, self.header = at, names
-                self._rows = self._parsed(itertools.chain(comments[k + 1 :], [first], below))
+                self._lines = itertools.chain(comments[k + 1 :], [first], below)
                 return
 
     def _take_units(self) -> None:
         """Join a row of units below the names with them."""
-        below = next(self._rows, None)
+        self._first = below = next(self._rows, None)
         if below is None:
             return
         units = [cell.strip("()[] ") for cell in below[1]]
@@ -224,21 +232,52 @@ class CsvTable:
                 f"{name} ({unit})" if unit and split_unit(name)[1] is None else name
                 for name, unit in pairs
             ]
-        else:
-            self._rows = itertools.chain([below], self._rows)
+            self._first = None
 
-    def rows(self) -> Iterator[tuple[int, list[str]]]:
-        """Line and cells of each row that has any, without the spaces around the cells.
+    def blocks(self) -> Iterator[Block]:
+        """All rows that have a cell.
 
         A line that begins with # is a row if it has as many cells as the header, else a comment.
         """
-        width = len(self.header)
-        for at, row in self._rows:
-            if not any(row):
+        if self._first is not None:
+            yield self._block([self._first], False)
+        blank = f"{self.separator} \t\r\v\f"
+        while some := list(itertools.islice(self._lines, _BLOCK)):
+            if any(_UNUSUAL.search(line) for _, line in some):
+                yield self._block(list(self._parsed(iter(some))), False)
+                continue
+            split, plain = self.separator, []
+            plain = [(at, line.split(split)) for at, line in some if line.strip(blank)]
+            yield self._block(plain, True)
+
+    def _block(self, rows: list[tuple[int, list[str]]], plain: bool) -> Block:
+        width, ragged, lines = len(self.header), dict[int, int](), list[int]()
+        cells: list[list[str]] = []
+        for at, row in rows:
+            if not plain and not any(row):
                 continue
             if len(row) != width:
-                row = self._fitted(row)
-            yield at, row
+                row = self._fitted(row if not plain else [cell.strip() for cell in row])
+                if len(row) != width:
+                    ragged[len(lines)], row = len(row), [""] * width
+            lines.append(at)
+            cells.append(row)
+        return Block(lines, list(zip(*cells, strict=True)) or [()] * width, ragged, plain)
+
+    def pointed(self, block: Block, column: int) -> Sequence[str]:
+        """The cells of numbers of a column with decimal points, as by `with_point`."""
+        cells = block.columns[column]
+        if self.separator == ",":
+            return cells
+        dots = next((k for k, cell in enumerate(cells) if "." in cell), None)
+        bare = next((k for k, cell in enumerate(cells) if cell.strip().isdigit()), None)
+        known = self._mark is None or self._mark[0] == "."
+        if any("," in cell for cell in cells) or not (known or dots is None):
+            pairs = zip(block.lines, cells, strict=True)
+            return [self.with_point(line, column, cell.strip()) for line, cell in pairs]
+        for k in {each for each in (dots, bare) if each is not None}:
+            self.with_point(block.lines[k], column, cells[k].strip())
+        return cells
 
     def with_point(self, line: int, column: int, cell: str) -> str:
         """A cell of numbers whose decimal comma, if it has one, is a decimal point.
@@ -344,122 +383,3 @@ def _separator_of(line: str) -> str:
         return ";"
     # Tabs beside commas only align them.
     return "\t" if "\t" in re.sub(r"\s*,\s*", ",", bare.strip(" ")) else ","
-
-
-Units = Mapping[str, str | None]
-"""The SI unit of each column that a table may have; None for words."""
-
-_MOST_BYTES = 1 << 29
-"""Chosen: a minute of voltages at 30 kHz, two million rows of six numbers, is shorter."""
-
-
-class Rows(NamedTuple):
-    """What `read_table` read.
-
-    `numbers` has the columns of numbers in the order in which they were asked for, shape (n, m),
-    SI; `words` has those of words by name, and `lines` the line of each row in the file.
-    """
-
-    numbers: Array
-    words: dict[str, list[str]]
-    lines: Sequence[int]
-
-
-def read_table(path: str | PathLike[str], columns: Units) -> Rows:
-    """Read a CSV file that has all of some columns, in any order, and no others.
-
-    It is read as a `CsvTable`. Headings may state units, such as ``t (ms)``.
-
-    Raises
-    ------
-    ScenarioError
-        If the file cannot be read, or a column or cell is not as it has to be. The message names
-        file, row and column.
-    """
-    with prefixed(path):
-        file = CsvTable(read_bytes(path, _MOST_BYTES, "table"), columns)
-        if not file.line:
-            raise ScenarioError(f"is empty: the first row has to be {','.join(columns)}")
-        return _parsed(file, columns)
-
-
-def _parsed(file: CsvTable, columns: Units) -> Rows:
-    names, per = without_units(named_cells(file.header), columns)
-    order = _places(file.line, names, columns)
-    numbers = {name: unit for name, unit in columns.items() if unit is not None}
-    words: dict[str, list[str]] = {name: [] for name in columns if name not in numbers}
-    values, lines = array("d"), array("l")
-    for line, cells in file.rows():
-        if len(cells) < len(names) or any(cells[len(names) :]):
-            commas = " or a decimal comma" if file.separator == "," else ""
-            raise ScenarioError(
-                f"row {line} has {len(cells)} cells: allowed are {len(names)}; look for a quote"
-                f"{commas}"
-            )
-        lines.append(line)
-        for name, column in words.items():
-            column.append(cells[order[name]])
-        for name, unit in numbers.items():
-            cell = cells[order[name]]
-            value = number(file.with_point(line, order[name], cell))
-            if math.isnan(value):
-                what = f"a finite number of {unit}{comma_hint(cell)}"
-                refuse(f"row {line}, column {name}", cell, what)
-            values.append(to_si(value, per[order[name]]))
-    file.check_thousands()
-    table = np.frombuffer(values) if values else np.empty(0)
-    return Rows(table.reshape(-1, len(numbers)), words, lines)
-
-
-def without_units(header: Sequence[str], units: Units) -> tuple[list[str], list[float]]:
-    """Names of the columns, and how many of each one's unit make one SI unit.
-
-    A column that `units` does not have keeps its whole heading. A ScenarioError names a unit that
-    is not one of its column.
-    """
-    names, per = [], []
-    for heading in header:
-        name, unit = split_unit(heading)
-        si = units.get(name)
-        names.append(name if name in units else heading)
-        per.append(1.0)
-        if name not in units or unit is None:
-            continue
-        try:
-            per[-1] = per_si(unit, "-" if si is None else si)
-        except ValueError as error:
-            raise ScenarioError(
-                f"column {shown(heading)}: the unit is not known; {error}"
-            ) from None
-    return names, per
-
-
-def _places(line: int, header: list[str], columns: Units) -> dict[str, int]:
-    """Where in a header each of the columns stands; a ScenarioError if they are not all there."""
-    expected = "allowed are " + ", ".join(columns)
-    for name in columns:
-        if name not in header:
-            near = nearest(name, [split_unit(word)[0] for word in header if word not in columns])
-            meant = "" if near is None else f", and {shown(near)} may be meant as it"
-            raise ScenarioError(f"row {line}: the column {name} is missing{meant}; {expected}")
-    for index, name in enumerate(header):
-        if not name:
-            raise ScenarioError(
-                f"row {line}: column {index + 1} has no name, as an index has none: allowed are "
-                f"named columns; leave it out (index=False in pandas)"
-            )
-        if name not in columns:
-            raise ScenarioError(
-                f"row {line}, column {shown(name)}: there is no such column; {expected}"
-            )
-        if name in header[:index]:
-            raise ScenarioError(f"row {line}, column {name}: is there twice; {expected}")
-    return {name: header.index(name) for name in columns}
-
-
-def write_frame(frame: pd.DataFrame, path: str | PathLike[str]) -> None:
-    """Write a table as CSV, whole or not at all; headings name the units of ``attrs["units"]``."""
-    units = frame.attrs.get("units", {})
-    named = {name: f"{name} ({unit})" for name, unit in units.items() if unit not in ("", "-", "1")}
-    with replacing(path) as temporary:
-        frame.rename(columns=named).to_csv(temporary, index=False)
