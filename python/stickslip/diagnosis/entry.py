@@ -89,11 +89,11 @@ def diagnose_model(
     check_whole("seed", seed)
     terms = partial(_terms, predict, uncertain, causes)
     stated = terms(data)
-    problem = posed(data, predict, *stated)
-    tables = computed_tables(problem, int(seed))
-    if tables != problem.tables:
-        problem = posed(tables, predict, *stated)
     with one_blas_thread():
+        problem = posed(data, predict, *stated)
+        tables = computed_tables(problem, int(seed))
+        if tables != problem.tables:
+            problem = posed(tables, predict, *stated)
         fault = unit_fault(problem, partial(_of_tables, predict, terms), _units(predict), int(seed))
         problem = problem if fault else with_scatter(problem, int(seed))
         notes = [*overflows(problem), *without_effect(problem)]

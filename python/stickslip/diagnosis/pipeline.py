@@ -43,7 +43,7 @@ def run(
     effects = responses(problem, null.end, (), problem.causes, exact, null.h)
     test = tested(problem, null, effects, seed)
     screened(models, effects)
-    if fault is None and (test.misfit or posterior(models).none < 0.5):
+    if fault is None and (test.misfit or posterior(models).has_cause):
         models = Models(problem, problem.causes)
         models.add(null)
         search(models, ends, problem.causes, say, seed)

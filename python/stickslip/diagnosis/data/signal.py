@@ -13,7 +13,7 @@ from stickslip._util.text import OneLine
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Signal(OneLine):
-    """An input, as some parameter vectors have it, and by how much it acts late.
+    """An input of a record for each of a batch of parameter vectors, and its delay.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class Signal(OneLine):
         return replace(self, values=result, first=np.where(time > 0.0, first, self.first))
 
     def sampled(self) -> Array:
-        """Values at the readings, (vectors, rows); of a held input means up to the next reading."""
+        """Values at the readings, (vectors, rows); of a held input its mean until the next one."""
         result, gap = self.values.copy(), np.diff(self.t)
         # A delay of zero leaves the very numbers.
         for k in np.flatnonzero(self.late):

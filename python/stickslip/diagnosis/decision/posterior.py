@@ -43,6 +43,11 @@ class Posterior(OneLine):
         return self.models.get("none", 0.0)
 
     @property
+    def has_cause(self) -> bool:
+        """Whether a cause is more probable than none."""
+        return self.none < 0.5
+
+    @property
     def sure(self) -> list[str]:
         """Causes with a probability of at least 95 %."""
         return [name for name, chance in self.causes.items() if chance >= SURE]

@@ -120,7 +120,7 @@ def decide(models: Models, test: Test) -> Verdict:
         "unexplained", probabilities=probabilities, members=members, leader=leader,
         common=_common(members),
     )  # fmt: skip
-    if leader is None or chance.none >= 0.5:
+    if leader is None or not chance.has_cause:
         return _without_cause(verdict, models, test, leader)
     sure = chance.sure
     if not sure:

@@ -39,10 +39,15 @@ gear or winding is tenfold; what is farther off is a unit."""
 _SCANNED = 97
 """Values at which one constant is looked at. Chosen: 7 % apart, as a period is lost beyond."""
 
-_LIKE, _MISSED, _FAR = 0.05, 4.0, 4.0
-"""Part of the variance of the readings that a model like them leaves, how many times more is left
-as they stand, and the stated errors by which a constant is moved there otherwise. Chosen: causes
-of the usual size change less."""
+_LIKE = 0.05
+"""A model is like the readings if it leaves less than this part of their variance. Chosen, as the
+next two are: causes of the usual size change less."""
+
+_MISSED = 4.0
+"""The stated units are wrong only if they leave this many times more than others,"""
+
+_FAR = 4.0
+"""or if they move a constant by more stated errors than this."""
 
 _SMALL = 0.02
 """Errors that are not known, in the scatter of the readings. Chosen: few sensors are worse."""
@@ -109,7 +114,10 @@ def unit_fault(
     variance = _spread(problem)
     if variance < 2.0 * len(problem.y):  # Readings that do not change are like many models.
         return None
-    null = _fits([_looked_at(problem, seed)])[0]
+    fits = _fits([_looked_at(problem, seed)])
+    if not fits:
+        return None
+    null = fits[0]
     if _is_like(null, problem, variance / _MISSED) and null.moved < _FAR:
         return None
     tries = [_looked_at(*other) for other in _in_units(problem, of, known, seed)]

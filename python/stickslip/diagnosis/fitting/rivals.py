@@ -29,7 +29,7 @@ class Rivals:
 
     @property
     def table(self) -> int:
-        """Number of the table whose errors readings at new conditions have."""
+        """Index of the table whose errors new readings will have."""
         return 0
 
     def conditions(self, given: Any) -> tuple[Any, dict[str, list[Any]]]:

@@ -33,8 +33,8 @@ class Cause(OneLine):
     parameters : tuple of Parameter
         Amplitudes and shapes. None for a constant that is other than stated.
     frees : str, optional
-        Name of a constant whose prior is widened to ten times its standard deviation: of the
-        constant that is the cause itself, or of the one that a law of a free shape replaces.
+        Name of the constant whose prior this cause relaxes: the evidence is the mean over priors
+        10 and 100 times as wide. A law of a free shape relaxes the constant that it replaces.
     read : callable, optional
         Of an instrument: ``read(readings, predicted, p, table)`` returns what it makes of the
         readings, shape (vectors, rows); `predicted` is what the physics predicts, of the same
