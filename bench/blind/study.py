@@ -57,6 +57,7 @@ def lines(path: Path) -> Iterator[Row]:
 
 def append(path: Path, row: Row) -> None:
     """Append a row, on a line of its own after one that was cut off."""
+    path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("a") as file:
         cut = file.tell() and not path.read_text().endswith("\n")
         file.write(("\n" if cut else "") + json.dumps(row) + "\n")

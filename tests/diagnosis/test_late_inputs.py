@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stickslip import Series, diagnose_model, instruments, models
+from stickslip import Series, diagnose_model, events, instruments, models
 from stickslip.diagnosis.model import ForwardModel
 
 STEP, RATE = 0.01, 4.0
@@ -58,6 +58,24 @@ def test_a_ready_made_model_is_told_when_an_input_acts(kind, late, slow):
         near = near if not slow else 3e-4 if kind == "held" else 2e-2
         assert made[0] == pytest.approx(readings(kind, late, slow, 0.3), abs=near)
         assert np.array_equal(made[1], joint.simulate(T, {"torque": INPUTS[kind]}))
+
+
+@pytest.mark.parametrize("late", [0.0, 0.0031])
+def test_a_pulse_of_a_held_input_has_its_momentum_when_it_acts(late):
+    """A mass keeps the momentum of each step; the input is late beside the pulse or not."""
+    begin, length = 0.4037, 0.2164
+    causes = (instruments.delay(size=0.01, input="torque", name="late"),
+              events.pulse(0.3, 0.0, 1.5, 0.5, input="torque", name="knock"))  # fmt: skip
+    p = {"late.time": late, "late.before": 0.0, "knock.height": 0.7, "knock.time": begin,
+         "knock.length": length}  # fmt: skip
+    record = Series(T, 0.0 * T, {"torque": 0.0 * T}, sd=1.0)
+    joint = models.joint(inertia=0.1)
+    made = ForwardModel(joint, None, (), causes)(record, list(p), np.array([[*p.values()]]))[0]
+    expected = 7.0 * np.clip(T - begin, 0.0, length)
+    edges = np.abs(T[:, None] - [begin, begin + length]).min(axis=1) < STEP
+    assert made[~edges] == pytest.approx(expected[~edges], abs=1e-12)
+    # Within the step it begins evenly from when the step acts.
+    assert made == pytest.approx(expected, abs=7.0 * STEP)
 
 
 def test_a_late_input_of_an_own_model_is_a_line_which_is_the_mean_of_a_held_one():

@@ -45,7 +45,7 @@ class Cause(OneLine):
     input : str, optional
         Name of the input that `read` changes; the readings, if not given.
     acts : callable, optional
-        In place of `read`, of an input that is slow or late: ``acts(signal, p)``.
+        In place of `read`, of an input, with when it acts: ``acts(signal, p)``.
     told : callable, optional
         ``told(value, amount, step)`` is a sentence on its first parameter, of which `amount` is a
         text with error and unit, for readings that are `step` apart, s.

@@ -22,6 +22,8 @@ Each raises a ScenarioError if a value is not allowed.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -31,6 +33,7 @@ from stickslip._util.messages import refuse, shown
 from stickslip._util.prior import Prior
 from stickslip._util.text import is_number
 from stickslip.diagnosis.data.series import Series
+from stickslip.diagnosis.data.signal import Signal
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter, either_way
@@ -52,11 +55,7 @@ def step(
 ) -> Cause:
     """A change that stays: ``height`` is added from ``time``, s, on."""
     height, time = either_way(f"{name}.height", unit, size), _time(name, begin, end)
-    read = partial(_happened, height.name, time.name, None)
-    meaning = f"a step of {input or 'the readings'}"
-    return Cause(
-        name, (height, time), meaning, read=read, table=table, input=input, between=(begin, end)
-    )
+    return _event((height, time), "a step", table, input, (begin, end))
 
 
 def pulse(
@@ -85,22 +84,44 @@ def pulse(
         f"{name}.length", Prior("log-uniform", longest / 100.0, longest), unit="s", cause=False
     )
 
-    read = partial(_happened, height.name, time.name, length.name)
-    meaning = f"a pulse of {input or 'the readings'}"
-    parts = height, time, length
+    return _event((height, time, length), "a pulse", table, input, (begin, end + longest))
+
+
+def _event(
+    parts: tuple[Parameter, ...], what: str, table: str | None, input: str | None,
+    between: tuple[float, float],
+) -> Cause:  # fmt: skip
+    names = [each.name for each in parts]
+    read, acts = (partial(_read, names), None) if input is None else (None, partial(_acted, names))
     return Cause(
-        name, parts, meaning, read=read, table=table, input=input, between=(begin, end + longest)
-    )
+        names[0].rpartition(".")[0], parts, f"{what} of {input or 'the readings'}", read=read,
+        acts=acts, table=table, input=input, between=between,
+    )  # fmt: skip
 
 
-def _happened(
-    height: str, time: str, length: str | None,
-    values: Array, _: Array, p: dict[str, Array], table: Table,
-) -> Array:  # fmt: skip
-    shape = edge(table, p[time])
-    if length is not None:
-        shape = shape - edge(table, p[time] + p[length])
-    return values + p[height] * shape
+def _read(
+    names: Sequence[str], values: Array, _: Array, p: dict[str, Array], table: Table
+) -> Array:
+    return values + _happened(names, p, partial(edge, table))
+
+
+def _acted(names: Sequence[str], signal: Signal, p: dict[str, Array]) -> Signal:
+    """Of a held input each step has its mean, so that its momentum is right.
+
+    An input that acts late already is changed by when it acts.
+    """
+    gaps = np.diff(signal.t)
+    usual = float(np.median(gaps)) if len(gaps) else 1.0
+    step = np.append(gaps, usual) if signal.held else usual
+    t = signal.t + 0.5 * step * signal.held
+    added = _happened(names, p, lambda time: _edge(t, step, time - signal.late[:, None]))
+    return replace(signal, values=signal.values + added)
+
+
+def _happened(names: Sequence[str], p: dict[str, Array], begun: Callable[[Array], Array]) -> Array:
+    height, time, *length = (p[name] for name in names)
+    shape = begun(time)
+    return height * (shape - begun(time + length[0]) if length else shape)
 
 
 def edge(table: Table, time: Array) -> Array:
@@ -110,7 +131,11 @@ def edge(table: Table, time: Array) -> Array:
     """
     if not isinstance(table, Series):
         raise ScenarioError(f"events: table {table.name} has no times; allowed is a Series")
-    return np.clip((table.t - time) / table.step + 0.5, 0.0, 1.0)
+    return _edge(table.t, table.step, time)
+
+
+def _edge(t: Array, step: Array | float, time: Array) -> Array:
+    return np.clip((t - time) / step + 0.5, 0.0, 1.0)
 
 
 def _time(name: str, begin: float, end: float) -> Parameter:
