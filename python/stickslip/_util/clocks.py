@@ -237,7 +237,7 @@ def _may_be_put(stamp: re.Match[str] | None, t: float, first: int | None) -> boo
 
 
 def _in_minutes(stamps: Mapping[int, re.Match[str]], column: Column, path: object) -> bool:
-    """Whether clocks of two parts are minutes and seconds; a ScenarioError asks where both may be."""
+    """Whether clocks of two parts are minutes and seconds; a ScenarioError asks if both may be."""
     two = [stamp["clock"] for stamp in stamps.values() if stamp["clock"].count(":") == 1]
     if not two or column.what.unit in CLOCKS[1:]:
         return column.what.unit == "mm:ss"
