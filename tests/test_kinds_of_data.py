@@ -2,6 +2,7 @@
 
 import datetime
 
+import drawn_logs
 import numpy as np
 import pandas as pd
 import pint
@@ -219,7 +220,7 @@ NAMES = {
 @pytest.mark.parametrize(("name", "other"), [(k, v) for k, names in NAMES.items() for v in names])
 def test_a_setting_under_another_name_is_not_lost(name, other, door, tmp_path):
     table = {other if key == name else key: values for key, values in TRIALS.items()}
-    with pytest.raises(ScenarioError, match="setting|is not known; did you mean|repeats without"):
+    with pytest.raises(ScenarioError, match=r"setting|is not known; did you mean|repeats without"):
         TABLES[door](table, tmp_path)
 
 
@@ -344,3 +345,10 @@ def test_a_file_is_opened_once_and_a_cell_parsed_once(tmp_path, monkeypatch):
     done = stickslip("diagnose", path, "--model", "joint", "--set", "inertia=0.1", "--set", "x=1")
     assert done.returncode == 2
     assert opened.count(str(path)) == 1
+
+
+def test_drawn_logs_are_never_silently_wrong():
+    found = drawn_logs.counts(range(120))
+    assert sum(found.values()) == 120
+    assert [kind for (kind, what), _ in found.items() if what == "WRONG"] == []
+    assert len({kind for kind, _ in found}) >= 15
