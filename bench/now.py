@@ -27,6 +27,7 @@ from pathlib import Path
 from typing import Any
 
 import diagnoses
+import drawn_logs
 from blind.scoring import interval
 from limit import Reference
 from limit.figures import PACKS, run_ratio, sweep_ratios
@@ -183,6 +184,15 @@ def tables(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
             yield f"tables, {name}", row | ({"seen": dict(seen)} if "0.05" in name else {})
 
 
+def logs(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
+    """What the reader makes of drawn logs whose truth is known; none may be silently wrong."""
+    budget.check()
+    found = drawn_logs.counts(range(TABLES))
+    for name in ("right", "noted", "unstated", "refused", "WRONG"):
+        count = sum(number for (_, what), number in found.items() if what == name)
+        yield f"logs, {name}", share_row(count, TABLES)
+
+
 def mutations(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
     """Share of drawn changes of the sources that the tests see; those that do not build apart."""
     for kind, count in CHANGES.items():
@@ -241,7 +251,7 @@ def tests(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
 
 PARTS: dict[str, Part] = {
     "speed": speed, "diagnosis": diagnosis, "build": build, "tables": tables,
-    "tests": tests, "mutations": mutations,
+    "logs": logs, "tests": tests, "mutations": mutations,
 }  # fmt: skip
 OF_VERDICTS = ("diagnosis", "tables")
 """Parts whose figures change with the diagnosis."""

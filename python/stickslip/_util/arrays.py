@@ -134,7 +134,7 @@ def numbers(
         If a value is no finite number, if the values are of several kinds, or if their unit cannot
         be converted.
     """
-    plain, carried = _bare(values)
+    plain, carried = without_unit(values)
     change = None if carried is None else conversion(what, carried, unit or "-", differences)
     given, missing = _elements(what, plain, allowed)
     array = _as_floats(what, given, missing, allowed)
@@ -226,7 +226,7 @@ def column(what: str, values: object, count: int) -> tuple[Elements, Mask]:
     It holds floats, with NaN in gaps, or texts or truths, which are labels, empty or False in gaps.
     """
     allowed = "numbers or texts"
-    plain, carried = _bare(values)
+    plain, carried = without_unit(values)
     change = None if carried is None else conversion(what, carried, None)
     given, missing = map(flat, _elements(what, plain, allowed))
     if given.shape != (count,):
@@ -246,7 +246,7 @@ def column(what: str, values: object, count: int) -> tuple[Elements, Mask]:
 
 def labels(what: str, values: object, count: int) -> Indices:
     """Numbers of the different labels, from 0, shape (count,); a gap is like no other."""
-    given, missing = _elements(what, _bare(values)[0], "labels")
+    given, missing = _elements(what, without_unit(values)[0], "labels")
     if given.shape != (count,):
         raise ScenarioError(f"{what}: allowed is one for each of {count} readings")
     plain = given.tolist()
@@ -301,7 +301,7 @@ def _is_of(values: object, *libraries: str) -> bool:
 
 def states_unit(values: object) -> bool:
     """Whether values carry a unit, or are dates or durations."""
-    plain, carried = _bare(values)
+    plain, carried = without_unit(values)
     if carried is not None:
         return True
     given = np.asarray(plain)
@@ -311,10 +311,10 @@ def states_unit(values: object) -> bool:
 
 def unit_carried(values: Any) -> str | None:
     """The unit that values carry, as text; None of plain numbers."""
-    return _bare(values)[1]
+    return without_unit(values)[1]
 
 
-def _bare(values: Any) -> tuple[Any, str | None]:
+def without_unit(values: Any) -> tuple[Any, str | None]:
     """Values without what other libraries put around them, and the unit that these carry.
 
     A mask stays: of an array that hides it, it becomes one of NumPy's.
@@ -324,11 +324,11 @@ def _bare(values: Any) -> tuple[Any, str | None]:
     if _is_of(values, "pandas"):
         # An Index of dates has a `unit`, its resolution, and a Series that of a label.
         quantity = getattr(getattr(values, "array", None), "quantity", None)
-        return (values, None) if quantity is None else _bare(quantity)
+        return (values, None) if quantity is None else without_unit(quantity)
     unit = getattr(values, "units", getattr(values, "unit", None))
     carried = None if unit is None else str(unit)
     if _is_of(values, "xarray"):  # which may hold an array with a unit of its own
-        inner, own = _bare(values.data)
+        inner, own = without_unit(values.data)
         return inner, carried if own is None else own
     plain = values
     if hasattr(values, "set_auto_mask"):  # a variable of netCDF4, which is read as it says
@@ -388,9 +388,8 @@ def conversion(what: str, carried: str, unit: str | None, differences: bool = Fa
         if one == wanted or (wanted == "rad" and one in ("", "1", "dimensionless")):
             return Conversion(carried, wanted)
         per = ratio(one, wanted or "-")
-    except ValueError:
-        hz = {quantity_of(one), quantity_of(wanted or "-")} == {"Hz", "rad/s"}
-        hint = "; Hz does not say whether it counts turns: a turn is 2 pi rad" if hz else ""
+    except ValueError as error:
+        hint = "".join(str(error).partition("; Hz")[1:])
         raise ScenarioError(f"{refusal}{hint}") from None
     if differences:
         return Conversion(carried, wanted, per)

@@ -40,6 +40,7 @@ log has a reading in a quarter of an hour, and one in 100 s is of a slow one."""
 _DAYS = (32874.0, 73051.0), (726834.0, 767011.0)  # 1990 to 2100 of Excel and of MATLAB
 _DIGITS = 4  # decimals of seconds; chosen: a day's parts have more
 _MANY = 100.0  # steps of a counter whose zero was taken away; chosen: else chance would fit
+_QUANTA = (1.0, 0.1, 0.01, 1e-3)  # of numbers with 16 or 32 bits, in their unit
 _SUNDAY, _NIGHT = 6, 4  # the day and the hours in which a clock is put on or back
 
 
@@ -237,7 +238,7 @@ def _may_be_put(stamp: re.Match[str] | None, t: float, first: int | None) -> boo
 
 
 def _in_minutes(stamps: Mapping[int, re.Match[str]], column: Column, path: object) -> bool:
-    """Whether clocks of two parts are minutes and seconds; asks where both may be."""
+    """Whether clocks of two parts are minutes and seconds; a ScenarioError asks if both may be."""
     two = [stamp["clock"] for stamp in stamps.values() if stamp["clock"].count(":") == 1]
     if not two or column.what.unit in CLOCKS[1:]:
         return column.what.unit == "mm:ss"
@@ -265,13 +266,12 @@ def counted_on(
     steps = np.diff(y)
     spans = [] if turn is None else [turn]
     step = high - low
-    for bits in (16, 32) if step > 0.0 else ():
-        quantum = _quantum(y)
+    quantum = _quantum(y * column.what.per) / column.what.per if step > 0.0 else 0.0
+    for bits in (16, 32):
         span, edge = quantum * 2.0**bits, 0.01 * quantum * 2.0**bits
-        whole = quantum > 0.0 and np.all(np.abs(y / quantum - np.round(y / quantum)) < 1e-3)
         full = (0.0 <= low < edge and high > span - edge) or (
             low < edge - 0.5 * span and high > 0.5 * span - edge)  # fmt: skip
-        spans += [span] if whole and full and step < span else []
+        spans += [span] if full and step < span else []
     for span in spans:
         wide = np.flatnonzero(np.abs(steps) > 0.5 * span)
         near = np.abs(np.abs(steps[wide]) - span) < 0.25 * span
@@ -289,8 +289,6 @@ def counted_on(
     return values, None
 
 
-def _quantum(y: Array) -> float:
-    """The smallest step between numbers, to a power of ten; 0 where they are one number."""
-    apart = np.diff(np.unique(y))
-    least = float(np.min(apart)) if len(apart) else 0.0
-    return least
+def _quantum(raw: Array) -> float:
+    """The power of ten of which all numbers are whole ones; 0 of none."""
+    return next((q for q in _QUANTA if np.allclose(raw / q, np.round(raw / q), rtol=1e-10)), 0.0)

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from stickslip._util.arrays import Array, Mask, columns_of, conversion, numbers, unit_carried
+from stickslip._util.arrays import Array, Mask, columns_of, numbers, states_unit, without_unit
 from stickslip._util.cells import DECIMAL_COMMAS, Block, CsvTable
 from stickslip._util.files import read_bytes, replacing
 from stickslip._util.messages import misspelt, nearest, refuse, shown
@@ -314,6 +314,7 @@ class Source:
         self.is_file = isinstance(given, str | PathLike)
         self.path = Path(given if self.is_file else type(given).__name__)
         self.name = self.path.name
+        self.carried: list[str] = []
         with prefixed(self.path):
             self.data = read_bytes(given, most, "table") if self.is_file else b""
 
@@ -334,7 +335,19 @@ class Source:
             refuse("table", given, "a DataFrame, or columns by name")
         if not found or not len(next(iter(found.values()))):
             raise ScenarioError("has no row of data")
-        return {str(name): values for name, values in found.items()}
+        return dict(self._with_unit(str(name), values) for name, values in found.items())
+
+    def _with_unit(self, name: str, values: Any) -> tuple[str, Any]:
+        """A heading with the unit that values carry, and their numbers."""
+        plain, carried = without_unit(values)
+        heading, stated = f"{name} ({carried})", split_unit(name)[1]
+        if carried in (None, "", "1", "dimensionless") or carried == stated:
+            return name, plain
+        if stated is not None or split_unit(heading) != (name, carried):
+            allowed = "one unit" if stated else "a unit such as m/s"
+            raise ScenarioError(f"column {name} is in {carried}: allowed is {allowed}")
+        self.carried.append(heading)
+        return heading, plain
 
     def headings(self, names: Collection[str]) -> list[str]:
         """The headings; one of some names makes a comment above the numbers a header."""
@@ -562,14 +575,11 @@ def _read_arrays(source: Source, recipe: Recipe) -> SourceTable:
     matches = recipe.matched(list(arrays))
     count = len(next(iter(arrays.values())))
     lines = index_labels(source.given) or list(range(count))
-    columns, converted = {}, []
+    columns = {}
     for (heading, values), match in zip(arrays.items(), matches, strict=True):
         if len(values) != count:
             raise ScenarioError(f"column {heading}: {len(values)} values; allowed are {count}")
-        made, texts, odd = np.empty(0), list[str](), dict[int, str]()
-        carried = unit_carried(values)
-        cells = [] if match.si is not None and carried is not None else list(values)
-        match = match if match.known else match._replace(unit=carried)
+        made, texts, odd, cells = np.empty(0), list[str](), dict[int, str](), list(values)
         if match.si is None:
             texts = [_cell(value) for value in cells]
         elif any(isinstance(cell, str) for cell in cells):
@@ -584,15 +594,16 @@ def _read_arrays(source: Source, recipe: Recipe) -> SourceTable:
                         "number alone, without separators of thousands and without a unit"
                     )
         else:
-            what = f"column {heading}"
-            if carried is not None:
-                change = conversion(what, carried, match.si)
-                converted += [f"{match.name} {change}"] * change.changes
-            made = numbers(what, values, unit=match.si, gaps=True, finite=False)
+            made = numbers(f"column {heading}", values, gaps=True, finite=False)
             odd = dict.fromkeys(np.flatnonzero(np.isnan(made)).tolist(), "")
+            if match.unit is None and states_unit(values):  # dates and durations are in s
+                match = match._replace(unit="s")
         columns[match.name] = _made(heading, match, made, texts, odd, recipe)
-    text = f"{source.name}: converted as their units say: {', '.join(converted)}."
-    notes = (Note("converted", text, len(converted)),) if converted else ()
+    found = [f"{column.what.name} from {column.what.unit} to {column.what.si}"
+             for column in columns.values()
+             if column.heading in source.carried and column.what.per != 1.0]  # fmt: skip
+    text = f"{source.name}: converted as their units say: {', '.join(found)}."
+    notes = (Note("converted", text, len(found)),) if found else ()
     return SourceTable(source.path, source.name, columns, lines, {}, notes, "row")
 
 

@@ -71,6 +71,8 @@ _BASES: dict[str, _Size] = {
 """SI size and the exponents of m, kg, s, A, K and rad. An angle is a quantity of its own: Hz, which
 does not say what it counts, is neither rad/s nor rpm."""
 
+_TURNS = _BASES["rpm"][1]
+
 _WORDS = {
     "meter": "m", "metre": "m", "gram": "g", "gramme": "g", "second": "s", "sec": "s",
     "minute": "min", "hour": "h", "hr": "h", "day": "d", "ampere": "A", "amp": "A", "kelvin": "K",
@@ -164,6 +166,8 @@ def per_si(unit: str, si: str) -> float:
     hint = f'; did you mean "{near}"?' if near else ""
     if _is_pure(si):
         raise ValueError("allowed is no unit, or %")
+    if meant is not None and of is not None and {meant[1], of[1]} == {_BASES["Hz"][1], _TURNS}:
+        hint = "; Hz does not say whether it counts turns: a turn is 2 pi rad"
     raise ValueError(f"allowed are {_listed(known)}{hint}")
 
 

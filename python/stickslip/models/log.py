@@ -246,7 +246,9 @@ class _Log(Recipe):
                 text = f"Column {shown(name)} is not used, as it may be a set point less a "
                 text += f'reading: call the standard deviation of a reading "{_ERROR}".'
                 notes.append(Note("error-not-used", text))
-        return [*notes, *table.notes, *not_used(table.name, others)]
+        # What was converted is told of all columns together.
+        read = [note for note in table.notes if note.code != "converted"]
+        return [*notes, *read, *not_used(table.name, others)]
 
 
 class _Heading(NamedTuple):
@@ -458,7 +460,7 @@ def _check_fast(table: SourceTable, column: Column, t: Array, model: Any) -> Non
              and (not hasattr(value, "has_middle") or value.has_middle)}  # fmt: skip
     lasts = []
     for one, other in itertools.permutations(sizes, 2):
-        if sizes[one] and sizes[other] and terms[other].absent is None:
+        if sizes[one] and sizes[other]:
             for unit, power in (("s", 1.0), ("s^2", 0.5)):
                 if is_quotient(terms[one].unit, terms[other].unit, unit):
                     lasts.append((sizes[one] / sizes[other]) ** power)

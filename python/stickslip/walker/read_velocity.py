@@ -173,7 +173,6 @@ class _Velocities(Recipe):
     def _check_setting(self, table: SourceTable, column: Column) -> None:
         """Refuse what is a setting by its name or its unit."""
         name, unit = split_unit(column.heading)
-        unit = unit or column.what.unit
         meant = next((key for key, also in _CALLED.items() if plain(name) in also), None)
         if unit and not {*plain(name).split()} & _BESIDE:
             si = quantity_of(unit)
@@ -435,7 +434,6 @@ def _check_repeats(table: SourceTable, trials: Sequence[_Trial], others: Sequenc
     for name in others:
         column = table.columns[name]
         bare, unit = split_unit(column.heading)
-        unit = unit or column.what.unit
         if {*plain(bare).replace(".", " ").split()} & _BESIDE or (unit and is_of(unit, "K")):
             continue
         told = {tuple(sorted({*column.numbers[rows].tolist()})) for rows in several}

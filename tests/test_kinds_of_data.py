@@ -1,0 +1,354 @@
+"""Kinds of what laboratories write, by every door: a file, a frame, a Dataset, pint, a command."""
+
+import datetime
+
+import drawn_logs
+import numpy as np
+import pandas as pd
+import pint
+import pytest
+import xarray
+
+from command_line import stickslip
+from made_measurement import write_files
+from refusals.measurement import NOMINAL, TOML
+from stickslip import Drive, Measurement, Scenario, ScenarioError, Series, models, velocity_of_track
+from stickslip._util import columns
+from stickslip._util.units import per_si
+from stickslip.walker import read_measurement
+
+N = 120
+T = 0.02 * np.arange(N)
+TORQUE = np.where(np.sin(3.0 * T) > 0.0, 1.0, -1.0)
+SPEED = np.cos(T) + 0.3 * TORQUE
+JOINT = models.joint(inertia=0.1, viscous=0.2)
+TURNING = models.joint(inertia=0.1, viscous=0.2, reads="angle")
+HEATER = models.thermal(capacity=800.0, loss=2.0, ambient=20.0)
+
+
+def file(table, model, folder):
+    path = folder / "log.csv"
+    pd.DataFrame(table).to_csv(path, index=False)
+    return models.read_log(path, model)
+
+
+def with_units(table, carry):
+    """The columns with the units of their headings, where these have any."""
+    found = {}
+    for heading, values in table.items():
+        name, unit = columns.split_unit(heading)
+        numbers = np.asarray(values)
+        carried = None if unit is None or numbers.dtype.kind not in "fiu" else carry(numbers, unit)
+        found[heading if carried is None else name] = numbers if carried is None else carried
+    return found
+
+
+def dataset(table, model, folder):
+    made = with_units(table, lambda v, unit: xarray.DataArray(v, dims="row", attrs={"units": unit}))
+    plain = {k: v if isinstance(v, xarray.DataArray) else ("row", v) for k, v in made.items()}
+    return models.read_log(xarray.Dataset(plain), model)
+
+
+def command(table, model, folder):
+    """As the command reads it; what it says of the log comes before the verdict."""
+    path = folder / "log.csv"
+    pd.DataFrame(table).to_csv(path, index=False)
+    return models.read_log(columns.Source(path), model)
+
+
+DOORS = {
+    "file": file,
+    "frame": lambda table, model, folder: models.read_log(pd.DataFrame(table), model),
+    "xarray": dataset,
+    "pint": lambda table, model, folder: models.read_log(
+        with_units(table, lambda v, unit: None if unit in NO_PINT else pint.Quantity(v, unit)),
+        model),
+    "command": command,
+}  # fmt: skip
+NO_PINT = ("mm:ss", "r/min", "Nm", "deg C", "Celsius", "%", "ºC", "℃")
+
+
+def joint(t="t (s)", times=T, speed="speed (rad/s)", read=SPEED, torque="torque (N m)", **more):
+    return {t: times, speed: read, torque: TORQUE, **more}
+
+
+def dates(step, begin="2026-05-01 12:00:00", count=N):
+    first = np.datetime64(begin, "ns")
+    return [str(first + k * np.timedelta64(step, "ns")).replace("T", " ") for k in range(count)]
+
+
+def clocks(begin, template, count=N):
+    at = [datetime.timedelta(seconds=begin + k) for k in range(count)]
+    parts = [(each.seconds // 3600, each.seconds // 60 % 60, each.seconds % 60) for each in at]
+    return [template.format(h=h, m=m, s=s, mm=60 * h + m) for h, m, s in parts]
+
+
+SEASON = dates(10**9, "2026-10-25 02:59:00", 60) + dates(10**9, "2026-10-25 02:00:00", 60)
+ANGLE = 6.0 * T + np.sin(T)
+COUNTED = np.round(1e4 * T).astype(np.int64)
+
+# A kind: its columns, a model, and the times or readings that are right, with the code of a note
+# where one has to be; or the words of a refusal.
+LOGS = {
+    "seconds": (joint("time (seconds)"), JOINT, ("t", T), None),
+    "r/min": (joint(speed="speed (r/min)", read=SPEED * 30 / np.pi), JOINT, ("y", SPEED),
+              "converted"),
+    "Nm": (joint(torque="torque (Nm)"), JOINT, ("y", SPEED), None),
+    "minutes": (joint("time (minutes)", T / 60), JOINT, ("t", T), "converted"),
+    "days": (joint("time (d)", 2.0 + T / 86400), JOINT, ("t", 172800 + T), "converted"),
+    "Hz for rad/s": (joint(speed="speed (Hz)"), JOINT, "Hz", None),
+    "counts of us": (joint("time", 20000 * np.arange(N)), JOINT, '"time (us)"', None),
+    "no date": (joint("time", 2e8 + T), JOINT, "no date from 1990 to 2100", None),
+    "days of Excel": (joint("time", 45000.5 + T / 86400), JOINT, '"time (d)"', None),
+    "32 bits of us": (
+        joint("time (us)", (2**32 - 900_000 + 20000 * np.arange(N)) % 2**32), JOINT,
+        ("t", (2**32 - 900_000) / 1e6 + T), "clock-counted-on"),
+    "32 bits of ms": (joint("time (ms)", (2**32 - 900 + 20 * np.arange(N)) % 2**32), JOINT,
+                      ("t", (2**32 - 900) / 1e3 + T), "clock-counted-on"),
+    "16 bits of ms": (joint("time (ms)", (65000 + 20 * np.arange(N)) % 2**16), JOINT,
+                      ("t", 65.0 + T), "clock-counted-on"),
+    "seconds of a day": (joint("time (s)", (86399.0 + T) % 86400.0), JOINT, ("t", 86399.0 + T),
+                         "clock-counted-on"),
+    "midnight": (joint("time", clocks(86400 - 50, "{h:02}:{m:02}:{s:02}")), JOINT,
+                 ("t", 86350.0 + np.arange(N)), "clock-counted-on"),
+    "half a day": (joint("time", [f"{12 if k < 60 else 1:02}:{59 if k < 60 else 0:02}:{k % 60:02}"
+                                  for k in range(N)]), JOINT,
+                   ("t", 46740.0 + np.arange(N)), "clock-counted-on"),
+    "hh:mm or mm:ss": (joint("time", clocks(300, "{m:02}:{s:02}")), JOINT, '"time (mm:ss)"', None),
+    "mm:ss": (joint("time (mm:ss)", clocks(300, "{m:02}:{s:02}")), JOINT,
+              ("t", 300.0 + np.arange(N)), None),
+    "mm:ss by 60": (joint("time", clocks(3000, "{mm:02}:{s:02}")), JOINT,
+                    ("t", 3000.0 + np.arange(N)), None),
+    "summer time": (joint("time", SEASON), JOINT, ("t", 1.0 * np.arange(N)), "clock-counted-on"),
+    "not summer time": (joint("time", [e.replace("10-25", "10-26") for e in SEASON]), JOINT,
+                        "sort the rows", None),
+    "100 ns": (joint("time", dates(100)), JOINT, ("t", 1e-7 * np.arange(N)), None),
+    "a turn": (joint(speed="angle (deg)", read=np.degrees(ANGLE) % 360.0), TURNING, ("y", ANGLE),
+               "counted-on"),
+    "half turns": (joint(speed="angle (deg)", read=(np.degrees(ANGLE) + 180) % 360.0 - 180),
+                   TURNING, ("y", ANGLE), "counted-on"),
+    "16 bits below zero": (
+        joint(speed="speed (rpm)", read=np.round(3000 * np.sin(3 * T)).astype(int) % 65536), JOINT,
+        ("y", np.round(3000 * np.sin(3 * T)) * np.pi / 30), "counted-on"),
+    "an error of a controller": (joint(error=0.1 + 0.0 * T), JOINT, ("y", SPEED),
+                                 "error-not-used"),
+    "a set point beside": (joint(**{"speed setpoint (rad/s)": SPEED + 1.0}), JOINT, ("y", SPEED),
+                           None),
+    "a set point alone": (joint(speed="target (rad/s)"), JOINT, '"speed" is missing', None),
+    "command beside torque": (joint(**{"torque measured (N m)": TORQUE}), JOINT, "may both be",
+                              None),
+    "nothing that drives": ({"t (s)": T, "speed (rad/s)": SPEED}, JOINT, "column of zeros", None),
+    "another reading": (joint(speed="angle (rad)"), JOINT, 'reads="angle"', None),
+    "too fast": (joint("time", 2000.0 * T), models.joint(inertia=0.001, viscous=0.2),
+                 '"time (ms)"', None),
+    "percent": ({"time (s)": T, "command (%)": TORQUE, "position (mm)": T},
+                models.axis(mass=1.0), ("y", 1e-3 * T), "converted"),
+    **{f"temperature in {unit}": (
+        {"t (s)": T, "power (W)": TORQUE + 1.0, f"temperature ({unit})": 20.0 + T}, HEATER,
+        ("y", 20.0 + T), None) for unit in ("Celsius", "deg C", "℃", "ºC", "degC")},
+    "temperature in degF": ({"t (s)": T, "power (W)": TORQUE + 1.0, "temperature (degF)": 68.0 + T},
+                            HEATER, ("y", 20.0 + T / 1.8), "converted"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("door", DOORS)
+@pytest.mark.parametrize("kind", LOGS)
+def test_a_log_is_right_noted_or_refused(kind, door, tmp_path):
+    table, model, right, code = LOGS[kind]
+    if isinstance(right, str):
+        with pytest.raises(
+            ScenarioError, match="(?i)" + right.replace("(", r"\(").replace(")", r"\)")
+        ):
+            DOORS[door](table, model, tmp_path)
+        return
+    log = DOORS[door](table, model, tmp_path)
+    name, expected = right
+    offset = log.t[0] - expected[0] if name == "t" else 0.0
+    np.testing.assert_allclose(getattr(log, name) - offset, expected, rtol=1e-9, atol=2e-8)
+    if code:
+        assert code in {note.code for note in log.own_notes}
+
+
+# ------------------------------------------------------------------------------------- velocities
+SETTINGS = [(mode, f, p) for mode in ("IPP", "OPP") for f in (20.0, 40.0) for p in (2.0, 2.5, 3.0)]
+TRIALS = {
+    "mode": [mode for mode, *_ in SETTINGS for _ in (1, 2)],
+    "frequency (Hz)": np.repeat([f for _, f, _ in SETTINGS], 2),
+    "peak (mT)": np.repeat([p for *_, p in SETTINGS], 2),
+    "velocity (mm/s)": np.linspace(1.0, 2.0, 24),
+}
+
+
+def of_file(table, folder):
+    rows = pd.DataFrame(table).to_csv(index=False)
+    return read_measurement(write_files(folder, NOMINAL, TOML, velocity=rows))
+
+
+def of_dataset(table, folder):
+    rows = {name: ("row", np.asarray(values)) for name, values in table.items()}
+    return Measurement.from_dataframe(xarray.Dataset(rows), Scenario())
+
+
+TABLES = {
+    "file": of_file,
+    "frame": lambda table, folder: Measurement.from_dataframe(pd.DataFrame(table), Scenario()),
+    "xarray": of_dataset,
+    "pint": lambda table, folder: Measurement.from_dataframe(
+        with_units(table, pint.Quantity), Scenario()
+    ),
+}
+
+
+@pytest.mark.parametrize("door", TABLES)
+def test_settings_are_the_same_by_every_door(door, tmp_path):
+    (data,) = TABLES[door](TRIALS, tmp_path).velocity
+    names = ("drive.mode", "drive.frequency", "drive.peak")
+    found = [tuple(each[name] for name in names) for each in data.conditions]
+    assert found == [(m, f, pytest.approx(1e-3 * p)) for m, f, p in SETTINGS]
+    np.testing.assert_allclose(data.velocity, np.linspace(1e-3, 2e-3, 24), rtol=1e-12)
+
+
+# What the column of the field or of the frequency is called in its place.
+NAMES = {
+    "peak (mT)": ("amplitude (mT)", "amplitude", "peak field (mT)", "field (mT)", "B (mT)", "Bmax",
+                  "my coil (mT)", "x7", "drive [mT]", "intensity", "u (V)", "current (A)", "duty"),
+    "frequency (Hz)": ("f (Hz)", "freq", "rate", "f", "pulse rate (Hz)", "tempo"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("door", TABLES)
+@pytest.mark.parametrize(("name", "other"), [(k, v) for k, names in NAMES.items() for v in names])
+def test_a_setting_under_another_name_is_not_lost(name, other, door, tmp_path):
+    table = {other if key == name else key: values for key, values in TRIALS.items()}
+    with pytest.raises(ScenarioError, match=r"setting|is not known; did you mean|repeats without"):
+        TABLES[door](table, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [("temperature (degC)", 21.0 + np.arange(24) % 3), ("no", np.arange(24)),
+     ("operator", ["a"] * 24), ("film", np.arange(24) % 5),
+     ("distance (mm)", np.linspace(1.0, 2.0, 24)), ("x2", [7.0] * 24)],
+)  # fmt: skip
+def test_what_is_no_setting_is_information(name, values, tmp_path):
+    found = of_file({**TRIALS, name: values}, tmp_path)
+    assert [each.code for each in found.left_out] == ["columns-not-used"]
+
+
+# -------------------------------------------------------------------------------- units in memory
+def labelled(values, unit):
+    return xarray.DataArray(values, dims="row", attrs={"units": unit})
+
+
+@pytest.mark.parametrize(
+    ("unit", "si", "size"),
+    [("Nm", "N m", 1.0), ("m s-1", "m/s", 1.0), ("millimeter / second", "m/s", 1e-3),
+     ("G", "T", 1e-4), ("revolutions_per_minute", "rad/s", np.pi / 30), ("hours", "s", 3600.0),
+     ("kilogram * meter ** 2", "kg m^2", 1.0), ("kHz", "Hz", 1e3), ("%", "-", 0.01),
+     ("mm s^-2", "m/s^2", 1e-3)],
+)  # fmt: skip
+def test_a_unit_is_known_to_every_door(unit, si, size):
+    assert 1.0 / per_si(unit, si) == pytest.approx(size)
+    series = Series(T, labelled(SPEED, unit), unit=si)
+    np.testing.assert_allclose(series.y, size * SPEED)
+    assert ("converted" in {note.code for note in series.own_notes}) == (size != 1.0)
+
+
+@pytest.mark.parametrize(
+    ("unit", "si"),
+    [("Hz", "rad/s"), ("rpm", "Hz"), ("rad/s", "Hz"), ("cycle / s", "Hz"), ("MM", "m"), ("J", "N")],
+)
+def test_what_is_not_the_same_quantity_is_refused(unit, si):
+    with pytest.raises(ScenarioError, match="allowed are numbers in"):
+        Series(T, labelled(SPEED, unit), unit=si)
+
+
+def test_an_input_may_carry_a_unit():
+    inputs = {"power": labelled(1e3 * SPEED, "mW"), "ambient": labelled(293.15 + T, "K")}
+    series = Series(T, 20.0 + T, inputs, unit="degC")
+    np.testing.assert_allclose(series["power"], SPEED)
+    np.testing.assert_allclose(series["ambient"], 20.0 + T)
+    (note,) = (each for each in series.own_notes if each.code == "converted")
+    assert "power from mW to W, ambient from K to degC" in note.text
+
+
+def test_a_unit_within_a_label_counts_and_a_stale_one_is_told():
+    within = xarray.DataArray(pint.Quantity(1e3 * T, "mm"), dims="row")
+    np.testing.assert_allclose(Series(T, within, unit="m").y, T)
+    with pytest.warns(UserWarning, match="x from mm to m"):
+        velocity_of_track(T, labelled(1e-3 * T, "mm"), Drive(frequency=20.0, pulses=40))
+
+
+class Masked:
+    """As of astropy: an array with a mask that `numpy.array` does not see."""
+
+    def __init__(self, values, mask):
+        self.unmasked, self.mask = values, mask
+
+    def __array__(self, dtype=None, copy=None):
+        return self.unmasked
+
+
+class Variable(Masked):
+    """As of netCDF4: numbers come masked where they are asked for."""
+
+    set_auto_mask = None
+
+    def __getitem__(self, key):
+        return np.ma.MaskedArray(self.unmasked, self.mask)[key]
+
+
+class Scipp:
+    """As of scipp, whose `value` is of a single number."""
+
+    def __init__(self, values, unit):
+        self.values, self.unit = values, unit
+
+    @property
+    def value(self):
+        raise RuntimeError("not a scalar")
+
+
+Scipp.__module__ = "scipp"
+
+
+@pytest.mark.parametrize("kind", [Masked, Variable])
+def test_a_mask_is_kept(kind):
+    assert len(Series(T, kind(SPEED, np.arange(N) % 10 == 3), sd=0.1)) == N - 12
+
+
+def test_a_variable_of_scipp_is_read():
+    np.testing.assert_allclose(Series(Scipp(1e3 * T, "ms"), SPEED).t, T)
+
+
+# ------------------------------------------------------------------------------------------ once
+def test_a_file_is_opened_once_and_a_cell_parsed_once(tmp_path, monkeypatch):
+    path = tmp_path / "log.csv"
+    pd.DataFrame(joint()).to_csv(path, index=False)
+    opened, cells = [], []
+
+    def counting_open(name, *more, **named):
+        opened.append(str(name))
+        return open(name, *more, **named)
+
+    def counting_float(value):
+        cells.append(value)
+        return float(value)
+
+    monkeypatch.setattr("stickslip._util.files.open", counting_open, raising=False)
+    for module in ("columns", "text", "clocks"):
+        monkeypatch.setattr(f"stickslip._util.{module}.float", counting_float, raising=False)
+    models.read_log(path, JOINT)
+    assert opened == [str(path)]
+    assert len([each for each in cells if isinstance(each, str)]) <= 3 * (N + 1)
+    opened.clear()
+    done = stickslip("diagnose", path, "--model", "joint", "--set", "inertia=0.1", "--set", "x=1")
+    assert done.returncode == 2
+    assert opened.count(str(path)) == 1
+
+
+def test_drawn_logs_are_never_silently_wrong():
+    found = drawn_logs.counts(range(120))
+    assert sum(found.values()) == 120
+    assert [kind for (kind, what), _ in found.items() if what == "WRONG"] == []
+    assert len({kind for kind, _ in found}) >= 15
