@@ -12,6 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from stickslip._util.messages import check_whole
 from stickslip._util.note import Note
+from stickslip.diagnosis.data.series import LOST_SENSOR
 from stickslip.diagnosis.data.table import READINGS, Table
 from stickslip.diagnosis.fitting.other_units import unit_meant
 from stickslip.diagnosis.fitting.problem import Problem
@@ -101,7 +102,9 @@ def diagnose_model(
     if tables != problem.tables:
         problem = posed(tables, predict, uncertain, causes)
     with one_blas_thread():
-        fault = unit_meant(problem, of, _units(predict), int(seed))
+        lost = (note for table in problem.tables for note in table.own_notes)
+        fault = next((note for note in lost if note.code == LOST_SENSOR), None)
+        fault = fault or unit_meant(problem, of, _units(predict), int(seed))
         problem = problem if fault else with_scatter(problem, int(seed))
         notes = [*overflows(problem), *without_effect(problem)]
         fault = fault or fault_of(problem)
