@@ -448,10 +448,16 @@ REFUSALS = [
     ("points", lambda points, fields: (points[:3], fields), "of shape (3, 3)"),
     ("points", lambda points, fields: (points[:7], fields[:7]), "7 points: allowed are 8 or more"),
     ("points", lambda points, fields: (points[:1], fields[:1]), "1 point: allowed are 8 or more"),
-    ("points", lambda points, fields: (points, -fields),
-     ["coil xp: B = (-0.00096", "-Bx, -By, -Bz in place of Bx, By, Bz would fit"]),
-    ("points", lambda points, fields: (points, fields[:, :, ::-1]),
-     ["coil xp: the fit leaves", "Bz, Bx in place of Bx, Bz would fit"]),
+    (
+        "points",
+        lambda points, fields: (points, -fields),
+        ["coil xp: B = (-0.00096", "-Bx, -By, -Bz in place of Bx, By, Bz would fit"],
+    ),
+    (
+        "points",
+        lambda points, fields: (points, fields[:, :, ::-1]),
+        ["coil xp: the fit leaves", "Bz, Bx in place of Bx, Bz would fit"],
+    ),
     (
         "points",
         lambda points, fields: (points + np.array([0.1, 0, 0]), fields),

@@ -12,6 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from stickslip._util.messages import check_whole
 from stickslip._util.note import Note
+from stickslip.diagnosis.data.series import LOST_SENSOR
 from stickslip.diagnosis.data.table import READINGS, Table
 from stickslip.diagnosis.fitting.other_units import unit_fault
 from stickslip.diagnosis.fitting.problem import Problem
@@ -94,7 +95,10 @@ def diagnose_model(
         tables = computed_tables(problem, int(seed))
         if tables != problem.tables:
             problem = posed(tables, predict, *stated)
-        fault = unit_fault(problem, partial(_of_tables, predict, terms), _units(predict), int(seed))
+        lost = (note for table in problem.tables for note in table.own_notes)
+        fault = next((note for note in lost if note.code == LOST_SENSOR), None) or unit_fault(
+            problem, partial(_of_tables, predict, terms), _units(predict), int(seed)
+        )
         problem = problem if fault else with_scatter(problem, int(seed))
         notes = [*overflows(problem), *without_effect(problem)]
         return diagnosed(problem, int(seed), progress, notes, fault=fault)

@@ -5,14 +5,14 @@ the other readings let expect. What that is differs with the table: repeats of a
 their median; a curve that was never repeated the line through two neighbours; rows with several
 settings a fit to all others; frames of nearly one phase, which are many, a running median; frames
 of a track the frames that lead to them and on from them; and readings of a log, whose curve is what
-is asked, the span of all others.
+is asked, the span of all others or, where they are alike, the readings before and after them.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
@@ -55,7 +55,17 @@ _ENORMOUS, _MARK_SPANS = 1e30, 20.0
 """What meters write for no value besides nines: ends of whole numbers, and larger than any size;
 and spans of all others beyond which they are no value. Chosen: settings that are decades apart have
 ten."""
-_FEW = 0.05  # of the rows; chosen: where more are far it is the fit that is wrong
+FEW = 0.05
+"""Part of the rows that may be left out. Chosen: where more are far it is the fit that is wrong, or
+the sensor."""
+
+_ALIKE, _MOST_ALIKE, _STEEP, _TAKEN = 3, 1.0 / 3.0, 3.0, 0.5
+"""Fewest places of alike readings that are lost, two if beyond all others; the largest part of the
+rows; how many times farther from their neighbours than these from each other; and the part that may
+lie near. Chosen: a rest is entered and left by steps that are no smaller than those beside it."""
+
+_TRIED, _JUMP = 20, 0.1  # values; of an input's range, which is no noise of it; chosen
+_RUN = 5  # readings of a place, on average; chosen: longer ones may be a level that is held
 
 
 def robust_sd(deviation: Array, axis: int | None = None) -> Array:
@@ -126,6 +136,63 @@ def far_from_all_others(y: Array) -> Mask:
     return far
 
 
+def alike_and_lost(y: Array, acting: Iterable[Array]) -> list[Mask]:
+    """Readings of one value each that a lost sensor gave, such as -127 or 0: single ones and runs.
+
+    They are far from the readings before and after them, which agree; hardly one of that value is
+    near, and hardly another reading is as far. Where an input jumps with them they are sound.
+    """
+    step, found, left = np.abs(np.diff(y)), [], np.ones(len(y), dtype=bool)
+    if len(y) < _RECORD or not step.any():
+        return []
+    entered = y[1:][step > _STEEP * float(np.median(step))]
+    values, counts = np.unique(entered, return_counts=True)
+    for value in values[np.argsort(-counts, kind="stable")[:_TRIED]][: np.sum(counts > 1)]:
+        alike, others = left & (y == value), np.flatnonzero(left & (y != value))
+        if alike.sum() > _MOST_ALIKE * len(y) or len(others) < _RECORD // 2:
+            continue
+        lost = alike & _off_the_curve(y, value, np.flatnonzero(alike), others, acting)
+        if lost.any():
+            outside = not np.min(y[others]) <= value <= np.max(y[others])
+            found.append(alike if outside else lost)
+            left &= ~found[-1]
+    return found
+
+
+def _off_the_curve(
+    y: Array, value: float, at: Indices, others: Indices, acting: Iterable[Array]
+) -> Mask:
+    """Which rows are of a lost sensor, if those of `value`, `at`, are; none if they are not."""
+    none = np.zeros(len(y), dtype=bool)
+    curve, place = y[others], np.searchsorted(others, at)
+    inside = (place >= 2) & (place <= len(others) - 2)
+    at, place = at[inside], place[inside]
+    step = np.abs(np.diff(curve))
+    bend = np.abs(curve[1:-1] - 0.5 * (curve[:-2] + curve[2:]))
+    usual = float(np.median(bend[bend > 0.0])) if bend.any() else 0.0
+    near = np.max([step[place - 2], step[place - 1], step[place]], axis=0)
+    away = np.abs(value - 0.5 * (curve[place - 1] + curve[place]))
+    far = away > np.maximum(_STEEP * near, FAR * usual)
+    places = len(np.unique(place[far]))
+    outside = not np.min(curve) <= value <= np.max(curve)
+    if not _ALIKE - outside <= places <= np.sum(far) <= _RUN * places:
+        return none
+    if np.sum(~far) > _TAKEN * np.sum(far):
+        return none
+    as_far = bend > 0.5 * np.median(away[far])
+    turned = np.abs(curve[2:] - curve[:-2]) < 0.5 * np.median(away[far])
+    if np.sum(as_far & turned) > _TAKEN * places:
+        return none
+    for row in acting:
+        jump = np.append(0.0, np.abs(np.diff(row))) > _JUMP * np.ptp(row)
+        jump[1:] |= jump[:-1]
+        share = float(np.mean(jump[at[far]]))
+        if share > 0.5 and share > 1.5 * float(np.mean(jump[others])):
+            return none
+    none[at[far]] = True
+    return none
+
+
 def marks_of_none(values: Array) -> Mask:
     """Which numbers stand for no value: -9999 and the like, far beyond what all others span."""
     different = np.unique(values[np.isfinite(values)])
@@ -169,7 +236,7 @@ def far_from_a_fit(fit: Callable[[Mask], Array | None], count: int, floor: float
     """
     near = np.ones(count, dtype=bool)
     # One by one, as the worst row shifts the fit of all others.
-    for _ in range(int(_FEW * count) + 1):
+    for _ in range(int(FEW * count) + 1):
         left = fit(near)
         if left is None:
             break
@@ -178,6 +245,12 @@ def far_from_a_fit(fit: Callable[[Mask], Array | None], count: int, floor: float
             return np.asarray(~near)
         near[np.flatnonzero(near)[np.argmax(size)]] = False
     return np.zeros(count, dtype=bool)
+
+
+def far_readings(deviation: Array) -> Mask:
+    """Which deviations from a model are far beyond all others, if they are few; else none."""
+    far = np.abs(deviation) > FAR * max(float(robust_sd(deviation)), 1.0)
+    return far & bool(np.sum(far) <= FEW * len(far))
 
 
 def far_from_their_phase(level: Array, quantum: float) -> Mask:

@@ -28,13 +28,19 @@ from stickslip._util.note import Note
 from stickslip._util.text import brief
 from stickslip._util.units import quantity_of, with_unit
 from stickslip.diagnosis.data.errors import FEWEST, Errors
-from stickslip.diagnosis.data.outliers import far_from_all_others, marks_of_none
+from stickslip.diagnosis.data.outliers import (
+    FEW,
+    alike_and_lost,
+    far_from_all_others,
+    marks_of_none,
+)
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.diagnosis.data.signal import Signal
 from stickslip.diagnosis.data.table import (
     READINGS,
     Table,
     conversions,
+    rows_in_words,
     stated_errors,
     without_gaps,
     without_marks,
@@ -59,6 +65,9 @@ five readings a period has a ratio of 1.6."""
 SMOOTH = "noise-smooth"
 """Code of the note on errors that the scatter about a smooth curve tells."""
 
+LOST_SENSOR = "lost-sensor"
+"""Code of the note on alike readings that are too many to be left out, a problem of the data."""
+
 _SAME = 1e-6  # of a step: times of a repeat that are the same
 
 
@@ -71,7 +80,8 @@ class Series(Table):
         Time of each reading, s, increasing; steps may differ. Dates are read as s from the first.
     y : array_like, shape (n,)
         Readings. A row with a gap (masked, None, NaN) is left out, and a note says so; its inputs
-        act all the same. So are up to three single readings, three spans beyond all others.
+        act all the same. So are up to three single readings, three spans beyond all others, and
+        readings of one value far from those before and after them, as of a lost sensor, up to 5 %.
     inputs : mapping, optional
         What acts on the system, by name, each of shape (n,); one with a unit becomes SI, and a
         temperature has the zero of the readings.
@@ -151,6 +161,11 @@ class Series(Table):
         stated = None if sd is None else stated_errors(f"{self.at}sd", sd, count, unit)
         gap = gap if stated is None else gap | np.isnan(stated)
         self.own_notes = (*notes, *without_gaps(self.at, gap))
+        sound = np.flatnonzero(~gap)
+        for lost in alike_and_lost(readings[sound], [each[sound] for each in acting.values()]):
+            self.own_notes += (_lost(self.at, readings, sound[lost]),)
+            if self.own_notes[-1].code != LOST_SENSOR:
+                gap[sound[lost]] = True
         for k in np.flatnonzero(~gap)[far_from_all_others(readings[~gap])].tolist():
             text = f"{self.at}row {k}: {readings[k]:g} is far from all others, and left out."
             self.own_notes += (Note("wild-reading", text, float(readings[k])),)
@@ -263,6 +278,18 @@ def _unit_of_input(values: ArrayLike, unit: str) -> str | None:
         return None
     si = quantity_of(carried)
     return unit if si == "K" == quantity_of(unit) else si or carried
+
+
+def _lost(at: str, readings: Array, rows: Indices) -> Note:
+    """What is said of alike readings of a lost sensor, which are left out if they are few."""
+    few = len(rows) <= FEW * len(readings)
+    text = (
+        f"{at}{rows_in_words(rows)}: {len(rows)} of {len(readings)} readings are "
+        f"{readings[rows[0]]:g}, far from those before and after them"
+    )
+    if few:
+        return Note("lost-readings", f"{text}, and left out.", len(rows))
+    return Note(LOST_SENSOR, f"{text}.", len(rows))
 
 
 def with_repeats(series: Sequence[Series]) -> list[Table]:

@@ -16,7 +16,8 @@ from stickslip._util.arrays import Array, Mask
 from stickslip._util.html import VERSION, page_text
 from stickslip._util.toml import own_text, parse_toml
 from stickslip._util.units import is_of, mistaken, unit_label
-from stickslip.diagnosis.data.settings import Settings
+from stickslip.diagnosis.data.outliers import far_readings
+from stickslip.diagnosis.data.settings import ROW, Settings
 from stickslip.diagnosis.decision.candidate import Candidate, spread_of
 from stickslip.diagnosis.decision.cannot_tell import Combination
 from stickslip.diagnosis.decision.facts import Facts
@@ -401,6 +402,9 @@ def _pattern(facts: Facts) -> dict[str, Any] | None:
     z, best, pattern = residual / problem.sd, _STANDS_OUT, None
     for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
         left, settings = z[part], table.named_settings
+        few = far_readings(left)
+        if few.any() and np.sum(left[few] ** 2) > _MOST_OF_IT * np.sum(z**2):
+            return _pattern_of(facts, k, few, _few_in_words(settings, problem.y[part], few))
         whole = len(left) * math.log(max(float(np.mean(left**2)), 1.0))
         for rows, words in _regions(settings, len(left)):
             some, rest = left[rows], left[~rows]
@@ -412,17 +416,32 @@ def _pattern(facts: Facts) -> dict[str, Any] | None:
             )
             lead = 0.5 * (whole - split) - _A_WORD * len(words)
             if lead > best:
-                up = float(np.sum(some[some > 0.0] ** 2) / np.sum(some**2))
-                side: Side = (
-                    "above" if up > _ONE_SIDED else "below" if up < 1.0 - _ONE_SIDED else "both"
-                )
-                best, pattern = lead, {
-                    "table": problem.table_names[k], "where": ", ".join(words), "side": side,
-                    "readings": len(some), "of": len(left),
-                    "share": float(np.sum(some**2) / np.sum(z**2)),
-                    "mean": float(np.mean(residual[part][rows])), "unit": table.unit_of(0),
-                }  # fmt: skip
+                best, pattern = lead, _pattern_of(facts, k, rows, ", ".join(words))
     return pattern
+
+
+def _pattern_of(facts: Facts, k: int, rows: Mask, where: str) -> dict[str, Any]:
+    """What is said of the misfit of some rows of a table."""
+    problem, residual = facts.problem, facts.recalibrated.fit.residual
+    z, part = residual / problem.sd, problem.rows[k]
+    some = z[part][rows]
+    up = float(np.sum(some[some > 0.0] ** 2) / np.sum(some**2))
+    side: Side = "above" if up > _ONE_SIDED else "below" if up < 1.0 - _ONE_SIDED else "both"
+    return {
+        "table": problem.table_names[k], "where": where, "side": side,
+        "readings": len(some), "of": len(z[part]), "share": float(np.sum(some**2) / np.sum(z**2)),
+        "mean": float(np.mean(residual[part][rows])), "unit": problem.tables[k].unit_of(0),
+    }  # fmt: skip
+
+
+def _few_in_words(settings: Settings, values: Array, few: Mask) -> str:
+    """Where single readings stand and what they are, of many the first."""
+    name, rows = settings.most_varied, np.flatnonzero(few).tolist()
+    places = [
+        f"row {k}" if name == ROW else settings.text(name, settings[name][0][k]) for k in rows
+    ]
+    readings = [f"{place} ({values[k]:g})" for place, k in zip(places, rows, strict=True)]
+    return f"{', '.join(readings[:_DECIDING])}{', ...' if len(rows) > _DECIDING else ''}"
 
 
 def _regions(settings: Settings, count: int) -> Iterator[tuple[Mask, list[str]]]:
