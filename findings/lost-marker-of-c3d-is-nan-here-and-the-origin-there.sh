@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Expected: a lost marker is NaN, or is left out, in each reader of motion capture files.
-# What happens: ezc3d writes NaN (or a residual of -1) as the residual -1 and reads NaN; the same file read by `c3d`
-#   has the point at 0, 0, 0, a place like any other, and only the fourth column, -1, tells. Frames are counted from 0
-#   there and from 1 here, and the residual stands in another array.
+# What happens: ezc3d writes NaN (or a residual of -1) as the residual -1 and reads NaN; the same file read by `c3d` has
+#   the point at 0, 0, 0, a place like any other, and only the fourth column, -1, tells. Frames are counted from 0 there
+#   and from 1 here, and the residual stands in another array.
 # Packages: ezc3d 1.7.2, c3d 0.6.0.
 # Who is hurt: whoever takes speeds from the coordinates that `c3d` gives: a jump to the origin and back.
 # Instead: set points whose fourth column is below 0 to NaN (tried below).

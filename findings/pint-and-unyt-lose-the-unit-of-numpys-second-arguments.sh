@@ -1,12 +1,11 @@
 #!/usr/bin/env bash
 # Expected: where NumPy takes a second quantity (`prepend`, `initial`, `mean`), it is converted or refused.
 # What happens: pint and unyt take its bare number: `diff` of 1 m, 2 m with `prepend` 900 mm begins with -899 m, `sum`
-#   with `initial` 1600 mm is 1603 m, pint's `std` about `mean` 1500 mm is 1498.5 m. unyt's `fill` and `pad` write
-#   1600 m for 1600 mm, and `nan_to_num` with `nan` 1600 mm makes the whole array mm, 1 m becoming 1 mm.
+#   with `initial` 1600 mm is 1603 m, pint's `std` about `mean` 1500 mm is 1498.5 m. unyt's `fill` and `pad` write 1600
+#   m for 1600 mm, and `nan_to_num` with `nan` 1600 mm makes the whole array mm, 1 m becoming 1 mm.
 # Packages: pint 0.25.3, unyt 3.2.0, numpy 2.4.6 (astropy 8.0.2 converts).
 # Who is hurt: whoever puts a start value before a difference, or a stated value for lost readings.
-# Instead: convert the second quantity first (tried below).
-# Source: found by trying.
+# Instead: convert the second quantity first (tried below). Source: found by trying.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Expected: NaN is either left out, or carried through: by `max`, `median`, a filter and a join alike.
 # What happens: `mean` carries NaN, `max` leaves it out, `top_k(1)`, `sort` and `rolling_max` give it, `median` and
-#   `rank` count it as the largest reading (median of 1, 2, NaN is 2, of 1, 2, 3, NaN is 2.5), `filter(v > 0)` keeps
-#   it, and `join_asof` forward finds a row whose time is NaN.
+#   `rank` count it as the largest reading (median of 1, 2, NaN is 2, of 1, 2, 3, NaN is 2.5), `filter(v > 0)` keeps it,
+#   and `join_asof` forward finds a row whose time is NaN.
 # Package: polars 2.1.0 (numpy 2.4.6 has NaN as median, pandas 3.1.1 has 1.5).
 # Who is hurt: whoever brings readings with NaN from NumPy: a robust mean is shifted upwards without a word.
 # Instead: `fill_nan(None)` first: null is left out everywhere (tried below).

@@ -1,13 +1,12 @@
 #!/usr/bin/env bash
-# Expected: `column + 300` of 8 bits does the same for a series and in an expression, and its type does not hang on
-#   the number.
+# Expected: `column + 300` of 8 bits does the same for a series and in an expression, and its type does not hang on the
+#   number.
 # What happens: the expression gives 16 bits for 300 (500) and stays in 8 bits for 100 (200 + 100 is 44); the series
 #   raises for 300. A Python float keeps float32, a NumPy float of the same value makes float64.
 # Package: polars 2.1.0 (numpy 2.4.6 raises for 300 and wraps for 100, in one way).
-# Who is hurt: whoever subtracts a dark level or adds an offset to 8-bit grey values: below 256 it wraps, above it
-#   does not.
-# Instead: cast to a signed or float type before the arithmetic (tried below).
-# Source: found by trying.
+# Who is hurt: whoever subtracts a dark level or adds an offset to 8-bit grey values: below 256 it wraps, above it does
+#   not.
+# Instead: cast to a signed or float type before the arithmetic (tried below). Source: found by trying.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,11 +1,10 @@
 #!/usr/bin/env bash
 # Expected: a sum of small integers is made in 64 bits, as NumPy, pandas and pyarrow do, or in none.
-# What happens: polars widens the sum of 8 and 16 bits, but leaves 32 bits as they are: `sum`, `rolling_sum` and the
-#   sum of a group wrap to negative numbers without a word; `mean` is right. `dot` wraps for 8 bits too.
+# What happens: polars widens the sum of 8 and 16 bits, but leaves 32 bits as they are: `sum`, `rolling_sum` and the sum
+#   of a group wrap to negative numbers without a word; `mean` is right. `dot` wraps for 8 bits too.
 # Packages: polars 2.1.0 beside numpy 2.4.6, pandas 3.1.1, pyarrow 26.0.1.
 # Who is hurt: whoever adds up the counts of an encoder or ADC that its driver gives as int32 (a day at 24 bits).
-# Instead: cast to Int64 or Float64 before the sum (tried below).
-# Source: found by trying; the widening of 8 and 16 bits stands in polars' documentation of `sum`.
+# Instead: cast to Int64 or Float64 before the sum (tried below). Source: polars' issue 13782, open since 2024.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

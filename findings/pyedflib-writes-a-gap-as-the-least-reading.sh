@@ -1,12 +1,10 @@
 #!/usr/bin/env bash
-# Expected: NaN and what lies outside the stated range are refused when an EDF file is written, and its length is
-#   kept.
-# What happens: NaN is written as the physical minimum (-100 of +-100), 150 as 100, and a record that does not fill
-#   the last second is filled with zeros: 25 readings at 10 Hz come back as 30. No word about any of it; 0 comes back
-#   as 0.0015, a step of the converter.
+# Expected: NaN and what lies outside the stated range are refused when an EDF file is written, and its length is kept.
+# What happens: NaN is written as the physical minimum (-100 of +-100), 150 as 100, and a record that does not fill the
+#   last second is filled with zeros: 25 readings at 10 Hz come back as 30. No word about any of it; 0 comes back as
+#   0.0015, a step of the converter.
 # Package: pyedflib 0.1.42 (edfio 0.4.18 refuses all three).
-# Who is hurt: whoever keeps a tracker's or sensor's record with lost readings as EDF: they come back as real
-#   extremes.
+# Who is hurt: whoever keeps a tracker's or sensor's record with lost readings as EDF: they come back as real extremes.
 # Instead: edfio, or a check before writing (tried below).
 # Source: found by trying; that the last record is padded stands in the documentation of EDFlib.
 set -euo pipefail

@@ -1,13 +1,11 @@
 #!/usr/bin/env bash
 # Expected: a mean of whole numbers is made in floats; a conversion that does not fit raises or wraps.
 # What happens: `sum` and `mean` of int32 wrap: the mean of three readings of 2e9 is 5.7e8, a float, without a word. A
-#   conversion of int32 that does not fit stops at 2147483647 (3 m are 2147483647 nm); one to a coarser unit rounds
-#   and stays whole (1500 mm are 2 m), also for dates: 1.999 s is 00:00:02.
+#   conversion of int32 that does not fit stops at 2147483647 (3 m are 2147483647 nm); one to a coarser unit rounds and
+#   stays whole (1500 mm are 2 m), also for dates: 1.999 s is 00:00:02.
 # Package: scipp 26.8.0.
-# Who is hurt: whoever gives scipp a driver's int32 counts or stamps; NumPy's mean and conversions of dates do
-#   neither.
-# Instead: `dtype="float64"` when the variable is made or converted (tried below).
-# Source: found by trying.
+# Who is hurt: whoever gives scipp a driver's int32 counts or stamps; NumPy's mean and conversions of dates do neither.
+# Instead: `dtype="float64"` when the variable is made or converted (tried below). Source: found by trying.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

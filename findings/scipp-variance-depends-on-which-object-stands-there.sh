@@ -1,13 +1,12 @@
 #!/usr/bin/env bash
-# Expected: variances are carried without correlations: `v - v` has twice the variance of `v`, as `v - w` with a copy
-#   `w`.
-# What happens: scipp asks whether both operands are the same memory: `v - v` has the variance 0, `v * v` 4 v^2 s^2,
-#   and with an equal copy 2 s^2 and 2 v^2 s^2. One step more and it forgets: `2 v - v` has 5 s^2 (1 is right), `v + v
-#   - v` 5, `v * v * v` 5 v^4 s^2 (`v**3` has 9).
+# Expected: variances are carried without correlations: `v - v` has twice the variance of `v`, as with a copy of it.
+# What happens: scipp asks whether both operands are the same memory: `v - v` has variance 0, `v * v` 4 v^2 s^2; with an
+#   equal copy 2 s^2 and 2 v^2 s^2. One step more and it forgets: `2 v - v` has 5 s^2 (1 is right), `v * v * v` 5 v^4
+#   s^2 (`v**3` has 9).
 # Package: scipp 26.8.0.
-# Who is hurt: whoever subtracts an offset or a drift made of the same readings: sd 2.2 times too large, or exactly 0.
-# Instead: write each variable once, or use a package that follows each source, as uncertainties does (tried below).
-# Source: found by trying; that correlations are not followed stands in scipp's documentation.
+# Who is hurt: whoever subtracts a drift made of the same readings: sd 2.2 times too large, or 0.
+# Instead: write each variable once, or use uncertainties, which follows each source (tried below).
+# Source: found by trying; scipp documents that it follows no correlations.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

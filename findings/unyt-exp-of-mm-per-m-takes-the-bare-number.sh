@@ -1,12 +1,11 @@
 #!/usr/bin/env bash
 # Expected: functions of a pure number use the number: exp(1 mm/m) is 1.001, exp(5 %) 1.051; exp(1 s) is refused.
-# What happens: unyt takes the bare number: exp(1 mm/m) is 2.718, exp(5 percent) 148, log10(1 mm/m) 0, sin(1 mm/m)
-#   0.84, `2.0 ** (500 ms/s)` 2^500; `float` of 5 percent is 5.0; exp(1 s) is 2.718 and sin(1 s) 0.84. `1 - 5 percent`
-#   and sin(90 deg) are right, and 500 ms / 1 s, which unyt reduces itself.
+# What happens: unyt takes the bare number: exp(1 mm/m) is 2.718, exp(5 percent) 148, log10(1 mm/m) 0, sin(1 mm/m) 0.84,
+#   `2.0 ** (500 ms/s)` 2^500; `float` of 5 percent is 5.0; exp(1 s) is 2.718 and sin(1 s) 0.84. `1 - 5 percent` and
+#   sin(90 deg) are right, and 500 ms / 1 s, which unyt reduces itself.
 # Package: unyt 3.2.0 (pint 0.25.3 and astropy 8.0.2 give 1.001 and refuse seconds).
 # Who is hurt: whoever writes a decay, slope or strain with its unit.
-# Instead: `.to("dimensionless")` before the function (tried below).
-# Source: found by trying.
+# Instead: `.to("dimensionless")` before the function (tried below). Source: found by trying.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

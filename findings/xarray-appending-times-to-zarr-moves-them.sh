@@ -1,13 +1,12 @@
 #!/usr/bin/env bash
 # Expected: times appended to a Zarr store come back as written, or the append is refused.
-# What happens: the first part decides the unit that the store states; later parts that do not fit (2.5 s after whole
-#   seconds) are written in a finer unit, as a warning says, but the store keeps its first unit. 00:00:02.5 comes back
-#   as 00:41:40, times half an hour after hours as six days later, milliseconds after hours as the year 3258.
+# What happens: the first part decides the unit; later times that do not fit (2.5 s after whole seconds) are written in
+#   a finer one, as a warning says, but the store goes on stating the first. 00:00:02.5 comes back as 00:41:40, and half
+#   hours after whole hours as six days later.
 # Packages: xarray 2026.9.0, zarr 3.1.6.
-# Who is hurt: whoever writes a long run in parts: the clock is wrong from the second part on, unless the warning is
-#   read.
+# Who is hurt: whoever writes a long run in parts: the clock is wrong from the second part on.
 # Instead: `encoding={"t": {"units": "microseconds since ..."}}` in the first part, fine enough for all (tried below).
-# Source: found by trying.
+#   Source: xarray's issues 5969 (closed) and 10639 (open).
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -4,8 +4,8 @@
 #   extrapolation it gives values 1000 or 10^9 times off; a string gives NaN too. Coarser targets and `sel` are right.
 # Packages: xarray 2026.9.0, pandas 3.1.1 (whose times are in us, but whose `timedelta_range` is in ns), scipy 1.17.1.
 # Who is hurt: whoever resamples a log onto another instrument's times since pandas 3: rows vanish as gaps.
-# Instead: bring the target to the unit of the coordinate, `.astype(record.t.dtype)` (tried below).
-# Source: found by trying.
+# Instead: bring the target to the unit of the coordinate, `.astype(record.t.dtype)` (tried below). Source: found by
+#   trying.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -5,8 +5,8 @@
 #   for masks was set, and `use_zarr_fill_value_as_mask=False` does not help in format 2.
 # Packages: zarr 3.1.6, xarray 2026.9.0.
 # Who is hurt: velocities at rest, offsets and clipped readings of old stores vanish, the means are too large.
-# Instead: `fill_value=None` or NaN when writing, `mask_and_scale=False` when reading (tried below).
-# Source: found by trying; that formats differ stands in xarray's documentation of the argument.
+# Instead: `fill_value=None` or NaN when writing, `mask_and_scale=False` when reading (tried below). Source: xarray's
+#   issues 5475 and 10269.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
