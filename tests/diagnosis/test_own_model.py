@@ -1,6 +1,7 @@
 """Data with a model of one's own: tables, and what is named."""
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +10,19 @@ import pytest
 
 import roller_table
 from documentation_blocks import EXAMPLES
-from stickslip import Cause, Parameter, Prior, Series, Table, diagnose_model, events, instruments
-from stickslip.diagnosis.model import overflows, posed, without_effect
+from stickslip import (
+    Cause,
+    Parameter,
+    Prior,
+    ScenarioError,
+    Series,
+    Table,
+    diagnose_model,
+    events,
+    instruments,
+    models,
+)
+from stickslip.diagnosis.model import bare_problem, overflows, posed, without_effect
 from toys import BEND, LEVEL, SLOPE, STEP, WAVE, data, line, problem
 
 X = np.linspace(1.0, 3.0, 12)
@@ -230,3 +242,72 @@ def test_the_case_of_rollers_has_their_medians():
     stored = (EXAMPLES / "cases" / "rollers" / "roller.csv").read_text()
     data = Path(__file__).parents[1] / "data" / "roller_velocity.csv"
     assert stored == roller_table.table(data)
+
+
+GIVES_UP = {  # what a model does where its parameter is above 1, and what is said of it
+    "nothing": (lambda y: None, "returned None"),
+    "a part": (lambda y: y[:9], "returned shape "),
+    "an error": (lambda y: y[99], "fails for table monday at slope = "),
+}
+
+
+@pytest.mark.parametrize("way", ["one vector", "all vectors", "of a command"])
+@pytest.mark.parametrize(("answer", "said"), GIVES_UP.values(), ids=GIVES_UP)
+def test_a_model_that_gives_up_somewhere_is_refused_with_what_it_was_asked(answer, said, way):
+    def steep(table, p):
+        y = p["slope"] * table.t
+        if way == "all vectors":
+            over = p["slope"][:, 0] > 1.0
+            rows = [answer(row) if over[k] else row for k, row in enumerate(y)]
+            return np.array(rows) if all(row is not None for row in rows) else None
+        return answer(y) if p["slope"] > 1.0 else y
+
+    slope = Parameter("slope", Prior("normal", 1.0, 0.1))
+    model, known = steep if way == "all vectors" else models.vectorised(steep), [slope]
+    if way == "of a command":
+        model, known = models.own(model, known, [], reads={"level": "V"}), None
+    t = np.linspace(0.0, 1.0, 20)
+    with pytest.raises(ScenarioError) as refusal:
+        diagnose_model(model, Series(t, 1.02 * t, sd=0.01, name="monday"), known)
+    (line,) = str(refusal.value).splitlines()
+    assert line.startswith(f"predict: steep {said}")
+    assert 1.0 < float(re.search(r"table monday at slope = ([\d.]*\d)", line)[1]) < 2.0
+    assert "NaN where it has no answer" in line
+
+
+def _named(made, name, **changes):
+    return made(**{"name": name, "sd": 0.1, "y": READINGS, **changes})
+
+
+READINGS = np.sin(np.arange(12.0))
+STEPS = np.arange(12.0)
+COPIES = {
+    "a record": (Series, {"t": STEPS}, {"t": STEPS}),
+    "a record by another clock": (Series, {"t": STEPS}, {"t": 1.7e9 + STEPS}),
+    "a record with an input": (Series, {"t": STEPS, "inputs": {"u": STEPS}},
+                               {"t": STEPS, "inputs": {"u": STEPS}}),
+    "a table": (Table, {"settings": {"x": STEPS}}, {"settings": {"x": STEPS}}),
+    "a table in another order": (Table, {"settings": {"x": STEPS}},
+                                 {"settings": {"x": STEPS[::-1]}, "y": READINGS[::-1]}),
+    "a table in other digits": (Table, {"settings": {"x": STEPS}},
+                                {"settings": {"x": STEPS}, "y": READINGS * (1.0 + 1e-12)}),
+}  # fmt: skip
+MORE = {
+    "other noise": (Series, {"t": STEPS}, {"t": STEPS, "y": READINGS + 0.01 * READINGS**2}),
+    "another input": (Series, {"t": STEPS, "inputs": {"u": STEPS}},
+                      {"t": STEPS, "inputs": {"u": -STEPS}}),
+    "at rest": (Series, {"t": STEPS, "y": 0.0 * STEPS}, {"t": STEPS, "y": 0.0 * STEPS}),
+    "other settings": (Table, {"settings": {"x": STEPS}}, {"settings": {"x": STEPS + 1.0}}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", [*COPIES, *MORE])
+def test_a_copy_of_data_is_refused_under_another_name(case):
+    made, one, other = {**COPIES, **MORE}[case]
+    tables = [_named(made, "monday", **one), _named(made, "monday copy", **other)]
+    given = (tables, lambda table, p: p["k"] * table.y, [Parameter("k", Prior("normal", 1.0, 1.0))])
+    if case in MORE:
+        assert len(bare_problem(*given, []).tables) == 2
+        return
+    with pytest.raises(ScenarioError, match=r"data: monday copy has the readings of monday: "):
+        bare_problem(*given, [])

@@ -47,6 +47,7 @@ _MEANT = {
 """What is meant by errors of NumPy in a user's model, by a part of their text."""
 
 _MOST_LOST = 0.1  # part of the rows that the model may not compute; chosen
+_FEWEST_VALUES = 8  # different readings of a copy; chosen: a coarse meter may read fewer twice
 _SAME = 1e-9  # part of the readings by which two equal calls may differ; chosen: rounding
 
 
@@ -134,6 +135,7 @@ def bare_problem(
     each = _of_each_record(constants, records)
     named = tuple(beside_constants(causes, each))
     _check_names(records, each, named)
+    _check_copies(records)
     _check_causes(records, each, named)
     model = ForwardModel(predict, low_fidelity, tuple(constants), (*named, *freed(each)))
     _check_predict(predict, model)
@@ -237,23 +239,51 @@ class ForwardModel(OneLine):
 
         def physics(keys: Sequence[str], rows: Array) -> Array:
             p = Values({key: locked(rows[:, [k]]) for k, key in enumerate(keys)})
-            return _rows(table, self.predicted(_seen(table, acting, p), p), len(rows))
+            try:
+                return self._answer(_seen(table, acting, p), p, len(rows))
+            except ScenarioError:
+                for one in rows if len(rows) > 1 else ():  # the first that fails says why
+                    physics(keys, one[None, :])
+                raise
 
         readers = [cause for cause in acting if cause.input is None]
         return read_by(readers, list(at), vectors, physics, table)[inverse.reshape(-1)]
 
-    def predicted(self, table: Any, p: Values) -> Any:
-        """What the own function returns."""
+    def _answer(self, table: Table, p: Values, vectors: int) -> Array:
+        """What the own function returns, (vectors, rows), in an array of its own; NaN is allowed.
+
+        What goes wrong at one vector is told with its values.
+        """
         # Defaults and `*rest` need no curves.
         needed = self.laws or not _takes(self.predict, 2)
         curves = (Curves(self.laws, p),) if needed else ()
+        at = f" for table {table.name}" if table.name else ""
+        values = ", ".join(f"{name} = {row[0, 0]:.6g}" for name, row in p.items())
+        beside = f"{at} at {values}" if vectors == 1 and p else f"{at} and {vectors} vectors"
         try:
-            return self.predict(table, p, *curves)
-        except (TypeError, ValueError) as error:
+            made = self.predict(table, p, *curves)
+        except ScenarioError:
+            raise
+        except Exception as error:
+            text = f"{type(error).__name__}: {error}"
             advice = next((text for word, text in _MEANT.items() if word in str(error)), None)
-            if advice is None:
-                raise
-            raise ScenarioError(f"predict: {advice}; {error}") from error
+            advice = advice or f"{self._title} fails{beside}: allowed is NaN where it has no answer"
+            raise ScenarioError(f"predict: {advice}; {text}") from error
+        rows = numbers("predict: its answer", made, "an array of numbers", gaps=True, finite=False)
+        if rows.shape != (vectors, table.predicted):
+            what = "None" if made is None else f"shape {np.shape(made)}"
+            raise ScenarioError(
+                f"predict: {self._title} returned {what}{beside}; allowed is (vectors, rows), here "
+                f"{(vectors, table.predicted)}, with NaN where it has no answer"
+            )
+        return rows
+
+    @property
+    def _title(self) -> str:
+        """The own function by its name, where it has one."""
+        function = getattr(self.predict, "predict", self.predict)
+        name = str(getattr(getattr(function, "function", function), "__name__", ""))
+        return name if name.isidentifier() else "it"
 
     def columns(self, table: str, names: Sequence[str]) -> dict[str, int]:
         """Columns of `names` that count for a table, by the names that the model knows."""
@@ -435,18 +465,6 @@ def _unchanged(problem: Problem, base: Array, changed: Array) -> Mask:
     return np.asarray(np.all(same, axis=1))
 
 
-def _rows(table: Table, made: Any, vectors: int) -> Array:
-    """Predictions of a table, shape (vectors, n), in an array of their own; NaN is allowed."""
-    rows = numbers("predict: its answer", made, "an array of numbers", gaps=True, finite=False)
-    if rows.shape != (vectors, table.predicted):
-        at = f" of table {table.name}" if table.name else ""
-        raise ScenarioError(
-            f"predict: it returned shape {np.shape(made)} for {vectors} vectors{at}; allowed is "
-            f"(vectors, rows), here {(vectors, table.predicted)}"
-        )
-    return rows
-
-
 def _check_list(key: str, given: object, kind: type[Parameter] | type[Cause]) -> None:
     if not isinstance(given, Sequence) or not all(isinstance(item, kind) for item in given):
         raise ScenarioError(f"{key} = {brief(given)}: allowed is a list of {kind.__name__}")
@@ -488,6 +506,27 @@ def _check_names(
         twice = [name for name, count in Counter(names).items() if count > 1]
         if twice:
             raise ScenarioError(f"{where}: {twice[0] or 'no name'} comes twice; allowed is once")
+
+
+def _check_copies(tables: Sequence[Table]) -> None:
+    """Refuse a table that another one is a copy of, whatever they are called."""
+    for one, other in itertools.combinations(tables, 2):
+        if len(one.y) == len(other.y) and len(np.unique(one.y)) >= _FEWEST_VALUES:
+            rows, copied = (_in_order(table) for table in (one, other))
+            if all(map(partial(np.allclose, rtol=_SAME, atol=0.0), rows, copied)):
+                raise ScenarioError(
+                    f"data: {other.title} has the readings of {one.title}: allowed is each once, "
+                    "or they would count twice"
+                )
+
+
+def _in_order(table: Table) -> list[Array]:
+    """Readings and the numbers beside them, in an order that copies share."""
+    if isinstance(table, Series):
+        return [table.y, table.t - table.t[0], *table.inputs.values()]
+    order = np.argsort(table.y, kind="stable")
+    settings = table.settings.values() if isinstance(table.settings, dict) else [table.settings]
+    return [table.y[order], *(each[order] for each in settings if each.dtype.kind == "f")]
 
 
 def _check_causes(

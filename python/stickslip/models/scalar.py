@@ -44,6 +44,8 @@ class _OneByOne(OneLine):
             seen = table.with_inputs(single) if single and isinstance(table, Series) else table
             values = {name: float(column[k, 0]) for name, column in p.items()}
             made = self.function(seen, values)
+            if made is None:
+                return None
             rows.append(numbers("model: its answer", made, gaps=True, finite=False))
         return np.array(rows)
 
