@@ -24,7 +24,7 @@ def _package(of: str) -> str:
 
 
 WINGS = {
-    "common": (_package(r"_util/.*|errors"), 2_100),
+    "common": (_package(r"_util/.*|errors"), 2_800),
     "simulator": (_package(r"(scenario|field|simulation|sweeping|plot)/.*"), 9_300),
     "applications": (_package(r"(design|control|reproduction)/.*"), 4_500),
     "diagnosis": (_package(r"diagnosis/.*"), 11_380),

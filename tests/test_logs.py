@@ -225,7 +225,8 @@ def test_an_error_without_a_unit_is_in_that_of_its_readings(tmp_path, heading):
 @pytest.mark.parametrize("readings", ["K", "degC"])
 @pytest.mark.parametrize("heading", ["sd", "sd (K)", "sd (degC)", "sd [°C]"])
 def test_an_error_of_a_temperature_is_a_difference(tmp_path, heading, readings):
-    write(tmp_path / "a.csv", {"t": T, f"temperature ({readings})": T, heading: 0.0 * T + 0.1})
+    write(tmp_path / "a.csv", {"t": T, "power": T, f"temperature ({readings})": T,
+                                heading: 0.0 * T + 0.1})  # fmt: skip
     log = models.read_log(tmp_path / "a.csv", models.thermal(capacity=1.0, loss=1.0))
     assert log.errors.sd == pytest.approx(np.full(len(T), 0.1))
 
@@ -288,19 +289,21 @@ def test_a_name_of_a_models_own_keeps_its_end(tmp_path):
 def test_what_a_log_lacks_or_has_besides_is_told(tmp_path):
     speed = [f"{each:.4f}" for each in np.cos(T)]
     speed[7] = "nan"
-    write(
-        tmp_path / "a.csv", {"t": T, "speed": speed, "board (degC)": 0.0 * T, "sd": 0.0 * T + 0.1}
-    )
+    columns = {"t": T, "speed": speed, "board (degC)": 0.0 * T, "sd": 0.0 * T + 0.1}
+    with pytest.raises(ScenarioError, match='"torque" is missing.* write a column of zeros'):
+        models.read_log(write(tmp_path / "a.csv", columns), JOINT)
+    path = write(tmp_path / "a.csv", {"t": T, "displacement": T})
+    free = models.read_log(path, models.oscillator(mass=1.0, stiffness=1.0))
+    assert "no-input" in {each.code for each in free.own_notes}
+    write(tmp_path / "a.csv", {**columns, "torque": 0.0 * T})
     with (tmp_path / "a.csv").open("a") as file:
         file.write("3.00,0.")
     log = models.read_log(tmp_path / "a.csv", JOINT)
-    assert "There is no column torque: it is taken as 0." in {each.text for each in log.own_notes}
     assert {each.code for each in log.own_notes} == {
-        "cut-off", "columns-not-used", "no-input", "no-unit", "gaps"}  # fmt: skip
+        "cut-off", "columns-not-used", "no-unit", "gaps"}  # fmt: skip
     assert len(log) == 149
     assert 7 not in log.rows
     assert np.all(log.errors.sd == 0.1)
-    assert not log.inputs
     # A temperature keeps its own name of the unit: the readings are no kelvins.
     write(tmp_path / "b.csv", {"t": T, "body (degC)": T, "power (kW)": T})
     heater = models.thermal(capacity=1.0, loss=1.0)
@@ -311,11 +314,8 @@ def test_what_a_log_lacks_or_has_besides_is_told(tmp_path):
     told = {each.text for each in warm.own_notes}
     assert "There is no column ambient: it is taken as 0." in told
     write(tmp_path / "c.csv", {"t": T, "body (degC)": T, "heater": T})
-    told = {each.text for each in models.read_log(tmp_path / "c.csv", heater).own_notes}
-    assert (
-        'There is no column power: it is taken as 0. If "heater" is the power, call it "power (W)".'
-        in told
-    )
+    with pytest.raises(ScenarioError, match=r'there are "t", .*"heater": call one "power \(W\)"'):
+        models.read_log(tmp_path / "c.csv", heater)
 
 
 @pytest.mark.parametrize(

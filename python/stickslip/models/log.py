@@ -12,7 +12,6 @@ from typing import Any, NamedTuple, NoReturn
 import numpy as np
 
 from stickslip._util.arrays import Array
-from stickslip._util.clocks import JUMP, counted_on, times
 from stickslip._util.columns import (
     Column,
     Match,
@@ -35,6 +34,7 @@ from stickslip._util.units import (
     split_unit,
     zero_of,
 )
+from stickslip.diagnosis.data.clocks import JUMP, counted_on, times
 from stickslip.diagnosis.data.outliers import marks_of_none
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import READINGS
@@ -223,12 +223,11 @@ class _Log(Recipe):
         valid = table.validity()
         others = [column.heading for column in table.columns.values()
                   if not column.what.known and column not in valid]  # fmt: skip
-        for name in (_TIME, self.of.reads, *self.of.inputs):
-            if name in found and plain(_bare_name(found[name])) not in (
-                plain(name),
-                *_ALSO.get(name, ()),
-            ):
-                text = f"{shown(found[name].heading)} is taken for {name}."
+        for name, column in found.items():
+            heading = _Heading(column.heading, *split_unit(column.heading))
+            named = {plain(name), *_ALSO.get(name, ())}
+            if named.isdisjoint({plain(heading.name), plain(heading.bare)}):
+                text = f"{shown(column.heading)} is taken for {name}."
                 notes.append(Note("column-by-unit", text))
         first = next(iter(self.of.inputs), None)
         for name in self.of.inputs:
@@ -276,13 +275,6 @@ class _Heading(NamedTuple):
     def fits(self, units: Sequence[str]) -> bool:
         """Whether it states one of the units, or one of the same quantity."""
         return any(self.unit and is_of(self.unit, each) for each in units if each != "-")
-
-
-def _bare_name(column: Column) -> str:
-    """The name of a heading without its unit."""
-    name = split_unit(column.heading)[0]
-    ended, _, unit = name.rpartition("_")
-    return ended if ended and column.what.unit == unit else name
 
 
 def read_in(source: Source, quantities: Sequence[str]) -> str | None:

@@ -23,9 +23,6 @@ STAMP = re.compile(
 )
 """A date or a clock as ISO 8601 writes it, or a date such as 1.5.2026."""
 
-LATEST = 1e11
-"""Time, s since 1970, from which on it is in a smaller unit: the year 5138."""
-
 JUMP = 20.0
 """Steps of a clock that has jumped. Chosen: a link loses a few readings, and a break loses many."""
 
