@@ -27,17 +27,17 @@ WINGS = {
     "common": (_package(r"_util/.*|errors"), 2_800),
     "simulator": (_package(r"(scenario|field|simulation|sweeping|plot)/.*"), 9_300),
     "applications": (_package(r"(design|control|reproduction)/.*"), 4_500),
-    "diagnosis": (_package(r"diagnosis/.*"), 11_380),
-    "machines": (rf"{_package(r'models/.*')}|cpp/machines/.*\.[hc]pp", 2_320),
-    "walker": (_package(r"walker/.*"), 4_700),
+    "diagnosis": (_package(r"diagnosis/.*"), 11_080),
+    "machines": (rf"{_package(r'models/.*')}|cpp/machines/.*\.[hc]pp", 2_560),
+    "walker": (_package(r"walker/.*"), 4_980),
     "command": (_package(r"cli/.*|(?!errors)\w+"), 2_400),
     "core": (r"cpp/(stickslip|bindings)/.*\.[hc]pp", 19_020),
-    "tests": (r"(tests|cpp/tests)/.*\.(py|[hc]pp)", 39_700),
-    "bench": (r"bench/.*\.(py|cpp)", 11_930),
+    "tests": (r"(tests|cpp/tests)/.*\.(py|[hc]pp)", 41_500),
+    "bench": (r"bench/.*\.(py|cpp)", 12_750),
 }
 """Which files belong to a wing, and how many lines they may have; a file belongs to one wing.
 
-Budgets are the sizes of November 2026, with 400 lines for the golden verdicts in that of bench.
+Budgets are the sizes of November 2026.
 """
 WORDS = (r"(docs/.*|README|CONTRIBUTING)\.md", 35_000)
 OVER = 1.05  # of a budget; above it the tests fail. Chosen: small changes need no new budget

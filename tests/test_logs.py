@@ -290,7 +290,7 @@ def test_what_a_log_lacks_or_has_besides_is_told(tmp_path):
     speed = [f"{each:.4f}" for each in np.cos(T)]
     speed[7] = "nan"
     columns = {"t": T, "speed": speed, "board (degC)": 0.0 * T, "sd": 0.0 * T + 0.1}
-    with pytest.raises(ScenarioError, match='"torque" is missing.* write a column of zeros'):
+    with pytest.raises(ScenarioError, match=r'"torque" is missing.* write a column of zeros'):
         models.read_log(write(tmp_path / "a.csv", columns), JOINT)
     path = write(tmp_path / "a.csv", {"t": T, "displacement": T})
     free = models.read_log(path, models.oscillator(mass=1.0, stiffness=1.0))
