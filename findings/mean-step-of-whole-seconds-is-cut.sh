@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Expected: half of a duration of 1 s is 0.5 s, and the mean of steps of 1 s and 2 s is 1.5 s.
 # What happens: dates and durations stay in their unit and are cut: half is 0 s, the mean step 1 s, its sd 0 s. So in
-#   pandas (in ns until version 2, so never seen), xarray, and polars in ms; `Timedelta("1us") / 2` is 0.
+#   pandas, whose dates are no longer always in ns, in xarray, and in polars in ms; `Timedelta("1us") / 2` is 0.
 # Packages: pandas 3.1.1, polars 2.1.0, pyarrow 26.0.1, xarray 2026.9.0, numpy 2.4.6.
 # Who is hurt: whoever takes a logger's mean interval or mid-times from stamps in whole seconds or ms, for example from
 #   a column of Arrow: a rate 1.5 times too high.

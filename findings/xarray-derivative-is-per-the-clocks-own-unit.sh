@@ -3,7 +3,8 @@
 # What happens: `differentiate` and `integrate` count in the coordinate's own unit (s, ms, us, ns), `polyfit` of dates
 #   always in ns: one ramp has slopes of 1e-6 and 1e-9. What pandas 2 made in ns pandas 3 makes in us.
 # Packages: xarray 2026.9.0, pandas 3.1.1.
-# Who is hurt: a speed by `differentiate("t") * 1e9`, right last year, is 1000 times too large now, without a word.
+# Who is hurt: a speed by `differentiate("t") * 1e9`, right with dates in ns, is 1000 times too large with those of
+#   pandas 3.
 # Instead: `datetime_unit="s"` for dates, or a coordinate of float seconds for all (tried below).
 # Source: found by trying; the defaults of `datetime_unit` are documented, what they mean since pandas 3 is not.
 set -euo pipefail
