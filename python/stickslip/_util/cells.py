@@ -90,7 +90,7 @@ def csv_line(line: str, cells: list[str]) -> str:
     return file.getvalue()
 
 
-_BLOCK = 1 << 14  # lines; chosen: few enough for the room of their cells
+_BLOCK = 1 << 12  # lines; chosen: few enough for the room of their cells
 _UNUSUAL = re.compile(r'["#_]')
 
 
@@ -241,14 +241,21 @@ class CsvTable:
         """
         if self._first is not None:
             yield self._block([self._first], False)
-        blank = f"{self.separator} \t\r\v\f"
+        blank, split, width = f"{self.separator} \t\r\v\f", self.separator, len(self.header)
         while some := list(itertools.islice(self._lines, _BLOCK)):
-            if any(_UNUSUAL.search(line) for _, line in some):
+            kept = [(at, line) for at, line in some if line.strip(blank)]
+            lines = [line for _, line in kept]
+            whole = split.join(lines)
+            if _UNUSUAL.search(whole):
                 yield self._block(list(self._parsed(iter(some))), False)
-                continue
-            split, plain = self.separator, []
-            plain = [(at, line.split(split)) for at, line in some if line.strip(blank)]
-            yield self._block(plain, True)
+            elif all(line.count(split) == width - 1 for line in lines):
+                # All cells at once: lists of single rows would take twice the time.
+                cells = whole.split(split) if lines else []
+                yield Block(
+                    [at for at, _ in kept], [cells[k::width] for k in range(width)], {}, True
+                )
+            else:
+                yield self._block([(at, line.split(split)) for at, line in kept], True)
 
     def _block(self, rows: list[tuple[int, list[str]]], plain: bool) -> Block:
         width, ragged, lines = len(self.header), dict[int, int](), list[int]()

@@ -355,7 +355,9 @@ def read_log(path: str | PathLike[str] | Any, model: object) -> Series:
     if unit and zero_of(unit) and not same_unit(unit, "K"):  # degF is shown as degC
         values[wanted.reads], shows = values[wanted.reads] + zero_of(unit) - zero_of("degC"), "degC"
     inputs = _with_one_zero(values, columns, shows, wanted, notes)
-    notes += _conversions(columns, values)
+    made = [f"{name} from {each.what.unit} to {each.what.si}" for name, each in columns.items()
+            if each.what.per != 1.0]  # fmt: skip
+    notes += [Note("converted", f"Converted: {', '.join(made)}.", len(made))] if made else []
     name = source.path.stem if source.is_file else "log"
     log = Series(t, values[wanted.reads], inputs, values.get(_ERROR), name, unit=shows)
     log.unstated = [READINGS if name == wanted.reads else name
@@ -369,13 +371,6 @@ def read_log(path: str | PathLike[str] | Any, model: object) -> Series:
             f'turn allowed is "{read.heading} (rad)" or "{read.heading} (deg)"'
         )
     return log.noted(notes)
-
-
-def _conversions(columns: Mapping[str, Column], values: Mapping[str, Array]) -> list[Note]:
-    """A note on the columns that were converted."""
-    made = [f"{name} from {each.what.unit} to {each.what.si}" for name, each in columns.items()
-            if each.what.per != 1.0]  # fmt: skip
-    return [Note("converted", f"Converted: {', '.join(made)}.", len(made))] if made else []
 
 
 def _bare(found: Mapping[str, Column], wanted: Columns) -> list[str]:
