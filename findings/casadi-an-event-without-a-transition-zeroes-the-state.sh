@@ -1,16 +1,12 @@
 #!/usr/bin/env bash
-# Expected: an integrator whose DAE names an event ("zero") and gives no transition stops a step there and
-#   goes on with the state that it has, or refuses; with a transition, it handles every event between two
-#   outputs.
-# What happens: without a transition the whole state is set to 0 at the event, without an error: a body that
-#   falls through x = 0 loses its speed, and a third, unrelated state its value of 7.45. With a transition
-#   the result depends on the output grid, whatever the tolerances: with one output at 1.5 s a bouncing ball
-#   is 0.93 m under the floor, with two it is right to 2 %, with 20 to 1e-7.
-# Package: casadi 3.8.2 (events are marked as experimental there).
-# Who is hurt: whoever counts zero crossings, or asks only for the state at the end of a bounce.
-# Instead: give a transition always, with post_x = x if nothing is to change, and 20 outputs or more
-#   (tried).
-# Source: found by trying; the page of integrator names "zero" and "transition" and neither of these.
+# Expected: an integrator whose DAE names an event ("zero") and gives no transition goes on with the state that it has,
+#   or refuses; with a transition, it handles every event between two outputs.
+# What happens: without a transition the whole state, unrelated parts too, is set to 0 at the event, without an error.
+#   With one the result depends on the output grid, whatever the tolerances: with one output at 1.5 s a bouncing ball is
+#   0.93 m under the floor, with two it is right to 2 %, with 20 to 1e-7.
+# Package: casadi 3.8.2 (events are marked as experimental there). Source: found by trying.
+# Who is hurt: whoever counts zero crossings, or asks only for the state at the end.
+# Instead: a transition always, post_x = x if nothing is to change, and 20 outputs or more (tried).
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
