@@ -1,15 +1,12 @@
 #!/usr/bin/env bash
-# Expected: with several events and a root finder the solve ends at the earliest root, as solve_ivp does:
-#   a body that meets one wall at 0.34 s and another at 0.55 s stops at 0.34 s.
-# What happens: where both signs change within one step, the event that stands first in cond_fn wins, whatever
-#   its time. The body is stopped at 0.55 s, deep in the other wall, with event_mask and result as usual.
-#   The order of the list, or the length of the step, changes the answer.
-# Packages: diffrax 0.7.2, optimistix 0.1.0, jax 0.10.2.
-# Who is hurt: whoever has two walls, two feet or stick and slip as events; most at loose tolerances, where
-#   the steps of smooth flight are long.
-# Instead: give the smallest of them as one event where all start positive (tried), or steps shorter than the
-#   least time between two events (tried), and look afterwards which one is zero.
-# Source: found by trying; Event's documentation does not say which of two events in a step counts.
+# Expected: with several events and a root finder the solve ends at the earliest root: a body that meets one wall at
+#   0.34 s and another at 0.55 s stops at 0.34 s.
+# What happens: where both signs change within one step, the event that stands first in cond_fn wins, whatever its time.
+#   The body is stopped at 0.55 s, deep in the other wall, with event_mask and result as usual.
+# Packages: diffrax 0.7.2, optimistix 0.1.0, jax 0.10.2. Source: found by trying.
+# Who is hurt: whoever has two walls, two feet or stick and slip as events; most at loose tolerances.
+# Instead: one event, the smallest of them, where all start positive, or steps shorter than the least time between two
+#   events (both tried).
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,14 +1,12 @@
 #!/usr/bin/env bash
-# Expected: a box that lies on a half-space with Drake's default contact has as many contacts as it needs
-#   (MuJoCo gives four). Loaded to half its friction limit it stays, and a 4 mm box does as a 400
-#   mm box does.
-# What happens: one point contact, whose place jumps from corner to corner. The large box trembles at 1 mm/s
-#   and more instead of creeping at 0.06 mm/s; the small one turns over the point and after a second its
-#   centre is 1.6 mm below the floor. All four discrete contact models tremble.
-# Package: drake 1.51.1.
+# Expected: a box that lies on a half-space with Drake's default contact has as many contacts as it needs (MuJoCo gives
+#   four). Loaded to half its friction limit it stays, and a 4 mm box does as a 400 mm box does.
+# What happens: one point contact, whose place jumps from corner to corner. The large box trembles at 1 mm/s and more
+#   instead of creeping at 0.06 mm/s; the small one turns over the point and after a second its centre is 1.6 mm below
+#   the floor. All four discrete contact models tremble.
+# Package: drake 1.51.1. Source: found by trying.
 # Who is hurt: whoever takes Drake for sliding, walking or stick-slip of flat bodies; the smaller, the more.
 # Instead: small spheres at the corners: four contacts, creep of 0.06 mm/s at every size (tried).
-# Source: found by trying.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,14 +1,11 @@
 #!/usr/bin/env bash
-# Expected: a ball thrown up from the floor, whose height is the event, gives the landing at 2 v / g; that
-#   the height is exactly zero at the start adds a report at t = 0 at worst, as in other solvers.
-# What happens: a non-terminal event reports t = 0 twice and never the landing, if both fall into one Taylor
-#   step, as they do for smooth flight. A start 1e-300 above the floor gives the landing. A terminal event
-#   of the same expression reports both.
-# Package: heyoka 7.13.2.
-# Who is hurt: whoever starts on a surface: thrown or released bodies, and runs restarted at an impact.
-# Instead: start a little off the surface, or take a terminal event (both tried). A direction does not
-#   help: with `negative` nothing at all is reported.
-# Source: found by trying.
+# Expected: a ball thrown up from the floor, whose height is the event, gives the landing at 2 v / g; an exact zero at
+#   the start adds a report at t = 0 at worst.
+# What happens: a non-terminal event reports t = 0 twice and never the landing, if both fall into one Taylor step, as
+#   they do for smooth flight. A start 1e-300 above the floor gives the landing. A terminal event reports both.
+# Package: heyoka 7.13.2. Source: found by trying.
+# Who is hurt: whoever starts on a surface, or restarts at an impact.
+# Instead: a start a little off, or a terminal event (both tried). Direction `negative` reports nothing at all.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,15 +1,11 @@
 #!/usr/bin/env bash
-# Expected: the direction of an event means one thing, so that "rising" finds the same crossings of one
-#   motion in every solver, forwards and backwards in time.
-# What happens: forwards all agree. Backwards scipy and CVODE (scikit-sundae) take the sign along the
-#   integration: their "rising" is where the value falls with time. heyoka takes the sign over time.
-#   The two sets of crossings have no member in common.
-# Packages: scipy 1.17.1, scikit-sundae 1.2.0, heyoka 7.13.2, numpy 2.3.5.
-# Who is hurt: whoever integrates back to a cause (the last landing before a frame, adjoints, shooting), or
-#   moves such a model from one of them to heyoka.
-# Instead: backwards, turn the direction around in all but heyoka, or ask for both and look at the sign
-#   of the rate (tried).
-# Source: found by trying; their pages speak of crossings from negative to positive, not of time running back.
+# Expected: the direction of an event means one thing: "rising" finds the same crossings in every solver, forwards and
+#   backwards.
+# What happens: forwards all agree. Backwards scipy and CVODE (scikit-sundae) take the sign along the integration: their
+#   "rising" is where the value falls with time. heyoka takes the sign over time. They have no crossing in common.
+# Packages: scipy 1.17.1, scikit-sundae 1.2.0, heyoka 7.13.2, numpy 2.3.5. Source: found by trying.
+# Who is hurt: whoever integrates back to a cause (the last landing before a frame, adjoints, shooting).
+# Instead: backwards, turn the direction around in all but heyoka (tried).
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,13 +1,12 @@
 #!/usr/bin/env bash
-# Expected: a parameter whose first value lies on its bound (an offset of 0 with min=0) is moved off it
-#   where the data ask for it, or the fit says that it could not; the method only changes how fast.
-# What happens: lmfit maps a bounded parameter to a free one by a function that is flat on the bound. With
-#   min alone leastsq gets away, while nelder, lbfgsb, bfgs, slsqp and cg stay there. With min and
-#   max leastsq goes to a wrong place. All report success.
-# Packages: lmfit 1.3.4, scipy 1.17.1, numpy 2.3.5.
+# Expected: a parameter whose first value lies on its bound (an offset of 0 with min=0) is moved off it where the data
+#   ask for it, or the fit says that it could not; the method only changes how fast.
+# What happens: lmfit maps a bounded parameter to a free one by a function that is flat on the bound. With min alone
+#   leastsq gets away, while nelder, lbfgsb, bfgs, slsqp and cg stay there. With min and max leastsq goes to a wrong
+#   place. All report success.
+# Packages: lmfit 1.3.4, scipy 1.17.1, numpy 2.3.5. Source: found by trying; lmfit's page on bounds gives the mapping.
 # Who is hurt: whoever starts an offset, a friction or a drag at zero with min=0.
 # Instead: start inside the bounds, or take method="least_squares", whose bounds are its own (both tried).
-# Source: found by trying; lmfit's page on bounds gives the mapping.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,14 +1,12 @@
 #!/usr/bin/env bash
-# Expected: minimize(method="least_squares", loss="soft_l1") is robust in what it reports: with five gross
-#   outliers among fifty points the values are nearly those of the clean points, and so are the error bars.
-# What happens: the values are, but the error bars are about 100 times too wide, wider than those of the
-#   plain fit. They take the Jacobian weighted by the loss, and then multiply by the squared residuals
-#   without it, outliers included; chisqr, redchi and bic are of the plain residuals, too.
-# Packages: lmfit 1.3.4, scipy 1.17.1, numpy 2.3.5.
-# Who is hurt: whoever takes a robust loss against a tracker's jumps and reads stderr, or compares models by
-#   bic, which the outliers then decide.
+# Expected: minimize(method="least_squares", loss="soft_l1") is robust in what it reports: with five gross outliers
+#   among fifty points the values are nearly those of the clean points, and so are the error bars.
+# What happens: the values are, but the error bars are about 100 times too wide, wider than those of the plain fit. They
+#   take the Jacobian weighted by the loss, and then multiply by the squared residuals without it, outliers included;
+#   chisqr, redchi and bic are of the plain residuals, too.
+# Packages: lmfit 1.3.4, scipy 1.17.1, numpy 2.3.5. Source: found by trying.
+# Who is hurt: whoever takes a robust loss against a tracker's jumps and reads stderr, or compares models by bic.
 # Instead: use the robust fit to find the outliers, drop them and fit again without loss (tried).
-# Source: found by trying.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,13 +1,12 @@
 #!/usr/bin/env bash
-# Expected: the force between two magnets goes with the square of their size when all lengths shrink alike,
-#   and a library in SI that asks for no step gets this right at every size.
-# What happens: the gradient is a difference over eps = 1e-5 m, absolute. The pull of two cubes at a gap of
-#   a tenth of their side is 4 % too strong at 0.1 mm and 23 % at 0.01 mm; on a dipole it is 60 % too weak,
-#   without a warning.
-# Packages: magpylib 6.3.0, scipy 1.17.1, numpy 2.3.5.
+# Expected: the force between two magnets goes with the square of their size when all lengths shrink alike, and a
+#   library in SI that asks for no step gets this right at every size.
+# What happens: the gradient is a difference over eps = 1e-5 m, absolute. The pull of two cubes at a gap of a tenth of
+#   their side is 4 % too strong at 0.1 mm and 23 % at 0.01 mm; on a dipole it is 60 % too weak, without a warning.
+# Packages: magpylib 6.3.0, scipy 1.17.1, numpy 2.3.5. Source: the docstring of getFT recommends that eps; the default
+#   is for magnets of a metre.
 # Who is hurt: whoever computes forces on magnetic micro-robots, beads or thin films.
 # Instead: eps = 1e-5 times the size of the magnet (tried: equal at all sizes to eight digits).
-# Source: the docstring of getFT recommends that eps; the default is for magnets of a metre.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,14 +1,12 @@
 #!/usr/bin/env bash
-# Expected: getFT gives the torque of the sources on the target. A magnet put among the sources, as in a
-#   Collection of the whole scene, adds nothing to its own force and torque, or is refused.
-# What happens: its force on itself is zero, but not its torque: the magnet's own field inside is not along
-#   its polarization, and J x B of it is summed up. A plate of 4 x 2 x 0.5 m polarised at 45 degrees "feels"
-#   2.9e5 N m of itself; the dipole whose torque was asked for gives 0.011 N m.
-# Packages: magpylib 6.3.0, scipy 1.17.1, numpy 2.3.5.
-# Who is hurt: whoever computes all forces of an assembly at once, with the same list as sources and
-#   targets.
+# Expected: getFT gives the torque of the sources on the target. A magnet put among the sources, as in a Collection of
+#   the whole scene, adds nothing to its own force and torque, or is refused.
+# What happens: its force on itself is zero, but not its torque: the magnet's own field inside is not along its
+#   polarization, and J x B of it is summed up. A plate of 4 x 2 x 0.5 m polarised at 45 degrees "feels" 2.9e5 N m of
+#   itself; the dipole whose torque was asked for gives 0.011 N m.
+# Packages: magpylib 6.3.0, scipy 1.17.1, numpy 2.3.5. Source: found by trying; seen in 6.1 already.
+# Who is hurt: whoever computes all forces of an assembly at once, with the same list as sources and targets.
 # Instead: take the target out of the sources, or subtract its own share (both tried).
-# Source: found by trying; seen in 6.1 already.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,14 +1,12 @@
 #!/usr/bin/env bash
 # Expected: a sphere that touches a ceiling with adhesion="1" hangs as long as it weighs less than 1 N: the
 #   documentation says that each contact pulls with up to that force before it breaks.
-# What happens: it falls, however light. The contact is soft in tension, too: it pulls only once it has
-#   opened, and without `gap` an open contact is none. With a gap it hangs 0.37 mm below the ceiling, the
-#   same for every mass (the spring grows with the mass), so a gap of 0.1 mm holds nothing either.
-# Package: mujoco-core 4.0.0.
-# Who is hurt: whoever models sticking feet, tape or small robots, where a tenth of a millimetre is the
-#   body.
+# What happens: it falls, however light. The contact is soft in tension, too: it pulls only once it has opened, and
+#   without `gap` an open contact is none. With a gap it hangs 0.37 mm lower, the same for every mass, so a gap of 0.1
+#   mm holds nothing either.
+# Package: mujoco-core 4.0.0. Source: found by trying.
+# Who is hurt: whoever models sticking feet, tape or small robots.
 # Instead: gap of more than the droop, and a shorter solref: 2 ms droop by 4 um (tried).
-# Source: found by trying; `adhesion` in the XML reference names gap for attraction at a distance only.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,13 +1,12 @@
 #!/usr/bin/env bash
-# Expected: a program in double precision takes a steel plate of 0.4 x 0.2 x 0.05 mm in SI units. Its mass
-#   of 3e-8 kg is no trouble in floating point.
-# What happens: the model does not compile: the least moment of inertia is 1e-15 in whatever units, and the
-#   plate has 1e-16 to 5e-16 kg m^2. In millimetres, milligrams and milliseconds (the same equations,
-#   gravity 0.00981) it compiles and falls as it should.
-# Package: mujoco-core 4.0.0.
+# Expected: a program in double precision takes a steel plate of 0.4 x 0.2 x 0.05 mm in SI units. Its mass of 3e-8 kg is
+#   no trouble in floating point.
+# What happens: the model does not compile: the least moment of inertia is 1e-15 in whatever units, and the plate has
+#   1e-16 to 5e-16 kg m^2. In mm, mg and ms (gravity 0.00981) it compiles and falls as it should.
+# Package: mujoco-core 4.0.0. Source: found by trying; the XML reference gives the limit as
+#   1e-14, the header as 1e-15.
 # Who is hurt: whoever simulates bodies below about half a millimetre "in SI throughout".
 # Instead: mm, mg, ms (tried); forces are then in mN, and time constants of contacts in ms, too.
-# Source: found by trying; the XML reference says that masses and inertias must exceed mjMINVAL.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

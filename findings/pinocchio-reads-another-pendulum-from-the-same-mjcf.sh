@@ -1,15 +1,12 @@
 #!/usr/bin/env bash
-# Expected: a file that MuJoCo compiles and Pinocchio reads without a word is one machine in both: same mass
-#   matrix, and without friction and springs the same acceleration.
-# What happens: five things are read differently, silently. The gravity of `option` is ignored (always
-#   9.81); the mass of geoms that do not collide is left out; `inertiagrouprange` is ignored; an `axisangle`
-#   that is no unit vector gives a matrix that is no rotation (the pendulum falls 9 times as fast); an
-#   `eulerseq` in capitals is taken for small letters. Twenty other features agreed to 1e-6.
-# Packages: pin 4.1.0, mujoco-core 4.0.0, numpy 2.3.5.
+# Expected: a file that MuJoCo compiles and Pinocchio reads without a word is one machine in both: same mass matrix, and
+#   without friction and springs the same acceleration.
+# What happens: five things are read differently, silently: gravity of `option` (always 9.81), masses of geoms that do
+#   not collide (left out), `inertiagrouprange` (ignored), an `axisangle` that is no unit vector (a matrix that is no
+#   rotation; the pendulum falls 9 times as fast), an `eulerseq` in capitals (as if small).
+# Packages: pin 4.1.0, mujoco-core 4.0.0, numpy 2.3.5. Source: found by trying.
 # Who is hurt: whoever designs a controller on Pinocchio's model of a robot that is simulated in MuJoCo.
-# Instead: compare the two mass matrices and gravity vectors once, as below; write masses by `inertial`,
-#   directions by unit vectors or quat, and set model.gravity (tried).
-# Source: found by trying.
+# Instead: compare mass matrices and accelerations once, as below; set model.gravity (tried).
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,15 +1,12 @@
 #!/usr/bin/env bash
-# Expected: curve_fit with bounds (0, inf) that the answer stays far away from gives the answer and the
-#   error bars of curve_fit without bounds; at worst it takes other steps. The page of least_squares says
-#   that the step of a finite difference is the parameter times a factor.
-# What happens: the bound changes the method, and with it the step, which is then 1.5e-8 * max(1, |p|). For
-#   a mass of 2e-9 kg that is seven times the mass. The Jacobian is one of another curve: the error bar of
-#   the mass comes out 6 times too wide, and success is reported. In micrograms it is right.
-# Packages: scipy 1.17.1, numpy 2.3.5.
-# Who is hurt: whoever fits masses, moments or drags of small things in SI, and adds a bound to keep them
-#   positive; also every caller of least_squares with its default method.
+# Expected: curve_fit with bounds (0, inf) that the answer stays far away from gives the answer and the error bars of
+#   curve_fit without bounds.
+# What happens: the bound changes the method, and with it the step of the Jacobian, which is then 1.5e-8 * max(1, |p|):
+#   for a mass of 2e-9 kg seven times the mass. Its error bar comes out 6 times too wide, and success is reported.
+# Packages: scipy 1.17.1, numpy 2.3.5. Source: found by trying; the page of least_squares says that the step is the
+#   parameter times a factor.
+# Who is hurt: whoever fits masses, moments or drags of small things in SI, also by least_squares.
 # Instead: give diff_step (then it is relative to the parameter), or fit in units near one (both tried).
-# Source: found by trying; the page of scipy.optimize.least_squares describes diff_step otherwise.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,15 +1,12 @@
 #!/usr/bin/env bash
-# Expected: two terminal events that happen at the same instant (both corners of a level box reach the floor)
-#   are both in t_events, so that both get their impact before the integration starts again.
-# What happens: the list is cut behind the first one. The other corner is left on the floor, a last digit
-#   above or below it. Above, the next call finds its event at once; below, with direction -1, never: the
-#   corner falls on through the floor, status 0. Which, depends on method, tolerance and span: of 20 runs with
-#   six stops 15 lost the corner.
-# Packages: scipy 1.17.1, numpy 2.3.5.
+# Expected: two terminal events at the same instant (both corners of a level box reach the floor) are both in t_events.
+# What happens: the list is cut behind the first. The other corner is left a last digit above or below the floor. Above,
+#   the next call finds its event at once; below, with direction -1, never: it falls on through the floor, status 0. Of
+#   20 runs with six stops 15 lost the corner.
+# Packages: scipy 1.17.1, numpy 2.3.5. Source: found by trying.
 # Who is hurt: whoever builds bouncing, rocking or several like bodies from terminal events.
-# Instead: after each stop look at all event functions yourself, treat all that are near zero as having
-#   happened, and put the state exactly on the surface (tried).
-# Source: found by trying; the page of solve_ivp does not speak of events at one instant.
+# Instead: after each stop look at all event functions, treat all near zero as having happened, and put the state
+#   exactly on the surface (tried).
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
