@@ -108,6 +108,11 @@ REFUSED = {
         "row 3",
     ),
     "months": (lambda v: v.astype(int).astype("timedelta64[M]"), "allowed"),
+    "durations without a unit": (lambda v: v.astype(int).astype("timedelta64"), "allowed"),
+    "truths with a unit": (
+        lambda v: xr.DataArray(v > 4, dims="n", attrs={"units": "m"}),
+        "allowed",
+    ),
 }
 
 

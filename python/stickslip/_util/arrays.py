@@ -137,6 +137,9 @@ def numbers(
     plain, carried = without_unit(values)
     change = None if carried is None else conversion(what, carried, unit or "-", differences)
     given, missing = _elements(what, plain, allowed)
+    if change is not None and given.dtype.kind == "b":
+        # Some libraries keep the unit of what was compared.
+        refuse(what, given, f"{allowed}: true and false have no unit")
     array = _as_floats(what, given, missing, allowed)
     if change is not None:
         array = change(array)
@@ -483,6 +486,8 @@ def _seconds(what: str, given: Elements, kind: str, allowed: str) -> Array:
             unit = "D" if np.datetime_data(given.dtype)[0] in "YM" else None
             given = given.astype(f"M8[{unit}]") if unit else given
             given = given - given.min() if len(given) else given - given
+        if np.datetime_data(given.dtype)[0] == "generic":  # NumPy takes them for seconds.
+            raise ValueError
         return np.asarray(given / np.timedelta64(1, "s"), dtype=np.float64)
     except (TypeError, ValueError, OverflowError):  # months, or dates of which some have a zone
         refuse(what, given, allowed)
