@@ -109,10 +109,6 @@ REFUSED = {
     ),
     "months": (lambda v: v.astype(int).astype("timedelta64[M]"), "allowed"),
     "durations without a unit": (lambda v: v.astype(int).astype("timedelta64"), "allowed"),
-    "truths with a unit": (
-        lambda v: xr.DataArray(v > 4, dims="n", attrs={"units": "m"}),
-        "allowed",
-    ),
 }
 
 
@@ -121,6 +117,13 @@ REFUSED = {
 def test_numbers_of_any_kind_are_the_same_numbers(door, kind):
     make, _, _ = DOORS[door]
     np.testing.assert_array_equal(make(SAME[kind](V)), make(V))
+
+
+def test_truths_have_no_unit():
+    # As xarray keeps it through a comparison.
+    above = xarray.DataArray(V > 4, attrs={"units": "mm"})
+    with pytest.raises(ScenarioError, match="true and false have no unit"):
+        Series(np.arange(len(V)), above, unit="m")
 
 
 @pytest.mark.parametrize("matrix", [V[:, None], V[None, :]], ids=["column", "row"])
