@@ -145,7 +145,7 @@ def test_names_of_a_users_model_are_text_on_the_page_whatever_they_hold(tmp_path
 
 
 def test_a_note_shows_what_a_file_holds_without_its_control_characters():
-    table = pd.DataFrame({"velocity": [1e-3, 2e-3], WILD: [1, 2]})
+    table = pd.DataFrame({"velocity": [1e-3, 2e-3], WILD: [1, 1]})
     (note,) = Measurement.from_dataframe(table, Scenario()).left_out
     assert note.code == "columns-not-used"
     assert str(note).isprintable()

@@ -7,6 +7,7 @@ import subprocess
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from command_line import COMMAND, stickslip
@@ -428,3 +429,62 @@ def test_the_columns_of_a_model_of_ones_own_are_checked(tmp_path):
         models.read_log(path, model)
     with pytest.raises(ScenarioError, match="allowed is a model of stickslip"):
         models.read_log(path, print)
+
+
+LOG = {"t": T, "speed": np.cos(T), "torque": TORQUE}
+IN_MEMORY = {
+    "durations below a unit": lambda: (
+        LOG | {"t": None, "t (ms)": pd.to_timedelta(1e3 * T, unit="ms")}
+    ),
+    "matrices of one row": lambda: {name: values[None, :] for name, values in LOG.items()},
+    "matrices of one column": lambda: {name: values[:, None] for name, values in LOG.items()},
+    "an infinite reading": lambda: (
+        LOG | {"speed": np.where(np.arange(150) == 5, np.inf, LOG["speed"])}
+    ),
+}
+
+
+@pytest.mark.parametrize("case", IN_MEMORY)
+def test_a_log_in_memory_is_read_as_it_stands(case):
+    given = {name: values for name, values in IN_MEMORY[case]().items() if values is not None}
+    log = models.read_log(given, JOINT)
+    sound = np.ones(150, dtype=bool)
+    sound[5] = case != "an infinite reading"
+    np.testing.assert_allclose(log.t[-1], T[-1], rtol=1e-12)
+    np.testing.assert_array_equal(log.y, LOG["speed"][sound])
+
+
+HEATER = models.thermal(capacity=400.0, loss=1.5)
+ROW = "0,20,20,1\n10,21,20,1\n"
+NOT_ONE = {
+    "one of two temperatures": (
+        "t,temperature,ambient (degC),power\n" + ROW,
+        HEATER,
+        "one for both",
+    ),
+    "two columns of one name": ("t,Speed (rpm),speed (rad/s),torque\n" + ROW, JOINT, "may both be"),
+    "parts of a day": (
+        "t (hh:mm:ss),speed,torque\n0.51,1,1\n0.52,1,1\n",
+        JOINT,
+        "has the number 0.51",
+    ),
+    "numbers alone": ("0,20,20\n1,21,20\n", JOINT, "its first line is numbers"),
+}
+
+
+@pytest.mark.parametrize("case", NOT_ONE)
+def test_what_may_be_two_things_is_refused(case, tmp_path):
+    text, model, said = NOT_ONE[case]
+    (tmp_path / "a.csv").write_text(text)
+    with pytest.raises(ScenarioError, match=said):
+        models.read_log(tmp_path / "a.csv", model)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["# Time (s),Speed (rad/s),Torque (N m)\n0,1,0\n1,2,0\n",
+     "Zeit (s),Drehzahl (rad/s),Moment (N m),Modus\n0,1,0,load\n1,2,0,load\n"],
+)  # fmt: skip
+def test_a_header_is_found_in_any_case_and_data_are_none(text, tmp_path):
+    (tmp_path / "a.csv").write_text(text)
+    assert models.read_log(tmp_path / "a.csv", JOINT).y.tolist() == [1.0, 2.0]

@@ -196,7 +196,7 @@ class CsvTable:
             self.separator = separator or _separator_of(line)
             cells = [] if line.lstrip().startswith("#") else self._cells(line)
             named = any(split_unit(cell)[0].casefold() in known for cell in cells)
-            if named and (k == 0 or len(cells) > 1):
+            if named and (k == 0 or (len(cells) > 1 and not any(map(_is_number, cells)))):
                 self.above = sum(bool(text.strip()) for _, text in near[:k])
                 return near[k], itertools.chain(near[k + 1 :], lines)
         self.separator = separator or _separator_of(first[1])
@@ -211,10 +211,11 @@ class CsvTable:
     ) -> None:
         """Make the last comment that names columns of the first row the header, if there is one."""
         count = len(named_cells(self._cells(first[1])))
+        spelled = {name.casefold() for name in columns}
         for k in reversed(range(len(comments))):
             at, line = comments[k]
             names = named_cells(self._cells(line.lstrip().lstrip("#")))
-            known = any(split_unit(name)[0] in columns for name in names)
+            known = any(split_unit(name)[0].casefold() in spelled for name in names)
             if known and len(names) == count and not any(map(_is_number, names)):
                 self.line, self.header = at, names
                 self._lines = itertools.chain(comments[k + 1 :], [first], below)

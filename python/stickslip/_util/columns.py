@@ -333,13 +333,18 @@ class Source:
             found = columns_of(self.name, given)
         if found is None:
             refuse("table", given, "a DataFrame, or columns by name")
-        if not found or not len(next(iter(found.values()))):
+        made = dict(self._with_unit(str(name), values) for name, values in (found or {}).items())
+        if not made or not len(next(iter(made.values()))):
             raise ScenarioError("has no row of data")
-        return dict(self._with_unit(str(name), values) for name, values in found.items())
+        return made
 
     def _with_unit(self, name: str, values: Any) -> tuple[str, Any]:
         """A heading with the unit that values carry, and their numbers."""
         plain, carried = without_unit(values)
+        shape = np.shape(plain)
+        if sum(size != 1 for size in shape) > 1 or not shape:
+            refuse(f"column {name}", values, "one value for each row")
+        plain = np.ravel(plain) if len(shape) > 1 else plain  # MATLAB has no vectors
         heading, stated = f"{name} ({carried})", split_unit(name)[1]
         if carried in (None, "", "1", "dimensionless") or carried == stated:
             return name, plain
@@ -355,11 +360,7 @@ class Source:
             if not self.is_file:
                 return list(self.arrays)
             header = self.csv(names).header
-            if not header:
-                raise ScenarioError("is empty: allowed are rows below a line of column names")
-            if not any(math.isnan(number(name.replace(",", "."))) for name in header if name):
-                text = "its first line is numbers: write a line of column names above it"
-                raise ScenarioError(text)
+            _check_header(header)
             return header
 
     def read(self, recipe: Recipe) -> SourceTable:
@@ -390,12 +391,23 @@ def index_labels(table: Any) -> list[Line]:
     return [int(line) if isinstance(line, int | np.integer) else str(line) for line in index]
 
 
+def _check_header(header: Sequence[str]) -> None:
+    if not header:
+        raise ScenarioError("is empty: allowed are rows below a line of column names")
+    if not any(math.isnan(number(name.replace(",", "."))) for name in header if name):
+        raise ScenarioError("its first line is numbers: write a line of column names above it")
+
+
 def _read_file(source: Source, recipe: Recipe) -> SourceTable:
     file = source.csv(recipe.names)
     if recipe.exact:
         if not file.line:
             raise ScenarioError(f"is empty: the first row has to be {','.join(recipe.entries)}")
         matches = _exactly(file, recipe)
+    elif file.header:
+        _check_header(file.header)
+    else:
+        raise ScenarioError("has no row of data below a line of column names")
     headings = _named(file.header)
     if len(headings) > _MOST_COLUMNS:
         raise ScenarioError(f"{len(headings)} columns; allowed are {_MOST_COLUMNS}")
@@ -595,9 +607,11 @@ def _read_arrays(source: Source, recipe: Recipe) -> SourceTable:
                     )
         else:
             made = numbers(f"column {heading}", values, gaps=True, finite=False)
-            odd = dict.fromkeys(np.flatnonzero(np.isnan(made)).tolist(), "")
-            if match.unit is None and states_unit(values):  # dates and durations are in s
-                match = match._replace(unit="s")
+            wild = np.flatnonzero(~(np.abs(made) < LARGEST)).tolist()
+            odd = {k: "" if math.isnan(made[k]) else f"{made[k]}" for k in wild}
+            made = np.where(np.abs(made) < LARGEST, made, math.nan)
+            if states_unit(values):  # dates and durations are in s, whatever the heading says
+                match = match._replace(unit="s", per=1.0)
         columns[match.name] = _made(heading, match, made, texts, odd, recipe)
     found = [f"{column.what.name} from {column.what.unit} to {column.what.si}"
              for column in columns.values()

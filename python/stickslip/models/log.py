@@ -165,8 +165,13 @@ class _Log(Recipe):
                 if plain(name) in names and ended.fits(units):
                     named.append((k, ended))
             if named:
-                found[column] = min(named, key=lambda one: (
-                    one[1].unit is None, names.index(plain(one[1].name))))  # fmt: skip
+                rank = [(each.unit is None, names.index(plain(each.name))) for _, each in named]
+                best = rank.index(min(rank))
+                also = {named[k][0] for k, one in enumerate(rank) if one == rank[best]}
+                if len(also) > 1:
+                    both = " and ".join(shown(there[k].text) for k in sorted(also)[:2])
+                    raise ScenarioError(f"columns {both} may both be {column}: allowed is one")
+                found[column] = named[best]
                 self._check_meaning(column, found[column][1], there)
         first = next(iter(self.of.inputs), None)
         for column in (_TIME, self.of.reads, *self.of.inputs)[:3]:
@@ -396,11 +401,17 @@ def _with_one_zero(
 ) -> dict[str, Array]:
     """Inputs by name; temperatures have the zero of the readings."""
     inputs = {column: values[column] for column in wanted.inputs if column in values}
-    stated = found[wanted.reads].what.unit
+    read = found[wanted.reads]
     for column in inputs:
         own = found[column].what.unit
-        temperature = "K" in wanted.units[column]
-        if temperature and own and stated and zero_of(own) != zero_of(shows):
+        if "K" not in wanted.units[column] or not own:
+            continue
+        if read.what.unit is None:
+            raise ScenarioError(
+                f"column {read.heading} has no unit, and {found[column].heading} has one: allowed "
+                f"is one for both, such as {read.heading} ({own})"
+            )
+        if zero_of(own) != zero_of(shows):
             inputs[column] = inputs[column] + (zero_of(own) - zero_of(shows))
             notes.append(Note("other-zero", f"{column} is converted from {own} to {shows}."))
     return inputs

@@ -93,6 +93,11 @@ def times(column: Column, path: object, lines: Sequence[Line]) -> tuple[Array, l
         return t, notes, True
     t = column.values
     known = np.flatnonzero(np.isfinite(t))
+    if len(known) and unit in CLOCKS:
+        raise ScenarioError(
+            f"{path}: column {column.heading} has the number {column.values[known[0]]:g} in line "
+            f"{lines[known[0]]}: allowed are clocks such as 12:00:01.5, or another unit"
+        )
     if not len(known):
         return t, notes, unit is not None
     first = float(t[known[0]])
