@@ -213,8 +213,8 @@ def measured_words():
             f"{len(true)} of {len(sure)} end right or as a set",
         ],
         "docs/howto/diagnose.md": [
-            f"[said of {said} of {made} made sets](../accuracy.md#what-data-cannot-tell) that hide"
-            f" something, and of {wrongly} of {made} that tell it",
+            f"[{said} of {made} sets](../accuracy.md#what-data-cannot-tell) made to hide"
+            f" something, and in {wrongly} of {made} others",
         ],
         "docs/howto/own-set-up.md": [
             f"named {planned['planned']['named rightly']} and twelve even ones"

@@ -27,6 +27,7 @@ function factsOf(changes, run) {
   const facts = {
     ...run, weight, forward, torque, rocks,
     "drive.kind": "sawtooth", // the page offers no other
+    "record.pull_share": "no", // the page asks for none
     resting_force: weight + adhesion,
     friction_held: friction * (weight + adhesion),
     density: densityOf(changes),

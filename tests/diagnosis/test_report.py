@@ -380,7 +380,7 @@ def test_errors_that_are_not_known_are_not_shown(none):
 
 def test_the_gain_of_each_record_is_told_the_worst_first():
     wave = 0.8 * np.sin(5.0 * np.linspace(1.0, 3.0, 30))
-    tables = [data(wave), data(wave), data(seed=1)]
+    tables = [data(wave), data(wave, seed=2), data(seed=1)]
     for table, name in zip(tables, ("a", "b", "flat"), strict=True):
         table.name = name
     result = diagnose_model(line, tables, [SLOPE, LEVEL], [WAVE, STEP])

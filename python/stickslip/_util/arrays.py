@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip._util.messages import check_whole, refuse, shown, suggestion
+from stickslip._util.note import Note
 from stickslip._util.text import is_number
 from stickslip._util.units import quantity_of, ratio, without_delta, zero_of
 from stickslip.errors import ScenarioError
@@ -315,6 +316,23 @@ def states_unit(values: object) -> bool:
 def unit_carried(values: Any) -> str | None:
     """The unit that values carry, as text; None of plain numbers."""
     return without_unit(values)[1]
+
+
+def conversions(at: str, given: Mapping[str, tuple[Any, str | None]]) -> list[Note]:
+    """A note on columns that carry another unit than is wanted, which is SI where it is None.
+
+    Some libraries keep a unit in arithmetic that changes it; so a reader has to see it.
+    """
+    made = {}
+    for name, (values, unit) in given.items():
+        carried = None if values is None else unit_carried(values)
+        change = carried is not None and conversion(name, carried, unit, name == "sd")
+        if change and change.changes:
+            made[name] = str(change)
+    if not made:
+        return []
+    text = ", ".join(f"{name} {change}" for name, change in made.items())
+    return [Note("converted", f"{at}converted as their units say: {text}.", len(made))]
 
 
 def without_unit(values: Any) -> tuple[Any, str | None]:

@@ -8,10 +8,9 @@ import warnings
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip._util.arrays import Array, Mask, check_indexes, row
+from stickslip._util.arrays import Array, Mask, check_indexes, conversions, row
 from stickslip._util.messages import check_kind, refuse
 from stickslip.diagnosis.data.outliers import far_from_a_fit, lost_frames, one_place_each
-from stickslip.diagnosis.data.table import conversions
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import Value, known_keys
 from stickslip.scenario.scenario import Scenario

@@ -17,6 +17,7 @@ from stickslip._util.arrays import (
     Indices,
     Mask,
     check_indexes,
+    conversions,
     locked,
     root_mean_square,
     row,
@@ -39,7 +40,6 @@ from stickslip.diagnosis.data.signal import Signal
 from stickslip.diagnosis.data.table import (
     READINGS,
     Table,
-    conversions,
     rows_in_words,
     stated_errors,
     without_gaps,

@@ -20,7 +20,7 @@ from stickslip._util.arrays import (
     check_indexes,
     column,
     columns_of,
-    conversion,
+    conversions,
     flat,
     labels,
     locked,
@@ -29,7 +29,6 @@ from stickslip._util.arrays import (
     root_mean_square,
     row,
     states_unit,
-    unit_carried,
 )
 from stickslip._util.note import Note
 from stickslip._util.text import brief, counted
@@ -441,23 +440,6 @@ def stated_errors(what: str, sd: ArrayLike, count: int, unit: str) -> Array:
             f"{what} = {brief(sd)}: allowed is a number above 0, or {count} of them"
         )
     return np.broadcast_to(values, (count,))
-
-
-def conversions(at: str, given: Mapping[str, tuple[Any, str | None]]) -> list[Note]:
-    """A note on columns that carry another unit than is wanted, which is SI where it is None.
-
-    Some libraries keep a unit in arithmetic that changes it; so a reader has to see it.
-    """
-    made = {}
-    for name, (values, unit) in given.items():
-        carried = None if values is None else unit_carried(values)
-        change = carried is not None and conversion(name, carried, unit, name == "sd")
-        if change and change.changes:
-            made[name] = str(change)
-    if not made:
-        return []
-    text = ", ".join(f"{name} {change}" for name, change in made.items())
-    return [Note("converted", f"{at}converted as their units say: {text}.", len(made))]
 
 
 def without_marks(what: str, values: Array, notes: list[Note]) -> Array:
