@@ -404,14 +404,13 @@ def _read_file(source: Source, recipe: Recipe) -> SourceTable:
         if not file.line:
             raise ScenarioError(f"is empty: the first row has to be {','.join(recipe.entries)}")
         matches = _exactly(file, recipe)
-    elif file.header:
-        _check_header(file.header)
-    else:
-        raise ScenarioError("has no row of data below a line of column names")
     headings = _named(file.header)
     if len(headings) > _MOST_COLUMNS:
         raise ScenarioError(f"{len(headings)} columns; allowed are {_MOST_COLUMNS}")
     if not recipe.exact:
+        if not headings:
+            raise ScenarioError("has no row of data below a line of column names")
+        _check_header(file.header)
         matches = recipe.matched(headings)
     parts = [_Part(heading, match) for heading, match in zip(headings, matches, strict=True)]
     lines: list[int] = []
