@@ -1,14 +1,12 @@
 #!/usr/bin/env bash
-# Expected: a duration is no number. `isinstance(x, numbers.Integral)` is False for it, as it is for
-#   `datetime.timedelta`, so that a check for whole numbers refuses it.
-# What happens: numpy.timedelta64 is a subclass of numpy.signedinteger, which NumPy registers as
-#   Integral. A duration passes the check as a count; `range(x)` or `x * 2.5` fail or mean something
-#   else much later. numpy.datetime64 is no number.
+# Expected: a duration is no number: `isinstance(x, numbers.Integral)` is False, as for `datetime.timedelta`.
+# What happens: numpy.timedelta64 is a subclass of numpy.signedinteger, which NumPy registers as Integral. A
+#   duration passes a check for whole numbers as a count; numpy.datetime64 is no number.
 # Package: numpy 2.2.6.
-# Who is hurt: whoever checks arguments by `numbers.Integral` or `numbers.Real` and is given the
-#   difference of two time stamps, for example of a logger's column.
+# Who is hurt: whoever checks arguments by `numbers.Integral` or `numbers.Real` and is given the difference of
+#   two time stamps, for example of a logger's column.
 # Instead: refuse numpy.timedelta64 before asking for a number (tried below).
-# Source: found by trying; the class hierarchy is in NumPy's documentation of scalars.
+# Source: found by trying; NumPy's documentation of scalars has the class hierarchy.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

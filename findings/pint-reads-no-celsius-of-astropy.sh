@@ -1,12 +1,10 @@
 #!/usr/bin/env bash
-# Expected: two libraries of units that both know degrees Celsius and m/s^2 understand each other's
-#   text of them, as they do for "mT" or "K".
-# What happens: astropy writes `deg_C`, which pint does not know; pint writes `degree_Celsius`, which
-#   astropy does not know. An acceleration of astropy is `m / s2`, of which pint takes `s2` for a name.
-#   And astropy converts Celsius to kelvin only with an equivalency that has to be given.
+# Expected: two libraries that both know degrees Celsius and m/s^2 read each other's text of them, as of "mT".
+# What happens: astropy writes `deg_C`, unknown to pint, and pint `degree_Celsius`, unknown to astropy. Of
+#   astropy's `m / s2` pint takes `s2` for a name. astropy converts Celsius to K only with an equivalency.
 # Packages: astropy 6.1.7, pint 0.24.4.
-# Who is hurt: whoever passes the text of a unit from one to the other: a log in Celsius or of an
-#   acceleration is refused, where the same log in K or in m / s / s works.
+# Who is hurt: whoever passes the text of a unit from one to the other: a log in Celsius or of an acceleration
+#   is refused, where the same log in K or in m / s / s works.
 # Instead: convert to K on the side that made the values, and write powers with ** (tried below).
 # Source: found by trying; both names stand in the lists of units of the two documentations.
 set -euo pipefail
