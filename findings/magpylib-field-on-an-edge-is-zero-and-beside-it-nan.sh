@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Expected: on the edge of a magnet the field is large, infinite or nan, and one rounding beside it large.
 # What happens: on an edge or a corner B is exactly (0, 0, 0), though edges count as inside, so H is minus the
-#   magnetisation. A last bit beside the edge B is nan. On a wire B is 0, too, and 2e5 T at 1e-12 m from a 1 m loop of 1
+#   magnetization. A last bit beside the edge B is nan. On a wire B is 0, too, and 2e5 T at 1e-12 m from a 1 m loop of 1
 #   A. On a face B is that of the inner side: the tangential part jumps across.
 # Packages: magpylib 6.3.0, scipy 1.17.1, numpy 2.3.5. Source: found by trying.
 # Who is hurt: whoever lays a regular grid over a magnet: zeros pass every check for finite values, and leave holes in a
