@@ -18,6 +18,7 @@ _NAMES = {
     "stickslip.design.optimum": "Optimum",
     "stickslip.diagnosis.data.series": "Series",
     "stickslip.diagnosis.data.table": "Table",
+    "stickslip.diagnosis.change": "diagnose_change",
     "stickslip.diagnosis.entry": "diagnose_model",
     "stickslip.diagnosis.result": "Diagnosis",
     "stickslip.diagnosis.terms": "events instruments",

@@ -20,6 +20,7 @@ _NAMES = {
     "diagnosis.decision.gain": "Gain",
     "diagnosis.decision.test": "Test",
     "diagnosis.decision.verdict": "Verdict",
+    "diagnosis.change": "diagnose_change",
     "diagnosis.entry": "diagnose_model",
     "diagnosis.fitting.models": "Fit",
     "diagnosis.fitting.problem": "Problem",

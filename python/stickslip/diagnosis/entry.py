@@ -88,7 +88,7 @@ def diagnose_model(
     ('named', ('wave',))
     """
     check_whole("seed", seed)
-    terms = partial(_terms, predict, uncertain, causes)
+    terms = partial(stated_terms, predict, uncertain, causes)
     stated = terms(data)
     with one_blas_thread():
         problem = posed(data, predict, *stated)
@@ -97,7 +97,7 @@ def diagnose_model(
             problem = posed(tables, predict, *stated)
         lost = (note for table in problem.tables for note in table.own_notes)
         fault = next((note for note in lost if note.code == LOST_SENSOR), None) or unit_fault(
-            problem, partial(_of_tables, predict, terms), _units(predict), int(seed)
+            problem, partial(_of_tables, predict, terms), units_of(predict), int(seed)
         )
         problem = problem if fault else with_scatter(problem, int(seed))
         notes = [*overflows(problem), *without_effect(problem)]
@@ -113,7 +113,7 @@ def diagnosed(
     fault: Note | None = None,
 ) -> Diagnosis:
     """The diagnosis of a problem; `source` is what poses it, a `fault` what is wrong with data."""
-    findings = run(problem, seed, progress or _silent, fault or _fault_of(problem))
+    findings = run(problem, seed, progress or _silent, fault or fault_of(problem))
     return Diagnosis(findings, source, (*notes, *moved_constants(findings)))
 
 
@@ -125,7 +125,7 @@ def _of_tables(
     return bare_problem(tables, predict, *terms(tables))
 
 
-def _terms(
+def stated_terms(
     predict: Predict, uncertain: Sequence[Parameter] | None, causes: Sequence[Cause], data: Any
 ) -> tuple[Sequence[Parameter], Sequence[Cause]]:
     """What is stated, or what a model that has `terms` says of data, and the other causes."""
@@ -137,7 +137,7 @@ def _terms(
     return uncertain, [*terms, *causes] if isinstance(causes, Sequence) else causes
 
 
-def _units(predict: Predict) -> dict[str, tuple[str, Sequence[str]]]:
+def units_of(predict: Predict) -> dict[str, tuple[str, Sequence[str]]]:
     """What the columns of a model's logs are called, and their SI units."""
     known: dict[str, tuple[str, Sequence[str]]] = {
         READINGS: ("the readings", ()), "t": ("time", ("s",))}  # fmt: skip
@@ -156,13 +156,16 @@ def _silent(fraction: float, stage: str) -> None:
     """Say nothing."""
 
 
-def _fault_of(problem: Problem) -> Note | None:
+def fault_of(problem: Problem) -> Note | None:
     """What is wrong with the data of a problem, if anything is; each table is asked."""
     alone = len(problem.tables) == 1
     stated = problem.model(problem.physical(np.zeros((1, problem.size))))[0]
     known = any(errors.known for errors in problem.errors)
     for table, part in zip(problem.tables, problem.rows, strict=True):
-        fault = table.problem(stated[part], alone or not known)
+        if table.less is None:
+            fault = table.problem(stated[part], alone or not known)
+        else:  # a difference has no size or sign that could be wrong
+            fault = table.tells_nothing(alone or not known)
         if fault is not None:
             return fault if alone else replace(fault, text=f"{table.at}{fault.text}")
     count, free = len(problem.y), len(problem.constants)

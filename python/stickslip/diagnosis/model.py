@@ -175,8 +175,11 @@ def _wider(model: ForwardModel, problem: Problem, more: Sequence[Cause]) -> Prob
 def _of_tables(
     model: ForwardModel, tables: Sequence[Table], names: Sequence[str], values: Array
 ) -> Array:
-    of = [table.of_conditions(lambda whole: model(whole, names, values)) for table in tables]
-    return np.hstack(of)
+    def of(table: Table) -> Array:
+        made = table.of_conditions(lambda whole: model(whole, names, values))
+        return made if table.less is None else made - of(table.less[0])[:, table.less[1]]
+
+    return np.hstack([of(table) for table in tables])
 
 
 def computed_tables(problem: Problem, seed: int) -> tuple[Table, ...]:
@@ -233,12 +236,19 @@ class ForwardModel(OneLine):
 
         Vectors that differ only in what belongs to other tables share a prediction.
         """
-        at = self.columns(table.name, names)
+        at = self.columns(table, names)
         vectors, inverse = np.unique(values[:, list(at.values())], axis=0, return_inverse=True)
-        acting = [cause for cause in self.causes if cause.table in (None, table.name)]
+        acting = [cause for cause in self.causes if cause.acts_in(table)]
+        absent = {
+            one.name: float(one.value(np.zeros(1))[0])
+            for cause in self.causes
+            if cause not in acting and not cause.is_instrument
+            for one in cause.parameters
+        }
 
         def physics(keys: Sequence[str], rows: Array) -> Array:
             p = Values({key: locked(rows[:, [k]]) for k, key in enumerate(keys)})
+            p |= {name: locked(np.full((len(rows), 1), value)) for name, value in absent.items()}
             try:
                 return self._answer(_seen(table, acting, p), p, len(rows))
             except ScenarioError:
@@ -285,19 +295,19 @@ class ForwardModel(OneLine):
         name = str(getattr(getattr(function, "function", function), "__name__", ""))
         return name if name.isidentifier() else "it"
 
-    def columns(self, table: str, names: Sequence[str]) -> dict[str, int]:
+    def columns(self, table: Table, names: Sequence[str]) -> dict[str, int]:
         """Columns of `names` that count for a table, by the names that the model knows."""
         records = {constant.name for constant in self.uncertain if constant.each_record}
         elsewhere = {
             one.name
             for cause in self.causes
-            if cause.is_instrument and cause.table not in (None, table)
+            if not cause.acts_in(table)
             for one in cause.parameters
         }
         places = {}
         for k, name in enumerate(names):
             base, bracket, record = name.partition("[")
-            if name in elsewhere or (bracket and base in records and record != f"{table}]"):
+            if name in elsewhere or (bracket and base in records and record != f"{table.name}]"):
                 continue
             places[base if base in records else name] = k
         return places
@@ -371,11 +381,13 @@ def _of_each_record(
         if not parameter.each_record:
             constants.append(parameter)
             continue
-        records = [table for table in tables if isinstance(table, Series)]
+        both = (each for table in tables for each in (table, *(table.less or ())[:1]))
+        records = [table for table in both if isinstance(table, Series)]
         if not records:
             raise ScenarioError(f"parameter {parameter.name}: each_record: allowed beside a Series")
         constants += [
-            replace(parameter, name=of_record(parameter, table), cause=False, each_record=False)
+            replace(parameter, name=of_record(parameter, table), cause=False, each_record=False,
+                    prior=table.starts.get(parameter.name, parameter.prior))
             for table in records
         ]
     return tuple(constants)
@@ -443,7 +455,7 @@ def _outside(cause: Cause, tables: Sequence[Table]) -> list[Note]:
     records = [
         (table.t[0], table.t[-1])
         for table in tables
-        if isinstance(table, Series) and cause.table in (None, table.name)
+        if isinstance(table, Series) and cause.acts_in(table)
     ]
     if cause.between is None or not records:
         return []
@@ -511,7 +523,7 @@ def _check_names(
 def _check_copies(tables: Sequence[Table]) -> None:
     """Refuse a table that another one is a copy of, whatever they are called."""
     for one, other in itertools.combinations(tables, 2):
-        if len(one.y) == len(other.y) and len(np.unique(one.y)) >= _FEWEST_VALUES:
+        if one.side == other.side and len(one.y) == len(other.y) and len(np.unique(one.y)) >= _FEWEST_VALUES:
             rows, copied = (_in_order(table) for table in (one, other))
             if all(map(partial(np.allclose, rtol=_SAME, atol=0.0), rows, copied)):
                 raise ScenarioError(
@@ -542,13 +554,13 @@ def _check_causes(
             hint = meant(cause.frees, known)
             wrong = f"frees = {cause.frees}: allowed is an uncertain parameter{hint}"
         for table in tables:
-            acts = cause.input is not None and cause.table in (None, table.name)
+            acts = cause.input is not None and cause.acts_in(table)
             if acts and cause.input not in table.inputs:
                 at = f" of {table.name}" if table.name else ""
                 allowed = ", ".join(table.inputs) or "none"
                 wrong = f"input = {cause.input}: allowed is an input{at}: {allowed}"
             reads = cause.read is not None and cause.input is None
-            for one in cause.parameters if reads and cause.table in (None, table.name) else ():
+            for one in cause.parameters if reads and cause.acts_in(table) else ():
                 if is_of(one.unit, table.unit) and not same_unit(one.unit, table.unit):
                     wrong = f"unit = {one.unit}: allowed is that of the readings, {table.unit}"
         if wrong:

@@ -80,8 +80,14 @@ def moved_constants(findings: Findings) -> list[Note]:
 
 
 def _explained(models: Models) -> bool:
-    """Whether the likeliest causes leave no more than the errors as they are stated."""
-    plain = models.get(models.leaders(1)[0].names)
+    """Whether the likeliest causes leave no more than the errors as they are stated.
+
+    One on each of two sides that are compared may be one that both have.
+    """
+    leader = models.leaders(1)[0]
+    plain = models.get(leader.names)
+    if len({cause.side for cause in leader.causes}) > 1:
+        return False
     return plain is not None and adequacy(models.problem, plain) >= ADEQUATE
 
 

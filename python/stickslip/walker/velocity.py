@@ -187,7 +187,7 @@ class VelocityTable(SimulatedTable):
     def problem(self, stated: Array, alone: bool = True) -> Note | None:
         """Also velocities that drift, or that are not what the stated model can give."""
         return (
-            self._tells_nothing(alone) or self._wrong_size() or self._wrong_sign() or self._drift()
+            self.tells_nothing(alone) or self._wrong_size() or self._wrong_sign() or self._drift()
         )
 
     def remarks(self) -> list[Note]:

@@ -31,6 +31,7 @@ from stickslip._util.arrays import (
     states_unit,
 )
 from stickslip._util.note import Note
+from stickslip._util.prior import Prior
 from stickslip._util.text import brief, counted
 from stickslip._util.units import far_size, unit_label
 from stickslip.diagnosis.data.errors import estimate, no_finer_than_the_meter
@@ -130,6 +131,12 @@ class Table:
     """What was put in, by name; only a record has such."""
     unstated: Collection[str] = ()
     """Columns whose unit the data do not state."""
+    side = ""
+    """Of which state of a machine it is, where two are compared."""
+    less: tuple[Table, Indices] | None = None
+    """A table and its conditions whose readings and predictions are taken off."""
+    starts: Mapping[str, Prior] = {}
+    """What is known of a record's own constants, in place of their priors, by name."""
     drawable = True
     """Whether its readings share a unit, so that they are drawn over a setting."""
 
@@ -220,7 +227,7 @@ class Table:
         else:
             settings = settings[kept]
         made = Table(settings, self.y[kept], **beside, name=self.name, unit=self.unit)
-        made.unstated = self.unstated
+        made.unstated, made.side = self.unstated, self.side
         return made._less(self, kept, why)
 
     def _less(self, whole: Table, kept: Mask, why: str) -> Self:
@@ -235,6 +242,11 @@ class Table:
         """A model predicts the whole one, or what that is a part of, of which these rows count."""
         self.whole = whole if whole.whole is None else whole.whole
         self.kept = kept if whole.whole is None else whole.kept[kept]
+
+    def of_side(self, side: str) -> Self:
+        """The same as a table of one of two states of a machine, with its word in the name."""
+        whole = None if self.whole is None else self.whole.of_side(side)
+        return self.having(name=f"{side} {self.name}".rstrip(), side=side, whole=whole)
 
     @property
     def predicted(self) -> int:
@@ -261,7 +273,7 @@ class Table:
     @property
     def title(self) -> str:
         """What its readings are called; "" where they have no name."""
-        return self.name
+        return self.name if self.less is None else f"{self.name} less {self.less[0].name}"
 
     @property
     def step(self) -> float | None:
@@ -324,14 +336,15 @@ class Table:
             Whether there is no other table. Beside others it may say little: they can tell causes
             apart.
         """
-        return self._tells_nothing(alone) or self._meant(stated)
+        return self.tells_nothing(alone) or self._meant(stated)
 
     def remarks(self) -> list[Note]:
         """What a reader should know of readings that can be used."""
         return []
 
-    def _tells_nothing(self, alone: bool) -> Note | None:
-        if not np.any(self.y):
+    def tells_nothing(self, alone: bool) -> Note | None:
+        """Why readings can tell no causes apart, whatever the model; None if they can."""
+        if self.less is None and not np.any(self.y):
             text = "Every reading is zero: nothing moved, so nothing can be told apart."
             return Note("all-zero", text)
         if not alone:
@@ -349,7 +362,8 @@ class Table:
                 "conditions, or state the error (velocity_sd of a measurement, sd of a table)."
             )
             return Note("no-noise", text)
-        if 0.0 < errors.dof < math.inf and 3 < len(mean) < len(self.y):  # from repeats
+        of_repeats = self.less is None and 3 < len(mean) < len(self.y)
+        if 0.0 < errors.dof < math.inf and of_repeats:
             # What blocks share is no error of one condition beside another.
             variances = errors.of_reading(mean) ** 2 / np.bincount(self.condition)
             ratio = float(np.var(mean) / np.mean(variances))

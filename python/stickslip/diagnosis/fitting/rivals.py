@@ -62,6 +62,10 @@ class Rivals:
         """A row for each trial of some experiments, to be filled in."""
         raise NotImplementedError
 
+    def sides(self, values: Mapping[str, Any]) -> dict[str, dict[str, float]] | None:
+        """Parameters of each of two states of a machine that are compared; None of one state."""
+        return None
+
     def extended(self, values: Mapping[str, Any], covariance: DataFrame | None) -> Any:
         """The model with these values by name; None of a covariance where nothing was fitted."""
         return dict(values)

@@ -19,7 +19,7 @@ from stickslip._util.units import is_of, mistaken, unit_label
 from stickslip.diagnosis.data.outliers import far_readings
 from stickslip.diagnosis.data.settings import ROW, Settings
 from stickslip.diagnosis.decision.candidate import Candidate, spread_of
-from stickslip.diagnosis.decision.cannot_tell import Combination
+from stickslip.diagnosis.decision.cannot_tell import Alike, Combination
 from stickslip.diagnosis.decision.facts import Facts
 from stickslip.diagnosis.decision.posterior import SURE
 from stickslip.diagnosis.decision.verdict import DOMINANT, Kind
@@ -109,6 +109,8 @@ def numbers_of(facts: Facts, title: str | None = None) -> dict[str, Any]:
         "seed": findings.seed,
         "version": VERSION,
         "of_measurement": source is not None,
+        "paired": any(table.less is not None for table in facts.problem.tables),
+        "sides": facts.rivals.sides(facts.best.params["value"] if facts.fitted else {}),
     }  # fmt: skip
     if facts.fitted:
         numbers |= _of_models(facts, numbers["conditions"])
@@ -291,12 +293,26 @@ def _claim(facts: Facts, candidate: Candidate) -> dict[str, Any]:
             form = "" if cause.has_knots else f", {article} {cause.curve.form}"
             row |= {"finding": f"The law of {cause.curve.name} has another shape{form}.",
                     "drawing": cause.curve.law, "interval": ""}  # fmt: skip
+        if cause.changes is not None:
+            row |= {"finding": _changed(facts, candidate, cause.changes, sizes[cause.name])}
         if cause.frees is not None and not cause.parameters:
             row["finding"] += _in_another_unit(facts, cause.frees, sizes[cause.name])
         causes.append(row)
     chance = facts.chance.models[candidate.name]
     return {"candidate": candidate.name, "title": facts.words.title(candidate.name),
             "probability": chance, "causes": causes}  # fmt: skip
+
+
+def _changed(
+    facts: Facts, candidate: Candidate, name: str, sizes: Mapping[str, Mapping[str, Any]]
+) -> str:
+    """How the constant of a name differs between two sides."""
+    (by,) = sizes.values()
+    value, sd, unit = candidate.params["value"][name], by["sd"], by["unit"]
+    ends = (facts.words.near(name, at, sd, unit) for at in (value, value + by["value"]))
+    way, far = "rose" if by["value"] > 0.0 else "fell", abs(by["value"])
+    return (f"The {facts.words.parameter(name)} {way} from {' to '.join(ends)}, by "
+            f"{facts.words.size(name, far, sd, unit)}.")  # fmt: skip
 
 
 def _in_another_unit(facts: Facts, name: str, sizes: Mapping[str, Mapping[str, Any]]) -> str:
@@ -486,6 +502,13 @@ def _deciding(
 def _cannot_tell(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """What the data cannot tell, in the names of the user."""
     beyond, words, names = facts.cannot_tell, facts.words, facts.subject.fit.names
+
+    def opposite(pair: Alike) -> bool:
+        """Whether it is one cause on either of two sides, which differ in sign."""
+        one, other = (name.rpartition(" ") for name in (pair.cause, pair.other))
+        return numbers_of_change and one[0] == other[0]
+
+    numbers_of_change = any(cause.side for cause in facts.problem.causes)
     alike = [
         {
             "cause": cause, "title": words.title(cause), "told": cause in names,
@@ -496,10 +519,10 @@ def _cannot_tell(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> dict[str, A
                     "more": None if math.isinf(pair.more) else pair.more,
                     **{key: rows[pair.row][key] for key in ("table", "number", "where")},
                 }
-                for pair in beyond.alike if pair.cause == cause
+                for pair in beyond.alike if pair.cause == cause and not opposite(pair)
             ],
         }
-        for cause in dict.fromkeys(pair.cause for pair in beyond.alike)
+        for cause in dict.fromkeys(pair.cause for pair in beyond.alike if not opposite(pair))
     ]  # fmt: skip
     groups = [
         {"parameters": list(group.names), "titles": [words.parameter(n) for n in group.names],
@@ -569,6 +592,8 @@ def _bounds(facts: Facts) -> dict[str, Any]:
     parameters = {parameter.name: parameter for parameter in facts.problem.parameters}
     causes = ((cause, facts.words.title(cause.name)) for cause in facts.problem.causes)
     owners = {parameter.name: title for cause, title in causes for parameter in cause.parameters}
+    changes = {cause.name: facts.words.parameter(cause.changes) for cause in facts.problem.causes
+               if cause.changes}  # fmt: skip
     return {
         name.removeprefix("effects."): {
             "value": value, "unit": parameters[name].unit, "falls": parameters[name].falls,
@@ -577,6 +602,7 @@ def _bounds(facts: Facts) -> dict[str, Any]:
             "cause": owners.get(name, ""),
             "text": facts.words.limit(name, value, parameters[name].unit),
             "seen": seen,
+            "changes": changes.get(name, ""),
         }
         for name, (value, seen) in sorted(limits.items(), key=lambda item: item[1].value)
     }  # fmt: skip

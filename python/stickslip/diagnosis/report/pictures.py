@@ -256,6 +256,10 @@ class Plots:
         factor, shown = table.shown_unit(int(first) - part.start)
         label = what if base is None else f"difference of {what}"
         label += f" ({shown})" if shown else ""
+        if base is None and table.less is not None:
+            self._draw_both(axes, panel, at, factor)
+            axes.set(xlabel=in_handy_units(panel.over, unit)[1], ylabel=label, title=panel.title)
+            return plain_axes(axes)
         below = np.zeros(len(facts.problem.y)) if base is None else base
         for group, rows in panel.groups.items():
             x, marker = at[rows - part.start], panel.markers[group]
@@ -291,6 +295,21 @@ class Plots:
         axes.set_title(panel.title, fontsize=11, fontweight="bold")
         axes.margins(x=0.07, y=0.12)
         plain_axes(axes)
+
+
+    def _draw_both(self, axes: Any, panel: Panel, at: Array, factor: float) -> None:
+        """The readings of both sides, whose differences are fitted."""
+        table, part = self._tables[panel.table], self._facts.problem.rows[panel.table]
+        assert table.less is not None
+        before = table.less[0].mean[table.less[1]] * factor
+        sides = {table.less[0].name: (before, GREY, "s"),
+                 table.name: (before + table.mean * factor, BLACK, "o")}  # fmt: skip
+        for rows in panel.groups.values():
+            k = rows - part.start
+            look: dict[str, Any] = {"ls": "none"} if len(k) <= _SAMPLES else {"lw": 1.0}
+            for name, (y, colour, marker) in sides.items():
+                look |= {"marker": marker} if len(k) <= _SAMPLES else {}
+                axes.plot(at[k], y[k], color=colour, label=name, ms=4.5, **look)
 
 
 def drawing(symbols: str, name: str, way: str = "") -> str:
