@@ -44,7 +44,8 @@ _SAID_FIRST = 3
     "  stickslip diagnose measurement.toml --out found\n"
     "  stickslip diagnose measurement.toml --out found --next 1\n"
     "  stickslip diagnose --plan 12 scenario.toml --out plan\n"
-    "  stickslip diagnose log.csv --model joint --set inertia=0.1,0.002 --set viscous=0.2,0.05",
+    "  stickslip diagnose log.csv --model joint --set inertia=0.1,0.002 --set viscous=0.2,0.05\n"
+    "  stickslip diagnose after.csv --against before.csv --model joint --set inertia=0.1,0.002",
 )
 @click.argument("files", type=PATH, nargs=-1, required=True, metavar="MEASUREMENT | LOG...")
 @click.option(
@@ -52,6 +53,13 @@ _SAID_FIRST = 3
     metavar="NAME",
     help="Of logs: joint, axis, pendulum, oscillator, thermal, or FILE.py:NAME. Each log is a "
     "record of its own.",
+)
+@click.option(
+    "--against",
+    type=PATH,
+    multiple=True,
+    metavar="BEFORE",
+    help="What changed since BEFORE, an earlier measurement or log; of logs there may be several.",
 )
 @pairs(
     "--set",
@@ -64,8 +72,9 @@ _SAID_FIRST = 3
 @click.option(
     "--out",
     type=FOLDER,
-    help="Folder for report.html, report.json and extended.toml with its voltages and map, if "
-    "any.  [default: diagnosis; with --json and without --next none]",
+    help="Folder for report.html, report.json and extended.toml, or with --against before.toml "
+    "and after.toml, with their voltages and maps, if any.  [default: diagnosis; with --json and "
+    "without --next none]",
 )
 @click.option(
     "--next",
@@ -103,6 +112,7 @@ _SAID_FIRST = 3
 def command(
     files: tuple[Path, ...],
     model: str | None,
+    against: tuple[Path, ...],
     set: dict[str, Any],
     out: Path | None,
     as_json: bool,
@@ -115,7 +125,13 @@ def command(
     write: bool,
 ) -> None:
     if planned is not None:
-        others = {"--model": model, "--set": set, "--next": most, "--budget": budget}
+        others = {
+            "--model": model,
+            "--against": against,
+            "--set": set,
+            "--next": most,
+            "--budget": budget,
+        }
         others |= {"--write": write, "--json": as_json}
         for option, value in others.items():
             if value:
@@ -131,9 +147,12 @@ def command(
         for option, value in others.items():
             if value is not None:
                 raise click.UsageError(f"{option}: allowed without --model only")
-        _diagnose_logs(files, model, set, out, as_json, seed)
+        _diagnose_logs(files, against, model, set, out, as_json, seed)
         return
     measurement, *more = files
+    more += against[1:]
+    if against and most is not None:
+        raise click.UsageError("--next: allowed without --against only")
     if more or set:
         raise click.UsageError(f"{more[0] if more else '--set'}: allowed with --model only")
     try:
@@ -146,15 +165,17 @@ def command(
         return
     if write:
         raise click.UsageError("--write: allowed with a table of data only")
+    earlier = stickslip.read_measurement(against[0]) if against else None
     # Before what takes minutes: a cell with a slip of the pen may be worth mending first.
-    for row in data.left_out[:_SAID_FIRST]:
+    left_out = [*(earlier.left_out if earlier else ()), *data.left_out]
+    for row in left_out[:_SAID_FIRST]:
         say(f"stickslip: left out: {row}", err=True)
-    if len(data.left_out) > _SAID_FIRST:
+    if len(left_out) > _SAID_FIRST:
         say("stickslip: left out: more, which the report lists", err=True)
     if out is None and (most is not None or not as_json):
         out = Path("diagnosis")
     rounds = None
-    written = report_files(data.scenario)
+    written = report_files(data.scenario, earlier.scenario if earlier else None)
     if out is not None:
         with prefixed("--out", OSError):
             check_folder(out, written if most is None else [*written, *TABLES])
@@ -163,9 +184,10 @@ def command(
         elif (out / TABLES[0]).exists():
             say(f"stickslip: {out / TABLES[0]} is not read, as --next is not given", err=True)
     with progress_bar() as bar:
-        result = stickslip.diagnose(data, seed=seed, threads=threads, progress=bar)
-        bar(1.0, "next experiment")
-        result.propose_experiments()
+        result = stickslip.diagnose(data, against=earlier, seed=seed, threads=threads, progress=bar)
+        if earlier is None:
+            bar(1.0, "next experiment")
+            result.propose_experiments()
     next_ = {} if rounds is None else {"next": rounds.as_dict(result)}
     try:
         _print(result, as_json, next_, rounds.lines(result) if rounds else [])
@@ -203,6 +225,7 @@ def _plan(
 
 def _diagnose_logs(
     files: Sequence[Path],
+    against: Sequence[Path],
     model: str,
     given: Mapping[str, Any],
     out: Path | None,
@@ -217,23 +240,34 @@ def _diagnose_logs(
     if out is not None:
         with prefixed("--out", OSError):
             check_folder(out, REPORT)
-    sources = [Source(path) for path in files]
+    paths = [*against, *files]
+    sources = [Source(path) for path in paths]
     made = load_model(model, given, sources)
     logs = [read_log(source, made) for source in sources]
     names = [log.name for log in logs]
     logs = [log.named(f"{path.resolve().parent.name}/{log.name}")
             if names.count(log.name) > 1 else log
-            for log, path in zip(logs, files, strict=True)]  # fmt: skip
+            for log, path in zip(logs, paths, strict=True)]  # fmt: skip
     for log in logs:
         for note in log.own_notes:
             say(f"stickslip: {log.name}: {note}", err=True)
     with progress_bar() as bar:
-        result = stickslip.diagnose_model(made, logs, seed=seed, progress=bar)
+        sides = logs[: len(against)], logs[len(against) :]
+        result = (
+            stickslip.diagnose_change(made, *sides, seed=seed, progress=bar)
+            if against
+            else stickslip.diagnose_model(made, logs, seed=seed, progress=bar)
+        )
     try:
         _print(result, as_json)
     finally:
         if out is not None:
-            result.save_report(out, title=", ".join(path.name for path in files))
+            result.save_report(
+                out,
+                title=" against ".join(
+                    ", ".join(path.name for path in each) for each in (files, against) if each
+                ),
+            )
     if out is not None and not as_json:
         say(f"  in {out}: {', '.join(REPORT)}")
 

@@ -240,7 +240,7 @@ class ForwardModel(OneLine):
         vectors, inverse = np.unique(values[:, list(at.values())], axis=0, return_inverse=True)
         acting = [cause for cause in self.causes if cause.acts_in(table)]
         absent = {
-            one.name: float(one.value(np.zeros(1))[0])
+            one.name: one.middle
             for cause in self.causes
             if cause not in acting and not cause.is_instrument
             for one in cause.parameters
@@ -386,8 +386,13 @@ def _of_each_record(
         if not records:
             raise ScenarioError(f"parameter {parameter.name}: each_record: allowed beside a Series")
         constants += [
-            replace(parameter, name=of_record(parameter, table), cause=False, each_record=False,
-                    prior=table.starts.get(parameter.name, parameter.prior))
+            replace(
+                parameter,
+                name=of_record(parameter, table),
+                cause=False,
+                each_record=False,
+                prior=table.starts.get(parameter.name, parameter.prior),
+            )
             for table in records
         ]
     return tuple(constants)
@@ -523,7 +528,11 @@ def _check_names(
 def _check_copies(tables: Sequence[Table]) -> None:
     """Refuse a table that another one is a copy of, whatever they are called."""
     for one, other in itertools.combinations(tables, 2):
-        if one.side == other.side and len(one.y) == len(other.y) and len(np.unique(one.y)) >= _FEWEST_VALUES:
+        if (
+            one.side == other.side
+            and len(one.y) == len(other.y)
+            and len(np.unique(one.y)) >= _FEWEST_VALUES
+        ):
             rows, copied = (_in_order(table) for table in (one, other))
             if all(map(partial(np.allclose, rtol=_SAME, atol=0.0), rows, copied)):
                 raise ScenarioError(

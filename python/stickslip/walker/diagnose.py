@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from stickslip._util.arrays import worker_count
 from stickslip._util.messages import check_whole, shown
+from stickslip.diagnosis.change import absolute_fault
 from stickslip.diagnosis.entry import diagnosed, one_blas_thread
 from stickslip.diagnosis.fitting.search import Progress
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.errors import ScenarioError
-from stickslip.walker.problem import posed_by
+from stickslip.walker.problem import posed_against, posed_by
 from stickslip.walker.reading import Measurement
 
 
 def diagnose(
     measurement: Measurement,
     *,
+    against: Measurement | None = None,
     seed: int = 0,
     threads: int | None = None,
     progress: Progress | None = None,
@@ -25,6 +27,9 @@ def diagnose(
     ----------
     measurement : Measurement
         From `read_measurement` or `Measurement.from_dataframe`.
+    against : Measurement, optional
+        An earlier measurement with the same uncertain constants: what changed since is diagnosed,
+        as by `diagnose_change`.
     seed, progress
         As for `diagnose_model`.
     threads : int, optional
@@ -43,13 +48,20 @@ def diagnose(
     ValueError
         If `threads` is not a whole number above zero.
     """
-    if not isinstance(measurement, Measurement):
-        raise ScenarioError(
-            f"measurement = {shown(measurement)}: allowed is a Measurement; "
-            "Measurement.from_dataframe(...) or read_measurement(path) makes one"
-        )
+    for name, given in {"measurement": measurement, "against": against}.items():
+        if not isinstance(given, Measurement) and not (name == "against" and given is None):
+            raise ScenarioError(
+                f"{name} = {shown(given)}: allowed is a Measurement; "
+                "Measurement.from_dataframe(...) or read_measurement(path) makes one"
+            )
     check_whole("seed", seed)
-    problem = posed_by(measurement, worker_count(threads, "threads"), seed)
-    notes = [note for table in problem.tables for note in table.remarks()]
+    count = worker_count(threads, "threads")
     with one_blas_thread():
-        return diagnosed(problem, int(seed), progress, notes, measurement)
+        if against is None:
+            whole = problem = posed_by(measurement, count, seed)
+            source, fault = measurement, None
+        else:
+            problem, whole = posed_against(measurement, against, count, seed)
+            source, fault = measurement.beside(against), absolute_fault(whole)
+        notes = [note for table in whole.tables for note in table.remarks()]
+        return diagnosed(problem, int(seed), progress, notes, source, fault)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -25,6 +26,9 @@ from stickslip.walker.folding import Kind, fold, frame_errors, reduce, undrifted
 from stickslip.walker.instruments import of_films
 from stickslip.walker.read_tracking import FEWEST, REQUIRED, TrackingRun
 from stickslip.walker.simulated import SimulatedTable
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 _KINDS: dict[str, tuple[Kind, str]] = {
     "theta": ("level", "rad"),
@@ -104,6 +108,9 @@ class FilmTable(SimulatedTable):
         self.places = None
         self.nuisance = self._uncertain()
         self.instruments = of_films(film.columns["theta"][self.columns["theta"][0]])
+
+    def of_side(self, side: str) -> Self:
+        return self.having(side=side)  # its number is its own
 
     @property
     def at(self) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -14,10 +15,12 @@ import numpy as np
 from stickslip._util.arrays import Array
 from stickslip._util.note import Note
 from stickslip._util.toml import own_text
+from stickslip.diagnosis.change import AFTER, SIDES, Sides, TwoSides, posed_change
+from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.experiments import Experiment
 from stickslip.diagnosis.fitting.problem import Cached, Problem
 from stickslip.diagnosis.fitting.rivals import Rivals
-from stickslip.diagnosis.model import posed
+from stickslip.diagnosis.model import Predict, bare_problem, posed
 from stickslip.diagnosis.report.files import FILES
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.laws import Curves
@@ -46,8 +49,12 @@ EXTENDED = "extended.toml"
 """The file that states the extended scenario."""
 
 
-def tables_of(measurement: Measurement, threads: int, seed: int) -> list[SimulatedTable]:
+def tables_of(
+    measurement: Measurement, threads: int, seed: int, films: int = 0
+) -> list[SimulatedTable]:
     """All tables of a measurement: velocities, films, angles, fields.
+
+    So many `films` are of another one, and have the first numbers.
 
     A ScenarioError is raised if nothing was measured that the diagnosis can use.
     """
@@ -55,7 +62,8 @@ def tables_of(measurement: Measurement, threads: int, seed: int) -> list[Simulat
     if any(len(data.velocity) for data in measurement.velocity):
         tables.append(VelocityTable(measurement, threads=threads, seed=seed))
     tables += [
-        FilmTable(run, number, threads) for number, run in enumerate(measurement.tracking, start=1)
+        FilmTable(run, number, threads)
+        for number, run in enumerate(measurement.tracking, start=films + 1)
     ]
     scenario = measurement.scenario
     try:
@@ -74,11 +82,66 @@ def posed_by(measurement: Measurement, threads: int = 1, seed: int = 0) -> Probl
 
     A ScenarioError is raised if nothing was measured that the diagnosis can use.
     """
-    scenario, keys = measurement.scenario, known_keys()
-    if scenario.coil.map is not None:
+    _check(measurement)
+    tables = tables_of(measurement, threads, seed)
+    constants, causes = _terms(measurement, tables)
+    simulated = Simulated(tables)
+    return posed(
+        tables, simulated.full, constants, causes,
+        low_fidelity=simulated.cheap, laws=partial(_laws, measurement), words=vocabulary(),
+        rivals=Drives(measurement, tables),
+    )  # fmt: skip
+
+
+def posed_against(
+    measurement: Measurement, other: Measurement, threads: int, seed: int
+) -> tuple[Problem, Problem]:
+    """The problem of what changed since another measurement, and that of all data by themselves.
+
+    A ScenarioError is raised if they state other constants.
+    """
+    for each in (measurement, other):
+        _check(each)
+    if measurement.uncertain != other.uncertain:
+        raise ScenarioError(
+            f"{other.path}: [uncertain]: allowed are the constants and errors of {measurement.path}"
+        )
+    tables: list[SimulatedTable] = []
+    for side, each in zip(SIDES, (other, measurement), strict=True):
+        found = tables_of(each, threads, seed, films=len(other.tracking) * (side == AFTER))
+        tables += [table.of_side(side) for table in found]
+    constants, causes = _terms(measurement, tables)
+    simulated = Simulated(tables)
+    whole = bare_problem(tables, simulated.full, constants, (), simulated.cheap)
+
+    def models(of: Sequence[Table]) -> tuple[Predict, Predict]:
+        both = [each for table in of for each in (table, *(table.less or ())[:1])]
+        made = Simulated(cast(list[SimulatedTable], both))
+        return without_curves(made.full), without_curves(made.cheap)
+
+    return posed_change(
+        tables, models, constants, causes, seed=seed, words=vocabulary(),
+        alike=measurement.scenario == other.scenario,
+        sides=partial(SidesOfWalker, (other, measurement)),
+    ), whole  # fmt: skip
+
+
+def without_curves(predict: Callable[..., Array]) -> Predict:
+    """A simulation without laws of a free shape."""
+    return lambda table, p: predict(table, p, Curves((), p))
+
+
+def _check(measurement: Measurement) -> None:
+    if measurement.scenario.coil.map is not None:
         refuse_geometry_beside_a_map(measurement.uncertain)
     _refuse_turns(measurement)
-    tables = tables_of(measurement, threads, seed)
+
+
+def _terms(
+    measurement: Measurement, tables: Sequence[SimulatedTable]
+) -> tuple[list[Parameter], list[Cause]]:
+    """Uncertain constants and causes."""
+    scenario, keys = measurement.scenario, known_keys()
     constants = [
         Parameter(key, prior, keys[key].unit) for key, prior in measurement.uncertain.items()
     ]
@@ -95,12 +158,7 @@ def posed_by(measurement: Measurement, threads: int = 1, seed: int = 0) -> Probl
     every.sort(key=lambda instrument: instrument.parameters[0].high)
     # Each table has its own read them.
     instruments = {one.name: replace(one, read=None, table=None) for one in every}
-    simulated = Simulated(tables)
-    return posed(
-        tables, simulated.full, constants, (*effects, *instruments.values()),
-        low_fidelity=simulated.cheap, laws=partial(_laws, measurement), words=vocabulary(),
-        rivals=Drives(measurement, tables),
-    )  # fmt: skip
+    return constants, [*effects, *instruments.values()]
 
 
 class Simulated:
@@ -201,10 +259,31 @@ class Drives(Rivals):
             raise ScenarioError(f"the extended model makes no scenario: {error}") from None
 
     def writers(
-        self, folder: Path, told: str, causes: str, extended: Scenario
+        self, folder: Path, told: str, causes: str, extended: Scenario, file: str = EXTENDED
     ) -> dict[Path, Callable[[Path], object]]:
         lines = _comments(self._measurement, told, causes, extended)
-        return scenario_writers(extended.content, folder / EXTENDED, lines)[1]
+        return scenario_writers(extended.content, folder / file, lines)[1]
+
+
+class SidesOfWalker(Sides):
+    """Two measurements, the earlier one first, and the scenarios of the extended model of both."""
+
+    def __init__(self, measurements: Sequence[Measurement], model: TwoSides) -> None:
+        super().__init__(model)
+        self._of = {side: Drives(one, ()) for side, one in zip(SIDES, measurements, strict=True)}
+
+    def extended(self, values: Mapping[str, Any], covariance: DataFrame | None) -> Any:
+        each = self.sides(values)
+        return {side: self._of[side].extended(each[side], None) for side in SIDES}
+
+    def writers(
+        self, folder: Path, told: str, causes: str, extended: Any
+    ) -> dict[Path, Callable[[Path], object]]:
+        return {
+            path: writer for side in SIDES
+            for path, writer in self._of[side].writers(
+                folder, told, causes, extended[side], f"{side}.toml").items()
+        }  # fmt: skip
 
 
 def _uncertain(changes: Mapping[str, float], matrix: DataFrame | None) -> JointPrior | None:
@@ -218,10 +297,16 @@ def _uncertain(changes: Mapping[str, float], matrix: DataFrame | None) -> JointP
     return JointPrior({}, tuple(names), tuple(map(tuple, rows)))
 
 
-def report_files(scenario: Scenario) -> tuple[str, ...]:
-    """Names of the files of a report: with those that state the extended scenario."""
-    held = held_writers(scenario.content, files_beside(Path(EXTENDED)))
-    return (*FILES, EXTENDED, *(path.name for path in held))
+def report_files(scenario: Scenario, other: Scenario | None = None) -> tuple[str, ...]:
+    """Names of the files of a report: with those that state the extended scenarios."""
+    stated = {EXTENDED: scenario}
+    if other is not None:
+        stated = {f"{side}.toml": one for side, one in zip(SIDES, (other, scenario), strict=True)}
+    files = (
+        [file, *(path.name for path in held_writers(one.content, files_beside(Path(file))))]
+        for file, one in stated.items()
+    )
+    return (*FILES, *itertools.chain(*files))
 
 
 def _comments(measurement: Measurement, told: str, first: str, extended: Scenario) -> list[str]:

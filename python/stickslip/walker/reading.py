@@ -124,6 +124,13 @@ class Measurement(OneLine):
             f"<Measurement {shown(self.name)}: {', '.join(parts)}, {len(self.left_out)} left out>"
         )
 
+    def beside(self, earlier: Measurement) -> Measurement:
+        """This one as a report tells it beside an earlier one, with what both have read."""
+        return replace(
+            self, name=f"{self.name} against {earlier.name}",
+            left_out=(*earlier.left_out, *self.left_out), files=(*earlier.files, *self.files),
+        )  # fmt: skip
+
     @staticmethod
     def from_dataframe(
         table: DataFrame,

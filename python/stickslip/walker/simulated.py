@@ -70,7 +70,8 @@ class SimulatedTable(Table):
 
     @property
     def title(self) -> str:
-        return self._numbered(self.words)
+        title = self._numbered(self.words)
+        return f"{title} {self.side}".rstrip() if self.less is None else f"change of the {title}"
 
     def _numbered(self, text: str) -> str:
         return f"{text} {self.number}" if self.number else text

@@ -246,7 +246,8 @@ class Table:
     def of_side(self, side: str) -> Self:
         """The same as a table of one of two states of a machine, with its word in the name."""
         whole = None if self.whole is None else self.whole.of_side(side)
-        return self.having(name=f"{side} {self.name}".rstrip(), side=side, whole=whole)
+        name = self.name if self.name.startswith(side) else f"{side} {self.name}".rstrip()
+        return self.having(name=name, side=side, whole=whole)
 
     @property
     def predicted(self) -> int:

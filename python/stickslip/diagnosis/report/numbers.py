@@ -309,9 +309,11 @@ def _changed(
     """How the constant of a name differs between two sides."""
     (by,) = sizes.values()
     value, sd, unit = candidate.params["value"][name], by["sd"], by["unit"]
-    ends = (facts.words.near(name, at, sd, unit) for at in (value, value + by["value"]))
+    factor, shown = facts.words.shown_in(name, unit)
+    ends = [factor * at for at in (value, value + by["value"])]
     way, far = "rose" if by["value"] > 0.0 else "fell", abs(by["value"])
-    return (f"The {facts.words.parameter(name)} {way} from {' to '.join(ends)}, by "
+    return (f"The {facts.words.parameter(name)} {way} from "
+            f"{amounts.joined(ends, factor * sd, ' to ', shown)}, by "
             f"{facts.words.size(name, far, sd, unit)}.")  # fmt: skip
 
 

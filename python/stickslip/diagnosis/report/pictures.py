@@ -296,7 +296,6 @@ class Plots:
         axes.margins(x=0.07, y=0.12)
         plain_axes(axes)
 
-
     def _draw_both(self, axes: Any, panel: Panel, at: Array, factor: float) -> None:
         """The readings of both sides, whose differences are fitted."""
         table, part = self._tables[panel.table], self._facts.problem.rows[panel.table]

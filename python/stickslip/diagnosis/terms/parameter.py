@@ -141,6 +141,11 @@ class Parameter:
         return np.maximum(self.high - self.size * u, self.low)
 
     @cached_property
+    def middle(self) -> float:
+        """Value at the coordinate 0: of an amplitude the absent one."""
+        return float(self.value(np.zeros(1))[0])
+
+    @cached_property
     def limits(self) -> tuple[float, float]:
         """Lowest and highest coordinate."""
         if self.size is not None:

@@ -1,0 +1,167 @@
+"""What changed between two logs, or two measurements of a walker."""
+
+import json
+
+import numpy as np
+import pytest
+
+from made_measurement import few_causes, write
+from stickslip import (
+    Parameter,
+    Prior,
+    ScenarioError,
+    Series,
+    Table,
+    diagnose,
+    diagnose_change,
+    events,
+    load,
+    models,
+    read_measurement,
+)
+
+T = 0.01 * np.arange(160)
+TORQUE, OTHER = (np.repeat(np.random.default_rng(k).uniform(-0.5, 0.5, 16), 10) for k in (1, 2))
+FEW = [
+    "stribeck",
+    "quadratic",
+    "backlash",
+    "compliance",
+    "gravity",
+    "viscous_asymmetry",
+    "asymmetry",
+]
+JOINT = models.joint(
+    inertia=(0.012, 6e-4), viscous=(0.05, 5e-3), without=[*FEW, "slow torque", "slow sensor"]
+)
+TRUE = models.joint(inertia=0.0123, viscous=(0.05, 0.01), coulomb=(0.0, 0.1), load=(0.0, 0.1))
+ROOM = models.thermal(
+    capacity=(400.0, 20.0), loss=(1.5, 0.08), without=["heater_capacity", "slow thermometer"]
+)
+
+
+def log(seed, torque=TORQUE, more=0.0, **values):
+    """Speeds with an error of 2 %, and what no model has."""
+    seen = TRUE.simulate(T, {"torque": torque}, **values) + more
+    noise = 0.05 * np.random.default_rng(seed).normal(size=len(T))
+    return Series(T, seen + noise, {"torque": torque}, sd=0.05, unit="rad/s")
+
+
+def room(seed, more=0.0, **values):
+    t = 5.0 * np.arange(120)
+    power = np.repeat(np.random.default_rng(3).uniform(0.0, 60.0, 8), 15)
+    model = models.thermal(capacity=400.0, loss=(1.5, 0.1), loss_growth=(0.0, 0.1))
+    seen = model.simulate(t, {"power": power}, **values) + more
+    noise = 0.05 * np.random.default_rng(seed).normal(size=len(t))
+    return Series(t, seen + noise, {"power": power}, sd=0.05, unit="K")
+
+
+WAVE = 0.3 * np.sin(9.0 * T) * T  # of both sides, or of one
+# What is before and after, the verdict, its causes, and the sign of the first size.
+CASES = {
+    "a constant": (log(1), log(2, viscous=0.056), "named", ("viscous change",), 1),
+    "the other way": (log(2, viscous=0.056), log(1), "named", ("viscous change",), -1),
+    "beside an error of the model": (
+        log(1, more=WAVE), log(2, more=WAVE, viscous=0.056), "named", ("viscous change",), 1),
+    "an effect that has come": (log(1), log(2, coulomb=0.02), "named", ("coulomb after",), 1),
+    "an effect that has gone": (log(1, coulomb=0.02), log(2), "named", ("coulomb before",), 1),
+    "other inputs": (
+        log(1), log(2, OTHER, viscous=0.056), "named", ("viscous change",), 1),
+    "an effect of both": (
+        log(1, coulomb=0.02), log(2, OTHER, coulomb=0.02), "named", ("coulomb both",), 1),
+    "nothing": (log(1), log(2), "none", (), 0),
+    "nothing, beside an error of the model": (log(1, more=WAVE), log(2, more=WAVE), "none", (), 0),
+    "one log twice": (log(1), log(1), "none", (), 0),
+    "what nobody lists": (log(1), log(2, more=WAVE), "unexplained", (), 0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_difference_is_told_by_name_and_sign(name):
+    before, after, kind, causes, sign = CASES[name]
+    result = diagnose_change(JOINT, before, after)
+    assert (result.verdict.kind, result.verdict.causes) == (kind, causes)
+    if sign:
+        first = result.verdict.fit.causes[0].parameters[0].name
+        assert np.sign(result.params["value"][first]) == sign
+        told = result.as_dict()["sides"]
+        base, side = first.rsplit(" ", 1)
+        true = {"coulomb": 0.02, "viscous": 0.006}[base]
+        apart = told["after"][base] - told["before"][base]
+        wanted = {"change": sign, "after": 1, "before": -1, "both": 0}[side] * true
+        assert apart == pytest.approx(wanted, abs=4.0 * result.params["sd"][first])
+
+
+def test_twins_are_a_set_and_an_instrument_is_named():
+    twins = diagnose_change(ROOM, room(1), room(2, loss=1.52))
+    assert twins.verdict.kind == "ambiguous"
+    assert "loss change" in twins.verdict.causes
+    moved = diagnose_change(ROOM, room(1), room(2, more=0.3))
+    assert (moved.verdict.kind, moved.verdict.causes) == ("named", ("zero after",))
+
+
+def test_several_tables_of_a_side_are_paired_by_their_settings():
+    x = np.linspace(1.0, 3.0, 8)
+
+    def line(table, p):
+        return p["slope"] * table["x"] + p["bend"] * table["x"] ** 2
+
+    def tables(slope, noise):
+        random = np.random.default_rng(noise)
+        orders = (random.permutation(8), random.permutation(8))
+        y = slope * x + np.sin(7.0 * x)
+        return [Table({"x": x[k] + shift}, y[k] + 0.02 * random.normal(size=8), sd=0.02, name=name)
+                for k, shift, name in zip(orders, (0.0, 9.0), "ab", strict=True)]  # fmt: skip
+
+    from stickslip import Cause
+
+    bend = Cause("bend", Parameter("bend", size=0.1, low=-3.0, high=3.0))
+    slope = Parameter("slope", Prior("normal", 1.0, 0.1))
+    result = diagnose_change(line, tables(1.0, 1), tables(1.2, 2)[::-1], [slope], [bend])
+    assert result.verdict.causes == ("slope change",)
+    assert [len(table.mean) for table in result.problem.tables] == [8, 8]
+    assert result.params["value"]["slope change"] == pytest.approx(0.2, abs=0.03)
+
+
+def test_an_event_of_one_side_and_a_cause_of_one_record():
+    push = np.where(T > 0.8, 0.5, 0.0)
+    step = events.step(0.2, 0.1, 1.5, unit="rad/s")
+    result = diagnose_change(JOINT, log(1), log(2, more=push), causes=[step])
+    assert result.verdict.causes == ("step after",)
+    of_one = events.step(0.2, 0.1, 1.5, unit="rad/s", table="second")
+    sides = [log(1).named("first")], [log(2).named("second")]
+    problem = diagnose_change(JOINT, *sides, causes=[of_one]).problem
+    assert [cause.name for cause in problem.causes if "step" in cause.name] == ["step after"]
+
+
+def test_a_walker_on_another_surface(tmp_path, monkeypatch):
+    few_causes(monkeypatch, ["surface_tilt", "angle_drag"])
+    folders = [tmp_path / side for side in ("before", "after")]
+    for folder in folders:
+        folder.mkdir()
+    before, after = (
+        read_measurement(write(folder, {"contact.kinetic_friction": friction}, seed))
+        for folder, friction, seed in zip(folders, (0.145, 0.185), (1, 2), strict=True)
+    )
+    result = diagnose(after, against=before)
+    assert result.verdict.causes == ("contact.kinetic_friction change",)
+    result.save_report(tmp_path / "found")
+    stated = [load(tmp_path / "found" / f"{side}.toml") for side in ("before", "after")]
+    change = result.params.loc["contact.kinetic_friction change"]
+    apart = np.diff([scenario.contact.kinetic_friction for scenario in stated])[0]
+    assert apart == pytest.approx(change["value"], rel=1e-6)
+    assert change["value"] == pytest.approx(0.04, abs=4.0 * change["sd"])
+    page = (tmp_path / "found" / "report.html").read_text()
+    assert "kinetic friction coefficient rose from" in page
+    numbers = json.loads((tmp_path / "found" / "report.json").read_text())
+    assert numbers["paired"]
+    other = type(before)(**{**vars(before), "uncertain": {}})
+    with pytest.raises(ScenarioError, match=r"\[uncertain\]: allowed"):
+        diagnose(after, against=other)
+
+
+def test_what_is_no_side_is_refused():
+    with pytest.raises(ScenarioError, match="before = 3: allowed"):
+        diagnose_change(JOINT, 3, log(1))
+    with pytest.raises(ScenarioError, match=r"after = \[\]: allowed"):
+        diagnose_change(JOINT, log(1), [])
