@@ -3,10 +3,13 @@
 import json
 
 import numpy as np
+import pandas as pd
 import pytest
 
+from command_line import stickslip
 from made_measurement import few_causes, write
 from stickslip import (
+    Cause,
     Parameter,
     Prior,
     ScenarioError,
@@ -20,23 +23,18 @@ from stickslip import (
     read_measurement,
 )
 
-T = 0.01 * np.arange(160)
-TORQUE, OTHER = (np.repeat(np.random.default_rng(k).uniform(-0.5, 0.5, 16), 10) for k in (1, 2))
-FEW = [
-    "stribeck",
-    "quadratic",
-    "backlash",
-    "compliance",
-    "gravity",
-    "viscous_asymmetry",
-    "asymmetry",
-]
+T = 0.01 * np.arange(120)
+TORQUE, OTHER = (np.repeat(np.random.default_rng(k).uniform(-0.5, 0.5, 12), 10) for k in (1, 2))
+FEW = ["stribeck", "load", "quadratic", "backlash", "compliance", "gravity", "viscous_asymmetry",
+       "asymmetry", "late torque"]  # fmt: skip
 JOINT = models.joint(
     inertia=(0.012, 6e-4), viscous=(0.05, 5e-3), without=[*FEW, "slow torque", "slow sensor"]
 )
 TRUE = models.joint(inertia=0.0123, viscous=(0.05, 0.01), coulomb=(0.0, 0.1), load=(0.0, 0.1))
 ROOM = models.thermal(
-    capacity=(400.0, 20.0), loss=(1.5, 0.08), without=["heater_capacity", "slow thermometer"]
+    capacity=(400.0, 20.0),
+    loss=(1.5, 0.08),
+    without=["heater_capacity", "slow thermometer", "late power"],
 )
 
 
@@ -108,12 +106,12 @@ def test_several_tables_of_a_side_are_paired_by_their_settings():
 
     def tables(slope, noise):
         random = np.random.default_rng(noise)
-        orders = (random.permutation(8), random.permutation(8))
-        y = slope * x + np.sin(7.0 * x)
-        return [Table({"x": x[k] + shift}, y[k] + 0.02 * random.normal(size=8), sd=0.02, name=name)
-                for k, shift, name in zip(orders, (0.0, 9.0), "ab", strict=True)]  # fmt: skip
-
-    from stickslip import Cause
+        made = []
+        for name, shift in (("a", 0.0), ("b", 9.0)):
+            at = random.permutation(x) + shift
+            y = slope * at + np.sin(7.0 * at) + 0.02 * random.normal(size=8)
+            made.append(Table({"x": at}, y, sd=0.02, name=name))
+        return made
 
     bend = Cause("bend", Parameter("bend", size=0.1, low=-3.0, high=3.0))
     slope = Parameter("slope", Prior("normal", 1.0, 0.1))
@@ -136,6 +134,7 @@ def test_an_event_of_one_side_and_a_cause_of_one_record():
 
 def test_a_walker_on_another_surface(tmp_path, monkeypatch):
     few_causes(monkeypatch, ["surface_tilt", "angle_drag"])
+    monkeypatch.setattr("stickslip.walker.velocity.of_velocities", lambda mean: ())
     folders = [tmp_path / side for side in ("before", "after")]
     for folder in folders:
         folder.mkdir()
@@ -158,6 +157,23 @@ def test_a_walker_on_another_surface(tmp_path, monkeypatch):
     other = type(before)(**{**vars(before), "uncertain": {}})
     with pytest.raises(ScenarioError, match=r"\[uncertain\]: allowed"):
         diagnose(after, against=other)
+
+
+def test_logs_of_both_sides_make_a_report(tmp_path):
+    for name, record in {"before": log(1), "after": log(2, viscous=0.056)}.items():
+        columns = {"t (s)": record.t, "torque (N m)": record["torque"], "speed (rad/s)": record.y}
+        pd.DataFrame(columns).to_csv(tmp_path / f"{name}.csv", index=False)
+    known = ["--set", "inertia=0.012,0.0006", "--set", "viscous=0.05,0.005"]
+    known += ["--set", "without=" + ",".join([*FEW, "slow torque", "slow sensor"])]
+    against = ["--against", "before.csv", "--model", "joint", *known, "--json", "--out", "found"]
+    done = stickslip("diagnose", "after.csv", *against, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    numbers = json.loads(done.stdout)
+    assert numbers["cause"] == "viscous change"
+    assert "nothing else has to differ" in numbers["headline"]
+    assert {row["changes"] for row in numbers["bounds"].values()} == {"", "inertia"}
+    assert sorted(path.name for path in (tmp_path / "found").iterdir()) == [
+        "report.html", "report.json"]  # fmt: skip
 
 
 def test_what_is_no_side_is_refused():

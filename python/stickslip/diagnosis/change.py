@@ -10,7 +10,7 @@ are, and where no difference explains them, causes that both may have are tried 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
@@ -61,6 +61,9 @@ as stated. Chosen: twenty errors off cost eight nats, which all models pay."""
 
 _USUAL = 0.1
 """A usual difference, as a part of a constant. Chosen, as for the effects of `models`."""
+
+_WIDER = 3.0
+"""Of the error of a fit, where a cause of the earlier side may have bent it. Chosen."""
 
 _SAME, _LEAST = 1e-6, 1e-9  # parts of a size within which settings are equal, or errors are none
 
@@ -116,11 +119,12 @@ def diagnose_change(
     tables = [*_of_side(before, BEFORE), *_of_side(after, AFTER)]
     stated = stated_terms(predict, uncertain, causes, tables)
     with one_blas_thread():
-        whole = posed(tables, predict, stated[0], ())
+        absent = TwoSides.of(predict, stated[0], _differences(*stated))
+        whole = posed(tables, absent, stated[0], ())
         tables = list(computed_tables(whole, int(seed)))
         lost = (note for table in tables for note in table.own_notes)
         fault = next((note for note in lost if note.code == LOST_SENSOR), None) or unit_fault(
-            whole, lambda others: bare_problem(others, predict, stated[0], ()),
+            whole, lambda others: bare_problem(others, absent, stated[0], ()),
             units_of(predict), int(seed),
         )  # fmt: skip
         problem = posed_change(tables, lambda _: (predict, None), *stated, seed=int(seed))
@@ -158,7 +162,7 @@ def posed_change(
     They are `alike` where nothing but their settings tells what a table was measured with.
     """
     paired, words = _paired(tables) if alike else [], words or Vocabulary()
-    every = list(_differences(constants, causes, {table.name for table in tables}, words))
+    every = list(_differences(constants, causes, [table.name for table in tables], words))
     listed = [one for one in every if one.side and not (paired and _undone(one))]
     # Constants have half of the prior probability that something changed. Chosen: a machine that
     # wears or is loaded has another constant, and seldom a new effect.
@@ -168,17 +172,16 @@ def posed_change(
     fitted = [_relaxed(constant) for constant in constants]
     if paired:
         before = [table for table in tables if table.side == BEFORE]
-        predict, cheap = models(before)
-        first = bare_problem(before, predict, constants, (), cheap)
+        absent, draft = (TwoSides.of(each, constants, every) for each in models(before))
+        low = None if draft.predict is None else draft
+        first = bare_problem(before, absent, constants, (), low)
         fitted, paired = _as_before(first, constants, paired, seed)
-    physics = tuple(cause for cause in every if not cause.is_instrument)
-    predict, cheap = models(paired or tables)
-    model = TwoSides(predict, physics, tuple(constants))
+    model, cheap = (TwoSides.of(each, constants, every) for each in models(paired or tables))
     made = posed(
         paired or tables, model, fitted, listed,
-        low_fidelity=cheap and replace(model, predict=cheap), rivals=(sides or Sides)(model),
+        low_fidelity=None if cheap.predict is None else cheap,
+        rivals=(sides or Sides)(model), words=_words(words, every),
         laws=None if paired else lambda *_: [cause for cause in every if not cause.side],
-        words=_words(words, every),
     )  # fmt: skip
     return replace(made, forward=None)
 
@@ -187,13 +190,22 @@ def posed_change(
 class TwoSides(OneLine):
     """A forward model of tables of both sides, with all differences but of instruments."""
 
-    predict: Predict
+    predict: Predict | None
     differences: tuple[Cause, ...]
     constants: tuple[Parameter, ...]
+
+    @staticmethod
+    def of(
+        predict: Predict | None, constants: Sequence[Parameter], causes: Iterable[Cause]
+    ) -> TwoSides:
+        """What a function makes of both sides; it is not called if it is None."""
+        physics = tuple(cause for cause in causes if not cause.is_instrument)
+        return TwoSides(predict, physics, tuple(constants))
 
     def __call__(self, table: Table, p: Mapping[str, Array], *curves: Any) -> Array:
         vectors, own = max(map(len, p.values()), default=1), self.values(table.side, p)
         rows = {name: np.broadcast_to(value, (vectors, 1)) for name, value in own.items()}
+        assert self.predict is not None
         return self.predict(table, Values(rows), *curves)
 
     def values(self, side: str, p: Mapping[str, Any]) -> dict[str, Any]:
@@ -232,14 +244,16 @@ class Sides(Rivals):
 
 
 def _differences(
-    constants: Sequence[Parameter], causes: Sequence[Cause], tables: set[str], words: Vocabulary
-) -> Iterator[Cause]:
+    constants: Sequence[Parameter], causes: Sequence[Cause], tables: Sequence[str] = (),
+    words: Vocabulary | None = None,
+) -> Iterator[Cause]:  # fmt: skip
     for constant in constants:
         if constant.cause and not constant.each_record:
             middle, far = constant.value(np.array([0.0, 1.0])).tolist()
             size = max(abs(far - middle), _USUAL * abs(middle))
             change = either_way(f"{constant.name} change", constant.unit, size)
-            title = words.constants.get(constant.name, {}).get("name", constant.name)
+            known = words.constants if words else {}
+            title = known.get(constant.name, {}).get("name", constant.name)
             yield Cause(change.name, (change,), f"a change of {title}", side=AFTER,
                         changes=constant.name)  # fmt: skip
     for cause in causes:
@@ -286,7 +300,7 @@ def _undone(cause: Cause) -> bool:
     """Whether a cause of the earlier side is one of the later side with the other sign."""
     first = cause.parameters[0]
     either = first.is_amplitude and not first.one_sided and not first.falls
-    return cause.side == BEFORE and either and cause.between is None
+    return cause.side == BEFORE and either
 
 
 def _words(words: Vocabulary, causes: Sequence[Cause]) -> Vocabulary:
@@ -322,18 +336,19 @@ def _relaxed(constant: Parameter) -> Parameter:
 def _as_before(
     problem: problems.Problem, constants: Sequence[Parameter], paired: Sequence[Table], seed: int
 ) -> tuple[list[Parameter], list[Table]]:
-    """The constants as the earlier side has them, with errors that its misfit widens.
+    """The constants as the earlier side has them, as well known as they are stated.
 
-    Those of each record are known of the earlier ones, to which pairs of tables refer.
+    Those of which a range is stated, and those of the earlier records, to which pairs of tables
+    refer, are as well known as their fit, with what it misses.
     """
     fit = recalibrated(problem, seed)[0]
     scatter = math.sqrt(fit.chi2 / max(len(problem.y) - len(fit.free), 1))
     if all(errors.known for errors in problem.errors):
         scatter = max(scatter, 1.0)
-    away = np.minimum(np.sqrt(np.maximum(np.diag(fit.covariance), 0.0)) * scatter, 1.0)
-    away[away == 0.0] = 1.0
-    known = {}
+    away = np.minimum(_WIDER * scatter * np.sqrt(np.maximum(np.diag(fit.covariance), 0.0)), 1.0)
+    known, stated = {}, {one.name for one in constants if one.is_stated}
     for constant, x, reach in zip(problem.constants, fit.x.tolist(), away.tolist(), strict=False):
+        reach = 1.0 if constant.name in stated else reach or 1.0
         low, value, high = constant.value(x + reach * np.array([-1.0, 0.0, 1.0])).tolist()
         prior = Prior("normal", value, max(0.5 * (high - low), _LEAST * abs(value), 1e-300))
         if constant.prior is not None and constant.prior.kind != "normal":
@@ -341,12 +356,13 @@ def _as_before(
         known[constant.name] = prior
     fitted = [one if one.each_record else replace(one, prior=known[one.name], cause=False)
               for one in constants]  # fmt: skip
-    own = [one.name for one in constants if one.each_record]
+    own = [one for one in constants if one.each_record]
     tables = []
     for table in paired:
         assert table.less is not None
         other, order = table.less
-        starts = {name: known[key] for name in own if (key := of_record(name, other)) in known}
+        is_record = isinstance(other, Series)
+        starts = {one.name: known[of_record(one, other)] for one in own if is_record}
         tables.append(table.having(less=(other.having(starts=starts), order)))
     return fitted, tables
 

@@ -386,15 +386,10 @@ def _of_each_record(
         if not records:
             raise ScenarioError(f"parameter {parameter.name}: each_record: allowed beside a Series")
         constants += [
-            replace(
-                parameter,
-                name=of_record(parameter, table),
-                cause=False,
-                each_record=False,
-                prior=table.starts.get(parameter.name, parameter.prior),
-            )
+            replace(parameter, name=of_record(parameter, table), cause=False, each_record=False,
+                    prior=table.starts.get(parameter.name, parameter.prior))
             for table in records
-        ]
+        ]  # fmt: skip
     return tuple(constants)
 
 
@@ -528,11 +523,9 @@ def _check_names(
 def _check_copies(tables: Sequence[Table]) -> None:
     """Refuse a table that another one is a copy of, whatever they are called."""
     for one, other in itertools.combinations(tables, 2):
-        if (
-            one.side == other.side
-            and len(one.y) == len(other.y)
-            and len(np.unique(one.y)) >= _FEWEST_VALUES
-        ):
+        if one.side != other.side:
+            continue
+        if len(one.y) == len(other.y) and len(np.unique(one.y)) >= _FEWEST_VALUES:
             rows, copied = (_in_order(table) for table in (one, other))
             if all(map(partial(np.allclose, rtol=_SAME, atol=0.0), rows, copied)):
                 raise ScenarioError(

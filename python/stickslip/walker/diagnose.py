@@ -55,13 +55,12 @@ def diagnose(
                 "Measurement.from_dataframe(...) or read_measurement(path) makes one"
             )
     check_whole("seed", seed)
-    count = worker_count(threads, "threads")
+    count, fault = worker_count(threads, "threads"), None
+    if against is None:
+        whole = problem = posed_by(measurement, count, seed)
+    else:
+        problem, whole = posed_against(measurement, against, count, seed)
+        measurement, fault = measurement.beside(against), absolute_fault(whole)
+    notes = [note for table in whole.tables for note in table.remarks()]
     with one_blas_thread():
-        if against is None:
-            whole = problem = posed_by(measurement, count, seed)
-            source, fault = measurement, None
-        else:
-            problem, whole = posed_against(measurement, against, count, seed)
-            source, fault = measurement.beside(against), absolute_fault(whole)
-        notes = [note for table in whole.tables for note in table.remarks()]
-        return diagnosed(problem, int(seed), progress, notes, source, fault)
+        return diagnosed(problem, int(seed), progress, notes, measurement, fault)

@@ -110,7 +110,7 @@ def numbers_of(facts: Facts, title: str | None = None) -> dict[str, Any]:
         "version": VERSION,
         "of_measurement": source is not None,
         "paired": any(table.less is not None for table in facts.problem.tables),
-        "sides": facts.rivals.sides(facts.best.params["value"] if facts.fitted else {}),
+        "sides": facts.rivals.sides(facts.best.params["value"].to_dict() if facts.fitted else {}),
     }  # fmt: skip
     if facts.fitted:
         numbers |= _of_models(facts, numbers["conditions"])
@@ -505,12 +505,13 @@ def _cannot_tell(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> dict[str, A
     """What the data cannot tell, in the names of the user."""
     beyond, words, names = facts.cannot_tell, facts.words, facts.subject.fit.names
 
+    sides = {cause.name for cause in facts.problem.causes if cause.side}
+
     def opposite(pair: Alike) -> bool:
         """Whether it is one cause on either of two sides, which differ in sign."""
-        one, other = (name.rpartition(" ") for name in (pair.cause, pair.other))
-        return numbers_of_change and one[0] == other[0]
+        both = {pair.cause, pair.other}
+        return both <= sides and len({name.rpartition(" ")[0] for name in both}) == 1
 
-    numbers_of_change = any(cause.side for cause in facts.problem.causes)
     alike = [
         {
             "cause": cause, "title": words.title(cause), "told": cause in names,
