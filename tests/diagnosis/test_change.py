@@ -164,7 +164,7 @@ def test_logs_of_both_sides_make_a_report(tmp_path):
         columns = {"t (s)": record.t, "torque (N m)": record["torque"], "speed (rad/s)": record.y}
         pd.DataFrame(columns).to_csv(tmp_path / f"{name}.csv", index=False)
     known = ["--set", "inertia=0.012,0.0006", "--set", "viscous=0.05,0.005"]
-    known += ["--set", "without=" + ",".join([*FEW, "slow torque", "slow sensor"])]
+    known += ["--set", "without=" + ",".join([*FEW, "coulomb", "slow torque", "slow sensor"])]
     against = ["--against", "before.csv", "--model", "joint", *known, "--json", "--out", "found"]
     done = stickslip("diagnose", "after.csv", *against, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
