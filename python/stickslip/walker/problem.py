@@ -257,6 +257,7 @@ def vocabulary() -> Vocabulary:
         drawings=own_text("walker/drawings.svg"),
         is_handy=_is_handy,
         nouns=False,
+        files=words["files"],
     )
 
 

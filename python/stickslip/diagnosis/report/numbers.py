@@ -93,7 +93,7 @@ def numbers_of(facts: Facts, title: str | None = None) -> dict[str, Any]:
         "share": _or_none(verdict.share),
         "gain": _gain(facts),
         "next": str(facts.next_step),
-        "reasons": [facts.words.in_titles(str(reason)) for reason in verdict.reasons],
+        "reasons": list(map(facts.words.note, verdict.reasons)),
         "notes": notes_of(facts),
         "left_out": lost,
         "conditions": _conditions(facts),
@@ -118,10 +118,7 @@ def numbers_of(facts: Facts, title: str | None = None) -> dict[str, Any]:
         numbers["next_experiments"] = _experiments(facts)
         names = {name: facts.words.title(name) for name in verdict.causes}
         looks = facts.rivals.advice(names, facts.propose_experiments())
-        numbers["advice"] = [
-            re.sub(r": this shows (.*), and nothing of .*", r". This shows \1 alone.", str(look))
-            for look in looks
-        ]
+        numbers["advice"] = list(map(str, looks))
     numbers["headline"] = summary_text(numbers, facts.problem.words).split("\n", 1)[0]
     return numbers
 
@@ -656,14 +653,17 @@ def _gain(facts: Facts) -> dict[str, Any] | None:
 
 
 def _experiments(facts: Facts) -> list[dict[str, Any]]:
+    def text(name: str, row: Mapping[str, float]) -> str:
+        factor, unit = facts.problem.tables[facts.rivals.table].shown_unit(0)
+        value, sd = (factor * one for one in row.values())
+        return f"{facts.words.title(name)} {amounts.amount(value, sd, unit)}"
+
     return [
         {
-            "drive": dict(experiment.drive), "why": facts.words.in_titles(str(experiment.why)),
-            "separation": experiment.separation,
-            "words": facts.words.in_titles(str(experiment).split(". ")[0]).replace(
-                "edge ", "sudden edge: "
-            ),
+            "drive": dict(experiment.drive), "why": facts.words.note(experiment.why),
+            "separation": experiment.separation, "words": experiment.words,
             "predictions": {name: dict(row) for name, row in experiment.predictions.items()},
+            "predicted": [text(*pair) for pair in experiment.predictions.items()],
         }
         for experiment in facts.propose_experiments()
     ]  # fmt: skip

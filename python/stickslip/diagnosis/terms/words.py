@@ -12,8 +12,8 @@ from stickslip._util.note import Note
 from stickslip._util.text import OneLine
 from stickslip._util.toml import own_table
 from stickslip._util.units import handy, unit_label
-from stickslip.diagnosis.terms.amounts import amount, joined, number, p_text, percent
-from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.amounts import amount, joined, number, percent
+from stickslip.diagnosis.terms.cause import Cause, CauseNote
 from stickslip.diagnosis.terms.parameter import Parameter
 
 _PROBLEMS: Mapping[str, list[str]] = own_table("diagnosis/terms/problems.toml")
@@ -44,6 +44,8 @@ class Vocabulary(OneLine):
         Whether a parameter of this name is told in the handiest unit, such as mm for m.
     nouns : bool
         Whether the meanings of causes follow ``of``; else those that begin with an article do.
+    files : dict of str
+        What the files beside a report are for, by the kind of its verdict.
     """
 
     causes: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
@@ -53,6 +55,7 @@ class Vocabulary(OneLine):
     drawings: str = ""
     is_handy: Callable[[str], bool] = _never
     nouns: bool = True
+    files: Mapping[str, str] = field(default_factory=dict)
 
 
 class Words:
@@ -65,6 +68,7 @@ class Words:
     def __init__(self, vocabulary: Vocabulary, causes: Sequence[Cause] = ()) -> None:
         self._words, self._known = vocabulary, {cause.name: cause for cause in causes}
         self._causes, self._constants = vocabulary.causes, vocabulary.constants
+        self.files = vocabulary.files
 
     def title(self, name: str) -> str:
         """A model in plain words that follow ``of``.
@@ -97,15 +101,9 @@ class Words:
         cause, _, short = name.removeprefix("effects.").rpartition(".")
         return f"{self._title(cause)}: {short.replace('_', ' ')}" if cause in self._causes else name
 
-    def in_titles(self, text: str) -> str:
-        """A sentence with causes in plain words in place of their names, and p as elsewhere."""
-        text = re.sub(r"\bp = (\d(?:\S*\d)?)", lambda match: p_text(float(match[1])), text)
-        names = sorted(map(re.escape, self._known), key=len, reverse=True)
-        if not names:
-            return text
-        pattern = rf"(?<![\w.'])(?:{'|'.join(names)})(?![\w.])"
-        text = re.sub(rf"({pattern}) \+ (?={pattern})", r"\1 and ", text)
-        return re.sub(pattern, lambda match: self.title(match[0]), text)
+    def note(self, note: Note) -> str:
+        """A note with causes in plain words."""
+        return note.titled(self.title) if isinstance(note, CauseNote) else str(note)
 
     def shown_in(self, name: str, unit: str) -> tuple[float, str]:
         """Factor from the SI unit of a parameter to the one in which it is told, and its name."""
@@ -151,7 +149,7 @@ class Words:
             row |= {"finding": known["finding"].format(**amounts), "remedy": known["remedy"]}
             return row
         constant = self._constants.get(name)
-        if not cause.parameters:
+        if cause.is_constant:
             what, size = constant["name"] if constant else name, sizes[name]
             stated = self.limit(name, size["stated"], size["unit"], 6)
             amount_of = amounts[name.rpartition(".")[2]]
