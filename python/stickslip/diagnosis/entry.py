@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -97,8 +97,9 @@ def diagnose_model(
             problem = posed(tables, predict, *stated)
         lost = (note for table in problem.tables for note in table.own_notes)
         fault = next((note for note in lost if note.code == LOST_SENSOR), None) or unit_fault(
-            problem, partial(_of_tables, predict, terms), _units(predict), int(seed)
-        )
+            problem, lambda other: bare_problem(other, predict, *terms(other)), _units(predict),
+            int(seed),
+        )  # fmt: skip
         problem = problem if fault else with_scatter(problem, int(seed))
         notes = [*overflows(problem), *without_effect(problem)]
         return diagnosed(problem, int(seed), progress, notes, fault=fault)
@@ -113,16 +114,9 @@ def diagnosed(
     fault: Note | None = None,
 ) -> Diagnosis:
     """The diagnosis of a problem; `source` is what poses it, a `fault` what is wrong with data."""
-    findings = run(problem, seed, progress or _silent, fault or _fault_of(problem))
+    say = progress or (lambda fraction, stage: None)
+    findings = run(problem, seed, say, fault or _fault_of(problem))
     return Diagnosis(findings, source, (*notes, *moved_constants(findings)))
-
-
-def _of_tables(
-    predict: Predict,
-    terms: Callable[[Any], tuple[Sequence[Parameter], Sequence[Cause]]],
-    tables: Sequence[Table],
-) -> Problem:
-    return bare_problem(tables, predict, *terms(tables))
 
 
 def _terms(
@@ -152,17 +146,13 @@ def _units(predict: Predict) -> dict[str, tuple[str, Sequence[str]]]:
 one_blas_thread = partial(threadpool_limits, limits=1, user_api="blas")
 
 
-def _silent(fraction: float, stage: str) -> None:
-    """Say nothing."""
-
-
 def _fault_of(problem: Problem) -> Note | None:
     """What is wrong with the data of a problem, if anything is; each table is asked."""
     alone = len(problem.tables) == 1
     stated = problem.model(problem.physical(np.zeros((1, problem.size))))[0]
     known = any(errors.known for errors in problem.errors)
     for table, part in zip(problem.tables, problem.rows, strict=True):
-        fault = table.problem(stated[part], alone or not known)
+        fault = table.data_fault(stated[part], alone or not known)
         if fault is not None:
             return fault if alone else replace(fault, text=f"{table.at}{fault.text}")
     count, free = len(problem.y), len(problem.constants)

@@ -82,8 +82,8 @@ class Diagnosis(Facts, ShownBySummary):
     ) -> list[Path]:
         """Write the figures of the report into a folder, which is made, and return their paths.
 
-        Of each table `fit` and, but of a film, `residuals`, and `law` where there is one; none for
-        the verdict data-problem. `formats` are suffixes that matplotlib can write.
+        Of each table `fit`, of one that is drawn over a setting `residuals`, and `law` where there
+        is one; none for the verdict data-problem. `formats` are suffixes that matplotlib can write.
 
         Raises
         ------

@@ -97,7 +97,7 @@ def posed_by(measurement: Measurement, threads: int = 1, seed: int = 0) -> Probl
     instruments = {one.name: replace(one, read=None, table=None) for one in every}
     simulated = Simulated(tables)
     return posed(
-        tables, simulated.full, constants, (*effects, *instruments.values()),
+        tables, simulated, constants, (*effects, *instruments.values()),
         low_fidelity=simulated.cheap, laws=partial(_laws, measurement), words=vocabulary(),
         rivals=Drives(measurement, tables),
     )  # fmt: skip
@@ -106,11 +106,13 @@ def posed_by(measurement: Measurement, threads: int = 1, seed: int = 0) -> Probl
 class Simulated:
     """What tables predict, each kept by the columns that count for it."""
 
+    jumps = True
+
     def __init__(self, tables: Sequence[SimulatedTable]) -> None:
         self._tables = tables
         self._kept: dict[tuple[int, tuple[str, ...], bool], Cached] = {}
 
-    def full(self, table: SimulatedTable, p: Mapping[str, Array], curves: Curves) -> Array:
+    def __call__(self, table: SimulatedTable, p: Mapping[str, Array], curves: Curves) -> Array:
         """Readings of all conditions, (vectors, m)."""
         return self._rows(table, p, curves, False)
 

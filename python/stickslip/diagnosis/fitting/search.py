@@ -541,7 +541,7 @@ def _promising(
 def _along(problem: Problem, cause: Cause, null: Fit) -> Asking[list[Array]]:
     """Points along a freed constant over its widened prior where the data are nearest.
 
-    Velocities jump, so that no descent leads to a constant that is far off. One about the
+    Predictions may jump, so that no descent leads to a constant that is far off. One about the
     recalibrated constants and two about the stated ones: a fit without the cause may have bent the
     others to where no descent leads back. For the same reason their priors do not rank.
     """

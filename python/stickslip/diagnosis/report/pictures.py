@@ -70,7 +70,11 @@ class Plots:
         """
         shown = self._table(table)
         if not shown.drawable:
-            return self._of_its_own(shown) if self._facts.fitted else None
+            looks = {
+                self._label(name): (_COLOURS[name], candidate.values()[0])
+                for name, candidate in self._facts.candidates.items()
+            }
+            return shown.figure(self._facts.problem.names, looks) if looks else None
         return _figure(self.panels(table, shown.named_settings.most_varied), self._draw)
 
     @matplotlib.rc_context(PLAIN)
@@ -99,15 +103,6 @@ class Plots:
         axes.set(xlabel=f"{law['argument']} ({law['unit']})", ylabel=law["law"] + unit)
         axes.legend(frameon=False)
         return figure
-
-    def _of_its_own(self, table: Table) -> Figure | None:
-        """The picture of a table that is not drawn over a setting."""
-        names = self._facts.problem.names
-        looks = {
-            self._label(name): (_COLOURS[name], candidate.values()[0])
-            for name, candidate in self._facts.candidates.items()
-        }
-        return table.figure(names, looks)
 
     def of_tables(self) -> dict[str, Figure | None]:
         """The figures of all tables by the names of their files, and that of a law."""

@@ -21,10 +21,6 @@ _PROBLEMS: Mapping[str, list[str]] = own_table("diagnosis/terms/problems.toml")
 _NEW_WORDS = 3  # of a meaning that says more than the title
 
 
-def _never(name: str) -> bool:
-    return False
-
-
 @dataclass(frozen=True, repr=False, eq=False)
 class Vocabulary(OneLine):
     """The words of a model; those of a model of one's own are its user's names and meanings.
@@ -53,7 +49,7 @@ class Vocabulary(OneLine):
     units: Mapping[str, float] = field(default_factory=dict)
     problems: Mapping[str, list[str]] = field(default_factory=dict)
     drawings: str = ""
-    is_handy: Callable[[str], bool] = _never
+    is_handy: Callable[[str], bool] = frozenset[str]().__contains__
     nouns: bool = True
     files: Mapping[str, str] = field(default_factory=dict)
 
@@ -158,9 +154,9 @@ class Words:
             row["drawing"] = constant["drawing"] if constant else ""
             return row
         if cause.told is not None:
-            first = sizes[cause.parameters[0].name]
-            factor, unit = self.shown_in(cause.parameters[0].name, first["unit"])
-            text = amount(abs(first["value"]) * factor, first["sd"] * factor, unit)
+            full = cause.parameters[0].name
+            first = sizes[full]
+            text = self.size(full, abs(first["value"]), first["sd"], first["unit"])
             row["finding"] = cause.told(first["value"], text, first["step"])
             return row
         shorts = [name_of.rpartition(".")[2] for name_of, size in sizes.items() if size["shown"]]
