@@ -21,7 +21,6 @@ from stickslip.diagnosis.entry import diagnose_model
 from stickslip.diagnosis.pipeline import run
 from stickslip.diagnosis.report.files import figures_of, page
 from stickslip.diagnosis.report.numbers import WORDS, notes_of, numbers_of, reference
-from stickslip.diagnosis.report.pictures import drawing
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.terms import amounts
 from stickslip.diagnosis.terms.cause import Cause, CauseNote
@@ -29,7 +28,7 @@ from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.diagnosis.terms.words import Vocabulary, Words
 from stickslip.scenario.scenario import load
 from stickslip.walker.film import FilmTable
-from stickslip.walker.problem import posed_by, vocabulary
+from stickslip.walker.problem import drawing, posed_by, vocabulary
 from toys import LEVEL, SLOPE, STEP, WAVE, data, line, problem
 
 KEYS = {name for names in reference() for name in names.split(", ")}
@@ -429,7 +428,6 @@ def test_an_amount_ends_at_the_second_digit_of_its_error(value, sd, said):
 
 
 def test_each_cause_of_the_library_has_its_drawing():
-    symbols = vocabulary().drawings
-    assert drawing(symbols, "no such thing") == ""
+    assert drawing("no such thing") == ""
     for name, each in vocabulary().causes.items():
-        assert drawing(symbols, each["drawing"]), name
+        assert drawing(each["drawing"]), name

@@ -88,7 +88,16 @@ def diagnose_model(
     ('named', ('wave',))
     """
     check_whole("seed", seed)
-    terms = partial(_terms, predict, uncertain, causes)
+
+    def terms(tables: Any) -> tuple[Sequence[Parameter], Sequence[Cause]]:
+        """What is stated, or what a model says of data, and the other causes."""
+        if uncertain is not None:
+            return uncertain, causes
+        if not hasattr(predict, "terms"):
+            raise ScenarioError("uncertain: allowed is a list of Parameter, or a model of `models`")
+        constants, usual = predict.terms(tables)
+        return constants, [*usual, *causes] if isinstance(causes, Sequence) else causes
+
     stated = terms(data)
     with one_blas_thread():
         problem = posed(data, predict, *stated)
@@ -117,18 +126,6 @@ def diagnosed(
     say = progress or (lambda fraction, stage: None)
     findings = run(problem, seed, say, fault or _fault_of(problem))
     return Diagnosis(findings, source, (*notes, *moved_constants(findings)))
-
-
-def _terms(
-    predict: Predict, uncertain: Sequence[Parameter] | None, causes: Sequence[Cause], data: Any
-) -> tuple[Sequence[Parameter], Sequence[Cause]]:
-    """What is stated, or what a model that has `terms` says of data, and the other causes."""
-    if uncertain is not None:
-        return uncertain, causes
-    if not hasattr(predict, "terms"):
-        raise ScenarioError("uncertain: allowed is a list of Parameter, or a model of `models`")
-    uncertain, terms = predict.terms(data)
-    return uncertain, [*terms, *causes] if isinstance(causes, Sequence) else causes
 
 
 def _units(predict: Predict) -> dict[str, tuple[str, Sequence[str]]]:

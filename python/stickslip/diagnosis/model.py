@@ -126,20 +126,23 @@ def bare_problem(
         raise ScenarioError(
             f"data = {brief(tables)}: allowed is a Table or a Series, or a list of them"
         )
-    _check_list("uncertain", constants, Parameter)
-    _check_list("causes", causes, Cause)
-    if any(constant.prior is None for constant in constants):
-        (name, *_) = (constant.name for constant in constants if constant.prior is None)
-        raise ScenarioError(f"uncertain: {name} has no prior; an amplitude belongs to a Cause")
+    lists = ("uncertain", constants, Parameter), ("causes", causes, Cause)
+    for key, each, kind in lists:
+        if not isinstance(each, Sequence) or not all(isinstance(one, kind) for one in each):
+            raise ScenarioError(f"{key} = {brief(each)}: allowed is a list of {kind.__name__}")
+    for constant in constants:
+        if constant.prior is None:
+            text = f"uncertain: {constant.name} has no prior; an amplitude belongs to a Cause"
+            raise ScenarioError(text)
     records = tuple(_records(given))
-    each = _of_each_record(constants, records)
-    named = tuple(beside_constants(causes, each))
-    _check_names(records, each, named)
+    fitted = _of_each_record(constants, records)
+    named = tuple(beside_constants(causes, fitted))
+    _check_names(records, fitted, named)
     _check_copies(records)
-    _check_causes(records, each, named)
-    model = ForwardModel(predict, low_fidelity, tuple(constants), (*named, *freed(each)))
+    _check_causes(records, fitted, named)
+    model = ForwardModel(predict, low_fidelity, tuple(constants), (*named, *freed(fitted)))
     _check_predict(predict, model)
-    return Problem(records, constants=each, **_of_model(model, records, each))
+    return Problem(records, constants=fitted, **_of_model(model, records, fitted))
 
 
 def freed(constants: Sequence[Parameter]) -> list[Cause]:
@@ -458,11 +461,6 @@ def _unchanged(problem: Problem, base: Array, changed: Array) -> Mask:
         made = problem.model(problem.physical(np.vstack([base, changed])))
     same = (made[1:] == made[0]) | (np.isnan(made[1:]) & np.isnan(made[0]))
     return np.asarray(np.all(same, axis=1))
-
-
-def _check_list(key: str, given: object, kind: type[Parameter] | type[Cause]) -> None:
-    if not isinstance(given, Sequence) or not all(isinstance(item, kind) for item in given):
-        raise ScenarioError(f"{key} = {brief(given)}: allowed is a list of {kind.__name__}")
 
 
 def _check_predict(predict: object, model: ForwardModel) -> None:

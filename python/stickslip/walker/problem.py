@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -256,11 +257,33 @@ def vocabulary() -> Vocabulary:
         constants=words["constants"],
         units=words["units"],
         problems=words["problems"],
-        drawings=own_text("walker/drawings.svg"),
+        drawing=drawing,
         is_handy=_is_handy,
         nouns=False,
         files=words["files"],
     )
+
+
+def drawing(name: str, way: str = "") -> str:
+    """The drawing of a cause as SVG; `way`, the word for its sign, turns its arrow.
+
+    Empty where there is none of that name.
+    """
+    symbols = own_text("walker/drawings.svg")
+    parts = dict(re.findall(r'<g id="([\w-]+)">(.*?)</g>\n', symbols))
+    for key in (f"{name} {way}", name):
+        match = re.search(
+            rf'<symbol id="{re.escape(key)}" viewBox="(.*?)"><title>(.*?)</title>(.*?)</symbol>',
+            symbols, re.S,
+        )  # fmt: skip
+        if match:
+            box, title, inside = match.groups()
+            shown = re.sub(r'<use href="#([\w-]+)"/>', lambda use: parts[use[1]], inside.strip())
+            return (
+                f'<svg class="drawing" viewBox="{box}" role="img" aria-label="{title}">'
+                f"<title>{title}</title>{shown}</svg>"
+            )
+    return ""
 
 
 def _is_handy(name: str) -> bool:

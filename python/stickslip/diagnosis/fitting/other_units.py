@@ -127,7 +127,7 @@ def unit_fault(
         return None
     tries = list(_in_units(problem, of, known, seed))
     near, far = _single(problem, seed)
-    meant = _fits(_best(tries)) + _fits(_best(far))
+    meant = _fits(tries, _FITTED) + _fits(far, _FITTED)
     best = min(meant, key=lambda end: end.chi2 + end.penalty, default=null)
     missed = null.chi2 > _MISSED * best.chi2 or null.moved > _FAR
     if not missed or best.moved > _FAR or not _is_like(best, problem, variance):
@@ -156,10 +156,6 @@ def unit_fault(
 def _is_like(end: _End, problem: Problem, variance: float) -> bool:
     """Whether a fit leaves hardly more than errors, or than a small part of the readings."""
     return end.chi2 < max(2.0 * len(problem.y), _LIKE * variance)
-
-
-def _best(tries: Sequence[_Try]) -> list[_Try]:
-    return sorted(tries, key=lambda one: one.left)[:_FITTED]
 
 
 def _in_units(
@@ -235,10 +231,10 @@ def _left(problem: Problem, values: Array) -> Array:
     return np.where(np.isfinite(left), left, 1e300)
 
 
-def _fits(tries: Sequence[_Try]) -> list[_End]:
-    """Ends of fits without a cause, where they can be fitted."""
+def _fits(tries: Sequence[_Try], most: int | None = None) -> list[_End]:
+    """Ends of fits without a cause, where they can be fitted, of the best tries."""
     ends = []
-    for one in tries:
+    for one in sorted(tries, key=lambda one: one.left)[:most]:
         with contextlib.suppress(np.linalg.LinAlgError):
             (fit,) = in_step(one.problem, [minimise(one.problem, Exact(one.problem), (), one.x)])
             x = np.abs(fit.x)

@@ -221,15 +221,13 @@ class Problem(OneLine):
         A stretch of one record and the same of the others are held out together, so that each fit
         has a part of every record.
         """
-        first, groups = 0, []
-        stretches = [table.group for table in self.tables if isinstance(table, Series)]
-        after = max((int(group.max()) + 1 for group in stretches), default=0)
-        for table in self.tables:
-            if isinstance(table, Series):
-                groups.append(table.group)
-            else:
-                groups.append(table.group + after + first)
-                first += int(table.group.max()) + 1
+        records = [isinstance(table, Series) for table in self.tables]
+        ends = [int(table.group.max()) + 1 for table in self.tables]
+        first = max(itertools.compress(ends, records), default=0)
+        groups = []
+        for table, is_record, end in zip(self.tables, records, ends, strict=True):
+            groups.append(table.group + (0 if is_record else first))
+            first += 0 if is_record else end
         return np.concatenate(groups)
 
     @cached_property

@@ -26,7 +26,7 @@ from stickslip.diagnosis.decision.posterior import SURE
 from stickslip.diagnosis.decision.test import ADEQUATE
 from stickslip.diagnosis.decision.verdict import DOMINANT
 from stickslip.diagnosis.report.numbers import numbers_of
-from stickslip.diagnosis.report.pictures import Plots, drawing
+from stickslip.diagnosis.report.pictures import Plots
 from stickslip.diagnosis.terms import amounts
 from stickslip.diagnosis.terms.words import Vocabulary, Words
 
@@ -72,7 +72,7 @@ def page(numbers: Mapping[str, Any], figures: Mapping[str, Any], vocabulary: Voc
         sure=SURE,
         adequate=ADEQUATE,
         dominant=DOMINANT,
-        drawing=lambda name, way: Markup(drawing(vocabulary.drawings, name, way)),
+        drawing=lambda name, way: Markup(vocabulary.drawing(name, way)),
     )
     # No line ends between a number and its sign or unit.
     units = r"(?<=\d) (?=(?:Hz|mT|mm/s|V|ms|s|N)\b)"

@@ -29,6 +29,7 @@ from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import LOST
 from stickslip.diagnosis.terms import amounts
 from stickslip.diagnosis.terms.curve import CURVE, SHAPES, Curve
+from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.diagnosis.terms.words import Vocabulary, Words
 
 ROUTINE = (
@@ -310,23 +311,22 @@ def _claim(facts: Facts, candidate: Candidate) -> dict[str, Any]:
             row |= {"finding": f"The law of {cause.curve.name} has another shape{form}.",
                     "drawing": cause.curve.law, "interval": ""}  # fmt: skip
         if cause.is_constant:
-            row["finding"] += _in_another_unit(facts, str(cause.frees), sizes[cause.name])
+            (name,) = sizes[cause.name]
+            size = sizes[cause.name][name]
+            row["finding"] += _in_another_unit(known[name], size["value"], size["sd"])
         causes.append(row)
     chance = facts.chance.models[candidate.name]
     return {"candidate": candidate.name, "title": facts.words.title(candidate.name),
             "probability": chance, "causes": causes}  # fmt: skip
 
 
-def _in_another_unit(facts: Facts, name: str, sizes: Mapping[str, Mapping[str, Any]]) -> str:
+def _in_another_unit(constant: Parameter, value: float, sd: float) -> str:
     """What is said of a constant that is off by the factor of a unit, within its errors."""
-    constant = next(one for one in facts.problem.constants if one.name == name)
     stated, beside = constant.value(np.array([0.0, 1.0])).tolist()
-    value, sd = sizes[name]["value"], sizes[name]["sd"]
     if not stated or not value:
         return ""
     within = min(_NEAR * math.hypot(beside / stated - 1.0, sd / value), _NEAREST)
-    said = mistaken(value / stated, within)
-    return f" {said}" if said else ""
+    return f" {mistaken(value / stated, within)}".rstrip()
 
 
 def _left_in_words(facts: Facts, candidate: Candidate) -> list[str]:

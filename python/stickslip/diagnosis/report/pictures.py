@@ -1,4 +1,4 @@
-"""The three figures of a report and of `Diagnosis.plot`, and the drawings of causes.
+"""The three figures of a report and of `Diagnosis.plot`.
 
 Readings are black; the stated model is grey, the recalibrated one blue; the extended one, and what
 is claimed, vermilion in all of them. What is nearest without a claim is dark grey.
@@ -7,7 +7,6 @@ is claimed, vermilion in all of them. What is nearest without a claim is dark gr
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -286,27 +285,6 @@ class Plots:
         axes.set_title(panel.title, fontsize=11, fontweight="bold")
         axes.margins(x=0.07, y=0.12)
         plain_axes(axes)
-
-
-def drawing(symbols: str, name: str, way: str = "") -> str:
-    """The drawing of a cause as SVG; `way`, the word for its sign, turns its arrow.
-
-    `symbols` are those of a vocabulary. Empty where there is none of that name.
-    """
-    parts = dict(re.findall(r'<g id="([\w-]+)">(.*?)</g>\n', symbols))
-    for key in (f"{name} {way}", name):
-        match = re.search(
-            rf'<symbol id="{re.escape(key)}" viewBox="(.*?)"><title>(.*?)</title>(.*?)</symbol>',
-            symbols, re.S,
-        )  # fmt: skip
-        if match:
-            box, title, inside = match.groups()
-            shown = re.sub(r'<use href="#([\w-]+)"/>', lambda use: parts[use[1]], inside.strip())
-            return (
-                f'<svg class="drawing" viewBox="{box}" role="img" aria-label="{title}">'
-                f"<title>{title}</title>{shown}</svg>"
-            )
-    return ""
 
 
 def plain_axes(axes: Any) -> None:

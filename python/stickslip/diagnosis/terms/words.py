@@ -34,8 +34,8 @@ class Vocabulary(OneLine):
         What a value in SI units is multiplied by to be told in a unit of these rows.
     problems : mapping
         Of a check that only this model's data can fail, what `data_problem` returns.
-    drawings : str
-        SVG with a symbol for each drawing.
+    drawing : callable
+        ``drawing(name, way)`` is the drawing of a row as SVG, `way` the word for a sign.
     is_handy : callable
         Whether a parameter of this name is told in the handiest unit, such as mm for m.
     nouns : bool
@@ -48,7 +48,7 @@ class Vocabulary(OneLine):
     constants: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     units: Mapping[str, float] = field(default_factory=dict)
     problems: Mapping[str, list[str]] = field(default_factory=dict)
-    drawings: str = ""
+    drawing: Callable[[str, str], str] = "".format
     is_handy: Callable[[str], bool] = frozenset[str]().__contains__
     nouns: bool = True
     files: Mapping[str, str] = field(default_factory=dict)
