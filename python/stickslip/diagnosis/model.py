@@ -332,19 +332,17 @@ def _seen(table: Table, causes: Sequence[Cause], p: Mapping[str, Array]) -> Tabl
             acting.setdefault(cause.input, []).append(cause)
     if not acting or not isinstance(table, Series):
         return table
-    signals = {name: partial(_signal, table, name, some, p) for name, some in acting.items()}
-    return table.acted_on(signals)
 
+    def signal(name: str, held: bool) -> Signal:
+        given = np.tile(table[name], (len(p[acting[name][0].parameters[0].name]), 1))
+        made = Signal.of(table.t, given, held)
+        for cause in acting[name]:
+            made = cause.acted(
+                made, {one.name: p[one.name] for one in cause.parameters}, table, given
+            )
+        return made
 
-def _signal(
-    table: Series, name: str, causes: Sequence[Cause], p: Mapping[str, Array], held: bool
-) -> Signal:
-    given = np.tile(table[name], (len(p[causes[0].parameters[0].name]), 1))
-    signal = Signal.of(table.t, given, held)
-    for cause in causes:
-        values = {one.name: p[one.name] for one in cause.parameters}
-        signal = cause.acted(signal, values, table, given)
-    return signal
+    return table.acted_on({name: partial(signal, name) for name in acting})
 
 
 def _records(tables: Sequence[Table]) -> list[Table]:

@@ -325,10 +325,6 @@ class Table:
         """
         return self._tells_nothing(alone) or self._meant(stated)
 
-    def remarks(self) -> list[Note]:
-        """What a reader should know of readings that can be used."""
-        return []
-
     def _tells_nothing(self, alone: bool) -> Note | None:
         if not np.any(self.y):
             text = "Every reading is zero: nothing moved, so nothing can be told apart."

@@ -6,7 +6,7 @@ import platform
 import re
 import shlex
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from datetime import datetime
 from os import PathLike
 from pathlib import Path
@@ -78,26 +78,6 @@ def page(numbers: Mapping[str, Any], figures: Mapping[str, Any], vocabulary: Voc
     units = r"(?<=\d) (?=(?:Hz|mT|mm/s|V|ms|s|N)\b)"
     inside = rf"{units}| (?=[%±])|(?<=\bp) (?=[=&])|(?<=\bp =) |(?<=\bp &lt;) "
     return re.sub(r"(?<= )-(?=[xyz]\b)", "-&NoBreak;", re.sub(inside, "&nbsp;", text))
-
-
-def save_figures(facts: Facts, folder: Path, formats: Sequence[str]) -> list[Path]:
-    """Write all figures; see `Diagnosis.save_figures`."""
-    folder.mkdir(parents=True, exist_ok=True)
-    written = []
-    for name, figure in Plots(facts).of_tables().items():
-        if figure is not None:
-            paths = [folder / f"{name.replace(' ', '-')}.{form}" for form in formats]
-            for path in paths:
-                figure.savefig(path)
-            written += paths
-    return written
-
-
-def notebook(numbers: Mapping[str, Any], vocabulary: Vocabulary) -> str:
-    """The verdict with its tables as a cell of a notebook shows it."""
-    return page_text(
-        "diagnosis/report/notebook.html.j2", report=numbers, a=amounts, w=Words(vocabulary)
-    )
 
 
 def _svg(figure: Figure | None) -> Markup:

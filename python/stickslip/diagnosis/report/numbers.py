@@ -232,6 +232,7 @@ def _of_subject(
             for reading in _deciding(facts, fit, one, rows)[:2]
         ]  # fmt: skip
     leader = {
+        **_claim(facts, candidate),
         "among_causes": probability / with_cause if with_cause > 0.0 else 0.0,
         "in_all": in_all,
         "further": further,
@@ -241,7 +242,7 @@ def _of_subject(
         "left": _left_in_words(facts, candidate if facts.verdict.fit else facts.recalibrated),
     }
     return {
-        "leader": {**_claim(facts, candidate), **leader},
+        "leader": leader,
         "odds": {"none": probability / max(chance.models["none"], 1e-300)},
         "runner_up": {
             "candidate": other.name, "title": facts.words.title(other.name),

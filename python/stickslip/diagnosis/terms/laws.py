@@ -94,18 +94,10 @@ def free_law(
     slopes = np.gradient(np.eye(knots), places, axis=0, edge_order=2)
     columns = CubicHermiteSpline(places, np.eye(knots), slopes, axis=0)
     curve = Curve(
-        law=law,
-        argument=argument,
-        unit=unit,
-        law_unit=law_unit,
-        low=float(low),
-        high=float(high),
-        places=places,
-        design=partial(_within, columns, low, high),
-        constant=factor_of,
-        stated=0.0 if factor_of is None else 1.0,
-        relative=factor_of is not None,
-    )
+        law, argument, unit, law_unit, float(low), float(high), places,
+        design=partial(_within, columns, low, high), constant=factor_of,
+        stated=0.0 if factor_of is None else 1.0, relative=factor_of is not None,
+    )  # fmt: skip
     keys = [f"{name}.knot_{k}" for k in range(1, knots + 1)]
     return made_law(name, curve, keys, law_unit, size, -float(end), float(end))
 

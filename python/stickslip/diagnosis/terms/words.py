@@ -141,28 +141,25 @@ class Words:
             if abs(value) > largest:
                 largest, row["way"] = abs(value), way
         row["interval"] = " and ".join(intervals)
+        constant = self._constants.get(name)
         if known is not None:
             row |= {"finding": known["finding"].format(**amounts), "remedy": known["remedy"]}
-            return row
-        constant = self._constants.get(name)
-        if cause.is_constant:
+        elif cause.is_constant:
             what, size = constant["name"] if constant else name, sizes[name]
             stated = self.limit(name, size["stated"], size["unit"], 6)
             amount_of = amounts[name.rpartition(".")[2]]
             row["finding"] = f"The {what} is {amount_of}, and was stated as {stated}."
             row["remedy"] = "Measure it again"
             row["drawing"] = constant["drawing"] if constant else ""
-            return row
-        if cause.told is not None:
+        elif cause.told is not None:
             full = cause.parameters[0].name
             first = sizes[full]
             text = self.size(full, abs(first["value"]), first["sd"], first["unit"])
             row["finding"] = cause.told(first["value"], text, first["step"])
-            return row
-        shorts = [name_of.rpartition(".")[2] for name_of, size in sizes.items() if size["shown"]]
-        values = [f"{short} = {amounts[short]}" for short in shorts]
-        what = row["title"]
-        row["finding"] = f"{what[:1].upper()}{what[1:]}: {', '.join(values)}."
+        else:
+            shorts = [full.rpartition(".")[2] for full, size in sizes.items() if size["shown"]]
+            values = ", ".join(f"{short} = {amounts[short]}" for short in shorts)
+            row["finding"] = f"{row['title'][:1].upper()}{row['title'][1:]}: {values}."
         return row
 
     def between(self, name: str, low: float, high: float, unit: str) -> str:
