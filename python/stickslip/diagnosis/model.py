@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import itertools
+import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -164,15 +165,15 @@ def _of_model(
     if model.low_fidelity is not None:
         cheap = replace(model, predict=model.low_fidelity, low_fidelity=None)
         draft = Cached(partial(cheap.of_tables, tables, names))
-
-    def wider(problem: Problem, more: Sequence[Cause]) -> Problem:
-        made = replace(model, causes=(*model.causes, *more))
-        return replace(problem, **_of_model(made, problem.tables, problem.constants))
-
     return {
         "model": Cached(partial(model.of_tables, tables, names)), "draft": draft,
-        "causes": causes, "wider": wider, "forward": partial(model.of_new, names),
+        "causes": causes, "wider": partial(_wider, model), "forward": partial(model.of_new, names),
     }  # fmt: skip
+
+
+def _wider(model: ForwardModel, problem: Problem, more: Sequence[Cause]) -> Problem:
+    made = replace(model, causes=(*model.causes, *more))
+    return replace(problem, **_of_model(made, problem.tables, problem.constants))
 
 
 def computed_tables(problem: Problem, seed: int) -> tuple[Table, ...]:
@@ -441,10 +442,8 @@ def _outside(cause: Cause, tables: Sequence[Table]) -> list[Note]:
         for table in tables
         if isinstance(table, Series) and cause.table in (None, table.name)
     ]
-    if cause.between is None or not records:
-        return []
-    begin, end = cause.between
-    if any(begin <= last and end >= first for first, last in records):
+    begin, end = cause.between or (-math.inf, math.inf)
+    if not records or any(begin <= last and end >= first for first, last in records):
         return []
     text = (
         f"{cause.name} happens at {begin:.12g} to {end:.12g} s, outside every record: the first "

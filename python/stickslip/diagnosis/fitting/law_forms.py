@@ -58,7 +58,8 @@ def _compared(models: Models, names: frozenset[str], law: Cause) -> Models:
         refits = in_step(problem, [_fitted(models, old, law, other) for other in others])
         correction = models.corrections.get(names, 0.0)
         by_form = {"curve": replace(old, log_evidence=old.log_evidence + correction)}
-        by_form |= {form: fit for form, fit in zip(map(_form, others), refits, strict=True) if fit}
+        names_of = [other.curve.form for other in others if other.curve is not None]
+        by_form |= {form: fit for form, fit in zip(names_of, refits, strict=True) if fit}
         evidence[name] = by_form
     weight = {
         form: float(logsumexp([
@@ -77,11 +78,6 @@ def _compared(models: Models, names: frozenset[str], law: Cause) -> Models:
     models.corrections[names] = 0.0
     models.of_forms[names] = {form: chance[form] for form in order}
     return models
-
-
-def _form(law: Cause) -> str:
-    assert law.curve is not None
-    return law.curve.form
 
 
 def _fitted(models: Models, old: Fit, law: Cause, other: Cause) -> Asking[Fit | None]:

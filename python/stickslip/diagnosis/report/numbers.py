@@ -540,14 +540,13 @@ def _product(names: Mapping[str, str], powers: Mapping[str, float]) -> str:
 def _bounds(facts: Facts) -> dict[str, Any]:
     limits = facts.cannot_tell.limits
     parameters = {parameter.name: parameter for parameter in facts.problem.parameters}
-    causes = ((cause, facts.words.title(cause.name)) for cause in facts.problem.causes)
-    owners = {parameter.name: title for cause, title in causes for parameter in cause.parameters}
+    owners = {one.name: cause.name for cause in facts.problem.causes for one in cause.parameters}
     return {
         name.removeprefix("effects."): {
             "value": value, "unit": parameters[name].unit, "falls": parameters[name].falls,
             "relative": value / (parameters[name].size or 1.0),
             "title": facts.words.parameter(name),
-            "cause": owners.get(name, ""),
+            "cause": facts.words.title(owners[name]) if name in owners else "",
             "text": facts.words.limit(name, value, parameters[name].unit),
             "seen": seen,
         }
