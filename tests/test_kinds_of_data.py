@@ -336,7 +336,7 @@ def test_a_file_is_opened_once_and_a_cell_parsed_once(tmp_path, monkeypatch):
         return float(value)
 
     monkeypatch.setattr("stickslip._util.files.open", counting_open, raising=False)
-    for module in ("_util.columns", "_util.text", "diagnosis.data.clocks"):
+    for module in ("_util.columns", "_util.text", "_util.clocks"):
         monkeypatch.setattr(f"stickslip.{module}.float", counting_float, raising=False)
     models.read_log(path, JOINT)
     assert opened == [str(path)]

@@ -175,10 +175,10 @@ def test_a_mirrored_column_is_what_is_wrong(tmp_path, full_frames, column):
     (run,) = read(tmp_path, a={**full_frames, column: -full_frames[column]}).tracking
     table = FilmTable(run)
     stated = table.predict(list(TRUE), np.array([[*TRUE.values()]]))[0]
-    note = table.problem(stated)
+    note = table.data_fault(stated)
     assert note.text == f"Column {column} would fit the stated model if it were of the other sign."
     sound = FilmTable(read(tmp_path, a=full_frames).tracking[0])
-    assert sound.problem(stated) is None
+    assert sound.data_fault(stated) is None
 
 
 @pytest.mark.parametrize(

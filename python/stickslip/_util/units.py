@@ -388,7 +388,7 @@ def factor_text(factor: float) -> str:
 
 def mistaken(ratio: float, within: float) -> str:
     """A sentence on a ratio that is, within a part of it, that of two units; "" of any other."""
-    factor = unit_factor(ratio, 1.0 + within, (*FACTORS, 1e4, *_TAKEN))
+    factor = unit_factor(ratio, 1.0 + within, MISTAKES)
     if factor is None or max(factor, 1.0 / factor) < _CHANGE:
         return ""
     size = max(factor, 1.0 / factor)

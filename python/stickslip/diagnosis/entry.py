@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -88,7 +88,16 @@ def diagnose_model(
     ('named', ('wave',))
     """
     check_whole("seed", seed)
-    terms = partial(_terms, predict, uncertain, causes)
+
+    def terms(tables: Any) -> tuple[Sequence[Parameter], Sequence[Cause]]:
+        """What is stated, or what a model says of data, and the other causes."""
+        if uncertain is not None:
+            return uncertain, causes
+        if not hasattr(predict, "terms"):
+            raise ScenarioError("uncertain: allowed is a list of Parameter, or a model of `models`")
+        constants, usual = predict.terms(tables)
+        return constants, [*usual, *causes] if isinstance(causes, Sequence) else causes
+
     stated = terms(data)
     with one_blas_thread():
         problem = posed(data, predict, *stated)
@@ -97,8 +106,9 @@ def diagnose_model(
             problem = posed(tables, predict, *stated)
         lost = (note for table in problem.tables for note in table.own_notes)
         fault = next((note for note in lost if note.code == LOST_SENSOR), None) or unit_fault(
-            problem, partial(_of_tables, predict, terms), _units(predict), int(seed)
-        )
+            problem, lambda other: bare_problem(other, predict, *terms(other)), _units(predict),
+            int(seed),
+        )  # fmt: skip
         problem = problem if fault else with_scatter(problem, int(seed))
         notes = [*overflows(problem), *without_effect(problem)]
         return diagnosed(problem, int(seed), progress, notes, fault=fault)
@@ -113,28 +123,9 @@ def diagnosed(
     fault: Note | None = None,
 ) -> Diagnosis:
     """The diagnosis of a problem; `source` is what poses it, a `fault` what is wrong with data."""
-    findings = run(problem, seed, progress or _silent, fault or _fault_of(problem))
+    say = progress or (lambda fraction, stage: None)
+    findings = run(problem, seed, say, fault or _fault_of(problem))
     return Diagnosis(findings, source, (*notes, *moved_constants(findings)))
-
-
-def _of_tables(
-    predict: Predict,
-    terms: Callable[[Any], tuple[Sequence[Parameter], Sequence[Cause]]],
-    tables: Sequence[Table],
-) -> Problem:
-    return bare_problem(tables, predict, *terms(tables))
-
-
-def _terms(
-    predict: Predict, uncertain: Sequence[Parameter] | None, causes: Sequence[Cause], data: Any
-) -> tuple[Sequence[Parameter], Sequence[Cause]]:
-    """What is stated, or what a model that has `terms` says of data, and the other causes."""
-    if uncertain is not None:
-        return uncertain, causes
-    if not hasattr(predict, "terms"):
-        raise ScenarioError("uncertain: allowed is a list of Parameter, or a model of `models`")
-    uncertain, terms = predict.terms(data)
-    return uncertain, [*terms, *causes] if isinstance(causes, Sequence) else causes
 
 
 def _units(predict: Predict) -> dict[str, tuple[str, Sequence[str]]]:
@@ -152,17 +143,13 @@ def _units(predict: Predict) -> dict[str, tuple[str, Sequence[str]]]:
 one_blas_thread = partial(threadpool_limits, limits=1, user_api="blas")
 
 
-def _silent(fraction: float, stage: str) -> None:
-    """Say nothing."""
-
-
 def _fault_of(problem: Problem) -> Note | None:
     """What is wrong with the data of a problem, if anything is; each table is asked."""
     alone = len(problem.tables) == 1
     stated = problem.model(problem.physical(np.zeros((1, problem.size))))[0]
     known = any(errors.known for errors in problem.errors)
     for table, part in zip(problem.tables, problem.rows, strict=True):
-        fault = table.problem(stated[part], alone or not known)
+        fault = table.data_fault(stated[part], alone or not known)
         if fault is not None:
             return fault if alone else replace(fault, text=f"{table.at}{fault.text}")
     count, free = len(problem.y), len(problem.constants)

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple, NoReturn
 import numpy as np
 
 from stickslip._util.arrays import Array
+from stickslip._util.clocks import JUMP, counted_on, times
 from stickslip._util.columns import (
     Column,
     Match,
@@ -34,7 +35,6 @@ from stickslip._util.units import (
     split_unit,
     zero_of,
 )
-from stickslip.diagnosis.data.clocks import JUMP, counted_on, times
 from stickslip.diagnosis.data.outliers import marks_of_none
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import READINGS

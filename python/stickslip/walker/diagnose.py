@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 from stickslip._util.arrays import worker_count
 from stickslip._util.messages import check_whole, shown
 from stickslip.diagnosis.entry import diagnosed, one_blas_thread
@@ -10,6 +12,7 @@ from stickslip.diagnosis.result import Diagnosis
 from stickslip.errors import ScenarioError
 from stickslip.walker.problem import posed_by
 from stickslip.walker.reading import Measurement
+from stickslip.walker.simulated import SimulatedTable
 
 
 def diagnose(
@@ -50,6 +53,7 @@ def diagnose(
         )
     check_whole("seed", seed)
     problem = posed_by(measurement, worker_count(threads, "threads"), seed)
-    notes = [note for table in problem.tables for note in table.remarks()]
+    tables = cast(tuple[SimulatedTable, ...], problem.tables)
+    notes = [note for table in tables for note in table.remarks()]
     with one_blas_thread():
         return diagnosed(problem, int(seed), progress, notes, measurement)

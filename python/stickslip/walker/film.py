@@ -16,13 +16,13 @@ from stickslip._util.picture import Picture
 from stickslip._util.prior import Prior
 from stickslip._util.units import far_size, in_handy_units
 from stickslip.diagnosis.data.errors import Errors, meter_step
-from stickslip.diagnosis.data.outliers import far_from_their_phase
 from stickslip.diagnosis.report.pictures import plain_axes
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.scenario.keys import known_keys
 from stickslip.walker.exposure import Exposure, Recording, record, recording_rate, rocking
 from stickslip.walker.folding import Kind, fold, frame_errors, reduce, undrifted
 from stickslip.walker.instruments import of_films
+from stickslip.walker.outliers import far_from_their_phase
 from stickslip.walker.read_tracking import FEWEST, REQUIRED, TrackingRun
 from stickslip.walker.simulated import SimulatedTable
 

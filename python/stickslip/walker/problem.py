@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -97,7 +98,7 @@ def posed_by(measurement: Measurement, threads: int = 1, seed: int = 0) -> Probl
     instruments = {one.name: replace(one, read=None, table=None) for one in every}
     simulated = Simulated(tables)
     return posed(
-        tables, simulated.full, constants, (*effects, *instruments.values()),
+        tables, simulated, constants, (*effects, *instruments.values()),
         low_fidelity=simulated.cheap, laws=partial(_laws, measurement), words=vocabulary(),
         rivals=Drives(measurement, tables),
     )  # fmt: skip
@@ -106,11 +107,13 @@ def posed_by(measurement: Measurement, threads: int = 1, seed: int = 0) -> Probl
 class Simulated:
     """What tables predict, each kept by the columns that count for it."""
 
+    jumps = True
+
     def __init__(self, tables: Sequence[SimulatedTable]) -> None:
         self._tables = tables
         self._kept: dict[tuple[int, tuple[str, ...], bool], Cached] = {}
 
-    def full(self, table: SimulatedTable, p: Mapping[str, Array], curves: Curves) -> Array:
+    def __call__(self, table: SimulatedTable, p: Mapping[str, Array], curves: Curves) -> Array:
         """Readings of all conditions, (vectors, m)."""
         return self._rows(table, p, curves, False)
 
@@ -254,10 +257,33 @@ def vocabulary() -> Vocabulary:
         constants=words["constants"],
         units=words["units"],
         problems=words["problems"],
-        drawings=own_text("walker/drawings.svg"),
+        drawing=drawing,
         is_handy=_is_handy,
         nouns=False,
+        files=words["files"],
     )
+
+
+def drawing(name: str, way: str = "") -> str:
+    """The drawing of a cause as SVG; `way`, the word for its sign, turns its arrow.
+
+    Empty where there is none of that name.
+    """
+    symbols = own_text("walker/drawings.svg")
+    parts = dict(re.findall(r'<g id="([\w-]+)">(.*?)</g>\n', symbols))
+    for key in (f"{name} {way}", name):
+        match = re.search(
+            rf'<symbol id="{re.escape(key)}" viewBox="(.*?)"><title>(.*?)</title>(.*?)</symbol>',
+            symbols, re.S,
+        )  # fmt: skip
+        if match:
+            box, title, inside = match.groups()
+            shown = re.sub(r'<use href="#([\w-]+)"/>', lambda use: parts[use[1]], inside.strip())
+            return (
+                f'<svg class="drawing" viewBox="{box}" role="img" aria-label="{title}">'
+                f"<title>{title}</title>{shown}</svg>"
+            )
+    return ""
 
 
 def _is_handy(name: str) -> bool:

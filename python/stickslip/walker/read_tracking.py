@@ -17,17 +17,12 @@ from stickslip._util.messages import refuse, shown
 from stickslip._util.note import Note
 from stickslip._util.text import OneLine, counted, highest, is_number, plain
 from stickslip._util.units import split_unit, unit_meant
-from stickslip.diagnosis.data.outliers import (
-    NEIGHBOURS,
-    ONE_TRACK,
-    lost_frames,
-    marks_of_none,
-    one_place_each,
-)
+from stickslip.diagnosis.data.outliers import marks_of_none
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import FILE
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.quantities import COLUMNS, headings
+from stickslip.walker.outliers import NEIGHBOURS, ONE_TRACK, lost_frames, one_place_each
 
 REQUIRED = {"t": "s", "x": "m", "theta": "rad"}
 _TRACKED = "", "track", "particle", "robot", "object"

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stickslip._util.arrays import RELATIVE, Array, Indices, Mask, representatives
+from stickslip._util.clocks import STAMP, seconds
 from stickslip._util.columns import (
     Column,
     Entry,
@@ -32,12 +33,12 @@ from stickslip._util.units import (
     unit_factor,
     unit_meant,
 )
-from stickslip.diagnosis.data.clocks import STAMP, seconds
-from stickslip.diagnosis.data.outliers import far_from_their_group, marks_of_none
+from stickslip.diagnosis.data.outliers import marks_of_none
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import Value, full_name, in_allowed_case, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.sweeping.points import name_of
+from stickslip.walker.outliers import far_from_their_group
 
 FASTEST = 1.0
 """Mean velocity, m/s; a robot of this size is slower, and beyond it a unit is wrong. Chosen: the

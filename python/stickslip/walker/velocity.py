@@ -184,7 +184,7 @@ class VelocityTable(SimulatedTable):
         return trials
 
     # ------------------------------------------------------------------ what is wrong with it
-    def problem(self, stated: Array, alone: bool = True) -> Note | None:
+    def data_fault(self, stated: Array, alone: bool = True) -> Note | None:
         """Also velocities that drift, or that are not what the stated model can give."""
         return (
             self._tells_nothing(alone) or self._wrong_size() or self._wrong_sign() or self._drift()

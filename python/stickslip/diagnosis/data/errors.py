@@ -44,7 +44,7 @@ _PRIORS = {
 }
 """Mean and standard deviation of each coordinate: the logarithms of s0 and of rho at the usual
 level over the pooled scatter, the probit of phi, the logarithms of the sizes of shifts and gains in
-errors of a reading, and that of what a film's periods share in errors of a period's mean. Chosen:
+errors of a reading, and that of what periods share in errors of a period's mean. Chosen:
 weak, with mostly equal errors of all readings, and with periods that seldom differ."""
 
 _SHARED = ("shift", "gain")
@@ -153,7 +153,7 @@ def estimate(
     """
     count = np.bincount(condition).astype(float)
     mean = np.bincount(condition, y) / count
-    # Readings that are all zero, below the resolution of a camera, have no scatter. Their error is
+    # Readings that are all zero, below the resolution of a meter, have no scatter. Their error is
     # that of the level zero.
     moves = np.bincount(condition, y != 0.0) > 0
     moves = moves if moves.any() else ~moves

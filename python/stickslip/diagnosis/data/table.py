@@ -195,10 +195,9 @@ class Table:
         self.mean, self.errors = estimate(self.y, self.condition, sd=stated, run=runs, block=blocks)
         if sd is None:
             self.errors = no_finer_than_the_meter(self.y, self.condition, self.errors, unit)
-        self.unstated = [
-            *([] if unit != "-" or states_unit(y) else [READINGS]),
-            *self.quantities[1:],
-        ]
+        carried = {key: states_unit(values) for key, values in given.items()}
+        carried[READINGS] = unit != "-" or states_unit(y)
+        self.unstated = [key for key in self.quantities if not carried[key]]
         self.rows, self._labels = np.flatnonzero(~gap), {"sd": stated, "block": blocks, "run": runs}
         self.own_notes = tuple(notes)
         if runs is not None and len(number) == len(self.y):
@@ -313,7 +312,7 @@ class Table:
         return None
 
     # ------------------------------------------------------------------ what is wrong with it
-    def problem(self, stated: Array, alone: bool = True) -> Note | None:
+    def data_fault(self, stated: Array, alone: bool = True) -> Note | None:
         """What is wrong with the readings, before any cause is blamed; None of sound ones.
 
         Parameters
@@ -325,10 +324,6 @@ class Table:
             apart.
         """
         return self._tells_nothing(alone) or self._meant(stated)
-
-    def remarks(self) -> list[Note]:
-        """What a reader should know of readings that can be used."""
-        return []
 
     def _tells_nothing(self, alone: bool) -> Note | None:
         if not np.any(self.y):

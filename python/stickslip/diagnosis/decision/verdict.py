@@ -25,6 +25,8 @@ from stickslip.diagnosis.decision.test import ADEQUATE, Test, adequacy, follows_
 from stickslip.diagnosis.fitting.forms import HYPER
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.search import Models
+from stickslip.diagnosis.terms.amounts import p_text
+from stickslip.diagnosis.terms.cause import CauseNote
 
 Kind = Literal["named", "dominant", "pair", "ambiguous", "unexplained", "none", "data-problem"]
 
@@ -144,14 +146,14 @@ def _without_cause(verdict: Verdict, models: Models, test: Test, leader: Fit | N
             rival = "correlated errors along a run, of the readings or of the model"
         reason = Note(
             "no-cause-leads",
-            f"A misfit is left (p = {test.p_value:.2g}); no cause is more probable than {rival}.",
+            f"A misfit is left ({p_text(test.p_value)}); no cause is more probable than {rival}.",
             test.p_value,
         )
         gain = gain_of(models, leader) if leader else None
         return _with(verdict, "unexplained", (), None, (reason,), models, leader, gain)
     reason = Note(
         "nothing-left",
-        f"The recalibrated model explains the data (p = {test.p_value:.2g}).",
+        f"The recalibrated model explains the data ({p_text(test.p_value)}).",
         test.p_value,
     )
     return _with(verdict, "none", (), None, (reason,), models, None)
@@ -206,20 +208,19 @@ def _only_pair(models: Models, pair: Fit) -> bool:
 def _refused(pair: Fit, member: Fit, second: Gain) -> Note:
     (other,) = pair.names - member.names
     fall = 1.0 - second.after / second.before
-    both = f"{other} beside {member.name}"
     if fall <= 0.0:
-        text = f"{both} does not lower the held-out error."
+        text = "{} beside {} does not lower the held-out error."
     elif fall < SECOND:
         text = (
-            f"{both} lowers the held-out error by {100.0 * fall:.0f} % only; a second cause needs "
-            f"{100.0 * SECOND:.0f} %."
+            f"{{}} beside {{}} lowers the held-out error by {100.0 * fall:.0f} % only; a second "
+            f"cause needs {100.0 * SECOND:.0f} %."
         )
     else:
         text = (
-            f"{both} lowers the held-out error by {100.0 * fall:.0f} %, which may be chance: the "
-            "95 % interval includes zero."
+            f"{{}} beside {{}} lowers the held-out error by {100.0 * fall:.0f} %, which may be "
+            "chance: the 95 % interval includes zero."
         )
-    return Note("second-cause-predicts-nothing", text, fall)
+    return CauseNote("second-cause-predicts-nothing", text, (other, member.name), fall)
 
 
 def _claimed(
@@ -247,9 +248,10 @@ def _claimed(
         return _with(verdict, kind, names, likelier, reasons, models, plain, gains[0])
     twins = _open_twins(models, beside)
     if twins:
-        also = " or ".join(twin.name for twin in twins)
-        text = f"What {beside.name} leaves is as large as what tells it from {also}."
-        reasons += (Note("twins-left-open", text),)
+        also = " or ".join("{}" for _ in twins)
+        text = f"What {{}} leaves is as large as what tells it from {also}."
+        named = [fit.name for fit in (beside, *twins)]
+        reasons += (CauseNote("twins-left-open", text, named),)
         return _left_open(verdict, models, (beside, *twins), reasons, gains[0])
     reasons += _slow_rest(beside)
     return _with(verdict, kind, names, beside, reasons, models, beside, gains[0])
@@ -294,15 +296,15 @@ def _against(models: Models, fit: Fit, gains: Sequence[Gain | None]) -> list[Not
     part = share(models, fit) if fit.form != "exact" else 0.0
     notes = _takes_little(fit, part, gains)
     if _is_pattern(models, fit):
-        text = f"What {fit.name} leaves follows the settings: it is no scatter."
-        notes.append(Note("pattern-left", text))
+        text = "What {} leaves follows the settings: it is no scatter."
+        notes.append(CauseNote("pattern-left", text, [fit.name]))
     if _at_end(models, fit):
         notes.append(_end_of_range(fit))
     return notes
 
 
 def _end_of_range(fit: Fit) -> Note:
-    return Note("size-at-end", f"A size of {fit.name} is at the end of its range.")
+    return CauseNote("size-at-end", "A size of {} is at the end of its range.", [fit.name])
 
 
 def _proven(models: Models, test: Test, fit: Fit, gains: Sequence[Gain | None]) -> bool:
@@ -316,7 +318,7 @@ def _proven(models: Models, test: Test, fit: Fit, gains: Sequence[Gain | None]) 
     if any(gain is not None and gain.interval[1] < 0.0 for gain in gains):
         return False
     spare = adequacy(problem, models.null) >= ADEQUATE
-    if all(cause.frees is not None and not cause.parameters for cause in fit.causes):
+    if all(cause.is_constant for cause in fit.causes):
         spare = spare and test.p_value >= ADEQUATE
     return not spare or gains[0] is None or gains[0].certain
 
@@ -326,24 +328,24 @@ def _takes_little(fit: Fit, part: float, gains: Sequence[Gain | None]) -> list[N
 
     Causes that take nearly all of the model's error need only not predict worse.
     """
-    notes = []
+    notes: list[Note] = []
     if not part >= DOMINANT:
         part = 0.0 if math.isnan(part) else part
         asked = 100.0 * DOMINANT
         text = (
-            f"{fit.name} takes {min(100.0 * part, asked - 1.0):.0f} % of the model's error; a "
-            f"claim asks for {asked:.0f} %."
+            f"{{}} takes {min(100.0 * part, asked - 1.0):.0f} % of the model's error; a claim asks "
+            f"for {asked:.0f} %."
         )
-        notes.append(Note("small-share", text, part))
+        notes.append(CauseNote("small-share", text, [fit.name], part))
     known = [gain for gain in gains if gain is not None]
     if part >= NEARLY_ALL:
-        text = f"{fit.name} predicts held-out readings worse."
+        text = "{} predicts held-out readings worse."
         proven = all(gain.interval[1] >= 0.0 for gain in known)
     else:
-        text = f"It is not certain that {fit.name} predicts held-out readings better."
+        text = "It is not certain that {} predicts held-out readings better."
         proven = len(known) == len(gains) and all(gain.certain for gain in known)
     if not proven:
-        notes.append(Note("uncertain-gain", text))
+        notes.append(CauseNote("uncertain-gain", text, [fit.name]))
     return notes
 
 
@@ -372,9 +374,9 @@ def _set(
         together = sum(chance.models[member.name] for member in members)
         text = (
             f"{len(members)} models have {100.0 * together:.0f} % of the probability together; the "
-            f"first, {first.name}, has {100.0 * probability:.0f} %."
+            f"first, {{}}, has {100.0 * probability:.0f} %."
         )
-        reasons = (*reasons, Note("not-separated", text, probability))
+        reasons = (*reasons, CauseNote("not-separated", text, [first.name], probability))
     return _left_open(verdict, models, members, reasons, gain)
 
 
@@ -428,5 +430,5 @@ def _slow_rest(fit: Fit) -> tuple[Note, ...]:
     """That a discrepancy beside a cause is correlated for as long as a run allows."""
     if fit.form != "ar1" or math.log(fit.sizes["tau"]) < HYPER["tau"][3] - _AT_BOUND:
         return ()
-    text = f"What {fit.name} leaves drifts over the whole record: something else is missing too."
-    return (Note("long-correlation", text, fit.sizes["tau"]),)
+    text = "What {} leaves drifts over the whole record: something else is missing too."
+    return (CauseNote("long-correlation", text, [fit.name], fit.sizes["tau"]),)

@@ -69,7 +69,7 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
         tables = list(problem.tables)
         for k in rougher:
             tables[k] = tables[k].having(errors=replace(tables[k].errors, dof=0.0, notes=()))
-        return with_scatter(replace(problem, tables=tuple(tables), errors=()), seed)
+        return with_scatter(problem.with_tables(tables), seed)
     return problem
 
 
@@ -108,4 +108,4 @@ def _scattered(problem: Problem, unknown: Sequence[int], residual: Array, spent:
         )
         count, note = np.bincount(table.condition), Note("noise-fit", text, size)
         tables[k] = table.having(errors=Errors.alike(size, count, free, note, of_fit=True))
-    return replace(problem, tables=tuple(tables), errors=())
+    return problem.with_tables(tables)

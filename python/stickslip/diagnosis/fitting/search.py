@@ -499,7 +499,7 @@ def _first_looks(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -
             look = response.cause, response.x, response.slopes, (soft, robust), steps
             hopes.append((cost, look))
     looks = [look for _, look in sorted(hopes, key=lambda hope: hope[0])]
-    freed = [cause for cause in causes if cause.frees is not None and not cause.parameters]
+    freed = [cause for cause in causes if cause.is_constant]
     stages = (*(Softened(problem, *stage) for stage in STAGES[:2]), robust)
     for cause, starts in zip(
         freed, in_step(problem, [_along(problem, cause, null) for cause in freed]), strict=True
@@ -541,7 +541,7 @@ def _promising(
 def _along(problem: Problem, cause: Cause, null: Fit) -> Asking[list[Array]]:
     """Points along a freed constant over its widened prior where the data are nearest.
 
-    Velocities jump, so that no descent leads to a constant that is far off. One about the
+    Predictions may jump, so that no descent leads to a constant that is far off. One about the
     recalibrated constants and two about the stated ones: a fit without the cause may have bent the
     others to where no descent leads back. For the same reason their priors do not rank.
     """
