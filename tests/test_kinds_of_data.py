@@ -232,7 +232,7 @@ def test_a_setting_under_another_name_is_not_lost(name, other, door, tmp_path):
 )  # fmt: skip
 def test_what_is_no_setting_is_information(name, values, tmp_path):
     found = of_file({**TRIALS, name: values}, tmp_path)
-    assert [each.code for each in found.left_out] == ["columns-not-used"]
+    assert [each.code for each in found.left_out] == ["converted", "columns-not-used"]
 
 
 # -------------------------------------------------------------------------------- units in memory

@@ -116,11 +116,11 @@ TABLES = [
     ("velocity,frequency\n910,10\n920,20\n930,30\n", "if they are in um/s, divide"),
 ]
 STATIC = [
-    ("angle", "Bx,Bz,theta\n1e-3,0,0\n2,0,0\n", "line 3, column Bx = 2 T: allowed is at most 1 T"),
+    ("angle", "Bx,Bz,theta\n1e-3,0,0\n2,0,0\n", "line 3: Bx of 2 T is above 1 T"),
     ("field", "xp,xm,yp,ym,clamp,x,y,z,Bx,By,Bz\n" + 8 * "1.5," + "0,0,9.99\n",
-     ["velocity.csv: line 2, column x = 1.5 m", "numbers in mm by 1e3"]),
+     ["velocity.csv: line 2: x of 1.5 m", 'in mm, call the column "x (mm)"']),
     ("field", "xp,xm,yp,ym,clamp,x,y,z,Bx,By,Bz\n" + 8 * "0," + "0,0,9.99\n",
-     ["velocity.csv: line 2, column Bz = 9.99 T", "cell of a saturated reading empty"]),
+     ["velocity.csv: line 2: Bz of 9.99 T", "cell of a saturated reading empty"]),
 ]  # fmt: skip
 NORMAL = Prior("normal", 1e-5, 1e-6)
 GIVEN = [
@@ -131,7 +131,7 @@ GIVEN = [
     ("twice", {"table": pd.concat([TABLE, TABLE[["mode"]]], axis=1)},
      'column "mode" is there twice'),
     ("list", {"table": [1.0]}, "allowed is a DataFrame"),
-    ("empty", {"table": TABLE.iloc[:0]}, "DataFrame: has no row of data"),
+    ("empty", {"table": TABLE.iloc[:0]}, "DataFrame: is empty: there is no row of data"),
     ("error", {"velocity_sd": 2.0}, "velocity_sd = 2.0: allowed is a number above 0"),
     ("typo", {"uncertain": {"drag.liner": NORMAL}}, "drag.linear"),
     ("no sd", {"uncertain": {"drag.linear": {"mean": 1.0}}}, "allowed is { mean, sd }"),

@@ -81,15 +81,6 @@ def text_lines(data: bytes) -> Iterator[str]:
             yield line.rstrip("\n")
 
 
-def csv_line(line: str, cells: list[str]) -> str:
-    """A line of these cells between commas; the given one if it has just these."""
-    if [cell.strip() for cell in next(_reader([line], ","), [])] == cells:
-        return line
-    file = io.StringIO()
-    csv.writer(file, lineterminator="").writerow(cells)
-    return file.getvalue()
-
-
 _BLOCK = 1 << 12  # lines; chosen: few enough for the room of their cells
 _UNUSUAL = re.compile(r'["#_]')
 

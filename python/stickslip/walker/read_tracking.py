@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 
 from stickslip._util.arrays import RELATIVE, Array, Mask, are_equal
-from stickslip._util.columns import Recipe, SourceTable, sound_numbers
+from stickslip._util.columns import SourceTable, sound_numbers
 from stickslip._util.messages import refuse, shown
 from stickslip._util.note import Note
+from stickslip._util.recipes import Recipe
 from stickslip._util.text import OneLine, counted, highest, is_number, plain
 from stickslip._util.units import split_unit, unit_meant
 from stickslip.diagnosis.data.outliers import (
@@ -309,7 +310,7 @@ def _too_little(table: Mapping[str, Array], scenario: Scenario) -> _Why | None:
     turn = float(np.median(np.abs(table["theta"])))
     if turn > _TURNS:
         text = f"theta is near {turn:.3g}, and allowed is up to {_TURNS:.3g}; rad are wanted, so "
-        return "run-angle-unit", f"{text}convert them from degrees or mrad", turn
+        return "run-angle-unit", f"{text}call the column theta (deg) or theta (mrad)", turn
     way = float(np.ptp(table["x"]))
     long = too_long(way)
     if long is not None:
