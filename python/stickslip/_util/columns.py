@@ -468,7 +468,7 @@ def _of_arrays(source: Source, recipe: Recipe) -> SourceTable:
 def _cell(value: Any) -> str:
     if isinstance(value, float | np.floating):
         return "" if math.isnan(value) else repr(float(value))
-    return "" if value is None or str(value) in ("<NA>", "NaT") else str(value).strip()
+    return "" if value is None or str(value) in ("<NA>", "NaT", "--") else str(value).strip()
 
 
 def sound_numbers(
