@@ -3,6 +3,7 @@
 import datetime
 
 import drawn_logs
+import drawn_tables
 import numpy as np
 import pandas as pd
 import pint
@@ -347,8 +348,9 @@ def test_a_file_is_opened_once_and_a_cell_parsed_once(tmp_path, monkeypatch):
     assert opened.count(str(path)) == 1
 
 
-def test_drawn_logs_are_never_silently_wrong():
-    found = drawn_logs.counts(range(120))
+@pytest.mark.parametrize("outcome", [drawn_logs.outcome, drawn_tables.outcome])
+def test_what_is_drawn_is_never_silently_wrong(outcome):
+    found = drawn_logs.counts(range(120), outcome)
     assert sum(found.values()) == 120
     assert [kind for (kind, what), _ in found.items() if what == "WRONG"] == []
     assert len({kind for kind, _ in found}) >= 15

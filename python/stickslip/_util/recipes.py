@@ -13,7 +13,7 @@ import numpy as np
 from stickslip._util.arrays import Array, Mask
 from stickslip._util.messages import misspelt, nearest, shown
 from stickslip._util.text import plain
-from stickslip._util.units import per_si, split_unit
+from stickslip._util.units import ended, per_si, split_unit
 from stickslip.errors import ScenarioError
 
 VALID = "valid", "ok"
@@ -117,7 +117,8 @@ class Recipe:
         """What the columns are; a ScenarioError names a unit that is not one of its column."""
         names, made = self.names, []
         for heading in headings:
-            name, unit = split_unit(heading)
+            parts = (each for each in ended(heading) if each[0] in names)
+            name, unit = next(parts, split_unit(heading))
             if name not in names:
                 made.append(Match(heading, heading, known=False))
                 continue

@@ -160,6 +160,12 @@ def split_unit(heading: str) -> tuple[str, str | None]:
     return (name, unit) if parted else (heading, None)
 
 
+def ended(heading: str) -> list[tuple[str, str]]:
+    """A heading as name and unit, where blanks or an underscore may be between: ``speed_rpm``."""
+    pairs = [heading.rpartition(sign)[::2] for sign in ("_", " in ", " ")]
+    return [(name.rstrip(", "), unit.strip()) for name, unit in pairs if name and is_unit(unit)]
+
+
 def per_si(unit: str, si: str) -> float:
     """How many of a unit are one of an SI unit; a ValueError lists those of the same quantity."""
     known = dict.fromkeys(("-", "1", ""), 1.0) | {"%": 100.0} if _is_pure(si) else _known(si)
@@ -265,9 +271,8 @@ def is_of(unit: str, si: str) -> bool:
 
 def is_unit(text: str) -> bool:
     """Whether a text is a unit of a file."""
-    return any(text in _known(si) for si in _SI) or (
-        text[:1] not in "+-.0123456789" and _size(text) is not None
-    )
+    number = text[:1] in "+-.0123456789" and not text.startswith("1/")
+    return any(text in _known(si) for si in _SI) or (not number and _size(text) is not None)
 
 
 def si_of(unit: str) -> str:

@@ -25,6 +25,9 @@ centimetre make 0.1 T/A, and beyond these limits a unit is wrong."""
 _ENTRIES = 20_000_000
 """Most numbers of the matrix of a fit, 160 MB; where points are many, the degree is limited."""
 
+ROUNDING = 1e-6
+"""Residual, of the field, below which nothing is told from another one."""
+
 _SINGULAR = 1e-7
 """Part of a harmonic's field at the points that has to be none of the harmonics before it. Chosen:
 what is less is rounding, as of high degrees on a grid of few planes."""
@@ -51,7 +54,8 @@ class CoilFit:
     """The harmonics of one coil: `coefficients` (T/A), the residual and the measured field.
 
     `residual` and `field` are root mean squares of one component, T/A; `points` counts, and
-    `farthest` is the index of the point with the largest residual. `errors`, shape (24,), T/A, are
+    `farthest` is the index of the point with the largest residual, which is `odd` times the median
+    (of 0 by rounding). `errors`, shape (24,), T/A, are
     those at points left out of the fit, for each of `TURNS`. `centre` and its standard deviations
     `centre_sd`, shape (6,), T/A, are Bx, By, Bz at x = y = z = 0, and dBx/dx, dBy/dy, dBz/dz there
     times the largest side of the box.
@@ -62,6 +66,7 @@ class CoilFit:
     field: float
     points: int
     farthest: int
+    odd: float
     errors: Array
     centre: Array
     centre_sd: Array
@@ -137,13 +142,16 @@ class _Basis:
         shares = q.T @ values
         left = values - q @ shares
         solution = np.linalg.solve(r, shares)
+        sizes = np.linalg.norm(left.reshape(-1, 3), axis=1)
+        usual = max(float(np.median(sizes)), ROUNDING * root_mean_square(values))
         noise = np.linalg.norm(left) / np.sqrt(len(values) - count)
         return CoilFit(
             solution / self._scale[:count],
             root_mean_square(left),
             root_mean_square(values),
             len(fields),
-            int(np.argmax(np.sum(left.reshape(-1, 3) ** 2, axis=1))),
+            int(np.argmax(sizes)),
+            float(np.max(sizes)) / usual if usual else 0.0,
             np.sqrt(errors.min(axis=0)),
             centre @ solution,
             noise * np.linalg.norm(np.linalg.solve(r.T, centre.T), axis=0),

@@ -391,13 +391,20 @@ def _sound_rows(
 
 
 def _check_repeats(table: SourceTable, trials: Sequence[_Trial]) -> None:
-    """Refuse a column of numbers that differ between trials which would be repeats without it."""
+    """Refuse a column with words of a setting, or numbers that tell apart what would be repeats."""
     groups: dict[object, list[int]] = defaultdict(list)
     for trial in trials:
         groups[trial.setting].append(trial.row)
     several = [rows for rows in groups.values() if len(rows) > 1]
     for name in table.others:
         column = table.columns[name]
+        for key, of in settings().items():
+            words = {in_allowed_case(of, text) for text in column.texts} - {"", "none"}
+            if key not in table.columns and words and words <= {*of.words}:
+                raise ScenarioError(
+                    f"{table.path}: column {shown(name)} has words of the setting {key}, which "
+                    f'would be lost: call it "{key}", or leave it out'
+                )
         bare, unit = split_unit(name)
         if {*plain(bare).replace(".", " ").split()} & _BESIDE or (unit and is_of(unit, "K")):
             continue
