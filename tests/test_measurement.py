@@ -187,8 +187,8 @@ def test_lines_are_numbered_as_in_the_file_and_reasons_are_grouped(tmp_path):
     assert set(said) - {refused} == {
         "velocity.csv: 10 of 11 rows were left out.",
         'velocity.csv line 8: velocity "lost" is not a number.',
-        "velocity.csv line 9: hold of 0.6 T is above 0.1 T; if it is in mT, call the column "
-        '"hold (mT)".',
+        "velocity.csv line 9: hold of 0.6 T is above 0.1 T: state its unit, as "
+        '"hold (mT)" or "hold (uT)".',
         "velocity.csv lines 10, 11, 12, 13, 14, ...: velocity is empty.",
         "velocity.csv: 1 line below the header skipped as a comment.",
     }

@@ -92,7 +92,7 @@ TABLES = [
     ("velocity\n", "no row of data"),
     ("frequency,velocty\n30,0.1\n", '"velocty" may be meant'),
     ("frequency,hold,velocity\n30,0.6,1e-3\n", ["line 2: hold of 0.6 T", "in mT"]),
-    ("frequency,velocity\n0.03,1e-3\n", ["frequency of 0.03 Hz", "in kHz"]),
+    ("frequency,velocity\n0.03,1e-3\n", ["frequency of 0.03 Hz", "(kHz)"]),
     ("velocity,velocity\n1,1\n", "twice"),
     ("velocity,order\n1e-3,23:50\n1e-3,00:10\n", "in column order are more than 12 h apart"),
     ("velocity,frequency,drive.frequency\n1,30,30\n", '"frequency" is there twice'),
@@ -113,12 +113,15 @@ TABLES = [
         )
     ),
     ("velocity,frequency\nnan,30\nfast,30\n", "no row is sound"),
-    ("velocity,frequency\n910,10\n920,20\n930,30\n", "if they are in um/s, divide"),
+    (
+        "velocity,frequency\n910,10\n920,20\n930,30\n",
+        'state its unit, as "velocity (mm/s)" or "velocity (um/s)"',
+    ),
 ]
 STATIC = [
     ("angle", "Bx,Bz,theta\n1e-3,0,0\n2,0,0\n", "line 3: Bx of 2 T is above 1 T"),
     ("field", "xp,xm,yp,ym,clamp,x,y,z,Bx,By,Bz\n" + 8 * "1.5," + "0,0,9.99\n",
-     ["velocity.csv: line 2: x of 1.5 m", 'in mm, call the column "x (mm)"']),
+     ["velocity.csv: line 2: x of 1.5 m", 'state its unit, as "x (mm)"']),
     ("field", "xp,xm,yp,ym,clamp,x,y,z,Bx,By,Bz\n" + 8 * "0," + "0,0,9.99\n",
      ["velocity.csv: line 2: Bz of 9.99 T", "cell of a saturated reading empty"]),
 ]  # fmt: skip

@@ -35,9 +35,10 @@ class Plausible(NamedTuple):
             return None
         size = sizes[beyond[0]]
         limit = f"above {self.high:g}" if size > self.high else f"below {self.low:g}"
-        meant = f"m{unit}" if size > self.high else f"k{unit}"
-        text = f"{name} of {size:.3g} {unit} is {limit} {unit}; if it is in {meant}, call the "
-        return int(beyond[0]), f'{text}column "{name} ({meant})"'
+        meant = " or ".join(f'"{name} ({prefix}{unit})"'
+                            for prefix in ("mu" if size > self.high else "k"))  # fmt: skip
+        text = f"{name} of {size:.3g} {unit} is {limit} {unit}: state its unit, as {meant}"
+        return int(beyond[0]), text
 
 
 class Entry(NamedTuple):
@@ -117,8 +118,10 @@ class Recipe:
         """What the columns are; a ScenarioError names a unit that is not one of its column."""
         names, made = self.names, []
         for heading in headings:
-            parts = (each for each in ended(heading) if each[0] in names)
-            name, unit = next(parts, split_unit(heading))
+            name, unit = split_unit(heading)
+            if name not in names:
+                parts = (each for each in ended(heading) if each[0] in names)
+                name, unit = next(parts, (name, unit))
             if name not in names:
                 made.append(Match(heading, heading, known=False))
                 continue

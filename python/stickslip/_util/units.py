@@ -163,7 +163,8 @@ def split_unit(heading: str) -> tuple[str, str | None]:
 def ended(heading: str) -> list[tuple[str, str]]:
     """A heading as name and unit, where blanks or an underscore may be between: ``speed_rpm``."""
     pairs = [heading.rpartition(sign)[::2] for sign in ("_", " in ", " ")]
-    return [(name.rstrip(", "), unit.strip()) for name, unit in pairs if name and is_unit(unit)]
+    return [(name.rstrip(", "), unit.strip()) for name, unit in pairs
+            if name and "(" not in unit and is_unit(unit)]  # fmt: skip
 
 
 def per_si(unit: str, si: str) -> float:

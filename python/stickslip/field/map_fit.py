@@ -22,6 +22,9 @@ _FARTHEST, _STRONGEST = 1.0, 0.3
 """Largest coordinate (m) and field (T/A) that are accepted. Chosen: coils of a thousand turns on a
 centimetre make 0.1 T/A, and beyond these limits a unit is wrong."""
 
+_FLATTEST = 50.0
+"""Largest ratio of two sides of a box. Chosen: below 100, which is cm for m."""
+
 _ENTRIES = 20_000_000
 """Most numbers of the matrix of a fit, 160 MB; where points are many, the degree is limited."""
 
@@ -221,6 +224,13 @@ def _check(coil: int, points: Array, fields: Array, lines: Sequence[Sequence[int
 
 
 def _check_box(low: Array, high: Array) -> None:
+    sides = high - low
+    least, most = int(np.argmin(np.where(sides > 0.0, sides, np.inf))), int(np.argmax(sides))
+    if sides[most] > _FLATTEST * sides[least] > 0.0:
+        raise ScenarioError(
+            f"{'xyz'[most]} spans {sides[most]:.3g} m and {'xyz'[least]} {sides[least]:.3g} m: "
+            f"allowed are {_FLATTEST:g} times as much; look at their units"
+        )
     for axis, least, most in zip("xyz", low.tolist(), high.tolist(), strict=True):
         if not least <= 0.0 <= most:
             raise ScenarioError(

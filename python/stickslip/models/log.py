@@ -18,9 +18,9 @@ from stickslip._util.note import Note
 from stickslip._util.recipes import Entry, Match, Recipe, per_heading, refuse_twice
 from stickslip._util.text import counted, plain
 from stickslip._util.units import (
+    ended,
     is_of,
     is_quotient,
-    is_unit,
     same_unit,
     split_unit,
     to_si,
@@ -140,11 +140,9 @@ class _Log(Recipe):
         for column, units in self.wanted.units.items():
             names = (plain(column), *self.entries[column].also)
             named = [(k, each) for k, each in enumerate(there) if plain(each.name) in names]
-            for k, each in enumerate(there):
-                name, _, unit = each.text.rpartition("_")
-                ended = _Heading(each.text, name, unit)
-                if plain(name) in names and ended.fits(units):
-                    named.append((k, ended))
+            named += [(k, way) for k, each in enumerate(there)
+                      for way in (_Heading(each.text, *parts) for parts in ended(each.text))
+                      if plain(way.name) in names and way.fits(units)]  # fmt: skip
             if named:
                 rank = [(each.unit is None, names.index(plain(each.name))) for _, each in named]
                 best = rank.index(min(rank))
@@ -243,9 +241,8 @@ class _Heading(NamedTuple):
 
     @property
     def bare(self) -> str:
-        """Its name without a unit behind an underscore."""
-        name, _, unit = self.name.rpartition("_")
-        return name if name and is_unit(unit) else self.name
+        """Its name without a unit behind an underscore or a blank."""
+        return next((name for name, _ in ended(self.name)), self.name)
 
     def si(self, units: Sequence[str]) -> str:
         """The one of the units that its own is of; the first of them, if of none."""

@@ -24,7 +24,6 @@ from stickslip._util.units import (
     quantity_of,
     split_unit,
     unit_factor,
-    unit_meant,
 )
 from stickslip.diagnosis.data.clocks import STAMP, seconds
 from stickslip.diagnosis.data.outliers import far_from_their_group, marks_of_none
@@ -37,12 +36,10 @@ FASTEST = 1.0
 """Mean velocity, m/s; a robot of this size is slower, and beyond it a unit is wrong. Chosen: the
 paper's robots walk some mm/s."""
 
-_USUAL = 1e-3
-"""The size that velocities in another unit are compared with, m/s; the paper's, about."""
-
 _ALIKE = 1.1
 """Ratio within which trials of one condition are alike. Chosen: their errors are some per cent."""
 
+_WALKING = Plausible("m/s", high=FASTEST)
 _FIELD, _PACE = Plausible("T", high=0.1), Plausible("Hz", low=0.2)
 """Fields above and frequencies below are in another unit. Chosen: the coils of the paper give some
 mT, and the robot is driven at some Hz or more."""
@@ -54,7 +51,7 @@ _LONGEST_DAY = 12 * 3600.0
 """Time between clocks of one day, s. Chosen: as long as people measure."""
 
 _MOST = 0.5
-"""Part of the rows; if more have a setting in another unit, the table is refused. Chosen: most."""
+"""Part of the rows; if more have a number in another unit, the table is refused. Chosen: most."""
 
 _DRIVE, _EFFECTS = "drive.", "effects_"
 """What keys of settings begin with, and what those of effects may leave out of a column's name."""
@@ -226,22 +223,8 @@ def read_velocity(
     known = [condition for data in earlier for condition in data.conditions]
     trials = _with_equal_settings(table.name, trials, scenario, known, left_out)
     velocity = np.array([trial.velocity for trial in trials])
-    size = float(np.median(np.abs(velocity)))
-    if size > FASTEST:
-        meant = unit_meant("m/s", size / _USUAL, math.inf)
-        hint = f"; if they are in {meant[0]}, divide them by {meant[1]:.7g}" if meant else ""
-        text = f"velocities of {size:.3g} m/s; allowed is at most {FASTEST} m/s{hint}"
-        raise ScenarioError(f"{table.path}: {text}")
     condition = _numbered([trial.setting for trial in trials])
     sound = _without_outliers(table.name, velocity, condition, left_out)
-    fast = sound & (np.abs(velocity) > FASTEST)
-    if fast.any():
-        at = table.at([trials[k].row for k in np.flatnonzero(fast)])
-        text = f"{at}: the velocity is above {FASTEST:g} m/s; divide velocities in mm/s or um/s by "
-        left_out.append(Note("too-fast", f"{text}1e3 or 1e6.", int(fast.sum())))
-        if strict:
-            raise ScenarioError(left_out[-1])
-        sound &= ~fast
     kept = [trials[k] for k in np.flatnonzero(sound)]
     data = VelocityData(
         tuple(dict(setting) for setting in dict.fromkeys(trial.setting for trial in kept)),
@@ -363,7 +346,10 @@ def _sound_rows(
                 raise _Unsound("cell-count", f"{table.ragged[row]}: not used.")
             if counts_once and same in seen:
                 raise _Unsound("repeated-row", "the row repeats an earlier one.")
-            velocity, setting = _number(columns["velocity"], row), settings.of(row)
+            velocity = _number(columns["velocity"], row)
+            if why := _WALKING.why("velocity", velocity):
+                raise _Unsound("setting-unit", f"{why[1]}.")
+            setting = settings.of(row)
             order = _order(columns["order"], row) if "order" in columns else math.nan
             kept.append(_Trial(velocity, setting, labels[0][row], labels[1][row], order, row))
             seen.add(same)
