@@ -285,9 +285,8 @@ def read_log(path: str | PathLike[str] | Any, model: object) -> Series:
     Raises
     ------
     ScenarioError
-        If a column or unit is not known, one may have several meanings or times several units, the
-        time or an input is missing in a row, or the clock runs backwards or jumps by more than 20
-        of its steps. It names line and column.
+        If a column or a unit is not known, or may be one of several; if a row has no time or lacks
+        an input; or if the clock runs backwards, or jumps by more than 20 of its steps.
     """
     source = path if isinstance(path, Source) else Source(path)
     recipe = _Log.of_model(model)
@@ -387,7 +386,7 @@ def _whole_rows(
         gap |= ~np.isfinite(values)
     gap[list(table.ragged)] = True
     if count > 1 and gap[-1]:
-        notes.append(Note("cut-off", f"{table.at([count - 1])}, the last, is cut off."))
+        notes.append(Note("cut-off", f"{table.at([count - 1])}, the last, is left out, as it lacks a cell."))
         table, t, gap = table.kept(range(count - 1)), t[:-1], gap[:-1]
     for k in np.flatnonzero(gap)[:1].tolist():
         at = f"{table.path}: {table.word} {table.lines[k]}"
