@@ -120,7 +120,8 @@ class Recipe:
         for heading in headings:
             name, unit = split_unit(heading)
             if name not in names:
-                parts = (each for each in ended(heading) if each[0] in names)
+                parts = (each for each in ended(heading) if each[0] in names
+                         and self.entries[names[each[0]]].unit not in (None, "-"))  # fmt: skip
                 name, unit = next(parts, (name, unit))
             if name not in names:
                 made.append(Match(heading, heading, known=False))

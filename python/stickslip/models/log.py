@@ -386,7 +386,9 @@ def _whole_rows(
         gap |= ~np.isfinite(values)
     gap[list(table.ragged)] = True
     if count > 1 and gap[-1]:
-        notes.append(Note("cut-off", f"{table.at([count - 1])}, the last, is left out, as it lacks a cell."))
+        notes.append(
+            Note("cut-off", f"{table.at([count - 1])}, the last, is left out, as it lacks a cell.")
+        )
         table, t, gap = table.kept(range(count - 1)), t[:-1], gap[:-1]
     for k in np.flatnonzero(gap)[:1].tolist():
         at = f"{table.path}: {table.word} {table.lines[k]}"
