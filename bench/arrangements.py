@@ -2,7 +2,7 @@
 
 Places and components of a map of five coils stand in 48 arrangements each, of signs and orders: in
 all 2304 pairs, of which one is as given. Each pair has coils and errors of its own.
-``python bench/arrangements.py --seed 0 --noise 0.01`` counts those that are refused, and those
+``python -m bench arrangements --seed 0 --noise 0.01`` counts those that are refused, and those
 whose message names the exchange that makes the map sound.
 """
 

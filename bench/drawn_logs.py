@@ -2,7 +2,7 @@
 
 Half of them are of names, units and cells as the pages say; the others are written line by line as
 loggers, oscilloscopes, spreadsheets and controllers do, by code that shares nothing with readers.
-``python bench/drawn_logs.py --first 0 --count 2000`` counts all by kind, with as many tables of
+``python -m bench drawn --first 0 --count 2000`` counts all by kind, with as many tables of
 `drawn_tables`.
 """
 

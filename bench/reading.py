@@ -1,7 +1,7 @@
 """CPU time of reading 200 000 rows of six columns: a log, and a program of voltages.
 
-It needs public names alone, so that ``PYTHONPATH=... python bench/reading.py`` measures any
-version: run it for two of them in turn.
+It needs public names alone, so that ``PYTHONPATH=... python -m bench reading`` measures
+any version: run it for two of them in turn.
 """
 
 from __future__ import annotations
