@@ -22,8 +22,9 @@ _FARTHEST, _STRONGEST = 1.0, 0.3
 """Largest coordinate (m) and field (T/A) that are accepted. Chosen: coils of a thousand turns on a
 centimetre make 0.1 T/A, and beyond these limits a unit is wrong."""
 
-_FLATTEST = 50.0
-"""Largest ratio of two sides of a box. Chosen: below 100, which is cm for m."""
+_LONG, _FLATTEST = 0.2, 50.0
+"""Side of a box, m, from which on it is at most so many times another one. Chosen: a thin map of a
+robot's place is within decimetres, and cm for m are 100 times."""
 
 _ENTRIES = 20_000_000
 """Most numbers of the matrix of a fit, 160 MB; where points are many, the degree is limited."""
@@ -225,10 +226,10 @@ def _check(coil: int, points: Array, fields: Array, lines: Sequence[Sequence[int
 
 def _check_box(low: Array, high: Array) -> None:
     sides = high - low
-    least, most = int(np.argmin(np.where(sides > 0.0, sides, np.inf))), int(np.argmax(sides))
-    if sides[most] > _FLATTEST * sides[least] > 0.0:
+    thin, long = int(np.argmin(np.where(sides > 0.0, sides, np.inf))), int(np.argmax(sides))
+    if sides[long] > max(_LONG, _FLATTEST * sides[thin]):
         raise ScenarioError(
-            f"{'xyz'[most]} spans {sides[most]:.3g} m and {'xyz'[least]} {sides[least]:.3g} m: "
+            f"{'xyz'[long]} spans {sides[long]:.3g} m and {'xyz'[thin]} {sides[thin]:.3g} m: "
             f"allowed are {_FLATTEST:g} times as much; look at their units"
         )
     for axis, least, most in zip("xyz", low.tolist(), high.tolist(), strict=True):
