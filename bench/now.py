@@ -28,6 +28,7 @@ from typing import Any
 
 import diagnoses
 import drawn_logs
+import drawn_tables
 from blind.scoring import interval
 from limit import Reference
 from limit.figures import PACKS, run_ratio, sweep_ratios
@@ -185,12 +186,13 @@ def tables(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
 
 
 def logs(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
-    """What the reader makes of drawn logs whose truth is known; none may be silently wrong."""
+    """What readers make of drawn logs and tables of known truth; none may be silently wrong."""
     budget.check()
-    found = drawn_logs.counts(range(TABLES))
-    for name in ("right", "noted", "unstated", "refused", "WRONG"):
-        count = sum(number for (_, what), number in found.items() if what == name)
-        yield f"logs, {name}", share_row(count, TABLES)
+    for kind, of in (("logs", drawn_logs.outcome), ("drawn tables", drawn_tables.outcome)):
+        found = drawn_logs.counts(range(TABLES), of)
+        for name in drawn_logs.OUTCOMES:
+            count = sum(number for (_, what), number in found.items() if what == name)
+            yield f"{kind}, {name}", share_row(count, TABLES)
 
 
 def mutations(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:

@@ -57,7 +57,7 @@ def test_a_column_is_known_by_its_name_or_its_unit(headings, tmp_path):
     bare = ["no-unit"]
     by_unit = ["column-by-unit"] * 3 + ["converted"]
     expected = {"SI": [], "names alone": bare, "units alone": by_unit,
-                "another order": [*bare, "converted"]}  # fmt: skip
+                "another order": ["converted", *bare]}  # fmt: skip
     assert told == expected.get(headings, ["converted"])
 
 

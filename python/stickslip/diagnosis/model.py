@@ -495,7 +495,9 @@ def _check_names(
     for where, names in groups.items():
         twice = [name for name, count in Counter(names).items() if count > 1]
         if twice:
-            raise ScenarioError(f"{where}: {twice[0] or 'no name'} comes twice; allowed is once")
+            hint = '; a log gets another one by .named("...")' if where == "tables" else ""
+            name = twice[0] or "no name"
+            raise ScenarioError(f"{where}: {name} comes twice; allowed is once{hint}")
 
 
 def _check_copies(tables: Sequence[Table]) -> None:

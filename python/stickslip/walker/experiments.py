@@ -257,7 +257,7 @@ def drive_settings(given: Any, scenario: Scenario) -> list[dict[str, Value]]:
         drive: dict[str, Value] = {}
         with prefixed(f"conditions: row {label}"):
             for name, value in row.items():
-                if name not in (*NOT_SETTINGS, "velocity_sd"):
+                if name not in (*NOT_SETTINGS, "standard_error", "velocity_sd"):
                     key = find_key(f"drive.{str(name).removeprefix('drive.')}", value)
                     # A column of a table has numpy's numbers.
                     value = value.item() if hasattr(value, "item") else value
