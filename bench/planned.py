@@ -15,10 +15,9 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from blind.scoring import interval
 from blind.settings import priors
-from causes.score import CLAIMS
 from measure import add_out, saved
+from scores import Answer, share
 from stale import digest, stale
 
 from stickslip import Cause, Drive, Measurement, Scenario, diagnose, simulate_batch
@@ -125,17 +124,13 @@ def counts(rows: dict[str, Any]) -> dict[str, dict[str, str]]:
     """Of each table: what was named rightly and wrongly, and what is one of a set."""
     found = {}
     for name in ("planned", "even"):
-        told = [(each[name]["said"], each["cause"] in each[name]["causes"])
+        told = [Answer(each[name]["said"], each[name]["causes"], [each["cause"]]).outcome
                 for each in rows.values()]  # fmt: skip
-        found[name] = {}
-        for what, kinds, right in (
-            ("named rightly", CLAIMS, True),
-            ("one of a set", ("ambiguous",), True),
-            ("named wrongly", CLAIMS, False),
-        ):
-            count = sum(said in kinds and there is right for said, there in told)
-            low, high = interval(count, len(told))
-            found[name][what] = f"{count} of {len(told)} ({100 * low:.0f} to {100 * high:.0f} %)"
+        found[name] = {
+            what: share(told.count(outcome), len(told)).replace(" ", f" of {len(told)} ", 1)
+            for what, outcome in (("named rightly", "right name"), ("one of a set", "right set"),
+                                  ("named wrongly", "wrong name"))
+        }  # fmt: skip
     return found
 
 

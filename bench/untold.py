@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
-from blind.scoring import interval
 from measure import add_out, saved
+from scores import interval
 from stale import digest
 
 from stickslip import Cause, Diagnosis, Parameter, Prior, Series, Table, diagnose_model

@@ -6,36 +6,38 @@ and prints the tables. `tables` prints those of a record, `write` lays out one d
 verdicts and fits of a later engine beside these. `own` diagnoses sets of models of one's own,
 `twins` logs of near twins beside a distorted sensor, `late` logs whose input acts late, and `units`
 logs in a unit that nobody stated; each prints its counts. The folder is that of the stored study
-unless another one is given; a step that was stopped goes on where it stood.
+unless another one is given; a step that was stopped goes on where it stood. Seeds that were judged
+before (`seeds.toml`) are refused.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 from stale import stale
 
-from blind import late, twins, units
+from blind import late, own, seeds, twins, units
 from blind.kinds import KINDS, OLD, STUDY, plan
-from blind.own import study as study_own
 from blind.scoring import read, report
 from blind.stored import compare, store
-from blind.study import HERE, Row, diagnose_sets, judge, make
+from blind.study import HERE, Row, diagnose_sets, in_parts, judge, lines, make
 from blind.writing import write_case
 
 OF_LOGS = {
-    "twins": (twins.study, twins.FIRST + 60, "logs of near twins"),
-    "late": (late.study, late.FIRST, "logs whose input acts late"),
-    "units": (units.study, units.FIRST, "logs in a unit that nobody stated"),
+    "own": (own.judged, own.tables, "sets of models of one's own"),
+    "twins": (twins.judged, twins.table, "logs of near twins"),
+    "late": (late.judged, late.table, "logs whose input acts late"),
+    "units": (units.judged, units.table, "logs in a unit that nobody stated"),
 }
-"""Of each study of logs: what does it, its first seed, and what it has."""
+"""Of each study in one file: the row of a seed, the table of rows, and what it has."""
 
 
-def show(rows: list[Row]) -> None:
+def show(rows: list[Row], table: Callable[[list[Row]], str] = report) -> None:
     """The tables, below what of them is stale."""
-    print(*stale(rows), report(rows), sep="\n\n")
+    print(*stale(rows), table(rows), sep="\n\n")
 
 
 def main() -> None:
@@ -68,12 +70,11 @@ def main() -> None:
     short.add_argument("--most", type=float, default=60.0, help="CPU seconds of a diagnosis")
     kept = steps.add_parser("store", parents=[time, some, short], help="keep sets and verdicts")
     kept.add_argument("--seeds", type=int, default=2, help="data sets of a kind, at most")
-    own = steps.add_parser("own", parents=[folder, time], help="sets of models of one's own")
-    own.add_argument("--sets", type=int, default=250, help="at most")
-    for name, (_, first, text) in OF_LOGS.items():
+    for name, (*_, text) in OF_LOGS.items():
         step = steps.add_parser(name, parents=[folder, time], help=text)
-        step.add_argument("--first", type=int, default=first, help="seed")
-        step.add_argument("--sets", type=int, default=60, help="at most")
+        newest = seeds.ranges(name)[-1]
+        step.add_argument("--first", type=int, default=newest.first, help="seed")
+        step.add_argument("--sets", type=int, default=newest.count, help="at most")
     again = steps.add_parser("compare", parents=[time, some, short], help="before and now")
     again.add_argument("--out", type=Path, default=Path("bench/results/stored.jsonl"))
     options = parser.parse_args()
@@ -89,13 +90,13 @@ def main() -> None:
     elif options.step == "judge":
         show(judge(options.folder))
     elif options.step == "tables":
-        show(read(options.record))
-    elif options.step == "own":
-        study_own(options.folder / "own.jsonl", options.minutes, options.sets)
+        one = OF_LOGS.get(options.record.stem)
+        show(read(options.record)) if one is None else show([*lines(options.record)], one[1])
     elif options.step in OF_LOGS:
-        study, *_ = OF_LOGS[options.step]
-        rows = options.folder / f"{options.step}.jsonl"
-        study(rows, options.minutes, options.first, options.sets)
+        judged, table, _ = OF_LOGS[options.step]
+        asked = range(options.first, options.first + options.sets)
+        path = options.folder / f"{options.step}.jsonl"
+        show(in_parts(path, options.minutes, asked, judged), table)
     elif options.step == "write":
         answer = write_case(options.into / "data", options.kind, options.seed)
         (options.into / "answer.json").write_text(json.dumps(answer, indent=2) + "\n")

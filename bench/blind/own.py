@@ -11,17 +11,14 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from causes.make import KINDS, simulated
-from stale import stale
+from scores import Answer, interval, markdown, table
 
+from blind import seeds
 from blind.kinds import ALIKE, ERROR_SHARE
-from blind.scoring import interval, markdown
-from blind.study import in_parts
 from stickslip import Cause, Diagnosis, Parameter, Prior, Series, Table, diagnose_model, models
 from stickslip.diagnosis.decision.posterior import cosine
 
@@ -29,7 +26,6 @@ Row = dict[str, Any]
 Array = np.ndarray
 MACHINES = {"joint": 0.12, "axis": 2.0, "oscillator": 4.0, "thermal": 60.0}
 """Sizes of their inputs."""
-FIRST = 37000  # of the seeds; those of a study that chose something are used up
 COUNT = 120  # readings of a log
 NOISE, STRENGTH = 0.02, (4.0, 9.0)  # of the readings' scatter, and of a cause's effect in errors
 WEAK = 6.0  # norm of an effect, in errors, after recalibration; as of the walkers
@@ -200,25 +196,21 @@ def likeness(found: Diagnosis, effect: Array) -> float:
     return max((abs(cosine(found.problem, null, effect, one)) for one in changes), default=0.0)
 
 
-def sets() -> Iterator[tuple[str, str, str]]:
-    """Kind, what is hidden, and errors; every second set is of the line."""
-    machines = itertools.cycle(itertools.product(HIDDEN, ERRORS, MACHINES))
-    for hidden in itertools.cycle(HIDDEN):
-        yield "line", hidden, "few repeats"
-        of_log, errors, kind = next(machines)
-        yield kind, of_log, errors
+def plan(place: int) -> tuple[str, str, str]:
+    """Kind, what is hidden, and errors of a set of a range; every second one is of the line."""
+    turn, machine = divmod(place, 2)
+    if not machine:
+        return "line", HIDDEN[turn % len(HIDDEN)], "few repeats"
+    every = [*itertools.product(HIDDEN, ERRORS, MACHINES)]
+    hidden, errors, kind = every[turn % len(every)]
+    return kind, hidden, errors
 
 
-def study(path: Path, minutes: float, most: int) -> None:
-    """Diagnose sets that the present engine has no row of, and print the counts."""
-    asked = dict(zip(range(FIRST, FIRST + most), sets(), strict=False))
-    rows = in_parts(path, minutes, asked, lambda seed: judged(seed, *asked[seed]))
-    print(*stale(rows), tables(rows), sep="\n\n")
-
-
-def judged(seed: int, kind: str, hidden: str, errors: str) -> Row:
+def judged(seed: int) -> Row:
     """What a set hides, and what is said of it."""
-    draw = np.random.default_rng([7, seed])
+    draw, mine = np.random.default_rng([7, seed]), seeds.of("own", seed)
+    assert mine is not None, f"{seed}: in no range"
+    kind, hidden, errors = plan(seed - mine.first)
     made = line(hidden, draw) if kind == "line" else log(kind, hidden, errors, draw)
     cause, effect, stands_out, found = made
     alike = likeness(found, effect) if hidden == "unlisted" else None
@@ -239,23 +231,32 @@ def group(row: Row) -> str:
     return f"{row['hidden']}, {'alike' if row['alike'] >= ALIKE else 'unlike'}"
 
 
+def answer(row: Row) -> Answer:
+    """What is said beside what is hidden of what is listed."""
+    return Answer(row["verdict"], row["causes"], [row["cause"]] * (row["hidden"] == "listed"))
+
+
 def counts(row: Row, what: str) -> bool:
     """Whether a set counts as what a demand is about."""
-    verdict, claimed = row["verdict"], row["verdict"] in ("named", "pair")
-    right = (claimed or verdict == "dominant") and row["causes"] == [row["cause"]]
+    one, verdict = answer(row), row["verdict"]
     return {
         "false alarm": verdict != "none",
-        "named, a pair or dominant": claimed or verdict == "dominant",
-        "right": right,
-        "right or in the set": right or (verdict == "ambiguous" and row["cause"] in row["causes"]),
-        "wrongly named": claimed and not right,
+        "named, a pair or dominant": one.claims,
+        "right": one.outcome == "right name",
+        "right or in the set": one.outcome in ("right name", "right set"),
+        "wrongly named": verdict in ("named", "pair") and one.outcome == "wrong name",
         "unexplained": verdict == "unexplained",
         "dominant": verdict == "dominant",
     }[what]
 
 
 def tables(rows: list[Row]) -> str:
-    """Counts of logs and lines beside what is asked."""
+    """Counts of what is said of logs and lines, and beside what is asked."""
+    groups = {
+        f"{which}{hidden}": [answer(row) for row in rows if row["hidden"] == hidden
+                             and (not which or row["kind"] != "line")]
+        for hidden in ("listed", "unlisted", "none") for which in ("", "logs alone: ")
+    }  # fmt: skip
     found = []
     for where, own, demands in (
         ("lines, few repeats", ["few repeats"], DEMANDS),
@@ -281,4 +282,4 @@ def tables(rows: list[Row]) -> str:
     heads = "data;hidden;counted;count;95 % interval;asked;met"
     seconds = [row["cpu_seconds"] for row in rows if row["kind"] != "line"] or [0.0]
     cost = f"A log took {np.median(seconds):.1f} CPU s in the median, {max(seconds):.0f} at most."
-    return f"{markdown(heads, found)}\n\n{len(rows)} sets. {cost}"
+    return f"{table(groups)}\n\n{markdown(heads, found)}\n\n{len(rows)} sets. {cost}"

@@ -25,6 +25,7 @@ from stale import digest
 
 import stickslip
 from blind.readings import velocities
+from blind.seeds import used
 from blind.truth import Truth
 from blind.writing import KEYS, write_case, write_more
 from stickslip import Cause, Diagnosis, Drive, Scenario, diagnose, read_measurement, simulate_batch
@@ -63,6 +64,12 @@ def append(path: Path, row: Row) -> None:
         file.write(("\n" if cut else "") + json.dumps(row) + "\n")
 
 
+def refuse_used(study: str, seeds: Iterable[int]) -> None:
+    """End the program where a set of them is not to be judged."""
+    if said := used(study, seeds):
+        raise SystemExit("\n".join(said))
+
+
 def in_parts(
     path: Path, minutes: float, seeds: Iterable[int], judged: Callable[[int], Row]
 ) -> list[Row]:
@@ -71,6 +78,7 @@ def in_parts(
     Parameters
     ----------
     path : Path
+        Its stem is the name of the study, whose seeds must not be used up.
     minutes : float
         No set is begun after this time.
     seeds : iterable of int
@@ -80,9 +88,9 @@ def in_parts(
     now, end = state(), time.monotonic() + 60.0 * minutes
     rows = [row for row in lines(path) if row["state"]["engine"] == now["engine"]]
     seeds, done = list(seeds), {row["seed"] for row in rows}
-    for seed in seeds:
-        if seed in done:
-            continue
+    left = [seed for seed in seeds if seed not in done]
+    refuse_used(path.stem, left)
+    for seed in left:
         if time.monotonic() > end:
             break
         begin = time.process_time()
@@ -173,6 +181,8 @@ def make(folder: Path, asked: Iterable[tuple[str, int]], minutes: float) -> None
     pack(parts)
     there = {each["name"] for each in sets(folder / SETS)}
     data, end = _checksum(generator_files()), time.monotonic() + 60.0 * minutes
+    asked = list(asked)
+    refuse_used("walkers", (seed for _, seed in asked))
     for kind, seed in asked:
         name = name_of(kind, seed)
         if time.monotonic() > end:

@@ -7,11 +7,9 @@ from dataclasses import dataclass, field
 from time import process_time
 
 import numpy as np
+from scores import CLAIMS, FEW
 
 from stickslip import Cause, Diagnosis
-
-CLAIMS = ("named", "dominant", "pair")
-"""Verdicts that claim a cause."""
 
 _FAR = 3.0
 """Standard deviations. Chosen: an estimate farther from the truth than that is wrong."""
@@ -97,17 +95,19 @@ def row(measured: Measured, listed: bool = True) -> Row:
 
 
 def judged(result: Diagnosis, truth: Truth) -> str:
-    """One of five words, and what is wrong.
+    """One of six words, and what is wrong.
 
     *right*: a cause is claimed that acts, none that cannot, and no size lies far from what is
-    known. *possible*: what is claimed may act. *set with the truth*, *set without it*. *silent*:
-    nothing is claimed. *wrong*: all other claims.
+    known. *possible*: what is claimed may act. *set with the truth*, *set without it*, *large set*
+    of more than three. *silent*: nothing is claimed. *wrong*: all other claims.
     """
     kind, causes = result.verdict.kind, set(result.verdict.causes)
     present, allowed = set(truth.present), {*truth.present, *truth.possible}
     if kind == "ambiguous":
         if not causes & present:
             return "set without the truth"
+        if len(causes) > FEW:
+            return "large set"
         return "set with the truth" if truth.certain else "not contradicted"
     if kind not in CLAIMS:
         leader = result.verdict.leader
