@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 from blind.settings import priors
 from measure import add_out, saved
-from scores import Answer, share
+from scores import Answer, share, until
 from stale import digest, stale
 
 from stickslip import Cause, Drive, Measurement, Scenario, diagnose, simulate_batch
@@ -94,7 +94,7 @@ def main(arguments: Iterable[str] | None = None) -> None:
     options = parser.parse_args(None if arguments is None else list(arguments))
     kept = json.loads(options.out.read_text()) if options.out.is_file() else {}
     rows: dict[str, Any] = kept.get("rows", {})
-    scenario, end = stated(), time.monotonic() + 60.0 * options.minutes
+    scenario = stated()
     tables = {"planned": plan(scenario, COUNT, trials=TRIALS, threads=1).table(),
               "even": even(scenario)}  # fmt: skip
     about = Measurement.from_dataframe(tables["even"].assign(velocity=1e-3), scenario)
@@ -102,9 +102,8 @@ def main(arguments: Iterable[str] | None = None) -> None:
     # What acts on the robot, and not on what is read of it.
     causes = [each for each in posed_by(about).causes
               if each.parameters and {p.name for p in each.parameters} <= known]  # fmt: skip
-    for seed in range(FIRST, FIRST + options.robots):
-        if str(seed) in rows or time.monotonic() > end:
-            continue
+    seeds = (seed for seed in range(FIRST, FIRST + options.robots) if str(seed) not in rows)
+    for seed in until(options.minutes, seeds):
         cause, robot = hidden(scenario, causes, seed)
         row: dict[str, Any] = {"cause": cause, "golden": digest()}
         for name, table in tables.items():

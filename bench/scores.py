@@ -6,14 +6,17 @@ A claim is right if it has all that is hidden and nothing else, a set if it hold
 
 from __future__ import annotations
 
+import itertools
+import time
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
 from stickslip.diagnosis.decision.verdict import CLAIMS
 
+T = TypeVar("T")
 FEW = 3
 """Members of a set that is an answer. Chosen: standards of testability, as MIL-STD-2165, ask for
 faults isolated to one, two or three units."""
@@ -61,6 +64,12 @@ class Answer(NamedTuple):
         if not truth or self.said not in (*CLAIMS, "ambiguous") or not truth <= causes:
             return 0.0
         return len(causes & (truth | set(self.twins))) / len(causes)
+
+
+def until(minutes: float, items: Iterable[T]) -> Iterator[T]:
+    """Items, of which none is begun after some minutes."""
+    end = time.monotonic() + 60.0 * minutes
+    return itertools.takewhile(lambda _: time.monotonic() <= end, items)
 
 
 def interval(count: float, total: int) -> tuple[float, float]:

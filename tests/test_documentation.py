@@ -193,7 +193,9 @@ def measured_words():
         f" these the right form is one of those that have 95 %. Of {len(sound)} with nothing"
         f" hidden it claims a cause in {sum(case.any_claim for case in sound) or 'none'}.",
     ]
-    logs = {name: list(lines(OWN.with_name(f"{name}.jsonl"))) for name in ("units", "twins", "late")}
+    logs = {
+        name: list(lines(OWN.with_name(f"{name}.jsonl"))) for name in ("units", "twins", "late")
+    }
     wrong = [row for row in logs["units"] if row["wrong"]]
     bare = sum(row["verdict"] in CLAIMS and not row["told"] for row in wrong)
     told = [twins.answer(row).outcome for row in logs["twins"]]
@@ -205,8 +207,8 @@ def measured_words():
         f" {sum(row['right'] for row in wrong)} are told with the right factor and"
         f" {bare or 'none'} is named without it.",
         f"Of {len(told)} logs of near twins that a distorted sensor has read,"
-        f" {told.count('right name')} get the right name, {told.count('right set')} a set of at most"
-        f" three that holds it, {told.count('wrong name') or 'none'} a wrong name.",
+        f" {told.count('right name')} get the right name, {told.count('right set')} a set of at"
+        f" most three that holds it, {told.count('wrong name') or 'none'} a wrong name.",
         f"The delay of an input, told of {sum(map(len, off.values()))} logs, is off by"
         f" {rms['held']:.2f} (held inputs) and {rms['line']:.2f} (lines) of its standard errors",
     ]

@@ -10,6 +10,7 @@ import numpy as np
 from scores import CLAIMS, FEW
 
 from stickslip import Cause, Diagnosis
+from stickslip.diagnosis.fitting.problem import Problem
 
 _FAR = 3.0
 """Standard deviations. Chosen: an estimate farther from the truth than that is wrong."""
@@ -50,7 +51,8 @@ class Measured:
 class Row:
     """A row of the table, as text.
 
-    listed: Whether the causes that act were offered. judgement: See `judged`.
+    listed: Whether the causes that act were offered. alone: Mean absolute error of the model as it
+    is stated. judgement: See `judged`.
     """
 
     set: str
@@ -60,6 +62,7 @@ class Row:
     found: str
     size: str
     share: str
+    alone: str
     gain: str
     judgement: str
     reasons: tuple[str, ...]
@@ -87,6 +90,7 @@ def row(measured: Measured, listed: bool = True) -> Row:
         _found(result),
         _size(result, measured.truth),
         "-" if verdict.share is None else f"{100.0 * verdict.share:.0f} %",
+        _alone(result.problem, *measured.unit),
         _gain(result, *measured.unit),
         judged(result, measured.truth),
         tuple(str(each) for each in verdict.reasons),
@@ -157,6 +161,12 @@ def _size(result: Diagnosis, truth: Truth) -> str:
         )
         or "-"
     )
+
+
+def _alone(problem: Problem, factor: float, unit: str) -> str:
+    """Mean absolute error before anything is fitted, of the readings that the model computes."""
+    stated = problem.model(problem.physical(np.zeros((1, problem.size))))[0]
+    return f"{factor * float(np.nanmean(np.abs(problem.y - stated))):.3g} {unit}"
 
 
 def _gain(result: Diagnosis, factor: float, unit: str) -> str:
