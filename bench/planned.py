@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from blind.seeds import used
 from blind.settings import priors
 from measure import add_out, saved
 from scores import Answer, share, until
@@ -94,6 +95,7 @@ def main(arguments: Iterable[str] | None = None) -> None:
     options = parser.parse_args(None if arguments is None else list(arguments))
     kept = json.loads(options.out.read_text()) if options.out.is_file() else {}
     rows: dict[str, Any] = kept.get("rows", {})
+    print(*used("planned", range(FIRST, FIRST + options.robots)), sep="\n")
     scenario = stated()
     tables = {"planned": plan(scenario, COUNT, trials=TRIALS, threads=1).table(),
               "even": even(scenario)}  # fmt: skip

@@ -49,7 +49,7 @@ def test_the_tumbler_is_misaligned():
     assert (found.readings, found.verdict, found.found) == (19, "named", "misalignment")
     assert found.judgement == "not contradicted"
     before, after = map(float, found.gain.removesuffix(" degrees").split(" → "))
-    assert after < 0.1 * before
+    assert after < 0.1 * before < 0.1 * float(found.alone.removesuffix(" degrees"))
     # A row has as many cells as the head of the table.
     assert study.text(found).count("|") == study.heads().splitlines()[0].count("|")
 
