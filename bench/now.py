@@ -29,10 +29,10 @@ from typing import Any
 import diagnoses
 import drawn_logs
 import drawn_tables
-from blind.scoring import interval
 from limit import Reference
 from limit.figures import PACKS, run_ratio, sweep_ratios
 from measure import FEWEST, MOST, ROOT, WIDTH, Figure, figure_of, filled, pin, processor, ratios
+from scores import interval
 from stale import digest, stale
 from works import WORKS
 

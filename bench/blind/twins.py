@@ -9,27 +9,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import scores
 from scipy.integrate import solve_ivp
-from stale import stale
+from scores import Answer
 
 from blind.kinds import ERROR_SHARE
 from blind.own import refitted
-from blind.scoring import interval, markdown
-from blind.study import in_parts
 from stickslip import Cause, Parameter, Prior, Series, Table, diagnose_model
-from stickslip.diagnosis.decision.verdict import CLAIMS
 
 Row = dict[str, Any]
 Array = np.ndarray
-FIRST = 45000  # of the seeds; 45000 to 45059 chose rules
 STRENGTH = 6.0, 40.0  # of what constants leave of the cause's effect, in errors
 SIZES = 0.5, 2.0  # of a cause beside its usual size
 NEITHER = 0.35  # least part of an error that no listed cause explains, of what constants leave
-FEW, LARGEST = 3, 30.0  # members of a set that is an answer; largest size, in usual ones
+LARGEST = 30.0  # size, in usual ones
 
 COUNT = 100  # readings
 
@@ -161,12 +157,6 @@ def made(seed: int) -> tuple[Row, Series, list[Parameter], list[Cause]]:
     return {"kind": name, "cause": hidden, "distortion": bent}, record, uncertain, causes
 
 
-def study(path: Path, minutes: float, first: int, most: int) -> None:
-    """Diagnose sets that the present engine has no row of, and print the counts."""
-    rows = in_parts(path, minutes, range(first, first + most), judged)
-    print(*stale(rows), table(rows), sep="\n\n")
-
-
 def judged(seed: int) -> Row:
     """What a set hides, and what is said of it."""
     answer, record, uncertain, causes = made(seed)
@@ -174,20 +164,13 @@ def judged(seed: int) -> Row:
     return {**answer, "verdict": verdict.kind, "causes": list(verdict.causes)}
 
 
-def said(row: Row) -> str:
-    """What a verdict counts as."""
-    if row["verdict"] in CLAIMS:
-        return "right name" if row["causes"] == [row["cause"]] else "wrong name"
-    small = row["verdict"] == "ambiguous" and len(row["causes"]) <= FEW
-    return "right set" if small and row["cause"] in row["causes"] else "neither"
+def answer(row: Row) -> Answer:
+    """What is said beside what is hidden."""
+    return Answer(row["verdict"], row["causes"], [row["cause"]])
 
 
 def table(rows: list[Row]) -> str:
-    """Counts of what is said, with intervals; a right set has at most three causes."""
-    kinds, found = [said(row) for row in rows], []
-    for some in (["right name"], ["right set"], ["right name", "right set"], ["wrong name"]):
-        count = sum(kind in some for kind in kinds)
-        low, high = interval(count, len(kinds))
-        found.append((" or ".join(some), f"{count} of {len(kinds)}", f"{low:.0%} to {high:.0%}"))
+    """Counts of what is said, with intervals, of all and of each motion."""
+    kinds = {name: [answer(row) for row in rows if row["kind"] == name] for name in KINDS}
     seconds = sum(row["cpu_seconds"] for row in rows)
-    return f"{markdown('said;count;95 % interval', found)}\n\n{seconds:.0f} CPU s."
+    return f"{scores.table({'all': [*map(answer, rows)], **kinds})}\n\n{seconds:.0f} CPU s."
