@@ -4,9 +4,10 @@
 and prints the tables. `tables` prints those of a record, `write` lays out one data set as files,
 `store` keeps sets of old seeds with what the present engine says of them, `compare` sets the
 verdicts and fits of a later engine beside these. `own` diagnoses sets of models of one's own,
-`twins` logs of near twins beside a distorted sensor, `late` logs whose input acts late, and `units`
-logs in a unit that nobody stated; each prints its counts. The folder is that of the stored study
-unless another one is given; a step that was stopped goes on where it stood.
+`twins` logs of near twins beside a distorted sensor, `late` logs whose input acts late, `servo`
+logs of servos, and `units` logs in a unit that nobody stated; each prints its counts. The folder is
+that of the stored study unless another one is given; a step that was stopped goes on where it
+stood.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from stale import stale
 
 from blind import late, twins, units
 from blind.kinds import KINDS, OLD, STUDY, plan
+from blind.own import SERVOS, servos
 from blind.own import study as study_own
 from blind.scoring import read, report
 from blind.stored import compare, store
@@ -28,6 +30,7 @@ from blind.writing import write_case
 OF_LOGS = {
     "twins": (twins.study, twins.FIRST + 60, "logs of near twins"),
     "late": (late.study, late.FIRST, "logs whose input acts late"),
+    "servo": (servos, SERVOS, "logs of servos"),
     "units": (units.study, units.FIRST, "logs in a unit that nobody stated"),
 }
 """Of each study of logs: what does it, its first seed, and what it has."""

@@ -29,6 +29,7 @@ Row = dict[str, Any]
 Array = np.ndarray
 MACHINES = {"joint": 0.12, "axis": 2.0, "oscillator": 4.0, "thermal": 60.0}
 """Sizes of their inputs."""
+SERVO, SERVOS = 0.8, 47900  # size of the goals of servos, and the first of their seeds
 FIRST = 37000  # of the seeds; those of a study that chose something are used up
 COUNT = 120  # readings of a log
 NOISE, STRENGTH = 0.02, (4.0, 9.0)  # of the readings' scatter, and of a cause's effect in errors
@@ -107,7 +108,8 @@ def log(
     is said of it."""
     own = KINDS[kind]
     t = own["step"] * np.arange(COUNT)
-    u = MACHINES[kind] * np.repeat(draw.uniform(0.0 if kind == "thermal" else -1.0, 1.0, 12), 10)
+    u = np.repeat(draw.uniform(0.0 if kind == "thermal" else -1.0, 1.0, 12), 10)
+    u *= MACHINES.get(kind, SERVO)
     base = {name: value * (1.0 + part * draw.standard_normal())
             for name, (value, part) in own["constants"].items()}  # fmt: skip
     base |= {**own["known"], "start": 293.0 if kind == "thermal" else 0.0}
@@ -212,6 +214,14 @@ def sets() -> Iterator[tuple[str, str, str]]:
 def study(path: Path, minutes: float, most: int) -> None:
     """Diagnose sets that the present engine has no row of, and print the counts."""
     asked = dict(zip(range(FIRST, FIRST + most), sets(), strict=False))
+    rows = in_parts(path, minutes, asked, lambda seed: judged(seed, *asked[seed]))
+    print(*stale(rows), tables(rows), sep="\n\n")
+
+
+def servos(path: Path, minutes: float, first: int, most: int) -> None:
+    """The same of logs of servos: a quarter hides nothing, one has an uneven scale."""
+    parts = ("none", "white"), ("listed", "uneven scale"), ("listed", "white"), ("listed", "white")
+    asked = {first + k: ("servo", *parts[k % 4]) for k in range(most)}
     rows = in_parts(path, minutes, asked, lambda seed: judged(seed, *asked[seed]))
     print(*stale(rows), tables(rows), sep="\n\n")
 

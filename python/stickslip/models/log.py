@@ -53,9 +53,6 @@ _ASKED = {"set", "setpoint", "sp", "target", "ref", "reference", "demand", "desi
 _READ = {"actual", "act", "measured", "meas", "feedback", "fb", "read", "ist", "sensor"}
 """Words in the names of columns that were asked for, and of those that were read."""
 
-_FREE = "pendulum", "oscillator"
-"""Kinds that move by themselves; of the others a log without what drove them tells nothing."""
-
 _FAST = 1e-3
 """Part of a step in which all stated time constants pass that is none of their log. Chosen: nothing
 of them would be seen."""
@@ -74,18 +71,22 @@ class Columns(NamedTuple):
         SI units by name: one, or those of the quantities that it may be.
     needed : bool
         Whether all inputs have to be there. They are 0 otherwise.
-    assumed : frozenset
-        Inputs beside the first that are 0 where there is no column, as nothing else is stated.
-    driven : bool
-        Whether nothing happens without the first input.
+    assumed : dict
+        Inputs that have a value where there is no column, as nothing else is stated; None of one
+        that has to be there.
+    drives : tuple of str
+        Inputs of which one has to be there; the first may be known by its unit alone.
+    also : dict
+        What else columns are called.
     """
 
     reads: str
     unit: str
     inputs: Mapping[str, tuple[str, ...]]
     needed: bool = False
-    assumed: frozenset[str] = frozenset()
-    driven: bool = False
+    assumed: Mapping[str, float | None] = {}
+    drives: tuple[str, ...] = ()
+    also: Mapping[str, tuple[str, ...]] = {}
 
     @property
     def units(self) -> dict[str, tuple[str, ...]]:
@@ -117,7 +118,6 @@ class _Log(Recipe):
         if not isinstance(wanted, Columns):
             raise ScenarioError(f"model = {shown(model)}: allowed is a model of stickslip.models")
         kind = getattr(model, "kind", None)
-        wanted = wanted._replace(driven=kind is not None and kind.name not in _FREE)
         reads = tuple(getattr(kind, "reads", ()))
         recipe = Recipe.of({name: units[0] for name, units in wanted.units.items()})
         return _Log(recipe.entries, gaps=marks_of_none, wanted=wanted, also_reads=reads)
@@ -157,7 +157,7 @@ class _Log(Recipe):
         """Headings, and their places, by the column that they are."""
         found: dict[str, tuple[int, _Heading]] = {}
         for column, units in self.of.units.items():
-            names = (plain(column), *_ALSO.get(column, ()))
+            names = self._called(column)
             named = [(k, each) for k, each in enumerate(there) if plain(each.name) in names]
             for k, each in enumerate(there):
                 name, _, unit = each.text.rpartition("_")
@@ -175,7 +175,7 @@ class _Log(Recipe):
                 self._check_meaning(column, found[column][1], there)
         first = next(iter(self.of.inputs), None)
         for column in (_TIME, self.of.reads, *self.of.inputs)[:3]:
-            if column in found:
+            if column in found or (column == first and found.keys() & {*self.of.drives}):
                 continue
             taken = {k for k, _ in found.values()}
             units = self.of.units[column]
@@ -183,12 +183,17 @@ class _Log(Recipe):
                    and (column == first or not each.words & _ASKED)]  # fmt: skip
             if len(fit) == 1:
                 found[column] = fit[0]
-            elif fit or column != first or self.of.driven:
+            elif fit or column != first or self.of.drives:
                 self._missing(column, there)
         for column in self.of.inputs:
-            if column not in found and self.of.needed:
+            absent = self.of.needed or self.of.assumed.get(column, 0.0) is None
+            if column not in found and absent:
                 self._missing(column, there)
         return found
+
+    def _called(self, column: str) -> tuple[str, ...]:
+        """All names of a column."""
+        return (plain(column), *_ALSO.get(column, ()), *self.of.also.get(column, ()))
 
     def _check_meaning(self, column: str, found: _Heading, there: Sequence[_Heading]) -> None:
         """Refuse a name beside one of the same that was read: it may be what was asked for."""
@@ -230,14 +235,15 @@ class _Log(Recipe):
                   if not column.what.known and column not in valid]  # fmt: skip
         for name, column in found.items():
             heading = _Heading(column.heading, *split_unit(column.heading))
-            named = {plain(name), *_ALSO.get(name, ())}
-            if named.isdisjoint({plain(heading.name), plain(heading.bare)}):
+            if {*self._called(name)}.isdisjoint({plain(heading.name), plain(heading.bare)}):
                 text = f"{shown(column.heading)} is taken for {name}."
                 notes.append(Note("column-by-unit", text))
         first = next(iter(self.of.inputs), None)
         for name in self.of.inputs:
-            if name not in found and name in (first, *self.of.assumed):
-                text, units = f"There is no column {name}: it is taken as 0.", self.of.units[name]
+            idle = name == first and not found.keys() & {*self.of.drives}
+            if name not in found and (idle or name in self.of.assumed):
+                value, units = self.of.assumed.get(name) or 0.0, self.of.units[name]
+                text = f"There is no column {name}: it is taken as {value:g}."
                 heads = [_Heading(each, *split_unit(each)) for each in others]
                 fit = [each.text for each in heads
                        if (each.unit is None and name == first) or each.fits(units)]  # fmt: skip
