@@ -131,7 +131,7 @@ class _Log(Recipe):
     @property
     def names(self) -> list[str]:
         """All names that a column may have."""
-        return [*self.of.units, *_ALSO[_TIME]]
+        return [*self.of.units, *(each for name in self.of.units for each in self._called(name))]
 
     def matched(self, headings: Sequence[str]) -> list[Match]:
         """What the columns are, those that are not there apart."""
