@@ -79,7 +79,7 @@ def test_a_walker_is_what_its_seed_makes():
     ("armature", "inertia", "said"),
     [
         (0.005, 0.02, ("named", ["armature"])),
-        (0.005, (0.02, 0.004), ("ambiguous", ["armature", "inertia"])),
+        (0.005, (0.02, 0.001), ("ambiguous", ["armature", "inertia"])),
         (0.0, 0.02, ("none", [])),
     ],
 )
@@ -92,7 +92,8 @@ def test_an_armature_is_told_as_far_as_the_inertia_of_the_load_is_known(armature
     y = make.simulated("servo", hidden, t, goal) + 0.004 * random.standard_normal(len(t))
     known = {**own["known"], "inertia": inertia}
     priors = {name: (value, part * value) for name, (value, part) in own["constants"].items()}
-    servo = models.servo(**known, **priors, without=own["without"])
+    less = ["backlash", "stribeck", "late goal", "slow sensor"]  # what takes long
+    servo = models.servo(**known, **priors, without=[*own["without"], *less])
     found = diagnose_model(servo, Series(t, y, {"goal": goal}, unit="rad")).verdict
     assert (found.kind, sorted(found.causes)) == said
 

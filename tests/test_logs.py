@@ -359,9 +359,9 @@ def test_a_log_of_a_servo_is_in_the_units_of_its_bus(tmp_path):
     assert not [note for note in log.notes if note.code == "no-input"]
     with pytest.raises(ScenarioError, match='column "supply" is missing'):
         models.read_log(tmp_path / "b.csv", models.servo(**known))
+    write(tmp_path / "c.csv", {"t": T, "position (deg)": 10.0 * T})
     with pytest.raises(ScenarioError, match='column "goal" is missing'):
-        del columns["PWM (%)"]
-        models.read_log(write(tmp_path / "c.csv", columns), models.servo(supply=12.0, **known))
+        models.read_log(tmp_path / "c.csv", models.servo(supply=12.0, **known))
     with pytest.raises(ScenarioError, match="4096 ticks a turn, rev/4096"):
         models.read_log({"t": T, "position (ticks)": T, "duty": T}, models.servo(supply=1, **known))
     with pytest.raises(ScenarioError, match="supply is missing: allowed is a constant or an input"):
