@@ -26,6 +26,7 @@ OF_LOGS = {
     "own": (own.of_seed, own.tables, "sets of models of one's own"),
     "twins": (twins.judged, twins.table, "logs of near twins"),
     "late": (late.judged, late.table, "logs whose input acts late"),
+    "servo": (own.of_servo, own.tables, "logs of servos"),
     "units": (units.judged, units.table, "logs in a unit that nobody stated"),
 }
 """Of each study in one file: the row of a seed, the table of rows, and what it has."""

@@ -26,6 +26,7 @@ Row = dict[str, Any]
 Array = np.ndarray
 MACHINES = {"joint": 0.12, "axis": 2.0, "oscillator": 4.0, "thermal": 60.0}
 """Sizes of their inputs."""
+SERVO = 0.8  # size of the goals of servos
 COUNT = 120  # readings of a log
 NOISE, STRENGTH = 0.02, (4.0, 9.0)  # of the readings' scatter, and of a cause's effect in errors
 WEAK = 6.0  # norm of an effect, in errors, after recalibration; as of the walkers
@@ -92,7 +93,8 @@ def log(
     is said of it."""
     own = KINDS[kind]
     t = own["step"] * np.arange(COUNT)
-    u = MACHINES[kind] * np.repeat(draw.uniform(0.0 if kind == "thermal" else -1.0, 1.0, 12), 10)
+    u = np.repeat(draw.uniform(0.0 if kind == "thermal" else -1.0, 1.0, 12), 10)
+    u *= MACHINES.get(kind, SERVO)
     base = {name: value * (1.0 + part * draw.standard_normal())
             for name, (value, part) in own["constants"].items()}  # fmt: skip
     base |= {**own["known"], "start": 293.0 if kind == "thermal" else 0.0}
@@ -200,6 +202,12 @@ def of_seed(seed: int) -> Row:
     mine = seeds.of("own", seed)
     assert mine is not None, f"{seed}: in no range"
     return judged(seed, *plan(seed - mine.first))
+
+
+def of_servo(seed: int) -> Row:
+    """The row of a servo: a quarter hides nothing, a quarter has an uneven scale too."""
+    parts = ("none", "white"), ("listed", "uneven scale"), ("listed", "white"), ("listed", "white")
+    return judged(seed, "servo", *parts[seed % 4])
 
 
 def judged(seed: int, kind: str, hidden: str, errors: str) -> Row:

@@ -4,7 +4,10 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <span>
 #include <utility>
+
+#include "machines/path.hpp"
 
 namespace machines {
 
@@ -15,6 +18,14 @@ struct HeatTerms {
     double loss = 0.0, growth = 0.0;      ///< W/K, and its growth, W/K^2
     double heater = 0.0, coupling = 0.0;  ///< J/K, W/K; no heater of its own at 0
 };
+
+inline constexpr std::array<Named<HeatTerms>, 5> kHeatTerms = {{
+    {"capacity", &HeatTerms::capacity},
+    {"loss", &HeatTerms::loss},
+    {"loss_growth", &HeatTerms::growth},
+    {"heater_capacity", &HeatTerms::heater},
+    {"coupling", &HeatTerms::coupling},
+}};
 
 template <std::size_t N>
 class HeatStores {
@@ -33,7 +44,7 @@ public:
     bool linear;
     double fastest;
 
-    double fastest_at(const State& z, const Input& u) const {
+    double fastest_at(const State& z, const Input& u, const Mode&) const {
         return fastest + 2.0 * std::abs(c.growth * (z[0] - u[1])) / c.capacity;
     }
 
@@ -49,13 +60,32 @@ public:
     std::array<double, 1> margins(const State&, const Input&, const Mode&) const {
         return {std::numeric_limits<double>::infinity()};
     }
-    double fall(const State&, const Input&, const Mode&) const { return 0.0; }
+    std::array<double, 0> falls(const State&, const Input&, const Input&, const Mode&) const {
+        return {};
+    }
     Point begun(const State& z, const Input&) const { return {z, {}}; }
     Point driven(const State& z, const Input&, const Mode&) const { return {z, {}}; }
     Point after(const State& z, const Input&, const Mode&, std::size_t) const { return {z, {}}; }
 
 private:
     HeatTerms c;
+};
+
+/// The temperature of the body.
+struct Heat {
+    using Terms = HeatTerms;
+    static constexpr const auto& kTerms = kHeatTerms;
+    static constexpr std::size_t kStates = 1, kInputs = 2, kStarts = 1;
+
+    static void write(const Terms& c, const double* start, std::span<const double> t,
+                      const Signals<kInputs>& acting, double* out) {
+        const auto body = [&](std::size_t n, const auto& z) { out[n] = z[0]; };
+        if (c.heater > 0.0) {
+            follow(HeatStores<2>(c), {*start, *start}, t, acting, body);
+        } else {
+            follow(HeatStores<1>(c), {*start}, t, acting, body);
+        }
+    }
 };
 
 }  // namespace machines

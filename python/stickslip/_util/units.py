@@ -181,6 +181,8 @@ def per_si(unit: str, si: str) -> float:
         raise ValueError("allowed is no unit, or %")
     if meant is not None and of is not None and {meant[1], of[1]} == {_BASES["Hz"][1], _TURNS}:
         hint = "; Hz does not say whether it counts turns: a turn is 2 pi rad"
+    if unit.rstrip("s") in ("tick", "count") and si == "rad":
+        hint = "; of an encoder with 4096 ticks a turn, rev/4096"
     raise ValueError(f"allowed are {_listed(known)}{hint}")
 
 
@@ -207,6 +209,9 @@ def _size(unit: str) -> _Size | None:
     over, *under = _plain(unit).split("/")
     size, dimensions = 1.0, 6 * [0]
     for sign, part in ((1, over), *((-1, each) for each in under)):
+        if sign < 0 and len(part) > 1 and part.isdecimal():  # rev/4096, a tick of an encoder
+            size /= int(part)
+            continue
         for factor in re.split(r"[\s*·.]+", part.strip(" ()")):
             match = _FACTOR.fullmatch(factor)
             base = match and (_base(match[1]) if match[1] else _BASES["1"])

@@ -50,7 +50,7 @@ _SAID_FIRST = 3
 @click.option(
     "--model",
     metavar="NAME",
-    help="Of logs: joint, axis, pendulum, oscillator, thermal, or FILE.py:NAME. Each log is a "
+    help="Of logs: a ready-made model, such as joint or servo, or FILE.py:NAME. Each log is a "
     "record of its own.",
 )
 @pairs(

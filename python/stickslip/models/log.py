@@ -45,9 +45,6 @@ _ASKED = {"set", "setpoint", "sp", "target", "ref", "reference", "demand", "desi
 _READ = {"actual", "act", "measured", "meas", "feedback", "fb", "read", "ist", "sensor"}
 """Words in the names of columns that were asked for, and of those that were read."""
 
-_FREE = "pendulum", "oscillator"
-"""Kinds that move by themselves; of the others a log without what drove them tells nothing."""
-
 _FAST = 1e-3
 """Part of a step in which all stated time constants pass that is none of their log. Chosen: nothing
 of them would be seen."""
@@ -66,18 +63,22 @@ class Columns(NamedTuple):
         SI units by name: one, or those of the quantities that it may be.
     needed : bool
         Whether all inputs have to be there. They are 0 otherwise.
-    assumed : frozenset
-        Inputs beside the first that are 0 where there is no column, as nothing else is stated.
-    driven : bool
-        Whether nothing happens without the first input.
+    assumed : dict
+        Inputs that have a value where there is no column, as nothing else is stated; None of one
+        that has to be there.
+    drives : tuple of str
+        Inputs of which one has to be there; the first may be known by its unit alone.
+    also : dict
+        What else columns are called.
     """
 
     reads: str
     unit: str
     inputs: Mapping[str, tuple[str, ...]]
     needed: bool = False
-    assumed: frozenset[str] = frozenset()
-    driven: bool = False
+    assumed: Mapping[str, float | None] = {}
+    drives: tuple[str, ...] = ()
+    also: Mapping[str, tuple[str, ...]] = {}
 
     @property
     def units(self) -> dict[str, tuple[str, ...]]:
@@ -110,9 +111,8 @@ class _Log(Recipe):
         if not isinstance(wanted, Columns):
             raise ScenarioError(f"model = {shown(model)}: allowed is a model of stickslip.models")
         kind = getattr(model, "kind", None)
-        wanted = wanted._replace(driven=kind is not None and kind.name not in _FREE)
         reads = tuple(getattr(kind, "reads", ()))
-        entries = {name: Entry(units[0], _ALSO.get(name, ()))
+        entries = {name: Entry(units[0], (*_ALSO.get(name, ()), *wanted.also.get(name, ())))
                    for name, units in wanted.units.items()}  # fmt: skip
         return _Log(entries, gaps=marks_of_none, wanted=wanted, also_reads=reads)
 
@@ -154,7 +154,7 @@ class _Log(Recipe):
                 self._check_meaning(column, found[column][1], there)
         first = next(iter(self.wanted.inputs), None)
         for column in (_TIME, self.wanted.reads, *self.wanted.inputs)[:3]:
-            if column in found:
+            if column in found or (column == first and found.keys() & {*self.wanted.drives}):
                 continue
             taken = {k for k, _ in found.values()}
             units = self.wanted.units[column]
@@ -162,10 +162,11 @@ class _Log(Recipe):
                    and (column == first or not each.words & _ASKED)]  # fmt: skip
             if len(fit) == 1:
                 found[column] = fit[0]
-            elif fit or column != first or self.wanted.driven:
+            elif fit or column != first or self.wanted.drives:
                 self._missing(column, there)
         for column in self.wanted.inputs:
-            if column not in found and self.wanted.needed:
+            absent = self.wanted.needed or self.wanted.assumed.get(column, 0.0) is None
+            if column not in found and absent:
                 self._missing(column, there)
         return found
 
@@ -212,8 +213,10 @@ class _Log(Recipe):
         others = [_Heading(text, *split_unit(text)) for text in table.others]
         first = next(iter(self.wanted.inputs), None)
         for name, units in self.wanted.inputs.items():
-            if name not in table.known and name in (first, *self.wanted.assumed):
-                text = f"There is no column {name}: it is taken as 0."
+            idle = name == first and not table.known.keys() & {*self.wanted.drives}
+            if name not in table.known and (idle or name in self.wanted.assumed):
+                value = self.wanted.assumed.get(name) or 0.0
+                text = f"There is no column {name}: it is taken as {value:g}."
                 fit = [shown(each.text) for each in others
                        if (each.unit is None and name == first) or each.fits(units)]  # fmt: skip
                 if fit:
