@@ -18,9 +18,11 @@ from stickslip import (
     events,
     instruments,
 )
+from stickslip.diagnosis.data.errors import of_one_meter
 from stickslip.diagnosis.data.series import with_repeats
 from stickslip.diagnosis.fitting.forms import Correlated
 from stickslip.diagnosis.fitting.problem import Problem
+from stickslip.diagnosis.fitting.scatter import with_scatter
 from stickslip.diagnosis.model import posed
 
 STEP, COUNT, NOISE = 0.2, 200, 0.02
@@ -162,6 +164,50 @@ def test_repeats_tell_the_error_and_correlation_costs_degrees_of_freedom():
         # The sum of the squared correlations is (1 + phi^2) / (1 - phi^2).
         wanted = 2000 * (1 - correlation**2) / (1 + correlation**2)
         assert errors.dof == pytest.approx(wanted, rel=0.5)
+
+
+@pytest.mark.parametrize("told_by", ["curve", "fit"])
+@pytest.mark.parametrize(
+    ("noise", "units", "shared"),
+    [
+        ((1.0, 1.0, 1.0), "VVV", True), ((1.0, 1.0, 5.0), "VVV", False),
+        ((1.0, 1.0, 5.0), "VVA", [True, True, False]),
+    ],
+)  # fmt: skip
+def test_records_of_one_unit_share_an_error_unless_a_test_tells_them_apart(
+    told_by, noise, units, shared
+):
+    records = [
+        made(count, 20 + k, noise=NOISE * size, unit=unit, name=f"{k}",
+             u=None if told_by == "curve" else random(k).uniform(-20.0, 20.0, count))
+        for k, (count, size, unit) in enumerate(zip((150, 90, 200), noise, units, strict=True))
+    ]  # fmt: skip
+    problem = with_scatter(posed(records, tank, [RATE, START], [DRAG]), 0)
+    found = [errors.sizes["s0"] for errors in problem.errors]
+    # A fit tells an error to 1 / sqrt(2 * 90), a curve to 1 / sqrt(2 * 90 / 8) and a part beside.
+    assert found == pytest.approx(NOISE * np.array(noise), rel=0.45)
+    assert {note.code for e in problem.errors for note in e.notes} == {
+        "noise-smooth" if told_by == "curve" else "noise-fit"
+    }
+    assert [found.count(one) > 1 for one in found] == np.broadcast_to(shared, 3).tolist()
+    # Readings of all that share an error tell it.
+    dof = [errors.dof for errors in problem.errors]
+    assert (dof[0] == dof[1]) == (shared is not False)
+
+
+def test_equal_errors_are_told_apart_as_seldom_as_stated_and_in_any_unit():
+    dof = np.array([4.0, 30.0, 8.0])
+    sizes = np.sqrt(random(30).chisquare(dof, (4000, 3)) / dof)
+    found = [of_one_meter(["V"] * 3, sd, 10.0 * dof, dof) for sd in sizes]
+    apart = np.array([len(set(sd)) > 1 for sd, _ in found])
+    # At 1 in 1000 more than 12 of 4000 come once in a thousand times.
+    assert apart.sum() <= 12
+    sd, readings = found[int(np.argmin(apart))]
+    assert sd[0] ** 2 == pytest.approx(dof @ sizes[int(np.argmin(apart))] ** 2 / 42.0)
+    assert readings == [420.0] * 3
+    for scale in (1e-150, 1e150):
+        again, _ = of_one_meter(["V"] * 3, scale * sizes[0], 10.0 * dof, dof)
+        assert again == pytest.approx(scale * np.array(found[0][0]))
 
 
 @pytest.mark.parametrize(

@@ -15,12 +15,13 @@ degrees of freedom of its size (Satterthwaite, Biometrics Bulletin 2 (1946) 110)
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
 import numpy as np
 from scipy.optimize import minimize, nnls
+from scipy.signal import correlate
 from scipy.special import ndtr, ndtri
 from scipy.stats import chi2 as chi2_law
 from scipy.stats import qmc
@@ -71,6 +72,9 @@ far a reading may lie off it, in steps. Chosen: by chance one table in 1e10 look
 
 _NEAR_ZERO = 0.1
 """Part of the usual error that a stated relative error leaves near the level zero. Chosen."""
+
+_APART = 1e-3
+"""p-value below which records of one unit do not share an error. Chosen: one in 1000 meters."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -193,6 +197,38 @@ def no_finer_than_the_meter(y: Array, condition: Indices, errors: Errors, unit: 
     known = errors.notes if errors.dof > 0.0 else ()
     sizes = {**errors.sizes, "s0": least, "rho": 0.0}
     return Errors(np.maximum(errors.sd, least), None, math.inf, sizes, (*known, note))
+
+
+def of_one_meter(
+    unit: Sequence[str], sd: Array, readings: Array, dof: Array
+) -> tuple[list[float], list[float]]:
+    """Errors of a reading of records, shape (k,), and how many readings tell each.
+
+    Records of one unit share the mean square over their `readings`, unless Bartlett's test (Proc.
+    R. Soc. A 160, 268, 1937) tells them apart, by their degrees of freedom `dof`.
+    """
+    sd, readings = sd.copy(), readings.copy()
+    for one in set(unit):
+        of = np.array([other == one for other in unit])
+        free, own, others = np.maximum(dof[of], 1.0), sd[of] ** 2, int(np.sum(of)) - 1
+        with np.errstate(divide="ignore"):
+            rise = float(free @ (math.log(free @ own / np.sum(free)) - np.log(own)))
+        rise /= 1.0 + (np.sum(1.0 / free) - 1.0 / np.sum(free)) / (3.0 * max(others, 1))
+        if others and chi2_law.sf(rise, others) > _APART:
+            sd[of] = math.sqrt(np.average(own, weights=readings[of]))
+            readings[of] = np.sum(readings[of])
+    return sd.tolist(), readings.tolist()
+
+
+def freedom(away: Array) -> float:
+    """Degrees of freedom of the mean square of errors in their order, shape (n,), maybe correlated.
+
+    Its variance is that of independent ones times the sum of squared correlations.
+    """
+    count = len(away)
+    lags = correlate(away, away, method="fft")[count - 1 :]
+    alike = lags[: max(count // 4, 1)] / max(float(lags[0]), 1e-300)
+    return count / max(2.0 * float(np.sum(alike**2)) - 1.0, 1.0)
 
 
 def meter_step(y: Array) -> float:
