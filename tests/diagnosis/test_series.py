@@ -316,3 +316,50 @@ def test_a_correlated_discrepancy_and_its_kept_rows_beside_dense_matrices():
     own, inner = form.of_rows(kept), covariance[np.ix_(kept, kept)]
     dense = columns[kept].T @ np.linalg.solve(inner, columns[kept])
     assert own.gram(own.prepared(columns), h) == pytest.approx(dense, rel=1e-9)
+
+
+def test_a_correlated_discrepancy_along_the_mean_of_runs_beside_a_dense_matrix():
+    """Five runs over the same twelve settings, of which some were missed, beside another table."""
+    x, run = np.tile(np.arange(12.0), 5), np.repeat(np.arange(5), 12)
+    used = np.setdiff1d(np.arange(60), [3, 14, 40])
+    noise = np.cumsum(random(16).standard_normal((5, 12)), axis=1).ravel()
+    table = Table({"x": x[used]}, (x + 0.1 * noise)[used], run=run[used], name="runs")
+    other = Table({"x": np.arange(4.0)}, np.zeros(4), sd=0.3, name="other")
+    for tables in ((table,), (table, other)):
+        count = sum(len(one.mean) for one in tables)
+        problem = Problem(tables, np.zeros_like, ())
+        form, h = Correlated(problem), np.log([0.7, 2.0, 0.04])
+        covariance = np.diag((0.7 * problem.sd) ** 2)
+        s = 2.0 * np.median(table.errors.sd)
+        apart = np.abs(np.subtract.outer(table.order, table.order)) / 11.0
+        covariance[:12, :12] = 0.49 * table.errors.covariance + s**2 * np.exp(-apart / 0.04)
+        columns = random(17).standard_normal((count, 3))
+        dense = multivariate_normal(np.zeros(count), covariance).logpdf(columns.T)
+        assert form.density(columns.T, h) == pytest.approx(dense, rel=1e-9)
+        kept = np.setdiff1d(np.arange(count), [0, 5, 6, count - 1])
+        own = form.of_rows(kept)
+        dense = columns[kept].T @ np.linalg.solve(covariance[np.ix_(kept, kept)], columns[kept])
+        assert own.gram(own.prepared(columns), h) == pytest.approx(dense, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("settings", "runs", "run", "place"),
+    [
+        ("abcabc", "111222", [0, 0, 0], [0, 1, 2]),  # repeats of one run
+        ("abcac", "11122", [0, 0, 0], [0, 1, 2]),  # with a gap
+        ("bcdab", "11122", [0, 0, 0, 0], [1, 2, 3, 0]),  # that overlap
+        ("abxyabxy", "11223344", [0, 0, 1, 1], [0, 1, 2, 3]),  # two runs, each repeated
+        ("abcd", "1122", [0, 0, 1, 1], [0, 1, 2, 3]),
+        ("abccba", "111222", None, None),  # up and down
+        ("aba", "111", None, None),
+        ("abdacd", "111222", None, None),  # b and c in either order
+    ],
+)
+def test_conditions_that_repeat_in_several_runs_keep_them(settings, runs, run, place):
+    table = Table({"x": list(settings)}, random(18).standard_normal(len(runs)), run=list(runs))
+    if run is None:
+        assert table.run is table.order is None
+        return
+    assert table.run.tolist() == run
+    ranks = np.argsort(np.argsort(table.order))
+    assert ranks.tolist() == place
