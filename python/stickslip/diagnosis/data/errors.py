@@ -459,8 +459,8 @@ class _Scatter(OneLine):
         parts = along(mixed, gap, phi, weight, one)
         shares, signs = mixed @ self.shares[rows], np.where(self.mean < 0.0, -1.0, 1.0)
         for name, part in (("shift", shares), ("gain", signs[:, None] * shares)):
-            factor = np.exp(2.0 * p[name]) if name in p else np.zeros(len(weight))
-            parts.append((part @ part.T, factor, size))
+            share = np.exp(2.0 * p[name]) if name in p else np.zeros(len(weight))
+            parts.append((part @ part.T, share, size))
         means, factor, dof = averaged(parts, weight)
         readings = np.sum(means[:-2], axis=0)
         return np.array([readings, means[-2], means[-1] * np.outer(signs, signs)]), factor, dof
