@@ -363,3 +363,22 @@ def test_conditions_that_repeat_in_several_runs_keep_them(settings, runs, run, p
     assert table.run.tolist() == run
     ranks = np.argsort(np.argsort(table.order))
     assert ranks.tolist() == place
+
+
+def test_a_cause_is_named_beside_what_a_model_misses_in_each_of_several_runs():
+    """Five runs over the same places, along which the model is wrong by a correlated 0.08."""
+    x, run = np.tile(np.linspace(0.0, 4.0, 40), 5), np.repeat(np.arange(5), 40)
+    missed = 0.08 * lfilter([0.6], [1.0, -0.8], random(19).standard_normal(60))[20:]
+    y = 1.05 * x + 0.5 * np.sin(2 * x) + missed[np.tile(np.arange(40), 5)]
+    table = Table({"x": x}, y + 0.02 * random(20).standard_normal(200), run=run)
+
+    def model(table, p):
+        at = table["x"]
+        return p["slope"] * at + p["height"] * np.sin(2 * at) + p["bend"] * at**2
+
+    causes = [Cause(name, Parameter(key, low=-5.0, high=5.0, size=size))
+              for name, key, size in (("wave", "height", 0.5), ("bow", "bend", 0.1))]  # fmt: skip
+    result = diagnose_model(model, table, [Parameter("slope", Prior("normal", 1.0, 0.1))], causes)
+    assert (result.verdict.kind, result.verdict.causes) == ("dominant", ("wave",))
+    low, high = result.conf_int(0.998).loc["height", ["low", "high"]]
+    assert low < 0.5 < high
