@@ -7,10 +7,13 @@ import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from graphlib import CycleError, TopologicalSorter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
 
 from stickslip._util.arrays import (
     RELATIVE,
@@ -102,7 +105,8 @@ class Table:
     places : ndarray, shape (m, d), or None
         Numbers of the conditions that vary, over which a discrepancy may be smooth.
     run, order : ndarray, shape (m,), or None
-        Run of each condition and its place in it, along which a discrepancy may be correlated.
+        Run of each condition and its place in it, along which a discrepancy may be correlated. Of
+        runs with the same conditions in one order these are the means.
     group : ndarray of int, shape (m,)
         Conditions that are held out together, numbered from 0.
     rows : ndarray of int, shape (n,)
@@ -200,10 +204,11 @@ class Table:
         self.unstated = [key for key in self.quantities if not carried[key]]
         self.rows, self._labels = np.flatnonzero(~gap), {"sd": stated, "block": blocks, "run": runs}
         self.own_notes = tuple(notes)
-        if runs is not None and len(number) == len(self.y):
-            self.run, self.order = runs, np.arange(len(runs), dtype=float)
-            if len(np.unique(runs)) >= _FEWEST_RUNS:
-                self.group = np.unique(runs, return_inverse=True)[1]  # a whole run is held out
+        placed = None if runs is None else _along_runs(self.condition, runs)
+        if placed is not None:
+            self.run, self.order = placed
+            if len(np.unique(self.run)) >= _FEWEST_RUNS:
+                self.group = self.run  # a whole run is held out
 
     def __getitem__(self, column: str) -> Array:
         """A column of the settings, shape (n,), read-only."""
@@ -425,6 +430,31 @@ class Table:
 
     def __repr__(self) -> str:
         return f"<Table {self.name}: {len(self.y)} readings, {len(self.mean)} conditions>"
+
+
+def _along_runs(condition: Indices, run: Indices) -> tuple[Indices, Array] | None:
+    """Run and place in it of each condition, shape (m,); `condition` and `run` are of readings.
+
+    Runs that share conditions are repeats of one. None if they do not have them in one order: what
+    a model misses along them is then no run.
+    """
+    rows, count = np.argsort(run, kind="stable"), int(condition.max()) + 1
+    follows = np.diff(run[rows]) == 0
+    pairs = condition[rows][:-1][follows].tolist(), condition[rows][1:][follows].tolist()
+    links = csr_array((np.ones(len(pairs[0])), pairs), shape=(count, count))
+    whole = connected_components(links, directed=False)[1].astype(np.int64)
+    before: dict[int, set[int]] = {k: set() for k in range(count)}
+    for one, other in zip(*pairs, strict=True):
+        before[other].add(one)
+    try:
+        order = np.array(list(TopologicalSorter(before).static_order()))
+    except CycleError:
+        return None
+    order = order[np.argsort(whole[order], kind="stable")]
+    steps = zip(order[:-1].tolist(), order[1:].tolist(), np.diff(whole[order]) == 0, strict=True)
+    if any(same and one not in before[other] for one, other, same in steps):
+        return None  # another order would do as well
+    return whole, np.argsort(order).astype(float)
 
 
 def stated_errors(what: str, sd: ArrayLike, count: int, unit: str) -> Array:
