@@ -4,8 +4,9 @@
 and prints the tables. `tables` prints those of a record, `write` lays out one data set as files,
 `store` keeps sets of old seeds with what the present engine says of them, `compare` sets the
 verdicts and fits of a later engine beside these. `own` diagnoses sets of models of one's own,
-`twins` logs of near twins beside a distorted sensor, `late` logs whose input acts late, and `units`
-logs in a unit that nobody stated; each prints its counts. The folder is that of the stored study
+`twins` logs of near twins beside a distorted sensor, `late` logs whose input acts late, `units`
+logs in a unit that nobody stated, and `intervals` logs beside an error of the model; each prints
+its counts. The folder is that of the stored study
 unless another one is given; a step that was stopped goes on where it stood.
 """
 
@@ -17,7 +18,7 @@ from pathlib import Path
 
 from stale import stale
 
-from blind import late, twins, units
+from blind import intervals, late, twins, units
 from blind.kinds import KINDS, OLD, STUDY, plan
 from blind.own import study as study_own
 from blind.scoring import read, report
@@ -28,6 +29,7 @@ from blind.writing import write_case
 OF_LOGS = {
     "twins": (twins.study, twins.FIRST + 60, "logs of near twins"),
     "late": (late.study, late.FIRST, "logs whose input acts late"),
+    "intervals": (intervals.study, intervals.FIRST, "sizes beside an error of the model"),
     "units": (units.study, units.FIRST, "logs in a unit that nobody stated"),
 }
 """Of each study of logs: what does it, its first seed, and what it has."""
