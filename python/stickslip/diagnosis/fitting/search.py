@@ -36,6 +36,7 @@ from stickslip.diagnosis.fitting.forms import Form, Softened, forms
 from stickslip.diagnosis.fitting.models import (
     NEAR_DATA,
     Fit,
+    covariance_beside,
     linear,
     log_prior,
     minimise,
@@ -127,6 +128,7 @@ class Models:
         self.begun = 0  # fits so far
         # The linear model of another form about a fit, None where there is none.
         self._linear: dict[tuple[Fit, str], Fit | None] = {}
+        self._beside: dict[Fit, Array] = {}
         # Of sets of causes that were drawn, what Laplace's rule misses of their evidence.
         self.corrections: dict[frozenset[str], float] = {}
         # Of sets of causes with a law, the probabilities of its forms.
@@ -186,6 +188,14 @@ class Models:
             fits = _linear(self.problem, self.forms[form], about.causes, about.end)
             self._linear[about, form] = next(fits, None)
         return self._linear[about, form]
+
+    def covariance(self, fit: Fit) -> Array:
+        """See `covariance_beside`; it is kept."""
+        if fit not in self._beside:
+            self._beside[fit] = fit.covariance
+            with contextlib.suppress(np.linalg.LinAlgError):
+                self._beside[fit] = covariance_beside(self.problem, fit)
+        return self._beside[fit]
 
     def leaders(self, count: int | None = None, form: str | None = None) -> list[Fit]:
         """Models by their posterior, the best first."""
