@@ -83,8 +83,9 @@ _MOST_FITS = 250
 # more has to promise (with less its model is not compared); and least growth of the log-evidence
 # after which a leader is looked beside again.
 _MORE, _WORTH, _BETTER = 6, 2.0, 1.0
-# Amplitudes at which a cause is tried about the recalibrated model. Chosen.
-_SMALL = (0.15, USUAL)
+# Amplitudes at which a cause is tried about the recalibrated model, and beside the best one, where
+# precise readings leave little room. Chosen.
+_SMALL, _SMALLER = (0.15, USUAL), (0.002, 0.02, 0.15, USUAL)
 # Sets of causes whose evidence is corrected by draws. Chosen.
 _DRAWN = 4
 # Single causes from whose constants the recalibrated model is fitted again. Chosen.
@@ -607,7 +608,7 @@ def _leaves_too_little(models: Models, leader: Fit) -> bool:
 def _look_beside(models: Models, leader: Fit) -> None:
     """Fit the models with one cause more, less or exchanged, from where a leader is."""
     problem, metric, h = models.problem, models.forms[leader.form], leader.h
-    hopeless = leader.cost + _HOPELESS
+    hopeless, (first,) = leader.cost + _HOPELESS, models.leaders(1)
     if leader.form == "exact":
         metric, h = _softened(problem, leader), np.zeros(0)
     bases = []
@@ -627,7 +628,9 @@ def _look_beside(models: Models, leader: Fit) -> None:
         offered = [cause for cause in models.offered if cause not in (*rest, *leader.causes)]
         least = _WORTH if rest == leader.causes else -math.inf
         tried: dict[str, int] = {}
-        for response in responses(problem, end, rest, offered, metric, h, (USUAL,), draft=True):
+        beside_first = rest == leader.causes and leader.names == first.names
+        sizes = _SMALLER if beside_first else (USUAL,)
+        for response in responses(problem, end, rest, offered, metric, h, sizes, draft=True):
             name = response.cause.name
             if response.gain < least or (name not in tried and len(tried) == _MORE):
                 continue
