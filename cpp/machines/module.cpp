@@ -75,12 +75,12 @@ Array moved(const Array& terms, const Array& start, const Array& times, const Ar
     return result;
 }
 
-/// Temperatures of the body at the readings, shape (vectors, readings). terms: (vectors, 5);
+/// Temperatures of the body at the readings, shape (vectors, readings). terms: (vectors, 7);
 /// start: (vectors,); times: (readings,); inputs: power and ambient, see signals_of.
 Array heated(const Array& terms, const Array& start, const Array& times, const Array& knots,
              const Array& inputs, const Array& late, bool lines) {
     const py::ssize_t vectors = terms.shape(0), readings = times.shape(0);
-    require(terms.ndim() == 2 && terms.shape(1) == 5 && start.shape(0) == vectors &&
+    require(terms.ndim() == 2 && terms.shape(1) == 7 && start.shape(0) == vectors &&
                 fit(vectors, 2, knots, inputs, late),
             "heated: the shapes do not fit");
     Array result({vectors, readings});
@@ -88,15 +88,19 @@ Array heated(const Array& terms, const Array& start, const Array& times, const A
     const py::gil_scoped_release release;
     for (py::ssize_t k = 0; k < vectors; ++k) {
         const double* own = terms.data(k);
-        const HeatTerms c{own[0], own[1], own[2], own[3], own[4]};
+        const HeatTerms c{own[0], own[1], own[2], own[3], own[4], own[5], own[6]};
         const double begin = start.at(k);
         double* out = result.mutable_data(k);
         const Signals<2> acting = signals_of<2>(k, knots, inputs, late, lines);
         const auto write = [&](std::size_t n, const auto& z) { out[n] = z[0]; };
-        if (c.heater > 0.0) {
-            follow(HeatStores<2>(c), {begin, begin}, t, acting, write);
+        if (c.heater > 0.0 && c.wall > 0.0) {
+            follow(HeatStores<true, true>(c), {begin, begin, begin}, t, acting, write);
+        } else if (c.heater > 0.0) {
+            follow(HeatStores<true, false>(c), {begin, begin}, t, acting, write);
+        } else if (c.wall > 0.0) {
+            follow(HeatStores<false, true>(c), {begin, begin}, t, acting, write);
         } else {
-            follow(HeatStores<1>(c), {begin}, t, acting, write);
+            follow(HeatStores<false, false>(c), {begin}, t, acting, write);
         }
     }
     return result;

@@ -142,11 +142,14 @@ def oscillator_states(t: Array, inputs: Inputs, values: _Named) -> Array:
 
 
 def heater_states(t: Array, inputs: Inputs, values: _Named) -> Array:
-    """Temperatures of a body, which a heater warms where it has a `heater_capacity`."""
+    """Temperatures of a body, perhaps with a heater that warms it and a wall that stores heat."""
     none = np.zeros_like(values["step"])
     power = inputs.of("power") * (1.0 + values["power_error"])
     ambient = np.broadcast_to(inputs.values.get("ambient", values["ambient"]), power.shape)
-    names = ("capacity", "loss", "loss_growth", "heater_capacity", "coupling")
+    names = (
+        "capacity", "loss", "loss_growth", "heater_capacity", "coupling", "wall_capacity",
+        "wall_coupling",
+    )  # fmt: skip
     terms = np.stack([values[name] for name in names], axis=1)
     acts = np.stack([power.T, ambient.T], axis=2)
     late = np.stack([inputs.late.get(name, none) for name in ("power", "ambient")], axis=1)
