@@ -84,7 +84,7 @@ DISTORTIONS: dict[str, Callable[[Array, float], Array]] = {
 }
 
 
-def _solved(kind: Kind, p: dict[str, float], t: Array) -> Array:
+def solved(kind: Kind, p: dict[str, float], t: Array) -> Array:
     """What is to be read, by an adaptive method, shape (n,)."""
     pace = 1.0 + p.get("clock", 0.0)
     start = p.get("x", 0.0), p["v"]
@@ -93,7 +93,7 @@ def _solved(kind: Kind, p: dict[str, float], t: Array) -> Array:
     return np.asarray(made.y[kind.read])
 
 
-def _model(kind: str) -> Callable[[Table, Any], Array]:
+def model_of(kind: str) -> Callable[[Table, Any], Array]:
     """The model as its user has it: steps of Runge and Kutta, shape (vectors, n)."""
     read, rate = KINDS[kind].read, KINDS[kind].rate
 
@@ -116,10 +116,10 @@ def _model(kind: str) -> Callable[[Table, Any], Array]:
     return predict
 
 
-def _moves(kind: Kind, p: dict[str, float], t: Array, steps: dict[str, float]) -> Array:
+def moves(kind: Kind, p: dict[str, float], t: Array, steps: dict[str, float]) -> Array:
     """Changes of what is to be read by a step of each parameter, over it, (n, parameters)."""
-    plain = _solved(kind, p, t)
-    return np.array([(_solved(kind, {**p, key: p[key] + step}, t) - plain) / step
+    plain = solved(kind, p, t)
+    return np.array([(solved(kind, {**p, key: p[key] + step}, t) - plain) / step
                      for key, step in steps.items()]).T  # fmt: skip
 
 
@@ -132,12 +132,12 @@ def made(seed: int) -> tuple[Row, Series, list[Parameter], list[Cause]]:
     base = {key: float(draw.normal(*prior)) for key, prior in kind.constants.items()}
     base |= dict.fromkeys(kind.causes, 0.0)
     size = kind.causes[hidden] * math.exp(draw.uniform(*np.log(SIZES)))
-    plain, seen = (_solved(kind, {**base, hidden: each}, t) for each in (0.0, size))
+    plain, seen = (solved(kind, {**base, hidden: each}, t) for each in (0.0, size))
     acting = {**base, hidden: size}
     constants = {key: 0.01 * spread for key, (_, spread) in kind.constants.items()}
-    of_constants = _moves(kind, base, t, constants)
+    of_constants = moves(kind, base, t, constants)
     every = np.hstack([
-        of_constants, _moves(kind, acting, t, {key: 0.01 * u for key, u in kind.causes.items()})
+        of_constants, moves(kind, acting, t, {key: 0.01 * u for key, u in kind.causes.items()})
     ])  # fmt: skip
     effect = float(np.std(refitted(seen - plain, of_constants)))
     z, taken, left = 2.0 * (seen - seen.min()) / np.ptp(seen) - 1.0, 1.0, 0.0
@@ -160,7 +160,7 @@ def made(seed: int) -> tuple[Row, Series, list[Parameter], list[Cause]]:
 def judged(seed: int) -> Row:
     """What a set hides, and what is said of it."""
     answer, record, uncertain, causes = made(seed)
-    verdict = diagnose_model(_model(answer["kind"]), record, uncertain, causes).verdict
+    verdict = diagnose_model(model_of(answer["kind"]), record, uncertain, causes).verdict
     return {**answer, "verdict": verdict.kind, "causes": list(verdict.causes)}
 
 

@@ -342,6 +342,18 @@ def of_heater(acts):
     return model, {"power": u}, integrated(slope, (20.0, 20.0), acts, u)[:, 0]
 
 
+def of_room(acts):
+    u = np.abs(acts.values(8, 90.0))
+    model = models.thermal(capacity=20.0, loss=2.0, ambient=20.0, heater_capacity=5.0, coupling=8.0,
+                           wall_capacity=60.0, wall_coupling=3.0)  # fmt: skip
+
+    def slope(z, u, _):
+        flow, back = 8.0 * (z[1] - z[0]), 3.0 * (z[2] - z[0])
+        return [(flow + back - 2.0 * (z[0] - 20.0)) / 20.0, (u - flow) / 5.0, -back / 60.0]
+
+    return model, {"power": u}, integrated(slope, (20.0, 20.0, 20.0), acts, u)[:, 0]
+
+
 def with_play(drive, grip, hangs, masses, gap, acts, u, begun):
     """Motor and load with the phases of sticking and of contact, each with its own equation.
 
@@ -507,8 +519,8 @@ def of_spring(acts):
 
 @pytest.mark.parametrize("acts", [Acts(False, 0.0268), Acts(True, 0.0031), Acts(True, 0.0268)])
 @pytest.mark.parametrize(
-    "case", [of_joint, of_axis, of_pendulum, of_oscillator, of_heater, of_backlash, of_spring,
-             of_servo, of_hunting]
+    "case", [of_joint, of_axis, of_pendulum, of_oscillator, of_heater, of_room, of_backlash,
+             of_spring, of_servo, of_hunting]
 )  # fmt: skip
 def test_readings_are_those_of_another_integrator(case, acts):
     model, inputs, expected = case(acts)
@@ -589,9 +601,15 @@ HIDDEN = {
     ),
     "convection": (
         models.thermal(capacity=200.0, loss=2.0, loss_growth=0.05),
-        models.thermal(capacity=(200.0, 10.0), loss=(2.0, 0.2), without=["heater_capacity"]),
+        models.thermal(capacity=(200.0, 10.0), loss=(2.0, 0.2),
+                       without=["heater_capacity", "wall_capacity"]),
         {"power": np.abs(staircase(2, 90.0, count=100))}, 2.0, 0.1, "loss_growth",
         {"start_temperature": 5.0},
+    ),
+    "wall": (
+        models.thermal(capacity=200.0, loss=2.0, wall_capacity=300.0, wall_coupling=4.0),
+        models.thermal(capacity=(200.0, 10.0), loss=(2.0, 0.2)),
+        {"power": np.abs(staircase(2, 90.0, count=100))}, 2.0, 0.1, "wall_capacity", {},
     ),
     "backlash": (
         models.joint(inertia=0.1, viscous=0.2, backlash=0.1, reads="angle"),

@@ -382,3 +382,16 @@ def test_a_cause_is_named_beside_what_a_model_misses_in_each_of_several_runs():
     assert (result.verdict.kind, result.verdict.causes) == ("dominant", ("wave",))
     low, high = result.conf_int(0.998).loc["height", ["low", "high"]]
     assert low < 0.5 < high
+
+
+def test_the_time_of_an_edge_is_no_finer_than_the_readings():
+    t = np.arange(40.0)
+    y = 1.0 * (t > 20.3) + 0.001 * np.random.default_rng(3).standard_normal(40)
+    causes = [events.step(1.0, 0.0, 39.0), events.pulse(1.0, 0.0, 39.0, 20.0)]
+    level = Parameter("level", Prior("normal", 0.0, 0.1), cause=False)
+    found = diagnose_model(lambda s, p: p["level"] + 0.0 * s["t"], Series(t, y, sd=0.001), [level],
+                           causes)  # fmt: skip
+    assert found.verdict.causes == ("step",)
+    low, high = found.conf_int().loc["step.time", ["low", "high"]]
+    assert low < 20.0 < 21.0 < high  # all places in the gap are alike
+    assert found.params.loc["step.height", "sd"] < 0.001

@@ -83,6 +83,7 @@ def _sensors(name: str, *, slow: str = "", zero: bool = False, size: float = 0.0
 
 
 _COUPLING = Term("coupling", "W/K", "coupling of the heater", 20.0, "loss")
+_WALL = Term("wall_coupling", "W/K", "coupling of the wall", 20.0, "loss")
 
 KINDS = {
     kind.name: kind
@@ -168,6 +169,9 @@ KINDS = {
                 Term("heater_capacity", "J/K", "a second heat store", 0.2, "capacity",
                      shape=_COUPLING,
                      more="the power warms it first; it begins at the same temperature"),
+                Term("wall_capacity", "J/K", "a wall that stores heat", 1.0, "capacity",
+                     shape=_WALL,
+                     more="the body alone warms it; it begins at the same temperature"),
                 Term("power_error", "-", "another power than asked for", 0.05, "1", signed=True,
                      more="it is 1 + this times what the log says"),
             ),
@@ -358,12 +362,13 @@ def oscillator(
 
 @_documented
 def thermal(*, smooth: bool = False, without: Sequence[str] = (), **known: Known) -> Model:
-    """A body that is heated: one heat store, or two.
+    """A body that is heated, or a room: one heat store, or up to three.
 
     ``capacity T' = power - loss (T - ambient) - loss_growth (T - ambient) |T - ambient|``, for a
     `Series` with the input ``power``, W, and perhaps ``ambient``. With a `heater_capacity` the
-    power warms the heater first, which warms the body by `coupling`. Each effect that is not stated
-    is a cause, and so are a wrong zero, a slow thermometer and a late power.
+    power warms the heater first, which warms the body by `coupling`; with a `wall_capacity` the
+    body warms a wall by `wall_coupling`. Each effect that is not stated is a cause, and so are a
+    wrong zero, a slow thermometer and a late power.
 
     ARGUMENTS
 

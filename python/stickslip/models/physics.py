@@ -164,7 +164,7 @@ def oscillator_states(t: Array, inputs: Inputs, values: _Named) -> Array:
 
 
 def heater_states(t: Array, inputs: Inputs, values: _Named) -> Array:
-    """Temperatures of a body, which a heater warms where it has a `heater_capacity`."""
+    """Temperatures of a body, perhaps with a heater that warms it and a wall that stores heat."""
     acts = {
         "power": inputs.of("power") * (1.0 + values["power_error"]),
         "ambient": inputs.of("ambient", values["ambient"]),

@@ -43,11 +43,11 @@ NEARLY_ALL = 0.9
 been taken for it. Chosen on 180 logs of which it names 5 more, all rightly."""
 
 SECOND = 0.1
-"""Part by which a second cause lowers the held-out error at least. Chosen with the prototype."""
+"""Part by which a further cause lowers the held-out error at least. Chosen with the prototype."""
 
 FAR = 1e-4
-"""p-value below which every model of fewer causes fails, so that a pair that explains the data
-needs no other proof of its second cause. Chosen: a hundredth of `ADEQUATE`."""
+"""p-value below which every model of fewer causes fails, so that causes that explain the data need
+no other proof of the last one. Chosen: a hundredth of `ADEQUATE`."""
 
 CALM = 0.5
 """Scatter, in the stated errors, below which these are said to be stated too large. Chosen."""
@@ -66,7 +66,7 @@ class Verdict(OneLine):
         ``named``, ``dominant``, ``pair``, ``ambiguous``, ``unexplained``, ``none`` or
         ``data-problem``.
     causes : tuple of str
-        The cause, both of a pair, or those of a set, the most probable first.
+        The cause, the two or three of a pair, or those of a set, the most probable first.
     fit : Fit, optional
         The extended model, where a cause is claimed; of a set that of its first member.
     reasons : tuple of Note
@@ -128,9 +128,7 @@ def decide(models: Models, test: Test) -> Verdict:
     if not sure:
         return _set(verdict, models, chance)
     most = next(fit for fit in chance.fits if fit.names & set(sure))
-    if len(most.causes) < 2:
-        return _claimed(verdict, models, test, most)
-    return _with_second(verdict, models, test, chance, most, sure)
+    return _with_more(verdict, models, test, chance, most, sure)
 
 
 def _common(members: Sequence[Fit]) -> tuple[str, ...]:
@@ -159,74 +157,72 @@ def _without_cause(verdict: Verdict, models: Models, test: Test, leader: Fit | N
     return _with(verdict, "none", (), None, (reason,), models, None)
 
 
-def _with_second(
-    verdict: Verdict, models: Models, test: Test, chance: Posterior, pair: Fit, sure: list[str]
-) -> Verdict:
-    """Two causes, if nothing less explains the data or the second one predicts held-out readings.
+def _with_more(
+    verdict: Verdict, models: Models, test: Test, chance: Posterior, whole: Fit, sure: list[str],
+    reasons: tuple[Note, ...] = (),
+) -> Verdict:  # fmt: skip
+    """Two or three causes, if nothing less explains the data or the last one predicts held-out
+    readings.
 
-    Else the better one alone. If only one of them is sure, what is beside it is left open.
+    Else the better ones without it. If not all of them are sure, what is beside these is left open.
     """
-    alone = [fit for fit in chance.fits if fit.names < pair.names and fit.names & set(sure)]
-    if not alone:
-        return _claimed(verdict, models, test, pair)
-    member = max(alone, key=models.log_posterior)
-    if not pair.names <= set(sure) and pair.form == "exact":
-        # The stated errors ask for a second cause, but not for which one.
-        explains = [adequacy(models.problem, fit) >= ADEQUATE for fit in (member, pair)]
+    fewer = [fit for fit in chance.fits if fit.names < whole.names and fit.names & set(sure)]
+    if not fewer:
+        return _claimed(verdict, models, test, whole, reasons)
+    member, all_sure = max(fewer, key=models.log_posterior), whole.names <= set(sure)
+    if not all_sure and whole.form == "exact":
+        # The stated errors ask for a further cause, but not for which one.
+        explains = [adequacy(models.problem, fit) >= ADEQUATE for fit in (member, whole)]
         if explains == [False, True]:
-            return _set(verdict, models, chance)
-    if pair.names <= set(sure) and _only_pair(models, pair):
-        return _claimed(verdict, models, test, pair)
-    one, two = (models.get(fit.names) or fit for fit in (member, pair))
-    second = measured(models.problem, one, two)
-    if second is None:  # too few parts to hold some out
-        return _set(verdict, models, chance)
-    if second.certain and second.after <= (1.0 - SECOND) * second.before:
-        both = pair.names <= set(sure)
-        return _claimed(verdict, models, test, pair) if both else _set(verdict, models, chance)
-    reason = _refused(pair, member, second)
-    if chance.among_small(member.name) >= SURE:
-        single = _claimed(verdict, models, test, member, (reason,))
-        if single.claims:
-            return single
-    if pair.names <= set(sure):
-        # A smaller model is improbable, and the second cause is not proven: both stay open.
-        still_open = tuple(dict.fromkeys((pair, member, *verdict.members)))
-        return _set(verdict, models, chance, (reason,), still_open)
-    return _set(verdict, models, chance, (reason,))
+            return _set(verdict, models, chance, reasons)
+    if all_sure and _nothing_less(models, whole):
+        return _claimed(verdict, models, test, whole, reasons)
+    one, two = (models.get(fit.names) or fit for fit in (member, whole))
+    further = measured(models.problem, one, two)
+    if further is None:  # too few parts to hold some out
+        return _set(verdict, models, chance, reasons)
+    if further.certain and further.after <= (1.0 - SECOND) * further.before:
+        claimed = _claimed(verdict, models, test, whole, reasons) if all_sure else None
+        return claimed or _set(verdict, models, chance, reasons)
+    reasons += (_refused(whole, member, further),)
+    if chance.among_small(member) >= SURE:
+        claim = _with_more(verdict, models, test, chance, member, sure, reasons)
+        if claim.claims:
+            return claim
+    # A smaller model is improbable, and the last cause is not proven: both stay open.
+    still_open = tuple(dict.fromkeys((whole, member, *verdict.members))) if all_sure else ()
+    return _set(verdict, models, chance, reasons, still_open)
 
 
-def _only_pair(models: Models, pair: Fit) -> bool:
-    """Whether a pair explains the data without a discrepancy, and no smaller model comes near."""
-    plain = models.get(pair.names)
+def _nothing_less(models: Models, whole: Fit) -> bool:
+    """Whether causes explain the data without a discrepancy, and no smaller model comes near."""
+    plain = models.get(whole.names)
     if plain is None or adequacy(models.problem, plain) < ADEQUATE:
         return False
-    smaller = [fit for fit in models.best.values() if len(fit.causes) < len(pair.causes)]
+    smaller = [fit for fit in models.best.values() if len(fit.causes) < len(whole.causes)]
     return all(adequacy(models.problem, fit) < FAR for fit in smaller)
 
 
-def _refused(pair: Fit, member: Fit, second: Gain) -> Note:
-    (other,) = pair.names - member.names
-    fall = 1.0 - second.after / second.before
+def _refused(whole: Fit, member: Fit, further: Gain) -> Note:
+    others = sorted(whole.names - member.names)
+    fall = 1.0 - further.after / further.before
+    number = ("second", "third")[len(member.causes) - 1]
+    pair = " + ".join(["{}"] * len(others)), " + ".join(["{}"] * len(member.names))
+    text = f"{pair[0]} beside {pair[1]} lowers the held-out error by {100.0 * fall:.0f} %"
     if fall <= 0.0:
-        text = "{} beside {} does not lower the held-out error."
+        text = f"{pair[0]} beside {pair[1]} does not lower the held-out error."
     elif fall < SECOND:
-        text = (
-            f"{{}} beside {{}} lowers the held-out error by {100.0 * fall:.0f} % only; a second "
-            f"cause needs {100.0 * SECOND:.0f} %."
-        )
+        text += f" only; a {number} cause needs {100.0 * SECOND:.0f} %."
     else:
-        text = (
-            f"{{}} beside {{}} lowers the held-out error by {100.0 * fall:.0f} %, which may be "
-            "chance: the 95 % interval includes zero."
-        )
-    return CauseNote("second-cause-predicts-nothing", text, (other, member.name), fall)
+        text += ", which may be chance: the 95 % interval includes zero."
+    causes = (*others, *sorted(member.names))
+    return CauseNote("second-cause-predicts-nothing", text, causes, fall)
 
 
 def _claimed(
     verdict: Verdict, models: Models, test: Test, fit: Fit, reasons: tuple[Note, ...] = ()
 ) -> Verdict:
-    """A cause or a pair, named if it explains the data, dominant beside a discrepancy."""
+    """One cause or more, named if it explains the data, dominant beside a discrepancy."""
     problem, names = models.problem, tuple(sorted(fit.names))
     plain, beside = models.get(fit.names), _beside(models, fit)
     gains = [gain_of(models, fit)]

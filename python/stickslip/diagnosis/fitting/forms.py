@@ -11,6 +11,9 @@ times the stated errors (Kennedy and O'Hagan, J. R. Stat. Soc. B 63, 425, 2001).
     First-order correlated along each run, with size s and correlation time tau.
 ``smooth``
     A squared-exponential process over the settings of each table, with size s and length l.
+``slow``
+    Such a process along each run, with size s, that lasts for a part of it. No verdict compares it,
+    as it would take what a cause does: it tells how far a size may be off.
 """
 
 from __future__ import annotations
@@ -38,16 +41,20 @@ HYPER = {
     "s": (0.0, 2.0, -5.0, 8.0),
     "tau": (math.log(0.03), 1.0, math.log(1e-4), math.log(0.1)),
     "l": (0.0, 0.5, math.log(0.5), math.log(4.0)),
+    "lasts": (math.log(0.2), 0.7, math.log(0.03), 0.0),
 }
 """Middle, standard deviation and range of the logarithms of kappa; s over the median error of its
-table; tau over the span of a run; l over half the range of a setting. Chosen: with longer tau a
-discrepancy takes what a cause does, with shorter l the causes of a table over one setting."""
+table; tau and `lasts` over the span of a run; l over half the range of a setting. Chosen: with
+longer tau a discrepancy takes what a cause does, with shorter l the causes of a table over one
+setting."""
 
 FEWEST_IN_RUN, FEWEST_SMOOTH = 8, 15
 """Readings that a run needs for `ar1`, and a table for `smooth`: with fewer the prior decides.
 Chosen."""
 
 _MOST_DENSE = 1000  # readings of a table, whose covariance is a matrix
+_WAVES = np.pi * np.arange(32)  # of `slow`, over a run; chosen: enough for the shortest
+_RAREST = 1e-12  # least variance of a wave of `slow`, over the largest; chosen
 
 
 class Form:
@@ -373,6 +380,49 @@ class Smooth(Form):
         return np.array([0.0, math.log(max(size, 0.3)), math.log(0.6)])
 
 
+class Slow(Form):
+    """``slow``, in O(n): by cosines along runs (Solin and Sarkka, Stat. Comput. 30, 419, 2020)."""
+
+    name = "slow"
+    names = ("kappa", "s", "lasts")
+
+    def __init__(self, problem: Problem) -> None:
+        super().__init__(problem)
+        self._runs: list[tuple[Indices, Array]] = []
+        for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
+            for run in np.unique(table.run) if _along_runs(table, problem.errors[k]) else ():
+                own = np.flatnonzero(table.run == run)
+                place = np.asarray(table.order, dtype=float)[own]
+                place = (place - place.min()) / (np.ptp(place) or 1.0)
+                rows, waves = part.start + own, np.cos(place[:, None] * _WAVES)
+                waves[:, 1:] *= math.sqrt(2.0)
+                self._runs.append((rows, waves * (self.unit / problem.sd)[rows, None]))
+        self._inner = np.array([waves.T @ waves for _, waves in self._runs])
+        self._log_det = 0.0
+
+    def prepared(self, columns: Array) -> Any:
+        whitened = self.problem.whitened(self.computed(columns))
+        return whitened.T @ whitened, np.array([w.T @ whitened[rows] for rows, w in self._runs])
+
+    def gram(self, prepared: Any, h: Array) -> Array:
+        (gram, across), (kappa2, s2, lasts2) = prepared, np.exp(2.0 * h)
+        size = s2 * np.sqrt(2.0 * np.pi * lasts2) * np.exp(-0.5 * _WAVES**2 * lasts2)
+        odds = kappa2 / np.maximum(size, _RAREST * size[0])
+        lower = np.linalg.cholesky(self._inner + np.diag(odds))
+        half = np.linalg.solve(lower, across).reshape(-1, across.shape[-1])
+        self._log_det = 2.0 * float(np.sum(np.log(np.diagonal(lower, 0, 1, 2))))
+        self._log_det += self.problem.log_det + 2.0 * self.n * float(h[0])
+        self._log_det -= len(lower) * float(np.sum(np.log(odds)))
+        return np.asarray((gram - half.T @ half) / kappa2)
+
+    def log_det(self, h: Array) -> float:
+        return self._log_det
+
+    def begin(self, residual: Array) -> Array:
+        size = float(np.std(residual / self.problem.sd))
+        return np.array([0.0, math.log(max(size, 0.3)), HYPER["lasts"][0]])
+
+
 def _is_smooth(table: Table) -> bool:
     """Whether a discrepancy may be smooth over the settings.
 
@@ -398,7 +448,7 @@ def forms(problem: Problem, wanted: Sequence[str] = tuple(PRIOR)) -> dict[str, F
     allowed = [Exact(problem), Form(problem)]
     pairs = zip(problem.tables, problem.errors, strict=True)
     if any(_along_runs(*pair) for pair in pairs):
-        allowed.append(Correlated(problem))
+        allowed += [Correlated(problem), *([Slow(problem)] if "slow" in wanted else [])]
     if any(_is_smooth(table) for table in problem.tables):
         allowed.append(Smooth(problem))
     return {form.name: form for form in allowed if form.name in wanted}

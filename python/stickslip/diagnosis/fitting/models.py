@@ -12,7 +12,7 @@ from scipy.special import log_ndtr, logsumexp
 from stickslip._util.arrays import Array, Indices
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.fitting.descent import Asking, End, derivatives, precision_of, walk
-from stickslip.diagnosis.fitting.forms import PRIOR, Form
+from stickslip.diagnosis.fitting.forms import PRIOR, Form, forms
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.terms.cause import Cause
 
@@ -181,6 +181,31 @@ def linear(problem: Problem, form: Form, causes: Sequence[Cause], end: End) -> F
     """A fit that stays where it is, with the evidence of the linear model there."""
     causes = tuple(sorted(causes, key=lambda cause: cause.name))
     return _fit(problem, form, causes, end, form.begin(end.residual))[0]
+
+
+def covariance_beside(problem: Problem, fit: Fit) -> Array:
+    """Covariance of a fit's coordinates beside a discrepancy, shape (free, free).
+
+    What is left may last for longer than a form lets it, and act as a cause does: it is the least
+    upper bound of the fit's own and, about the fit, that by the likeliest slow process.
+    """
+    own, slow = fit.covariance, forms(problem, ["slow"])
+    if fit.form == "exact" or "slow" not in slow:
+        return own
+    form = slow["slow"]
+    begin = form.begin(fit.residual)
+    h, _, precision, other, _ = evidence(problem, form, fit.causes, fit.end, begin)
+    gram = form.gram(form.prepared(np.column_stack([fit.slopes, fit.residual])), h)
+    move = other @ (gram[:-1, -1] - precision @ fit.x[fit.free])
+    inner = np.flatnonzero(np.diag(own) > 0.0)
+    at = np.ix_(inner, inner)
+    lower = np.linalg.cholesky(own[at])
+    beside = np.linalg.solve(lower, (other + np.outer(move, move))[at])
+    scale, axes = np.linalg.eigh(np.linalg.solve(lower, beside.T))
+    axes = lower @ axes * np.sqrt(np.maximum(scale, 1.0))
+    whole = own.copy()
+    whole[at] = axes @ axes.T
+    return whole
 
 
 def laplace(problem: Problem, form: Form, of: Fit) -> float:
