@@ -27,7 +27,7 @@ WINGS = {
     "common": (_package(r"_util/.*|errors"), 3_100),
     "simulator": (_package(r"(scenario|field|simulation|sweeping|plot)/.*"), 9_300),
     "applications": (_package(r"(design|control|reproduction)/.*"), 4_500),
-    "diagnosis": (_package(r"diagnosis/.*"), 10_580),
+    "diagnosis": (_package(r"diagnosis/.*"), 10_800),
     "machines": (rf"{_package(r'models/.*')}|cpp/machines/.*\.[hc]pp", 2_910),
     "walker": (_package(r"walker/.*"), 5_180),
     "command": (_package(r"cli/.*|(?!errors)\w+"), 2_400),

@@ -390,7 +390,8 @@ class Slow(Form):
         super().__init__(problem)
         self._runs: list[tuple[Indices, Array]] = []
         for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
-            for run in np.unique(table.run) if _along_runs(table, problem.errors[k]) else ():
+            slow = _is_slow(table, problem.errors[k])
+            for run in np.unique(np.asarray(table.run)) if slow else ():
                 own = np.flatnonzero(table.run == run)
                 place = np.asarray(table.order, dtype=float)[own]
                 place = (place - place.min()) / (np.ptp(place) or 1.0)
@@ -443,12 +444,19 @@ def _along_runs(table: Table, errors: Errors) -> bool:
     return _has_runs(table) and banded
 
 
+def _is_slow(table: Table, errors: Errors) -> bool:
+    """Whether it may drift along runs whose readings have errors of their own."""
+    return _has_runs(table) and errors.covariance is None
+
+
 def forms(problem: Problem, wanted: Sequence[str] = tuple(PRIOR)) -> dict[str, Form]:
     """The forms of the discrepancy that the data allow."""
     allowed = [Exact(problem), Form(problem)]
-    pairs = zip(problem.tables, problem.errors, strict=True)
+    pairs = list(zip(problem.tables, problem.errors, strict=True))
     if any(_along_runs(*pair) for pair in pairs):
-        allowed += [Correlated(problem), *([Slow(problem)] if "slow" in wanted else [])]
+        allowed.append(Correlated(problem))
+    if "slow" in wanted and any(_is_slow(*pair) for pair in pairs):
+        allowed.append(Slow(problem))
     if any(_is_smooth(table) for table in problem.tables):
         allowed.append(Smooth(problem))
     return {form.name: form for form in allowed if form.name in wanted}

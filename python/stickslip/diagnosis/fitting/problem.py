@@ -249,16 +249,17 @@ class Problem(OneLine):
         sd = np.concatenate([errors.sd for errors in self.errors])
         return sd if self.roughness is None else np.hypot(sd, self.roughness)
 
+    def covariance(self, table: int) -> Array | None:
+        """Covariance of a table's rows; None where they are independent."""
+        known = self.errors[table].covariance
+        if known is None or self.roughness is None:
+            return known
+        return np.asarray(known + np.diag(self.roughness[self.rows[table]] ** 2))
+
     @cached_property
     def _lower(self) -> list[Array | None]:
-        """Cholesky factor of each table's covariance; None where its rows are independent."""
-        lower: list[Array | None] = []
-        for errors, part in zip(self.errors, self.rows, strict=True):
-            known = errors.covariance
-            if known is not None and self.roughness is not None:
-                known = known + np.diag(self.roughness[part] ** 2)
-            lower.append(None if known is None else np.asarray(np.linalg.cholesky(known)))
-        return lower
+        covariances = [self.covariance(k) for k in range(len(self.tables))]
+        return [None if one is None else np.asarray(np.linalg.cholesky(one)) for one in covariances]
 
     @cached_property
     def log_dets(self) -> list[float]:
