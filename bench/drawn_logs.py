@@ -2,21 +2,26 @@
 
 Half of them are of names, units and cells as the pages say; the others are written line by line as
 loggers, oscilloscopes, spreadsheets and controllers do, by code that shares nothing with readers.
-``python bench/drawn_logs.py`` counts all by kind.
+``python -m bench drawn --first 0 --count 2000`` counts all by kind, with as many tables of
+`drawn_tables`.
 """
 
 from __future__ import annotations
 
+import argparse
 import tempfile
 from collections import Counter
 from collections.abc import Callable
 from datetime import datetime, timedelta
 from pathlib import Path
 
+import drawn_tables
 import numpy as np
+from blind.scoring import interval
 
 from stickslip import ScenarioError, models
 
+OUTCOMES = "right", "noted", "unstated", "refused", "WRONG"
 JOINT = models.joint(inertia=0.1, viscous=0.2)
 TURNS, RADIANS = 60.0 / (2.0 * np.pi), 180.0 / np.pi
 Truth = dict[str, np.ndarray]
@@ -202,12 +207,30 @@ def outcome(seed: int, folder: Path) -> tuple[str, str]:
     return kind, "noted" if told else "right"
 
 
-def counts(seeds: range) -> Counter[tuple[str, str]]:
-    """Drawn logs by kind and outcome."""
+Outcome = Callable[[int, Path], tuple[str, str]]
+
+
+def counts(seeds: range, of: Outcome = outcome) -> Counter[tuple[str, str]]:
+    """Drawn logs, or tables, by kind and outcome."""
     with tempfile.TemporaryDirectory() as folder:
-        return Counter(outcome(seed, Path(folder)) for seed in seeds)
+        return Counter(of(seed, Path(folder)) for seed in seeds)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--first", type=int, default=0, help="seed")
+    parser.add_argument("--count", type=int, default=2000, help="of logs, and of tables")
+    options = parser.parse_args()
+    seeds = range(options.first, options.first + options.count)
+    for of in (outcome, drawn_tables.outcome):
+        found = counts(seeds, of)
+        for (kind, what), count in sorted(found.items()):
+            print(f"{kind:32}{what:10}{count:6}")
+        for what in OUTCOMES:
+            count = sum(number for (_, each), number in found.items() if each == what)
+            low, high = interval(count, options.count)
+            print(f"{what:10}{count:6} of {options.count} ({low:.2%} to {high:.2%})")
 
 
 if __name__ == "__main__":
-    for (of_kind, what), count in sorted(counts(range(2000)).items()):
-        print(f"{of_kind:28}{what:10}{count:6}")
+    main()

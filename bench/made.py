@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from blind.seeds import used
 from measure import ROOT, saved
 from scipy.integrate import solve_ivp
 from stale import digest
@@ -303,6 +304,7 @@ def main(arguments: Iterable[str] | None = None) -> None:
     parser.add_argument("--first", type=int, default=TRIED, help="seed of the first set of a kind")
     parser.add_argument("--seeds", type=int, default=10, help="sets of each kind")
     options = parser.parse_args(None if arguments is None else list(arguments))
+    print(*used("made", range(options.first, options.first + options.seeds)), sep="\n")
     for kind in options.kinds or KINDS:
         if kind not in KINDS:
             parser.error(f"{kind}: allowed are {', '.join(KINDS)}")

@@ -28,10 +28,11 @@ from typing import Any
 
 import diagnoses
 import drawn_logs
-from blind.scoring import interval
+import drawn_tables
 from limit import Reference
 from limit.figures import PACKS, run_ratio, sweep_ratios
 from measure import FEWEST, MOST, ROOT, WIDTH, Figure, figure_of, filled, pin, processor, ratios
+from scores import interval
 from stale import digest, stale
 from works import WORKS
 
@@ -185,12 +186,13 @@ def tables(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
 
 
 def logs(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
-    """What the reader makes of drawn logs whose truth is known; none may be silently wrong."""
+    """What readers make of drawn logs and tables of known truth; none may be silently wrong."""
     budget.check()
-    found = drawn_logs.counts(range(TABLES))
-    for name in ("right", "noted", "unstated", "refused", "WRONG"):
-        count = sum(number for (_, what), number in found.items() if what == name)
-        yield f"logs, {name}", share_row(count, TABLES)
+    for kind, of in (("logs", drawn_logs.outcome), ("drawn tables", drawn_tables.outcome)):
+        found = drawn_logs.counts(range(TABLES), of)
+        for name in drawn_logs.OUTCOMES:
+            count = sum(number for (_, what), number in found.items() if what == name)
+            yield f"{kind}, {name}", share_row(count, TABLES)
 
 
 def mutations(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:

@@ -15,10 +15,10 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from blind.scoring import interval
+from blind.seeds import used
 from blind.settings import priors
-from causes.score import CLAIMS
 from measure import add_out, saved
+from scores import Answer, share, until
 from stale import digest, stale
 
 from stickslip import Cause, Drive, Measurement, Scenario, diagnose, simulate_batch
@@ -95,7 +95,8 @@ def main(arguments: Iterable[str] | None = None) -> None:
     options = parser.parse_args(None if arguments is None else list(arguments))
     kept = json.loads(options.out.read_text()) if options.out.is_file() else {}
     rows: dict[str, Any] = kept.get("rows", {})
-    scenario, end = stated(), time.monotonic() + 60.0 * options.minutes
+    print(*used("planned", range(FIRST, FIRST + options.robots)), sep="\n")
+    scenario = stated()
     tables = {"planned": plan(scenario, COUNT, trials=TRIALS, threads=1).table(),
               "even": even(scenario)}  # fmt: skip
     about = Measurement.from_dataframe(tables["even"].assign(velocity=1e-3), scenario)
@@ -103,9 +104,8 @@ def main(arguments: Iterable[str] | None = None) -> None:
     # What acts on the robot, and not on what is read of it.
     causes = [each for each in posed_by(about).causes
               if each.parameters and {p.name for p in each.parameters} <= known]  # fmt: skip
-    for seed in range(FIRST, FIRST + options.robots):
-        if str(seed) in rows or time.monotonic() > end:
-            continue
+    seeds = (seed for seed in range(FIRST, FIRST + options.robots) if str(seed) not in rows)
+    for seed in until(options.minutes, seeds):
         cause, robot = hidden(scenario, causes, seed)
         row: dict[str, Any] = {"cause": cause, "golden": digest()}
         for name, table in tables.items():
@@ -125,17 +125,13 @@ def counts(rows: dict[str, Any]) -> dict[str, dict[str, str]]:
     """Of each table: what was named rightly and wrongly, and what is one of a set."""
     found = {}
     for name in ("planned", "even"):
-        told = [(each[name]["said"], each["cause"] in each[name]["causes"])
+        told = [Answer(each[name]["said"], each[name]["causes"], [each["cause"]]).outcome
                 for each in rows.values()]  # fmt: skip
-        found[name] = {}
-        for what, kinds, right in (
-            ("named rightly", CLAIMS, True),
-            ("one of a set", ("ambiguous",), True),
-            ("named wrongly", CLAIMS, False),
-        ):
-            count = sum(said in kinds and there is right for said, there in told)
-            low, high = interval(count, len(told))
-            found[name][what] = f"{count} of {len(told)} ({100 * low:.0f} to {100 * high:.0f} %)"
+        found[name] = {
+            what: share(told.count(outcome), len(told)).replace(" ", f" of {len(told)} ", 1)
+            for what, outcome in (("named rightly", "right name"), ("one of a set", "right set"),
+                                  ("named wrongly", "wrong name"))
+        }  # fmt: skip
     return found
 
 

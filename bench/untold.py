@@ -12,8 +12,9 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
-from blind.scoring import interval
+from blind.seeds import used
 from measure import add_out, saved
+from scores import interval
 from stale import digest
 
 from stickslip import Cause, Diagnosis, Parameter, Prior, Series, Table, diagnose_model
@@ -289,6 +290,7 @@ def main(arguments: Iterable[str] | None = None) -> int:
     parser.add_argument("--seeds", type=int, default=4, help="sets of each kind")
     add_out(parser, "untold")
     options = parser.parse_args(None if arguments is None else list(arguments))
+    print(*used("untold", range(options.first, options.first + options.seeds)), sep="\n")
     kinds = options.kinds or KINDS
     begin, counts = time.process_time(), np.zeros((len(kinds), 2), dtype=int)
     for place, kind in enumerate(kinds):

@@ -8,9 +8,10 @@ import re
 
 import numpy as np
 import pytest
-from blind import own
+from blind import own, twins
 from blind.scoring import Case, read
 from blind.study import lines
+from scores import CLAIMS
 
 import stickslip
 from documentation_blocks import DOCS, PAGES, ROOT, blocks, by_name, pages, play
@@ -140,15 +141,17 @@ def measured_words():
     }
 
     def claims_of(some):
-        return sum(row["verdict"] in ("named", "pair", "dominant") for row in some) or "none"
+        return sum(own.answer(row).claims for row in some) or "none"
 
-    right = sum(own.counts(row, "right") for row in listed)
-    within = sum(own.counts(row, "right or in the set") for row in listed)
+    right, sets = (
+        sum(own.answer(row).outcome == each for row in listed)
+        for each in ("right name", "right set")
+    )
     counts = [
         f"as of commit `{commit}`: {len(rows)} made logs and tables",
         f"Of {len(listed)} with a hidden cause that is listed it claims the right one in {right},"
         f" and another in {'none' if claims_of(listed) == right else claims_of(listed) - right}; in"
-        f" {within - right} more it gives a set of causes that holds the true one.",
+        f" {sets} more it gives a set of at most three that holds it.",
         f"Of {len(unlisted)} whose cause is not listed it claims another one in"
         f" {claims_of(unlisted)}: in {claims_of(alike)} of {len(alike)} where a listed one acts"
         f" alike, and in {claims_of(unlike[False])} of {len(unlike[False])} logs and"
@@ -164,13 +167,13 @@ def measured_words():
     )
     claims = sum(case.any_claim for case in hiding)
     right_ones = sum(case.any_claim and case.causes <= case.all_hidden for case in hiding)
-    in_sets = sum(case.ambiguous and case.in_set for case in hiding)
+    in_sets = sum(case.told.outcome == "right set" for case in hiding)
     wrong_ones = sum(case.any_claim and not case.place_right for case in other)
     counts_of_walkers = [
         f"{len(record)} sets of walkers, as of commit `{judged}`",
         f"Of {len(hiding)} with hidden causes or constants that are listed it claims such ones in"
         f" {right_ones}, and others in {claims - right_ones or 'none'}; in {in_sets} more it gives"
-        " a set that holds them.",
+        " such a set.",
         f"Of {len(other)} whose cause is not listed it claims a listed one in"
         f" {wrong_ones or 'none'}, and of {len(empty)} with nothing hidden in"
         f" {sum(case.any_claim for case in empty) or 'none'}.",
@@ -189,6 +192,25 @@ def measured_words():
         f" {len(shaped)} it tells a curve; in {sum(case.form_among(True) for case in shaped)} of"
         f" these the right form is one of those that have 95 %. Of {len(sound)} with nothing"
         f" hidden it claims a cause in {sum(case.any_claim for case in sound) or 'none'}.",
+    ]
+    logs = {
+        name: list(lines(OWN.with_name(f"{name}.jsonl"))) for name in ("units", "twins", "late")
+    }
+    wrong = [row for row in logs["units"] if row["wrong"]]
+    bare = sum(row["verdict"] in CLAIMS and not row["told"] for row in wrong)
+    told = [twins.answer(row).outcome for row in logs["twins"]]
+    off = {line: [row["z"] for row in logs["late"] if row["input"] == line]
+           for line in ("held", "line")}  # fmt: skip
+    rms = {line: np.sqrt(np.mean(np.square(each))) for line, each in off.items()}
+    counts_of_logs = [
+        f"Of {len(wrong)} logs in a unit that nobody stated,"
+        f" {sum(row['right'] for row in wrong)} are told with the right factor and"
+        f" {bare or 'none'} is named without it.",
+        f"Of {len(told)} logs of near twins that a distorted sensor has read,"
+        f" {told.count('right name')} get the right name, {told.count('right set')} a set of at"
+        f" most three that holds it, {told.count('wrong name') or 'none'} a wrong name.",
+        f"The delay of an input, told of {sum(map(len, off.values()))} logs, is off by"
+        f" {rms['held']:.2f} (held inputs) and {rms['line']:.2f} (lines) of its standard errors",
     ]
     return {
         "README.md": [
@@ -209,6 +231,7 @@ def measured_words():
             *counts,
             *counts_of_walkers,
             *counts_of_laws,
+            *counts_of_logs,
             "none is claimed wrongly, with the cause listed or not; "
             f"{len(true)} of {len(sure)} end right or as a set",
         ],
@@ -241,6 +264,14 @@ def test_what_the_pages_say_was_measured_is_in_its_file():
         said = " ".join((ROOT / page).read_text().split())
         for words in stated:
             assert words in said, (page, words)
+
+
+def test_every_count_of_the_blind_study_is_that_of_rows():
+    _, _, text = (DOCS / "accuracy.md").read_text().partition("## Blind study")
+    said = " ".join(text.partition("\n## ")[0].split())
+    for words in measured_words()["docs/accuracy.md"]:
+        said = said.replace(words, "")
+    assert re.findall(r"(?:\d+ (?:of|sets)|[Oo]f|in) \d+\b(?! %)", said) == []
 
 
 def test_every_number_that_the_readme_argues_with_was_measured():

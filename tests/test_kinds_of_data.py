@@ -3,6 +3,7 @@
 import datetime
 
 import drawn_logs
+import drawn_tables
 import numpy as np
 import pandas as pd
 import pint
@@ -11,11 +12,22 @@ import xarray
 
 from command_line import stickslip
 from made_measurement import write_files
+from measured_maps import formula_fields, grid, write_csv
 from refusals.measurement import NOMINAL, TOML
-from stickslip import Drive, Measurement, Scenario, ScenarioError, Series, models, velocity_of_track
+from stickslip import (
+    Drive,
+    FieldMap,
+    Measurement,
+    Scenario,
+    ScenarioError,
+    Series,
+    models,
+    velocity_of_track,
+)
 from stickslip._util import columns
 from stickslip._util.units import per_si
 from stickslip.walker import read_measurement
+from stickslip.walker.read_tracking import read_tracking
 
 N = 120
 T = 0.02 * np.arange(N)
@@ -210,17 +222,34 @@ def test_settings_are_the_same_by_every_door(door, tmp_path):
 
 # What the column of the field or of the frequency is called in its place.
 NAMES = {
+    "mode": ("gait", "type", "x7"),
     "peak (mT)": ("amplitude (mT)", "amplitude", "peak field (mT)", "field (mT)", "B (mT)", "Bmax",
-                  "my coil (mT)", "x7", "drive [mT]", "intensity", "u (V)", "current (A)", "duty"),
+                  "my coil (mT)", "x7", "drive [mT]", "intensity", "u (V)", "current (A)", "duty",
+                  "peak in V"),
     "frequency (Hz)": ("f (Hz)", "freq", "rate", "f", "pulse rate (Hz)", "tempo"),
 }  # fmt: skip
+
+
+@pytest.mark.parametrize("door", TABLES)
+@pytest.mark.parametrize(
+    ("name", "other"),
+    [("frequency (Hz)", "frequency / 1/s"), ("frequency (Hz)", "frequency, Hz"),
+     ("frequency (Hz)", "frequency_Hz"), ("peak (mT)", "peak in mT"), ("peak (mT)", "peak mT")],
+)  # fmt: skip
+def test_a_unit_may_stand_behind_a_name_in_many_ways(name, other, door, tmp_path):
+    table = {other if key == name else key: values for key, values in TRIALS.items()}
+    (data,) = TABLES[door](table, tmp_path).velocity
+    assert {each["drive.frequency"] for each in data.conditions} == {20.0, 40.0}
+    assert sorted({each["drive.peak"] for each in data.conditions}) == pytest.approx(
+        [2e-3, 2.5e-3, 3e-3]
+    )
 
 
 @pytest.mark.parametrize("door", TABLES)
 @pytest.mark.parametrize(("name", "other"), [(k, v) for k, names in NAMES.items() for v in names])
 def test_a_setting_under_another_name_is_not_lost(name, other, door, tmp_path):
     table = {other if key == name else key: values for key, values in TRIALS.items()}
-    with pytest.raises(ScenarioError, match=r"setting|is not known; did you mean|repeats without"):
+    with pytest.raises(ScenarioError, match=r"setting|is not known|repeats without"):
         TABLES[door](table, tmp_path)
 
 
@@ -232,7 +261,37 @@ def test_a_setting_under_another_name_is_not_lost(name, other, door, tmp_path):
 )  # fmt: skip
 def test_what_is_no_setting_is_information(name, values, tmp_path):
     found = of_file({**TRIALS, name: values}, tmp_path)
-    assert [each.code for each in found.left_out] == ["columns-not-used"]
+    assert [each.code for each in found.left_out] == ["converted", "columns-not-used"]
+
+
+# ------------------------------------------------------------------------------- films and maps
+def test_means_below_a_film_are_no_frame(tmp_path):
+    t = 0.002 * np.arange(200)
+    frames = np.stack([t, 1e-4 + 3e-3 * t, 0.3 * np.sin(90.0 * t) ** 2], axis=1)
+    rows = np.vstack([frames, frames.mean(axis=0)])
+    pd.DataFrame(rows, columns=["t", "x", "theta"]).to_csv(tmp_path / "film.csv", index=False)
+    run, notes = read_tracking(tmp_path / "film.csv", {}, drawn_tables.SCENARIO)
+    np.testing.assert_array_equal(run.columns["t"], t)
+    assert [note.code for note in notes] == ["last-row-back"]
+
+
+@pytest.mark.parametrize(
+    ("row", "column", "factor", "said"),
+    [(40, 0, -1.7, "row 42 is"), (40, 4, 1.5, "row 42 is"),
+     (slice(None), 1, 100.0, "look at their units")],
+)  # fmt: skip
+def test_a_wrong_number_of_a_map_is_told(row, column, factor, said, tmp_path):
+    points = grid()
+    fields = formula_fields(points)
+    rows = np.array([[*place, *own] for place, own in zip(points, fields[:, 0], strict=True)])
+    rows[row, column] = factor * rows[row, column] + (1e-3 if column < 3 and factor < 0 else 0.0)
+    file = write_csv(tmp_path / "map.csv", points, fields)
+    head, *lines = file.read_text().splitlines()
+    for k, (x, y, z, *own) in enumerate(rows.tolist()):
+        lines[k] = ",".join(map(str, (x, y, z, "xp", *own)))
+    file.write_text("\n".join([head, *lines]))
+    with pytest.raises(ScenarioError, match=said):
+        FieldMap.from_file(file)
 
 
 # -------------------------------------------------------------------------------- units in memory
@@ -336,7 +395,7 @@ def test_a_file_is_opened_once_and_a_cell_parsed_once(tmp_path, monkeypatch):
         return float(value)
 
     monkeypatch.setattr("stickslip._util.files.open", counting_open, raising=False)
-    for module in ("_util.columns", "_util.text", "diagnosis.data.clocks"):
+    for module in ("_util.columns", "_util.text", "_util.clocks"):
         monkeypatch.setattr(f"stickslip.{module}.float", counting_float, raising=False)
     models.read_log(path, JOINT)
     assert opened == [str(path)]
@@ -347,8 +406,9 @@ def test_a_file_is_opened_once_and_a_cell_parsed_once(tmp_path, monkeypatch):
     assert opened.count(str(path)) == 1
 
 
-def test_drawn_logs_are_never_silently_wrong():
-    found = drawn_logs.counts(range(120))
+@pytest.mark.parametrize("outcome", [drawn_logs.outcome, drawn_tables.outcome])
+def test_what_is_drawn_is_never_silently_wrong(outcome):
+    found = drawn_logs.counts(range(120), outcome)
     assert sum(found.values()) == 120
     assert [kind for (kind, what), _ in found.items() if what == "WRONG"] == []
     assert len({kind for kind, _ in found}) >= 15

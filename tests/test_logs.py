@@ -57,7 +57,7 @@ def test_a_column_is_known_by_its_name_or_its_unit(headings, tmp_path):
     bare = ["no-unit"]
     by_unit = ["column-by-unit"] * 3 + ["converted"]
     expected = {"SI": [], "names alone": bare, "units alone": by_unit,
-                "another order": [*bare, "converted"]}  # fmt: skip
+                "another order": ["converted", *bare]}  # fmt: skip
     assert told == expected.get(headings, ["converted"])
 
 
@@ -338,7 +338,38 @@ def test_temperatures_of_a_log_have_the_zero_of_its_readings(tmp_path, body, amb
         models.thermal(capacity=1.0, loss=1.0, ambient=20.0).terms(log)
 
 
+def test_a_log_of_a_servo_is_in_the_units_of_its_bus(tmp_path):
+    turn = 2.0 * np.pi / 4096.0
+    ticks = np.round(np.sin(T) / turn)
+    columns = {
+        "timestamp (ms)": 1000.0 * T, "goal_position (rev/4096)": ticks + 5.0,
+        "present_position (rev/4096)": ticks, "present_voltage (V)": 11.5 + 0.0 * T,
+        "torque_enable": 1.0 * (T < 2.0), "temperature": 40.0 + 0.0 * T,
+    }  # fmt: skip
+    known = {"inertia": 0.02, "torque_constant": 1.0, "resistance": 3.0}
+    log = models.read_log(write(tmp_path / "a.csv", columns), models.servo(**known))
+    assert list(log.inputs) == ["goal", "supply", "torque enable"]
+    assert log["goal"] - log.y == pytest.approx(5.0 * turn)
+    assert np.ptp(log.y) == pytest.approx(np.ptp(ticks) * turn)
+    # What the motor got, in part of the supply, which is stated; no goal is asked for.
+    columns = {"t": T, "PWM (%)": 50.0 * np.sin(T), "position (deg)": 10.0 * T}
+    write(tmp_path / "b.csv", columns)
+    log = models.read_log(tmp_path / "b.csv", models.servo(supply=12.0, **known))
+    assert log["duty"] == pytest.approx(0.5 * np.sin(T))
+    assert not [note for note in log.notes if note.code == "no-input"]
+    with pytest.raises(ScenarioError, match='column "supply" is missing'):
+        models.read_log(tmp_path / "b.csv", models.servo(**known))
+    write(tmp_path / "c.csv", {"t": T, "position (deg)": 10.0 * T})
+    with pytest.raises(ScenarioError, match='column "goal" is missing'):
+        models.read_log(tmp_path / "c.csv", models.servo(supply=12.0, **known))
+    with pytest.raises(ScenarioError, match="4096 ticks a turn, rev/4096"):
+        models.read_log({"t": T, "position (ticks)": T, "duty": T}, models.servo(supply=1, **known))
+    with pytest.raises(ScenarioError, match="supply is missing: allowed is a constant or an input"):
+        models.servo(**known).simulate(T, {"duty": T})
+
+
 HIDDEN = {
+    "servo": ("coulomb", {"coulomb": 0.5}, {"duty": 2.0 * TORQUE * (T % 1.0)}, 2.0),
     "joint": ("coulomb", {"coulomb": 0.8}, {"torque": 3.0 * TORQUE}, 1.0),
     "axis": ("dead_zone", {"dead_zone": 0.5}, {"command": 3.0 * TORQUE * (T % 1.0)}, 2.0),
     "pendulum": ("quadratic", {"quadratic": 0.5, "start_position": 1.5}, {}, 2.0),

@@ -148,7 +148,7 @@ def test_invalid_rows_are_left_out_and_reported(tmp_path):
         ("not-a-number", ' line 3: velocity "nan" is not a number.', 1),
         ("repeated-row", " line 5: the row repeats an earlier one.", 1),
         ("not-a-number", ' line 16: frequency "fast" is not a number.', 1),
-        ("cell-count", " line 17: a row of 3 cells is not used, as the header names 6 columns.", 1),
+        ("cell-count", " line 17: 3 cells, and the header has 6: not used.", 1),
         # The two trials at 30 Hz that are left beside it are of 0.594 and 0.606 mm/s.
         ("outlier", ": a trial of 0.5 m/s is far from the others of its condition, which are near "
          "0.000606 m/s.", 0.5),
@@ -187,7 +187,8 @@ def test_lines_are_numbered_as_in_the_file_and_reasons_are_grouped(tmp_path):
     assert set(said) - {refused} == {
         "velocity.csv: 10 of 11 rows were left out.",
         'velocity.csv line 8: velocity "lost" is not a number.',
-        "velocity.csv line 9: hold of 0.6 T is above 0.1 T; if it is in mT, divide it by 1e3.",
+        "velocity.csv line 9: hold of 0.6 T is above 0.1 T: state its unit, as "
+        '"hold (mT)" or "hold (uT)".',
         "velocity.csv lines 10, 11, 12, 13, 14, ...: velocity is empty.",
         "velocity.csv: 1 line below the header skipped as a comment.",
     }

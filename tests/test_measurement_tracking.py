@@ -92,7 +92,7 @@ def test_of_a_film_with_invalid_frames_the_valid_ones_are_used(tmp_path, frames)
         (lambda frames: {**frames, "theta": np.degrees(frames["theta"])}, "run-angle-unit", None,
          "a.csv: the run is left out, as theta is near"),
         (lambda frames: {**frames, "theta": 1e3 * frames["theta"]}, "run-angle-unit", None,
-         "rad are wanted, so convert them from degrees or mrad"),
+         "rad are wanted, so call the column theta (deg) or theta (mrad)"),
         (lambda frames: {**frames, "t": 1.7e9 + frames["t"]}, "run-time-start", 1.7e9,
          "begin at 1700000000 s, and the drive ends at 0.45 s: subtract the time"),
         (lambda frames: {**frames, "x": frames["x"] + 1e-3 * (np.arange(len(frames["x"])) % 2)},
@@ -175,10 +175,10 @@ def test_a_mirrored_column_is_what_is_wrong(tmp_path, full_frames, column):
     (run,) = read(tmp_path, a={**full_frames, column: -full_frames[column]}).tracking
     table = FilmTable(run)
     stated = table.predict(list(TRUE), np.array([[*TRUE.values()]]))[0]
-    note = table.problem(stated)
+    note = table.data_fault(stated)
     assert note.text == f"Column {column} would fit the stated model if it were of the other sign."
     sound = FilmTable(read(tmp_path, a=full_frames).tracking[0])
-    assert sound.problem(stated) is None
+    assert sound.data_fault(stated) is None
 
 
 @pytest.mark.parametrize(

@@ -60,14 +60,20 @@ def test_spawned_processes_give_the_same_results(expected, spawned):
     xarray.testing.assert_identical(again, expected)
 
 
-def test_a_process_that_dies_ends_the_sweep_which_goes_on_with_another(expected, spawned, tmp_path):
-    def kill(fraction, stage):
-        if 0.2 < fraction < 0.8:
-            for each in multiprocessing.active_children():
-                os.kill(each.pid, signal.SIGKILL)
+def test_a_process_that_dies_ends_the_sweep_which_goes_on_with_another(
+    expected, spawned, tmp_path, monkeypatch
+):
+    submit, slabs = spawned.submit, []
 
+    def dying(*work):
+        """The fourth slab, given out once two are done, kills the process that takes it."""
+        slabs.append(work)
+        return submit(*work) if len(slabs) < 4 else submit(os._exit, 1)
+
+    monkeypatch.setattr(run_sweep, "_WAITING", 2)
+    monkeypatch.setattr(spawned, "submit", dying)
     with pytest.raises(BrokenExecutor):
-        sweep(SLOW, VARY, executor=spawned, progress=kill, out=tmp_path / "a.nc")
+        sweep(SLOW, VARY, executor=spawned, out=tmp_path / "a.nc")
     assert 0 < xarray.load_dataset(tmp_path / "a.nc").attrs["finished_points"] < 62
     data = sweep(SLOW, VARY, out=tmp_path / "a.nc", resume=True)
     xarray.testing.assert_identical(data, expected)

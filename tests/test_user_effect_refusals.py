@@ -73,6 +73,21 @@ def test_a_force_that_is_not_finite_is_a_status(method, peak, component, bad):
     assert np.isnan(seen.mean_velocity.values[1])
 
 
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_a_compiled_function_that_fails_gives_no_force_of_zero():
+    @cfunc(SIGNATURE)
+    def fails(state, parameters, wrench):
+        # numba prints the error and returns: nothing is written.
+        force = parameters[0] * 1e-9 / (0.0 if state[0] > 0.06 else 1.0)
+        wrench[0] = force
+        wrench[1] = wrench[2] = 0.0
+
+    register(fails)
+    failed = simulate(scenario(PULSES, {"effects.own.k": 1.0}))
+    assert failed.status == "not_finite"
+    assert failed.message.startswith("at t = 0.06")
+
+
 def test_a_force_that_grows_without_bound_ends():
     register(lambda state, parameters: (0.0, 1e300 * parameters[0] * state.t, 0.0))
     for method in METHODS:

@@ -1,43 +1,42 @@
 """The blind study of the diagnosis: data sets of an independent simulator, diagnosed unseen.
 
 `make` draws data sets into a folder, `diagnose` reads their files alone, `judge` opens the answers
-and prints the tables. `tables` prints those of a record, `write` lays out one data set as files,
-`store` keeps sets of old seeds with what the present engine says of them, `compare` sets the
-verdicts and fits of a later engine beside these. `own` diagnoses sets of models of one's own,
-`twins` logs of near twins beside a distorted sensor, `late` logs whose input acts late, `units`
-logs in a unit that nobody stated, and `changes` pairs of logs with one difference; each prints its
-counts. The folder is that of the stored study unless another one is given; a step that was stopped
-goes on where it stood.
+and prints the tables. `tables` prints those of a record, `write` lays out one data set as files.
+The other steps diagnose logs and print their counts. The folder is that of the stored study unless
+another one is given; a step that was stopped goes on where it stood. Seeds that were judged before
+(`seeds.toml`) are refused.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 from stale import stale
 
-from blind import changes, late, twins, units
-from blind.kinds import KINDS, OLD, STUDY, plan
-from blind.own import study as study_own
+from blind import changes, intervals, late, own, seeds, twins, units
+from blind.kinds import KINDS, STUDY, plan
 from blind.scoring import read, report
-from blind.stored import compare, store
-from blind.study import HERE, Row, diagnose_sets, judge, make
+from blind.study import HERE, Row, diagnose_sets, in_parts, judge, lines, make
 from blind.writing import write_case
 
 OF_LOGS = {
-    "twins": (twins.study, twins.FIRST + 60, "logs of near twins"),
-    "late": (late.study, late.FIRST, "logs whose input acts late"),
-    "changes": (changes.study, changes.FIRST, "pairs of logs with one difference"),
-    "units": (units.study, units.FIRST, "logs in a unit that nobody stated"),
+    "own": (own.of_seed, own.tables, "sets of models of one's own"),
+    "twins": (twins.judged, twins.table, "logs of near twins"),
+    "late": (late.judged, late.table, "logs whose input acts late"),
+    "changes": (changes.judged, changes.table, "pairs of logs with one difference"),
+    "intervals": (intervals.judged, intervals.table, "sizes beside an error of the model"),
+    "servo": (own.of_servo, own.tables, "logs of servos"),
+    "units": (units.judged, units.table, "logs in a unit that nobody stated"),
 }
-"""Of each study of logs: what does it, its first seed, and what it has."""
+"""Of each study in one file: the row of a seed, the table of rows, and what it has."""
 
 
-def show(rows: list[Row]) -> None:
+def show(rows: list[Row], table: Callable[[list[Row]], str] = report) -> None:
     """The tables, below what of them is stale."""
-    print(*stale(rows), report(rows), sep="\n\n")
+    print(*stale(rows), table(rows), sep="\n\n")
 
 
 def main() -> None:
@@ -66,18 +65,11 @@ def main() -> None:
     write.add_argument("kind", choices=KINDS)
     write.add_argument("seed", type=int)
     write.add_argument("into", type=Path)
-    short = argparse.ArgumentParser(add_help=False)
-    short.add_argument("--most", type=float, default=60.0, help="CPU seconds of a diagnosis")
-    kept = steps.add_parser("store", parents=[time, some, short], help="keep sets and verdicts")
-    kept.add_argument("--seeds", type=int, default=2, help="data sets of a kind, at most")
-    own = steps.add_parser("own", parents=[folder, time], help="sets of models of one's own")
-    own.add_argument("--sets", type=int, default=250, help="at most")
-    for name, (_, first, text) in OF_LOGS.items():
+    for name, (*_, text) in OF_LOGS.items():
         step = steps.add_parser(name, parents=[folder, time], help=text)
-        step.add_argument("--first", type=int, default=first, help="seed")
-        step.add_argument("--sets", type=int, default=60, help="at most")
-    again = steps.add_parser("compare", parents=[time, some, short], help="before and now")
-    again.add_argument("--out", type=Path, default=Path("bench/results/stored.jsonl"))
+        newest = seeds.ranges(name)[-1]
+        step.add_argument("--first", type=int, default=newest.first, help="seed")
+        step.add_argument("--sets", type=int, default=newest.count, help="at most")
     options = parser.parse_args()
     kinds = options.kinds.split(";") if "kinds" in options else []
     if not set(kinds) <= set(KINDS):
@@ -91,22 +83,17 @@ def main() -> None:
     elif options.step == "judge":
         show(judge(options.folder))
     elif options.step == "tables":
-        show(read(options.record))
-    elif options.step == "own":
-        study_own(options.folder / "own.jsonl", options.minutes, options.sets)
+        one = OF_LOGS.get(options.record.stem)
+        show(read(options.record)) if one is None else show([*lines(options.record)], one[1])
     elif options.step in OF_LOGS:
-        study, *_ = OF_LOGS[options.step]
-        rows = options.folder / f"{options.step}.jsonl"
-        study(rows, options.minutes, options.first, options.sets)
-    elif options.step == "write":
+        judged, table, _ = OF_LOGS[options.step]
+        asked = range(options.first, options.first + options.sets)
+        path = options.folder / f"{options.step}.jsonl"
+        show(in_parts(path, options.minutes, asked, judged), table)
+    else:
         answer = write_case(options.into / "data", options.kind, options.seed)
         (options.into / "answer.json").write_text(json.dumps(answer, indent=2) + "\n")
         print(options.into / "data" / "measurement.toml")
-    elif options.step == "store":
-        store(plan(OLD, options.seeds, kinds), options.minutes, options.most)
-    else:
-        options.out.parent.mkdir(parents=True, exist_ok=True)
-        compare(options.out, kinds, options.minutes, options.most)
 
 
 if __name__ == "__main__":

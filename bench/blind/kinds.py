@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from blind.catalogue import CAUSES, HIDING, LAWS
 
-OLD, STUDY = 23000, 25000
-"""First seeds of the sets that thresholds are chosen by, and of the study, by which nothing is."""
+STUDY = 25000
+"""First seed of the sets that nothing is chosen by; see seeds.toml."""
 ALIKE = 0.9
 """Cosine above which an effect looks like another one."""
 ERROR_SHARE = (0.15, 0.35)
@@ -39,8 +39,8 @@ class Noise:
 class Kind:
     """A kind of data set.
 
-    count: How many there are to choose by: seeds from 23000 on. study: How many there are to
-    judge by, once: seeds from 25000 on. family: Whose demands it is judged by; see scoring.py.
+    count: How many there are to choose by. study: How many there are to judge by, once: seeds
+    from 25000 on. family: Whose demands it is judged by; see scoring.py.
     hidden: What is hidden in one data set after the other, names of the catalogue or constants.
     wanted: Signal to noise of each hidden thing after recalibration, low and high end; of a law
     also beside each of its rivals. tables: What was measured. noise. error: The last hidden

@@ -9,20 +9,16 @@ before the record, by changes of an integrator of its own at the truth.
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy.stats import chi2
-from stale import stale
+from scores import markdown, share
 
-from blind.scoring import interval, markdown
-from blind.study import in_parts
 from stickslip import Series, diagnose_model, models
 
 Row = dict[str, Any]
 Array = np.ndarray
-FIRST = 46000  # of the seeds
 COUNT, STAIR = 300, 15  # readings, and of them between two changes of a held input
 DELAYS = 0.1, 3.0  # in steps
 NOISE = 1e-3, 3e-3  # over the readings' scatter
@@ -94,12 +90,6 @@ def made(seed: int) -> tuple[Row, models.Model, Series]:
     return truth, model, record
 
 
-def study(path: Path, minutes: float, first: int, most: int) -> None:
-    """Diagnose logs that the present engine has no row of, and print the counts."""
-    rows = in_parts(path, minutes, range(first, first + most), judged)
-    print(*stale(rows), table(rows), sep="\n\n")
-
-
 def judged(seed: int) -> Row:
     """What a log hides, how far what is told is from it, and how much wider than of the fit."""
     truth, model, record = made(seed)
@@ -122,9 +112,8 @@ def table(rows: list[Row]) -> str:
         z, wider = np.array([(row["z"], row["wider"]) for row in own if "z" in row]).T
         rms, near = math.sqrt(np.mean(z**2)), int(np.sum(np.abs(z) < 2.0))
         low, high = (rms * math.sqrt(len(z) / chi2.ppf(part, len(z))) for part in (0.975, 0.025))
-        share = "{:.0%} to {:.0%}".format(*interval(near, len(z)))
         found.append((kind, f"{len(z)} of {len(own)}", f"{rms:.2f} ({low:.2f} to {high:.2f})",
-                      f"{near} of {len(z)} ({share})", f"{np.median(wider):.2f}"))  # fmt: skip
+                      share(near, len(z)), f"{np.median(wider):.2f}"))  # fmt: skip
     heads = "input;told;rms of z (95 %);within two errors (95 %);median width over the fit's"
     seconds = sum(row["cpu_seconds"] for row in rows)
     asked = f"Asked: an rms of z of {REACH} and a width of {WIDER} at most."

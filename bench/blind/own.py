@@ -11,17 +11,14 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from causes.make import KINDS, simulated
-from stale import stale
+from scores import Answer, interval, markdown, table
 
+from blind import seeds
 from blind.kinds import ALIKE, ERROR_SHARE
-from blind.scoring import interval, markdown
-from blind.study import in_parts
 from stickslip import Cause, Diagnosis, Parameter, Prior, Series, Table, diagnose_model, models
 from stickslip.diagnosis.decision.posterior import cosine
 
@@ -29,7 +26,7 @@ Row = dict[str, Any]
 Array = np.ndarray
 MACHINES = {"joint": 0.12, "axis": 2.0, "oscillator": 4.0, "thermal": 60.0}
 """Sizes of their inputs."""
-FIRST = 37000  # of the seeds; those of a study that chose something are used up
+SERVO = 0.8  # size of the goals of servos
 COUNT = 120  # readings of a log
 NOISE, STRENGTH = 0.02, (4.0, 9.0)  # of the readings' scatter, and of a cause's effect in errors
 WEAK = 6.0  # norm of an effect, in errors, after recalibration; as of the walkers
@@ -41,30 +38,19 @@ HIDDEN = ("none", "listed", "listed", "unlisted")
 ERRORS = ("white", "correlated", "coarse", "uneven scale", "drift")
 MODEL_ERRORS = ERRORS[3:]
 
-# What is hidden: what is counted, the limit, whether it is at most that, and the fewest sets that
-# are judged; see the demands of the study of walkers.
+# What is hidden: what is counted, the limit without and beside a model error, whether it is at most
+# that, and the fewest sets that are judged; see the demands of the study of walkers.
 DEMANDS = (
-    ("none", "false alarm", 0.05, True, 60), ("none", "named, a pair or dominant", 0.02, True, 60),
-    ("listed", "right", None, False, 40), ("listed", "right or in the set", 0.95, False, 40),
-    ("listed", "wrongly named", 0.01, True, 40), ("listed", "unexplained", None, True, 40),
-    ("listed, weak", "right or in the set", None, False, 12),
-    ("listed, weak", "wrongly named", 0.02, True, 12),
-    ("unlisted, unlike", "wrongly named", 0.03, True, 30),
-    ("unlisted, unlike", "dominant", 0.10, True, 30),
-    ("unlisted, alike", "wrongly named", None, True, 30),
-    ("unlisted, alike", "dominant", None, True, 30),
-)  # fmt: skip
-MODEL_ERROR_DEMANDS = (
-    ("none", "named, a pair or dominant", 0.02, True, 12), ("listed", "right", 0.75, False, 12),
-    ("listed", "right or in the set", None, False, 12),
-    ("listed", "wrongly named", 0.03, True, 12), ("listed", "unexplained", None, True, 12),
-    ("listed, weak", "right or in the set", None, False, 12),
-    ("listed, weak", "wrongly named", 0.03, True, 12),
-    ("unlisted, unlike", "wrongly named", 0.03, True, 30),
-    ("unlisted, unlike", "dominant", 0.10, True, 30),
-    ("unlisted, alike", "wrongly named", None, True, 30),
-    ("unlisted, alike", "dominant", None, True, 30),
-)  # fmt: skip
+    ("none", "false alarm", 0.05, None, True, 60),
+    ("none", "named, a pair or dominant", 0.02, 0.02, True, 60),
+    ("listed", "right or in the set", 0.95, None, False, 40),
+    ("listed", "right", None, 0.75, False, 40),
+    ("listed", "wrongly named", 0.01, 0.03, True, 40),
+    ("listed, weak", "wrongly named", 0.02, 0.03, True, 12),
+    ("unlisted, unlike", "wrongly named", 0.03, 0.03, True, 30),
+    ("unlisted, unlike", "dominant", 0.10, 0.10, True, 30),
+)
+FEWEST_BESIDE = 12  # sets with a model error
 
 
 def _shapes(x: Array) -> dict[str, Array]:
@@ -107,7 +93,8 @@ def log(
     is said of it."""
     own = KINDS[kind]
     t = own["step"] * np.arange(COUNT)
-    u = MACHINES[kind] * np.repeat(draw.uniform(0.0 if kind == "thermal" else -1.0, 1.0, 12), 10)
+    u = np.repeat(draw.uniform(0.0 if kind == "thermal" else -1.0, 1.0, 12), 10)
+    u *= MACHINES.get(kind, SERVO)
     base = {name: value * (1.0 + part * draw.standard_normal())
             for name, (value, part) in own["constants"].items()}  # fmt: skip
     base |= {**own["known"], "start": 293.0 if kind == "thermal" else 0.0}
@@ -200,20 +187,27 @@ def likeness(found: Diagnosis, effect: Array) -> float:
     return max((abs(cosine(found.problem, null, effect, one)) for one in changes), default=0.0)
 
 
-def sets() -> Iterator[tuple[str, str, str]]:
-    """Kind, what is hidden, and errors; every second set is of the line."""
-    machines = itertools.cycle(itertools.product(HIDDEN, ERRORS, MACHINES))
-    for hidden in itertools.cycle(HIDDEN):
-        yield "line", hidden, "few repeats"
-        of_log, errors, kind = next(machines)
-        yield kind, of_log, errors
+def plan(place: int) -> tuple[str, str, str]:
+    """Kind, what is hidden, and errors of a set of a range; every second one is of the line."""
+    turn, machine = divmod(place, 2)
+    if not machine:
+        return "line", HIDDEN[turn % len(HIDDEN)], "few repeats"
+    every = [*itertools.product(HIDDEN, ERRORS, MACHINES)]
+    hidden, errors, kind = every[turn % len(every)]
+    return kind, hidden, errors
 
 
-def study(path: Path, minutes: float, most: int) -> None:
-    """Diagnose sets that the present engine has no row of, and print the counts."""
-    asked = dict(zip(range(FIRST, FIRST + most), sets(), strict=False))
-    rows = in_parts(path, minutes, asked, lambda seed: judged(seed, *asked[seed]))
-    print(*stale(rows), tables(rows), sep="\n\n")
+def of_seed(seed: int) -> Row:
+    """The row of a seed, whose place in its range says what it is."""
+    mine = seeds.of("own", seed)
+    assert mine is not None, f"{seed}: in no range"
+    return judged(seed, *plan(seed - mine.first))
+
+
+def of_servo(seed: int) -> Row:
+    """The row of a servo: a quarter hides nothing, a quarter has an uneven scale too."""
+    parts = ("none", "white"), ("listed", "uneven scale"), ("listed", "white"), ("listed", "white")
+    return judged(seed, "servo", *parts[seed % 4])
 
 
 def judged(seed: int, kind: str, hidden: str, errors: str) -> Row:
@@ -239,46 +233,54 @@ def group(row: Row) -> str:
     return f"{row['hidden']}, {'alike' if row['alike'] >= ALIKE else 'unlike'}"
 
 
+def answer(row: Row) -> Answer:
+    """What is said beside what is hidden of what is listed."""
+    return Answer(row["verdict"], row["causes"], [row["cause"]] * (row["hidden"] == "listed"))
+
+
 def counts(row: Row, what: str) -> bool:
     """Whether a set counts as what a demand is about."""
-    verdict, claimed = row["verdict"], row["verdict"] in ("named", "pair")
-    right = (claimed or verdict == "dominant") and row["causes"] == [row["cause"]]
+    one, verdict = answer(row), row["verdict"]
     return {
         "false alarm": verdict != "none",
-        "named, a pair or dominant": claimed or verdict == "dominant",
-        "right": right,
-        "right or in the set": right or (verdict == "ambiguous" and row["cause"] in row["causes"]),
-        "wrongly named": claimed and not right,
-        "unexplained": verdict == "unexplained",
+        "named, a pair or dominant": one.claims,
+        "right": one.outcome == "right name",
+        "right or in the set": one.outcome in ("right name", "right set"),
+        "wrongly named": verdict in ("named", "pair") and one.outcome == "wrong name",
         "dominant": verdict == "dominant",
     }[what]
 
 
 def tables(rows: list[Row]) -> str:
-    """Counts of logs and lines beside what is asked."""
+    """Counts of what is said of logs and lines, and beside what is asked."""
+    parts = {
+        "lines": ["few repeats"], "logs": ["white", "coarse"],
+        "logs, correlated errors": ["correlated"], "logs, model error": MODEL_ERRORS,
+    }  # fmt: skip
+    groups = {
+        f"{which}: {hidden}": [answer(row) for row in rows if row["hidden"] == hidden
+                               and (which == "all" or row["kind"] != "line")]
+        for hidden in ("listed", "unlisted", "none") for which in ("all", "all logs")
+    }  # fmt: skip
     found = []
-    for where, own, demands in (
-        ("lines, few repeats", ["few repeats"], DEMANDS),
-        ("logs", ["white", "coarse"], DEMANDS),
-        ("logs, correlated", ["correlated"], DEMANDS),
-        ("logs, model error", MODEL_ERRORS, MODEL_ERROR_DEMANDS),
-    ):
+    for where, own in parts.items():
         mine = [row for row in rows if row["errors"] in own]
-        for hidden, what, asked, at_most, fewest in demands:
+        for name in sorted(set(map(group, mine))):
+            groups[f"{where}: {name}"] = [answer(row) for row in mine if group(row) == name]
+        for hidden, what, plain, beside, at_most, fewest in DEMANDS:
             # Errors that are alike along a run may be found; they must not be named.
-            asked = None if "correlated" in own and what == "false alarm" else asked
+            asked = beside if own is MODEL_ERRORS else plain
             some = [counts(row, what) for row in mine if group(row) == hidden]
-            if not some:
+            if asked is None or not some or ("correlated" in own and what == "false alarm"):
                 continue
             low, high = interval(sum(some), len(some))
-            limit, met = "-", "-"
-            if asked is not None:
-                limit = f"at {'most' if at_most else 'least'} {asked:.0%}"
-                fine = low <= asked if at_most else high >= asked
-                met = "not judged" if len(some) < fewest else "yes" if fine else "no"
+            few = len(some) < (FEWEST_BESIDE if own is MODEL_ERRORS else fewest)
+            fine = low <= asked if at_most else high >= asked
             found.append((where, hidden, what, f"{sum(some)} of {len(some)}",
-                          f"{low:.0%} to {high:.0%}", limit, met))  # fmt: skip
+                          f"{low:.0%} to {high:.0%}",
+                          f"at {'most' if at_most else 'least'} {asked:.0%}",
+                          "not judged" if few else "yes" if fine else "no"))  # fmt: skip
     heads = "data;hidden;counted;count;95 % interval;asked;met"
     seconds = [row["cpu_seconds"] for row in rows if row["kind"] != "line"] or [0.0]
     cost = f"A log took {np.median(seconds):.1f} CPU s in the median, {max(seconds):.0f} at most."
-    return f"{markdown(heads, found)}\n\n{len(rows)} sets. {cost}"
+    return f"{table(groups)}\n\n{markdown(heads, found)}\n\n{len(rows)} sets. {cost}"

@@ -1,7 +1,4 @@
-"""Counts of a blind study beside what is asked, and its tables in Markdown.
-
-Intervals are those of Wilson (1927), 95 %.
-"""
+"""Counts of a blind study beside what is asked, and its tables in Markdown."""
 
 from __future__ import annotations
 
@@ -12,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scores import Answer, interval, markdown
 
 from blind.catalogue import CAUSES, FORMS, HOOK_OF, INSTRUMENT_NAMES, LAWS, entry, law_change
 from blind.kinds import ALIKE, KINDS
@@ -23,7 +21,6 @@ Row = dict[str, Any]
 _REACHED = 0.9
 _SET = 0.95  # probability of a set of forms
 _STANDS_OUT = 6.0  # S of one of two causes beside the other
-_FEW = 6  # members of a set that are still an answer
 _LEFT_OVER = "second-cause-predicts-nothing"
 """Code of a verdict's reason that says that a cause was named and something is left over."""
 # Parameters whose library form is the generator's too, so that their values can be compared.
@@ -55,6 +52,9 @@ class Case:
         self.truth = set(self.answer["answer"])
         cause = self.said["cause"]
         self.causes = {cause} if isinstance(cause, str) else set(cause or ())
+        # No velocity tells some causes from others.
+        twins = (each for name in self.truth if name in CAUSES for each in entry(name).accepted)
+        self.told = Answer(self.verdict, self.causes, self.truth, (*twins,))
 
     @property
     def counted(self) -> bool:
@@ -77,8 +77,8 @@ class Case:
     wrongly_claimed = property(lambda self: self.claimed and not self.right)
     # Of two causes, one or both.
     right_when_dominant = property(lambda self: self.dominant and self.causes <= self.truth)
-    in_set = property(lambda self: bool(self.truth) and self.truth <= self.causes)
-    few = property(lambda self: len(self.causes) <= _FEW)
+    # A right name, or a set that is small enough to be an answer.
+    in_set = property(lambda self: self.told.outcome in ("right name", "right set"))
     alike = property(lambda self: bool(self.answer["cosine"] >= ALIKE))
 
     @property
@@ -217,7 +217,7 @@ class Case:
         return self.claimed and not self.causes <= set(INSTRUMENT_NAMES)
 
 
-Question = Callable[[Case], bool]
+Question = Callable[[Case], float]
 Demand = tuple[str, Question, Question, float | None, bool]
 
 
@@ -237,10 +237,11 @@ _ALARM = _most("false alarm", lambda c: c.alarm, 0.05)
 _BLAMED = _most("structure blamed", lambda c: c.structure_blamed, 0.05)
 _WRONG = _most("wrongly named", lambda c: c.wrongly_claimed, 0.02)
 _UNEXPLAINED = _least("unexplained", lambda c: c.unexplained)
-# Of two grades of a claim, the lower one; of sets, those that are small enough to be an answer.
+# Of two grades of a claim, the lower one; names and sets apart, and the mean credit of both.
 _GRADES = (
     _least("right when dominant", lambda c: c.right_when_dominant, None, lambda c: c.dominant),
-    _least("sets of at most six causes", lambda c: c.few, None, lambda c: c.ambiguous),
+    _least("a right set of at most three causes", lambda c: c.told.outcome == "right set"),
+    _least("score of groups", lambda c: c.told.credit),
 )
 _TWINS = (
     _least("in the set or right, of detected", lambda c: c.in_set, 0.95, lambda c: c.found),
@@ -280,8 +281,6 @@ FAMILIES: dict[str, tuple[str, tuple[Demand, ...]]] = {
     "weak": ("one cause, S = 4", (
         _least("detected", lambda c: c.found, 0.65),
         _least("in the set when detected", lambda c: c.in_set, None, lambda c: c.found),
-        _least("the same, in at most six causes", lambda c: c.in_set and c.few, None,
-               lambda c: c.found),
         _WRONG, *_GRADES,
     )),
     "near twins": ("one of near twins", (
@@ -359,16 +358,6 @@ FAMILIES: dict[str, tuple[str, tuple[Demand, ...]]] = {
     )),
     "shuffled": ("nothing, readings shuffled", (_most("named", lambda c: c.any_claim, 0.0),)),
 }  # fmt: skip
-
-
-def interval(count: int, total: int) -> tuple[float, float]:
-    """95 % interval of a share, by Wilson's score."""
-    share, square = count / total, 1.959964**2
-    middle = share + square / (2 * total)
-    half = np.sqrt(square * (share * (1.0 - share) / total + square / (4 * total**2)))
-    low, high = (float(end / (1.0 + square / total)) for end in (middle - half, middle + half))
-    # At the ends the formula gives 0 and 1 up to rounding.
-    return (0.0 if count == 0 else low), (1.0 if count == total else high)
 
 
 def read(path: Path) -> list[Row]:
@@ -450,12 +439,6 @@ def calibration(rows: Sequence[Row]) -> list[dict[str, Any]]:
     return result
 
 
-def markdown(heads: str, rows: Sequence[Sequence[object]]) -> str:
-    columns = heads.split(";")
-    lines = [columns, ["---"] * len(columns), *rows]
-    return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
-
-
 def _counts(rows: Sequence[Row], pooled: bool) -> str:
     """Counts beside what is asked, by kind or pooled by family."""
     lines = []
@@ -464,7 +447,7 @@ def _counts(rows: Sequence[Row], pooled: bool) -> str:
         lines.append(
             (
                 FAMILIES[each["kind"]][0] if pooled else each["kind"], each["what"],
-                f"{each['count']} of {each['total']}", f"{each['count'] / each['total']:.0%}",
+                f"{each['count']:.4g} of {each['total']}", f"{each['count'] / each['total']:.0%}",
                 f"{each['low']:.0%} to {each['high']:.0%}",
                 "-" if each["asked"] is None else f"{bound} {each['asked']:.0%}",
                 "-" if each["passing"] is None else f"{each['passing'] / each['total']:.0%}",

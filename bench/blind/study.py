@@ -21,10 +21,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm
+from scores import until
 from stale import digest
 
 import stickslip
 from blind.readings import velocities
+from blind.seeds import used
 from blind.truth import Truth
 from blind.writing import KEYS, write_case, write_more
 from stickslip import Cause, Diagnosis, Drive, Scenario, diagnose, read_measurement, simulate_batch
@@ -63,6 +65,12 @@ def append(path: Path, row: Row) -> None:
         file.write(("\n" if cut else "") + json.dumps(row) + "\n")
 
 
+def refuse_used(study: str, seeds: Iterable[int]) -> None:
+    """End the program where a set of them is not to be judged."""
+    if said := used(study, seeds):
+        raise SystemExit("\n".join(said))
+
+
 def in_parts(
     path: Path, minutes: float, seeds: Iterable[int], judged: Callable[[int], Row]
 ) -> list[Row]:
@@ -71,20 +79,19 @@ def in_parts(
     Parameters
     ----------
     path : Path
+        Its stem is the name of the study, whose seeds must not be used up.
     minutes : float
         No set is begun after this time.
     seeds : iterable of int
     judged : callable
         The row of a seed: what is hidden and what was said.
     """
-    now, end = state(), time.monotonic() + 60.0 * minutes
+    now = state()
     rows = [row for row in lines(path) if row["state"]["engine"] == now["engine"]]
     seeds, done = list(seeds), {row["seed"] for row in rows}
-    for seed in seeds:
-        if seed in done:
-            continue
-        if time.monotonic() > end:
-            break
+    left = [seed for seed in seeds if seed not in done]
+    refuse_used(path.stem, left)
+    for seed in until(minutes, left):
         begin = time.process_time()
         row = judged(seed)
         seconds = round(time.process_time() - begin, 2)
@@ -172,13 +179,11 @@ def make(folder: Path, asked: Iterable[tuple[str, int]], minutes: float) -> None
     parts = {folder / name: folder / f"{name}.part" for name in (ANSWERS, SETS)}
     pack(parts)
     there = {each["name"] for each in sets(folder / SETS)}
-    data, end = _checksum(generator_files()), time.monotonic() + 60.0 * minutes
-    for kind, seed in asked:
+    data = _checksum(generator_files())
+    left = [each for each in asked if name_of(*each) not in there]
+    refuse_used("walkers", (seed for _, seed in left))
+    for kind, seed in until(minutes, left):
         name = name_of(kind, seed)
-        if time.monotonic() > end:
-            break
-        if name in there:
-            continue
         begin = time.process_time()
         with tempfile.TemporaryDirectory() as work:
             answer = {**write_case(Path(work) / "data", kind, seed), "data": data}
@@ -213,13 +218,10 @@ def said(folder: Path, now: dict[str, str]) -> dict[str, Row]:
 
 def diagnose_sets(folder: Path, minutes: float, part: int = 1, parts: int = 1) -> None:
     """Diagnose what has no row yet, every `parts`-th data set from the `part`-th on."""
-    now, end = state(), time.monotonic() + 60.0 * minutes
+    now = state()
     done = said(folder, now)
-    for one in list(sets(folder / SETS))[part - 1 :: parts]:
-        if one["name"] in done:
-            continue
-        if time.monotonic() > end:
-            break
+    mine = list(sets(folder / SETS))[part - 1 :: parts]
+    for one in until(minutes, (each for each in mine if each["name"] not in done)):
         with tempfile.TemporaryDirectory() as work:
             row = diagnosed(unpacked(one, Path(work) / "data"))
         append(folder / SAID, {"name": one["name"], "state": now, **row})

@@ -9,27 +9,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import scores
 from scipy.integrate import solve_ivp
-from stale import stale
+from scores import Answer
 
 from blind.kinds import ERROR_SHARE
 from blind.own import refitted
-from blind.scoring import interval, markdown
-from blind.study import in_parts
 from stickslip import Cause, Parameter, Prior, Series, Table, diagnose_model
-from stickslip.diagnosis.decision.verdict import CLAIMS
 
 Row = dict[str, Any]
 Array = np.ndarray
-FIRST = 45000  # of the seeds; 45000 to 45059 chose rules
 STRENGTH = 6.0, 40.0  # of what constants leave of the cause's effect, in errors
 SIZES = 0.5, 2.0  # of a cause beside its usual size
 NEITHER = 0.35  # least part of an error that no listed cause explains, of what constants leave
-FEW, LARGEST = 3, 30.0  # members of a set that is an answer; largest size, in usual ones
+LARGEST = 30.0  # size, in usual ones
 
 COUNT = 100  # readings
 
@@ -88,7 +84,7 @@ DISTORTIONS: dict[str, Callable[[Array, float], Array]] = {
 }
 
 
-def _solved(kind: Kind, p: dict[str, float], t: Array) -> Array:
+def solved(kind: Kind, p: dict[str, float], t: Array) -> Array:
     """What is to be read, by an adaptive method, shape (n,)."""
     pace = 1.0 + p.get("clock", 0.0)
     start = p.get("x", 0.0), p["v"]
@@ -97,7 +93,7 @@ def _solved(kind: Kind, p: dict[str, float], t: Array) -> Array:
     return np.asarray(made.y[kind.read])
 
 
-def _model(kind: str) -> Callable[[Table, Any], Array]:
+def model_of(kind: str) -> Callable[[Table, Any], Array]:
     """The model as its user has it: steps of Runge and Kutta, shape (vectors, n)."""
     read, rate = KINDS[kind].read, KINDS[kind].rate
 
@@ -120,10 +116,10 @@ def _model(kind: str) -> Callable[[Table, Any], Array]:
     return predict
 
 
-def _moves(kind: Kind, p: dict[str, float], t: Array, steps: dict[str, float]) -> Array:
+def moves(kind: Kind, p: dict[str, float], t: Array, steps: dict[str, float]) -> Array:
     """Changes of what is to be read by a step of each parameter, over it, (n, parameters)."""
-    plain = _solved(kind, p, t)
-    return np.array([(_solved(kind, {**p, key: p[key] + step}, t) - plain) / step
+    plain = solved(kind, p, t)
+    return np.array([(solved(kind, {**p, key: p[key] + step}, t) - plain) / step
                      for key, step in steps.items()]).T  # fmt: skip
 
 
@@ -136,12 +132,12 @@ def made(seed: int) -> tuple[Row, Series, list[Parameter], list[Cause]]:
     base = {key: float(draw.normal(*prior)) for key, prior in kind.constants.items()}
     base |= dict.fromkeys(kind.causes, 0.0)
     size = kind.causes[hidden] * math.exp(draw.uniform(*np.log(SIZES)))
-    plain, seen = (_solved(kind, {**base, hidden: each}, t) for each in (0.0, size))
+    plain, seen = (solved(kind, {**base, hidden: each}, t) for each in (0.0, size))
     acting = {**base, hidden: size}
     constants = {key: 0.01 * spread for key, (_, spread) in kind.constants.items()}
-    of_constants = _moves(kind, base, t, constants)
+    of_constants = moves(kind, base, t, constants)
     every = np.hstack([
-        of_constants, _moves(kind, acting, t, {key: 0.01 * u for key, u in kind.causes.items()})
+        of_constants, moves(kind, acting, t, {key: 0.01 * u for key, u in kind.causes.items()})
     ])  # fmt: skip
     effect = float(np.std(refitted(seen - plain, of_constants)))
     z, taken, left = 2.0 * (seen - seen.min()) / np.ptp(seen) - 1.0, 1.0, 0.0
@@ -161,33 +157,20 @@ def made(seed: int) -> tuple[Row, Series, list[Parameter], list[Cause]]:
     return {"kind": name, "cause": hidden, "distortion": bent}, record, uncertain, causes
 
 
-def study(path: Path, minutes: float, first: int, most: int) -> None:
-    """Diagnose sets that the present engine has no row of, and print the counts."""
-    rows = in_parts(path, minutes, range(first, first + most), judged)
-    print(*stale(rows), table(rows), sep="\n\n")
-
-
 def judged(seed: int) -> Row:
     """What a set hides, and what is said of it."""
     answer, record, uncertain, causes = made(seed)
-    verdict = diagnose_model(_model(answer["kind"]), record, uncertain, causes).verdict
+    verdict = diagnose_model(model_of(answer["kind"]), record, uncertain, causes).verdict
     return {**answer, "verdict": verdict.kind, "causes": list(verdict.causes)}
 
 
-def said(row: Row) -> str:
-    """What a verdict counts as."""
-    if row["verdict"] in CLAIMS:
-        return "right name" if row["causes"] == [row["cause"]] else "wrong name"
-    small = row["verdict"] == "ambiguous" and len(row["causes"]) <= FEW
-    return "right set" if small and row["cause"] in row["causes"] else "neither"
+def answer(row: Row) -> Answer:
+    """What is said beside what is hidden."""
+    return Answer(row["verdict"], row["causes"], [row["cause"]])
 
 
 def table(rows: list[Row]) -> str:
-    """Counts of what is said, with intervals; a right set has at most three causes."""
-    kinds, found = [said(row) for row in rows], []
-    for some in (["right name"], ["right set"], ["right name", "right set"], ["wrong name"]):
-        count = sum(kind in some for kind in kinds)
-        low, high = interval(count, len(kinds))
-        found.append((" or ".join(some), f"{count} of {len(kinds)}", f"{low:.0%} to {high:.0%}"))
+    """Counts of what is said, with intervals, of all and of each motion."""
+    kinds = {name: [answer(row) for row in rows if row["kind"] == name] for name in KINDS}
     seconds = sum(row["cpu_seconds"] for row in rows)
-    return f"{markdown('said;count;95 % interval', found)}\n\n{seconds:.0f} CPU s."
+    return f"{scores.table({'all': [*map(answer, rows)], **kinds})}\n\n{seconds:.0f} CPU s."

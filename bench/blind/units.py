@@ -7,20 +7,15 @@ tenfold off, as a wrong gear or winding is. Motions come from Euler's method in 
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from stale import stale
+from scores import CLAIMS, markdown, share
 
-from blind.scoring import interval, markdown
-from blind.study import in_parts
 from stickslip import Parameter, Prior, ScenarioError, Series, diagnose_model, models
 from stickslip._util.units import factor_text
-from stickslip.diagnosis.decision.verdict import CLAIMS
 
 Row = dict[str, Any]
-FIRST = 46600  # of the seeds; 46000 to 46599 chose rules
 STEPS = 40  # of Euler's method, from one reading to the next
 WRONG = ("time", "reading", "input", "constant", "")
 TIMES = {"ms": 1e3, "us": 1e6, "min": 1 / 60}
@@ -176,12 +171,6 @@ def _is_single(verdict: Any, constant: str) -> bool:
     return verdict.kind in CLAIMS and tuple(verdict.causes) == (constant,)
 
 
-def study(path: Path, minutes: float, first: int, most: int) -> None:
-    """Diagnose sets that the present engine has no row of, and print the counts."""
-    rows = in_parts(path, minutes, range(first, first + most), judged)
-    print(*stale(rows), table(rows), sep="\n\n")
-
-
 def table(rows: list[Row]) -> str:
     """Counts by what is wrong: told rightly, `data-problem`, and named without the factor."""
     wrong = [row for row in rows if row["wrong"]]
@@ -192,8 +181,7 @@ def table(rows: list[Row]) -> str:
         counts = [sum(row["right"] for row in some),
                   sum(row["verdict"] == "data-problem" for row in some),
                   sum(row["verdict"] in CLAIMS and not row["told"] for row in some)]  # fmt: skip
-        ends = (interval(count, len(some)) for count in counts) if some else ()
-        found.append((name, str(len(some)), *(f"{count} ({low:.0%} to {high:.0%})"
-                      for count, (low, high) in zip(counts, ends, strict=False))))  # fmt: skip
+        if some:
+            found.append((name, len(some), *(share(count, len(some)) for count in counts)))
     head = "wrong unit of;sets;right;`data-problem`;named without the factor"
     return f"{markdown(head, found)}\n\n{sum(row['cpu_seconds'] for row in rows):.0f} CPU s."

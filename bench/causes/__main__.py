@@ -8,16 +8,26 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Iterable
 from pathlib import Path
 
 from stale import stale
 
 from causes import walkers
 from causes.make import TRUTH, make
-from causes.score import table
+from causes.score import counts
 from causes.tools import TOOLS, Answer, run
 
 ANSWERS = TRUTH.parent / "answers"
+KEPT = sorted(ANSWERS.glob("*.json"))
+
+
+def shown(paths: Iterable[Path]) -> list[str]:
+    """The counts of files of answers, and what of them is stale."""
+    tools = {path.stem.replace("-", " "): json.loads(path.read_text()) for path in paths}
+    # Those of other tools do not change with the diagnosis.
+    old = stale(tools.get("stickslip", {}).values())
+    return [*old, counts(tools, json.loads(TRUTH.read_text()))]
 
 
 def main() -> None:
@@ -48,12 +58,7 @@ def main() -> None:
 
         run(options.tool, options.minutes, write, have)
     else:
-        truths = json.loads(TRUTH.read_text())
-        for path in options.answers or sorted(ANSWERS.glob("*.json")):
-            answers = json.loads(path.read_text())
-            # Those of other tools do not change with the diagnosis.
-            old = stale(answers.values()) if path.stem == "stickslip" else []
-            print(f"**{path.stem}**", *old, f"{table(answers, truths)}\n", sep="\n\n")
+        print(*shown(options.answers or KEPT), sep="\n\n")
 
 
 if __name__ == "__main__":

@@ -58,7 +58,17 @@ KINDS: dict[str, dict[str, Any]] = {
         "hidden": {"loss_growth": 0.02, "power_error": 0.1, "zero": 1.0, "late power": 20.0,
                    "heater_capacity": 15.0},
     },
+    "servo": {
+        "reads": "position (rad)", "input": "goal (rad)", "step": 0.02, "count": 200,
+        "constants": {"torque_constant": (1.0, 0.03), "viscous": (0.05, 0.3),
+                      "coulomb": (0.08, 0.2)},
+        "known": {"inertia": 0.02, "resistance": 3.0, "supply": 12.0, "gain": 2.0, "gravity": 0.9,
+                  "duty_limit": 0.5},
+        "without": ["slow goal"],
+        "hidden": {"armature": 0.004, "mass_error": 0.1, "load_friction": 0.1, "backlash": 0.03},
+    },
 }  # fmt: skip
+SETS = [kind for kind in KINDS if kind != "servo"]  # those of the benchmark; see `blind servo`
 
 
 def simulated(kind: str, c: Terms, t: Array, u: Array) -> Array:
@@ -73,6 +83,8 @@ def simulated(kind: str, c: Terms, t: Array, u: Array) -> Array:
     held = u[at]
     if kind == "thermal":
         return _heated(c, t, held, step / FINE)
+    if kind == "servo":
+        return _turned(c, t, held, step / FINE)
     if kind == "axis":
         beyond = np.maximum(np.abs(held) - c.get("dead_zone", 0.0), 0.0)
         held = np.sign(held) * np.minimum(beyond, c.get("saturation", np.inf))
@@ -114,6 +126,36 @@ def _heated(c: Terms, t: Array, held: Array, h: float) -> Array:
         body += h * (moved - lost) / c["capacity"]
         if k % FINE == 0:
             found.append(body)
+    return np.array(found) + c.get("zero", 0.0)
+
+
+def _turned(c: Terms, t: Array, held: Array, h: float) -> Array:
+    """Places of the arm of a servo; motor and arm meet without rebound across the play."""
+    heavier, gap = 1.0 + c.get("mass_error", 0.0), 0.5 * c.get("backlash", 0.0)
+    whole = c["inertia"] * heavier + c.get("armature", 0.0)
+    rotor = max(c.get("armature", 0.0), 0.1 * whole)
+    y, v, w = c["start"], 0.0, 0.0
+    x = y + np.sign(held[0] - y) * gap
+    found = [y]
+    for k, goal in enumerate(held.tolist(), 1):
+        duty = min(max(c["gain"] * (goal - y), -c["duty_limit"]), c["duty_limit"])
+        current = (c["supply"] * duty - c["torque_constant"] * v) / c["resistance"]
+        torque, weight = c["torque_constant"] * current, c["gravity"] * heavier * np.sin(y)
+        dry = c["coulomb"] + c.get("load_friction", 0.0) * abs(torque + weight)
+        v += h * (torque - c["viscous"] * v) / rotor
+        w -= h * weight / (whole - rotor)
+        apart = x - y + h * (v - w)
+        touches = abs(apart) >= gap and apart * (v - w) >= 0.0
+        moved = whole if touches else rotor
+        v = (rotor * v + (whole - rotor) * w) / whole if touches else v
+        v = np.sign(v) * max(abs(v) - h * dry / moved, 0.0)
+        x += h * v
+        if touches:
+            w, y = v, x - np.sign(apart) * gap
+        else:
+            y += h * w
+        if k % FINE == 0:
+            found.append(y)
     return np.array(found) + c.get("zero", 0.0)
 
 
@@ -197,7 +239,7 @@ def write(name: str, files: dict[str, str], told: dict[str, Any], truth: dict[st
 
 def make() -> None:
     """Write all sets of models that are ready-made."""
-    for kind in KINDS:
+    for kind in SETS:
         for number in range(OF_A_KIND):
             log, told, truth = made(kind, number)
             write(f"{kind}-{number:02}", {"log.csv": log}, told, truth)

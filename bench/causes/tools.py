@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import f as f_law
+from scores import until
 from stale import digest
 
 from causes.make import FOLDER
@@ -182,12 +183,7 @@ TOOLS: dict[str, Callable[[Asked], Answer]] = {
 
 def run(tool: str, minutes: float, write: Callable[[Answer], None], have: Answer) -> None:
     """Answer the sets that have no answer yet; begin none after so many minutes."""
-    begun = time.monotonic()
-    for name, read in asked():
-        if name in have:
-            continue
-        if time.monotonic() - begun > 60.0 * minutes:
-            return
+    for name, read in until(minutes, (each for each in asked() if each[0] not in have)):
         start = time.process_time()
         have[name] = {**TOOLS[tool](read()), "cpu": round(time.process_time() - start, 2)}
         print(name, have[name], flush=True)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import shutil
-import tempfile
 from collections.abc import Collection
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,10 +13,13 @@ from stickslip import Cause, Diagnosis, Parameter, Prior, Table, diagnose_model,
 
 from .score import Truth, with_absent
 
-CASE = Path(__file__).parents[2] / "examples" / "cases" / "tumbler"
+EXAMPLES = Path(__file__).parents[2] / "examples"
+TUMBLER_CASE = EXAMPLES / "cases" / "tumbler" / "measurement.toml"
 
 TUMBLER = Truth(("misalignment",), ("angle_offset", "surface_tilt", "ambient_field"), certain=False)
 """A moment along the body cannot rest near 55 degrees."""
+WALK = Truth(("friction_anisotropy",), values={"effects.friction_anisotropy.fraction": (0.15, 0.0)})
+"""That of the README, of simulated velocities."""
 ROLLERS = Truth(("step_out",), ("coil_lag", "offset"), certain=False)
 """Every run peaks at 48 to 66 Hz as a rotor that steps out."""
 
@@ -27,18 +29,17 @@ _STEP_OUT = Cause("step_out", Parameter("step_out.period", unit="s", low=0.0, hi
 _COIL_LAG = Cause("coil_lag", Parameter("coil_lag.time", unit="s", low=0.0, high=0.05, size=1e-3))
 
 
-def diagnose_tumbler(without: Collection[str] = ()) -> Diagnosis:
-    """The diagnosis of the case's measurement with the simulator and its library of causes.
+def diagnose_files(path: Path, parameter: str, without: Collection[str] = ()) -> Diagnosis:
+    """The diagnosis of a measurement's file with the simulator and its library of causes.
 
-    An extension that is part of the scenario is no cause: so one of a nanoradian is left out.
+    An extension that is part of the scenario is no cause: one that is left out is there, with a
+    billionth of its parameter.
     """
-    with tempfile.TemporaryDirectory() as folder:
-        for path in CASE.iterdir():
-            shutil.copy(path, folder)
-        with (Path(folder) / "nominal.toml").open("a", encoding="utf-8") as scenario:
-            scenario.writelines(f"\n[effects.{each}]\nangle = 1e-9\n" for each in without)
-        measured = stickslip.read_measurement(Path(folder) / "measurement.toml")
-        return stickslip.diagnose(measured, threads=1)
+    measured = stickslip.read_measurement(path)
+    none = {f"effects.{each}.{parameter}": 1e-9 for each in without}
+    return stickslip.diagnose(
+        replace(measured, scenario=measured.scenario.replace(none)), threads=1
+    )
 
 
 def roller(table: Table, p: dict[str, np.ndarray]) -> np.ndarray:

@@ -7,11 +7,10 @@ from dataclasses import dataclass, field
 from time import process_time
 
 import numpy as np
+from scores import CLAIMS, FEW
 
 from stickslip import Cause, Diagnosis
-
-CLAIMS = ("named", "dominant", "pair")
-"""Verdicts that claim a cause."""
+from stickslip.diagnosis.fitting.problem import Problem
 
 _FAR = 3.0
 """Standard deviations. Chosen: an estimate farther from the truth than that is wrong."""
@@ -52,7 +51,8 @@ class Measured:
 class Row:
     """A row of the table, as text.
 
-    listed: Whether the causes that act were offered. judgement: See `judged`.
+    listed: Whether the causes that act were offered. alone: Mean absolute error of the model as it
+    is stated. judgement: See `judged`.
     """
 
     set: str
@@ -62,6 +62,7 @@ class Row:
     found: str
     size: str
     share: str
+    alone: str
     gain: str
     judgement: str
     reasons: tuple[str, ...]
@@ -89,6 +90,7 @@ def row(measured: Measured, listed: bool = True) -> Row:
         _found(result),
         _size(result, measured.truth),
         "-" if verdict.share is None else f"{100.0 * verdict.share:.0f} %",
+        _alone(result.problem, *measured.unit),
         _gain(result, *measured.unit),
         judged(result, measured.truth),
         tuple(str(each) for each in verdict.reasons),
@@ -97,17 +99,19 @@ def row(measured: Measured, listed: bool = True) -> Row:
 
 
 def judged(result: Diagnosis, truth: Truth) -> str:
-    """One of five words, and what is wrong.
+    """One of six words, and what is wrong.
 
     *right*: a cause is claimed that acts, none that cannot, and no size lies far from what is
-    known. *possible*: what is claimed may act. *set with the truth*, *set without it*. *silent*:
-    nothing is claimed. *wrong*: all other claims.
+    known. *possible*: what is claimed may act. *set with the truth*, *set without it*, *large set*
+    of more than three. *silent*: nothing is claimed. *wrong*: all other claims.
     """
     kind, causes = result.verdict.kind, set(result.verdict.causes)
     present, allowed = set(truth.present), {*truth.present, *truth.possible}
     if kind == "ambiguous":
         if not causes & present:
             return "set without the truth"
+        if len(causes) > FEW:
+            return "large set"
         return "set with the truth" if truth.certain else "not contradicted"
     if kind not in CLAIMS:
         leader = result.verdict.leader
@@ -157,6 +161,12 @@ def _size(result: Diagnosis, truth: Truth) -> str:
         )
         or "-"
     )
+
+
+def _alone(problem: Problem, factor: float, unit: str) -> str:
+    """Mean absolute error before anything is fitted, of the readings that the model computes."""
+    stated = problem.model(problem.physical(np.zeros((1, problem.size))))[0]
+    return f"{factor * float(np.nanmean(np.abs(problem.y - stated))):.3g} {unit}"
 
 
 def _gain(result: Diagnosis, factor: float, unit: str) -> str:

@@ -1,8 +1,9 @@
 """``python -m bench real [SET ...]``: measured sets with a known cause, diagnosed and judged.
 
 Each set is diagnosed twice: with the cause that acts among those that are listed, and without it.
-Rows are written as they come, into a file that keeps those of other sets. The status is 1 where a
-wrong cause is claimed.
+Rows are written as they come, into a file that keeps those of other sets. `walkers` are rollers,
+tumbler, drops and the walk of the README, whose rows go into a file of their own. The status is 1
+where a wrong cause is claimed.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from .score import Measured, Row, Truth, row
 DATA = Path(__file__).parents[2] / "tests" / "data"
 DROPS = DATA / "square_drops.csv.gz"
 NAMES = ("tumbler", "rollers", "axis", "tanks", "slider", "drops")
+WALKERS = ("tumbler", "rollers", "drops", "walk")
 
 AXIS = Truth(("viscous_asymmetry",), values={"viscous_asymmetry.half": (36.86, 0.87)})
 TANKS = Truth(("upper_overflow", "lower_overflow", "sensor_end"))
@@ -35,7 +37,12 @@ TANKS = Truth(("upper_overflow", "lower_overflow", "sensor_end"))
 def measured_sets(name: str, drops: Path = DROPS) -> list[Measured]:
     """The sets of a name, as tables or in time."""
     if name == "tumbler":
-        return [Measured("tumbler", (57.2958, "degrees"), robots.TUMBLER, robots.diagnose_tumbler)]
+        turned = partial(robots.diagnose_files, robots.TUMBLER_CASE, "angle")
+        return [Measured("tumbler", (57.2958, "degrees"), robots.TUMBLER, turned)]
+    if name == "walk":
+        path = robots.EXAMPLES / "measurement.toml"
+        walked = partial(robots.diagnose_files, path, "fraction")
+        return [Measured("walk of the README, simulated", (1e6, "um/s"), robots.WALK, walked)]
     if name == "rollers":
         path = DATA / "roller_velocity.csv"
         rolled = partial(robots.diagnose_rollers, path)
@@ -83,13 +90,18 @@ def heads() -> str:
 def main(arguments: list[str] | None = None) -> int:
     """Diagnose, print and write; the exit status."""
     parser = argparse.ArgumentParser(prog="python -m bench real", description=__doc__)
-    parser.add_argument("sets", nargs="*", metavar="SET", help=", ".join(NAMES))
+    known = ("walkers", *NAMES)
+    parser.add_argument("sets", nargs="*", metavar="SET", help=", ".join(known))
     parser.add_argument("--drops", type=Path, default=DROPS, help="CSV of drops")
     add_out(parser, "real")
     options = parser.parse_args(arguments)
+    program = "real"
     for name in options.sets:
-        if name not in NAMES:
-            parser.error(f"{name}: allowed are {', '.join(NAMES)}")
+        if name not in known:
+            parser.error(f"{name}: allowed are {', '.join(known)}")
+    if options.sets == ["walkers"]:
+        program, options.sets = "real walkers", WALKERS
+        options.out = options.out.with_name("walkers.json")
     kept = json.loads(options.out.read_text()) if options.out.is_file() else {}
     found: dict[str, Any] = kept.get("rows", {})
     wrong = False
@@ -103,7 +115,7 @@ def main(arguments: list[str] | None = None) -> int:
                     print(text(made), flush=True)
                     key = f"{made.set}, listed: {made.listed}"
                     found[key] = {**asdict(made), "golden": digest()}
-                    saved(options.out, "real", {"rows": found}, said=False)
+                    saved(options.out, program, {"rows": found}, said=False)
     except (OSError, ValueError) as error:
         print(error, file=sys.stderr)
         return 2

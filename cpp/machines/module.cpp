@@ -8,6 +8,7 @@
 #include "machines/heat.hpp"
 #include "machines/motion.hpp"
 #include "machines/path.hpp"
+#include "machines/servo.hpp"
 
 namespace py = pybind11;
 
@@ -42,64 +43,37 @@ bool fit(py::ssize_t vectors, py::ssize_t count, const Array& knots, const Array
            late.shape(0) == vectors && late.shape(1) == count;
 }
 
-/// States x, v, y, w at the readings, shape (vectors, readings, 4). terms: (vectors, terms);
-/// start: (vectors, 2); times: (readings,); see signals_of.
-Array moved(const Array& terms, const Array& start, const Array& times, const Array& knots,
-            const Array& inputs, const Array& late, bool lines) {
+/// States at the readings, shape (vectors, readings, states). terms: (vectors, terms), in the order
+/// of their names; start: (vectors, starts); times: (readings,); see signals_of.
+template <class Machine>
+Array states_of(const Array& terms, const Array& start, const Array& times, const Array& knots,
+                const Array& inputs, const Array& late, bool lines) {
+    constexpr py::ssize_t kTerms = Machine::kTerms.size(), kStarts = Machine::kStarts;
     const py::ssize_t vectors = terms.shape(0), readings = times.shape(0);
-    require(terms.ndim() == 2 && terms.shape(1) == py::ssize_t{kMotionTerms.size()} &&
-                start.ndim() == 2 && start.shape(0) == vectors && start.shape(1) == 2 &&
-                fit(vectors, 1, knots, inputs, late),
-            "moved: the shapes do not fit");
-    Array result({vectors, readings, py::ssize_t{4}});
+    require(terms.ndim() == 2 && terms.shape(1) == kTerms && start.ndim() == 2 &&
+                start.shape(0) == vectors && start.shape(1) == kStarts &&
+                fit(vectors, Machine::kInputs, knots, inputs, late),
+            "states: the shapes do not fit");
+    Array result({vectors, readings, py::ssize_t{Machine::kStates}});
     const std::span t(times.data(), static_cast<std::size_t>(readings));
     const py::gil_scoped_release release;
     for (py::ssize_t k = 0; k < vectors; ++k) {
-        MotionTerms own;
-        for (std::size_t i = 0; i < kMotionTerms.size(); ++i) {
-            own.*kMotionTerms[i].value = terms.at(k, i);
+        typename Machine::Terms own;
+        for (std::size_t i = 0; i < Machine::kTerms.size(); ++i) {
+            own.*Machine::kTerms[i].value = terms.at(k, i);
         }
-        const double x = start.at(k, 0), v = start.at(k, 1);
-        double* out = result.mutable_data(k);
-        const Signals<1> acting = signals_of<1>(k, knots, inputs, late, lines);
-        if (own.gap != 0.0 || own.spring != 0.0) {
-            follow(TwoMasses(own), {x, v, x, v}, t, acting, [&](std::size_t n, const auto& z) {
-                std::copy(z.begin(), z.end(), out + 4 * n);
-            });
-        } else {
-            follow(OneMass(own), {x, v}, t, acting, [&](std::size_t n, const auto& z) {
-                for (std::size_t i = 0; i < 4; ++i) out[4 * n + i] = z[i % 2];
-            });
-        }
+        const auto acting = signals_of<Machine::kInputs>(k, knots, inputs, late, lines);
+        Machine::write(own, start.data(k), t, acting, result.mutable_data(k));
     }
     return result;
 }
 
-/// Temperatures of the body at the readings, shape (vectors, readings). terms: (vectors, 5);
-/// start: (vectors,); times: (readings,); inputs: power and ambient, see signals_of.
-Array heated(const Array& terms, const Array& start, const Array& times, const Array& knots,
-             const Array& inputs, const Array& late, bool lines) {
-    const py::ssize_t vectors = terms.shape(0), readings = times.shape(0);
-    require(terms.ndim() == 2 && terms.shape(1) == 5 && start.shape(0) == vectors &&
-                fit(vectors, 2, knots, inputs, late),
-            "heated: the shapes do not fit");
-    Array result({vectors, readings});
-    const std::span t(times.data(), static_cast<std::size_t>(readings));
-    const py::gil_scoped_release release;
-    for (py::ssize_t k = 0; k < vectors; ++k) {
-        const double* own = terms.data(k);
-        const HeatTerms c{own[0], own[1], own[2], own[3], own[4]};
-        const double begin = start.at(k);
-        double* out = result.mutable_data(k);
-        const Signals<2> acting = signals_of<2>(k, knots, inputs, late, lines);
-        const auto write = [&](std::size_t n, const auto& z) { out[n] = z[0]; };
-        if (c.heater > 0.0) {
-            follow(HeatStores<2>(c), {begin, begin}, t, acting, write);
-        } else {
-            follow(HeatStores<1>(c), {begin}, t, acting, write);
-        }
-    }
-    return result;
+template <class Machine>
+void add(py::module_& module, const char* name) {
+    py::list names;
+    for (const auto& each : Machine::kTerms) names.append(each.name);
+    py::dict(module.attr("terms"))[name] = py::tuple(names);
+    py::dict(module.attr("states"))[name] = py::cpp_function(&states_of<Machine>);
 }
 
 }  // namespace
@@ -109,11 +83,9 @@ Array heated(const Array& terms, const Array& start, const Array& times, const A
 PYBIND11_MODULE(_machines, module, py::mod_gil_not_used()) {
     using namespace machines;
     module.doc() = "Motions of machines and heaters; the public interface is `stickslip.models`.";
-    py::list names;
-    for (const MotionTerm& each : kMotionTerms) names.append(each.name);
-    module.attr("motion_terms") = py::tuple(names);
-    module.def("moved", &moved, py::arg("terms"), py::arg("start"), py::arg("times"),
-               py::arg("knots"), py::arg("inputs"), py::arg("late"), py::arg("lines"));
-    module.def("heated", &heated, py::arg("terms"), py::arg("start"), py::arg("times"),
-               py::arg("knots"), py::arg("inputs"), py::arg("late"), py::arg("lines"));
+    module.attr("terms") = py::dict();
+    module.attr("states") = py::dict();
+    add<Motion>(module, "motion");
+    add<Heat>(module, "heat");
+    add<ServoStates>(module, "servo");
 }

@@ -22,14 +22,14 @@ OneMass::OneMass(const MotionTerms& terms) : c(terms) {
           c.stribeck != 0.0;
     linear = c.quadratic == 0.0 && c.cubic_damping == 0.0 && c.square == 0.0 && c.cubic == 0.0 &&
              c.gravity == 0.0 && c.swing == 0.0 && c.stribeck == 0.0;
-    falls = c.stribeck != 0.0 ? c.stribeck / c.stribeck_speed : 0.0;
+    weakens = c.stribeck != 0.0 ? c.stribeck / c.stribeck_speed : 0.0;
     const double turns = std::sqrt(std::abs(c.stiffness) + std::abs(c.gravity));
     fastest = turns + c.rate + std::abs(c.rate_asymmetry);
 }
 
 double OneMass::fastest_at(double x, double v, double u) const {
     const double turns = std::abs(c.swing * u) + std::abs((2.0 * c.square + 3.0 * c.cubic * x) * x);
-    return fastest + falls + std::sqrt(turns) + 2.0 * std::abs(c.quadratic * v) +
+    return fastest + weakens + std::sqrt(turns) + 2.0 * std::abs(c.quadratic * v) +
            3.0 * std::abs(c.cubic_damping) * v * v;
 }
 
@@ -72,8 +72,9 @@ std::array<double, 1> OneMass::margins(const State& z, const Input& u, const Mod
     return {mode[0] != 0 ? mode[0] * z[1] : held(driving(z[0], 0.0, u[0]) - loading(z[0]))};
 }
 
-double OneMass::fall(const State& z, const Input& u, const Mode& mode) const {
-    return dry && mode[0] != 0 ? -mode[0] * rate(z, u, mode)[1] : 0.0;
+std::array<double, 1> OneMass::falls(const State& z, const Input& u, const Input&,
+                                   const Mode& mode) const {
+    return {dry && mode[0] != 0 ? -mode[0] * rate(z, u, mode)[1] : 0.0};
 }
 
 OneMass::Point OneMass::begun(const State& z, const Input& u) const {
@@ -97,7 +98,7 @@ TwoMasses::TwoMasses(const MotionTerms& terms) : OneMass(terms), hard(terms.spri
     fastest += std::sqrt(c.spring / small) + c.damping / small;
 }
 
-double TwoMasses::fastest_at(const State& z, const Input& u) const {
+double TwoMasses::fastest_at(const State& z, const Input& u, const Mode&) const {
     const double least = std::min(c.share, 1.0 - c.share);
     return OneMass::fastest_at(std::max(std::abs(z[0]), std::abs(z[2])), z[1], u[0]) / least;
 }
@@ -138,8 +139,9 @@ std::array<double, 2> TwoMasses::margins(const State& z, const Input& u, const M
     return {rests, meets};
 }
 
-double TwoMasses::fall(const State& z, const Input& u, const Mode& mode) const {
-    return dry && mode[0] != 0 ? -mode[0] * rate(z, u, mode)[1] : 0.0;
+std::array<double, 1> TwoMasses::falls(const State& z, const Input& u, const Input&,
+                                   const Mode& mode) const {
+    return {dry && mode[0] != 0 ? -mode[0] * rate(z, u, mode)[1] : 0.0};
 }
 
 TwoMasses::Point TwoMasses::begun(const State& z, const Input& u) const {

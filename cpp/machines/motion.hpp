@@ -1,8 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <span>
 #include <utility>
+
+#include "machines/path.hpp"
 
 namespace machines {
 
@@ -25,12 +29,7 @@ struct MotionTerms {
     double gap = 0.0, spring = 0.0, damping = 0.0, share = 0.0;
 };
 
-/// A coefficient by its name.
-struct MotionTerm {
-    const char* name;
-    double MotionTerms::*value;
-};
-inline constexpr std::array<MotionTerm, 18> kMotionTerms = {{
+inline constexpr std::array<Named<MotionTerms>, 18> kMotionTerms = {{
     {"rate", &MotionTerms::rate},
     {"rate_asymmetry", &MotionTerms::rate_asymmetry},
     {"quadratic", &MotionTerms::quadratic},
@@ -65,11 +64,14 @@ public:
     bool linear = false;
     double fastest = 0.0;
 
-    double fastest_at(const State& z, const Input& u) const { return fastest_at(z[0], z[1], u[0]); }
+    double fastest_at(const State& z, const Input& u, const Mode&) const {
+        return fastest_at(z[0], z[1], u[0]);
+    }
 
     State rate(const State& z, const Input& u, const Mode& mode) const;
     std::array<double, 1> margins(const State& z, const Input& u, const Mode& mode) const;
-    double fall(const State& z, const Input& u, const Mode& mode) const;
+    std::array<double, 1> falls(const State& z, const Input& u, const Input& slope,
+                                const Mode& mode) const;
     Point begun(const State& z, const Input& u) const;
     Point driven(const State& z, const Input& u, const Mode& mode) const;
     Point after(const State& z, const Input& u, const Mode& mode, std::size_t hit) const;
@@ -89,11 +91,11 @@ protected:
 
     MotionTerms c;
     bool dry = false;
-    double falls = 0.0;  ///< fastest fall of the friction with speed, 1/s
+    double weakens = 0.0;  ///< fastest fall of the friction with speed, 1/s
 };
 
 /// A motor and its load: x, v, y, w; the sign of the motor's motion, and of the contact or 0.
-class TwoMasses : OneMass {
+class TwoMasses : protected OneMass {
 public:
     static constexpr std::size_t kStates = 4, kInputs = 1, kPhases = 2;
     using State = std::array<double, kStates>;
@@ -105,10 +107,11 @@ public:
 
     explicit TwoMasses(const MotionTerms& terms);
 
-    double fastest_at(const State& z, const Input& u) const;
+    double fastest_at(const State& z, const Input& u, const Mode&) const;
     State rate(const State& z, const Input& u, const Mode& mode) const;
     std::array<double, 2> margins(const State& z, const Input& u, const Mode& mode) const;
-    double fall(const State& z, const Input& u, const Mode& mode) const;
+    std::array<double, 1> falls(const State& z, const Input& u, const Input& slope,
+                                const Mode& mode) const;
     /// Both move as one; the gap is closed in the direction of the first input, of which a zero has
     /// the sign as well.
     Point begun(const State& z, const Input& u) const;
@@ -124,6 +127,27 @@ private:
     Pulls pulls(const State& z, const Input& u, const Mode& mode) const;
 
     bool hard = false;
+};
+
+/// Place and speed of the motor, and of its load.
+struct Motion {
+    using Terms = MotionTerms;
+    static constexpr const auto& kTerms = kMotionTerms;
+    static constexpr std::size_t kStates = 4, kInputs = 1, kStarts = 2;
+
+    static void write(const Terms& c, const double* start, std::span<const double> t,
+                      const Signals<kInputs>& acting, double* out) {
+        const auto [x, v] = std::array{start[0], start[1]};
+        if (c.gap != 0.0 || c.spring != 0.0) {
+            follow(TwoMasses(c), {x, v, x, v}, t, acting, [&](std::size_t n, const auto& z) {
+                std::copy(z.begin(), z.end(), out + 4 * n);
+            });
+        } else {
+            follow(OneMass(c), {x, v}, t, acting, [&](std::size_t n, const auto& z) {
+                for (std::size_t i = 0; i < 4; ++i) out[4 * n + i] = z[i % 2];
+            });
+        }
+    }
 };
 
 }  // namespace machines

@@ -14,6 +14,13 @@
 /// exponentials of matrices; else they are as short as their errors ask for.
 namespace machines {
 
+/// A coefficient of a machine by its name.
+template <class Terms>
+struct Named {
+    const char* name;
+    double Terms::*value;
+};
+
 /// Inputs now, and their slopes, 1/s.
 template <std::size_t N>
 struct Lines {
@@ -44,10 +51,10 @@ struct Signals {
 ///     linear                      whether the derivative is linear in state and inputs while the
 ///                                 phases last
 ///     fastest                     the largest rate of change, 1/s, of the terms that bound it
-///     fastest_at(z, u)            that of all terms near a state, at least; of no linear system
+///     fastest_at(z, u, mode)      that of all terms near a state, at least; of no linear system
 ///     rate(z, u, mode)            derivative of the state
 ///     margins(z, u, mode)         what is below zero where a phase has ended
-///     fall(z, u, mode)            how fast the first of them falls, where it may turn in a step
+///     falls(z, u, slope, mode)    how fast those of them fall that may turn in a step
 ///     begun(z, u)                 state and phases at the first reading
 ///     driven(z, u, mode)          the same where the input has changed
 ///     after(z, u, mode, hit)      the same where the margin `hit` has become zero
@@ -239,8 +246,8 @@ private:
         const State end = moved(kB, k.size());
         const Input last_u = u.at(h);
         if (sharp != nullptr &&
-            !(h * std::max(system_.fastest_at(z, u.value), system_.fastest_at(end, last_u)) <=
-              kFine)) {
+            !(h * std::max(system_.fastest_at(z, u.value, mode),
+                           system_.fastest_at(end, last_u, mode)) <= kFine)) {
             constexpr std::array<double, 6> kOff = {71.0 / 57600.0,      0.0,
                                                     -71.0 / 16695.0,     71.0 / 1920.0,
                                                     -17253.0 / 339200.0, 22.0 / 525.0};
@@ -272,20 +279,26 @@ private:
         const auto margin = [&](const State& z, const Input& acts) {
             return least(system_.margins(z, acts, now.second));
         };
-        const auto fall = [&](const State& z, const Input& acts) {
-            return system_.fall(z, acts, now.second);
-        };
         for (; event < kEvents; ++event) {
-            double within = h, below = margin(end, u.at(h));
+            double within = h, below = margin(end, u.at(h)), low = 0.0;
             if (!(below < 0.0)) {
-                // What stops a mass may turn before the end, and the mass has come to rest before.
-                const double rises = fall(end, u.at(h));
-                if (!(rises < 0.0) || !(fall(now.first, u.value) > 0.0)) break;
-                const auto [time, lowest] = find_zero(now, u, h, rises, fall);
-                const double least_margin = margin(lowest, u.at(time));
-                if (!(least_margin < -kExact * below)) break;
-                within = time;
-                below = least_margin;
+                // What ends a phase may turn before the end, and the phase has ended before.
+                const auto rises = system_.falls(end, u.at(h), u.slope, now.second);
+                bool ends = false;
+                for (std::size_t k = 0; k < rises.size(); ++k) {
+                    const auto fall = [&](const State& z, const Input& acts) {
+                        return system_.falls(z, acts, u.slope, now.second)[k];
+                    };
+                    if (!(rises[k] < 0.0) || !(fall(now.first, u.value) > 0.0)) continue;
+                    const auto [time, lowest] = find_zero(now, u, h, rises[k], fall);
+                    const double least_margin = margin(lowest, u.at(time));
+                    if (!(least_margin < -kExact * below) || time > within) continue;
+                    ends = true;
+                    within = time;
+                    low = least_margin;
+                }
+                if (!ends) break;
+                below = low;
             }
             const auto [time, met] = find_zero(now, u, within, below, margin);
             u = u.after(time);

@@ -35,6 +35,7 @@ TEST_CASE("user effect: a force that breaks a long rest for a moment is not over
     const Registered effect([](const double* state, const double* values, double* wrench) {
         const double from = (state[0] - kMiddle) / kWidth;
         wrench[0] = values[0] * 1e-6 * std::exp(-from * from);
+        wrench[1] = wrench[2] = 0.0;
     });
     Scenario scenario;
     scenario.drive.peak = scenario.drive.base = scenario.drive.hold = 0.0;

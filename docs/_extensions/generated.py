@@ -10,6 +10,7 @@ from typing import Any
 import click
 from blind import own, scoring, study
 from docutils import nodes
+from scores import CLAIMS
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 from stale import VERDICTS, stale
@@ -24,7 +25,8 @@ MEASURED = Path(__file__).parents[1] / "measured"
 STUDIES = {"own": (study.HERE / "study" / "own.jsonl", own.tables),
            "walkers": (study.HERE / "study" / study.RECORD, scoring.table),
            "laws": (study.HERE / "laws" / study.RECORD, scoring.table)}  # fmt: skip
-OF_VERDICTS = {"real.json": "rows", "planned.json": "rows", "untold.json": "kinds"}
+OF_VERDICTS = {"real.json": "rows", "walkers.json": "rows", "planned.json": "rows",
+               "untold.json": "kinds"}  # fmt: skip
 """Files with figures of the diagnosis, and where their rows are."""
 
 
@@ -183,6 +185,7 @@ class BenchResults(SphinxDirective):
             "peers.json": _peers,
             "sweep.json": _sweep,
             "real.json": _real,
+            "walkers.json": _walkers,
             "untold.json": _untold,
             "planned.json": _planned,
         }
@@ -313,6 +316,22 @@ def _real(results: dict[str, Any]) -> str:
         *("set", "cause listed", "readings", "verdict", "found", "size", "share"),
         *("held-out error", "judgement", "CPU s"),
     ]
+    return _markdown_table(header, rows)
+
+
+def _walkers(results: dict[str, Any]) -> str:
+    rows = [
+        [
+            row["set"],
+            row["alone"],
+            _plain(f"{row['verdict']}: {row['found']}"),
+            _plain("-" if row["verdict"] in CLAIMS else " ".join(row["reasons"])),
+            _plain(row["gain"]),
+        ]
+        for row in results["rows"].values()
+        if row["listed"] == "yes"
+    ]
+    header = ["set", "error of the simulation alone", "verdict", "why no name", "held-out error"]
     return _markdown_table(header, rows)
 
 

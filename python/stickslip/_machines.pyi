@@ -1,28 +1,26 @@
 """Motions of machines and heaters, compiled: use `stickslip.models`."""
 
+from typing import Protocol
+
 from numpy import float64
 from numpy.typing import NDArray
 
-motion_terms: tuple[str, ...]
+class _States(Protocol):
+    """States of a machine at the readings, (vectors, readings, states)."""
 
-def moved(
-    terms: NDArray[float64],
-    start: NDArray[float64],
-    times: NDArray[float64],
-    knots: NDArray[float64],
-    inputs: NDArray[float64],
-    late: NDArray[float64],
-    lines: bool,
-) -> NDArray[float64]:
-    """States x, v, y, w at the readings, (vectors, readings, 4)."""
+    def __call__(
+        self,
+        terms: NDArray[float64],
+        start: NDArray[float64],
+        times: NDArray[float64],
+        knots: NDArray[float64],
+        inputs: NDArray[float64],
+        late: NDArray[float64],
+        lines: bool,
+        /,
+    ) -> NDArray[float64]: ...
 
-def heated(
-    terms: NDArray[float64],
-    start: NDArray[float64],
-    times: NDArray[float64],
-    knots: NDArray[float64],
-    inputs: NDArray[float64],
-    late: NDArray[float64],
-    lines: bool,
-) -> NDArray[float64]:
-    """Temperatures of the body at the readings, (vectors, readings)."""
+terms: dict[str, tuple[str, ...]]
+"""Names of the terms of each machine."""
+
+states: dict[str, _States]

@@ -57,14 +57,14 @@ def room(seed, more=0.0, **values):
 WAVE = 0.3 * np.sin(9.0 * T) * T  # of both sides, or of one
 # What is before and after, the verdict, its causes, and the sign of the first size.
 CASES = {
-    "a constant": (log(1), log(2, viscous=0.056), "named", ("viscous change",), 1),
-    "the other way": (log(2, viscous=0.056), log(1), "named", ("viscous change",), -1),
+    "a constant": (log(1), log(2, viscous=0.06), "named", ("viscous change",), 1),
+    "the other way": (log(2, viscous=0.06), log(1), "named", ("viscous change",), -1),
     "beside an error of the model": (
-        log(1, more=WAVE), log(2, more=WAVE, viscous=0.056), "named", ("viscous change",), 1),
+        log(1, more=WAVE), log(2, more=WAVE, viscous=0.06), "named", ("viscous change",), 1),
     "an effect that has come": (log(1), log(2, coulomb=0.02), "named", ("coulomb after",), 1),
     "an effect that has gone": (log(1, coulomb=0.02), log(2), "named", ("coulomb before",), 1),
     "other inputs": (
-        log(1), log(2, OTHER, viscous=0.056), "named", ("viscous change",), 1),
+        log(1), log(2, OTHER, viscous=0.06), "named", ("viscous change",), 1),
     "an effect of both": (
         log(1, coulomb=0.02), log(2, OTHER, coulomb=0.02), "named", ("coulomb both",), 1),
     "nothing": (log(1), log(2), "none", (), 0),
@@ -84,7 +84,7 @@ def test_a_difference_is_told_by_name_and_sign(name):
         assert np.sign(result.params["value"][first]) == sign
         told = result.as_dict()["sides"]
         base, side = first.rsplit(" ", 1)
-        true = {"coulomb": 0.02, "viscous": 0.006}[base]
+        true = {"coulomb": 0.02, "viscous": 0.01}[base]
         apart = told["after"][base] - told["before"][base]
         wanted = {"change": sign, "after": 1, "before": -1, "both": 0}[side] * true
         assert apart == pytest.approx(wanted, abs=4.0 * result.params["sd"][first])
@@ -160,7 +160,7 @@ def test_a_walker_on_another_surface(tmp_path, monkeypatch):
 
 
 def test_logs_of_both_sides_make_a_report(tmp_path):
-    for name, record in {"before": log(1), "after": log(2, viscous=0.056)}.items():
+    for name, record in {"before": log(1), "after": log(2, viscous=0.06)}.items():
         columns = {"t (s)": record.t, "torque (N m)": record["torque"], "speed (rad/s)": record.y}
         pd.DataFrame(columns).to_csv(tmp_path / f"{name}.csv", index=False)
     known = ["--set", "inertia=0.012,0.0006", "--set", "viscous=0.05,0.005"]

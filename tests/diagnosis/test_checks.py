@@ -30,7 +30,7 @@ def of(level, repeats=3, seed=0, sd=0.03, **known):
 
 
 def problem(table):
-    return table.problem(table.stated)
+    return table.data_fault(table.stated)
 
 
 def remarks(table):
@@ -39,7 +39,7 @@ def remarks(table):
 
 
 def code(table, **options):
-    found = table.problem(np.full(len(table.mean), np.nan), **options)
+    found = table.data_fault(np.full(len(table.mean), np.nan), **options)
     return None if found is None else found.code
 
 

@@ -67,11 +67,11 @@ def test_the_likelihood_is_that_of_the_whole_covariance(stated):
         determinants = np.linalg.slogdet(covariance)[1] + np.linalg.slogdet(seen)[1]
         return determinants + y[known] @ left @ y[known]
 
-    assert scatter.names == ["s0", *([] if stated else ["rho"]), "phi", "shift", "gain"]
-    draws = [{name: random.normal(-0.5, 1.0) for name in scatter.names} for _ in range(5)]
-    columns = {name: np.array([each[name] for each in draws]) for name in scatter.names}
-    rise = scatter._shared_loss(columns) - [whole(each) for each in draws]
-    assert rise - rise[0] == pytest.approx(np.zeros(5), abs=1e-6)
+    assert scatter.noise.names == ["s0", *([] if stated else ["rho"]), "phi", "shift", "gain"]
+    draws = [{name: random.normal(-0.5, 1.0) for name in scatter.noise.names} for _ in range(5)]
+    columns = {name: np.array([each[name] for each in draws]) for name in scatter.noise.names}
+    rise = scatter.noise.loss(columns) - [whole(each) for each in draws]
+    assert rise - rise[0] == pytest.approx(np.zeros(5), abs=1e-5)
 
 
 @pytest.mark.parametrize("relative", [0.03, 0.035, 0.04])

@@ -188,9 +188,7 @@ def test_advice_is_given_where_it_tells_causes_apart():
     names = {"coil_heating": "warm coils", "surface_tilt": "a tilted stage", "edge_time": "an edge"}
     said = {each.code: each.text for each in design.advice(names, [])}
     assert set(said) == {"look-at-currents", "look-at-tilt"}
-    assert said["look-at-currents"].endswith(
-        "this shows warm coils and an edge, and nothing of a tilted stage."
-    )
+    assert said["look-at-currents"].endswith("This shows warm coils and an edge alone.")
     assert design.advice({"coil_heating": "warm coils", "edge_time": "an edge"}, []) == []
     assert [each.code for each in design.advice({}, chosen([[0.0], [1.0]]))] == ["none-separates"]
 

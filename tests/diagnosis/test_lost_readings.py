@@ -83,6 +83,16 @@ def test_zeros_among_readings_that_are_none(make, spread):
     assert "readings are 0, far from" in note.text
 
 
+@pytest.mark.parametrize("make", [pendulum, oscillator])
+def test_zeros_of_a_curve_that_passes_zero_are_lost_where_it_is_far(make):
+    inputs, y = record(make, 1e-3)
+    far = np.flatnonzero(np.abs(y) > 0.2 * np.ptp(y))[5::23]
+    y[far] = 0.0
+    made = Series(T, y, inputs)
+    assert [note.code for note in made.own_notes] == ["lost-readings"]
+    assert {*range(N)} - {*made.rows.tolist()} == {*far.tolist()}
+
+
 def short_events(y):
     y[[40, 41, 120, 200, 201, 202, 310]] += np.ptp(y) * np.array([3, 2, 4, 3, 5, 2, 3.5])
     return y

@@ -15,7 +15,7 @@ from stickslip.diagnosis.decision.gain import held_out, measured, parts_of
 from stickslip.diagnosis.fitting.descent import End, derivatives, descend, finished, in_step
 from stickslip.diagnosis.fitting.draws import drawn
 from stickslip.diagnosis.fitting.forms import forms
-from stickslip.diagnosis.fitting.models import laplace, linear, minimise
+from stickslip.diagnosis.fitting.models import covariance_beside, laplace, linear, minimise
 from stickslip.diagnosis.fitting.problem import LOST, Cached, Problem
 from stickslip.diagnosis.fitting.search import Models, _fit_exact_again, _fit_other_forms
 from stickslip.diagnosis.model import posed
@@ -97,6 +97,14 @@ def dense(posed, name, h):
         z = 2.0 * (table.places - table.places.min(0)) / np.ptp(table.places, axis=0)
         apart = np.sum((z[:, None] - z) ** 2, axis=2)
         alike = np.exp(-0.5 * apart / math.exp(2 * h[2]))
+    if name == "slow":  # a process that is mirrored at the ends of its run
+        begin, end = ([pick(table.order[table.run == run]) for run in table.run]
+                      for pick in (np.min, np.max))  # fmt: skip
+        z = (table.order - begin) / np.subtract(end, begin)
+        for image in 2.0 * np.arange(-3, 4):
+            for apart in (np.subtract.outer(z, z), np.add.outer(z, z)):
+                alike += np.exp(-0.5 * (apart + image) ** 2 / math.exp(2.0 * h[2]))
+        alike *= table.run[:, None] == table.run
     size = 0.0 if name == "white" else np.median(posed.sd) * math.exp(h[1])
     return math.exp(2 * h[0]) * own + size**2 * alike
 
@@ -111,15 +119,16 @@ def shared_errors(posed):
 # Beside shared errors ar1 is not offered.
 @pytest.mark.parametrize(
     ("name", "shared"),
-    [*itertools.product(("exact", "white", "smooth"), (False, True)), ("ar1", False)],
-)
+    [*itertools.product(("exact", "white", "smooth"), (False, True)), ("ar1", False),
+     ("slow", False)],
+)  # fmt: skip
 def test_densities_are_those_of_the_dense_matrix(name, shared):
-    known = {"run": np.repeat([0, 1], [12, 18])} if name == "ar1" else {}
+    known = {"run": np.repeat([0, 1], [12, 18])} if name in ("ar1", "slow") else {}
     table = data(sd=np.linspace(0.05, 0.2, 30), **known)
-    if name == "ar1":
+    if known:
         table.order = table.order + np.where(table.order > 20, 3.5, 0.0)  # a gap
     posed = shared_errors(problem(table)) if shared else problem(table)
-    form = forms(posed)[name]
+    form = forms(posed, [name])[name]
     h = np.array([0.3, 0.8, math.log(0.07 if name == "ar1" else 0.8)])[: len(form.names)]
     covariance = dense(posed, name, h)
     residual = np.random.default_rng(1).standard_normal((3, 30))
@@ -128,6 +137,20 @@ def test_densities_are_those_of_the_dense_matrix(name, shared):
     columns = np.random.default_rng(2).standard_normal((30, 4))
     wanted = columns.T @ np.linalg.solve(covariance, columns)
     assert form.gram(form.prepared(columns), h) == pytest.approx(wanted, rel=1e-7)
+
+
+@pytest.mark.parametrize(("waves", "wider"), [(0.7, 1.8), (40.0, 1.0)])
+def test_a_slow_rest_leaves_more_of_a_size_open_and_a_fast_one_does_not(waves, wider):
+    error = 0.5 * np.sin(2.0 * np.pi * waves * (X - 1.0) / 2.0 + 1.0)
+    posed = problem(data(0.6 * np.sin(5.0 * X) + error, run=np.zeros(30)), [WAVE])
+    form = forms(posed)["ar1"]
+    fit = finished(posed, minimise(posed, form, [WAVE], np.zeros(posed.size)))
+    whole = covariance_beside(posed, fit)
+    # An upper bound of the fit's own, in all directions.
+    assert np.linalg.eigvalsh(whole - fit.covariance).min() > -1e-9
+    assert np.sqrt(whole[-1, -1] / fit.covariance[-1, -1]) == pytest.approx(wider, abs=0.3)
+    exact = finished(posed, minimise(posed, forms(posed)["exact"], [WAVE], np.zeros(posed.size)))
+    assert covariance_beside(posed, exact) is exact.covariance
 
 
 def test_estimated_errors_have_students_law():

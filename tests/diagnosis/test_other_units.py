@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stickslip import Series, diagnose_model, models
+from stickslip import Series, Table, diagnose_model, models
 from stickslip._util.units import mistaken
 
 J, B, STEP = 0.012, 0.02, 0.01
@@ -80,6 +80,7 @@ def test_units_that_are_stated_are_not_doubted(tmp_path):
     assert found(log).verdict.kind != "data-problem"
     stated = Series((1e3 * T).astype("m8[ms]"), T, {"torque": T}, unit="rad/s")
     assert stated.unstated == ["torque"]
+    assert Table({"t": (1e3 * T).astype("m8[ms]"), "x": T}, T, unit="m").unstated == ["x"]
 
 
 def test_a_model_of_ones_own_and_arrays_are_asked_the_same(tmp_path):

@@ -21,15 +21,14 @@ from stickslip.diagnosis.entry import diagnose_model
 from stickslip.diagnosis.pipeline import run
 from stickslip.diagnosis.report.files import figures_of, page
 from stickslip.diagnosis.report.numbers import WORDS, notes_of, numbers_of, reference
-from stickslip.diagnosis.report.pictures import drawing
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.terms import amounts
-from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.cause import Cause, CauseNote
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.diagnosis.terms.words import Vocabulary, Words
 from stickslip.scenario.scenario import load
 from stickslip.walker.film import FilmTable
-from stickslip.walker.problem import posed_by, vocabulary
+from stickslip.walker.problem import drawing, posed_by, vocabulary
 from toys import LEVEL, SLOPE, STEP, WAVE, data, line, problem
 
 KEYS = {name for names in reference() for name in names.split(", ")}
@@ -100,7 +99,7 @@ def test_the_reference_has_each_word_that_is_written(results):
 
 
 def test_a_leader_that_takes_most_is_told_first_though_it_is_not_named(rough):
-    reason = Note("pattern-left", "What bump leaves follows the settings: it is no scatter.")
+    reason = CauseNote("pattern-left", "What {} leaves follows the settings.", ["bump"])
     first = {}
     for name in ("bump", "wave"):
         leader = rough.findings.models.get([name])
@@ -326,12 +325,15 @@ def wave_of(cause, **names):
     return diagnose_model(predict, Table({"x": x}, y, sd=0.1, **names), [SLOPE], [cause])
 
 
-def test_a_cause_of_one_letter_is_no_part_of_a_word():
-    words = Words(Vocabulary(), [Cause("s", frees="s")])
-    assert words.in_titles("s takes the model's error") == (
-        "another s than stated takes the model's error"
-    )
-    assert words.in_titles("left (p = 0)") == "left (p < 10⁻¹²)"
+@pytest.mark.parametrize("name", ["error", "s", "{}", "model's"])
+def test_a_note_has_a_cause_in_words_and_its_other_words_as_they_are(name):
+    words = Words(Vocabulary(), [Cause(name, frees=name)])
+    note = CauseNote("small-share", "{} takes 3 % of the model's error; {} none.", [name, "none"])
+    assert str(note) == f"{name} takes 3 % of the model's error; none none."
+    said = f"another {name} than stated takes 3 % of the model's error; no cause none."
+    assert words.note(note) == said
+    assert words.note(Note("plain", "A {} of error.")) == "A {} of error."
+    assert note.as_dict().keys() == {"code", "text", "value"}
 
 
 @pytest.mark.parametrize(
@@ -426,7 +428,6 @@ def test_an_amount_ends_at_the_second_digit_of_its_error(value, sd, said):
 
 
 def test_each_cause_of_the_library_has_its_drawing():
-    symbols = vocabulary().drawings
-    assert drawing(symbols, "no such thing") == ""
+    assert drawing("no such thing") == ""
     for name, each in vocabulary().causes.items():
-        assert drawing(symbols, each["drawing"]), name
+        assert drawing(each["drawing"]), name

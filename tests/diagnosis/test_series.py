@@ -18,9 +18,11 @@ from stickslip import (
     events,
     instruments,
 )
+from stickslip.diagnosis.data.errors import of_one_meter
 from stickslip.diagnosis.data.series import with_repeats
 from stickslip.diagnosis.fitting.forms import Correlated
 from stickslip.diagnosis.fitting.problem import Problem
+from stickslip.diagnosis.fitting.scatter import with_scatter
 from stickslip.diagnosis.model import posed
 
 STEP, COUNT, NOISE = 0.2, 200, 0.02
@@ -164,6 +166,50 @@ def test_repeats_tell_the_error_and_correlation_costs_degrees_of_freedom():
         assert errors.dof == pytest.approx(wanted, rel=0.5)
 
 
+@pytest.mark.parametrize("told_by", ["curve", "fit"])
+@pytest.mark.parametrize(
+    ("noise", "units", "shared"),
+    [
+        ((1.0, 1.0, 1.0), "VVV", True), ((1.0, 1.0, 5.0), "VVV", False),
+        ((1.0, 1.0, 5.0), "VVA", [True, True, False]),
+    ],
+)  # fmt: skip
+def test_records_of_one_unit_share_an_error_unless_a_test_tells_them_apart(
+    told_by, noise, units, shared
+):
+    records = [
+        made(count, 20 + k, noise=NOISE * size, unit=unit, name=f"{k}",
+             u=None if told_by == "curve" else random(k).uniform(-20.0, 20.0, count))
+        for k, (count, size, unit) in enumerate(zip((150, 90, 200), noise, units, strict=True))
+    ]  # fmt: skip
+    problem = with_scatter(posed(records, tank, [RATE, START], [DRAG]), 0)
+    found = [errors.sizes["s0"] for errors in problem.errors]
+    # A fit tells an error to 1 / sqrt(2 * 90), a curve to 1 / sqrt(2 * 90 / 8) and a part beside.
+    assert found == pytest.approx(NOISE * np.array(noise), rel=0.45)
+    assert {note.code for e in problem.errors for note in e.notes} == {
+        "noise-smooth" if told_by == "curve" else "noise-fit"
+    }
+    assert [found.count(one) > 1 for one in found] == np.broadcast_to(shared, 3).tolist()
+    # Readings of all that share an error tell it.
+    dof = [errors.dof for errors in problem.errors]
+    assert (dof[0] == dof[1]) == (shared is not False)
+
+
+def test_equal_errors_are_told_apart_as_seldom_as_stated_and_in_any_unit():
+    dof = np.array([4.0, 30.0, 8.0])
+    sizes = np.sqrt(random(30).chisquare(dof, (4000, 3)) / dof)
+    found = [of_one_meter(["V"] * 3, sd, 10.0 * dof, dof) for sd in sizes]
+    apart = np.array([len(set(sd)) > 1 for sd, _ in found])
+    # At 1 in 1000 more than 12 of 4000 come once in a thousand times.
+    assert apart.sum() <= 12
+    sd, readings = found[int(np.argmin(apart))]
+    assert sd[0] ** 2 == pytest.approx(dof @ sizes[int(np.argmin(apart))] ** 2 / 42.0)
+    assert readings == [420.0] * 3
+    for scale in (1e-150, 1e150):
+        again, _ = of_one_meter(["V"] * 3, scale * sizes[0], 10.0 * dof, dof)
+        assert again == pytest.approx(scale * np.array(found[0][0]))
+
+
 @pytest.mark.parametrize(
     ("wild", "left_out"),
     [({7: 900.9}, True), ({7: -900.0, 20: -910.0, 31: -920.0}, True), ({7: 3.0}, False),
@@ -270,3 +316,82 @@ def test_a_correlated_discrepancy_and_its_kept_rows_beside_dense_matrices():
     own, inner = form.of_rows(kept), covariance[np.ix_(kept, kept)]
     dense = columns[kept].T @ np.linalg.solve(inner, columns[kept])
     assert own.gram(own.prepared(columns), h) == pytest.approx(dense, rel=1e-9)
+
+
+def test_a_correlated_discrepancy_along_the_mean_of_runs_beside_a_dense_matrix():
+    """Five runs over the same twelve settings, of which some were missed, beside another table."""
+    x, run = np.tile(np.arange(12.0), 5), np.repeat(np.arange(5), 12)
+    used = np.setdiff1d(np.arange(60), [3, 14, 40])
+    noise = np.cumsum(random(16).standard_normal((5, 12)), axis=1).ravel()
+    table = Table({"x": x[used]}, (x + 0.1 * noise)[used], run=run[used], name="runs")
+    other = Table({"x": np.arange(4.0)}, np.zeros(4), sd=0.3, name="other")
+    for tables in ((table,), (table, other)):
+        count = sum(len(one.mean) for one in tables)
+        problem = Problem(tables, np.zeros_like, ())
+        form, h = Correlated(problem), np.log([0.7, 2.0, 0.04])
+        covariance = np.diag((0.7 * problem.sd) ** 2)
+        s = 2.0 * np.median(table.errors.sd)
+        apart = np.abs(np.subtract.outer(table.order, table.order)) / 11.0
+        covariance[:12, :12] = 0.49 * table.errors.covariance + s**2 * np.exp(-apart / 0.04)
+        columns = random(17).standard_normal((count, 3))
+        dense = multivariate_normal(np.zeros(count), covariance).logpdf(columns.T)
+        assert form.density(columns.T, h) == pytest.approx(dense, rel=1e-9)
+        kept = np.setdiff1d(np.arange(count), [0, 5, 6, count - 1])
+        own = form.of_rows(kept)
+        dense = columns[kept].T @ np.linalg.solve(covariance[np.ix_(kept, kept)], columns[kept])
+        assert own.gram(own.prepared(columns), h) == pytest.approx(dense, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("settings", "runs", "run", "place"),
+    [
+        ("abcabc", "111222", [0, 0, 0], [0, 1, 2]),  # repeats of one run
+        ("abcac", "11122", [0, 0, 0], [0, 1, 2]),  # with a gap
+        ("bcdab", "11122", [0, 0, 0, 0], [1, 2, 3, 0]),  # that overlap
+        ("abxyabxy", "11223344", [0, 0, 1, 1], [0, 1, 2, 3]),  # two runs, each repeated
+        ("abcd", "1122", [0, 0, 1, 1], [0, 1, 2, 3]),
+        ("abccba", "111222", None, None),  # up and down
+        ("aba", "111", None, None),
+        ("abdacd", "111222", None, None),  # b and c in either order
+    ],
+)
+def test_conditions_that_repeat_in_several_runs_keep_them(settings, runs, run, place):
+    table = Table({"x": list(settings)}, random(18).standard_normal(len(runs)), run=list(runs))
+    if run is None:
+        assert table.run is table.order is None
+        return
+    assert table.run.tolist() == run
+    ranks = np.argsort(np.argsort(table.order))
+    assert ranks.tolist() == place
+
+
+def test_a_cause_is_named_beside_what_a_model_misses_in_each_of_several_runs():
+    """Five runs over the same places, along which the model is wrong by a correlated 0.08."""
+    x, run = np.tile(np.linspace(0.0, 4.0, 40), 5), np.repeat(np.arange(5), 40)
+    missed = 0.08 * lfilter([0.6], [1.0, -0.8], random(19).standard_normal(60))[20:]
+    y = 1.05 * x + 0.5 * np.sin(2 * x) + missed[np.tile(np.arange(40), 5)]
+    table = Table({"x": x}, y + 0.02 * random(20).standard_normal(200), run=run)
+
+    def model(table, p):
+        at = table["x"]
+        return p["slope"] * at + p["height"] * np.sin(2 * at) + p["bend"] * at**2
+
+    causes = [Cause(name, Parameter(key, low=-5.0, high=5.0, size=size))
+              for name, key, size in (("wave", "height", 0.5), ("bow", "bend", 0.1))]  # fmt: skip
+    result = diagnose_model(model, table, [Parameter("slope", Prior("normal", 1.0, 0.1))], causes)
+    assert (result.verdict.kind, result.verdict.causes) == ("dominant", ("wave",))
+    low, high = result.conf_int(0.998).loc["height", ["low", "high"]]
+    assert low < 0.5 < high
+
+
+def test_the_time_of_an_edge_is_no_finer_than_the_readings():
+    t = np.arange(40.0)
+    y = 1.0 * (t > 20.3) + 0.001 * np.random.default_rng(3).standard_normal(40)
+    causes = [events.step(1.0, 0.0, 39.0), events.pulse(1.0, 0.0, 39.0, 20.0)]
+    level = Parameter("level", Prior("normal", 0.0, 0.1), cause=False)
+    found = diagnose_model(lambda s, p: p["level"] + 0.0 * s["t"], Series(t, y, sd=0.001), [level],
+                           causes)  # fmt: skip
+    assert found.verdict.causes == ("step",)
+    low, high = found.conf_int().loc["step.time", ["low", "high"]]
+    assert low < 20.0 < 21.0 < high  # all places in the gap are alike
+    assert found.params.loc["step.height", "sd"] < 0.001

@@ -95,6 +95,15 @@ def test_twins_are_a_set_and_two_causes_a_pair():
     assert (pair.kind, pair.causes) == ("pair", ("step", "wave"))
 
 
+def test_three_causes_are_said_where_two_leave_a_misfit():
+    result = found(data(extra(wave=0.6, step=0.9, bend=1.4)))
+    assert (result.verdict.kind, result.verdict.causes) == ("pair", ("bend", "step", "wave"))
+    # A third is not tried where two explain the data.
+    assert max(len(names) for names, _ in result.models.best) == 3
+    pair = found(data(extra(wave=0.6, step=0.8)))
+    assert max(len(names) for names, _ in pair.models.best) == 2
+
+
 def test_shuffled_readings_have_no_name():
     table = data(extra(wave=0.6))
     order = np.random.default_rng(3).permutation(30)
@@ -201,7 +210,8 @@ def test_two_causes_that_nothing_held_out_proves_are_left_open(size):
     verdict = result.verdict
     sure = [name for name in ("first", "last") if verdict.probabilities[name] > 0.95]
     assert sure == (["first"] if size == 0.5 else ["first", "last"])
-    assert posterior(result.findings.models).among_small("first") < 0.95
+    models = result.findings.models
+    assert posterior(models).among_small(models.get(["first"])) < 0.95
     assert (verdict.kind, set(verdict.causes)) == ("ambiguous", {"first", "last"})
     assert verdict.members[0].name == "first + last"
     told = result.as_dict()

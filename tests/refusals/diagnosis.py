@@ -232,6 +232,7 @@ ASKED = [
     (lambda: toy().candidate("bmup"), ["no such model was fitted", 'did you mean "bump"']),
     (lambda: toy().candidate(""" a "\n" """), "no such model was fitted"),
     (lambda: toy().propose_experiments(), ["model of one's own", "separate"]),
+    (lambda: toy().trial_table([]), ["trial_table", "a measurement", "model of one's own"]),
     (lambda: made.refused(toy()).predict([0.5]), "predict: the data allow no diagnosis"),
     (lambda: made.refused(toy()).candidate("none"), "candidate: the data allow no diagnosis"),
     (lambda: toy().save_report(5), "folder"),

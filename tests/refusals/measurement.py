@@ -91,8 +91,8 @@ TABLES = [
     ("velocity,frequenzy\n0.1,30\n", 'did you mean "frequency"'),
     ("velocity\n", "no row of data"),
     ("frequency,velocty\n30,0.1\n", '"velocty" may be meant'),
-    ("frequency,hold,velocity\n30,0.6,1e-3\n", ["line 2: hold of 0.6 T", "in mT"]),
-    ("frequency,velocity\n0.03,1e-3\n", ["frequency of 0.03 Hz", "in kHz"]),
+    ("frequency,hold,velocity\n30,0.6,1e-3\n", ["line 2: hold of 0.6 T", "(mT)"]),
+    ("frequency,velocity\n0.03,1e-3\n", ["frequency of 0.03 Hz", "(kHz)"]),
     ("velocity,velocity\n1,1\n", "twice"),
     ("velocity,order\n1e-3,23:50\n1e-3,00:10\n", "in column order are more than 12 h apart"),
     ("velocity,frequency,drive.frequency\n1,30,30\n", '"frequency" is there twice'),
@@ -113,25 +113,28 @@ TABLES = [
         )
     ),
     ("velocity,frequency\nnan,30\nfast,30\n", "no row is sound"),
-    ("velocity,frequency\n910,10\n920,20\n930,30\n", "if they are in um/s, divide"),
+    (
+        "velocity,frequency\n910,10\n920,20\n930,30\n",
+        'state its unit, as "velocity (mm/s)" or "velocity (um/s)"',
+    ),
 ]
 STATIC = [
-    ("angle", "Bx,Bz,theta\n1e-3,0,0\n2,0,0\n", "line 3, column Bx = 2 T: allowed is at most 1 T"),
+    ("angle", "Bx,Bz,theta\n1e-3,0,0\n2,0,0\n", "line 3: Bx of 2 T is above 1 T"),
     ("field", "xp,xm,yp,ym,clamp,x,y,z,Bx,By,Bz\n" + 8 * "1.5," + "0,0,9.99\n",
-     ["velocity.csv: line 2, column x = 1.5 m", "numbers in mm by 1e3"]),
+     ["velocity.csv: line 2: x of 1.5 m", 'state its unit, as "x (mm)"']),
     ("field", "xp,xm,yp,ym,clamp,x,y,z,Bx,By,Bz\n" + 8 * "0," + "0,0,9.99\n",
-     ["velocity.csv: line 2, column Bz = 9.99 T", "cell of a saturated reading empty"]),
+     ["velocity.csv: line 2: Bz of 9.99 T", "cell of a saturated reading empty"]),
 ]  # fmt: skip
 NORMAL = Prior("normal", 1e-5, 1e-6)
 GIVEN = [
     ("no velocity", {"table": TABLE.rename(columns={"velocity": "v"})},
      'column "velocity" is missing; there are'),
     ("wrong unit", {"table": pd.concat([TABLE] * 3, ignore_index=True).assign(peak=0.5)},
-     "rows 0, 1, 2, 3, 4, ...: peak of 0.5 T is above 0.1 T; if"),
+     "rows 0, 1, 2, 3, 4, ...: peak of 0.5 T is above 0.1 T: state"),
     ("twice", {"table": pd.concat([TABLE, TABLE[["mode"]]], axis=1)},
      'column "mode" is there twice'),
     ("list", {"table": [1.0]}, "allowed is a DataFrame"),
-    ("empty", {"table": TABLE.iloc[:0]}, "DataFrame: has no row of data"),
+    ("empty", {"table": TABLE.iloc[:0]}, "DataFrame: is empty: there is no row of data"),
     ("error", {"velocity_sd": 2.0}, "velocity_sd = 2.0: allowed is a number above 0"),
     ("typo", {"uncertain": {"drag.liner": NORMAL}}, "drag.linear"),
     ("no sd", {"uncertain": {"drag.linear": {"mean": 1.0}}}, "allowed is { mean, sd }"),

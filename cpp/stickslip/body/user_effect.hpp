@@ -25,9 +25,9 @@ struct WrenchState {
 
 /// state: WrenchState in its order. parameters: in the order of UserEffect::parameters. wrench: to
 /// be filled with the force at the centre of mass, Fx and Fz in N in the world's frame, and the
-/// torque in N m, nose-down positive. It has to be a pure function, as it is called for trial
-/// states too, in any order and on several threads at a time. What it throws ends the simulation
-/// and is thrown by it.
+/// torque in N m, nose-down positive; what is left unwritten is not finite. It has to be a pure
+/// function, as it is called for trial states too, in any order and on several threads at a time.
+/// What it throws ends the simulation and is thrown by it.
 using WrenchFunction =
     std::function<void(const double* state, const double* parameters, double* wrench)>;
 

@@ -157,7 +157,9 @@ void Dynamics::add_user_effects(double tau, const PlanarField& field, double x, 
         now_.start + tau, sign * x, z, pose.angle + quadrant_ * kQuarterTurn, sign * vx, vz, omega,
         sign * field.bx,  field.bz};
     for (const UserSetting& each : model_->user_effects) {
-        std::array<double, 3> wrench = {};
+        // A compiled function that fails, such as numba's after a division by zero, writes nothing.
+        std::array<double, 3> wrench;
+        wrench.fill(std::numeric_limits<double>::quiet_NaN());
         each.effect->function(state.data(), each.values.data(), wrench.data());
         if (!std::isfinite(wrench[0]) || !std::isfinite(wrench[1]) || !std::isfinite(wrench[2])) {
             throw WrenchNotFinite(each.effect->name, state[0]);

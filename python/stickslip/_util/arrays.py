@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip._util.messages import check_whole, refuse, shown, suggestion
 from stickslip._util.note import Note
 from stickslip._util.text import is_number
-from stickslip._util.units import quantity_of, ratio, without_delta, zero_of
+from stickslip._util.units import quantity_of, ratio, to_si, without_delta, zero_of
 from stickslip.errors import ScenarioError
 
 Array = NDArray[np.float64]
@@ -329,10 +329,14 @@ def conversions(at: str, given: Mapping[str, tuple[Any, str | None]]) -> list[No
         change = carried is not None and conversion(name, carried, unit, name == "sd")
         if change and change.changes:
             made[name] = str(change)
-    if not made:
-        return []
+    return converted(at, made)
+
+
+def converted(at: str, made: Mapping[str, str]) -> list[Note]:
+    """A note on conversions by the name of the column, if there are any."""
     text = ", ".join(f"{name} {change}" for name, change in made.items())
-    return [Note("converted", f"{at}converted as their units say: {text}.", len(made))]
+    note = Note("converted", f"{at}converted as their units say: {text}.", len(made))
+    return [note] if made else []
 
 
 def without_unit(values: Any) -> tuple[Any, str | None]:
@@ -380,8 +384,7 @@ class Conversion(NamedTuple):
     def __call__(self, array: Array) -> Array:
         if not self.changes:
             return array
-        scaled = array / self.per if self.per >= 1.0 else array * (1.0 / self.per)
-        return np.asarray(scaled + (self.zero - self.wanted_zero))
+        return np.asarray(to_si(array, self.per) + (self.zero - self.wanted_zero))
 
     def __str__(self) -> str:
         return f"from {self.unit} to {self.wanted or 'no unit'}"

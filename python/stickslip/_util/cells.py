@@ -81,15 +81,6 @@ def text_lines(data: bytes) -> Iterator[str]:
             yield line.rstrip("\n")
 
 
-def csv_line(line: str, cells: list[str]) -> str:
-    """A line of these cells between commas; the given one if it has just these."""
-    if [cell.strip() for cell in next(_reader([line], ","), [])] == cells:
-        return line
-    file = io.StringIO()
-    csv.writer(file, lineterminator="").writerow(cells)
-    return file.getvalue()
-
-
 _BLOCK = 1 << 12  # lines; chosen: few enough for the room of their cells
 _UNUSUAL = re.compile(r'["#_]')
 
@@ -110,11 +101,11 @@ class Block(NamedTuple):
 class CsvTable:
     """The header of a CSV file and, by `blocks`, the rows below it.
 
-    Commas, semicolons or tabs separate the cells; a first line such as ``sep=;`` says which. Lines
-    above the header that begin with # are comments; lines that name none of `columns` are skipped,
-    if one below them does. If the first line that is no comment has a number, the header is the
-    last comment that has as many cells, names one of `columns` and has no number, as
-    `numpy.savetxt` writes it. A row of units below the names belongs to them.
+    Commas, semicolons or tabs separate the cells; a first line such as ``sep=;`` says which. The
+    header is the first of some fifty lines that names one of `columns`; where none does, the first
+    one that is no comment. If that has a number, the last comment above it with as many cells, a
+    name and no number is the header, as `numpy.savetxt` writes it. A row of units below the names
+    belongs to them.
 
     Parameters
     ----------
@@ -127,14 +118,12 @@ class CsvTable:
     line : int
         Line of the header, from 1; 0 in a file without.
     header : list of str
-        Names of the columns as they stand there, "" for a column without one.
+        Headings as they stand there with their units, "" for a column without one.
     separator : str
-    comments : int
-        Comments below the header, as far as `blocks` has come.
-    beyond : int
-        Empty columns beyond the header, the same.
     above : int
-        Lines above the header that are none.
+        Lines above the header that are no comments.
+    comments, beyond : int
+        Comments below the header, and empty columns beyond it, as far as `blocks` has come.
 
     Raises
     ------

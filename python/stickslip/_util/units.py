@@ -7,8 +7,14 @@ import math
 import re
 import unicodedata
 from collections.abc import Iterable
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from stickslip._util.messages import nearest
+
+Numbers = TypeVar("Numbers", float, NDArray[np.float64])
 
 _PREFIXES = {"k": 1e-3, "m": 1e3, "u": 1e6, "µ": 1e6, "μ": 1e6, "n": 1e9}
 """How many of the prefixed unit are one; both signs of micro."""
@@ -154,6 +160,13 @@ def split_unit(heading: str) -> tuple[str, str | None]:
     return (name, unit) if parted else (heading, None)
 
 
+def ended(heading: str) -> list[tuple[str, str]]:
+    """A heading as name and unit, where blanks or an underscore may be between: ``speed_rpm``."""
+    pairs = [heading.rpartition(sign)[::2] for sign in ("_", " in ", " ")]
+    return [(name.rstrip(", "), unit.strip()) for name, unit in pairs
+            if name and "(" not in unit and is_unit(unit)]  # fmt: skip
+
+
 def per_si(unit: str, si: str) -> float:
     """How many of a unit are one of an SI unit; a ValueError lists those of the same quantity."""
     known = dict.fromkeys(("-", "1", ""), 1.0) | {"%": 100.0} if _is_pure(si) else _known(si)
@@ -168,6 +181,8 @@ def per_si(unit: str, si: str) -> float:
         raise ValueError("allowed is no unit, or %")
     if meant is not None and of is not None and {meant[1], of[1]} == {_BASES["Hz"][1], _TURNS}:
         hint = "; Hz does not say whether it counts turns: a turn is 2 pi rad"
+    if unit.rstrip("s") in ("tick", "count") and si == "rad":
+        hint = "; of an encoder with 4096 ticks a turn, rev/4096"
     raise ValueError(f"allowed are {_listed(known)}{hint}")
 
 
@@ -194,6 +209,9 @@ def _size(unit: str) -> _Size | None:
     over, *under = _plain(unit).split("/")
     size, dimensions = 1.0, 6 * [0]
     for sign, part in ((1, over), *((-1, each) for each in under)):
+        if sign < 0 and len(part) > 1 and part.isdecimal():  # rev/4096, a tick of an encoder
+            size /= int(part)
+            continue
         for factor in re.split(r"[\s*·.]+", part.strip(" ()")):
             match = _FACTOR.fullmatch(factor)
             base = match and (_base(match[1]) if match[1] else _BASES["1"])
@@ -259,15 +277,13 @@ def is_of(unit: str, si: str) -> bool:
 
 def is_unit(text: str) -> bool:
     """Whether a text is a unit of a file."""
-    return any(text in _known(si) for si in _SI) or (
-        text[:1] not in "+-.0123456789" and _size(text) is not None
-    )
+    number = text[:1] in "+-.0123456789" and not text.startswith("1/")
+    return any(text in _known(si) for si in _SI) or (not number and _size(text) is not None)
 
 
 def si_of(unit: str) -> str:
     """The SI unit of the same quantity; the unit itself if it is SI or unknown."""
-    known = next((si for si in _SI if unit in _known(si)), None)
-    return unit if unit in _SI else known or quantity_of(unit) or unit
+    return unit if unit in _SI else quantity_of(unit) or unit
 
 
 def same_unit(unit: str, si: str) -> bool:
@@ -297,9 +313,9 @@ def other_units(units: Iterable[str]) -> list[tuple[str, float, float]]:
     return list(found.values()) or [("", factor, 0.0) for factor in MISTAKES]
 
 
-def to_si(value: float, per: float) -> float:
-    """A number in SI units; by an exact power of ten where there is one, so rounded once."""
-    return value / per if per >= 1.0 else value * (1.0 / per)
+def to_si(values: Numbers, per: float) -> Numbers:
+    """Numbers in SI units; by an exact power of ten where there is one, so rounded once."""
+    return values if per == 1.0 else values / per if per >= 1.0 else values * (1.0 / per)
 
 
 def _is_pure(unit: str) -> bool:
@@ -388,7 +404,7 @@ def factor_text(factor: float) -> str:
 
 def mistaken(ratio: float, within: float) -> str:
     """A sentence on a ratio that is, within a part of it, that of two units; "" of any other."""
-    factor = unit_factor(ratio, 1.0 + within, (*FACTORS, 1e4, *_TAKEN))
+    factor = unit_factor(ratio, 1.0 + within, MISTAKES)
     if factor is None or max(factor, 1.0 / factor) < _CHANGE:
         return ""
     size = max(factor, 1.0 / factor)

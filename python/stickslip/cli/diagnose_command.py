@@ -51,7 +51,7 @@ _SAID_FIRST = 3
 @click.option(
     "--model",
     metavar="NAME",
-    help="Of logs: joint, axis, pendulum, oscillator, thermal, or FILE.py:NAME. Each log is a "
+    help="Of logs: a ready-made model, such as joint or servo, or FILE.py:NAME. Each log is a "
     "record of its own.",
 )
 @click.option(
@@ -126,8 +126,7 @@ def command(
 ) -> None:
     if planned is not None:
         others = {"--model": model, "--set": set, "--next": most, "--budget": budget}
-        others["--against"] = against
-        others |= {"--write": write, "--json": as_json}
+        others |= {"--write": write, "--json": as_json, "--against": against}
         for option, value in others.items():
             if value:
                 raise click.UsageError(f"{option}: allowed without --plan only")
@@ -161,8 +160,9 @@ def command(
     if write:
         raise click.UsageError("--write: allowed with a table of data only")
     earlier = stickslip.read_measurement(against[0]) if against else None
+    sides = [data] if earlier is None else [earlier, data]
     # Before what takes minutes: a cell with a slip of the pen may be worth mending first.
-    left_out = [*(earlier.left_out if earlier else ()), *data.left_out]
+    left_out = [row for each in sides for row in each.left_out]
     for row in left_out[:_SAID_FIRST]:
         say(f"stickslip: left out: {row}", err=True)
     if len(left_out) > _SAID_FIRST:
@@ -170,7 +170,7 @@ def command(
     if out is None and (most is not None or not as_json):
         out = Path("diagnosis")
     rounds = None
-    written = report_files(data.scenario, earlier.scenario if earlier else None)
+    written = report_files(*(each.scenario for each in sides))
     if out is not None:
         with prefixed("--out", OSError):
             check_folder(out, written if most is None else [*written, *TABLES])

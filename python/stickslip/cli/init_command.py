@@ -54,18 +54,17 @@ _WIDTH = 100  # as the help of the commands
     epilog="\b\nExample:\n  stickslip init scenario.toml\n  stickslip init --model joint joint.py",
 )
 @click.argument("file", type=PATH, required=False)
-@click.option(
-    "--model",
-    type=click.Choice(["joint", "axis", "pendulum", "oscillator", "thermal"]),
-    help="A ready-made model of a log.",
-)
+@click.option("--model", metavar="NAME", help="A ready-made model of a log, such as joint.")
 def command(file: Path | None, model: str | None) -> None:
     if model is None:
         write_new("FILE", file or Path("scenario.toml"), _commented_scenario())
         return
     check_extras("--model", "models")
     from stickslip.cli.log_models import model_file
+    from stickslip.models.kinds import KINDS
 
+    if model not in KINDS:
+        raise click.UsageError(f"--model {model}: allowed is one of {', '.join(KINDS)}")
     file = file or Path(f"{model}.py")
     with prefixed("FILE", ValueError):
         check_suffix(file, (".py",))

@@ -10,51 +10,35 @@ are, and where no difference explains them, causes that both may have are tried 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+import re
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from pandas import DataFrame
 
 from stickslip._util.arrays import Array, Indices
 from stickslip._util.messages import check_whole
-from stickslip._util.note import Note
 from stickslip._util.prior import Prior
-from stickslip._util.text import OneLine, brief
 from stickslip.diagnosis.data.errors import Errors
-from stickslip.diagnosis.data.series import LOST_SENSOR, Series
+from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import Table
-from stickslip.diagnosis.entry import diagnosed, fault_of, one_blas_thread, stated_terms, units_of
-from stickslip.diagnosis.fitting import problem as problems
-from stickslip.diagnosis.fitting.other_units import unit_fault
+from stickslip.diagnosis.entry import diagnosed_with, stated_terms
+from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.rivals import Rivals
-from stickslip.diagnosis.fitting.scatter import with_scatter
 from stickslip.diagnosis.fitting.search import Progress, recalibrated
-from stickslip.diagnosis.model import (
-    Predict,
-    Values,
-    bare_problem,
-    computed_tables,
-    of_record,
-    overflows,
-    posed,
-    without_effect,
-)  # fmt: skip
+from stickslip.diagnosis.model import Predict, Values, bare_problem, posed, tables_in
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter, either_way
-from stickslip.diagnosis.terms.words import Vocabulary
+from stickslip.diagnosis.terms.words import Vocabulary, Words
 from stickslip.errors import ScenarioError
 
 SIDES = BEFORE, AFTER = "before", "after"
 _WHERE = {BEFORE: "only before", AFTER: "only after", "both": "before and after"}
 """Words behind the name of a cause, and what they mean."""
 
-Models = Callable[[Sequence[Table]], tuple[Predict, Predict | None]]
-"""The forward model of some tables, and a cheaper one."""
-
-_T = TypeVar("_T", bound=Table)
 _RELAXED = 5.0
 """Times the stated error of a constant within which it is likely: what both sides share need not be
 as stated. Chosen: twenty errors off cost eight nats, which all models pay."""
@@ -118,95 +102,43 @@ def diagnose_change(
     check_whole("seed", seed)
     tables = [*_of_side(before, BEFORE), *_of_side(after, AFTER)]
     stated = stated_terms(predict, uncertain, causes, tables)
-    with one_blas_thread():
-        absent = TwoSides.of(predict, stated[0], _differences(*stated))
-        whole = posed(tables, absent, stated[0], ())
-        tables = list(computed_tables(whole, int(seed)))
-        lost = (note for table in tables for note in table.own_notes)
-        fault = next((note for note in lost if note.code == LOST_SENSOR), None) or unit_fault(
-            whole, lambda others: bare_problem(others, absent, stated[0], ()),
-            units_of(predict), int(seed),
-        )  # fmt: skip
-        problem = posed_change(tables, lambda _: (predict, None), *stated, seed=int(seed))
-        fault = fault or absolute_fault(whole)
-        problem = problem if fault else with_scatter(problem, int(seed))
-        notes = [*overflows(problem), *without_effect(problem)]
-        return diagnosed(problem, int(seed), progress, notes, fault=fault)
+    # The names of tables are those of their sides below.
+    of_all = stated[1]
+    if isinstance(of_all, Sequence):
+        of_all = [one for one in of_all if getattr(one, "table", None) is None]
+    return diagnosed_with(
+        predict, tables, lambda _: (stated[0], of_all), int(seed), progress,
+        lambda found: posed_change(found, lambda _: predict, *stated, int(seed)),
+    )  # fmt: skip
 
 
 def _of_side(given: Any, side: str) -> list[Table]:
-    tables = [given] if isinstance(given, Table) else given
-    each = isinstance(tables, Sequence) and all(isinstance(one, Table) for one in tables)
-    if not each or not tables:
-        what = "a Table or a Series, or a list of them"
-        raise ScenarioError(f"{side} = {brief(given)}: allowed is {what}")
+    tables = tables_in(side, given)
     several = len(tables) > 1
     return [(one.having(name=f"{k}") if several and not one.name else one).of_side(side)
             for k, one in enumerate(tables, start=1)]  # fmt: skip
 
 
-def absolute_fault(whole: problems.Problem) -> Note | None:
-    """What is wrong with the data of a side; how large their errors are is asked later."""
-    tables = [one if one.errors.known else one.having(errors=replace(one.errors, dof=math.inf))
-              for one in whole.tables]  # fmt: skip
-    return fault_of(replace(whole, tables=tuple(tables), errors=()))
-
-
-def posed_change(
-    tables: Sequence[Table], models: Models, constants: Sequence[Parameter],
-    causes: Sequence[Cause], *, seed: int, alike: bool = True, words: Vocabulary | None = None,
-    sides: Callable[[TwoSides], Sides] | None = None,
-) -> problems.Problem:  # fmt: skip
-    """The problem of two sides, whose tables say of which they are.
-
-    They are `alike` where nothing but their settings tells what a table was measured with.
-    """
-    paired, words = _paired(tables) if alike else [], words or Vocabulary()
-    every = list(_differences(constants, causes, [table.name for table in tables], words))
-    listed = [one for one in every if one.side and not (paired and _undone(one))]
-    # Constants have half of the prior probability that something changed. Chosen: a machine that
-    # wears or is loaded has another constant, and seldom a new effect.
-    changes = sum(cause.changes is not None for cause in listed)
-    odds = max((len(listed) - changes) / max(changes, 1), 1.0)
-    listed = [replace(one, odds=odds if one.changes else one.odds) for one in listed]
-    fitted = [_relaxed(constant) for constant in constants]
-    if paired:
-        before = [table for table in tables if table.side == BEFORE]
-        absent, draft = (TwoSides.of(each, constants, every) for each in models(before))
-        low = None if draft.predict is None else draft
-        first = bare_problem(before, absent, constants, (), low)
-        fitted, paired = _as_before(first, constants, paired, seed)
-    model, cheap = (TwoSides.of(each, constants, every) for each in models(paired or tables))
-    made = posed(
-        paired or tables, model, fitted, listed,
-        low_fidelity=None if cheap.predict is None else cheap,
-        rivals=(sides or Sides)(model), words=_words(words, every),
-        laws=None if paired else lambda *_: [cause for cause in every if not cause.side],
-    )  # fmt: skip
-    return replace(made, forward=None)
-
-
-@dataclass(frozen=True, repr=False, eq=False)
-class TwoSides(OneLine):
+class TwoSides(Rivals):
     """A forward model of tables of both sides, with all differences but of instruments."""
 
-    predict: Predict | None
-    differences: tuple[Cause, ...]
-    constants: tuple[Parameter, ...]
+    def __init__(
+        self, predict: Predict, constants: Sequence[Parameter], causes: Iterable[Cause]
+    ) -> None:
+        self.predict, self.constants = predict, constants
+        self.jumps = getattr(predict, "jumps", False)
+        self.differences = [cause for cause in causes if not cause.is_instrument]
 
-    @staticmethod
-    def of(
-        predict: Predict | None, constants: Sequence[Parameter], causes: Iterable[Cause]
-    ) -> TwoSides:
-        """What a function makes of both sides; it is not called if it is None."""
-        physics = tuple(cause for cause in causes if not cause.is_instrument)
-        return TwoSides(predict, physics, tuple(constants))
+    @property
+    def cheap(self) -> TwoSides | None:
+        """The same by a cheaper model, if there is one."""
+        low = getattr(self.predict, "cheap", None)
+        return None if low is None else TwoSides(low, self.constants, self.differences)
 
-    def __call__(self, table: Table, p: Mapping[str, Array], *curves: Any) -> Array:
+    def __call__(self, table: Table, p: Mapping[str, Array]) -> Array:
         vectors, own = max(map(len, p.values()), default=1), self.values(table.side, p)
         rows = {name: np.broadcast_to(value, (vectors, 1)) for name, value in own.items()}
-        assert self.predict is not None
-        return self.predict(table, Values(rows), *curves)
+        return self.predict(table, Values(rows))
 
     def values(self, side: str, p: Mapping[str, Any]) -> dict[str, Any]:
         """Parameters of the model on a side, where absent differences are not in `p`."""
@@ -216,91 +148,107 @@ class TwoSides(OneLine):
             first, there = cause.parameters[0], cause.side in ("", side)
             acts = p.get(first.name, first.middle) != first.middle
             for one in cause.parameters:
-                name = cause.changes or old_name(one.name)
+                name, value = _old(one.name), p.get(one.name, one.middle)
                 before = own.setdefault(name, one.middle)
                 if there and one is first and not one.falls:
-                    own[name] = before + p.get(one.name, one.middle) - one.middle
+                    own[name] = before + value - one.middle
                 elif there:  # the last that acts has its shape
-                    own[name] = np.where(acts, p.get(one.name, one.middle), before)
+                    own[name] = np.where(acts, value, before)
         for constant in self.constants:
             if constant.name in own:
                 own[constant.name] = np.clip(own[constant.name], constant.low, constant.high)
         return own
 
-
-class Sides(Rivals):
-    """Both sides of the extended model; of a model of one's own the values of its parameters."""
-
-    def __init__(self, model: TwoSides) -> None:
-        self.model = model
-
     def sides(self, values: Mapping[str, Any]) -> dict[str, dict[str, float]]:
-        told = {*values, *(old_name(name) for name in values)}
-        return {side: {name: float(value) for name, value in self.model.values(side, values).items()
+        told = {*values, *map(_old, values)}
+        return {side: {name: float(value) for name, value in self.values(side, values).items()
                        if name in told} for side in SIDES}  # fmt: skip
 
     def extended(self, values: Mapping[str, Any], covariance: DataFrame | None) -> Any:
         return self.sides(values)
 
 
+def posed_change(
+    tables: Sequence[Table], make: Callable[[Sequence[Table]], Predict],
+    constants: Sequence[Parameter], causes: Sequence[Cause], seed: int, *, alike: bool = True,
+    words: Vocabulary | None = None, kind: Callable[..., TwoSides] = TwoSides,
+) -> Problem:  # fmt: skip
+    """The problem of two sides, whose tables say of which they are.
+
+    `make` returns the forward model of some tables; `kind` is that of both sides. They are `alike`
+    where nothing but their settings tells what a table was measured with.
+    """
+    paired, words = _paired(tables) if alike else [], words or Vocabulary()
+    every = list(_differences(constants, causes, [table.name for table in tables], words))
+    listed = [one for one in every if one.side and not (paired and _undone(one))]
+    # Constants have half of the prior probability that something changed. Chosen: a machine that
+    # wears or is loaded has another constant, and seldom a new effect.
+    changes = sum(one.changes is not None for one in listed)
+    odds = max(len(listed) / max(changes, 1) - 1.0, 1.0)
+    listed = [replace(one, odds=odds if one.changes else one.odds) for one in listed]
+    model = kind(make(paired or tables), constants, every)
+    made = posed(
+        paired or tables, model, [_relaxed(one, paired) for one in constants], listed,
+        low_fidelity=model.cheap, rivals=model, words=_words(words, every),
+        laws=None if paired else lambda *_: [cause for cause in every if not cause.side],
+    )  # fmt: skip
+    if paired:
+        before = [table for table in tables if table.side == BEFORE]
+        model = TwoSides(make(before), constants, every)
+        first = bare_problem(before, model, constants, (), model.cheap)
+        stated = {one.name for one in constants if one.is_stated}
+        made = replace(made, constants=_as_before(made.constants, first, stated, seed))
+    return replace(made, forward=None)
+
+
 def _differences(
-    constants: Sequence[Parameter], causes: Sequence[Cause], tables: Sequence[str] = (),
-    words: Vocabulary | None = None,
+    constants: Sequence[Parameter], causes: Sequence[Cause], tables: Sequence[str],
+    words: Vocabulary,
 ) -> Iterator[Cause]:  # fmt: skip
+    told = Words(words, causes)
     for constant in constants:
         if constant.cause and not constant.each_record:
             middle, far = constant.value(np.array([0.0, 1.0])).tolist()
             size = max(abs(far - middle), _USUAL * abs(middle))
             change = either_way(f"{constant.name} change", constant.unit, size)
-            known = words.constants if words else {}
-            title = known.get(constant.name, {}).get("name", constant.name)
-            yield Cause(change.name, (change,), f"a change of {title}", side=AFTER,
-                        changes=constant.name)  # fmt: skip
+            meaning = f"a change of {told.parameter(constant.name)}"
+            yield Cause(change.name, (change,), meaning, side=AFTER, changes=constant.name)
     for cause in causes:
         if cause.curve is not None or cause.frees is not None:
             raise ScenarioError(f"cause {cause.name}: allowed is no law of a free shape here")
-        for word in _WHERE:
-            table = None if cause.table is None else f"{word} {cause.table}"
+        for word, where in _WHERE.items():
+            table = cause.table and f"{word} {cause.table}"
             if table is None or table in tables:
-                yield _copy(cause, word, table)
+                meaning = f"{told.title(cause.name)} {where}"
+                yield replace(_copy(cause, word), table=table, meaning=meaning)
 
 
-def _copy(cause: Cause, word: str, table: str | None) -> Cause:
+def _copy(cause: Cause, word: str) -> Cause:
     """A cause that acts where a word says, with parameters of its own."""
-    parts = [replace(one, name=_named(one.name, word)) for one in cause.parameters]
-    what = cause.meaning.strip().rstrip(".") or f"“{cause.name}”"
+    names = {one.name: re.sub(r"(?=\.[^.]*$|$)", f" {word}", one.name, count=1)
+             for one in cause.parameters}  # fmt: skip
 
     def own(p: Mapping[str, Array]) -> dict[str, Array]:
-        return {old_name(one.name): p[one.name] for one in parts}
+        return {old: p[new] for old, new in names.items()}
 
     read, acts = cause.read, cause.acts
     return replace(
-        cause, name=f"{cause.name} {word}", parameters=tuple(parts), table=table,
-        meaning=f"{what} {_WHERE[word]}", side=word if word in SIDES else "",
+        cause, name=f"{cause.name} {word}", side=word if word in SIDES else "",
+        parameters=tuple(replace(one, name=names[one.name]) for one in cause.parameters),
         read=read and (lambda readings, predicted, p, of: read(readings, predicted, own(p), of)),
         acts=acts and (lambda signal, p: acts(signal, own(p))),
     )  # fmt: skip
 
 
-def _named(name: str, word: str) -> str:
-    head, dot, last = name.rpartition(".")
-    return f"{head} {word}.{last}" if dot else f"{name} {word}"
-
-
-def old_name(name: str) -> str:
+def _old(name: str) -> str:
     """The name in the model of a parameter of a difference."""
-    for word in (*_WHERE, "change"):
-        head, dot, last = name.rpartition(f" {word}")
-        if dot and (not last or last.startswith(".")):
-            return head + last
-    return name
+    return re.sub(rf" ({'|'.join(_WHERE)}|change)(?=(\.[^.]*)?$)", "", name)
 
 
 def _undone(cause: Cause) -> bool:
     """Whether a cause of the earlier side is one of the later side with the other sign."""
     first = cause.parameters[0]
-    either = first.is_amplitude and not first.one_sided and not first.falls
-    return cause.side == BEFORE and either
+    return cause.side == BEFORE and first.is_amplitude and not (first.one_sided or first.falls)
 
 
 def _words(words: Vocabulary, causes: Sequence[Cause]) -> Vocabulary:
@@ -308,34 +256,31 @@ def _words(words: Vocabulary, causes: Sequence[Cause]) -> Vocabulary:
     rows, constants = dict(words.causes), dict(words.constants)
     for cause in causes:
         name, _, word = cause.name.rpartition(" ")
-        row = words.causes.get(name) or words.constants.get(name)
-        if row is not None and cause.changes is not None:
-            constants[cause.name] = {**row, "name": cause.meaning.removeprefix("a ")}
-            rows[cause.name] = {**row, "name": cause.meaning, "finding": "", "remedy": "",
-                                "sizes": {}}  # fmt: skip
-        elif row is not None:
-            where = _WHERE[word]
-            rows[cause.name] = {**row, "name": f"{row['name']} {where}",
-                                "finding": f"{where.capitalize()}: {row['finding']}"}  # fmt: skip
-            olds = {one.name: old_name(one.name) for one in cause.parameters}
-            constants |= {new: words.constants[old] for new, old in olds.items()
-                          if old in words.constants}  # fmt: skip
+        row = (words.constants if cause.changes else words.causes).get(name)
+        if row is not None:
+            where = f"{_WHERE[word].capitalize()}: {row['finding']}" if word in _WHERE else ""
+            rows[cause.name] = {"remedy": "", "sizes": {}, **row, "name": cause.meaning,
+                                "finding": where}  # fmt: skip
+            constants |= {one.name: words.constants[_old(one.name)] for one in cause.parameters
+                          if _old(one.name) in words.constants}  # fmt: skip
+            if cause.changes:
+                constants[cause.name] = {**row, "name": cause.meaning.removeprefix("a ")}
     return replace(words, causes=rows, constants=constants)
 
 
-def _relaxed(constant: Parameter) -> Parameter:
-    """A constant that need not be as stated, and is no cause by itself."""
+def _relaxed(constant: Parameter, paired: Sequence[Table]) -> Parameter:
+    """A constant that is no cause by itself, and elsewhere than in pairs need not be as stated."""
     prior = constant.prior
     if prior is None or constant.each_record:
         return constant
     wider = {"normal": _RELAXED * prior.second, "log-normal": prior.second**_RELAXED}
-    second = wider.get(prior.kind, prior.second)
+    second = prior.second if paired else wider.get(prior.kind, prior.second)
     return replace(constant, prior=Prior(prior.kind, prior.first, second), cause=False)
 
 
 def _as_before(
-    problem: problems.Problem, constants: Sequence[Parameter], paired: Sequence[Table], seed: int
-) -> tuple[list[Parameter], list[Table]]:
+    constants: Sequence[Parameter], problem: Problem, stated: Collection[str], seed: int
+) -> tuple[Parameter, ...]:
     """The constants as the earlier side has them, as well known as they are stated.
 
     Those of which a range is stated, and those of the earlier records, to which pairs of tables
@@ -345,39 +290,28 @@ def _as_before(
     scatter = math.sqrt(fit.chi2 / max(len(problem.y) - len(fit.free), 1))
     if all(errors.known for errors in problem.errors):
         scatter = max(scatter, 1.0)
-    away = np.minimum(_WIDER * scatter * np.sqrt(np.maximum(np.diag(fit.covariance), 0.0)), 1.0)
-    known, stated = {}, {one.name for one in constants if one.is_stated}
-    for constant, x, reach in zip(problem.constants, fit.x.tolist(), away.tolist(), strict=False):
-        reach = 1.0 if constant.name in stated else reach or 1.0
-        low, value, high = constant.value(x + reach * np.array([-1.0, 0.0, 1.0])).tolist()
+    sd = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0)).tolist()
+    priors = {}
+    for one, x, error in zip(problem.constants, fit.x.tolist(), sd, strict=False):
+        reach = 1.0 if one.name in stated else min(_WIDER * scatter * error, 1.0) or 1.0
+        low, value, high = one.value(x + reach * np.array([-1.0, 0.0, 1.0])).tolist()
         prior = Prior("normal", value, max(0.5 * (high - low), _LEAST * abs(value), 1e-300))
-        if constant.prior is not None and constant.prior.kind != "normal":
+        if one.prior is not None and one.prior.kind != "normal":
             prior = Prior("log-normal", value, max(math.sqrt(high / low), 1.0 + _LEAST))
-        known[constant.name] = prior
-    fitted = [one if one.each_record else replace(one, prior=known[one.name], cause=False)
-              for one in constants]  # fmt: skip
-    own = [one for one in constants if one.each_record]
-    tables = []
-    for table in paired:
-        assert table.less is not None
-        other, order = table.less
-        is_record = isinstance(other, Series)
-        starts = {one.name: known[of_record(one, other)] for one in own if is_record}
-        tables.append(table.having(less=(other.having(starts=starts), order)))
-    return fitted, tables
+        priors[one.name] = prior
+    return tuple(replace(one, prior=priors.get(one.name, one.prior)) for one in constants)
 
 
 def _paired(tables: Sequence[Table]) -> list[Table]:
     """A table of differences for each of the later side; none unless every table has its like."""
     rest, made = [table for table in tables if table.side == BEFORE], []
-    for table in tables:
-        if table.side == AFTER:
-            orders = ((other, _order(other, table)) for other in rest)
-            like = next(((other, order) for other, order in orders if order is not None), None)
-            if like is None:
-                return []
-            rest.remove(like[0])
-            made.append(_less(table, *like))
+    for table in tables[len(rest) :]:
+        orders = ((other, _order(other, table)) for other in rest)
+        like = next(((other, order) for other, order in orders if order is not None), None)
+        if like is None:
+            return []
+        rest.remove(like[0])
+        made.append(_less(table, *like))
     return [] if rest else made
 
 
@@ -386,12 +320,11 @@ def _order(before: Table, after: Table) -> Indices | None:
     if type(before) is not type(after) or len(before.mean) != len(after.mean):
         return None
     if isinstance(before, Series) and isinstance(after, Series):
-        columns = [(before.t - before.t[0], after.t - after.t[0], after.step)]
-        if before.inputs.keys() != after.inputs.keys():
-            return None
-        columns += [(one, after.inputs[name], float(np.max(np.abs(one))))
-                    for name, one in before.inputs.items()]  # fmt: skip
-        same = all(np.all(np.abs(one - other) <= _SAME * size) for one, other, size in columns)
+        one, other = ({"t": each.t - each.t[0], **each.inputs} for each in (before, after))
+        sizes = {"t": after.step, **{name: np.max(np.abs(u)) for name, u in before.inputs.items()}}
+        same = one.keys() == other.keys() and all(
+            np.allclose(one[name], other[name], 0.0, _SAME * size) for name, size in sizes.items()
+        )
         return np.arange(len(before.mean)) if same else None
     places, keys = ({key: k for k, key in enumerate(_keys(one))} for one in (before, after))
     same = len(places) == len(before.mean) and places.keys() == keys.keys()
@@ -405,7 +338,7 @@ def _keys(table: Table) -> list[tuple[str, ...]]:
     return list(zip(*texts, strict=True)) if texts else [()] * len(table.mean)
 
 
-def _less(after: _T, before: Table, order: Indices) -> _T:
+def _less(after: Table, before: Table, order: Indices) -> Table:
     """Readings of one table less those of the conditions of another."""
     off, one, other = before.mean[order], after.errors, before.errors
     covariance, dof = None, 0.0
@@ -418,9 +351,9 @@ def _less(after: _T, before: Table, order: Indices) -> _T:
         spread = means[0] ** 2 / one.dof + means[1] ** 2 / other.dof
         dof = sum(means) ** 2 / spread if spread else math.inf
     sizes = {"s0": math.hypot(*(each.sizes.get("s0", 0.0) for each in (one, other)))}
-    notes = (*one.notes, *other.notes)
-    errors = Errors(np.hypot(one.sd, other.sd[order]), covariance, dof, sizes, notes)
+    sd = np.hypot(one.sd, other.sd[order])
     return after.having(
-        y=after.y - off[after.condition], mean=after.mean - off, errors=errors, repeat_of=None,
+        y=after.y - off[after.condition], mean=after.mean - off, repeat_of=None,
+        errors=Errors(sd, covariance, dof, sizes, (*one.notes, *other.notes)),
         less=(before, order), own_notes=(*before.own_notes, *after.own_notes),
     )  # fmt: skip

@@ -32,6 +32,8 @@ from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
 
+Terms = tuple[Sequence[Parameter], Sequence[Cause]]
+
 
 def diagnose_model(
     predict: Predict,
@@ -89,19 +91,46 @@ def diagnose_model(
     """
     check_whole("seed", seed)
     terms = partial(stated_terms, predict, uncertain, causes)
+    return diagnosed_with(predict, data, terms, int(seed), progress)
+
+
+def stated_terms(
+    predict: Predict, uncertain: Sequence[Parameter] | None, causes: Sequence[Cause], data: Any
+) -> Terms:
+    """What is stated, or what a model says of data, and the other causes."""
+    if uncertain is not None:
+        return uncertain, causes
+    if not hasattr(predict, "terms"):
+        raise ScenarioError("uncertain: allowed is a list of Parameter, or a model of `models`")
+    constants, usual = predict.terms(data)
+    return constants, [*usual, *causes] if isinstance(causes, Sequence) else causes
+
+
+def diagnosed_with(
+    predict: Predict,
+    data: Table | Sequence[Table],
+    terms: Callable[[Any], Terms],
+    seed: int,
+    progress: Progress | None,
+    change: Callable[[Sequence[Table]], Problem] | None = None,
+) -> Diagnosis:
+    """The diagnosis of data with a forward model; `change` poses another problem of the tables."""
     stated = terms(data)
     with one_blas_thread():
         problem = posed(data, predict, *stated)
-        tables = computed_tables(problem, int(seed))
+        tables = computed_tables(problem, seed)
         if tables != problem.tables:
             problem = posed(tables, predict, *stated)
         lost = (note for table in problem.tables for note in table.own_notes)
         fault = next((note for note in lost if note.code == LOST_SENSOR), None) or unit_fault(
-            problem, partial(_of_tables, predict, terms), units_of(predict), int(seed)
-        )
-        problem = problem if fault else with_scatter(problem, int(seed))
+            problem, lambda other: bare_problem(other, predict, *terms(other)), _units(predict),
+            seed,
+        )  # fmt: skip
+        if change is not None:
+            fault, problem = fault or fault_of(problem, True), change(problem.tables)
+        problem = problem if fault else with_scatter(problem, seed)
         notes = [*overflows(problem), *without_effect(problem)]
-        return diagnosed(problem, int(seed), progress, notes, fault=fault)
+        return diagnosed(problem, seed, progress, notes, fault=fault)
 
 
 def diagnosed(
@@ -113,31 +142,12 @@ def diagnosed(
     fault: Note | None = None,
 ) -> Diagnosis:
     """The diagnosis of a problem; `source` is what poses it, a `fault` what is wrong with data."""
-    findings = run(problem, seed, progress or _silent, fault or fault_of(problem))
+    say = progress or (lambda fraction, stage: None)
+    findings = run(problem, seed, say, fault or fault_of(problem))
     return Diagnosis(findings, source, (*notes, *moved_constants(findings)))
 
 
-def _of_tables(
-    predict: Predict,
-    terms: Callable[[Any], tuple[Sequence[Parameter], Sequence[Cause]]],
-    tables: Sequence[Table],
-) -> Problem:
-    return bare_problem(tables, predict, *terms(tables))
-
-
-def stated_terms(
-    predict: Predict, uncertain: Sequence[Parameter] | None, causes: Sequence[Cause], data: Any
-) -> tuple[Sequence[Parameter], Sequence[Cause]]:
-    """What is stated, or what a model that has `terms` says of data, and the other causes."""
-    if uncertain is not None:
-        return uncertain, causes
-    if not hasattr(predict, "terms"):
-        raise ScenarioError("uncertain: allowed is a list of Parameter, or a model of `models`")
-    uncertain, terms = predict.terms(data)
-    return uncertain, [*terms, *causes] if isinstance(causes, Sequence) else causes
-
-
-def units_of(predict: Predict) -> dict[str, tuple[str, Sequence[str]]]:
+def _units(predict: Predict) -> dict[str, tuple[str, Sequence[str]]]:
     """What the columns of a model's logs are called, and their SI units."""
     known: dict[str, tuple[str, Sequence[str]]] = {
         READINGS: ("the readings", ()), "t": ("time", ("s",))}  # fmt: skip
@@ -152,18 +162,17 @@ def units_of(predict: Predict) -> dict[str, tuple[str, Sequence[str]]]:
 one_blas_thread = partial(threadpool_limits, limits=1, user_api="blas")
 
 
-def _silent(fraction: float, stage: str) -> None:
-    """Say nothing."""
+def fault_of(problem: Problem, known: bool = False) -> Note | None:
+    """What is wrong with the data of a problem, if anything is; each table is asked.
 
-
-def fault_of(problem: Problem) -> Note | None:
-    """What is wrong with the data of a problem, if anything is; each table is asked."""
+    Whether errors are told is not asked where they count as `known`.
+    """
     alone = len(problem.tables) == 1
     stated = problem.model(problem.physical(np.zeros((1, problem.size))))[0]
-    known = any(errors.known for errors in problem.errors)
+    known = known or any(errors.known for errors in problem.errors)
     for table, part in zip(problem.tables, problem.rows, strict=True):
         if table.less is None:
-            fault = table.problem(stated[part], alone or not known)
+            fault = table.data_fault(stated[part], alone or not known)
         else:  # a difference has no size or sign that could be wrong
             fault = table.tells_nothing(alone or not known)
         if fault is not None:

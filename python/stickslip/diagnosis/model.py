@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import inspect
 import itertools
+import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -74,10 +75,10 @@ def posed(
     Parameters
     ----------
     tables, predict, constants, causes
-        As for `diagnose_model`.
-    low_fidelity : callable, optional
-        A cheaper `predict` for searches from afar. A model that has one is a simulation, whose
+        As for `diagnose_model`. A `predict` with the attribute `jumps` is a simulation, whose
         predictions jump and cost too much for measuring how they turn.
+    low_fidelity : callable, optional
+        A cheaper `predict` for searches from afar.
     laws : callable, optional
         ``laws(problem, x)`` returns laws of a free shape as causes, at coordinates `x` of the
         recalibrated constants, for data that no listed cause explains.
@@ -94,7 +95,7 @@ def posed(
     problem = bare_problem(tables, predict, constants, causes, low_fidelity)
     words, rivals = words or problem.words, rivals or problem.rivals
     problem = replace(problem, laws=laws, words=words, rivals=rivals)
-    if low_fidelity is not None:
+    if getattr(predict, "jumps", False):
         return problem
     if np.all(_not_computed(problem, np.zeros(problem.size))):
         raise ScenarioError("predict: with the stated parameters it computes no reading")
@@ -117,29 +118,34 @@ def bare_problem(
     low_fidelity: Predict | None = None,
 ) -> Problem:
     """The same in the user's words, before anything is predicted."""
-    given = [tables] if isinstance(tables, Table) else tables
-    if (
-        not isinstance(given, Sequence)
-        or not given
-        or not all(isinstance(table, Table) for table in given)
-    ):
-        raise ScenarioError(
-            f"data = {brief(tables)}: allowed is a Table or a Series, or a list of them"
-        )
-    _check_list("uncertain", constants, Parameter)
-    _check_list("causes", causes, Cause)
-    if any(constant.prior is None for constant in constants):
-        (name, *_) = (constant.name for constant in constants if constant.prior is None)
-        raise ScenarioError(f"uncertain: {name} has no prior; an amplitude belongs to a Cause")
+    given = tables_in("data", tables)
+    lists = ("uncertain", constants, Parameter), ("causes", causes, Cause)
+    for key, each, kind in lists:
+        if not isinstance(each, Sequence) or not all(isinstance(one, kind) for one in each):
+            raise ScenarioError(f"{key} = {brief(each)}: allowed is a list of {kind.__name__}")
+    for constant in constants:
+        if constant.prior is None:
+            text = f"uncertain: {constant.name} has no prior; an amplitude belongs to a Cause"
+            raise ScenarioError(text)
     records = tuple(_records(given))
-    each = _of_each_record(constants, records)
-    named = tuple(beside_constants(causes, each))
-    _check_names(records, each, named)
+    fitted = _of_each_record(constants, records)
+    named = tuple(beside_constants(causes, fitted))
+    _check_names(records, fitted, named)
     _check_copies(records)
-    _check_causes(records, each, named)
-    model = ForwardModel(predict, low_fidelity, tuple(constants), (*named, *freed(each)))
+    _check_causes(records, fitted, named)
+    model = ForwardModel(predict, low_fidelity, tuple(constants), (*named, *freed(fitted)))
     _check_predict(predict, model)
-    return Problem(records, constants=each, **_of_model(model, records, each))
+    return Problem(records, constants=fitted, **_of_model(model, records, fitted))
+
+
+def tables_in(key: str, given: Any) -> Sequence[Table]:
+    """One table, or some, as a list."""
+    tables = [given] if isinstance(given, Table) else given
+    each = isinstance(tables, Sequence) and all(isinstance(table, Table) for table in tables)
+    if not each or not tables:
+        what = "a Table or a Series, or a list of them"
+        raise ScenarioError(f"{key} = {brief(given)}: allowed is {what}")
+    return tables
 
 
 def freed(constants: Sequence[Parameter]) -> list[Cause]:
@@ -160,26 +166,16 @@ def _of_model(
     draft = None
     if model.low_fidelity is not None:
         cheap = replace(model, predict=model.low_fidelity, low_fidelity=None)
-        draft = Cached(partial(_of_tables, cheap, tables, names))
+        draft = Cached(partial(cheap.of_tables, tables, names))
     return {
-        "model": Cached(partial(_of_tables, model, tables, names)), "draft": draft,
+        "model": Cached(partial(model.of_tables, tables, names)), "draft": draft,
         "causes": causes, "wider": partial(_wider, model), "forward": partial(model.of_new, names),
     }  # fmt: skip
 
 
 def _wider(model: ForwardModel, problem: Problem, more: Sequence[Cause]) -> Problem:
-    model = replace(model, causes=(*model.causes, *more))
-    return replace(problem, **_of_model(model, problem.tables, problem.constants))
-
-
-def _of_tables(
-    model: ForwardModel, tables: Sequence[Table], names: Sequence[str], values: Array
-) -> Array:
-    def of(table: Table) -> Array:
-        made = table.of_conditions(lambda whole: model(whole, names, values))
-        return made if table.less is None else made - of(table.less[0])[:, table.less[1]]
-
-    return np.hstack([of(table) for table in tables])
+    made = replace(model, causes=(*model.causes, *more))
+    return replace(problem, **_of_model(made, problem.tables, problem.constants))
 
 
 def computed_tables(problem: Problem, seed: int) -> tuple[Table, ...]:
@@ -231,6 +227,20 @@ class ForwardModel(OneLine):
         """Causes that are laws of another shape."""
         return [cause for cause in self.causes if cause.curve]
 
+    @cached_property
+    def takes_curves(self) -> bool:
+        """Whether `predict` is called with curves; defaults and ``*rest`` need none."""
+        return bool(self.laws) or not _takes(self.predict, 2)
+
+    def of_tables(self, tables: Sequence[Table], names: Sequence[str], values: Array) -> Array:
+        """Readings of the conditions of some tables, (vectors, n)."""
+
+        def of(table: Table) -> Array:
+            made = table.of_conditions(lambda whole: self(whole, names, values))
+            return made if table.less is None else made - of(table.less[0])[:, table.less[1]]
+
+        return np.hstack([of(table) for table in tables])
+
     def __call__(self, table: Table, names: Sequence[str], values: Array) -> Array:
         """Readings of a table, shape (vectors, rows), for values by name, (vectors, names).
 
@@ -239,16 +249,9 @@ class ForwardModel(OneLine):
         at = self.columns(table, names)
         vectors, inverse = np.unique(values[:, list(at.values())], axis=0, return_inverse=True)
         acting = [cause for cause in self.causes if cause.acts_in(table)]
-        absent = {
-            one.name: one.middle
-            for cause in self.causes
-            if cause not in acting and not cause.is_instrument
-            for one in cause.parameters
-        }
 
         def physics(keys: Sequence[str], rows: Array) -> Array:
             p = Values({key: locked(rows[:, [k]]) for k, key in enumerate(keys)})
-            p |= {name: locked(np.full((len(rows), 1), value)) for name, value in absent.items()}
             try:
                 return self._answer(_seen(table, acting, p), p, len(rows))
             except ScenarioError:
@@ -264,9 +267,7 @@ class ForwardModel(OneLine):
 
         What goes wrong at one vector is told with its values.
         """
-        # Defaults and `*rest` need no curves.
-        needed = self.laws or not _takes(self.predict, 2)
-        curves = (Curves(self.laws, p),) if needed else ()
+        curves = (Curves(self.laws, p),) if self.takes_curves else ()
         at = f" for table {table.name}" if table.name else ""
         values = ", ".join(f"{name} = {row[0, 0]:.6g}" for name, row in p.items())
         beside = f"{at} at {values}" if vectors == 1 and p else f"{at} and {vectors} vectors"
@@ -301,7 +302,7 @@ class ForwardModel(OneLine):
         elsewhere = {
             one.name
             for cause in self.causes
-            if not cause.acts_in(table)
+            if not cause.acts_in(table) and (cause.is_instrument or cause.side)
             for one in cause.parameters
         }
         places = {}
@@ -317,26 +318,17 @@ class ForwardModel(OneLine):
 
         A record of another name begins at the middles of its start states.
         """
-        table = conditions if isinstance(conditions, Table) else _unread(conditions)
+        table = conditions
+        if not isinstance(table, Table):
+            columns = columns_of("conditions", conditions)
+            first = conditions if columns is None else next(iter(columns.values()), [])
+            table = Table(conditions, np.zeros(np.shape(first)[:1]), sd=1.0, name="conditions")
+            if table.own_notes:
+                raise ScenarioError(f"{table.own_notes[0]} Allowed are rows without gaps")
         starts = [constant for constant in self.uncertain if constant.each_record]
         middles = [float(start.value(np.zeros(1))[0]) for start in starts]
         values = np.hstack([np.tile(middles, (len(values), 1)), values])
         return self(table, [*(start.name for start in starts), *names], values)
-
-
-def of_record(parameter: Parameter, table: Table) -> str:
-    """Name of the value that a parameter has in a record."""
-    return f"{parameter.name}[{table.name}]" if table.name else parameter.name
-
-
-def _unread(settings: Any) -> Table:
-    """A table of settings without readings."""
-    columns = columns_of("conditions", settings)
-    first = settings if columns is None else next(iter(columns.values()), [])
-    made = Table(settings, np.zeros(np.shape(first)[:1]), sd=1.0, name="conditions")
-    if made.own_notes:
-        raise ScenarioError(f"{made.own_notes[0]} Allowed are rows without gaps")
-    return made
 
 
 def _seen(table: Table, causes: Sequence[Cause], p: Mapping[str, Array]) -> Table:
@@ -347,19 +339,17 @@ def _seen(table: Table, causes: Sequence[Cause], p: Mapping[str, Array]) -> Tabl
             acting.setdefault(cause.input, []).append(cause)
     if not acting or not isinstance(table, Series):
         return table
-    signals = {name: partial(_signal, table, name, some, p) for name, some in acting.items()}
-    return table.acted_on(signals)
 
+    def signal(name: str, held: bool) -> Signal:
+        given = np.tile(table[name], (len(p[acting[name][0].parameters[0].name]), 1))
+        made = Signal.of(table.t, given, held)
+        for cause in acting[name]:
+            made = cause.acted(
+                made, {one.name: p[one.name] for one in cause.parameters}, table, given
+            )
+        return made
 
-def _signal(
-    table: Series, name: str, causes: Sequence[Cause], p: Mapping[str, Array], held: bool
-) -> Signal:
-    given = np.tile(table[name], (len(p[causes[0].parameters[0].name]), 1))
-    signal = Signal.of(table.t, given, held)
-    for cause in causes:
-        values = {one.name: p[one.name] for one in cause.parameters}
-        signal = cause.acted(signal, values, table, given)
-    return signal
+    return table.acted_on({name: partial(signal, name) for name in acting})
 
 
 def _records(tables: Sequence[Table]) -> list[Table]:
@@ -386,8 +376,10 @@ def _of_each_record(
         if not records:
             raise ScenarioError(f"parameter {parameter.name}: each_record: allowed beside a Series")
         constants += [
-            replace(parameter, name=of_record(parameter, table), cause=False, each_record=False,
-                    prior=table.starts.get(parameter.name, parameter.prior))
+            replace(
+                parameter, name=f"{parameter.name}[{table.name}]" if table.name else parameter.name,
+                cause=False, each_record=False,
+            )
             for table in records
         ]  # fmt: skip
     return tuple(constants)
@@ -457,10 +449,8 @@ def _outside(cause: Cause, tables: Sequence[Table]) -> list[Note]:
         for table in tables
         if isinstance(table, Series) and cause.acts_in(table)
     ]
-    if cause.between is None or not records:
-        return []
-    begin, end = cause.between
-    if any(begin <= last and end >= first for first, last in records):
+    begin, end = cause.between or (-math.inf, math.inf)
+    if not records or any(begin <= last and end >= first for first, last in records):
         return []
     text = (
         f"{cause.name} happens at {begin:.12g} to {end:.12g} s, outside every record: the first "
@@ -475,11 +465,6 @@ def _unchanged(problem: Problem, base: Array, changed: Array) -> Mask:
         made = problem.model(problem.physical(np.vstack([base, changed])))
     same = (made[1:] == made[0]) | (np.isnan(made[1:]) & np.isnan(made[0]))
     return np.asarray(np.all(same, axis=1))
-
-
-def _check_list(key: str, given: object, kind: type[Parameter] | type[Cause]) -> None:
-    if not isinstance(given, Sequence) or not all(isinstance(item, kind) for item in given):
-        raise ScenarioError(f"{key} = {brief(given)}: allowed is a list of {kind.__name__}")
 
 
 def _check_predict(predict: object, model: ForwardModel) -> None:
@@ -517,7 +502,9 @@ def _check_names(
     for where, names in groups.items():
         twice = [name for name, count in Counter(names).items() if count > 1]
         if twice:
-            raise ScenarioError(f"{where}: {twice[0] or 'no name'} comes twice; allowed is once")
+            hint = '; a log gets another one by .named("...")' if where == "tables" else ""
+            name = twice[0] or "no name"
+            raise ScenarioError(f"{where}: {name} comes twice; allowed is once{hint}")
 
 
 def _check_copies(tables: Sequence[Table]) -> None:

@@ -47,12 +47,17 @@ def run(
         models = Models(problem, problem.causes)
         models.add(null)
         search(models, ends, problem.causes, say, seed)
-        if problem.laws and problem.wider and models.reaches and not _explained(models):
-            say(0.8, "laws of a free shape")
-            laws = problem.laws(problem, models.null.x)
-            wider = problem.wider(problem, laws)
-            models = models.widened(wider, wider.causes)
-            search(models, [], laws, say, seed)
+        if problem.laws and problem.wider and models.reaches:
+            # Where the likeliest causes leave more than the errors as they are stated, or are one
+            # on each of two sides, which may be one that both have.
+            leader = models.leaders(1)[0]
+            plain, sides = models.get(leader.names), {cause.side for cause in leader.causes}
+            if plain is None or len(sides) > 1 or adequacy(models.problem, plain) < ADEQUATE:
+                say(0.8, "laws of a free shape")
+                laws = problem.laws(problem, models.null.x)
+                wider = problem.wider(problem, laws)
+                models = models.widened(wider, wider.causes)
+                search(models, [], laws, say, seed)
         models = with_forms(models)
     say(0.9, "deciding")
     if models.null.cost < null.cost - _BETTER:
@@ -77,18 +82,6 @@ def moved_constants(findings: Findings) -> list[Note]:
             text = f"{constant.name} is {far} from its stated value."
             notes.append(Note("constant-far", text, float(fit.x[k])))
     return notes
-
-
-def _explained(models: Models) -> bool:
-    """Whether the likeliest causes leave no more than the errors as they are stated.
-
-    One on each of two sides that are compared may be one that both have.
-    """
-    leader = models.leaders(1)[0]
-    plain = models.get(leader.names)
-    if len({cause.side for cause in leader.causes}) > 1:
-        return False
-    return plain is not None and adequacy(models.problem, plain) >= ADEQUATE
 
 
 def _with_own_errors(problem: Problem, null: Fit, seed: int) -> tuple[Problem, Fit]:

@@ -8,13 +8,15 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from stickslip._util.html import ShownBySummary
+from stickslip._util.html import ShownBySummary, page_text
 from stickslip._util.messages import refuse
 from stickslip._util.text import printable
 from stickslip.diagnosis.decision.facts import Facts
-from stickslip.diagnosis.report.files import notebook, save, save_figures
+from stickslip.diagnosis.report.files import save
 from stickslip.diagnosis.report.numbers import numbers_of, summary_text
 from stickslip.diagnosis.report.pictures import Plots
+from stickslip.diagnosis.terms import amounts
+from stickslip.diagnosis.terms.words import Words
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -48,7 +50,8 @@ class Diagnosis(Facts, ShownBySummary):
         return summary_text(self.as_dict(), self.problem.words)
 
     def _repr_html_(self) -> str:
-        return notebook(self.as_dict(), self.problem.words)
+        said = {"report": self.as_dict(), "a": amounts, "w": Words(self.problem.words)}
+        return page_text("diagnosis/report/notebook.html.j2", **said)
 
     @property
     def plot(self) -> Plots:
@@ -82,8 +85,8 @@ class Diagnosis(Facts, ShownBySummary):
     ) -> list[Path]:
         """Write the figures of the report into a folder, which is made, and return their paths.
 
-        Of each table `fit` and, but of a film, `residuals`, and `law` where there is one; none for
-        the verdict data-problem. `formats` are suffixes that matplotlib can write.
+        Of each table `fit`, of one that is drawn over a setting `residuals`, and `law` where there
+        is one; none for the verdict data-problem. `formats` are suffixes that matplotlib can write.
 
         Raises
         ------
@@ -94,4 +97,12 @@ class Diagnosis(Facts, ShownBySummary):
         """
         if not isinstance(folder, str | PathLike):
             refuse("folder", folder, "a path")
-        return save_figures(self, Path(folder), formats)
+        Path(folder).mkdir(parents=True, exist_ok=True)
+        paths = {
+            Path(folder, f"{name.replace(' ', '-')}.{suffix}"): figure
+            for name, figure in self.plot.of_tables().items() if figure is not None
+            for suffix in formats
+        }  # fmt: skip
+        for path, figure in paths.items():
+            figure.savefig(path)
+        return list(paths)

@@ -17,9 +17,10 @@ from numpy.typing import ArrayLike
 
 from stickslip import _core
 from stickslip._util.arrays import Array, in_columns, numbers
-from stickslip._util.columns import Recipe, read_table
+from stickslip._util.columns import read_table
 from stickslip._util.files import read_bytes
 from stickslip._util.messages import meant, refuse
+from stickslip._util.recipes import Recipe
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.field.arrangement import check_arrangement
 from stickslip.field.map_fit import fit_coils

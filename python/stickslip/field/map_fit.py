@@ -22,8 +22,15 @@ _FARTHEST, _STRONGEST = 1.0, 0.3
 """Largest coordinate (m) and field (T/A) that are accepted. Chosen: coils of a thousand turns on a
 centimetre make 0.1 T/A, and beyond these limits a unit is wrong."""
 
+_LONG, _FLATTEST = 0.2, 50.0
+"""Side of a box, m, from which on it is at most so many times another one. Chosen: a thin map of a
+robot's place is within decimetres, and cm for m are 100 times."""
+
 _ENTRIES = 20_000_000
 """Most numbers of the matrix of a fit, 160 MB; where points are many, the degree is limited."""
+
+ROUNDING = 1e-6
+"""Residual, of the field, below which nothing is told from another one."""
 
 _SINGULAR = 1e-7
 """Part of a harmonic's field at the points that has to be none of the harmonics before it. Chosen:
@@ -51,7 +58,8 @@ class CoilFit:
     """The harmonics of one coil: `coefficients` (T/A), the residual and the measured field.
 
     `residual` and `field` are root mean squares of one component, T/A; `points` counts, and
-    `farthest` is the index of the point with the largest residual. `errors`, shape (24,), T/A, are
+    `farthest` is the index of the point with the largest residual, which is `odd` times the median
+    (of 0 by rounding). `errors`, shape (24,), T/A, are
     those at points left out of the fit, for each of `TURNS`. `centre` and its standard deviations
     `centre_sd`, shape (6,), T/A, are Bx, By, Bz at x = y = z = 0, and dBx/dx, dBy/dy, dBz/dz there
     times the largest side of the box.
@@ -62,6 +70,7 @@ class CoilFit:
     field: float
     points: int
     farthest: int
+    odd: float
     errors: Array
     centre: Array
     centre_sd: Array
@@ -137,13 +146,16 @@ class _Basis:
         shares = q.T @ values
         left = values - q @ shares
         solution = np.linalg.solve(r, shares)
+        sizes = np.linalg.norm(left.reshape(-1, 3), axis=1)
+        usual = max(float(np.median(sizes)), ROUNDING * root_mean_square(values))
         noise = np.linalg.norm(left) / np.sqrt(len(values) - count)
         return CoilFit(
             solution / self._scale[:count],
             root_mean_square(left),
             root_mean_square(values),
             len(fields),
-            int(np.argmax(np.sum(left.reshape(-1, 3) ** 2, axis=1))),
+            int(np.argmax(sizes)),
+            float(np.max(sizes)) / usual if usual else 0.0,
             np.sqrt(errors.min(axis=0)),
             centre @ solution,
             noise * np.linalg.norm(np.linalg.solve(r.T, centre.T), axis=0),
@@ -213,6 +225,13 @@ def _check(coil: int, points: Array, fields: Array, lines: Sequence[Sequence[int
 
 
 def _check_box(low: Array, high: Array) -> None:
+    sides = high - low
+    thin, long = int(np.argmin(np.where(sides > 0.0, sides, np.inf))), int(np.argmax(sides))
+    if sides[long] > max(_LONG, _FLATTEST * sides[thin]):
+        raise ScenarioError(
+            f"{'xyz'[long]} spans {sides[long]:.3g} m and {'xyz'[thin]} {sides[thin]:.3g} m: "
+            f"allowed are {_FLATTEST:g} times as much; look at their units"
+        )
     for axis, least, most in zip("xyz", low.tolist(), high.tolist(), strict=True):
         if not least <= 0.0 <= most:
             raise ScenarioError(

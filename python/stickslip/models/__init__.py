@@ -9,20 +9,11 @@ it is said; each other effect of the model's table is a cause::
 
 from __future__ import annotations
 
-from stickslip.models.kinds import axis, joint, oscillator, pendulum, thermal
+from stickslip.models import kinds
+from stickslip.models.kinds import *  # noqa: F403
 from stickslip.models.log import read_log
 from stickslip.models.model import Model
 from stickslip.models.scalar import low_pass, own, vectorised
 
-__all__ = [
-    "Model",
-    "axis",
-    "joint",
-    "low_pass",
-    "oscillator",
-    "own",
-    "pendulum",
-    "read_log",
-    "thermal",
-    "vectorised",
-]
+__all__ = ["Model", "low_pass", "own", "read_log", "vectorised"]
+__all__ += kinds.__all__

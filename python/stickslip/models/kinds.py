@@ -7,8 +7,14 @@ of it.
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
+import numpy as np
+
+from stickslip._util.arrays import Array
+from stickslip.diagnosis.data.series import Series
+from stickslip.diagnosis.terms import instruments
+from stickslip.diagnosis.terms.instruments import delay, lag, offset
 from stickslip.models.model import Kind, Known, Model, Sensor, Term, made
 from stickslip.models.physics import (
     axis_states,
@@ -16,7 +22,10 @@ from stickslip.models.physics import (
     joint_states,
     oscillator_states,
     pendulum_states,
+    servo_states,
 )
+
+__all__ = ["axis", "joint", "oscillator", "pendulum", "servo", "thermal"]
 
 
 def _friction(force: str, of: str) -> tuple[Term, ...]:
@@ -27,9 +36,19 @@ def _friction(force: str, of: str) -> tuple[Term, ...]:
     )
 
 
+def _stribeck_speed(of: str) -> Term:
+    return Term("stribeck_speed", f"{of}/s", "speed of the Stribeck effect", 0.2, "speed")
+
+
+def _duty(record: Series, constants: Mapping[str, float]) -> Array:
+    """The duty of a servo as its log tells it."""
+    if "duty" in record.inputs or "goal" not in record.inputs:
+        return record.inputs.get("duty", np.zeros(0))
+    return constants.get("gain", 0.0) * (record.inputs["goal"] - record.y)
+
+
 def _transmission(force: str, of: str, compliance: str) -> tuple[Term, ...]:
     """Rows of a motor and its load, in units of a force and of a length."""
-    speed = Term("stribeck_speed", f"{of}/s", "speed of the Stribeck effect", 0.2, "speed")
     either = "added in positive direction, and taken off in the other"
     return (
         *_friction(force, of),
@@ -37,7 +56,8 @@ def _transmission(force: str, of: str, compliance: str) -> tuple[Term, ...]:
              0.05, "force / speed", signed=True, more=either),
         Term("asymmetry", force, "dry friction that differs by direction", 0.05, "force",
              signed=True, more=either),
-        Term("stribeck", force, "friction that falls with speed", 0.1, "force", shape=speed,
+        Term("stribeck", force, "friction that falls with speed", 0.1, "force",
+             shape=_stribeck_speed(of),
              more="stribeck exp(-(v / stribeck_speed)^2) is added to dry friction"),
         Term("quadratic", f"{force} s^2/{of}^2", "quadratic drag", 0.1, "force / speed speed"),
         Term("load", force, "a constant load", 0.1, "force", signed=True),
@@ -54,15 +74,16 @@ def _sensors(name: str, *, slow: str = "", zero: bool = False, size: float = 0.0
              meter: str = "sensor", scale: bool = True) -> tuple[Sensor, ...]:  # fmt: skip
     """Usual errors of instruments, and of the input of that name; `slow` is what lags there."""
     return (
-        *([Sensor("zero", "offset", 0.05, "reading")] if zero else []),
-        *([Sensor("scale", "scale", 0.05, "")] if scale else []),
-        Sensor(f"late {name}", "delay", size, "time", name),
-        *([Sensor(f"slow {slow}", "lag", size, "time", name)] if slow else []),
-        Sensor(f"slow {meter}", "lag", size, "time"),
+        *([Sensor("zero", offset, 0.05, "reading", has_unit=True)] if zero else []),
+        *([Sensor("scale", instruments.scale, 0.05)] if scale else []),
+        Sensor(f"late {name}", delay, size, "time", name),
+        *([Sensor(f"slow {slow}", lag, size, "time", name)] if slow else []),
+        Sensor(f"slow {meter}", lag, size, "time"),
     )
 
 
 _COUPLING = Term("coupling", "W/K", "coupling of the heater", 20.0, "loss")
+_WALL = Term("wall_coupling", "W/K", "coupling of the wall", 20.0, "loss")
 
 KINDS = {
     kind.name: kind
@@ -77,7 +98,7 @@ KINDS = {
             (("start_position", "rad"), ("start_speed", "rad/s")),
             {"speed": (1, 1), "angle": (0, 0), "load speed": (3, 1), "load angle": (2, 0)},
             {"torque": "N m"}, _sensors("torque", slow="torque", zero=True),
-            inertia="inertia", placed=frozenset({"gravity"}),
+            inertia="inertia", drives=("torque",), placed=frozenset({"gravity"}),
         ),
         Kind(
             "axis", axis_states,
@@ -97,7 +118,7 @@ KINDS = {
             (("start_position", "m"), ("start_speed", "m/s")),
             {"position": (0, 0), "speed": (1, 1), "load position": (2, 0), "load speed": (3, 1)},
             {"command": "V or N or -"}, _sensors("command", slow="motor"),
-            inertia="mass", gain="gain",
+            inertia="mass", drives=("command",), per_command="gain",
         ),
         Kind(
             "pendulum", pendulum_states,
@@ -114,8 +135,8 @@ KINDS = {
             ),
             (("start_position", "rad"), ("start_speed", "rad/s")),
             {"angle": (0, 0), "speed": (1, 1)},
-            {"pivot": "m/s^2"}, _sensors("pivot", zero=True), lever="length",
-            placed=frozenset({"length"}),
+            {"pivot": "m/s^2"}, _sensors("pivot", zero=True),
+            per_command="1 / length", placed=frozenset({"length"}),
         ),
         Kind(
             "oscillator", oscillator_states,
@@ -148,6 +169,9 @@ KINDS = {
                 Term("heater_capacity", "J/K", "a second heat store", 0.2, "capacity",
                      shape=_COUPLING,
                      more="the power warms it first; it begins at the same temperature"),
+                Term("wall_capacity", "J/K", "a wall that stores heat", 1.0, "capacity",
+                     shape=_WALL,
+                     more="the body alone warms it; it begins at the same temperature"),
                 Term("power_error", "-", "another power than asked for", 0.05, "1", signed=True,
                      more="it is 1 + this times what the log says"),
             ),
@@ -156,7 +180,44 @@ KINDS = {
             {"power": "W", "ambient": "K"},
             # Of a temperature above the surroundings, another scale is another power.
             _sensors("power", zero=True, size=0.02, meter="thermometer", scale=False),
-            inertia="capacity",
+            inertia="capacity", drives=("power",),
+        ),
+        Kind(
+            "servo", servo_states,
+            (
+                Term("inertia", "kg m^2", "inertia of the load", more="about its axis"),
+                Term("torque_constant", "N m/A", "torque constant", more="at the output"),
+                Term("resistance", "ohm", "resistance of the motor"),
+                Term("supply", "V", "supply", more="where it is no input"),
+                Term("gain", "1/rad", "gain of the loop", value=0.0, more="duty for an error"),
+                Term("damping_gain", "s/rad", "damping gain of the loop", value=0.0,
+                     more="duty for a speed"),
+                Term("hangs_at", "rad", "where the arm hangs", signed=True, value=0.0),
+                Term("gravity", "N m", "the weight of an arm", 0.1, "force", signed=True,
+                     more="mass times gravity times the distance of its centre"),
+                Term("mass_error", "-", "another mass of the arm", 0.1, "1", signed=True,
+                     more="inertia and gravity are 1 + this times what is stated"),
+                Term("armature", "kg m^2", "armature", 0.2, "inertia",
+                     more="inertia of the rotor as the output feels it"),
+                *_friction("N m", "rad"),
+                Term("load_friction", "-", "friction that grows with load", 0.05, "1",
+                     more="part of the sum of the motor's torque and of what the arm resists"),
+                Term("stribeck", "N m", "friction that falls with speed", 0.1, "force",
+                     shape=_stribeck_speed("rad")),
+                Term("backlash", "rad", "play", 0.02, "length",
+                     more="between the motor and the output, where the position is read"),
+                Term("duty_limit", "-", "a limit of the duty", 1.0, "peak", falls=True),
+            ),
+            (("start_position", "rad"), ("start_speed", "rad/s")),
+            {"position": (0, 0), "speed": (1, 1)},
+            {"goal": "rad", "duty": "- or V", "supply": "V", "torque enable": "-"},
+            (*_sensors("goal", slow="goal", zero=True), Sensor("late duty", delay, 0.05, "time",
+             "duty")),
+            inertia="inertia", drives=("goal", "duty"), command=_duty,
+            per_command="supply torque_constant / resistance",
+            placed=frozenset({"gravity", "gain"}),
+            also={"goal": ("goal position", "target", "setpoint"), "duty": ("pwm", "duty cycle"),
+                  "supply": ("voltage", "supply voltage", "input voltage", "present voltage")},
         ),
     )
 }  # fmt: skip
@@ -301,12 +362,13 @@ def oscillator(
 
 @_documented
 def thermal(*, smooth: bool = False, without: Sequence[str] = (), **known: Known) -> Model:
-    """A body that is heated: one heat store, or two.
+    """A body that is heated, or a room: one heat store, or up to three.
 
     ``capacity T' = power - loss (T - ambient) - loss_growth (T - ambient) |T - ambient|``, for a
     `Series` with the input ``power``, W, and perhaps ``ambient``. With a `heater_capacity` the
-    power warms the heater first, which warms the body by `coupling`. Each effect that is not stated
-    is a cause, and so are a wrong zero, a slow thermometer and a late power.
+    power warms the heater first, which warms the body by `coupling`; with a `wall_capacity` the
+    body warms a wall by `wall_coupling`. Each effect that is not stated is a cause, and so are a
+    wrong zero, a slow thermometer and a late power.
 
     ARGUMENTS
 
@@ -315,3 +377,29 @@ def thermal(*, smooth: bool = False, without: Sequence[str] = (), **known: Known
     Steps are exact, and of order 5 with `loss_growth`.
     """
     return made(KINDS["thermal"], "temperature", smooth, without, known)
+
+
+@_documented
+def servo(
+    *, reads: str = "position", smooth: bool = False, without: Sequence[str] = (), **known: Known
+) -> Model:
+    """A servo: a motor behind a loop that holds the position of its load, such as an arm.
+
+    ``(inertia + armature) a = torque - viscous v - friction - gravity sin(position - hangs_at)``
+    with ``torque = torque_constant / resistance (supply duty - torque_constant v)`` and ``duty =
+    gain (goal - position) - damping_gain v``, for a `Series` with the input ``goal``, rad. A
+    ``duty`` that was logged, a part of the supply, drives the motor in place of the loop; with a
+    supply of 1 it is in V. ``supply``, V, and ``torque enable``, 1 or 0, may be inputs too: without
+    it the motor has no torque. Each effect that is not stated is a cause, and so are a late or slow
+    goal, a late duty, a slow sensor, and one of a wrong zero or scale. Of inertia, torque and
+    friction only ratios act.
+
+    ARGUMENTS
+
+    Notes
+    -----
+    Stops, contacts, and where the duty meets its limit are events as of a `joint`; steps are of
+    order 5. With play the motor has a tenth of the inertia at least. Friction as in Duclusaud et
+    al., Extended friction models for servo actuators, arXiv 2410.08650 (2024).
+    """
+    return made(KINDS["servo"], reads, smooth, without, known)

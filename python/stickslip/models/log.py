@@ -5,45 +5,37 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from os import PathLike
 from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
 from stickslip._util.arrays import Array
-from stickslip._util.columns import (
-    Column,
-    Match,
-    Recipe,
-    Source,
-    SourceTable,
-    limits,
-    not_used,
-    per_heading,
-    refuse_twice,
-)
+from stickslip._util.clocks import JUMP, counted_on, times
+from stickslip._util.columns import Column, Source, SourceTable, limits
 from stickslip._util.messages import shown
 from stickslip._util.note import Note
+from stickslip._util.recipes import Entry, Match, Recipe, per_heading, refuse_twice
 from stickslip._util.text import counted, plain
 from stickslip._util.units import (
+    ended,
     is_of,
     is_quotient,
-    is_unit,
     same_unit,
     split_unit,
+    to_si,
     zero_of,
 )
-from stickslip.diagnosis.data.clocks import JUMP, counted_on, times
 from stickslip.diagnosis.data.outliers import marks_of_none
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import READINGS
 from stickslip.errors import ScenarioError
 
 _TIME, _ERROR = "t", "sd"
-_ALSO = {
-    _TIME: ("time", "timestamp", "unix", "unix time", "datetime", "clock", "date"),
-}  # what columns are called, too
+_ALSO = {_TIME: ("time", "timestamp", "unix", "unix time", "datetime", "clock", "date")}
+"""What columns are called, too."""
+
 _TURN = 2.0 * math.pi
 """Largest angle without a unit, rad. Chosen: beyond a turn it may be in degrees as well."""
 _CUT = "cut the log into two files there"
@@ -52,9 +44,6 @@ _ASKED = {"set", "setpoint", "sp", "target", "ref", "reference", "demand", "desi
           "command", "commanded", "soll"}  # fmt: skip
 _READ = {"actual", "act", "measured", "meas", "feedback", "fb", "read", "ist", "sensor"}
 """Words in the names of columns that were asked for, and of those that were read."""
-
-_FREE = "pendulum", "oscillator"
-"""Kinds that move by themselves; of the others a log without what drove them tells nothing."""
 
 _FAST = 1e-3
 """Part of a step in which all stated time constants pass that is none of their log. Chosen: nothing
@@ -74,18 +63,22 @@ class Columns(NamedTuple):
         SI units by name: one, or those of the quantities that it may be.
     needed : bool
         Whether all inputs have to be there. They are 0 otherwise.
-    assumed : frozenset
-        Inputs beside the first that are 0 where there is no column, as nothing else is stated.
-    driven : bool
-        Whether nothing happens without the first input.
+    assumed : dict
+        Inputs that have a value where there is no column, as nothing else is stated; None of one
+        that has to be there.
+    drives : tuple of str
+        Inputs of which one has to be there; the first may be known by its unit alone.
+    also : dict
+        What else columns are called.
     """
 
     reads: str
     unit: str
     inputs: Mapping[str, tuple[str, ...]]
     needed: bool = False
-    assumed: frozenset[str] = frozenset()
-    driven: bool = False
+    assumed: Mapping[str, float | None] = {}
+    drives: tuple[str, ...] = ()
+    also: Mapping[str, tuple[str, ...]] = {}
 
     @property
     def units(self) -> dict[str, tuple[str, ...]]:
@@ -104,10 +97,11 @@ class _Log(Recipe):
     """The recipe of a log of a model: its columns are known by their names, or by their units.
 
     A column is known in whatever case; ``speed_rpm`` states its unit, too. One that states its unit
-    comes before a bare counter.
+    comes before a bare counter. `wanted` is what the model takes, and `also_reads` are quantities
+    that it could read.
     """
 
-    wanted: Columns | None = None
+    wanted: Columns = field(kw_only=True)
     also_reads: Collection[str] = ()
 
     @staticmethod
@@ -117,53 +111,38 @@ class _Log(Recipe):
         if not isinstance(wanted, Columns):
             raise ScenarioError(f"model = {shown(model)}: allowed is a model of stickslip.models")
         kind = getattr(model, "kind", None)
-        wanted = wanted._replace(driven=kind is not None and kind.name not in _FREE)
         reads = tuple(getattr(kind, "reads", ()))
-        recipe = Recipe.of({name: units[0] for name, units in wanted.units.items()})
-        return _Log(recipe.entries, gaps=marks_of_none, wanted=wanted, also_reads=reads)
-
-    @property
-    def of(self) -> Columns:  # type: ignore[override]
-        """What the model takes."""
-        assert self.wanted is not None
-        return self.wanted
-
-    @property
-    def names(self) -> list[str]:
-        """All names that a column may have."""
-        return [*self.of.units, *_ALSO[_TIME]]
+        entries = {name: Entry(units[0], (*_ALSO.get(name, ()), *wanted.also.get(name, ())))
+                   for name, units in wanted.units.items()}  # fmt: skip
+        return _Log(entries, gaps=marks_of_none, wanted=wanted, also_reads=reads)
 
     def matched(self, headings: Sequence[str]) -> list[Match]:
-        """What the columns are, those that are not there apart."""
-        found = self.found([_Heading(text, *split_unit(text)) for text in headings])
-        made = [Match(text, known=False) for text in headings]
-        for column, (k, heading) in found.items():
-            units = self.of.units[column]
-            si = heading.si(units)
-            per = 1.0 if heading.unit is None else per_heading(heading.text, heading.unit, si)
-            made[k] = Match(column, si, heading.unit, per)
+        """What the columns are; a ScenarioError names one that is missing, or may be two."""
         refuse_twice(headings)
         refuse_twice([name for name in (split_unit(text)[0] for text in headings)
-                      if name in self.of.units])  # fmt: skip
+                      if name in self.entries])  # fmt: skip
+        found = self.found([_Heading(text, *split_unit(text)) for text in headings])
         # Another column may have the name of one that stated its unit behind it.
-        return [
-            match
-            if match.known or match.name not in found
-            else match._replace(name=f"{match.name} (beside)")
-            for match in made
-        ]
+        made = [Match(text, f"{text} (beside)" if text in found else text, known=False)
+                for text in headings]  # fmt: skip
+        for name, (k, heading) in found.items():
+            si = heading.si(self.wanted.units[name])
+            per = 1.0 if heading.unit is None else per_heading(heading.text, heading.unit, si)
+            made[k] = Match(heading.text, name, si, heading.unit, per)
+        return made
+
+    def check(self, columns: Sequence[Match]) -> None:
+        """Nothing more: what is missing was told by `matched`, and no name is a slip here."""
 
     def found(self, there: Sequence[_Heading]) -> dict[str, tuple[int, _Heading]]:
         """Headings, and their places, by the column that they are."""
         found: dict[str, tuple[int, _Heading]] = {}
-        for column, units in self.of.units.items():
-            names = (plain(column), *_ALSO.get(column, ()))
+        for column, units in self.wanted.units.items():
+            names = (plain(column), *self.entries[column].also)
             named = [(k, each) for k, each in enumerate(there) if plain(each.name) in names]
-            for k, each in enumerate(there):
-                name, _, unit = each.text.rpartition("_")
-                ended = _Heading(each.text, name, unit)
-                if plain(name) in names and ended.fits(units):
-                    named.append((k, ended))
+            named += [(k, way) for k, each in enumerate(there)
+                      for way in (_Heading(each.text, *parts) for parts in ended(each.text))
+                      if plain(way.name) in names and way.fits(units)]  # fmt: skip
             if named:
                 rank = [(each.unit is None, names.index(plain(each.name))) for _, each in named]
                 best = rank.index(min(rank))
@@ -173,32 +152,33 @@ class _Log(Recipe):
                     raise ScenarioError(f"columns {both} may both be {column}: allowed is one")
                 found[column] = named[best]
                 self._check_meaning(column, found[column][1], there)
-        first = next(iter(self.of.inputs), None)
-        for column in (_TIME, self.of.reads, *self.of.inputs)[:3]:
-            if column in found:
+        first = next(iter(self.wanted.inputs), None)
+        for column in (_TIME, self.wanted.reads, *self.wanted.inputs)[:3]:
+            if column in found or (column == first and found.keys() & {*self.wanted.drives}):
                 continue
             taken = {k for k, _ in found.values()}
-            units = self.of.units[column]
+            units = self.wanted.units[column]
             fit = [(k, each) for k, each in enumerate(there) if k not in taken and each.fits(units)
                    and (column == first or not each.words & _ASKED)]  # fmt: skip
             if len(fit) == 1:
                 found[column] = fit[0]
-            elif fit or column != first or self.of.driven:
+            elif fit or column != first or self.wanted.drives:
                 self._missing(column, there)
-        for column in self.of.inputs:
-            if column not in found and self.of.needed:
+        for column in self.wanted.inputs:
+            absent = self.wanted.needed or self.wanted.assumed.get(column, 0.0) is None
+            if column not in found and absent:
                 self._missing(column, there)
         return found
 
     def _check_meaning(self, column: str, found: _Heading, there: Sequence[_Heading]) -> None:
         """Refuse a name beside one of the same that was read: it may be what was asked for."""
-        if column not in (self.of.reads, *self.of.inputs):
+        if column not in (self.wanted.reads, *self.wanted.inputs):
             return
         for each in there:
             rest = each.words - {*plain(column).split()}
-            fits = each.unit is None or each.fits(self.of.units[column])
+            fits = each.unit is None or each.fits(self.wanted.units[column])
             if each is not found and rest and rest <= _READ and each.words != rest and fits:
-                unit = self.of.units[column][0]
+                unit = self.wanted.units[column][0]
                 raise ScenarioError(
                     f"columns {shown(found.text)} and {shown(each.text)} may both be the {column}: "
                     f'call the one to be used "{column} ({unit})", and the other what it is, such '
@@ -206,53 +186,48 @@ class _Log(Recipe):
                 )
 
     def _missing(self, name: str, there: Sequence[_Heading]) -> NoReturn:
-        units = self.of.units
+        units = self.wanted.units
         unit = units[name][0]
         have = ", ".join(shown(each.text) for each in there)
         other = next((each for each in self.also_reads if each != name for heading in there
                       if plain(heading.bare) == plain(each)), None)  # fmt: skip
         more = ""
-        if name == self.of.reads and other:
+        if name == self.wanted.reads and other:
             more = f'; with reads="{other}" (--set reads={other}) the model reads that'
-        if name in self.of.inputs and not self.of.needed:
+        if name in self.wanted.inputs and not self.wanted.needed:
             more = "; where nothing acted, write a column of zeros"
         raise ScenarioError(
             f'column "{name}" is missing; there are {have}: call one "{name} ({unit})"; '
-            f"allowed are {self.of}, or the same in other units{more}"
+            f"allowed are {self.wanted}, or the same in other units{more}"
         )
 
     def notes(self, table: SourceTable) -> list[Note]:
         """On columns that were told by their unit, or are missing, or are not used."""
         notes = []
-        found = {name: column for name, column in table.columns.items() if column.what.known}
-        valid = table.validity()
-        others = [column.heading for column in table.columns.values()
-                  if not column.what.known and column not in valid]  # fmt: skip
-        for name, column in found.items():
-            heading = _Heading(column.heading, *split_unit(column.heading))
-            named = {plain(name), *_ALSO.get(name, ())}
+        for name, column in table.known.items():
+            heading = _Heading(column.what.heading, *split_unit(column.what.heading))
+            named = {plain(name), *self.entries[name].also}
             if named.isdisjoint({plain(heading.name), plain(heading.bare)}):
-                text = f"{shown(column.heading)} is taken for {name}."
+                text = f"{shown(heading.text)} is taken for {name}."
                 notes.append(Note("column-by-unit", text))
-        first = next(iter(self.of.inputs), None)
-        for name in self.of.inputs:
-            if name not in found and name in (first, *self.of.assumed):
-                text, units = f"There is no column {name}: it is taken as 0.", self.of.units[name]
-                heads = [_Heading(each, *split_unit(each)) for each in others]
-                fit = [each.text for each in heads
+        others = [_Heading(text, *split_unit(text)) for text in table.others]
+        first = next(iter(self.wanted.inputs), None)
+        for name, units in self.wanted.inputs.items():
+            idle = name == first and not table.known.keys() & {*self.wanted.drives}
+            if name not in table.known and (idle or name in self.wanted.assumed):
+                value = self.wanted.assumed.get(name) or 0.0
+                text = f"There is no column {name}: it is taken as {value:g}."
+                fit = [shown(each.text) for each in others
                        if (each.unit is None and name == first) or each.fits(units)]  # fmt: skip
                 if fit:
-                    these = " or ".join(map(shown, fit))
-                    text += f' If {these} is the {name}, call it "{name} ({units[0]})".'
+                    text += f' If {" or ".join(fit)} is the {name}, call it "{name} ({units[0]})".'
                 notes.append(Note("no-input", text))
-        for name in others:
-            if plain(split_unit(name)[0]) == "error":
-                text = f"Column {shown(name)} is not used, as it may be a set point less a "
+        for each in others:
+            if plain(each.name) == "error":
+                text = f"Column {shown(each.text)} is not used, as it may be a set point less a "
                 text += f'reading: call the standard deviation of a reading "{_ERROR}".'
                 notes.append(Note("error-not-used", text))
-        # What was converted is told of all columns together.
-        read = [note for note in table.notes if note.code != "converted"]
-        return [*notes, *read, *not_used(table.name, others)]
+        return [*notes, *table.notes, *table.not_used()]
 
 
 class _Heading(NamedTuple):
@@ -269,9 +244,8 @@ class _Heading(NamedTuple):
 
     @property
     def bare(self) -> str:
-        """Its name without a unit behind an underscore."""
-        name, _, unit = self.name.rpartition("_")
-        return name if name and is_unit(unit) else self.name
+        """Its name without a unit behind an underscore or a blank."""
+        return next((name for name, _ in ended(self.name)), self.name)
 
     def si(self, units: Sequence[str]) -> str:
         """The one of the units that its own is of; the first of them, if of none."""
@@ -314,107 +288,94 @@ def read_log(path: str | PathLike[str] | Any, model: object) -> Series:
     Raises
     ------
     ScenarioError
-        If a column or unit is not known, one may have several meanings or times several units, the
-        time or an input is missing in a row, or the clock runs backwards or jumps by more than 20
-        of its steps. It names line and column.
+        If a column or a unit is not known, or may be one of several; if a row has no time or lacks
+        an input; or if the clock runs backwards, or jumps by more than 20 of its steps.
     """
     source = path if isinstance(path, Source) else Source(path)
     recipe = _Log.of_model(model)
-    wanted, table = recipe.of, source.read(recipe)
-    columns = {name: column for name, column in table.columns.items() if column.what.known}
+    wanted, table = recipe.wanted, source.read(recipe)
     notes = recipe.notes(table)
-    t, told, stated = times(columns[_TIME], table.path, table.lines)
+    t, told, stated = times(table.columns[_TIME], table.path, table.lines)
     table, t = _whole_rows(table, t, wanted, notes)
-    columns = {name: column for name, column in table.columns.items() if column.what.known}
-    values = {name: column.values for name, column in columns.items()}
-    read = columns[wanted.reads]
-    if _ERROR in columns and columns[_ERROR].what.unit is None and read.what.unit:
-        # An error without a unit is in that of its readings.
-        values[_ERROR] = values[_ERROR] / read.what.per
-    for column in table.validity():
-        lost = np.isfinite(values[wanted.reads]) & table.not_valid(column)
-        values[wanted.reads] = np.where(lost, math.nan, values[wanted.reads])
-        if lost.any():
-            text = f"{counted(int(lost.sum()), 'reading')} left out by column {column.heading}."
-            notes.append(Note("not-valid", text, int(lost.sum())))
-    beyond = limits(read)
-    if beyond:
-        text = f"{table.at(beyond)}: {shown(read.cell(beyond[0]))} is a limit and no reading."
-        notes.append(Note("limits", text, len(beyond)))
+    values = _readings(table, wanted, notes)
     notes += told
     _check_clock(table, t)
-    bare = _bare({name: each for name, each in columns.items()
-                  if not (name == _TIME and stated)}, wanted)  # fmt: skip
-    if bare:
-        units_of = ", ".join(f"{column} in {wanted.units[column][0]}" for column in bare)
+    bare = [name for name, column in table.known.items()
+            if column.what.unit is None and name != _ERROR
+            and not (name == _TIME and stated)]  # fmt: skip
+    needed = [f"{name} in {wanted.units[name][0]}" for name in bare
+              if name == wanted.reads or {"-", "K"}.isdisjoint(wanted.units[name])]  # fmt: skip
+    if needed:
+        units_of = ", ".join(needed)
         notes.append(Note("no-unit", f"Headings without a unit are read in SI units: {units_of}."))
-    for name in (wanted.reads, *wanted.inputs):
-        turn = _TURN if columns.get(name) and columns[name].what.si == "rad" else None
-        if name in values:
-            values[name], note = counted_on(values[name], columns[name], turn, table.lines)
-            notes += [note] if note else []
     if _TIME in bare:
-        _check_fast(table, columns[_TIME], t, model)
-    unit = read.what.unit
-    shows = unit if unit and same_unit(unit, wanted.unit) else wanted.unit
-    if unit and zero_of(unit) and not same_unit(unit, "K"):  # degF is shown as degC
-        values[wanted.reads], shows = values[wanted.reads] + zero_of(unit) - zero_of("degC"), "degC"
-    inputs = _with_one_zero(values, columns, shows, wanted, notes)
-    made = [f"{name} from {each.what.unit} to {each.what.si}" for name, each in columns.items()
-            if each.what.per != 1.0]  # fmt: skip
-    notes += [Note("converted", f"Converted: {', '.join(made)}.", len(made))] if made else []
+        _check_fast(table, t, model)
+    inputs, shows = _with_one_zero(values, table.known, wanted, notes)
     name = source.path.stem if source.is_file else "log"
     log = Series(t, values[wanted.reads], inputs, values.get(_ERROR), name, unit=shows)
-    log.unstated = [READINGS if name == wanted.reads else name
-                    for name, each in columns.items()
-                    if each.what.unit is None and name != _ERROR
-                    and not (name == _TIME and stated)]  # fmt: skip
+    log.unstated = [READINGS if name == wanted.reads else name for name in bare]
     largest = float(np.max(np.abs(log.y)))
     if wanted.unit == "rad" and wanted.reads in bare and largest > _TURN:
+        heading = table.columns[wanted.reads].what.heading
         raise ScenarioError(
-            f"{table.path}: column {read.heading} has no unit and reaches {largest:.4g}: beyond a "
-            f'turn allowed is "{read.heading} (rad)" or "{read.heading} (deg)"'
+            f"{table.path}: column {heading} has no unit and reaches {largest:.4g}: beyond a turn "
+            f'allowed is "{heading} (rad)" or "{heading} (deg)"'
         )
     return log.noted(notes)
 
 
-def _bare(found: Mapping[str, Column], wanted: Columns) -> list[str]:
-    """Columns that need a unit, and state none.
-
-    An input may have none, and a temperature without one has the zero of the readings.
-    """
-    return [
-        column
-        for column in (_TIME, wanted.reads, *wanted.inputs)
-        if column in found
-        and found[column].what.unit is None
-        and (column == wanted.reads or {"-", "K"}.isdisjoint(wanted.units[column]))
-    ]
+def _readings(table: SourceTable, wanted: Columns, notes: list[Note]) -> dict[str, Array]:
+    """Numbers by column, NaN where a reading is not valid; what begins anew is counted on."""
+    columns = table.known
+    values = {name: column.values for name, column in columns.items()}
+    read = columns[wanted.reads]
+    if _ERROR in columns and columns[_ERROR].what.unit is None:
+        # An error without a unit is in that of its readings.
+        values[_ERROR] = to_si(values[_ERROR], read.what.per)
+    for column in table.validity:
+        lost = np.isfinite(values[wanted.reads]) & table.not_valid(column)
+        values[wanted.reads] = np.where(lost, math.nan, values[wanted.reads])
+        if lost.any():
+            text = f"{counted(int(lost.sum()), 'reading')} left out by column "
+            notes.append(Note("not-valid", f"{text}{column.what.heading}.", int(lost.sum())))
+    beyond = limits(read)
+    if beyond:
+        text = f"{table.at(beyond)}: {shown(read.cell(beyond[0]))} is a limit and no reading."
+        notes.append(Note("limits", text, len(beyond)))
+    for name in (wanted.reads, *wanted.inputs):
+        if name in values:
+            turn = _TURN if columns[name].what.si == "rad" else None
+            values[name], note = counted_on(values[name], columns[name], turn, table.lines)
+            notes += [note] if note else []
+    return values
 
 
 def _with_one_zero(
-    values: Mapping[str, Array],
-    found: Mapping[str, Column],
-    shows: str,
-    wanted: Columns,
-    notes: list[Note],
-) -> dict[str, Array]:
-    """Inputs by name; temperatures have the zero of the readings."""
-    inputs = {column: values[column] for column in wanted.inputs if column in values}
-    read = found[wanted.reads]
-    for column in inputs:
-        own = found[column].what.unit
-        if "K" not in wanted.units[column] or not own:
+    values: dict[str, Array], known: Mapping[str, Column], wanted: Columns, notes: list[Note]
+) -> tuple[dict[str, Array], str]:
+    """Inputs by name, with temperatures from the zero of the readings, and the readings' unit.
+
+    Readings in degF become ones in degC.
+    """
+    read = known[wanted.reads].what
+    shows = read.unit if read.unit and same_unit(read.unit, wanted.unit) else wanted.unit
+    if zero_of(read.unit) and not same_unit(str(read.unit), "K"):
+        shows, values[wanted.reads] = "degC", values[wanted.reads] + (
+            zero_of(read.unit) - zero_of("degC"))  # fmt: skip
+    inputs = {name: values[name] for name in wanted.inputs if name in values}
+    for name in inputs:
+        own = known[name].what.unit
+        if "K" not in wanted.units[name] or not own:
             continue
-        if read.what.unit is None:
+        if read.unit is None:
             raise ScenarioError(
-                f"column {read.heading} has no unit, and {found[column].heading} has one: allowed "
-                f"is one for both, such as {read.heading} ({own})"
+                f"column {read.heading} has no unit, and {known[name].what.heading} has one: "
+                f"allowed is one for both, such as {read.heading} ({own})"
             )
         if zero_of(own) != zero_of(shows):
-            inputs[column] = inputs[column] + (zero_of(own) - zero_of(shows))
-            notes.append(Note("other-zero", f"{column} is converted from {own} to {shows}."))
-    return inputs
+            inputs[name] = inputs[name] + (zero_of(own) - zero_of(shows))
+            notes.append(Note("other-zero", f"{name} is converted from {own} to {shows}."))
+    return inputs, shows
 
 
 def _whole_rows(
@@ -428,15 +389,14 @@ def _whole_rows(
         gap |= ~np.isfinite(values)
     gap[list(table.ragged)] = True
     if count > 1 and gap[-1]:
-        notes.append(Note("cut-off", f"{table.at([count - 1])}, the last, is cut off."))
+        notes.append(
+            Note("cut-off", f"{table.at([count - 1])}, the last, is left out, as it lacks a cell.")
+        )
         table, t, gap = table.kept(range(count - 1)), t[:-1], gap[:-1]
     for k in np.flatnonzero(gap)[:1].tolist():
         at = f"{table.path}: {table.word} {table.lines[k]}"
         if k in table.ragged:
-            raise ScenarioError(
-                f"{at} has {table.ragged[k]} cells, and the header {len(columns)} names: write all "
-                f"of them, or {_CUT}"
-            )
+            raise ScenarioError(f"{at} has {table.ragged[k]}: allowed is the same, or {_CUT}")
         name = next(each for each, values in strict.items() if not np.isfinite(values[k]))
         cell = shown(columns[name].cell(k))
         date = " or a date such as 2026-05-01 12:00:00.25" if name == _TIME else ""
@@ -447,7 +407,7 @@ def _whole_rows(
     return table, t
 
 
-def _check_fast(table: SourceTable, column: Column, t: Array, model: Any) -> None:
+def _check_fast(table: SourceTable, t: Array, model: Any) -> None:
     """Refuse times without a unit in whose steps all stated time constants have passed."""
     known = getattr(model, "known", None)
     terms = getattr(getattr(model, "kind", None), "every", {})
@@ -464,10 +424,11 @@ def _check_fast(table: SourceTable, column: Column, t: Array, model: Any) -> Non
                     lasts.append((sizes[one] / sizes[other]) ** power)
     step = float(np.median(np.diff(t)))
     if lasts and max(lasts) < _FAST * step:
+        name = table.columns[_TIME].what.heading
         raise ScenarioError(
-            f"{table.path}: column {column.heading} has no unit, and in steps of {step:g} s all "
-            f"that is stated is over, within {max(lasts):.3g} s: write "
-            f'"{column.heading} (ms)" or "{column.heading} (us)", or "{column.heading} (s)"'
+            f"{table.path}: column {name} has no unit, and in steps of {step:g} s all that is "
+            f"stated is over, within {max(lasts):.3g} s: write "
+            f'"{name} (ms)" or "{name} (us)", or "{name} (s)"'
         )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -116,23 +116,26 @@ class Term:
 
 @dataclass(frozen=True)
 class Sensor:
-    """A usual error of a reading or an input: `makes` is a function of `instruments`."""
+    """A usual error of a reading, or of an `input`.
+
+    `makes` is the function of `instruments`, with a unit first where it `has_unit`. A `size` of a
+    time is at least a step.
+    """
 
     name: str
-    makes: str
+    makes: Callable[..., Cause]
     size: float
-    of: str
+    of: str = "1"
     input: str | None = None
+    has_unit: bool = False
 
     def cause(self, scales: Mapping[str, float], unit: str) -> Cause:
         """As a cause of its usual size."""
-        if self.makes == "scale":
-            return instruments.scale(self.size, name=self.name)
         size = Term("", "", "", self.size, self.of).usual(scales)
-        if self.makes == "offset":
-            return instruments.offset(unit, size, name=self.name)
-        made = instruments.lag if self.makes == "lag" else instruments.delay
-        return made(size=max(size, scales["step"]), input=self.input, name=self.name)
+        if self.of == "time":
+            size = max(size, scales["step"])
+        more = {} if self.input is None else {"input": self.input}
+        return self.makes(*([unit] if self.has_unit else []), size=size, name=self.name, **more)
 
 
 @dataclass(frozen=True)
@@ -151,11 +154,19 @@ class Kind:
     inputs : dict
         Units by name.
     sensors : tuple of Sensor
-    inertia, gain, lever : str
-        Constants that make a force of the fastest derivative, and of the first input, which is
-        over `lever`.
+    inertia : str
+        Constant that makes a force of the fastest derivative.
+    drives : tuple of str
+        Inputs of which a log has to have one, as nothing happens without; none of what moves by
+        itself.
+    command : callable, optional
+        ``command(record, constants)``: what drives a record; the first input, if not given.
+    per_command : str
+        The force of a unit of the command, by constants; as `Term.of`.
     placed : frozenset of str
         Effects by which readings depend on the first start state, though another one is read.
+    also : dict
+        What else columns of logs are called, by input.
     """
 
     name: str
@@ -166,9 +177,11 @@ class Kind:
     inputs: Mapping[str, str]
     sensors: tuple[Sensor, ...]
     inertia: str = ""
-    gain: str = ""
-    lever: str = ""
+    drives: tuple[str, ...] = ()
+    command: Callable[[Series, Mapping[str, float]], Array] | None = None
+    per_command: str = "1"
     placed: frozenset[str] = frozenset()
+    also: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     @property
     def every(self) -> dict[str, Term]:
@@ -239,8 +252,10 @@ class Model(OneLine):
         """What it takes of a log, for `read_log`."""
         inputs = {name: tuple(unit.split(" or ")) for name, unit in self.kind.inputs.items()}
         # Of these a constant may be stated in place of a column.
-        assumed = frozenset(inputs) & self.kind.every.keys() - self.known.keys()
-        return Columns(self.reads, self.unit, inputs, assumed=assumed)
+        assumed = {name: term.absent for name, term in self.kind.every.items()
+                   if name in inputs and name not in self.known}  # fmt: skip
+        return Columns(self.reads, self.unit, inputs, assumed=assumed, drives=self.kind.drives,
+                       also=self.kind.also)  # fmt: skip
 
     def simulate(
         self, t: ArrayLike, inputs: Mapping[str, ArrayLike] | None = None, **values: float
@@ -304,7 +319,7 @@ class Model(OneLine):
         undone = free and not placed and first not in self.known
         causes += [sensor.cause(scales, self.unit) for sensor in kind.sensors
                    if (sensor.input is None or sensor.input in acting)
-                   and not (undone and sensor.makes == "offset")]  # fmt: skip
+                   and not (undone and sensor.makes is instruments.offset)]  # fmt: skip
         for name in self.without:
             if name not in {cause.name for cause in causes}:
                 allowed = ", ".join(cause.name for cause in causes)
@@ -332,28 +347,31 @@ class Model(OneLine):
 
     def _scales(self, records: Sequence[Series]) -> dict[str, float]:
         """Usual sizes of the log's quantities, and the stated constants."""
-        first = next(iter(self.kind.inputs))
         y = np.concatenate([record.y - record.y.mean() for record in records])
         slope = np.concatenate([_slopes(record) for record in records])
         tiny = 1e-300
         size, change = root_mean_square(y) or 1.0, root_mean_square(slope) or 1.0
-        made = {name: float(value.value(0.0)) if isinstance(value, Prior) else value
-                for name, value in self.known.items()}  # fmt: skip
+        made = {term.name: 1.0 if term.value is None else term.value
+                for term in self.kind.terms if not term.size}  # fmt: skip
+        made |= {name: float(value.value(0.0)) if isinstance(value, Prior) else value
+                 for name, value in self.known.items()}  # fmt: skip
         # Before scales, of which one is a length too.
-        per_input = made.get(self.kind.gain, 1.0) / made.get(self.kind.lever, 1.0)
+        per_command = Term("", "", "", 1.0, self.kind.per_command).usual(made)
+        first = next(iter(self.kind.inputs))
+        command = self.kind.command or (lambda record, _: record.inputs.get(first, np.zeros(0)))
+        acts = np.concatenate([*(command(record, made) for record in records), np.zeros(0)])
+        acts = acts if len(acts) else np.zeros(1)
         made |= {"reading": size}
         if self.kind.reads[self.reads][1] == 1:
             made |= {"length": size**2 / change, "speed": size, "acceleration": change}
         else:
             made |= {"length": size, "speed": change, "acceleration": change**2 / size}
-        driven = [record.inputs[first] for record in records if first in record.inputs]
-        acts = np.concatenate(driven) if driven else np.zeros(1)
         made |= {"input": root_mean_square(acts), "peak": float(np.max(np.abs(acts)))}
         made["step"] = max(record.step for record in records)
         fastest = made[("speed", "acceleration")[len(self.kind.states) - 1]]
         made["force"] = max(
             made.get(self.kind.inertia, 1.0) * fastest,
-            per_input * made["input"], tiny,
+            per_command * made["input"], tiny,
             # A weight that is stated acts too, where the inertia may be what is wrong.
             *(abs(made.get(term.name, 0.0)) for term in self.kind.terms
               if term.of == "force" and term.signed),
@@ -378,6 +396,10 @@ class Model(OneLine):
                 raise ScenarioError(
                     f"{record.at}input {name}: a {self.kind.name} has {allowed}{meant(name, known)}"
                 )
+        for name in known.keys() - record.inputs.keys() - self.known.keys():
+            if name in self.kind.every and self.kind.every[name].absent is None:
+                allowed = f"a constant or an input, {known[name]}"
+                raise ScenarioError(f"{record.at}{name} is missing: allowed is {allowed}")
 
     def _check_zeros(self, record: Series) -> None:
         """Refuse a temperature that only another zero brings near the readings, or none at all."""
@@ -437,7 +459,7 @@ def made(
     model._check_names(stated)
     for name, term in kind.every.items():
         given = stated.get(name)
-        if given is None and term.absent is None:
+        if given is None and term.absent is None and name not in kind.inputs:
             raise ScenarioError(f"{kind.name}: {name} is missing: allowed is {_KNOWN}, {term.unit}")
         middle = float(given.value(0.0)) if isinstance(given, Prior) else given
         if middle is not None and not term.signed and not middle >= (1e-300, 0.0)[term.size > 0.0]:

@@ -33,6 +33,12 @@ _FASTEST = 1.5
 """Largest phase of an elastic resonance from one reading to the next, rad; above it the
 transmission counts as rigid. Chosen: half of what readings can show."""
 
+_MOST_LOAD = 0.9
+"""Largest part of the inertia that a servo's load has behind play, whatever the armature. Chosen:
+a motor without inertia would cross the play at once."""
+_LIGHTEST = 0.1
+"""Least mass of a servo's arm beside the stated one. Chosen: what is less is another arm."""
+
 
 @dataclass(frozen=True)
 class Inputs:
@@ -55,9 +61,9 @@ class Inputs:
     late: _Named
     lines: bool
 
-    def of(self, name: str) -> Array:
-        """Values of one of them, 0 where there is none."""
-        return self.values.get(name, np.zeros((1 + len(self.knots), 1)))
+    def of(self, name: str, absent: float | Array = 0.0) -> Array:
+        """Values of one of them, or what acts where there is none."""
+        return self.values.get(name, np.zeros((1 + len(self.knots), 1)) + absent)
 
     def cut(self, name: str, edges: list[Array]) -> Inputs:
         """With a knot more wherever the line of an input crosses an edge, (vectors,)."""
@@ -74,6 +80,25 @@ class Inputs:
         cut = np.take_along_axis(np.vstack(values), order, axis=0)
         at = np.take_along_axis(whole, order, axis=0)
         return Inputs(at, {name: np.vstack([u[:1], cut])}, self.late, self.lines)
+
+
+def _states(
+    machine: str, terms: _Named, start: list[Array], t: Array, inputs: Inputs, acts: _Named
+) -> Array:
+    """States of a machine of cpp/machines, (readings, states, vectors).
+
+    Terms by the names that it has there, 0 where they are not given; what acts in its order, with
+    the names of the inputs by which it may be late.
+    """
+    none = np.zeros_like(start[0])
+    c = np.stack([terms.get(name, none) for name in _machines.terms[machine]], axis=1)
+    late = np.stack([inputs.late.get(name, none) for name in acts], axis=1)
+    shape = 1 + len(inputs.knots), len(none)
+    rows = np.stack([np.broadcast_to(each, shape).T for each in acts.values()], axis=2)
+    states = _machines.states[machine](
+        c, np.stack(start, axis=1), t, inputs.knots.T, rows, late, inputs.lines
+    )
+    return states.transpose(1, 2, 0)
 
 
 def _moved(inputs: Inputs, t: Array, values: _Named, inertia: str, force: Array) -> Array:
@@ -108,12 +133,9 @@ def _moved(inputs: Inputs, t: Array, values: _Named, inertia: str, force: Array)
         c |= {"gap": 0.5 * values["backlash"], "share": share}
     if "pivot" in inputs.values:
         c["swing"] = none + 1.0
-    terms = np.stack([c.get(name, none) for name in _machines.motion_terms], axis=1)
-    start = np.stack([values["start_position"], values["start_speed"]], axis=1)
-    acts = np.broadcast_to(force / whole, (len(force), len(none))).T[..., None]
-    late = next(iter(inputs.late.values()), none)[:, None]
-    states = _machines.moved(terms, start, t, inputs.knots.T, acts, late, inputs.lines)
-    return states.transpose(1, 2, 0)
+    start = [values["start_position"], values["start_speed"]]
+    acts = {next(iter(inputs.late), ""): force / whole}
+    return _states("motion", c, start, t, inputs, acts)
 
 
 def joint_states(t: Array, inputs: Inputs, values: _Named) -> Array:
@@ -142,13 +164,42 @@ def oscillator_states(t: Array, inputs: Inputs, values: _Named) -> Array:
 
 
 def heater_states(t: Array, inputs: Inputs, values: _Named) -> Array:
-    """Temperatures of a body, which a heater warms where it has a `heater_capacity`."""
-    none = np.zeros_like(values["step"])
-    power = inputs.of("power") * (1.0 + values["power_error"])
-    ambient = np.broadcast_to(inputs.values.get("ambient", values["ambient"]), power.shape)
-    names = ("capacity", "loss", "loss_growth", "heater_capacity", "coupling")
-    terms = np.stack([values[name] for name in names], axis=1)
-    acts = np.stack([power.T, ambient.T], axis=2)
-    late = np.stack([inputs.late.get(name, none) for name in ("power", "ambient")], axis=1)
-    start, knots = values["start_temperature"], inputs.knots.T
-    return _machines.heated(terms, start, t, knots, acts, late, inputs.lines).T[:, None, :]
+    """Temperatures of a body, perhaps with a heater that warms it and a wall that stores heat."""
+    acts = {
+        "power": inputs.of("power") * (1.0 + values["power_error"]),
+        "ambient": inputs.of("ambient", values["ambient"]),
+    }
+    return _states("heat", values, [values["start_temperature"]], t, inputs, acts)
+
+
+def servo_states(t: Array, inputs: Inputs, values: _Named) -> Array:
+    """Place and speed of the load; angles count from where the arm hangs."""
+    heavier, zero = np.maximum(1.0 + values["mass_error"], _LIGHTEST), values["hangs_at"]
+    inertia = values["inertia"] * heavier
+    whole = inertia + values["armature"]
+    strength = values["torque_constant"] / (values["resistance"] * whole)
+    looped = np.array("duty" not in inputs.values)
+    terms = {
+        **{name: values[name] / whole for name in ("coulomb", "stribeck")},
+        "stribeck_speed": values["stribeck_speed"],
+        "rate": values["viscous"] / whole,
+        "gravity": values["gravity"] * heavier / whole,
+        "gap": 0.5 * values["backlash"],
+        "share": np.minimum(inertia / whole, _MOST_LOAD),
+        "gain": values["gain"] * looped,
+        "damping_gain": values["damping_gain"] * looped,
+        "limit": values["duty_limit"],
+        "strength": strength,
+        "braking": strength * values["torque_constant"],
+        "gear": values["load_friction"],
+    }
+    acts = {
+        "goal": inputs.of("goal") - zero,
+        "duty": inputs.of("duty"),
+        "supply": inputs.of("supply", values["supply"]),
+        "torque enable": inputs.of("torque enable", 1.0),
+    }
+    start = [values["start_position"] - zero, values["start_speed"]]
+    states = _states("servo", terms, start, t, inputs, acts)
+    states[:, 0] += zero
+    return states

@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 
 from stickslip import _core
 from stickslip._util.arrays import Array, in_columns, locked
-from stickslip._util.columns import Recipe, read_table
+from stickslip._util.columns import read_table
+from stickslip._util.recipes import Recipe
 from stickslip.errors import ScenarioError, prefixed
 
 _P = TypeVar("_P", bound="PlayedRows")

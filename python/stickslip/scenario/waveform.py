@@ -14,9 +14,10 @@ from numpy.typing import ArrayLike
 
 from stickslip import _core
 from stickslip._util.arrays import Array, Mask, check_indexes, in_columns, locked, numbers
-from stickslip._util.columns import Recipe, read_table
+from stickslip._util.columns import read_table
 from stickslip._util.files import replacing
 from stickslip._util.messages import check_above_zero, check_whole, refuse
+from stickslip._util.recipes import Recipe
 from stickslip._util.text import counted, highest, is_number
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.changes import Changes

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 from stickslip._util.arrays import worker_count
 from stickslip._util.messages import check_whole, shown
-from stickslip.diagnosis.change import absolute_fault
-from stickslip.diagnosis.entry import diagnosed, one_blas_thread
+from stickslip.diagnosis.entry import diagnosed, fault_of, one_blas_thread
 from stickslip.diagnosis.fitting.search import Progress
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.errors import ScenarioError
 from stickslip.walker.problem import posed_against, posed_by
 from stickslip.walker.reading import Measurement
+from stickslip.walker.simulated import SimulatedTable
 
 
 def diagnose(
@@ -60,7 +62,8 @@ def diagnose(
         whole = problem = posed_by(measurement, count, seed)
     else:
         problem, whole = posed_against(measurement, against, count, seed)
-        measurement, fault = measurement.beside(against), absolute_fault(whole)
-    notes = [note for table in whole.tables for note in table.remarks()]
+        measurement, fault = measurement.beside(against), fault_of(whole, True)
+    tables = cast(tuple[SimulatedTable, ...], whole.tables)
+    notes = [note for table in tables for note in table.remarks()]
     with one_blas_thread():
         return diagnosed(problem, int(seed), progress, notes, measurement, fault)

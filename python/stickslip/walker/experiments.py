@@ -21,6 +21,7 @@ from stickslip.diagnosis.decision.experiments import (
     Experiment,
     expected_chi2,
 )
+from stickslip.diagnosis.terms.cause import CauseNote
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import Value, find_key, in_allowed_case
 from stickslip.scenario.scenario import Scenario
@@ -144,7 +145,8 @@ def choose(
 def drive_in_words(drive: Drive) -> str:
     """A drive by the settings that proposals vary."""
     settings = settings_of([drive])
-    return ", ".join(settings.text(key.removeprefix("drive."), drive[key]) for key in CHOICES)
+    words = [settings.text(key.removeprefix("drive."), drive[key]) for key in CHOICES]
+    return ", ".join(words).replace("edge ", "sudden edge: ")
 
 
 def _why(first: str, second: str, chi2: float, is_later: bool) -> Note:
@@ -152,10 +154,11 @@ def _why(first: str, second: str, chi2: float, is_later: bool) -> Note:
     little, needed = ("", "would be enough") if decides else (" too little", "would be needed")
     apart, beside = math.sqrt(chi2), ", beside the drives before it" if is_later else ""
     text = (
-        f"It separates {first} from {second}{little}: with {TRIALS} trials their predictions lie "
+        f"It separates {{}} from {{}}{little}: with {TRIALS} trials their predictions lie "
         f"{apart:.1f} standard errors apart{beside}; {math.sqrt(DECISIVE):g} {needed}."
     )
-    return Note("separates" if decides else "separates-too-little", text, apart)
+    code = "separates" if decides else "separates-too-little"
+    return CauseNote(code, text, (first, second), apart)
 
 
 def advice(names: Mapping[str, str], experiments: Sequence[Experiment]) -> list[Note]:
@@ -170,11 +173,9 @@ def advice(names: Mapping[str, str], experiments: Sequence[Experiment]) -> list[
     rows = known()["causes"]
     shown_by = {name: rows.get(name, {}).get("shown_by") for name in names}
     for look, text in known()["looks"].items():
-        seen = " and ".join(word for name, word in names.items() if shown_by[name] == look)
-        unseen = " or ".join(word for name, word in names.items() if shown_by[name] != look)
-        if seen and unseen:
-            text = f"{text}: this shows {seen}, and nothing of {unseen}."
-            notes.append(Note(f"look-at-{look}", text))
+        seen = [word for name, word in names.items() if shown_by[name] == look]
+        if 0 < len(seen) < len(names):
+            notes.append(Note(f"look-at-{look}", f"{text}. This shows {' and '.join(seen)} alone."))
     return notes
 
 
@@ -256,7 +257,7 @@ def drive_settings(given: Any, scenario: Scenario) -> list[dict[str, Value]]:
         drive: dict[str, Value] = {}
         with prefixed(f"conditions: row {label}"):
             for name, value in row.items():
-                if name not in (*NOT_SETTINGS, "velocity_sd"):
+                if name not in (*NOT_SETTINGS, "standard_error", "velocity_sd"):
                     key = find_key(f"drive.{str(name).removeprefix('drive.')}", value)
                     # A column of a table has numpy's numbers.
                     value = value.item() if hasattr(value, "item") else value

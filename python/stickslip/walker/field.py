@@ -12,11 +12,11 @@ from stickslip._util.arrays import Array, Mask, root_mean_square
 from stickslip._util.note import Note
 from stickslip._util.units import far_size
 from stickslip.diagnosis.data.errors import FEWEST, of_readings
-from stickslip.diagnosis.data.outliers import far_from_a_fit
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.scenario import Scenario
 from stickslip.walker.instruments import of_fields
+from stickslip.walker.outliers import far_from_a_fit
 from stickslip.walker.simulated import SimulatedTable
 
 _READING, _RELATIVE = 5e-7, 1e-3

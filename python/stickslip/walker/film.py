@@ -17,13 +17,14 @@ from stickslip._util.picture import Picture
 from stickslip._util.prior import Prior
 from stickslip._util.units import far_size, in_handy_units
 from stickslip.diagnosis.data.errors import Errors, meter_step
-from stickslip.diagnosis.data.outliers import far_from_their_phase
+from stickslip.diagnosis.data.noise import Draws
 from stickslip.diagnosis.report.pictures import plain_axes
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.scenario.keys import known_keys
 from stickslip.walker.exposure import Exposure, Recording, record, recording_rate, rocking
 from stickslip.walker.folding import Kind, fold, frame_errors, reduce, undrifted
 from stickslip.walker.instruments import of_films
+from stickslip.walker.outliers import far_from_their_phase
 from stickslip.walker.read_tracking import FEWEST, REQUIRED, TrackingRun
 from stickslip.walker.simulated import SimulatedTable
 
@@ -291,21 +292,20 @@ class FilmTable(SimulatedTable):
             sd = stated or float(np.std(residual[used])) or 1.0
             draws = {key: np.array([value]) for key, value in
                      (("s2", sd**2), ("phi", 0.0), ("shared2", 0.0), ("weight", 1.0))}  # fmt: skip
-            dof = math.inf if stated else 0.0
             if stated is None:
                 text = f"The noise of {name} is not known; the stated model's whole misfit counts."
                 self._notes.append(Note("frame-noise-unknown", text, sd))
         else:
-            draws, dof, scatter = fitted
-            self._say(name, unit, scatter, stated, dof, draws)
+            draws, believed, scatter = fitted
+            self._say(name, unit, scatter, stated, believed, draws)
         draws["s2"] = np.maximum(draws["s2"], step**2 / 12.0)
-        matrix, covariance, dof = reduce(folded, place, kind, draws, dof)
+        matrix, covariance, dof = reduce(folded, place, kind, draws)
         self.columns[name] = used, matrix
-        return matrix @ values[used], covariance, dof
+        return matrix @ values[used], covariance, 0.0 if fitted is None and stated is None else dof
 
     def _say(
-        self, name: str, unit: str, scatter: float, stated: float | None, dof: float,
-        draws: dict[str, Array],
+        self, name: str, unit: str, scatter: float, stated: float | None, believed: bool,
+        draws: Draws,
     ) -> None:  # fmt: skip
         """Report the errors of frames."""
         weight = draws["weight"]
@@ -318,7 +318,7 @@ class FilmTable(SimulatedTable):
         elif stated > _TOO_LARGE * scatter:
             text = f"{head}, and {stated:.3g} {unit} are stated, which are used: look at the unit."
             self._notes.append(Note("frame-noise-below-stated", text, scatter))
-        elif math.isfinite(dof):
+        elif not believed:
             text = f"{head}, more than the stated {stated:.3g} {unit}; the scatter is used."
             self._notes.append(Note("frame-noise-above-stated", text, scatter))
         if phi > _CORRELATED:

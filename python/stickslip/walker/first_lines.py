@@ -12,7 +12,7 @@ from stickslip._util.text import printable, quoted
 from stickslip._util.units import split_unit
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import known_keys
-from stickslip.walker.read_velocity import bare_names
+from stickslip.walker.read_velocity import settings, velocities
 
 _SUFFIXES = (".csv", ".tsv", ".txt", ".dat")
 """Names of tables; a file with another one is a table if its columns are those of one."""
@@ -81,8 +81,8 @@ def _lines(path: Path, observable: str, columns: Collection[str]) -> str:
     lines = _HEAD.format(key=key.name, mean=mean, sd=0.07 * mean)
     lines += f"[[{observable}]]\nfile = {quoted(path.name)}\n{_MORE.get(observable, '')}"
     if observable == "velocity":
-        bare = bare_names()
-        keys = [bare[name] for name in columns if name in bare]
+        names = velocities().names
+        keys = [names[name] for name in columns if names.get(name) in settings()]
         lines += f"# Of the drive the table has {', '.join(keys) or 'nothing'}; the scenario has "
         lines += "the rest.\n"
     return lines

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import json
-import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from pandas import DataFrame
 
-from stickslip._util.cells import CsvTable, csv_line, text_lines
-from stickslip._util.columns import Recipe, Source, SourceTable
+from stickslip._util.cells import text_lines
+from stickslip._util.columns import Source, read_table
 from stickslip._util.files import text_writer, write_together
 from stickslip._util.messages import shown
 from stickslip._util.text import counted
@@ -128,11 +127,7 @@ def with_measured(
             f"{path} is of another measurement, {shown(name)}, by the report beside it: "
             "allowed is a folder --out for each measurement"
         )
-    recipe = velocities()
-    table = Source(path).read(recipe)
-    needed = {name: recipe.entries[name]._replace(required=True)
-              for name in (*setting_columns(data), "velocity")}  # fmt: skip
-    Recipe({**recipe.entries, **needed}).check(table)
+    table = read_table(path, velocities().requiring(setting_columns(data)))
     if len(unmeasured(table)) == len(table):
         return data, Rounds(folder, most, budget)
     data = data.with_velocities(table)
@@ -140,41 +135,32 @@ def with_measured(
     return data, Rounds(folder, most, budget, len(new.conditions), len(new.velocity))
 
 
-def _in_si(table: SourceTable, file: CsvTable) -> dict[int, list[str]]:
-    """Cells of each line of a table, as they stand but for numbers in other units."""
-    there = [k for k, name in enumerate(file.header)
-             if name or {f"column {k + 1}", "index"} & table.columns.keys()]  # fmt: skip
-    found: dict[int, list[str]] = {}
-    for block in file.blocks():
-        for line, *row in zip(block.lines, *block.columns, strict=True):
-            k, cells = len(found), [row[at].strip() for at in there]
-            for at, column in enumerate(table.columns.values()):
-                if column.what.si is not None and not math.isnan(column.values[k]):
-                    exact = column.what.per == 1.0
-                    value = float(column.values[k])
-                    cells[at] = cells[at].replace(",", ".") if exact else repr(value)
-            found[line] = cells
-    return found
-
-
 def _below_what_was_measured(path: Path, trials: DataFrame) -> str:
     """The text of the table: its lines without those that were not measured, and new ones below.
 
-    Comments stay, and so do lines that have the cells that were read, in SI units between commas.
+    Comments stay, and so do lines in SI units between commas.
     """
     if not path.exists():
         return str(trials.to_csv(index=False))
-    source = Source(path)
-    table, file = source.read(velocities()), source.csv(velocities().names)
-    empty = {table.lines[k] for k in unmeasured(table)}
-    header = list(table.columns)
-    cells = {file.line: header, **_in_si(table, file)}
-    kept = []
+    source, recipe = Source(path), velocities()
+    table, file = source.read(recipe), source.csv(recipe.names)
+    columns = table.columns
+    empty, rows = {*unmeasured(table)}, {line: k for k, line in enumerate(table.lines)}
+    as_it_is = len(file.header) == len(columns) and file.separator == "," and all(
+        column.what.per == 1.0 for column in columns.values())  # fmt: skip
+    kept = [_csv([[*columns]])]
     for number, line in enumerate(text_lines(source.data), start=1):
-        if number in cells and number not in empty:
-            kept.append(csv_line(line, cells[number]))
-        elif line.lstrip().startswith("#"):  # between commas it must not look like a row
-            alike = line.count(",") + 1 == len(header)
+        k = rows.get(number, -1)
+        if k >= 0 and k not in empty:
+            cells = [column.written(k) for column in columns.values()]
+            kept.append(line if as_it_is else _csv([cells]))
+        elif line.lstrip().startswith("#") and number != file.line:
+            # Between commas it must not look like a row.
+            alike = line.count(",") + 1 == len(columns)
             kept.append(line.replace(",", ";") if alike else line)
-    new = trials.reindex(columns=header).to_csv(index=False, header=False)
-    return "\n".join([*kept, str(new)])
+    return "\n".join([*kept, _csv(trials.reindex(columns=[*columns])), ""])
+
+
+def _csv(rows: Any) -> str:
+    text = DataFrame(rows).to_csv(index=False, header=False, lineterminator="\n")
+    return str(text).rstrip("\n")

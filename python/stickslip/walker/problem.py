@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-import itertools
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -15,12 +15,12 @@ import numpy as np
 from stickslip._util.arrays import Array
 from stickslip._util.note import Note
 from stickslip._util.toml import own_text
-from stickslip.diagnosis.change import AFTER, SIDES, Sides, TwoSides, posed_change
+from stickslip.diagnosis.change import SIDES, TwoSides, posed_change
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.experiments import Experiment
 from stickslip.diagnosis.fitting.problem import Cached, Problem
 from stickslip.diagnosis.fitting.rivals import Rivals
-from stickslip.diagnosis.model import Predict, bare_problem, posed
+from stickslip.diagnosis.model import bare_problem, posed
 from stickslip.diagnosis.report.files import FILES
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.laws import Curves
@@ -44,6 +44,8 @@ from stickslip.walker.velocity import VelocityTable
 
 if TYPE_CHECKING:
     from pandas import DataFrame
+
+_NO_CURVES = Curves((), {})
 
 EXTENDED = "extended.toml"
 """The file that states the extended scenario."""
@@ -77,71 +79,16 @@ def tables_of(
     return tables
 
 
-def posed_by(measurement: Measurement, threads: int = 1, seed: int = 0) -> Problem:
+def posed_by(measurement: Measurement, threads: int = 1, seed: int = 0, films: int = 0) -> Problem:
     """The problem that a measurement poses, in SI units.
 
     A ScenarioError is raised if nothing was measured that the diagnosis can use.
     """
-    _check(measurement)
-    tables = tables_of(measurement, threads, seed)
-    constants, causes = _terms(measurement, tables)
-    simulated = Simulated(tables)
-    return posed(
-        tables, simulated.full, constants, causes,
-        low_fidelity=simulated.cheap, laws=partial(_laws, measurement), words=vocabulary(),
-        rivals=Drives(measurement, tables),
-    )  # fmt: skip
-
-
-def posed_against(
-    measurement: Measurement, other: Measurement, threads: int, seed: int
-) -> tuple[Problem, Problem]:
-    """The problem of what changed since another measurement, and that of all data by themselves.
-
-    A ScenarioError is raised if they state other constants.
-    """
-    for each in (measurement, other):
-        _check(each)
-    if measurement.uncertain != other.uncertain:
-        raise ScenarioError(
-            f"{other.path}: [uncertain]: allowed are the constants and errors of {measurement.path}"
-        )
-    tables: list[SimulatedTable] = []
-    for side, each in zip(SIDES, (other, measurement), strict=True):
-        found = tables_of(each, threads, seed, films=len(other.tracking) * (side == AFTER))
-        tables += [table.of_side(side) for table in found]
-    constants, causes = _terms(measurement, tables)
-    simulated = Simulated(tables)
-    whole = bare_problem(tables, simulated.full, constants, (), simulated.cheap)
-
-    def models(of: Sequence[Table]) -> tuple[Predict, Predict]:
-        both = [each for table in of for each in (table, *(table.less or ())[:1])]
-        made = Simulated(cast(list[SimulatedTable], both))
-        return without_curves(made.full), without_curves(made.cheap)
-
-    return posed_change(
-        tables, models, constants, causes, seed=seed, words=vocabulary(),
-        alike=measurement.scenario == other.scenario,
-        sides=partial(SidesOfWalker, (other, measurement)),
-    ), whole  # fmt: skip
-
-
-def without_curves(predict: Callable[..., Array]) -> Predict:
-    """A simulation without laws of a free shape."""
-    return lambda table, p: predict(table, p, Curves((), p))
-
-
-def _check(measurement: Measurement) -> None:
-    if measurement.scenario.coil.map is not None:
+    scenario, keys = measurement.scenario, known_keys()
+    if scenario.coil.map is not None:
         refuse_geometry_beside_a_map(measurement.uncertain)
     _refuse_turns(measurement)
-
-
-def _terms(
-    measurement: Measurement, tables: Sequence[SimulatedTable]
-) -> tuple[list[Parameter], list[Cause]]:
-    """Uncertain constants and causes."""
-    scenario, keys = measurement.scenario, known_keys()
+    tables = tables_of(measurement, threads, seed, films)
     constants = [
         Parameter(key, prior, keys[key].unit) for key, prior in measurement.uncertain.items()
     ]
@@ -158,21 +105,61 @@ def _terms(
     every.sort(key=lambda instrument: instrument.parameters[0].high)
     # Each table has its own read them.
     instruments = {one.name: replace(one, read=None, table=None) for one in every}
-    return constants, [*effects, *instruments.values()]
+    simulated = Simulated(tables)
+    return posed(
+        tables, simulated, constants, (*effects, *instruments.values()),
+        low_fidelity=simulated.cheap, laws=partial(_laws, measurement), words=vocabulary(),
+        rivals=Drives(measurement, tables),
+    )  # fmt: skip
+
+
+def posed_against(
+    measurement: Measurement, other: Measurement, threads: int, seed: int
+) -> tuple[Problem, Problem]:
+    """The problem of what changed since another measurement, and that of all data by themselves.
+
+    A ScenarioError is raised if they state other constants.
+    """
+    if measurement.uncertain != other.uncertain:
+        raise ScenarioError(
+            f"{other.path}: [uncertain]: allowed are the constants and errors of {measurement.path}"
+        )
+    sides = (
+        posed_by(other, threads, seed),
+        posed_by(measurement, threads, seed, len(other.tracking)),
+    )
+    tables = [table.of_side(side) for side, each in zip(SIDES, sides, strict=True)
+              for table in each.tables]  # fmt: skip
+    constants = [*{one.name: one for each in sides for one in each.constants}.values()]
+    listed = [one for each in sides for one in each.causes if not one.is_constant]
+    widest = {one.name: one for one in sorted(listed, key=lambda one: one.parameters[0].high)}
+    causes = [widest[name] for name in dict.fromkeys(one.name for one in listed)]
+    whole = bare_problem(tables, Simulated(tables), constants, ())
+    return posed_change(
+        tables, Simulated, constants, causes, seed, words=vocabulary(),
+        alike=measurement.scenario == other.scenario,
+        kind=partial(Scenarios, (other, measurement)),
+    ), whole  # fmt: skip
 
 
 class Simulated:
     """What tables predict, each kept by the columns that count for it."""
 
-    def __init__(self, tables: Sequence[SimulatedTable]) -> None:
-        self._tables = tables
+    jumps = True
+
+    def __init__(self, tables: Sequence[Table]) -> None:
+        self._tables = [each for one in tables for each in (one, *(one.less or ())[:1])]
         self._kept: dict[tuple[int, tuple[str, ...], bool], Cached] = {}
 
-    def full(self, table: SimulatedTable, p: Mapping[str, Array], curves: Curves) -> Array:
+    def __call__(
+        self, table: SimulatedTable, p: Mapping[str, Array], curves: Curves = _NO_CURVES
+    ) -> Array:
         """Readings of all conditions, (vectors, m)."""
         return self._rows(table, p, curves, False)
 
-    def cheap(self, table: SimulatedTable, p: Mapping[str, Array], curves: Curves) -> Array:
+    def cheap(
+        self, table: SimulatedTable, p: Mapping[str, Array], curves: Curves = _NO_CURVES
+    ) -> Array:
         """The same at a lower cost, where the table has a way; else once for both."""
         way = type(table).low_fidelity is not SimulatedTable.low_fidelity
         return self._rows(table, p, curves, way)
@@ -265,25 +252,23 @@ class Drives(Rivals):
         return scenario_writers(extended.content, folder / file, lines)[1]
 
 
-class SidesOfWalker(Sides):
+class Scenarios(TwoSides):
     """Two measurements, the earlier one first, and the scenarios of the extended model of both."""
 
-    def __init__(self, measurements: Sequence[Measurement], model: TwoSides) -> None:
-        super().__init__(model)
+    def __init__(self, measurements: Sequence[Measurement], *model: Any) -> None:
+        super().__init__(*model)
         self._of = {side: Drives(one, ()) for side, one in zip(SIDES, measurements, strict=True)}
 
     def extended(self, values: Mapping[str, Any], covariance: DataFrame | None) -> Any:
         each = self.sides(values)
-        return {side: self._of[side].extended(each[side], None) for side in SIDES}
+        return {side: of.extended(each[side], None) for side, of in self._of.items()}
 
     def writers(
         self, folder: Path, told: str, causes: str, extended: Any
     ) -> dict[Path, Callable[[Path], object]]:
-        return {
-            path: writer for side in SIDES
-            for path, writer in self._of[side].writers(
-                folder, told, causes, extended[side], f"{side}.toml").items()
-        }  # fmt: skip
+        each = (of.writers(folder, told, causes, extended[side], f"{side}.toml")
+                for side, of in self._of.items())  # fmt: skip
+        return {path: writer for one in each for path, writer in one.items()}
 
 
 def _uncertain(changes: Mapping[str, float], matrix: DataFrame | None) -> JointPrior | None:
@@ -297,16 +282,12 @@ def _uncertain(changes: Mapping[str, float], matrix: DataFrame | None) -> JointP
     return JointPrior({}, tuple(names), tuple(map(tuple, rows)))
 
 
-def report_files(scenario: Scenario, other: Scenario | None = None) -> tuple[str, ...]:
-    """Names of the files of a report: with those that state the extended scenarios."""
-    stated = {EXTENDED: scenario}
-    if other is not None:
-        stated = {f"{side}.toml": one for side, one in zip(SIDES, (other, scenario), strict=True)}
-    files = (
-        [file, *(path.name for path in held_writers(one.content, files_beside(Path(file))))]
-        for file, one in stated.items()
-    )
-    return (*FILES, *itertools.chain(*files))
+def report_files(*scenarios: Scenario) -> tuple[str, ...]:
+    """Names of the files of a report: with those that state the scenario, or that of each side."""
+    names = [EXTENDED] if len(scenarios) == 1 else [f"{side}.toml" for side in SIDES]
+    held = (held_writers(one.content, files_beside(Path(name)))
+            for name, one in zip(names, scenarios, strict=True))  # fmt: skip
+    return (*FILES, *names, *(path.name for each in held for path in each))
 
 
 def _comments(measurement: Measurement, told: str, first: str, extended: Scenario) -> list[str]:
@@ -339,10 +320,33 @@ def vocabulary() -> Vocabulary:
         constants=words["constants"],
         units=words["units"],
         problems=words["problems"],
-        drawings=own_text("walker/drawings.svg"),
+        drawing=drawing,
         is_handy=_is_handy,
         nouns=False,
+        files=words["files"],
     )
+
+
+def drawing(name: str, way: str = "") -> str:
+    """The drawing of a cause as SVG; `way`, the word for its sign, turns its arrow.
+
+    Empty where there is none of that name.
+    """
+    symbols = own_text("walker/drawings.svg")
+    parts = dict(re.findall(r'<g id="([\w-]+)">(.*?)</g>\n', symbols))
+    for key in (f"{name} {way}", name):
+        match = re.search(
+            rf'<symbol id="{re.escape(key)}" viewBox="(.*?)"><title>(.*?)</title>(.*?)</symbol>',
+            symbols, re.S,
+        )  # fmt: skip
+        if match:
+            box, title, inside = match.groups()
+            shown = re.sub(r'<use href="#([\w-]+)"/>', lambda use: parts[use[1]], inside.strip())
+            return (
+                f'<svg class="drawing" viewBox="{box}" role="img" aria-label="{title}">'
+                f"<title>{title}</title>{shown}</svg>"
+            )
+    return ""
 
 
 def _is_handy(name: str) -> bool:

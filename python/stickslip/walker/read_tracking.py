@@ -12,22 +12,18 @@ from typing import Any
 import numpy as np
 
 from stickslip._util.arrays import RELATIVE, Array, Mask, are_equal
-from stickslip._util.columns import Recipe, SourceTable, sound_numbers
+from stickslip._util.columns import SourceTable, sound_numbers
 from stickslip._util.messages import refuse, shown
 from stickslip._util.note import Note
+from stickslip._util.recipes import Recipe
 from stickslip._util.text import OneLine, counted, highest, is_number, plain
 from stickslip._util.units import split_unit, unit_meant
-from stickslip.diagnosis.data.outliers import (
-    NEIGHBOURS,
-    ONE_TRACK,
-    lost_frames,
-    marks_of_none,
-    one_place_each,
-)
+from stickslip.diagnosis.data.outliers import marks_of_none
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import FILE
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.quantities import COLUMNS, headings
+from stickslip.walker.outliers import NEIGHBOURS, ONE_TRACK, lost_frames, one_place_each
 
 REQUIRED = {"t": "s", "x": "m", "theta": "rad"}
 _TRACKED = "", "track", "particle", "robot", "object"
@@ -235,6 +231,11 @@ def _usable_frames(
     What the coils do after that is not known. A ScenarioError says that there are two bodies.
     """
     end, length = scenario.window[1], scenario.robot.length
+    back = np.flatnonzero(np.diff(table["t"]) < 0.0)
+    if back.tolist() == [len(table["t"]) - 2]:
+        text = f"{name}: the last row goes back in time, as means below a table do; left out."
+        left_out.append(Note("last-row-back", text))
+        table = {key: column[:-1] for key, column in table.items()}
     order = one_place_each(table["t"], table["x"])
     inside = table["t"][order] < end
     sound, late = int(inside.sum()), int((~inside).sum())
@@ -309,7 +310,7 @@ def _too_little(table: Mapping[str, Array], scenario: Scenario) -> _Why | None:
     turn = float(np.median(np.abs(table["theta"])))
     if turn > _TURNS:
         text = f"theta is near {turn:.3g}, and allowed is up to {_TURNS:.3g}; rad are wanted, so "
-        return "run-angle-unit", f"{text}convert them from degrees or mrad", turn
+        return "run-angle-unit", f"{text}call the column theta (deg) or theta (mrad)", turn
     way = float(np.ptp(table["x"]))
     long = too_long(way)
     if long is not None:

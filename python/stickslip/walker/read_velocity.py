@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 from collections import Counter, defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from stickslip._util.arrays import RELATIVE, Array, Indices, Mask, representatives
-from stickslip._util.columns import (
-    Column,
-    Entry,
-    NothingSound,
-    Plausible,
-    Recipe,
-    SourceTable,
-    not_used,
-)
+from stickslip._util.clocks import STAMP, seconds
+from stickslip._util.columns import Column, NothingSound, SourceTable
 from stickslip._util.messages import shown
 from stickslip._util.note import Note
+from stickslip._util.recipes import Entry, Match, Plausible, Recipe
 from stickslip._util.text import OneLine, comma_hint, counted, plain
 from stickslip._util.units import (
     factor_text,
@@ -30,25 +25,22 @@ from stickslip._util.units import (
     quantity_of,
     split_unit,
     unit_factor,
-    unit_meant,
 )
-from stickslip.diagnosis.data.clocks import STAMP, seconds
-from stickslip.diagnosis.data.outliers import far_from_their_group, marks_of_none
+from stickslip.diagnosis.data.outliers import marks_of_none
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import Value, full_name, in_allowed_case, known_keys
+from stickslip.scenario.keys import Key, Value, full_name, in_allowed_case, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.sweeping.points import name_of
+from stickslip.walker.outliers import far_from_their_group
 
 FASTEST = 1.0
 """Mean velocity, m/s; a robot of this size is slower, and beyond it a unit is wrong. Chosen: the
 paper's robots walk some mm/s."""
 
-_USUAL = 1e-3
-"""The size that velocities in another unit are compared with, m/s; the paper's, about."""
-
 _ALIKE = 1.1
 """Ratio within which trials of one condition are alike. Chosen: their errors are some per cent."""
 
+_WALKING = Plausible("m/s", high=FASTEST)
 _FIELD, _PACE = Plausible("T", high=0.1), Plausible("Hz", low=0.2)
 """Fields above and frequencies below are in another unit. Chosen: the coils of the paper give some
 mT, and the robot is driven at some Hz or more."""
@@ -60,13 +52,13 @@ _LONGEST_DAY = 12 * 3600.0
 """Time between clocks of one day, s. Chosen: as long as people measure."""
 
 _MOST = 0.5
-"""Part of the rows; if more have a setting in another unit, the table is refused. Chosen: most."""
+"""Part of the rows; if more have a number in another unit, the table is refused. Chosen: most."""
 
 _DRIVE, _EFFECTS = "drive.", "effects_"
 """What keys of settings begin with, and what those of effects may leave out of a column's name."""
 
 NOT_SETTINGS: Mapping[str, str | None] = {
-    "velocity": "m/s", "standard_error": "m/s", "trial": None, "block": None, "order": "-",
+    "velocity": "m/s", "trial": None, "block": None, "order": "-",
 }  # fmt: skip
 """Columns that say nothing of the drive, with the units of their numbers."""
 
@@ -139,87 +131,66 @@ class _Trial(NamedTuple):
     row: int
 
 
-def bare_names() -> dict[str, str]:
-    """The bare name of a setting by each name of its column: as sweeps write it, too."""
-    keys = [name for name in known_keys() if name.startswith(_DRIVE)]
-    return {
-        name: key.removeprefix(_DRIVE)
-        for key in keys
-        for name in (key.removeprefix(_DRIVE), key, name_of(key))
-    }
-
-
 class _Velocities(Recipe):
     """The recipe of a table of velocities, whose other columns may be settings by other names."""
 
-    def check(self, table: SourceTable) -> list[str]:
-        """The columns that are information; keys of the scenario are refused, too."""
+    def check(self, columns: Sequence[Match]) -> None:
+        """Refuse keys of the scenario, and settings by another name or by their unit, too."""
         written = {name_of(key).removeprefix(start)
                    for key in known_keys() for start in ("", _EFFECTS)}  # fmt: skip
-        keys = [name for name in self.entries if name not in NOT_SETTINGS]
-        others = [name for name in table.columns if name not in self.entries]
-        for name in others:
-            key = split_unit(name)[0]
+        others = [match.heading for match in columns if not match.known]
+        for heading in others:
+            key = split_unit(heading)[0]
             if full_name(key) in known_keys() or key in written:
                 raise ScenarioError(
-                    f"{table.path}: column {shown(name)} is a key of the scenario: allowed are "
-                    f"those of [drive], {', '.join(keys)}; write it into the scenario"
+                    f"column {shown(heading)} is a key of the scenario: allowed are those of "
+                    f"[drive], {', '.join(settings())}; write it into the scenario"
                 )
-        others = super().check(table)
-        for name in others:
-            self._check_setting(table, table.columns[name])
-        return others
+        super().check(columns)
+        there = {match.name for match in columns}
+        for heading in others:
+            self._check_setting(heading, there)
 
-    def _check_setting(self, table: SourceTable, column: Column) -> None:
-        """Refuse what is a setting by its name or its unit."""
-        name, unit = split_unit(column.heading)
+    def _check_setting(self, heading: str, there: Collection[str]) -> None:
+        name, unit = split_unit(heading)
         meant = next((key for key, also in _CALLED.items() if plain(name) in also), None)
         if unit and not {*plain(name).split()} & _BESIDE:
             si = quantity_of(unit)
-            of = [
-                key
-                for key, entry in self.entries.items()
-                if entry.unit == si and si not in ("-", "m/s") and key not in NOT_SETTINGS
-            ]
-            if of and (meant is None or meant not in of):
-                meant = " or ".join(key for key in of if key not in table.columns) or of[0]
+            of = [key for key in settings() if self.entries[key].unit == si not in ("-", "m/s")]
+            if of and meant not in of:
+                meant = " or ".join(key for key in of if key not in there) or of[0]
         if meant:
             said = meant.split(" or ")[0]
             in_unit = f" ({unit})" if unit and is_of(unit, self.entries[said].unit or "") else ""
             raise ScenarioError(
-                f"{table.path}: column {shown(column.heading)} may be the setting {meant}, which "
-                f'would be lost: call it "{said}{in_unit}", or give it as information a name that '
-                "is less like a setting"
+                f"column {shown(heading)} may be the setting {meant}, which would be lost: call it "
+                f'"{said}{in_unit}", or give it as information a name that is less like a setting'
             )
         if meant == "":
             raise ScenarioError(
-                f"{table.path}: column {shown(column.heading)} may be a setting of the drive, and "
-                f"[drive] has no such key: allowed are {', '.join(self.entries)}; write what it "
-                "means as one of these, or leave it out"
+                f"column {shown(heading)} may be a setting of the drive, and [drive] has no such "
+                f"key: allowed are {', '.join(settings())}; write what it means as one of these, "
+                "or leave it out"
             )
 
 
+@functools.cache
+def settings() -> dict[str, Key]:
+    """The keys of ``[drive]`` by their bare names."""
+    return {name.removeprefix(_DRIVE): key for name, key in known_keys().items()
+            if name.startswith(_DRIVE)}  # fmt: skip
+
+
+@functools.cache
 def velocities() -> Recipe:
     """The columns that a table of velocities may have."""
-    keys = known_keys()
-    settings = {name.removeprefix(_DRIVE): key for name, key in keys.items()
-                if name.startswith(_DRIVE)}  # fmt: skip
     plausible = {**dict.fromkeys(("peak", "base", "hold"), _FIELD), "frequency": _PACE}
     entries = {name: Entry(unit, required=name == "velocity")
                for name, unit in NOT_SETTINGS.items()}  # fmt: skip
-    return _Velocities(
-        gaps=marks_of_none,
-        entries=entries
-        | {
-            name: Entry(
-                None if key.kind == "word" else key.unit,
-                (key.name, name_of(key.name)),
-                False,
-                plausible.get(name),
-            )
-            for name, key in settings.items()
-        },
-    )
+    for name, key in settings().items():
+        unit = None if key.kind == "word" else key.unit
+        entries[name] = Entry(unit, (key.name, name_of(key.name)), False, plausible.get(name))
+    return _Velocities(entries, gaps=marks_of_none)
 
 
 def with_index_columns(table: Any) -> Any:
@@ -246,30 +217,15 @@ def read_velocity(
     `earlier` tables become that one. If `strict`, the first row that is not sound is refused.
     """
     table = table.valid()
-    others = velocities().check(table)
     _check_clocks(table)
     trials, left_out = _sound_rows(table, scenario, strict)
-    _check_repeats(table, trials, others)
-    left_out += [*table.notes, *not_used(table.name, others)]
+    _check_repeats(table, trials)
+    left_out += [*table.notes, *table.not_used()]
     known = [condition for data in earlier for condition in data.conditions]
     trials = _with_equal_settings(table.name, trials, scenario, known, left_out)
     velocity = np.array([trial.velocity for trial in trials])
-    size = float(np.median(np.abs(velocity)))
-    if size > FASTEST:
-        meant = unit_meant("m/s", size / _USUAL, math.inf)
-        hint = f"; if they are in {meant[0]}, divide them by {meant[1]:.7g}" if meant else ""
-        text = f"velocities of {size:.3g} m/s; allowed is at most {FASTEST} m/s{hint}"
-        raise ScenarioError(f"{table.path}: {text}")
     condition = _numbered([trial.setting for trial in trials])
     sound = _without_outliers(table.name, velocity, condition, left_out)
-    fast = sound & (np.abs(velocity) > FASTEST)
-    if fast.any():
-        at = table.at([trials[k].row for k in np.flatnonzero(fast)])
-        text = f"{at}: the velocity is above {FASTEST:g} m/s; divide velocities in mm/s or um/s by "
-        left_out.append(Note("too-fast", f"{text}1e3 or 1e6.", int(fast.sum())))
-        if strict:
-            raise ScenarioError(left_out[-1])
-        sound &= ~fast
     kept = [trials[k] for k in np.flatnonzero(sound)]
     data = VelocityData(
         tuple(dict(setting) for setting in dict.fromkeys(trial.setting for trial in kept)),
@@ -295,7 +251,6 @@ def read_new_trials(
     trials are among the `earlier` ones.
     """
     path = table.path
-    velocities().check(table)
     filled = sorted({*range(len(table))} - {*unmeasured(table)})
     if not filled:
         raise ScenarioError(f"{path}: no row has a velocity; allowed is one or more")
@@ -372,7 +327,11 @@ def _sound_rows(
 ) -> tuple[list[_Trial], list[Note]]:
     """Rows that can be used, at least one, and why the others cannot."""
     columns, count = table.columns, len(table)
-    compared = list(zip(*(_compared(column) for column in columns.values()), strict=True))
+    # A number is the same whatever its spelling.
+    cells = ([column.cell(k) if math.isnan(value) else value
+              for k, value in enumerate(column.numbers.tolist())]
+             for column in columns.values())  # fmt: skip
+    compared = list(zip(*cells, strict=True))
     times = {*Counter(compared).values()}
     pasted = len(times) == 1 and times != {1}  # all rows equally often: a table put in again
     counts_once = "trial" in columns or "order" in columns or pasted
@@ -385,11 +344,13 @@ def _sound_rows(
     for row, same in enumerate(compared):
         try:
             if row in table.ragged:
-                text = f"a row of {table.ragged[row]} cells is not used, as the header names "
-                raise _Unsound("cell-count", f"{text}{len(columns)} columns.")
+                raise _Unsound("cell-count", f"{table.ragged[row]}: not used.")
             if counts_once and same in seen:
                 raise _Unsound("repeated-row", "the row repeats an earlier one.")
-            velocity, setting = _number(columns["velocity"], row), settings.of(row)
+            velocity = _number(columns["velocity"], row)
+            if why := _WALKING.why("velocity", velocity):
+                raise _Unsound("setting-unit", f"{why[1]}.")
+            setting = settings.of(row)
             order = _order(columns["order"], row) if "order" in columns else math.nan
             kept.append(_Trial(velocity, setting, labels[0][row], labels[1][row], order, row))
             seen.add(same)
@@ -416,24 +377,22 @@ def _sound_rows(
     return kept, left_out
 
 
-def _compared(column: Column) -> list[object]:
-    """Cells as repeated rows are told: a number whatever its spelling."""
-    if column.what.si is None:
-        pairs = zip(column.texts, column.numbers.tolist(), strict=True)
-        return [text if math.isnan(value) else value for text, value in pairs]
-    return [column.cell(k) if math.isnan(value) else value
-            for k, value in enumerate(column.values.tolist())]  # fmt: skip
-
-
-def _check_repeats(table: SourceTable, trials: Sequence[_Trial], others: Sequence[str]) -> None:
-    """Refuse a column of numbers that differ between trials which would be repeats without it."""
+def _check_repeats(table: SourceTable, trials: Sequence[_Trial]) -> None:
+    """Refuse a column with words of a setting, or numbers that tell apart what would be repeats."""
     groups: dict[object, list[int]] = defaultdict(list)
     for trial in trials:
         groups[trial.setting].append(trial.row)
     several = [rows for rows in groups.values() if len(rows) > 1]
-    for name in others:
+    for name in table.others:
         column = table.columns[name]
-        bare, unit = split_unit(column.heading)
+        for key, of in settings().items():
+            words = {in_allowed_case(of, text) for text in column.texts} - {"", "none"}
+            if key not in table.columns and words and words <= {*of.words}:
+                raise ScenarioError(
+                    f"{table.path}: column {shown(name)} has words of the setting {key}, which "
+                    f'would be lost: call it "{key}", or leave it out'
+                )
+        bare, unit = split_unit(name)
         if {*plain(bare).replace(".", " ").split()} & _BESIDE or (unit and is_of(unit, "K")):
             continue
         told = {tuple(sorted({*column.numbers[rows].tolist()})) for rows in several}
@@ -443,10 +402,10 @@ def _check_repeats(table: SourceTable, trials: Sequence[_Trial], others: Sequenc
         if differ and (not unit or 2 * len(different) <= count):
             values = " and ".join(f"{value:g}" for value in differ[0][:2])
             raise ScenarioError(
-                f"{table.path}: column {shown(column.heading)} has {values} in rows that would be "
-                f"repeats without it: if it is a setting, call it by its key of [drive] "
-                f"({', '.join(e for e in velocities().entries if e not in NOT_SETTINGS)}); if it "
-                'numbers them, call it "trial" or "block"; else leave it out'
+                f"{table.path}: column {shown(name)} has {values} in rows that would be repeats "
+                f"without it: if it is a setting, call it by its key of [drive] "
+                f"({', '.join(settings())}); if it numbers them, call it "
+                '"trial" or "block"; else leave it out'
             )
 
 
@@ -493,22 +452,21 @@ class _Settings:
     """The drive settings of rows, in the order of the keys; each is checked once as a scenario."""
 
     def __init__(self, table: SourceTable, scenario: Scenario) -> None:
-        self.scenario, self.entries = scenario, velocities().entries
-        self.keys = {name: key for name, key in known_keys().items() if name.startswith(_DRIVE)}
-        self.columns = {name: table.columns[name.removeprefix(_DRIVE)] for name in self.keys
-                        if name.removeprefix(_DRIVE) in table.columns}  # fmt: skip
+        self.scenario = scenario
+        self.columns = {name: table.columns[name] for name in settings() if name in table.columns}
         self.made: dict[tuple[Value, ...], tuple[tuple[str, Any], ...] | _Unsound] = {}
 
     def of(self, row: int) -> tuple[tuple[str, Any], ...]:
         """The settings of a row."""
         changes: dict[str, Value] = {}
         for name, column in self.columns.items():
-            key = self.keys[name]
+            key = settings()[name]
             if key.kind == "word":
-                changes[name] = in_allowed_case(key, column.texts[row])
+                changes[key.name] = in_allowed_case(key, column.texts[row])
             else:
                 value = _number(column, row)
-                changes[name] = int(value) if key.kind == "whole" and value == int(value) else value
+                whole = key.kind == "whole" and value == int(value)
+                changes[key.name] = int(value) if whole else value
         same = tuple(changes.values())
         if same not in self.made:
             try:
@@ -528,18 +486,11 @@ class _Settings:
             full = self.scenario.replace(changes)
         except ScenarioError as error:
             raise _Unsound("setting-refused", f"{error}.") from None
-        for name, entry in self.entries.items():
-            if entry.plausible is None:
-                continue
-            value = float(full.get(f"{_DRIVE}{name}"))
-            unit, low, high = entry.plausible
-            if value > high:
-                text = f"{name} of {value:.3g} {unit} is above {high:g} {unit}; if it is in m{unit}"
-                raise _Unsound("setting-unit", f"{text}, divide it by 1e3.")
-            if value < low:
-                text = f"{name} of {value:.3g} {unit} is below {low:g} {unit}; if it is in k{unit}"
-                raise _Unsound("setting-unit", f"{text}, multiply it by 1e3.")
-        return tuple((name, full.get(name)) for name in self.keys)
+        for name, entry in velocities().entries.items():
+            why = entry.plausible and entry.plausible.why(name, float(full.get(f"{_DRIVE}{name}")))
+            if why:
+                raise _Unsound("setting-unit", f"{why[1]}.")
+        return tuple((key.name, full.get(key.name)) for key in settings().values())
 
 
 def _without_outliers(name: str, velocity: Array, condition: Indices, left_out: list[Note]) -> Mask:

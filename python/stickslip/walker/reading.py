@@ -11,19 +11,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip._util.arrays import Array
-from stickslip._util.columns import (
-    Entry,
-    NothingSound,
-    Plausible,
-    Recipe,
-    SourceTable,
-    read_table,
-    sound_numbers,
-)
+from stickslip._util.columns import NothingSound, SourceTable, read_table, sound_numbers
 from stickslip._util.files import check_name
 from stickslip._util.messages import refuse, shown, suggestion
 from stickslip._util.note import Note
 from stickslip._util.prior import Prior
+from stickslip._util.recipes import Entry, Plausible, Recipe
 from stickslip._util.text import OneLine, printable
 from stickslip.diagnosis.data.outliers import marks_of_none
 from stickslip.errors import ScenarioError, prefixed

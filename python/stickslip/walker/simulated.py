@@ -64,6 +64,10 @@ class SimulatedTable(Table):
     def elsewhere(self, condition: int, over: str, places: Array) -> Any:
         return None
 
+    def remarks(self) -> list[Note]:
+        """What a reader should know of readings that can be used."""
+        return []
+
     @property
     def at(self) -> str:
         return f"{self._numbered(self.section)}: "

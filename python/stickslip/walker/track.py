@@ -10,11 +10,11 @@ from numpy.typing import ArrayLike
 
 from stickslip._util.arrays import Array, Mask, check_indexes, conversions, row
 from stickslip._util.messages import check_kind, refuse
-from stickslip.diagnosis.data.outliers import far_from_a_fit, lost_frames, one_place_each
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import Value, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import Drive
+from stickslip.walker.outliers import far_from_a_fit, lost_frames, one_place_each
 from stickslip.walker.read_tracking import too_long
 from stickslip.walker.read_velocity import FASTEST
 

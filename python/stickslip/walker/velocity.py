@@ -15,7 +15,8 @@ from stickslip import _core
 from stickslip._util.arrays import Array
 from stickslip._util.note import Note
 from stickslip._util.units import far_size
-from stickslip.diagnosis.data.errors import along_runs, estimate, independent
+from stickslip.diagnosis.data.errors import along_runs, estimate
+from stickslip.diagnosis.data.noise import whitener
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.scenario.keys import Value, known_keys
 from stickslip.simulation.note_table import STEADY_PULSES
@@ -184,7 +185,7 @@ class VelocityTable(SimulatedTable):
         return trials
 
     # ------------------------------------------------------------------ what is wrong with it
-    def problem(self, stated: Array, alone: bool = True) -> Note | None:
+    def data_fault(self, stated: Array, alone: bool = True) -> Note | None:
         """Also velocities that drift, or that are not what the stated model can give."""
         return (
             self.tells_nothing(alone) or self._wrong_size() or self._wrong_sign() or self._drift()
@@ -296,20 +297,20 @@ class VelocityTable(SimulatedTable):
             return None
         rows, gap = along_runs(self.curve, self.sequence, used, used)
         phi = parameters.get("phi", 0.0)
-        link = (phi if phi < _LASTING else 0.0) ** gap
+        independent = whitener(gap, phi if phi < _LASTING else 0.0).T
         c = self.condition[rows]
         signs = np.sign(self.mean)[c, None]
         free = [np.eye(len(self.mean))[c]]
         if "shift" in parameters:
             shares = np.eye(int(self.block.max()) + 1)[self.block[rows]]
             free += [shares, shares * signs]
-        left, singular, _ = np.linalg.svd(independent(np.hstack(free), link), full_matrices=False)
+        left, singular, _ = np.linalg.svd(independent @ np.hstack(free), full_matrices=False)
         basis = left[:, singular > 1e-9 * singular[0]]
         # A drift shifts all velocities alike, or all in proportion, whatever their sign.
         error = self.errors.of_reading(self.mean)[c]
         scatter = (self.y[rows] - self.mean[c]) / error
         columns = np.column_stack([self.sequence[rows], scatter, scatter * signs[:, 0]])
-        whole = independent(columns, link)
+        whole = independent @ columns
         time, *changes = (whole - basis @ (basis.T @ whole)).T
         dof, power = len(rows) - basis.shape[1] - 1, float(time @ time)
         if dof < 1 or power <= 1e-9 * float(whole[:, 0] @ whole[:, 0]):

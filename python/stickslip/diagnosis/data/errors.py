@@ -1,69 +1,39 @@
-"""The errors of readings: one model, estimated by restricted likelihood.
+"""The errors of readings: of the means of conditions, from repeats, a free fit, or as stated.
 
 A reading i of the condition k in the block q is
 
     y_i = level_k + s_k (shift_q + sign(level_k) gain_q + e_i),  s_k^2 = s0^2 + (rho level_k)^2,
 
-with errors e of variance 1, of which those of neighbours in a run have the correlation phi. The
-levels are free, so that no model and no cause changes what is estimated (restricted likelihood;
-Patterson and Thompson, Biometrika 58 (1971) 545). The logarithms of s0, rho and of the sizes of
-shifts and gains, and the probit of phi, have weak normal priors. Sobol draws about the mode of
-their posterior, with importance weights, give the covariance of the means of the conditions and the
-degrees of freedom of its size (Satterthwaite, Biometrics Bulletin 2 (1946) 110).
+with errors e of which those of neighbours in a run are correlated: see `noise`.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
 import numpy as np
-from scipy.optimize import minimize, nnls
-from scipy.special import ndtr, ndtri
+from scipy.optimize import nnls
+from scipy.signal import correlate
+from scipy.sparse import csr_array
+from scipy.special import ndtr
 from scipy.stats import chi2 as chi2_law
-from scipy.stats import qmc
 
 from stickslip._util.arrays import Array, Indices, Mask, root_mean_square
 from stickslip._util.note import Note
 from stickslip._util.text import OneLine, counted
 from stickslip._util.units import with_unit
+from stickslip.diagnosis.data.noise import Draws, Noise, along, averaged, satterthwaite
 
 FEWEST, ENOUGH = 4, 12
 """Degrees of freedom from which on a scatter tells the error, and from which on repeats need no
 comparison. Chosen: they determine it to 35 and to 20 %."""
 
-_PRIORS = {
-    "s0": (-0.7, 1.5),
-    "rho": (-2.0, 1.5),
-    "phi": (-1.0, 1.2),
-    "shift": (-1.0, 1.0),
-    "gain": (-1.0, 1.0),
-    "period": (-2.5, 2.0),
-}
-"""Mean and standard deviation of each coordinate: the logarithms of s0 and of rho at the usual
-level over the pooled scatter, the probit of phi, the logarithms of the sizes of shifts and gains in
-errors of a reading, and that of what a film's periods share in errors of a period's mean. Chosen:
-weak, with mostly equal errors of all readings, and with periods that seldom differ."""
-
-_SHARED = ("shift", "gain")
-"""What readings of a block share."""
-
-_FARTHEST = 8.0
-"""Standard deviations of the priors beyond which the likelihood is not followed. Chosen: far out,
-with numbers that a computer has."""
-
-_DRAWS, _TAILS, _WIDER = 256, 4.0, 1.15
-"""Number of draws, the degrees of freedom of their law, and its width beside that of the posterior
-at its mode. Chosen: the effective sample is then half of the draws."""
-
 _ALIKE = 1e-9
 """Part of the usual level by which readings differ that differ by rounding alone. Chosen: between
 the rounding of a double, 1e-16, and that of any table."""
-
-_STRONGEST = 0.9999
-"""Correlation of neighbours beyond which a run is one error. Chosen."""
 
 _FEWEST_STEPS, _PARTS, _OFF_STEP = 5, 4, 1e-3
 """Different readings that show a step, parts of the least difference that are tried as one, and how
@@ -71,6 +41,9 @@ far a reading may lie off it, in steps. Chosen: by chance one table in 1e10 look
 
 _NEAR_ZERO = 0.1
 """Part of the usual error that a stated relative error leaves near the level zero. Chosen."""
+
+_APART = 1e-3
+"""p-value below which records of one unit do not share an error. Chosen: one in 1000 meters."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -153,7 +126,7 @@ def estimate(
     """
     count = np.bincount(condition).astype(float)
     mean = np.bincount(condition, y) / count
-    # Readings that are all zero, below the resolution of a camera, have no scatter. Their error is
+    # Readings that are all zero, below the resolution of a meter, have no scatter. Their error is
     # that of the level zero.
     moves = np.bincount(condition, y != 0.0) > 0
     moves = moves if moves.any() else ~moves
@@ -193,6 +166,38 @@ def no_finer_than_the_meter(y: Array, condition: Indices, errors: Errors, unit: 
     known = errors.notes if errors.dof > 0.0 else ()
     sizes = {**errors.sizes, "s0": least, "rho": 0.0}
     return Errors(np.maximum(errors.sd, least), None, math.inf, sizes, (*known, note))
+
+
+def of_one_meter(
+    unit: Sequence[str], sd: Array, readings: Array, dof: Array
+) -> tuple[list[float], list[float]]:
+    """Errors of a reading of records, shape (k,), and how many readings tell each.
+
+    Records of one unit share the mean square over their `readings`, unless Bartlett's test (Proc.
+    R. Soc. A 160, 268, 1937) tells them apart, by their degrees of freedom `dof`.
+    """
+    sd, readings = sd.copy(), readings.copy()
+    for one in set(unit):
+        of = np.array([other == one for other in unit])
+        free, own, others = np.maximum(dof[of], 1.0), sd[of] ** 2, int(np.sum(of)) - 1
+        with np.errstate(divide="ignore"):
+            rise = float(free @ (math.log(free @ own / np.sum(free)) - np.log(own)))
+        rise /= 1.0 + (np.sum(1.0 / free) - 1.0 / np.sum(free)) / (3.0 * max(others, 1))
+        if others and chi2_law.sf(rise, others) > _APART:
+            sd[of] = math.sqrt(np.average(own, weights=readings[of]))
+            readings[of] = np.sum(readings[of])
+    return sd.tolist(), readings.tolist()
+
+
+def freedom(away: Array) -> float:
+    """Degrees of freedom of the mean square of errors in their order, shape (n,), maybe correlated.
+
+    Its variance is that of independent ones times the sum of squared correlations.
+    """
+    count = len(away)
+    lags = correlate(away, away, method="fft")[count - 1 :]
+    alike = lags[: max(count // 4, 1)] / max(float(lags[0]), 1e-300)
+    return count / max(2.0 * float(np.sum(alike**2)) - 1.0, 1.0)
 
 
 def meter_step(y: Array) -> float:
@@ -326,13 +331,6 @@ def along_runs(
     return order, gap
 
 
-def independent(columns: Array, link: Array) -> Array:
-    """Columns, shape (n, k), whose rows are independent of the ones before, to which they link."""
-    fresh = columns.copy()
-    fresh[1:] -= link[1:, None] * columns[:-1]
-    return np.asarray(fresh * (1.0 / np.sqrt(1.0 - link**2))[:, None])
-
-
 def _covariance_at(
     parts: Array, sizes: Mapping[str, float], mean: Array, linked: bool, stated: bool, level: Array
 ) -> Array:
@@ -369,15 +367,6 @@ class _Scatter(OneLine):
     gap: Array
 
     @cached_property
-    def names(self) -> list[str]:
-        """Hyperparameters that these readings tell."""
-        signed = len(set(np.sign(self.mean[self.moves]).tolist())) > 1
-        names = ["s0"] + ["rho"] * (self.sd is None)
-        names += ["phi"] * bool(np.any(np.isfinite(self.gap)))
-        # Where all levels have one sign, a shift and a gain are the same.
-        return names + (["shift"] + ["gain"] * signed) * (self.block is not None)
-
-    @cached_property
     def unit(self) -> Array:
         """In which the errors of readings are counted, shape (n,)."""
         if self.sd is None:
@@ -391,21 +380,36 @@ class _Scatter(OneLine):
             return np.zeros((len(self.away), 0))
         return np.eye(int(self.block.max()) + 1)[self.block]
 
+    @cached_property
+    def noise(self) -> Noise:
+        """Of the readings of conditions that move."""
+        rows, c, m = self.order, self.condition[self.order], len(self.mean)
+        levels = csr_array(
+            (self.pooled / self.unit[rows], (np.arange(len(rows)), c)), (len(rows), m)
+        )
+        signs, own = np.sign(self.mean), np.eye(self.shares.shape[1])
+        shared = {}
+        if self.block is not None:
+            shared["shift"] = csr_array(self.shares[rows]), own
+            if len(set(signs[self.moves].tolist())) > 1:  # else a shift and a gain are the same
+                shared["gain"] = csr_array(self.shares[rows] * signs[c, None]), own
+        level = self.mean / self.size if self.sd is None else None
+        spare = np.bincount(c, minlength=m) - 1.0 * self.moves
+        return Noise(self.away[rows] / self.unit[rows], levels, c, spare, self.gap, level, shared)
+
     def errors(self, seed: int, notes: list[Note]) -> Errors:
         """Errors of the means, over draws of the hyperparameters."""
-        shared = not {"phi", "shift"}.isdisjoint(self.names)
-        p, weight = sample(self._shared_loss if shared else self._own_loss, self.names, seed)
-        size = self._sizes(p)
+        p, weight = self.noise.draws(seed)
+        size, shared = self.noise.sizes(p), self.noise.joint
         usual = weight @ size**2
         if shared:
-            parts, scale = self._covariances(p, weight, size)
+            parts, factor, dof = self._covariances(p, weight, size)
         else:
-            scale = np.mean(size**2 / usual, axis=1)
-        factor, dof = satterthwaite(scale, weight)
+            factor, dof = satterthwaite(np.mean(size**2 / usual, axis=1), weight)
         if self.sd is None:
             # What tells how errors depend on the level and on each other does not tell their size.
             free = float(np.sum(np.bincount(self.condition)[self.moves] - 1.0))
-            dof = min(dof, free - len({"rho", "phi"}.intersection(self.names)))
+            dof = min(dof, free - len({"rho", "phi"}.intersection(p)))
             square = factor * self.pooled**2
             sizes = {"s0": math.sqrt(square * (weight @ np.exp(2.0 * p["s0"])))}
             sizes["rho"] = math.sqrt(square * (weight @ np.exp(2.0 * p["rho"]))) / self.size
@@ -414,7 +418,7 @@ class _Scatter(OneLine):
         if not shared:
             of_means = np.bincount(self.condition, self.unit**2) / np.bincount(self.condition) ** 2
             return Errors(np.sqrt(factor * of_means * usual), None, dof, sizes, tuple(notes))
-        sizes |= {name: math.sqrt(weight @ np.exp(2.0 * p[name])) for name in _SHARED if name in p}
+        sizes |= {name: math.sqrt(weight @ np.exp(2.0 * p[name])) for name in self.noise.shared}
         if "shift" in p:
             text = (
                 f"Blocks differ by a shift of {sizes['shift']:.2g} and a gain of "
@@ -437,156 +441,26 @@ class _Scatter(OneLine):
         sd = np.sqrt(np.diag(covariance))
         return Errors(sd, covariance, dof, sizes, tuple(notes), of_level)
 
-    def _sizes(self, p: dict[str, Array]) -> Array:
-        """Errors of a reading of each condition, in `unit`, shape (draws, m)."""
-        s2 = np.exp(2.0 * p["s0"])[:, None] * np.ones(len(self.mean))
-        if "rho" in p:
-            s2 += np.exp(2.0 * p["rho"])[:, None] * (self.mean / self.size) ** 2
-        return np.asarray(np.sqrt(s2))
-
-    def _own_loss(self, p: dict[str, Array]) -> Array:
-        """-2 ln of the restricted likelihood of independent readings, shape (draws,)."""
-        squares = np.bincount(self.condition, (self.away / self.unit) ** 2)[self.moves]
-        freedom = np.bincount(self.condition)[self.moves] - 1.0
-        s2 = self._sizes(p)[:, self.moves] ** 2
-        return np.asarray(np.log(s2) @ freedom + (1.0 / s2) @ squares)
-
-    def _shared_loss(self, p: dict[str, Array]) -> Array:
-        """The same of readings that share errors, shape (draws,)."""
-        phi = ndtr(p["phi"]) if "phi" in p else np.zeros(len(p["s0"]))
-        none = np.full(len(phi), -math.inf)
-        parts = zip(self._sizes(p), phi, p.get("shift", none), p.get("gain", none), strict=True)
-        return np.array([self._loss_of(*draw) for draw in parts])
-
-    def _loss_of(self, size: Array, phi: float, shift: float, gain: float) -> float:
-        """By Henderson's mixed-model equations, linear in the number of readings.
-
-        Divided by their errors, readings have the covariance R + W W' with R of the runs, whose
-        inverse has three diagonals, and W of the blocks.
-        """
-        rows, c, m = self.order, self.condition[self.order], len(self.mean)
-        link = min(float(phi), _STRONGEST) ** self.gap
-        fresh = 1.0 / np.sqrt(1.0 - link**2)
-        of_blocks = [self.shares[rows] * np.sign(self.mean)[c, None] ** k for k in range(2)]
-        target = self.away[rows] / (self.unit[rows] * size[c])
-        columns = np.column_stack([math.exp(shift) * of_blocks[0], math.exp(gain) * of_blocks[1],
-                                   target])  # fmt: skip
-        white = independent(columns, link)
-        inner = white.T @ white + np.diag([*np.ones(columns.shape[1] - 1), 0.0])
-        # R^-1 times the columns, and the three diagonals between the conditions' levels.
-        back = fresh[:, None] * white
-        back[:-1] -= (link * fresh)[1:, None] * white[1:]
-        base = self.pooled / self.unit[rows]
-        middle = fresh**2
-        middle[:-1] += (link * fresh)[1:] ** 2
-        beside = -(link * fresh**2 * base)[1:] * base[:-1]
-        lower = np.bincount(m * c[1:] + c[:-1], beside, m * m).reshape(m, m)
-        levels = lower + lower.T + np.diag(np.bincount(c, middle * base**2, m) + ~self.moves)
-        across = np.zeros((m, columns.shape[1]))
-        np.add.at(across, c, base[:, None] * back)
-        pivots = np.diag(np.linalg.cholesky(np.block([[levels, across], [across.T, inner]])))
-        determinants = 2.0 * np.sum(np.log(pivots[:-1])) - 2.0 * np.sum(np.log(fresh))
-        sizes = 2.0 * np.sum(np.log(size[c])) - 2.0 * np.sum(np.log(size[self.moves]))
-        return float(determinants + sizes + pivots[-1] ** 2)
-
-    def _covariances(self, p: dict[str, Array], weight: Array, size: Array) -> tuple[Array, Array]:
-        """Mean covariances of the means, shape (3, m, m), and the size of each draw's beside it.
+    def _covariances(self, p: Draws, weight: Array, size: Array) -> tuple[Array, float, float]:
+        """Mean covariances of the means, shape (3, m, m), the factor of their size and its degrees.
 
         By errors of readings, by shifts, and by gains as they are for levels of one sign.
         """
-        m, count = len(self.mean), np.bincount(self.condition)
-        unit = self.unit / count[self.condition]
-        shares = np.zeros((m, self.shares.shape[1]))
-        np.add.at(shares, self.condition, unit[:, None] * self.shares)
-        alike = shares @ shares.T
-        alone = np.diag(np.bincount(self.condition, unit**2))
-        place, lag, product = self._pairs(unit)
+        m, still = len(self.mean), np.setdiff1d(np.arange(len(self.away)), self.order)
+        rows = np.append(self.order, still)
+        mixed, c = np.zeros((m, len(rows))), self.condition[rows]
+        mixed[c, np.arange(len(rows))] = self.unit[rows] / np.bincount(self.condition)[c]
         one = size
         if self.sd is not None:
             # How large a stated error is counts as known, whatever readings scatter by.
             one = np.full(size.shape, root_mean_square(self.sd) / self.pooled)
-
-        def parts(k: int) -> Array:
-            single = alone
-            if "phi" in p:
-                half = np.bincount(place, product * float(ndtr(p["phi"][k])) ** lag, m * m)
-                single = alone + half.reshape(m, m) + half.reshape(m, m).T
-            single = single * np.outer(one[k], one[k])
-            both = alike * np.outer(size[k], size[k])
-            factors = [math.exp(2.0 * p[name][k]) if name in p else 0.0 for name in _SHARED]
-            return np.array([single, factors[0] * both, factors[1] * both])
-
-        signs = np.sign(self.mean)
-        gained = np.array([np.ones((m, m)), np.ones((m, m)), np.outer(signs, signs)])
-        mean = np.zeros((3, m, m))
-        for k, w in enumerate(weight):
-            mean += w * parts(k)
-        inverse = gained * np.linalg.inv(np.sum(gained * mean, axis=0))
-        return mean, np.array([np.sum(inverse * parts(k)) / m for k in range(len(weight))])
-
-    def _pairs(self, weight: Array) -> tuple[Indices, Array, Array]:
-        """Pairs of readings in a run: place of their conditions in a flat matrix, distance, weight.
-
-        Pairs of the same conditions at one distance, as of sweeps, are taken together.
-        """
-        m, c = len(self.mean), self.condition[self.order]
-        starts = np.flatnonzero(np.isinf(self.gap))
-        blocks = []
-        for rows in np.split(np.arange(len(c)), starts[1:]):
-            number = np.cumsum(np.r_[0.0, self.gap[rows[1:]]])
-            i, j = np.tril_indices(len(rows), -1)
-            weights = weight[self.order[rows]]
-            blocks.append(
-                [m * c[rows[i]] + c[rows[j]], number[i] - number[j], weights[i] * weights[j]]
-            )
-        place, lag, product = np.concatenate(blocks, axis=1)
-        pairs, which = np.unique(np.stack([place, lag]), axis=1, return_inverse=True)
-        together = np.asarray(np.bincount(np.ravel(which), product), dtype=float)
-        return np.asarray(pairs[0], dtype=np.int64), np.asarray(pairs[1]), together
-
-
-def sample(
-    loss: Callable[[dict[str, Array]], Array], names: list[str], seed: int
-) -> tuple[dict[str, Array], Array]:
-    """Draws of the hyperparameters, each of shape (draws,), and their weights, of sum 1.
-
-    `loss` is -2 ln of their likelihood.
-    """
-    centre, width = np.array([_PRIORS[name] for name in names]).T
-    d = len(names)
-
-    def density(h: Array) -> Array:
-        """-ln of the posterior, of h of shape (draws, d), in prior standard deviations."""
-        values = centre + width * np.clip(h, -_FARTHEST, _FARTHEST)
-        return np.asarray(
-            0.5 * loss(dict(zip(names, values.T, strict=True))) + 0.5 * np.sum(h**2, axis=1)
-        )
-
-    step = 0.05 * np.eye(d)
-
-    def slope(h: Array) -> Array:
-        return np.asarray(density(h + step) - density(h - step)) / 0.1
-
-    peak = minimize(lambda h: float(density(h[None])[0]), np.zeros(d), jac=slope, method="BFGS",
-                     options={"gtol": 1e-5, "maxiter": 100}).x  # fmt: skip
-    curvature = np.array([(slope(peak + move) - slope(peak - move)) / 0.1 for move in step])
-    values, axes = np.linalg.eigh(0.5 * (curvature + curvature.T))
-    # The prior alone has a curvature of 1.
-    spread = _WIDER * axes / np.sqrt(np.maximum(values, 0.5))
-    uniform = np.clip(qmc.Sobol(d + 1, seed=seed).random(_DRAWS), 1e-9, 1.0 - 1e-9)
-    z = ndtri(uniform[:, :d]) * np.sqrt(_TAILS / chi2_law.ppf(uniform[:, d:], _TAILS))
-    h = peak + z @ spread.T
-    log_weight = -density(h) + 0.5 * (_TAILS + d) * np.log1p(np.sum(z**2, axis=1) / _TAILS)
-    weight = np.exp(log_weight - np.max(log_weight))
-    return dict(zip(names, (centre + width * h).T, strict=True)), weight / np.sum(weight)
-
-
-def satterthwaite(scale: Array, weight: Array) -> tuple[float, float]:
-    """A size whose draws are `scale`, shape (draws,), and its degrees of freedom.
-
-    By the first two moments of its inverse: of errors with one variance they give the F law. Of the
-    size itself they would count four degrees of freedom less, and make it too large.
-    """
-    inverse = 1.0 / scale
-    mean = float(weight @ inverse)
-    return 1.0 / mean, 2.0 * mean**2 / max(float(weight @ (inverse - mean) ** 2), 1e-9)
+        phi = ndtr(p["phi"]) if "phi" in p else np.zeros(len(weight))
+        gap = np.append(self.gap, np.full(len(still), math.inf))
+        parts = along(mixed, gap, phi, weight, one)
+        shares, signs = mixed @ self.shares[rows], np.where(self.mean < 0.0, -1.0, 1.0)
+        for name, part in (("shift", shares), ("gain", signs[:, None] * shares)):
+            share = np.exp(2.0 * p[name]) if name in p else np.zeros(len(weight))
+            parts.append((part @ part.T, share, size))
+        means, factor, dof = averaged(parts, weight)
+        readings = np.sum(means[:-2], axis=0)
+        return np.array([readings, means[-2], means[-1] * np.outer(signs, signs)]), factor, dof

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.signal import correlate
 
 from stickslip._util.arrays import (
     Array,
@@ -28,7 +27,7 @@ from stickslip._util.messages import refuse, shown
 from stickslip._util.note import Note
 from stickslip._util.text import brief
 from stickslip._util.units import quantity_of, with_unit
-from stickslip.diagnosis.data.errors import FEWEST, Errors
+from stickslip.diagnosis.data.errors import FEWEST, Errors, freedom, of_one_meter
 from stickslip.diagnosis.data.outliers import (
     FEW,
     alike_and_lost,
@@ -322,7 +321,20 @@ def with_repeats(series: Sequence[Series]) -> list[Table]:
             if not record.stated and errors.dof >= FEWEST:
                 sd = np.full(len(record), errors.sizes["s0"])
                 known[record.name] = record.having(errors=replace(errors, sd=sd))
-    return [known.get(record.name, record) for record in series]
+    return _of_one_meter([known.get(record.name, record) for record in series])
+
+
+def _of_one_meter(records: list[Table]) -> list[Table]:
+    """Records whose errors smooth curves tell, where those of one unit share them."""
+    told = [k for k, record in enumerate(records)
+            if SMOOTH in {note.code for note in record.errors.notes}]  # fmt: skip
+    dof = np.array([records[k].errors.dof for k in told])
+    sd = np.array([records[k].errors.sizes["s0"] for k in told])
+    shared = of_one_meter([records[k].unit for k in told], sd, dof, dof)
+    for k, one, free in zip(told, *shared, strict=True):
+        record = records[k]
+        records[k] = record.having(errors=_of_a_curve(one, len(record), free, record.unit))
+    return records
 
 
 def _check_repeat(of: Series, repeat: Series) -> None:
@@ -363,10 +375,7 @@ def _from_repeats(group: Sequence[Series]) -> Errors:
     sd = math.sqrt(float(np.sum(away**2)) / (count * (len(group) - 1)))
     if sd == 0.0:
         return Errors(np.zeros(count), dof=0.0)
-    # Variance of the mean square of correlated errors: the sum of their squared correlations.
-    lags = correlate(away[0], away[0], method="fft")[count - 1 :]
-    alike = lags[: max(count // 4, 1)] / max(float(lags[0]), 1e-300)
-    dof = count * (len(group) - 1) / max(2.0 * float(np.sum(alike**2)) - 1.0, 1.0)
+    dof = (len(group) - 1) * freedom(away[0])
     size = with_unit(sd, group[0].unit)
     text = f"A reading scatters by {size}, from {len(group)} repeats of a record."
     note = Note("noise-repeats", text, sd)
@@ -389,11 +398,13 @@ def _about_a_curve(t: Array, y: Array, unit: str) -> Errors:
     )
     if not smooth:
         return Errors.alike(size or 1.0, np.ones(len(y)), 0.0)
-    sd = scatter[1]
     # A median of n differences of order 5, which overlap, tells as much as n / 8 free readings.
-    dof = len(y) / 8.0
+    return _of_a_curve(scatter[1], len(y), len(y) / 8.0, unit)
+
+
+def _of_a_curve(sd: float, count: int, dof: float, unit: str) -> Errors:
     note = Note(SMOOTH, f"A reading scatters by {with_unit(sd, unit)} about a smooth curve.", sd)
-    return Errors.alike(sd, np.ones(len(y)), dof, note)
+    return Errors.alike(sd, np.ones(count), dof, note)
 
 
 def _left_by_differences(t: Array, y: Array, order: int) -> float:

@@ -7,10 +7,13 @@ import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from graphlib import CycleError, TopologicalSorter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
 
 from stickslip._util.arrays import (
     RELATIVE,
@@ -31,7 +34,6 @@ from stickslip._util.arrays import (
     states_unit,
 )
 from stickslip._util.note import Note
-from stickslip._util.prior import Prior
 from stickslip._util.text import brief, counted
 from stickslip._util.units import far_size, unit_label
 from stickslip.diagnosis.data.errors import estimate, no_finer_than_the_meter
@@ -103,7 +105,8 @@ class Table:
     places : ndarray, shape (m, d), or None
         Numbers of the conditions that vary, over which a discrepancy may be smooth.
     run, order : ndarray, shape (m,), or None
-        Run of each condition and its place in it, along which a discrepancy may be correlated.
+        Run of each condition and its place in it, along which a discrepancy may be correlated. Of
+        runs with the same conditions in one order these are the means.
     group : ndarray of int, shape (m,)
         Conditions that are held out together, numbered from 0.
     rows : ndarray of int, shape (n,)
@@ -135,8 +138,6 @@ class Table:
     """Of which state of a machine it is, where two are compared."""
     less: tuple[Table, Indices] | None = None
     """A table and its conditions whose readings and predictions are taken off."""
-    starts: Mapping[str, Prior] = {}
-    """What is known of a record's own constants, in place of their priors, by name."""
     drawable = True
     """Whether its readings share a unit, so that they are drawn over a setting."""
 
@@ -202,16 +203,16 @@ class Table:
         self.mean, self.errors = estimate(self.y, self.condition, sd=stated, run=runs, block=blocks)
         if sd is None:
             self.errors = no_finer_than_the_meter(self.y, self.condition, self.errors, unit)
-        self.unstated = [
-            *([] if unit != "-" or states_unit(y) else [READINGS]),
-            *self.quantities[1:],
-        ]
+        carried = {key: states_unit(values) for key, values in given.items()}
+        carried[READINGS] = unit != "-" or states_unit(y)
+        self.unstated = [key for key in self.quantities if not carried[key]]
         self.rows, self._labels = np.flatnonzero(~gap), {"sd": stated, "block": blocks, "run": runs}
         self.own_notes = tuple(notes)
-        if runs is not None and len(number) == len(self.y):
-            self.run, self.order = runs, np.arange(len(runs), dtype=float)
-            if len(np.unique(runs)) >= _FEWEST_RUNS:
-                self.group = np.unique(runs, return_inverse=True)[1]  # a whole run is held out
+        placed = None if runs is None else _along_runs(self.condition, runs)
+        if placed is not None:
+            self.run, self.order = placed
+            if len(np.unique(self.run)) >= _FEWEST_RUNS:
+                self.group = self.run  # a whole run is held out
 
     def __getitem__(self, column: str) -> Array:
         """A column of the settings, shape (n,), read-only."""
@@ -326,7 +327,7 @@ class Table:
         return None
 
     # ------------------------------------------------------------------ what is wrong with it
-    def problem(self, stated: Array, alone: bool = True) -> Note | None:
+    def data_fault(self, stated: Array, alone: bool = True) -> Note | None:
         """What is wrong with the readings, before any cause is blamed; None of sound ones.
 
         Parameters
@@ -338,10 +339,6 @@ class Table:
             apart.
         """
         return self.tells_nothing(alone) or self._meant(stated)
-
-    def remarks(self) -> list[Note]:
-        """What a reader should know of readings that can be used."""
-        return []
 
     def tells_nothing(self, alone: bool) -> Note | None:
         """Why readings can tell no causes apart, whatever the model; None if they can."""
@@ -445,6 +442,31 @@ class Table:
 
     def __repr__(self) -> str:
         return f"<Table {self.name}: {len(self.y)} readings, {len(self.mean)} conditions>"
+
+
+def _along_runs(condition: Indices, run: Indices) -> tuple[Indices, Array] | None:
+    """Run and place in it of each condition, shape (m,); `condition` and `run` are of readings.
+
+    Runs that share conditions are repeats of one. None if they do not have them in one order: what
+    a model misses along them is then no run.
+    """
+    rows, count = np.argsort(run, kind="stable"), int(condition.max()) + 1
+    follows = np.diff(run[rows]) == 0
+    pairs = condition[rows][:-1][follows].tolist(), condition[rows][1:][follows].tolist()
+    links = csr_array((np.ones(len(pairs[0])), pairs), shape=(count, count))
+    whole = connected_components(links, directed=False)[1].astype(np.int64)
+    before: dict[int, set[int]] = {k: set() for k in range(count)}
+    for one, other in zip(*pairs, strict=True):
+        before[other].add(one)
+    try:
+        order = np.array(list(TopologicalSorter(before).static_order()))
+    except CycleError:
+        return None
+    order = order[np.argsort(whole[order], kind="stable")]
+    steps = zip(order[:-1].tolist(), order[1:].tolist(), np.diff(whole[order]) == 0, strict=True)
+    if any(same and one not in before[other] for one, other, same in steps):
+        return None  # another order would do as well
+    return whole, np.argsort(order).astype(float)
 
 
 def stated_errors(what: str, sd: ArrayLike, count: int, unit: str) -> Array:

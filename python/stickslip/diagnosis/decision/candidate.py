@@ -13,6 +13,7 @@ from scipy.stats import t as t_law
 
 from stickslip._util.arrays import Array
 from stickslip._util.text import OneLine
+from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.decision.gain import Gain, gain_of
 from stickslip.diagnosis.decision.posterior import share
 from stickslip.diagnosis.fitting.models import Fit
@@ -63,7 +64,8 @@ class Candidate(OneLine):
         """Factor of the errors of a fit beside a discrepancy.
 
         The discrepancy may be alike the cause itself: what is left counts as a part of its size,
-        by ``sqrt(1 + left / taken)`` with the mean squares of what is left and what is taken.
+        by ``sqrt(1 + left / taken)`` with the mean squares of what is left and what is taken. Along
+        runs it may last, too: see `covariance_beside`.
         """
         if not self.fit.causes or self.fit.form == "exact":
             return 1.0
@@ -74,8 +76,7 @@ class Candidate(OneLine):
     def params(self) -> DataFrame:
         """Parameters: `value` and `sd` in the column `unit`, `prior`, and `pull`.
 
-        The pull is the coordinate: standard deviations of the prior from its middle. The sd is
-        that of the curvature, times `widening`.
+        The pull is the coordinate: standard deviations of the prior from its middle.
         """
         x, root = self.fit.x[self.fit.free], np.abs(self.rates) * self._spread
         rows = [
@@ -88,8 +89,7 @@ class Candidate(OneLine):
     def interval(self, level: float) -> DataFrame:
         """`low`, `high` and `unit` of each parameter, within its limits.
 
-        By quantiles of Student's law of its coordinate, with the degrees of freedom of the errors,
-        wider by `widening`.
+        By quantiles of Student's law of its coordinate, with the degrees of freedom of the errors.
         """
         freedom = min(self.models.problem.freedom, _MOST_FREEDOM)
         reach = float(t_law.ppf(0.5 + 0.5 * level, freedom)) * self._spread
@@ -104,7 +104,7 @@ class Candidate(OneLine):
     @property
     def covariance(self) -> DataFrame:
         """Covariance of `params`, in products of their units."""
-        matrix = self.rates[:, None] * self.fit.covariance * self.rates * self.widening**2
+        matrix = self.rates[:, None] * self._covariance * self.rates
         return frame("parameter", self._names, matrix, self._names)
 
     @property
@@ -142,8 +142,8 @@ class Candidate(OneLine):
     def prediction(self) -> DataFrame:
         """All readings in order: `table`, `reading`, `sd`, `predicted`, `predicted_sd`, `unit`."""
         problem, fit = self.models.problem, self.fit
-        variance = np.einsum("ij,jk,ik->i", fit.slopes, fit.covariance, fit.slopes)
-        sd = np.sqrt(np.maximum(variance, 0.0)) * self.widening
+        variance = np.einsum("ij,jk,ik->i", fit.slopes, self._covariance, fit.slopes)
+        sd = np.sqrt(np.maximum(variance, 0.0))
         rows = []
         for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
             rows += [
@@ -158,8 +158,8 @@ class Candidate(OneLine):
         """Values of all parameters: at the fit, and one standard deviation up and down each
         principal axis of its covariance, shape (1 + 2 axes, size); see `spread_of`.
         """
-        scale, vectors = np.linalg.eigh(self.fit.covariance)
-        axes = (vectors * np.sqrt(np.maximum(scale, 0.0))).T[scale > 0.0] * self.widening
+        scale, vectors = np.linalg.eigh(self._covariance)
+        axes = (vectors * np.sqrt(np.maximum(scale, 0.0))).T[scale > 0.0]
         x = np.tile(self.fit.x, (1 + 2 * len(axes), 1))
         x[1:, self.fit.free] += np.vstack([axes, -axes])
         return self.models.problem.physical(np.clip(x, *self.models.problem.limits))
@@ -172,6 +172,24 @@ class Candidate(OneLine):
     def _names(self) -> list[str]:
         return [parameter.name for parameter in self._parameters]
 
+    @cached_property
+    def _covariance(self) -> Array:
+        """That of the coordinates.
+
+        All places of an edge in a gap of the readings are alike.
+        """
+        matrix, problem = self.models.covariance(self.fit) * self.widening**2, self.models.problem
+        steps = {table.name: table.step for table in problem.tables if isinstance(table, Series)}
+        for cause in self.fit.causes:
+            if cause.between is None or cause.read is None:
+                continue
+            step = steps[cause.table] if cause.table else max(steps.values())
+            edges = [p.name for p in cause.parameters if not p.is_amplitude]
+            for count, name in enumerate(edges, 1):  # a length has two
+                k = self._names.index(name)
+                matrix[k, k] += count * step**2 / 12.0 / self.rates[k] ** 2
+        return matrix
+
     @property
     def _spread(self) -> Array:
         """Standard deviations of the coordinates; of one that is pushed against its end, its own.
@@ -180,8 +198,8 @@ class Candidate(OneLine):
         """
         whitened = self.models.problem.whitened(self.fit.slopes)
         alone = np.sum(whitened**2, axis=0) + np.diag(self.fit.precision)
-        variance = np.diag(self.fit.covariance)
-        return np.sqrt(np.where(variance > 0.0, variance, 1.0 / alone)) * self.widening
+        variance = np.diag(self._covariance)
+        return np.sqrt(np.where(variance > 0.0, variance, self.widening**2 / alone))
 
     @cached_property
     def rates(self) -> Array:

@@ -344,7 +344,7 @@ class _Beside:
 
 def _effects(problem: Problem, fit: Fit, response: Response, number: int) -> list[_Effect]:
     cause = response.cause
-    if not cause.parameters:
+    if cause.is_constant:
         # A freed constant is moved by its wider prior.
         names = [constant.name for constant in problem.constants]
         gap = FREED[0] * fit.slopes[:, names.index(str(cause.frees))]

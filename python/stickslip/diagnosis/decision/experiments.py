@@ -71,7 +71,7 @@ def expected_chi2(
 
     A reading is of one candidate's world, so its error is the noise and that candidate's own
     uncertainty: of the two candidates the one that expects the larger error counts. What is
-    uncertain in both, such as the constants, moves all readings alike: together with drives
+    uncertain in both, such as the constants, moves all readings alike: together with those
     that are measured anyway (`beside`) a proposal tells more than its own reading.
 
     `level` has the shape (candidates, proposals); `covariance` is that of the predictions over the

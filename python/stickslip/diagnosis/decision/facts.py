@@ -249,8 +249,8 @@ class Facts:
         Parameters
         ----------
         conditions : DataFrame or sequence of dict, or whatever the own model takes
-            For a measurement, drive settings by name, such as ``frequency``. Those not given are
-            the scenario's; further columns of a table of trials, such as `velocity`, are ignored.
+            For a measurement, settings by name, such as ``frequency``. Those not given are the
+            scenario's; further columns of a table of trials, such as readings, are ignored.
 
         Returns
         -------
@@ -263,8 +263,8 @@ class Facts:
         Raises
         ------
         ScenarioError
-            If the data allow no diagnosis, a drive cannot have a setting, or the measurement has
-            no velocities.
+            If the data allow no diagnosis, a setting is not allowed, or the measurement has no
+            readings of the kind that is predicted.
         """
         self._refuse_without_models("predict")
         at, settings = self.rivals.conditions(conditions)
@@ -305,7 +305,7 @@ class Facts:
         return DataFrame(settings)
 
     def propose_experiments(self, count: int = design.PROPOSED) -> list[design.Experiment]:
-        """The drives that would tell the leading models apart best, each of another kind.
+        """The conditions that would tell the leading models apart best, each of another kind.
 
         Raises
         ------
@@ -339,17 +339,17 @@ class Facts:
         return design.worth_measuring(self.next_step, self.propose_experiments(count))
 
     def next_trials(self, count: int = design.PROPOSED) -> DataFrame:
-        """The drives to measure next, a row for each trial, with an empty column `velocity`.
+        """The conditions to measure next, a row for each trial, with an empty column to fill in.
 
-        When that is filled in, `Measurement.with_velocities` takes the table. None where
-        `next_step` needs none.
+        With readings `Measurement.with_velocities` takes the table. None where `next_step` needs
+        none.
         """
         return self.trial_table(self.worth_measuring(count))
 
     def trial_table(
         self, experiments: Sequence[design.Experiment], trials: int = design.TRIALS
     ) -> DataFrame:
-        """A row for each trial of some experiments, with an empty column `velocity`."""
+        """A row for each trial of some experiments, with an empty column to fill in."""
         return self.rivals.trial_table(experiments, trials)
 
     @property
@@ -359,7 +359,7 @@ class Facts:
         Of a measurement a scenario; of a model of one's own the values of its parameters by name.
         Uncertain in the scenario is what was fitted, with `covariance`; `stickslip.predict` draws
         from that. From data that allow no diagnosis nothing is learnt: the scenario is as it was
-        given. What only readings have, such as a camera's offset, is no part of it.
+        given. What only readings have, such as a wrong zero, is no part of it.
 
         Raises
         ------

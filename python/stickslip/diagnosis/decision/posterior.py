@@ -62,10 +62,11 @@ class Posterior(OneLine):
                 break
         return members
 
-    def among_small(self, name: str) -> float:
-        """Probability of a single cause among the models with one cause at most."""
-        small = {fit.name: self.models[fit.name] for fit in self.fits if len(fit.causes) < 2}
-        return small.get(name, 0.0) / max(math.fsum(small.values()), 1e-300)
+    def among_small(self, fit: Fit) -> float:
+        """Probability of a model among those with as many causes at most."""
+        small = [each for each in self.fits if len(each.causes) <= len(fit.causes)]
+        whole = math.fsum(self.models[each.name] for each in small)
+        return self.models[fit.name] / max(whole, 1e-300)
 
 
 def posterior(models: Models) -> Posterior:

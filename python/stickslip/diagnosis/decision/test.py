@@ -146,8 +146,8 @@ def _directions(problem: Problem, p: int, responses: Sequence[Response]) -> tupl
         changes = problem.whitened(response.tried.T).T
         parts.append(np.hstack([changes, np.zeros((len(changes), p))]))
         either.append(response.either)
-        if response.cause.frees is not None and not response.cause.parameters:
-            parts.append(np.arange(n + p)[None] == n + names.index(response.cause.frees))
+        if response.cause.is_constant:
+            parts.append(np.arange(n + p)[None] == n + names.index(str(response.cause.frees)))
             either.append(np.ones(1, dtype=bool))
     return np.vstack(parts), np.concatenate(either)
 

@@ -25,6 +25,8 @@ from stickslip.diagnosis.decision.test import ADEQUATE, Test, adequacy, follows_
 from stickslip.diagnosis.fitting.forms import HYPER
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.search import Models
+from stickslip.diagnosis.terms.amounts import p_text
+from stickslip.diagnosis.terms.cause import CauseNote
 
 Kind = Literal["named", "dominant", "pair", "ambiguous", "unexplained", "none", "data-problem"]
 
@@ -41,11 +43,11 @@ NEARLY_ALL = 0.9
 been taken for it. Chosen on 180 logs of which it names 5 more, all rightly."""
 
 SECOND = 0.1
-"""Part by which a second cause lowers the held-out error at least. Chosen with the prototype."""
+"""Part by which a further cause lowers the held-out error at least. Chosen with the prototype."""
 
 FAR = 1e-4
-"""p-value below which every model of fewer causes fails, so that a pair that explains the data
-needs no other proof of its second cause. Chosen: a hundredth of `ADEQUATE`."""
+"""p-value below which every model of fewer causes fails, so that causes that explain the data need
+no other proof of the last one. Chosen: a hundredth of `ADEQUATE`."""
 
 CALM = 0.5
 """Scatter, in the stated errors, below which these are said to be stated too large. Chosen."""
@@ -64,7 +66,7 @@ class Verdict(OneLine):
         ``named``, ``dominant``, ``pair``, ``ambiguous``, ``unexplained``, ``none`` or
         ``data-problem``.
     causes : tuple of str
-        The cause, both of a pair, or those of a set, the most probable first.
+        The cause, the two or three of a pair, or those of a set, the most probable first.
     fit : Fit, optional
         The extended model, where a cause is claimed; of a set that of its first member.
     reasons : tuple of Note
@@ -126,9 +128,7 @@ def decide(models: Models, test: Test) -> Verdict:
     if not sure:
         return _set(verdict, models, chance)
     most = next(fit for fit in chance.fits if fit.names & set(sure))
-    if len(most.causes) < 2:
-        return _claimed(verdict, models, test, most)
-    return _with_second(verdict, models, test, chance, most, sure)
+    return _with_more(verdict, models, test, chance, most, sure)
 
 
 def _common(members: Sequence[Fit]) -> tuple[str, ...]:
@@ -144,88 +144,85 @@ def _without_cause(verdict: Verdict, models: Models, test: Test, leader: Fit | N
             rival = "correlated errors along a run, of the readings or of the model"
         reason = Note(
             "no-cause-leads",
-            f"A misfit is left (p = {test.p_value:.2g}); no cause is more probable than {rival}.",
+            f"A misfit is left ({p_text(test.p_value)}); no cause is more probable than {rival}.",
             test.p_value,
         )
         gain = gain_of(models, leader) if leader else None
         return _with(verdict, "unexplained", (), None, (reason,), models, leader, gain)
     reason = Note(
         "nothing-left",
-        f"The recalibrated model explains the data (p = {test.p_value:.2g}).",
+        f"The recalibrated model explains the data ({p_text(test.p_value)}).",
         test.p_value,
     )
     return _with(verdict, "none", (), None, (reason,), models, None)
 
 
-def _with_second(
-    verdict: Verdict, models: Models, test: Test, chance: Posterior, pair: Fit, sure: list[str]
-) -> Verdict:
-    """Two causes, if nothing less explains the data or the second one predicts held-out readings.
+def _with_more(
+    verdict: Verdict, models: Models, test: Test, chance: Posterior, whole: Fit, sure: list[str],
+    reasons: tuple[Note, ...] = (),
+) -> Verdict:  # fmt: skip
+    """Two or three causes, if nothing less explains the data or the last one predicts held-out
+    readings.
 
-    Else the better one alone. If only one of them is sure, what is beside it is left open.
+    Else the better ones without it. If not all of them are sure, what is beside these is left open.
     """
-    alone = [fit for fit in chance.fits if fit.names < pair.names and fit.names & set(sure)]
-    if not alone:
-        return _claimed(verdict, models, test, pair)
-    member = max(alone, key=models.log_posterior)
-    if not pair.names <= set(sure) and pair.form == "exact":
-        # The stated errors ask for a second cause, but not for which one.
-        explains = [adequacy(models.problem, fit) >= ADEQUATE for fit in (member, pair)]
+    fewer = [fit for fit in chance.fits if fit.names < whole.names and fit.names & set(sure)]
+    if not fewer:
+        return _claimed(verdict, models, test, whole, reasons)
+    member, all_sure = max(fewer, key=models.log_posterior), whole.names <= set(sure)
+    if not all_sure and whole.form == "exact":
+        # The stated errors ask for a further cause, but not for which one.
+        explains = [adequacy(models.problem, fit) >= ADEQUATE for fit in (member, whole)]
         if explains == [False, True]:
-            return _set(verdict, models, chance)
-    if pair.names <= set(sure) and _only_pair(models, pair):
-        return _claimed(verdict, models, test, pair)
-    one, two = (models.get(fit.names) or fit for fit in (member, pair))
-    second = measured(models.problem, one, two)
-    if second is None:  # too few parts to hold some out
-        return _set(verdict, models, chance)
-    if second.certain and second.after <= (1.0 - SECOND) * second.before:
-        both = pair.names <= set(sure)
-        return _claimed(verdict, models, test, pair) if both else _set(verdict, models, chance)
-    reason = _refused(pair, member, second)
-    if chance.among_small(member.name) >= SURE:
-        single = _claimed(verdict, models, test, member, (reason,))
-        if single.claims:
-            return single
-    if pair.names <= set(sure):
-        # A smaller model is improbable, and the second cause is not proven: both stay open.
-        still_open = tuple(dict.fromkeys((pair, member, *verdict.members)))
-        return _set(verdict, models, chance, (reason,), still_open)
-    return _set(verdict, models, chance, (reason,))
+            return _set(verdict, models, chance, reasons)
+    if all_sure and _nothing_less(models, whole):
+        return _claimed(verdict, models, test, whole, reasons)
+    one, two = (models.get(fit.names) or fit for fit in (member, whole))
+    further = measured(models.problem, one, two)
+    if further is None:  # too few parts to hold some out
+        return _set(verdict, models, chance, reasons)
+    if further.certain and further.after <= (1.0 - SECOND) * further.before:
+        claimed = _claimed(verdict, models, test, whole, reasons) if all_sure else None
+        return claimed or _set(verdict, models, chance, reasons)
+    reasons += (_refused(whole, member, further),)
+    if chance.among_small(member) >= SURE:
+        claim = _with_more(verdict, models, test, chance, member, sure, reasons)
+        if claim.claims:
+            return claim
+    # A smaller model is improbable, and the last cause is not proven: both stay open.
+    still_open = tuple(dict.fromkeys((whole, member, *verdict.members))) if all_sure else ()
+    return _set(verdict, models, chance, reasons, still_open)
 
 
-def _only_pair(models: Models, pair: Fit) -> bool:
-    """Whether a pair explains the data without a discrepancy, and no smaller model comes near."""
-    plain = models.get(pair.names)
+def _nothing_less(models: Models, whole: Fit) -> bool:
+    """Whether causes explain the data without a discrepancy, and no smaller model comes near."""
+    plain = models.get(whole.names)
     if plain is None or adequacy(models.problem, plain) < ADEQUATE:
         return False
-    smaller = [fit for fit in models.best.values() if len(fit.causes) < len(pair.causes)]
+    smaller = [fit for fit in models.best.values() if len(fit.causes) < len(whole.causes)]
     return all(adequacy(models.problem, fit) < FAR for fit in smaller)
 
 
-def _refused(pair: Fit, member: Fit, second: Gain) -> Note:
-    (other,) = pair.names - member.names
-    fall = 1.0 - second.after / second.before
-    both = f"{other} beside {member.name}"
+def _refused(whole: Fit, member: Fit, further: Gain) -> Note:
+    others = sorted(whole.names - member.names)
+    fall = 1.0 - further.after / further.before
+    number = ("second", "third")[len(member.causes) - 1]
+    pair = " + ".join(["{}"] * len(others)), " + ".join(["{}"] * len(member.names))
+    text = f"{pair[0]} beside {pair[1]} lowers the held-out error by {100.0 * fall:.0f} %"
     if fall <= 0.0:
-        text = f"{both} does not lower the held-out error."
+        text = f"{pair[0]} beside {pair[1]} does not lower the held-out error."
     elif fall < SECOND:
-        text = (
-            f"{both} lowers the held-out error by {100.0 * fall:.0f} % only; a second cause needs "
-            f"{100.0 * SECOND:.0f} %."
-        )
+        text += f" only; a {number} cause needs {100.0 * SECOND:.0f} %."
     else:
-        text = (
-            f"{both} lowers the held-out error by {100.0 * fall:.0f} %, which may be chance: the "
-            "95 % interval includes zero."
-        )
-    return Note("second-cause-predicts-nothing", text, fall)
+        text += ", which may be chance: the 95 % interval includes zero."
+    causes = (*others, *sorted(member.names))
+    return CauseNote("second-cause-predicts-nothing", text, causes, fall)
 
 
 def _claimed(
     verdict: Verdict, models: Models, test: Test, fit: Fit, reasons: tuple[Note, ...] = ()
 ) -> Verdict:
-    """A cause or a pair, named if it explains the data, dominant beside a discrepancy."""
+    """One cause or more, named if it explains the data, dominant beside a discrepancy."""
     problem, names = models.problem, tuple(sorted(fit.names))
     plain, beside = models.get(fit.names), _beside(models, fit)
     gains = [gain_of(models, fit)]
@@ -247,9 +244,10 @@ def _claimed(
         return _with(verdict, kind, names, likelier, reasons, models, plain, gains[0])
     twins = _open_twins(models, beside)
     if twins:
-        also = " or ".join(twin.name for twin in twins)
-        text = f"What {beside.name} leaves is as large as what tells it from {also}."
-        reasons += (Note("twins-left-open", text),)
+        also = " or ".join("{}" for _ in twins)
+        text = f"What {{}} leaves is as large as what tells it from {also}."
+        named = [fit.name for fit in (beside, *twins)]
+        reasons += (CauseNote("twins-left-open", text, named),)
         return _left_open(verdict, models, (beside, *twins), reasons, gains[0])
     reasons += _slow_rest(beside)
     return _with(verdict, kind, names, beside, reasons, models, beside, gains[0])
@@ -294,15 +292,15 @@ def _against(models: Models, fit: Fit, gains: Sequence[Gain | None]) -> list[Not
     part = share(models, fit) if fit.form != "exact" else 0.0
     notes = _takes_little(fit, part, gains)
     if _is_pattern(models, fit):
-        text = f"What {fit.name} leaves follows the settings: it is no scatter."
-        notes.append(Note("pattern-left", text))
+        text = "What {} leaves follows the settings: it is no scatter."
+        notes.append(CauseNote("pattern-left", text, [fit.name]))
     if _at_end(models, fit):
         notes.append(_end_of_range(fit))
     return notes
 
 
 def _end_of_range(fit: Fit) -> Note:
-    return Note("size-at-end", f"A size of {fit.name} is at the end of its range.")
+    return CauseNote("size-at-end", "A size of {} is at the end of its range.", [fit.name])
 
 
 def _proven(models: Models, test: Test, fit: Fit, gains: Sequence[Gain | None]) -> bool:
@@ -316,7 +314,7 @@ def _proven(models: Models, test: Test, fit: Fit, gains: Sequence[Gain | None]) 
     if any(gain is not None and gain.interval[1] < 0.0 for gain in gains):
         return False
     spare = adequacy(problem, models.null) >= ADEQUATE
-    if all(cause.frees is not None and not cause.parameters for cause in fit.causes):
+    if all(cause.is_constant for cause in fit.causes):
         spare = spare and test.p_value >= ADEQUATE
     return not spare or gains[0] is None or gains[0].certain
 
@@ -326,24 +324,24 @@ def _takes_little(fit: Fit, part: float, gains: Sequence[Gain | None]) -> list[N
 
     Causes that take nearly all of the model's error need only not predict worse.
     """
-    notes = []
+    notes: list[Note] = []
     if not part >= DOMINANT:
         part = 0.0 if math.isnan(part) else part
         asked = 100.0 * DOMINANT
         text = (
-            f"{fit.name} takes {min(100.0 * part, asked - 1.0):.0f} % of the model's error; a "
-            f"claim asks for {asked:.0f} %."
+            f"{{}} takes {min(100.0 * part, asked - 1.0):.0f} % of the model's error; a claim asks "
+            f"for {asked:.0f} %."
         )
-        notes.append(Note("small-share", text, part))
+        notes.append(CauseNote("small-share", text, [fit.name], part))
     known = [gain for gain in gains if gain is not None]
     if part >= NEARLY_ALL:
-        text = f"{fit.name} predicts held-out readings worse."
+        text = "{} predicts held-out readings worse."
         proven = all(gain.interval[1] >= 0.0 for gain in known)
     else:
-        text = f"It is not certain that {fit.name} predicts held-out readings better."
+        text = "It is not certain that {} predicts held-out readings better."
         proven = len(known) == len(gains) and all(gain.certain for gain in known)
     if not proven:
-        notes.append(Note("uncertain-gain", text))
+        notes.append(CauseNote("uncertain-gain", text, [fit.name]))
     return notes
 
 
@@ -372,9 +370,9 @@ def _set(
         together = sum(chance.models[member.name] for member in members)
         text = (
             f"{len(members)} models have {100.0 * together:.0f} % of the probability together; the "
-            f"first, {first.name}, has {100.0 * probability:.0f} %."
+            f"first, {{}}, has {100.0 * probability:.0f} %."
         )
-        reasons = (*reasons, Note("not-separated", text, probability))
+        reasons = (*reasons, CauseNote("not-separated", text, [first.name], probability))
     return _left_open(verdict, models, members, reasons, gain)
 
 
@@ -428,5 +426,5 @@ def _slow_rest(fit: Fit) -> tuple[Note, ...]:
     """That a discrepancy beside a cause is correlated for as long as a run allows."""
     if fit.form != "ar1" or math.log(fit.sizes["tau"]) < HYPER["tau"][3] - _AT_BOUND:
         return ()
-    text = f"What {fit.name} leaves drifts over the whole record: something else is missing too."
-    return (Note("long-correlation", text, fit.sizes["tau"]),)
+    text = "What {} leaves drifts over the whole record: something else is missing too."
+    return (CauseNote("long-correlation", text, [fit.name], fit.sizes["tau"]),)

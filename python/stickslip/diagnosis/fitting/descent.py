@@ -47,6 +47,9 @@ _STRIDE, _GOOD = 0.3, 0.3
 # constants, which may be stated many standard deviations off. Chosen.
 _STEP, _LINEAR_STEP = 2.5, 50.0
 
+# Steps after which a crawl along a narrow valley goes on; the part of a step that one counts whose
+# fall of the cost is at least that much, or that part of it. Chosen: ten times the steps at most.
+_CRAWL, _PAYS, _PART, _COUNTS = 4, 1.0, 2e-3, 0.1
 
 # Walks after a descent at most. Their moves, in the fineness of a coordinate: as far as the next
 # places of a scan. Chosen.
@@ -149,8 +152,8 @@ def descend(
         residual, slopes, exact = begin.residual, begin.slopes, begin.exact
     now = float(costs_of(form, h, x[None, free], precision, residual[None, :])[0])
     longest = _longest_steps(problem)[free]
-    factor, softer, fall = 1.0, 1.0, 0.0
-    for count in range(steps):
+    factor, softer, fall, count = 1.0, 1.0, 0.0, 0.0
+    while count < steps:
         prepared = form.prepared(np.column_stack([slopes, residual]))
         gram = form.weighted(prepared, residual, h)
         curvature = gram[:-1, :-1] + precision
@@ -180,6 +183,7 @@ def descend(
                 break
         else:
             softer = 1.0
+        count += _COUNTS if count >= _CRAWL and fall > max(_PAYS, _PART * now) else 1.0
         learnt = _updated(slopes, residual - made, move, problem.sd)
         if fall > 0.0:
             x, residual, now = there, made, now - fall

@@ -11,6 +11,9 @@ times the stated errors (Kennedy and O'Hagan, J. R. Stat. Soc. B 63, 425, 2001).
     First-order correlated along each run, with size s and correlation time tau.
 ``smooth``
     A squared-exponential process over the settings of each table, with size s and length l.
+``slow``
+    Such a process along each run, with size s, that lasts for a part of it. No verdict compares it,
+    as it would take what a cause does: it tells how far a size may be off.
 """
 
 from __future__ import annotations
@@ -38,16 +41,20 @@ HYPER = {
     "s": (0.0, 2.0, -5.0, 8.0),
     "tau": (math.log(0.03), 1.0, math.log(1e-4), math.log(0.1)),
     "l": (0.0, 0.5, math.log(0.5), math.log(4.0)),
+    "lasts": (math.log(0.2), 0.7, math.log(0.03), 0.0),
 }
 """Middle, standard deviation and range of the logarithms of kappa; s over the median error of its
-table; tau over the span of a run; l over half the range of a setting. Chosen: with longer tau a
-discrepancy takes what a cause does, with shorter l the causes of a table over one setting."""
+table; tau and `lasts` over the span of a run; l over half the range of a setting. Chosen: with
+longer tau a discrepancy takes what a cause does, with shorter l the causes of a table over one
+setting."""
 
 FEWEST_IN_RUN, FEWEST_SMOOTH = 8, 15
 """Readings that a run needs for `ar1`, and a table for `smooth`: with fewer the prior decides.
 Chosen."""
 
-_MOST_SMOOTH = 1000  # readings of a table, whose covariance is a matrix
+_MOST_DENSE = 1000  # readings of a table, whose covariance is a matrix
+_WAVES = np.pi * np.arange(32)  # of `slow`, over a run; chosen: enough for the shortest
+_RAREST = 1e-12  # least variance of a wave of `slow`, over the largest; chosen
 
 
 class Form:
@@ -193,10 +200,10 @@ class Softened(Exact):
 
 
 class Correlated(Form):
-    """``ar1``, in O(n), for any gaps of a run.
+    """``ar1``, for any gaps of a run; in O(n) where errors are independent.
 
     Differences B along a run, unit bidiagonal, make B C B' tridiagonal; with its factors
-    L D L', D^-1/2 L^-1 B whitens. Of the rows of other tables only kappa is free.
+    L D L', D^-1/2 L^-1 B whitens. Of the rows of tables without runs only kappa is free.
     """
 
     name = "ar1"
@@ -204,32 +211,49 @@ class Correlated(Form):
 
     def __init__(self, problem: Problem) -> None:
         super().__init__(problem)
-        order, first = [], 0
-        run, place = np.zeros(self.n, dtype=np.int64), np.zeros(self.n)
-        self._other_det, others = 0.0, np.zeros(self.n, dtype=bool)
+        run, place, first = np.empty(self.n, dtype=np.int64), np.zeros(self.n), 0
         for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
-            if not _along_runs(table, problem.errors[k]):
-                self.unit[part], others[part] = 0.0, True
-                self._other_det += problem.log_dets[k]
-                continue
-            assert table.run is not None
-            run[part], place[part] = first + table.run, table.order
+            if _along_runs(table, problem.errors[k]):
+                assert table.run is not None
+                run[part], place[part] = first + table.run, table.order
+            else:  # as if each row were a run
+                self.unit[part], run[part] = 0.0, first + np.arange(part.stop - part.start)
             first = int(run[part].max()) + 1
-            order.append(np.arange(part.start, part.stop))
-        self._others = np.flatnonzero(others)
-        rows = np.concatenate(order)
-        self._order = rows[np.lexsort((place[rows], run[rows]))]
-        run, place = run[self._order], place[self._order]
+        order = np.lexsort((place, run))
+        run, place = run[order], place[order]
         begins = np.flatnonzero(np.diff(run, prepend=-1))
         gap = np.diff(place, prepend=0.0)
         gap[begins] = np.inf
         # A gap's share of the span of its run, so that runs of any unit can stand together.
         ends = np.append(begins[1:], len(run)) - 1
         span = place[ends] - place[begins]
-        self._share = gap / np.repeat(np.where(span > 0.0, span, 1.0), ends + 1 - begins)
-        self._step = float(np.median(self._share[np.isfinite(self._share)]))
-        self._unit2, self._variance = self.unit[self._order] ** 2, problem.sd[self._order] ** 2
+        share = gap / np.repeat(np.where(span > 0.0, span, 1.0), ends + 1 - begins)
+        self._step = float(np.median(share[np.isfinite(share)]))
         self._log_det = 0.0
+        self._place(order, share)
+
+    def _place(self, order: Indices, share: Array) -> None:
+        """Take rows in their order, each a share of the span of its run after the one before."""
+        self._order, self._share = order, share
+        way, run = np.cumsum(np.where(np.isfinite(share), share, 0.0)), np.cumsum(np.isinf(share))
+        chain, self._dense = (
+            np.ones(len(order), dtype=bool),
+            list[tuple[Indices, Array, Array, Array]](),
+        )
+        for k, part in enumerate(self.problem.rows):
+            covariance = self.problem.covariance(k)
+            if covariance is None:
+                continue
+            at = np.flatnonzero((order >= part.start) & (order < part.stop))
+            apart = np.abs(np.subtract.outer(way[at], way[at]))
+            apart[run[at][:, None] != run[at]] = np.inf
+            rows, units = order[at] - part.start, self.unit[order[at]]
+            own = np.asarray(covariance[np.ix_(rows, rows)])
+            self._dense.append((at, own, apart, np.outer(units, units)))
+            chain[at] = False
+        self._chain = np.flatnonzero(chain) if self._dense else slice(None)
+        rows = order[self._chain]
+        self._unit2, self._variance = self.unit[rows] ** 2, self.problem.sd[rows] ** 2
 
     def of_rows(self, rows: Indices) -> Correlated:
         """The inner product of some rows alone: what is between them is a longer gap."""
@@ -237,37 +261,35 @@ class Correlated(Form):
         # Ways along a run add up over what is left out; one over the start of a run is infinite.
         way = np.cumsum(np.where(np.isfinite(self._share), self._share, 0.0))[kept]
         run = np.cumsum(np.isinf(self._share))[kept]
-        made._share = np.where(np.diff(run, prepend=-1) == 0, np.diff(way, prepend=0.0), np.inf)
-        made._order, made._others = self._order[kept], np.intersect1d(self._others, rows)
-        made._unit2, made._variance = self._unit2[kept], self._variance[kept]
+        share = np.where(np.diff(run, prepend=-1) == 0, np.diff(way, prepend=0.0), np.inf)
+        made._place(self._order[kept], share)
         return made
 
     def prepared(self, columns: Array) -> Any:
-        columns = self.computed(columns)
-        others = columns[:0]
-        if len(self._others):
-            others = self.problem.whitened(columns)[self._others]
-        return np.asfortranarray(columns[self._order]), others
+        return np.asfortranarray(self.computed(columns)[self._order])
 
-    def _whitened(self, prepared: tuple[Array, Array], h: Array) -> Array:
-        columns, others = prepared
+    def _whitened(self, columns: Array, h: Array) -> Array:
         kappa2, s2, tau = np.exp([2.0 * h[0], 2.0 * h[1], h[2]])
-        phi = np.exp(-self._share / tau)
-        variance = kappa2 * self._variance
-        before = np.concatenate([[0.0], variance[:-1]])
+        phi, variance = np.exp(-self._share[self._chain] / tau), kappa2 * self._variance
+        before = np.concatenate([[0.0], variance[:-1]])[: len(phi)]
         diagonal = s2 * self._unit2 * (1.0 - phi**2) + variance + phi**2 * before
-        pivots, beside, failed = lapack.dpttrf(diagonal, -phi[1:] * variance[:-1])
-        if failed:
-            raise np.linalg.LinAlgError("the covariance of a run is not positive")
-        differences = columns.copy(order="F")
-        differences[1:] -= phi[1:, None] * columns[:-1]
-        band = np.ones((2, len(columns)), order="F")
-        band[1, :-1] = beside
-        whitened, _ = lapack.dtbtrs(band, differences, uplo="L", diag="U", overwrite_b=True)
+        chain, pivots = columns[self._chain], diagonal
+        whitened = chain.copy(order="F")
+        if len(chain) > 1:
+            pivots, beside, failed = lapack.dpttrf(diagonal, -phi[1:] * variance[:-1])
+            if failed:
+                raise np.linalg.LinAlgError("the covariance of a run is not positive")
+            whitened[1:] -= phi[1:, None] * chain[:-1]
+            band = np.ones((2, len(chain)), order="F")
+            band[1, :-1] = beside
+            whitened, _ = lapack.dtbtrs(band, whitened, uplo="L", diag="U", overwrite_b=True)
         whitened /= np.sqrt(pivots)[:, None]
         self._log_det = float(np.sum(np.log(pivots)))
-        self._log_det += self._other_det + 2.0 * len(others) * float(h[0])
-        return np.vstack([whitened, others / math.sqrt(kappa2)]) if len(others) else whitened
+        for at, covariance, apart, units in self._dense:
+            lower = np.linalg.cholesky(kappa2 * covariance + s2 * units * np.exp(-apart / tau))
+            self._log_det += 2.0 * float(np.sum(np.log(np.diag(lower))))
+            whitened = np.vstack([whitened, solve_triangular(lower, columns[at], lower=True)])
+        return whitened
 
     def gram(self, prepared: Any, h: Array) -> Array:
         whitened = self._whitened(prepared, h)
@@ -358,12 +380,56 @@ class Smooth(Form):
         return np.array([0.0, math.log(max(size, 0.3)), math.log(0.6)])
 
 
+class Slow(Form):
+    """``slow``, in O(n): by cosines along runs (Solin and Sarkka, Stat. Comput. 30, 419, 2020)."""
+
+    name = "slow"
+    names = ("kappa", "s", "lasts")
+
+    def __init__(self, problem: Problem) -> None:
+        super().__init__(problem)
+        self._runs: list[tuple[Indices, Array]] = []
+        for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
+            slow = _is_slow(table, problem.errors[k])
+            for run in np.unique(np.asarray(table.run)) if slow else ():
+                own = np.flatnonzero(table.run == run)
+                place = np.asarray(table.order, dtype=float)[own]
+                place = (place - place.min()) / (np.ptp(place) or 1.0)
+                rows, waves = part.start + own, np.cos(place[:, None] * _WAVES)
+                waves[:, 1:] *= math.sqrt(2.0)
+                self._runs.append((rows, waves * (self.unit / problem.sd)[rows, None]))
+        self._inner = np.array([waves.T @ waves for _, waves in self._runs])
+        self._log_det = 0.0
+
+    def prepared(self, columns: Array) -> Any:
+        whitened = self.problem.whitened(self.computed(columns))
+        return whitened.T @ whitened, np.array([w.T @ whitened[rows] for rows, w in self._runs])
+
+    def gram(self, prepared: Any, h: Array) -> Array:
+        (gram, across), (kappa2, s2, lasts2) = prepared, np.exp(2.0 * h)
+        size = s2 * np.sqrt(2.0 * np.pi * lasts2) * np.exp(-0.5 * _WAVES**2 * lasts2)
+        odds = kappa2 / np.maximum(size, _RAREST * size[0])
+        lower = np.linalg.cholesky(self._inner + np.diag(odds))
+        half = np.linalg.solve(lower, across).reshape(-1, across.shape[-1])
+        self._log_det = 2.0 * float(np.sum(np.log(np.diagonal(lower, 0, 1, 2))))
+        self._log_det += self.problem.log_det + 2.0 * self.n * float(h[0])
+        self._log_det -= len(lower) * float(np.sum(np.log(odds)))
+        return np.asarray((gram - half.T @ half) / kappa2)
+
+    def log_det(self, h: Array) -> float:
+        return self._log_det
+
+    def begin(self, residual: Array) -> Array:
+        size = float(np.std(residual / self.problem.sd))
+        return np.array([0.0, math.log(max(size, 0.3)), HYPER["lasts"][0]])
+
+
 def _is_smooth(table: Table) -> bool:
     """Whether a discrepancy may be smooth over the settings.
 
     Along runs, and over a single setting, it would take what each cause does.
     """
-    fits = FEWEST_SMOOTH <= len(table.mean) <= _MOST_SMOOTH
+    fits = FEWEST_SMOOTH <= len(table.mean) <= _MOST_DENSE
     varied = 0 if table.places is None else table.places.shape[1]
     return fits and varied > 1 and not _has_runs(table)
 
@@ -374,15 +440,23 @@ def _has_runs(table: Table) -> bool:
 
 def _along_runs(table: Table, errors: Errors) -> bool:
     """Whether a discrepancy may be correlated along the runs of a table."""
+    banded = errors.covariance is None or len(table.mean) <= _MOST_DENSE
+    return _has_runs(table) and banded
+
+
+def _is_slow(table: Table, errors: Errors) -> bool:
+    """Whether it may drift along runs whose readings have errors of their own."""
     return _has_runs(table) and errors.covariance is None
 
 
 def forms(problem: Problem, wanted: Sequence[str] = tuple(PRIOR)) -> dict[str, Form]:
     """The forms of the discrepancy that the data allow."""
     allowed = [Exact(problem), Form(problem)]
-    pairs = zip(problem.tables, problem.errors, strict=True)
+    pairs = list(zip(problem.tables, problem.errors, strict=True))
     if any(_along_runs(*pair) for pair in pairs):
         allowed.append(Correlated(problem))
+    if "slow" in wanted and any(_is_slow(*pair) for pair in pairs):
+        allowed.append(Slow(problem))
     if any(_is_smooth(table) for table in problem.tables):
         allowed.append(Smooth(problem))
     return {form.name: form for form in allowed if form.name in wanted}

@@ -58,7 +58,8 @@ def _compared(models: Models, names: frozenset[str], law: Cause) -> Models:
         refits = in_step(problem, [_fitted(models, old, law, other) for other in others])
         correction = models.corrections.get(names, 0.0)
         by_form = {"curve": replace(old, log_evidence=old.log_evidence + correction)}
-        by_form |= {form: fit for form, fit in zip(map(_form, others), refits, strict=True) if fit}
+        names_of = [other.curve.form for other in others if other.curve is not None]
+        by_form |= {form: fit for form, fit in zip(names_of, refits, strict=True) if fit}
         evidence[name] = by_form
     weight = {
         form: float(logsumexp([
@@ -79,11 +80,6 @@ def _compared(models: Models, names: frozenset[str], law: Cause) -> Models:
     return models
 
 
-def _form(law: Cause) -> str:
-    assert law.curve is not None
-    return law.curve.form
-
-
 def _fitted(models: Models, old: Fit, law: Cause, other: Cause) -> Asking[Fit | None]:
     """A fit of a model with another form of its law; None where it is none, or comes not near."""
     problem, form = models.problem, models.forms[old.form]
@@ -93,18 +89,15 @@ def _fitted(models: Models, old: Fit, law: Cause, other: Cause) -> Asking[Fit | 
             problem, form, causes, _begun(models, old, law, other), h=old.h,
             hopeless=old.cost + _HOPELESS,
         )  # fmt: skip
-        if fit.cost > old.cost + _HOPELESS or _at_end(models, fit, other):
+        # With the amplitude at its end, or the scale near one, it is another form.
+        amplitude, *scale = fit.x[problem.columns([other])].tolist()
+        low, high = other.parameters[0].limits
+        inside = low + 1e-3 < amplitude < high - 1e-3 and all(abs(u) <= _OUTER for u in scale)
+        if fit.cost > old.cost + _HOPELESS or not inside:
             return None
         return (yield from sharpened(problem, form, fit))
     except np.linalg.LinAlgError:
         return None
-
-
-def _at_end(models: Models, fit: Fit, law: Cause) -> bool:
-    """Whether the amplitude is at its end, or the scale near one, where it is another form."""
-    at = fit.x[models.problem.columns([law])]
-    low, high = law.parameters[0].limits
-    return bool(not low + 1e-3 < at[0] < high - 1e-3 or np.any(np.abs(at[1:]) > _OUTER))
 
 
 def _begun(models: Models, old: Fit, law: Cause, other: Cause) -> Array:

@@ -12,7 +12,7 @@ from scipy.special import log_ndtr, logsumexp
 from stickslip._util.arrays import Array, Indices
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.fitting.descent import Asking, End, derivatives, precision_of, walk
-from stickslip.diagnosis.fitting.forms import PRIOR, Form
+from stickslip.diagnosis.fitting.forms import PRIOR, Form, forms
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.terms.cause import Cause
 
@@ -118,7 +118,7 @@ def minimise(
     below `least`.
     """
     causes = tuple(sorted(causes, key=lambda cause: cause.name))
-    free, precision = problem.free(causes), precision_of(problem, causes)
+    precision = precision_of(problem, causes)
     end, reached, steps, stuck = None, -math.inf, 10, 0
     if h is None:
         (residual,) = yield x[None, :], False
@@ -131,37 +131,40 @@ def minimise(
         x = end.x
         given_up = end.cost >= hopeless
         if not end.exact and not given_up:
-            slopes = yield from derivatives(problem, x, free, end.residual)
+            slopes = yield from derivatives(problem, x, problem.free(causes), end.residual)
             end = replace(end, slopes=slopes, exact=True)
-        h, log_evidence, precision, covariance, left = evidence(problem, form, causes, end, h)
+        fit, left = _fit(problem, form, causes, end, h)
+        h, precision = fit.h, fit.precision
         # With one inner product the first descent may end at its minimum.
         alone = not form.names and len(problem.precisions(causes)) == 1
         settled = left < _AT_MINIMUM and (turn > 0 or alone)
         # Where predictions jump, what is promised may be out of reach; other hyperparameters may
         # still lead there.
-        before, reached = reached, log_evidence - 0.5 * left
+        before, reached = reached, fit.log_evidence - 0.5 * left
         stuck = stuck + 1 if reached < before + 0.5 * _AT_MINIMUM else 0
         stays = stuck > (1 if form.names else 0) or (alone and end.cost > NEAR_DATA * form.n)
-        given_up, hopeless = given_up or log_evidence < least, math.inf
+        given_up, hopeless = given_up or fit.log_evidence < least, math.inf
         if given_up or settled or stays:
             break
         steps = 6
-    if given_up or not settled:
-        # No minimum was reached: what was only promised does not count.
-        log_evidence -= 0.5 * left
-    assert end is not None
-    return _fit(problem, form, causes, free, end, h, precision, covariance, log_evidence)
+    if settled and not given_up:
+        return fit
+    # No minimum was reached: what was only promised does not count.
+    return replace(fit, log_evidence=fit.log_evidence - 0.5 * left)
 
 
-def _fit(problem: Problem, form: Form, causes: tuple[Cause, ...], free: Indices, end: End,
-         h: Array, precision: Array, covariance: Array, log_evidence: float) -> Fit:  # fmt: skip
-    chi2 = float(np.sum(problem.chi2_of_tables(end.residual[None, :])))
+def _fit(
+    problem: Problem, form: Form, causes: tuple[Cause, ...], end: End, h: Array
+) -> tuple[Fit, float]:
+    """A fit that stays where it is, from hyperparameters h on; see `evidence` for the number."""
+    h, log_evidence, precision, covariance, left = evidence(problem, form, causes, end, h)
+    chi2, free = float(np.sum(problem.chi2_of_tables(end.residual[None, :]))), problem.free(causes)
     x = end.x[free]
     total = float(form.cost(end.residual[None, :], h)[0] + x @ precision @ x)
     return Fit(
         causes, form.name, end.x, h, free, end.residual, end.slopes, precision, covariance,
         log_evidence, chi2, total, form.sizes(h),
-    )  # fmt: skip
+    ), left  # fmt: skip
 
 
 def sharpened(problem: Problem, form: Form, old: Fit) -> Asking[Fit]:
@@ -171,17 +174,38 @@ def sharpened(problem: Problem, form: Form, old: Fit) -> Asking[Fit]:
         problem, old.x, old.free, old.residual, spread=spread, central=True
     )
     end = End(old.x, old.residual, slopes, math.nan)
-    h, log_evidence, precision, covariance, _ = evidence(problem, form, old.causes, end, old.h)
-    return _fit(problem, form, old.causes, old.free, end, h, precision, covariance, log_evidence)
+    return _fit(problem, form, old.causes, end, old.h)[0]
 
 
 def linear(problem: Problem, form: Form, causes: Sequence[Cause], end: End) -> Fit:
     """A fit that stays where it is, with the evidence of the linear model there."""
     causes = tuple(sorted(causes, key=lambda cause: cause.name))
-    h = form.begin(end.residual)
-    h, log_evidence, precision, covariance, _ = evidence(problem, form, causes, end, h)
-    free = problem.free(causes)
-    return _fit(problem, form, causes, free, end, h, precision, covariance, log_evidence)
+    return _fit(problem, form, causes, end, form.begin(end.residual))[0]
+
+
+def covariance_beside(problem: Problem, fit: Fit) -> Array:
+    """Covariance of a fit's coordinates beside a discrepancy, shape (free, free).
+
+    What is left may last for longer than a form lets it, and act as a cause does: it is the least
+    upper bound of the fit's own and, about the fit, that by the likeliest slow process.
+    """
+    own, slow = fit.covariance, forms(problem, ["slow"])
+    if fit.form == "exact" or "slow" not in slow:
+        return own
+    form = slow["slow"]
+    begin = form.begin(fit.residual)
+    h, _, precision, other, _ = evidence(problem, form, fit.causes, fit.end, begin)
+    gram = form.gram(form.prepared(np.column_stack([fit.slopes, fit.residual])), h)
+    move = other @ (gram[:-1, -1] - precision @ fit.x[fit.free])
+    inner = np.flatnonzero(np.diag(own) > 0.0)
+    at = np.ix_(inner, inner)
+    lower = np.linalg.cholesky(own[at])
+    beside = np.linalg.solve(lower, (other + np.outer(move, move))[at])
+    scale, axes = np.linalg.eigh(np.linalg.solve(lower, beside.T))
+    axes = lower @ axes * np.sqrt(np.maximum(scale, 1.0))
+    whole = own.copy()
+    whole[at] = axes @ axes.T
+    return whole
 
 
 def laplace(problem: Problem, form: Form, of: Fit) -> float:

@@ -110,8 +110,13 @@ def unit_fault(
     """
     if len(problem.y) < len(problem.constants) + FEWEST:
         return None
-    problem = _with_some_errors(problem)
-    variance = _spread(problem)
+    # Small errors where none are known: only their ratios count here.
+    problem = problem.with_tables(
+        table if errors.dof else table.having(errors=replace(errors, sd=_SMALL * errors.sd))
+        for table, errors in zip(problem.tables, problem.errors, strict=True)
+    )
+    about = problem.y - np.average(problem.y, weights=problem.sd**-2.0)
+    variance = float(np.sum((about / problem.sd) ** 2))
     if variance < 2.0 * len(problem.y):  # Readings that do not change are like many models.
         return None
     fits = _fits([_looked_at(problem, seed)])
@@ -120,9 +125,9 @@ def unit_fault(
     null = fits[0]
     if _is_like(null, problem, variance / _MISSED) and null.moved < _FAR:
         return None
-    tries = [_looked_at(*other) for other in _in_units(problem, of, known, seed)]
+    tries = list(_in_units(problem, of, known, seed))
     near, far = _single(problem, seed)
-    meant = _fits(_best(tries)) + _fits(_best(far))
+    meant = _fits(tries, _FITTED) + _fits(far, _FITTED)
     best = min(meant, key=lambda end: end.chi2 + end.penalty, default=null)
     missed = null.chi2 > _MISSED * best.chi2 or null.moved > _FAR
     if not missed or best.moved > _FAR or not _is_like(best, problem, variance):
@@ -153,37 +158,27 @@ def _is_like(end: _End, problem: Problem, variance: float) -> bool:
     return end.chi2 < max(2.0 * len(problem.y), _LIKE * variance)
 
 
-def _best(tries: Sequence[_Try]) -> list[_Try]:
-    return sorted(tries, key=lambda one: one.left)[:_FITTED]
-
-
-def _with_some_errors(problem: Problem) -> Problem:
-    """The problem with small errors where none are known: only their ratios count here."""
-    tables = [table if errors.dof else table.having(errors=replace(errors, sd=_SMALL * errors.sd))
-              for table, errors in zip(problem.tables, problem.errors, strict=True)]  # fmt: skip
-    return replace(problem, tables=tuple(tables), errors=())
-
-
 def _in_units(
     problem: Problem,
     of: Callable[[Sequence[Table]], Problem],
     known: Mapping[str, tuple[str, Sequence[str]]],
     seed: int,
-) -> Iterator[tuple[Problem, int, str, float, str]]:
-    """What is looked at for each other unit of each column that states none."""
+) -> Iterator[_Try]:
+    """Each other unit of each column that states none."""
     tables = problem.tables
     for column in dict.fromkeys(name for table in tables for name in table.unstated):
         if any(column in table.quantities and column not in table.unstated for table in tables):
             continue
         name, units = known.get(column, (column, ()))
         for unit, per, zero in other_units(units):
+            changed = [one.converted(column, per, zero) if column in one.quantities else one
+                       for one in tables]  # fmt: skip
+            text = f'{name} were in {unit}: write "{name} ({unit})"'
+            if not unit:
+                text = f"{name} were {factor_text(1.0 / per)} times as large: look at its unit"
             # A model's problem in a unit that is far off may be none.
             with contextlib.suppress(ScenarioError):
-                changed = [one.converted(column, per, zero) if column in one.quantities else one
-                           for one in tables]  # fmt: skip
-                of_all = f'in {unit}: write "{name} ({unit})"' if unit else (
-                    f"{factor_text(1.0 / per)} times as large: look at its unit")  # fmt: skip
-                yield of(changed), seed, column, per, f"{name} were {of_all}"
+                yield _looked_at(of(changed), seed, column, per, text)
 
 
 def _single(problem: Problem, seed: int) -> tuple[list[_Try], list[_Try]]:
@@ -201,7 +196,7 @@ def _single(problem: Problem, seed: int) -> tuple[list[_Try], list[_Try]]:
         values = np.repeat(problem.physical(np.zeros((1, problem.size))), tried.size, axis=0)
         values[:, k] = tried.ravel()
         left = _left(problem, values)
-        wide = _other(problem, k, _wide)
+        wide = _other(problem, k, _wide(constant))
         for place in np.argsort(left)[:2].tolist():
             x = np.zeros(problem.size)
             x[k] = wide.constants[k].coordinate(values[place, k])
@@ -209,7 +204,7 @@ def _single(problem: Problem, seed: int) -> tuple[list[_Try], list[_Try]]:
         if not middle:
             continue
         for factor in beyond:
-            moved = _other(problem, k, lambda one, by=factor: _times(one, by))  # type: ignore[misc]
+            moved = _other(problem, k, _times(constant, factor))
             text = (f"{constant.name} were {factor_text(factor)} times what is stated: "
                     "look at its unit")  # fmt: skip
             far.append(_looked_at(moved, seed, constant.name, factor, text))
@@ -236,10 +231,10 @@ def _left(problem: Problem, values: Array) -> Array:
     return np.where(np.isfinite(left), left, 1e300)
 
 
-def _fits(tries: Sequence[_Try]) -> list[_End]:
-    """Ends of fits without a cause, where they can be fitted."""
+def _fits(tries: Sequence[_Try], most: int | None = None) -> list[_End]:
+    """Ends of fits without a cause, where they can be fitted, of the best tries."""
     ends = []
-    for one in tries:
+    for one in sorted(tries, key=lambda one: one.left)[:most]:
         with contextlib.suppress(np.linalg.LinAlgError):
             (fit,) = in_step(one.problem, [minimise(one.problem, Exact(one.problem), (), one.x)])
             x = np.abs(fit.x)
@@ -251,16 +246,10 @@ def _fits(tries: Sequence[_Try]) -> list[_End]:
     return ends
 
 
-def _spread(problem: Problem) -> float:
-    """Chi-square of the readings about their mean."""
-    left = problem.y - np.average(problem.y, weights=problem.sd**-2.0)
-    return float(np.sum((left / problem.sd) ** 2))
-
-
-def _other(problem: Problem, k: int, change: Callable[[Parameter], Parameter]) -> Problem:
-    constants = itertools.chain(
-        problem.constants[:k], [change(problem.constants[k])], problem.constants[k + 1 :]
-    )
+def _other(problem: Problem, k: int, constant: Parameter) -> Problem:
+    """The problem with another constant in the place of one."""
+    constants = list(problem.constants)
+    constants[k] = constant
     return replace(problem, constants=tuple(constants), finer={})
 
 

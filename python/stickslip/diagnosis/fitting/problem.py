@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections import OrderedDict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -221,15 +221,13 @@ class Problem(OneLine):
         A stretch of one record and the same of the others are held out together, so that each fit
         has a part of every record.
         """
-        first, groups = 0, []
-        stretches = [table.group for table in self.tables if isinstance(table, Series)]
-        after = max((int(group.max()) + 1 for group in stretches), default=0)
-        for table in self.tables:
-            if isinstance(table, Series):
-                groups.append(table.group)
-            else:
-                groups.append(table.group + after + first)
-                first += int(table.group.max()) + 1
+        records = [isinstance(table, Series) for table in self.tables]
+        ends = [int(table.group.max()) + 1 for table in self.tables]
+        first = max(itertools.compress(ends, records), default=0)
+        groups = []
+        for table, is_record, end in zip(self.tables, records, ends, strict=True):
+            groups.append(table.group + (0 if is_record else first))
+            first += 0 if is_record else end
         return np.concatenate(groups)
 
     @cached_property
@@ -289,6 +287,10 @@ class Problem(OneLine):
         """Chi-square of each table, shape (tables, vectors), of residuals (vectors, n)."""
         squares = self.whitened(residual.T) ** 2
         return np.stack([np.sum(squares[part], axis=0) for part in self.rows])
+
+    def with_tables(self, tables: Iterable[Table]) -> Problem:
+        """The same with other errors of its tables, or readings that the model predicts alike."""
+        return replace(self, tables=tuple(tables), errors=())
 
     def with_shared_errors_at(self, level: Array) -> Problem:
         """The same where errors that conditions share follow the predictions `level`, (n,)."""

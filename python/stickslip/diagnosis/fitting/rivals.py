@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip._util.arrays import Array
 from stickslip._util.note import Note
+from stickslip.errors import ScenarioError
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -60,7 +61,7 @@ class Rivals:
 
     def trial_table(self, experiments: Sequence[Any], trials: int) -> DataFrame:
         """A row for each trial of some experiments, to be filled in."""
-        raise NotImplementedError
+        raise ScenarioError("trial_table: allowed for a measurement; a model of one's own has none")
 
     def sides(self, values: Mapping[str, Any]) -> dict[str, dict[str, float]] | None:
         """Parameters of each of two states of a machine that are compared; None of one state."""

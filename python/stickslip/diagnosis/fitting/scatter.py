@@ -12,7 +12,7 @@ import numpy as np
 from stickslip._util.arrays import Array, root_mean_square
 from stickslip._util.note import Note
 from stickslip._util.units import with_unit
-from stickslip.diagnosis.data.errors import FEWEST, Errors
+from stickslip.diagnosis.data.errors import FEWEST, Errors, freedom, of_one_meter
 from stickslip.diagnosis.data.series import SMOOTH
 from stickslip.diagnosis.fitting.descent import End, end_at, in_step, precision_of, walk
 from stickslip.diagnosis.fitting.forms import Exact
@@ -69,7 +69,7 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
         tables = list(problem.tables)
         for k in rougher:
             tables[k] = tables[k].having(errors=replace(tables[k].errors, dof=0.0, notes=()))
-        return with_scatter(replace(problem, tables=tuple(tables), errors=()), seed)
+        return with_scatter(problem.with_tables(tables), seed)
     return problem
 
 
@@ -88,24 +88,40 @@ def _parameters(problem: Problem, form: Exact, end: End) -> float:
 
 def _size(problem: Problem, k: int, residual: Array, spent: float) -> float:
     """Standard deviation of a reading of a table by a residual in which a fit has spent some."""
-    table, left = problem.tables[k], residual[problem.rows[k]]
-    free = max(1.0 - spent / len(problem.y), 1e-9)
-    size = root_mean_square(left * np.sqrt(np.bincount(table.condition))) / math.sqrt(free)
+    table, free = problem.tables[k], max(1.0 - spent / len(problem.y), 1e-9)
+    size = root_mean_square(_readings(problem, k, residual)) / math.sqrt(free)
     return max(size, _SMALLEST * float(np.std(table.y)))
 
 
+def _readings(problem: Problem, k: int, residual: Array) -> Array:
+    """What a residual leaves of a table's conditions, in the error of a reading, in their order."""
+    table, left = problem.tables[k], residual[problem.rows[k]]
+    left = left * np.sqrt(np.bincount(table.condition))
+    if table.run is None or table.order is None:
+        return left
+    return left[np.lexsort((table.order, table.run))]
+
+
 def _scattered(problem: Problem, unknown: Sequence[int], residual: Array, spent: float) -> Problem:
-    """The problem with errors from a residual, in which a fit has spent so many readings."""
-    tables = list(problem.tables)
-    for k in unknown:
-        table, size = tables[k], _size(problem, k, residual, spent)
-        free = len(table.mean) * (1.0 - spent / len(problem.y))
-        if free < FEWEST or not np.ptp(table.y):  # readings that never change tell no error
-            continue
+    """The problem with errors from a residual, in which a fit has spent so many readings.
+
+    Records of one unit share an error, unless they differ by more than their degrees of freedom
+    allow: weights of their own would fit the easiest one best.
+    """
+    tables, share = list(problem.tables), 1.0 - spent / len(problem.y)
+    # Too few readings, and those that never change, tell no error.
+    told = [k for k in unknown
+            if share * len(tables[k].mean) >= FEWEST and np.ptp(tables[k].y)]  # fmt: skip
+    sizes = np.array([_size(problem, k, residual, spent) for k in told])
+    free = share * np.array([len(tables[k].mean) for k in told])
+    dof = share * np.array([freedom(_readings(problem, k, residual)) for k in told])
+    shared = of_one_meter([tables[k].unit for k in told], sizes, free, dof)
+    for k, size, count in zip(told, *shared, strict=True):
+        table = tables[k]
         text = (
             f"A reading scatters by {with_unit(size, table.unit)} about the fit of all causes "
-            f"({free:.0f} degrees of freedom): a cause that is none of them counts as noise."
+            f"({count:.0f} degrees of freedom): a cause that is none of them counts as noise."
         )
-        count, note = np.bincount(table.condition), Note("noise-fit", text, size)
-        tables[k] = table.having(errors=Errors.alike(size, count, free, note, of_fit=True))
-    return replace(problem, tables=tuple(tables), errors=())
+        repeats, note = np.bincount(table.condition), Note("noise-fit", text, size)
+        tables[k] = table.having(errors=Errors.alike(size, repeats, count, note, of_fit=True))
+    return problem.with_tables(tables)

@@ -36,6 +36,7 @@ from stickslip.diagnosis.fitting.forms import Form, Softened, forms
 from stickslip.diagnosis.fitting.models import (
     NEAR_DATA,
     Fit,
+    covariance_beside,
     linear,
     log_prior,
     minimise,
@@ -53,15 +54,16 @@ LEADERS, ROUNDS = 3, 4
 """Models that are looked at beside in a round, and most rounds. Chosen: with fewer leaders a near
 twin is missed."""
 
-NEAR, MOST_CAUSES = 6.0, 2
+NEAR, MOST_CAUSES = 6.0, 3
 """Log posterior odds within which models are refined, and most causes of a model. Chosen."""
 
 # Points of a scan of the constants; most descents of each of `STAGES` and of the stated errors;
 # strata of constants that are known in range only. Chosen.
 _SCAN, _DESCENTS, _STRATA = 128, (12, 5, 4, 2), 12
 # p-value of the lack of fit below which more starts follow: a right model has a smaller one in one
-# case of five, and then pays for a second scan. Chosen.
-_DOUBTFUL = 0.2
+# case of five, and then pays for a second scan. That from which on two causes leave nothing to a
+# third. Chosen.
+_DOUBTFUL, _EXPLAINS = 0.2, 0.01
 APART = 0.7
 """Distance, in coordinates, of starts that lead elsewhere. Chosen."""
 
@@ -82,8 +84,9 @@ _MOST_FITS = 250
 # more has to promise (with less its model is not compared); and least growth of the log-evidence
 # after which a leader is looked beside again.
 _MORE, _WORTH, _BETTER = 6, 2.0, 1.0
-# Amplitudes at which a cause is tried about the recalibrated model. Chosen.
-_SMALL = (0.15, USUAL)
+# Amplitudes at which a cause is tried about the recalibrated model, and beside the best one, where
+# precise readings leave little room. Chosen.
+_SMALL, _SMALLER = (0.15, USUAL), (0.002, 0.02, 0.15, USUAL)
 # Sets of causes whose evidence is corrected by draws. Chosen.
 _DRAWN = 4
 # Single causes from whose constants the recalibrated model is fitted again. Chosen.
@@ -127,6 +130,7 @@ class Models:
         self.begun = 0  # fits so far
         # The linear model of another form about a fit, None where there is none.
         self._linear: dict[tuple[Fit, str], Fit | None] = {}
+        self._beside: dict[Fit, Array] = {}
         # Of sets of causes that were drawn, what Laplace's rule misses of their evidence.
         self.corrections: dict[frozenset[str], float] = {}
         # Of sets of causes with a law, the probabilities of its forms.
@@ -186,6 +190,14 @@ class Models:
             fits = _linear(self.problem, self.forms[form], about.causes, about.end)
             self._linear[about, form] = next(fits, None)
         return self._linear[about, form]
+
+    def covariance(self, fit: Fit) -> Array:
+        """See `covariance_beside`; it is kept."""
+        if fit not in self._beside:
+            self._beside[fit] = fit.covariance
+            with contextlib.suppress(np.linalg.LinAlgError):
+                self._beside[fit] = covariance_beside(self.problem, fit)
+        return self._beside[fit]
 
     def leaders(self, count: int | None = None, form: str | None = None) -> list[Fit]:
         """Models by their posterior, the best first."""
@@ -325,7 +337,7 @@ def search(
         ]
         # Where the best model leaves ten errors in each row, few looks beside others explain more.
         reaches = models.reaches
-        new = new[: None if reaches else 1]
+        new = new if reaches else [fit for fit in new if fit is new[0] or len(fit.causes) > 1][:2]
         if not new:
             break
         before = models.leaders(1, "exact")[0].chi2
@@ -392,9 +404,11 @@ def _near(models: Models) -> list[Fit]:
 
 
 def _worth_a_look(models: Models) -> list[Fit]:
-    """The leaders, each set of causes once; where none leaves little, more single causes too.
+    """The leaders, each set of causes once; where none leaves little, more single causes too, and
+    the pair that is best with the errors as stated.
 
-    A cause that is one of two may be far behind by itself. Laws are too many for that, and cost
+    A cause that is one of two may be far behind by itself, and one that is a third hidden by a
+    discrepancy. Laws are too many for that, and cost
     most of all: if they are offered, it is the leader and models with a law alone.
     """
     sets: dict[frozenset[str], Fit] = {}
@@ -407,7 +421,8 @@ def _worth_a_look(models: Models) -> list[Fit]:
     best = models.leaders(form="exact")
     if best[0].chi2 > _COMFORTABLE * len(models.problem.y):
         singles = [fit for fit in best if len(fit.causes) == 1][: 2 * LEADERS]
-        fits += [fit for fit in singles if fit.names not in sets]
+        pairs = [fit for fit in best if len(fit.causes) == 2][:1]
+        fits += [fit for fit in (*singles, *pairs) if fit.names not in sets]
     return fits
 
 
@@ -499,7 +514,7 @@ def _first_looks(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -
             look = response.cause, response.x, response.slopes, (soft, robust), steps
             hopes.append((cost, look))
     looks = [look for _, look in sorted(hopes, key=lambda hope: hope[0])]
-    freed = [cause for cause in causes if cause.frees is not None and not cause.parameters]
+    freed = [cause for cause in causes if cause.is_constant]
     stages = (*(Softened(problem, *stage) for stage in STAGES[:2]), robust)
     for cause, starts in zip(
         freed, in_step(problem, [_along(problem, cause, null) for cause in freed]), strict=True
@@ -541,7 +556,7 @@ def _promising(
 def _along(problem: Problem, cause: Cause, null: Fit) -> Asking[list[Array]]:
     """Points along a freed constant over its widened prior where the data are nearest.
 
-    Velocities jump, so that no descent leads to a constant that is far off. One about the
+    Predictions may jump, so that no descent leads to a constant that is far off. One about the
     recalibrated constants and two about the stated ones: a fit without the cause may have bent the
     others to where no descent leads back. For the same reason their priors do not rank.
     """
@@ -583,25 +598,36 @@ def _softened(problem: Problem, base: Fit) -> Softened:
     return Softened(problem, min(inflation, STAGES[0][0]))
 
 
+def _least_fall(models: Models, leader: Fit) -> float:
+    """Fall of the cost that the prior asks of a further cause."""
+    chances = (models.log_prior((*leader.causes, cause)) for cause in models.offered)
+    return 2.0 * (models.log_prior(leader.causes) - max(chances))
+
+
 def _leaves_too_little(models: Models, leader: Fit) -> bool:
     """Whether no further cause could lead, even one that explains all that the leader leaves.
 
-    Its log-evidence would be half the cost larger, and ln 2 where it has one side only.
+    Its log-evidence would be half the cost larger, and ln 2 where it has one side only. A third
+    cause is tried only where two leave a misfit.
     """
-    plain = models.get(leader.names)
-    chances = (models.log_prior((*leader.causes, cause)) for cause in models.offered)
-    price = models.log_prior(leader.causes) - max(chances)
-    return plain is not None and 0.5 * plain.cost + math.log(2.0) < price
+    plain, problem = models.get(leader.names), models.problem
+    if plain is None:
+        return False
+    p_value = lack_of_fit(problem, plain.chi2, len(problem.y) - len(plain.free))
+    explains = len(leader.causes) > 1 and p_value >= _EXPLAINS
+    return explains or plain.cost + 2.0 * math.log(2.0) < _least_fall(models, leader)
 
 
 def _look_beside(models: Models, leader: Fit) -> None:
     """Fit the models with one cause more, less or exchanged, from where a leader is."""
     problem, metric, h = models.problem, models.forms[leader.form], leader.h
-    hopeless = leader.cost + _HOPELESS
+    hopeless, (first,) = leader.cost + _HOPELESS, models.leaders(1)
     if leader.form == "exact":
         metric, h = _softened(problem, leader), np.zeros(0)
     bases = []
-    if len(leader.causes) < MOST_CAUSES and not _leaves_too_little(models, leader):
+    # Where laws are tried, they come before a third cause, which would imitate one.
+    most = MOST_CAUSES - (problem.laws is not None)
+    if len(leader.causes) < most and not _leaves_too_little(models, leader):
         bases = [(leader.causes, leader.end)]
     smaller = [
         tuple(other for other in leader.causes if other is not cause) for cause in leader.causes
@@ -614,10 +640,14 @@ def _look_beside(models: Models, leader: Fit) -> None:
     starts = [Start(leader.form, rest, end.x, end.slopes) for rest, end in bases
               if rest != leader.causes]  # fmt: skip
     for rest, end in bases:
+        more, third = rest == leader.causes, len(rest) > 1
+        if third and not more:
+            continue  # looks beside each pair exchange the third
         offered = [cause for cause in models.offered if cause not in (*rest, *leader.causes)]
-        least = _WORTH if rest == leader.causes else -math.inf
+        least = (_least_fall(models, leader) if third else _WORTH) if more else -math.inf
         tried: dict[str, int] = {}
-        for response in responses(problem, end, rest, offered, metric, h, (USUAL,), draft=True):
+        sizes = _SMALLER if more and leader.names == first.names else (USUAL,)
+        for response in responses(problem, end, rest, offered, metric, h, sizes, draft=True):
             name = response.cause.name
             if response.gain < least or (name not in tried and len(tried) == _MORE):
                 continue
@@ -626,7 +656,7 @@ def _look_beside(models: Models, leader: Fit) -> None:
                 continue
             both, hyper = (*rest, response.cause), h if metric.names else None
             starts.append(Start(leader.form, both, response.x, response.slopes, hyper, hopeless))
-            if rest == leader.causes and tried[name] == 1:
+            if more and tried[name] == 1:
                 # Nested: never worse than what it contains.
                 starts.append(replace(starts[-1], x=leader.x))
     models.add_fits(starts)

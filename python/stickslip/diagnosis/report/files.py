@@ -6,7 +6,7 @@ import platform
 import re
 import shlex
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from datetime import datetime
 from os import PathLike
 from pathlib import Path
@@ -26,7 +26,7 @@ from stickslip.diagnosis.decision.posterior import SURE
 from stickslip.diagnosis.decision.test import ADEQUATE
 from stickslip.diagnosis.decision.verdict import DOMINANT
 from stickslip.diagnosis.report.numbers import numbers_of
-from stickslip.diagnosis.report.pictures import Plots, drawing
+from stickslip.diagnosis.report.pictures import Plots
 from stickslip.diagnosis.terms import amounts
 from stickslip.diagnosis.terms.words import Vocabulary, Words
 
@@ -72,32 +72,12 @@ def page(numbers: Mapping[str, Any], figures: Mapping[str, Any], vocabulary: Voc
         sure=SURE,
         adequate=ADEQUATE,
         dominant=DOMINANT,
-        drawing=lambda name, way: Markup(drawing(vocabulary.drawings, name, way)),
+        drawing=lambda name, way: Markup(vocabulary.drawing(name, way)),
     )
     # No line ends between a number and its sign or unit.
     units = r"(?<=\d) (?=(?:Hz|mT|mm/s|V|ms|s|N)\b)"
     inside = rf"{units}| (?=[%±])|(?<=\bp) (?=[=&])|(?<=\bp =) |(?<=\bp &lt;) "
     return re.sub(r"(?<= )-(?=[xyz]\b)", "-&NoBreak;", re.sub(inside, "&nbsp;", text))
-
-
-def save_figures(facts: Facts, folder: Path, formats: Sequence[str]) -> list[Path]:
-    """Write all figures; see `Diagnosis.save_figures`."""
-    folder.mkdir(parents=True, exist_ok=True)
-    written = []
-    for name, figure in Plots(facts).of_tables().items():
-        if figure is not None:
-            paths = [folder / f"{name.replace(' ', '-')}.{form}" for form in formats]
-            for path in paths:
-                figure.savefig(path)
-            written += paths
-    return written
-
-
-def notebook(numbers: Mapping[str, Any], vocabulary: Vocabulary) -> str:
-    """The verdict with its tables as a cell of a notebook shows it."""
-    return page_text(
-        "diagnosis/report/notebook.html.j2", report=numbers, a=amounts, w=Words(vocabulary)
-    )
 
 
 def _svg(figure: Figure | None) -> Markup:

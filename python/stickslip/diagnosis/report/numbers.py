@@ -14,12 +14,13 @@ import numpy as np
 
 from stickslip._util.arrays import Array, Mask
 from stickslip._util.html import VERSION, page_text
+from stickslip._util.note import Note
 from stickslip._util.toml import own_text, parse_toml
 from stickslip._util.units import is_of, mistaken, unit_label
 from stickslip.diagnosis.data.outliers import far_readings
 from stickslip.diagnosis.data.settings import ROW, Settings
 from stickslip.diagnosis.decision.candidate import Candidate, spread_of
-from stickslip.diagnosis.decision.cannot_tell import Alike, Combination
+from stickslip.diagnosis.decision.cannot_tell import Combination
 from stickslip.diagnosis.decision.facts import Facts
 from stickslip.diagnosis.decision.posterior import SURE
 from stickslip.diagnosis.decision.verdict import DOMINANT, Kind
@@ -82,7 +83,8 @@ def numbers_of(facts: Facts, title: str | None = None) -> dict[str, Any]:
     """All numbers, by the keys of the reference, in SI units unless a text says its unit."""
     verdict, findings = facts.verdict, facts.findings
     source = facts.measurement
-    lost = [*(() if source is None else map(str, source.left_out)), *_of_tables(facts, "left_out")]
+    lost = [] if source is None else list(map(str, source.left_out))
+    lost += [text for _, text in _of_tables(facts, "left_out")]
     numbers: dict[str, Any] = {
         **dict.fromkeys(_NULL), **{key: [] for key in _LISTS}, **{key: {} for key in _TABLES},
         "verdict": verdict.kind,
@@ -93,7 +95,7 @@ def numbers_of(facts: Facts, title: str | None = None) -> dict[str, Any]:
         "share": _or_none(verdict.share),
         "gain": _gain(facts),
         "next": str(facts.next_step),
-        "reasons": [facts.words.in_titles(str(reason)) for reason in verdict.reasons],
+        "reasons": list(map(facts.words.note, verdict.reasons)),
         "notes": notes_of(facts),
         "left_out": lost,
         "conditions": _conditions(facts),
@@ -120,10 +122,7 @@ def numbers_of(facts: Facts, title: str | None = None) -> dict[str, Any]:
         numbers["next_experiments"] = _experiments(facts)
         names = {name: facts.words.title(name) for name in verdict.causes}
         looks = facts.rivals.advice(names, facts.propose_experiments())
-        numbers["advice"] = [
-            re.sub(r": this shows (.*), and nothing of .*", r". This shows \1 alone.", str(look))
-            for look in looks
-        ]
+        numbers["advice"] = list(map(str, looks))
     numbers["headline"] = summary_text(numbers, facts.problem.words).split("\n", 1)[0]
     return numbers
 
@@ -135,11 +134,11 @@ def summary_text(numbers: Mapping[str, Any], vocabulary: Vocabulary) -> str:
     return "\n".join(line.rstrip() for line in unescape(page).strip().split("\n"))
 
 
-def _of_tables(facts: Facts, what: str) -> list[str]:
-    """Notes of the tables; those of a film, or of one of several tables, with its name."""
+def _of_tables(facts: Facts, what: str) -> list[tuple[Note, str]]:
+    """Notes of the tables and their texts; of several tables, or of no curve, with its name."""
     tables = facts.problem.tables
     return [
-        f"{title}: {note}" if len(tables) > 1 or not table.drawable else str(note)
+        (note, f"{title}: {note}" if len(tables) > 1 or not table.drawable else str(note))
         for table, title in zip(tables, facts.problem.titles, strict=True)
         for note in getattr(table, what)
     ]
@@ -147,11 +146,10 @@ def _of_tables(facts: Facts, what: str) -> list[str]:
 
 def notes_of(facts: Facts) -> list[dict[str, Any]]:
     """All notes, those that nearly every report has last."""
-    of_tables = [note for table in facts.problem.tables for note in table.notes]
-    texts = [*map(str, facts.notes), *_of_tables(facts, "notes")]
+    own = [(note, str(note)) for note in facts.notes]
     rows = [
         {"code": note.code, "text": text, "routine": note.code in ROUTINE}
-        for note, text in zip([*facts.notes, *of_tables], texts, strict=True)
+        for note, text in (*own, *_of_tables(facts, "notes"))
     ]
     return sorted(rows, key=lambda row: bool(row["routine"]))
 
@@ -169,7 +167,7 @@ def _of_models(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any
     ranking = [
         {
             "candidate": name, "title": facts.words.title(name), "causes": sorted(fit.names), **row,
-            "odds": _odds(facts, best.name, name),
+            "odds": facts.chance.models[best.name] / max(row["probability"], 1e-300),
         }
         for fit, (name, row) in zip(fits, table.to_dict("index").items(), strict=True)
     ]  # fmt: skip
@@ -177,11 +175,18 @@ def _of_models(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any
     if verdict.kind == "ambiguous":
         members = [fit for fit in verdict.members if fit.causes]
     candidates = [Candidate(fit, models) for fit in members]
+    extended = {} if verdict.fit is None else facts.best.params.to_dict("index")
+    constants = _rows(facts, facts.recalibrated)
+    for name, row in constants.items():
+        other = extended.get(name, {})
+        row |= {"extended": other.get("value"), "pull_extended": other.get("pull")}
+    farthest = max(constants, key=lambda name: abs(constants[name]["pull"]), default=None)
+    beyond = facts.cannot_tell
+    compared = beyond.causes[:_COMPARED] if len(beyond.causes) > 1 else []
     parameters: dict[str, Any] = {}
-    for candidate in candidates:
-        for sizes in _sizes(facts, candidate).values():
-            for name, size in sizes.items():
-                parameters.setdefault(name.removeprefix("effects."), size)
+    for sizes in (each for one in candidates for each in _sizes(facts, one).values()):
+        for name, size in sizes.items():
+            parameters.setdefault(name.removeprefix("effects."), size)
     return {
         "p_value": facts.findings.test.p_value,
         "parameters": parameters,
@@ -189,15 +194,22 @@ def _of_models(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any
         "ranking": ranking,
         "claimed": [_claim(facts, candidate) for candidate in candidates],
         "law": law_of(best),
-        "recalibrated": _recalibrated(facts),
-        "moved": _moved(facts),
+        "recalibrated": constants,
+        "moved": None if farthest is None else {
+            "name": farthest, "title": facts.words.parameter(farthest),
+            "pull": abs(constants[farthest]["pull"]),
+        },
         "misfit": _misfit(facts, rows),
         "pattern": _pattern(facts) if verdict.kind == "unexplained" else None,
-        "cosines": _cosines(facts),
+        "cosines": [
+            {"cause": name, "title": facts.words.title(name),
+             "cosines": beyond.cosines[k, :k].tolist()}
+            for k, name in enumerate(compared)
+        ],
         "bounds": _bounds(facts),
         "cannot_tell": _cannot_tell(facts, rows),
         **({} if subject is None else _of_subject(facts, best, rows)),
-    }
+    }  # fmt: skip
 
 
 def _of_subject(
@@ -212,7 +224,17 @@ def _of_subject(
     if larger is not None and chance.models[larger.name] >= _FURTHER:
         further = facts.words.title(" + ".join(sorted(larger.names - fit.names)))
     in_all, part = facts.probability_of(fit.names), _or_none(candidate.share)
+    deciding = _deciding(facts, fit, other, rows)
+    alone = {name: models.get(fit.names - {name}) for name in sorted(fit.names)}
+    if facts.verdict.kind == "pair" and None not in alone.values():
+        # For each cause, against the other one alone.
+        deciding = [
+            {**reading, "for": facts.words.title(name)}
+            for name, one in alone.items() if one is not None
+            for reading in _deciding(facts, fit, one, rows)[:2]
+        ]  # fmt: skip
     leader = {
+        **_claim(facts, candidate),
         "among_causes": probability / with_cause if with_cause > 0.0 else 0.0,
         "in_all": in_all,
         "further": further,
@@ -222,13 +244,13 @@ def _of_subject(
         "left": _left_in_words(facts, candidate if facts.verdict.fit else facts.recalibrated),
     }
     return {
-        "leader": {**_claim(facts, candidate), **leader},
-        "odds": {"none": _odds(facts, fit.name, "none")},
+        "leader": leader,
+        "odds": {"none": probability / max(chance.models["none"], 1e-300)},
         "runner_up": {
             "candidate": other.name, "title": facts.words.title(other.name),
-            "odds": _odds(facts, fit.name, other.name),
+            "odds": probability / max(chance.models[other.name], 1e-300),
         },
-        "deciding_readings": _all_deciding(facts, fit, other, rows),
+        "deciding_readings": deciding,
     }  # fmt: skip
 
 
@@ -272,18 +294,16 @@ def _sizes(facts: Facts, candidate: Candidate) -> dict[str, dict[str, dict[str, 
     }
 
 
-def _is_shown(parameter: Parameter, sd: float) -> bool:
-    """Whether data say more of a parameter than its prior; of a shape its error may be as large."""
-    low, high = parameter.value(np.array([-1.0, 1.0])).tolist()
-    return parameter.is_amplitude or parameter.cause or sd < _NO_NEWS * 0.5 * (high - low)
-
-
 def _claim(facts: Facts, candidate: Candidate) -> dict[str, Any]:
     problem = facts.problem
     sizes, known = _sizes(facts, candidate), {one.name: one for one in problem.parameters}
     step = max((table.step or 0.0 for table in problem.tables), default=0.0)
     for name, size in (pair for rows in sizes.values() for pair in rows.items()):
-        size |= {"shown": _is_shown(known[name], size["sd"]), "step": step}
+        one = known[name]
+        low, high = one.value(np.array([-1.0, 1.0])).tolist()
+        # Of a shape the data may say no more than its prior.
+        shown = one.is_amplitude or one.cause or size["sd"] < _NO_NEWS * 0.5 * (high - low)
+        size |= {"shown": shown, "step": step}
     causes = []
     for cause in candidate.fit.causes:
         row: dict[str, Any] = facts.words.description(cause, sizes[cause.name])
@@ -294,39 +314,32 @@ def _claim(facts: Facts, candidate: Candidate) -> dict[str, Any]:
             row |= {"finding": f"The law of {cause.curve.name} has another shape{form}.",
                     "drawing": cause.curve.law, "interval": ""}  # fmt: skip
         if cause.changes is not None:
-            row |= {"finding": _changed(facts, candidate, cause.changes, sizes[cause.name])}
-        if cause.frees is not None and not cause.parameters:
-            row["finding"] += _in_another_unit(facts, cause.frees, sizes[cause.name])
+            (by,), of = sizes[cause.name].values(), cause.changes
+            before, far = candidate.params["value"][of], by["value"]
+            factor, shown = facts.words.shown_in(of, by["unit"])
+            ends = [factor * before, factor * (before + far)]
+            row["finding"] = (
+                f"The {facts.words.parameter(of)} {'rose' if far > 0.0 else 'fell'} from "
+                f"{amounts.joined(ends, factor * by['sd'], ' to ', shown)}, by "
+                f"{facts.words.size(of, abs(far), by['sd'], by['unit'])}."
+            )
+        if cause.is_constant:
+            (name,) = sizes[cause.name]
+            size = sizes[cause.name][name]
+            row["finding"] += _in_another_unit(known[name], size["value"], size["sd"])
         causes.append(row)
     chance = facts.chance.models[candidate.name]
     return {"candidate": candidate.name, "title": facts.words.title(candidate.name),
             "probability": chance, "causes": causes}  # fmt: skip
 
 
-def _changed(
-    facts: Facts, candidate: Candidate, name: str, sizes: Mapping[str, Mapping[str, Any]]
-) -> str:
-    """How the constant of a name differs between two sides."""
-    (by,) = sizes.values()
-    value, sd, unit = candidate.params["value"][name], by["sd"], by["unit"]
-    factor, shown = facts.words.shown_in(name, unit)
-    ends = [factor * at for at in (value, value + by["value"])]
-    way, far = "rose" if by["value"] > 0.0 else "fell", abs(by["value"])
-    return (f"The {facts.words.parameter(name)} {way} from "
-            f"{amounts.joined(ends, factor * sd, ' to ', shown)}, by "
-            f"{facts.words.size(name, far, sd, unit)}.")  # fmt: skip
-
-
-def _in_another_unit(facts: Facts, name: str, sizes: Mapping[str, Mapping[str, Any]]) -> str:
+def _in_another_unit(constant: Parameter, value: float, sd: float) -> str:
     """What is said of a constant that is off by the factor of a unit, within its errors."""
-    constant = next(one for one in facts.problem.constants if one.name == name)
     stated, beside = constant.value(np.array([0.0, 1.0])).tolist()
-    value, sd = sizes[name]["value"], sizes[name]["sd"]
     if not stated or not value:
         return ""
     within = min(_NEAR * math.hypot(beside / stated - 1.0, sd / value), _NEAREST)
-    said = mistaken(value / stated, within)
-    return f" {said}" if said else ""
+    return f" {mistaken(value / stated, within)}".rstrip()
 
 
 def _left_in_words(facts: Facts, candidate: Candidate) -> list[str]:
@@ -358,43 +371,9 @@ def _left_in_words(facts: Facts, candidate: Candidate) -> list[str]:
     return texts
 
 
-def _odds(facts: Facts, one: str, other: str) -> float:
-    chance = facts.chance.models
-    return chance[one] / max(chance[other], 1e-300)
-
-
-def _recalibrated(facts: Facts) -> dict[str, Any]:
-    """Each constant in both models."""
-    rows = _rows(facts, facts.recalibrated)
-    extended = {} if facts.verdict.fit is None else facts.best.params.to_dict("index")
-    for name, row in rows.items():
-        best = extended.get(name, {})
-        row |= {"extended": best.get("value"), "pull_extended": best.get("pull")}
-    return rows
-
-
-def _moved(facts: Facts) -> dict[str, Any] | None:
-    """The constant that the recalibrated model has moved farthest."""
-    pulls = abs(facts.recalibrated.params["pull"])
-    if not len(pulls):
-        return None
-    name = str(pulls.idxmax())
-    return {"name": name, "title": facts.words.parameter(name), "pull": float(pulls.max())}
-
-
-def _all_deciding(
-    facts: Facts, subject: Fit, other: Fit, rows: Sequence[Mapping[str, Any]]
-) -> list[dict[str, Any]]:
-    """Against the runner-up; of a pair for each cause, against the other one alone."""
-    models = facts.findings.models
-    alone = {name: models.get(subject.names - {name}) for name in sorted(subject.names)}
-    if facts.verdict.kind != "pair" or None in alone.values():
-        return _deciding(facts, subject, other, rows)
-    return [
-        {**reading, "for": facts.words.title(name)}
-        for name, fit in alone.items() if fit is not None
-        for reading in _deciding(facts, subject, fit, rows)[:2]
-    ]  # fmt: skip
+def _place(row: Mapping[str, Any]) -> dict[str, Any]:
+    """Which reading it is."""
+    return {key: row[key] for key in ("table", "number", "where")}
 
 
 def _misfit(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
@@ -404,8 +383,7 @@ def _misfit(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> list[dict[str, A
     if not np.any(square):
         return []
     return [
-        {**{key: rows[k][key] for key in ("table", "number", "where")},
-         "share": float(square[k] / np.sum(square))}
+        {**_place(rows[k]), "share": float(square[k] / np.sum(square))}
         for k in np.argsort(-square).tolist()[:_DECIDING]
     ]  # fmt: skip
 
@@ -417,12 +395,14 @@ def _pattern(facts: Facts) -> dict[str, Any] | None:
     left has a mean and a scatter of its own there; None where none stand out.
     """
     problem, residual = facts.problem, facts.recalibrated.fit.residual
-    z, best, pattern = residual / problem.sd, _STANDS_OUT, None
+    z, best = residual / problem.sd, _STANDS_OUT
+    found: tuple[int, Mask, str] | None = None
     for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
         left, settings = z[part], table.named_settings
         few = far_readings(left)
         if few.any() and np.sum(left[few] ** 2) > _MOST_OF_IT * np.sum(z**2):
-            return _pattern_of(facts, k, few, _few_in_words(settings, problem.y[part], few))
+            found = k, few, _few_in_words(settings, problem.y[part], few)
+            break
         whole = len(left) * math.log(max(float(np.mean(left**2)), 1.0))
         for rows, words in _regions(settings, len(left)):
             some, rest = left[rows], left[~rows]
@@ -434,14 +414,11 @@ def _pattern(facts: Facts) -> dict[str, Any] | None:
             )
             lead = 0.5 * (whole - split) - _A_WORD * len(words)
             if lead > best:
-                best, pattern = lead, _pattern_of(facts, k, rows, ", ".join(words))
-    return pattern
-
-
-def _pattern_of(facts: Facts, k: int, rows: Mask, where: str) -> dict[str, Any]:
-    """What is said of the misfit of some rows of a table."""
-    problem, residual = facts.problem, facts.recalibrated.fit.residual
-    z, part = residual / problem.sd, problem.rows[k]
+                best, found = lead, (k, rows, ", ".join(words))
+    if found is None:
+        return None
+    k, rows, where = found
+    part = problem.rows[k]
     some = z[part][rows]
     up = float(np.sum(some[some > 0.0] ** 2) / np.sum(some**2))
     side: Side = "above" if up > _ONE_SIDED else "below" if up < 1.0 - _ONE_SIDED else "both"
@@ -493,7 +470,7 @@ def _deciding(
     whole = float(np.sum(gain[gain > 0.0]))
     return [
         {
-            **{key: rows[k][key] for key in ("table", "number", "where")},
+            **_place(rows[k]),
             "difference": float(gain[k]), "share": float(gain[k]) / whole,
         }
         for k in np.argsort(-gain).tolist()[:_DECIDING]
@@ -504,14 +481,9 @@ def _deciding(
 def _cannot_tell(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """What the data cannot tell, in the names of the user."""
     beyond, words, names = facts.cannot_tell, facts.words, facts.subject.fit.names
-
-    sides = {cause.name for cause in facts.problem.causes if cause.side}
-
-    def opposite(pair: Alike) -> bool:
-        """Whether it is one cause on either of two sides, which differ in sign."""
-        both = {pair.cause, pair.other}
-        return both <= sides and len({name.rpartition(" ")[0] for name in both}) == 1
-
+    # One cause on either of two sides differs in sign.
+    of = {one.name: one.name.rpartition(" ")[0] for one in facts.problem.causes if one.side}
+    pairs = [pair for pair in beyond.alike if of.get(pair.cause, 0) != of.get(pair.other, 1)]
     alike = [
         {
             "cause": cause, "title": words.title(cause), "told": cause in names,
@@ -520,12 +492,12 @@ def _cannot_tell(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> dict[str, A
                     "cause": pair.other, "title": words.title(pair.other), "cosine": pair.cosine,
                     "lead": pair.lead, "parted": pair.parted, "apart": pair.apart,
                     "more": None if math.isinf(pair.more) else pair.more,
-                    **{key: rows[pair.row][key] for key in ("table", "number", "where")},
+                    **_place(rows[pair.row]),
                 }
-                for pair in beyond.alike if pair.cause == cause and not opposite(pair)
+                for pair in pairs if pair.cause == cause
             ],
         }
-        for cause in dict.fromkeys(pair.cause for pair in beyond.alike if not opposite(pair))
+        for cause in dict.fromkeys(pair.cause for pair in pairs)
     ]  # fmt: skip
     groups = [
         {"parameters": list(group.names), "titles": [words.parameter(n) for n in group.names],
@@ -580,32 +552,19 @@ def _product(names: Mapping[str, str], powers: Mapping[str, float]) -> str:
     return text
 
 
-def _cosines(facts: Facts) -> list[dict[str, Any]]:
-    """How alike the effects of the leading causes are on these data: one with all before it."""
-    beyond = facts.cannot_tell
-    names = beyond.causes[:_COMPARED] if len(beyond.causes) > 1 else []
-    return [
-        {"cause": name, "title": facts.words.title(name), "cosines": beyond.cosines[k, :k].tolist()}
-        for k, name in enumerate(names)
-    ]
-
-
 def _bounds(facts: Facts) -> dict[str, Any]:
     limits = facts.cannot_tell.limits
     parameters = {parameter.name: parameter for parameter in facts.problem.parameters}
-    causes = ((cause, facts.words.title(cause.name)) for cause in facts.problem.causes)
-    owners = {parameter.name: title for cause, title in causes for parameter in cause.parameters}
-    changes = {cause.name: facts.words.parameter(cause.changes) for cause in facts.problem.causes
-               if cause.changes}  # fmt: skip
+    owners = {one.name: cause for cause in facts.problem.causes for one in cause.parameters}
     return {
         name.removeprefix("effects."): {
             "value": value, "unit": parameters[name].unit, "falls": parameters[name].falls,
             "relative": value / (parameters[name].size or 1.0),
             "title": facts.words.parameter(name),
-            "cause": owners.get(name, ""),
+            "cause": facts.words.title(owners[name].name) if name in owners else "",
             "text": facts.words.limit(name, value, parameters[name].unit),
             "seen": seen,
-            "changes": changes.get(name, ""),
+            "changes": facts.words.parameter(owners[name].changes or "") if name in owners else "",
         }
         for name, (value, seen) in sorted(limits.items(), key=lambda item: item[1].value)
     }  # fmt: skip
@@ -642,18 +601,17 @@ def law_of(candidate: Candidate) -> dict[str, Any] | None:
 
 def _lines(curve: Curve, base: float, numbers: Mapping[str, float]) -> list[str]:
     """A law as a scenario states it; that of a model of one's own as a formula, if it has one."""
-    if curve.statement is None:
-        if curve.form == CURVE:
-            return []
-        law = "" if curve.law_unit == "-" else f" {curve.law_unit}"
-        a, scale = [*numbers.values(), curve.reach][:2]
-        text = f"{amounts.number(a)} {SHAPES[curve.form].text}"
-        right = f"{amounts.number(base)}{law} (1 + {text})" if curve.relative else f"{text}{law}"
-        less = f"({curve.argument} - {amounts.number(curve.origin)})"
-        argument = less if curve.origin else curve.argument
-        unit = "" if curve.unit == "-" else f" {curve.unit}"
-        return [f"{curve.law} = {right}, u = {argument} / {amounts.number(scale)}{unit}"]
-    return curve.statement.lines(numbers)
+    if curve.statement is not None:
+        return curve.statement.lines(numbers)
+    if curve.form == CURVE:
+        return []
+    a, scale = [*numbers.values(), curve.reach][:2]
+    text, unit = f"{amounts.number(a)} {SHAPES[curve.form].text}", unit_label(curve.law_unit)
+    right = f"{amounts.number(base)} {unit}".rstrip() + f" (1 + {text})"
+    right = right if curve.relative else f"{text} {unit}".rstrip()
+    less = f"({curve.argument} - {amounts.number(curve.origin)})"
+    length = f"{amounts.number(scale)} {unit_label(curve.unit)}".rstrip()
+    return [f"{curve.law} = {right}, u = {less if curve.origin else curve.argument} / {length}"]
 
 
 def _gain(facts: Facts) -> dict[str, Any] | None:
@@ -685,14 +643,17 @@ def _gain(facts: Facts) -> dict[str, Any] | None:
 
 
 def _experiments(facts: Facts) -> list[dict[str, Any]]:
+    def text(name: str, row: Mapping[str, float]) -> str:
+        factor, unit = facts.problem.tables[facts.rivals.table].shown_unit(0)
+        value, sd = (factor * one for one in row.values())
+        return f"{facts.words.title(name)} {amounts.amount(value, sd, unit)}"
+
     return [
         {
-            "drive": dict(experiment.drive), "why": facts.words.in_titles(str(experiment.why)),
-            "separation": experiment.separation,
-            "words": facts.words.in_titles(str(experiment).split(". ")[0]).replace(
-                "edge ", "sudden edge: "
-            ),
+            "drive": dict(experiment.drive), "why": facts.words.note(experiment.why),
+            "separation": experiment.separation, "words": experiment.words,
             "predictions": {name: dict(row) for name, row in experiment.predictions.items()},
+            "predicted": [text(*pair) for pair in experiment.predictions.items()],
         }
         for experiment in facts.propose_experiments()
     ]  # fmt: skip

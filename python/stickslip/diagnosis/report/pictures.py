@@ -1,4 +1,4 @@
-"""The three figures of a report and of `Diagnosis.plot`, and the drawings of causes.
+"""The three figures of a report and of `Diagnosis.plot`.
 
 Readings are black; the stated model is grey, the recalibrated one blue; the extended one, and what
 is claimed, vermilion in all of them. What is nearest without a claim is dark grey.
@@ -7,7 +7,6 @@ is claimed, vermilion in all of them. What is nearest without a claim is dark gr
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -70,7 +69,11 @@ class Plots:
         """
         shown = self._table(table)
         if not shown.drawable:
-            return self._of_its_own(shown) if self._facts.fitted else None
+            looks = {
+                self._label(name): (_COLOURS[name], candidate.values()[0])
+                for name, candidate in self._facts.candidates.items()
+            }
+            return shown.figure(self._facts.problem.names, looks) if looks else None
         return _figure(self.panels(table, shown.named_settings.most_varied), self._draw)
 
     @matplotlib.rc_context(PLAIN)
@@ -99,15 +102,6 @@ class Plots:
         axes.set(xlabel=f"{law['argument']} ({law['unit']})", ylabel=law["law"] + unit)
         axes.legend(frameon=False)
         return figure
-
-    def _of_its_own(self, table: Table) -> Figure | None:
-        """The picture of a table that is not drawn over a setting."""
-        names = self._facts.problem.names
-        looks = {
-            self._label(name): (_COLOURS[name], candidate.values()[0])
-            for name, candidate in self._facts.candidates.items()
-        }
-        return table.figure(names, looks)
 
     def of_tables(self) -> dict[str, Figure | None]:
         """The figures of all tables by the names of their files, and that of a law."""
@@ -256,12 +250,15 @@ class Plots:
         factor, shown = table.shown_unit(int(first) - part.start)
         label = what if base is None else f"difference of {what}"
         label += f" ({shown})" if shown else ""
-        if base is None and table.less is not None:
-            self._draw_both(axes, panel, at, factor)
-            axes.set(xlabel=in_handy_units(panel.over, unit)[1], ylabel=label, title=panel.title)
-            return plain_axes(axes)
-        below = np.zeros(len(facts.problem.y)) if base is None else base
-        for group, rows in panel.groups.items():
+        below, groups = np.zeros(len(facts.problem.y)) if base is None else base, panel.groups
+        if base is None and table.less is not None:  # both sides, whose differences are fitted
+            before, order = table.less
+            k, groups = np.concatenate([*groups.values()]) - part.start, {}
+            sides = ((before, 0.0, GREY), (table, table.mean, BLACK))
+            for one, more, colour in sides:
+                y = (before.mean[order] + more)[k] * factor
+                axes.plot(at[k], y, ".", color=colour, label=one.name)
+        for group, rows in groups.items():
             x, marker = at[rows - part.start], panel.markers[group]
             y = (facts.problem.y - below)[rows] * factor
             dense = len(rows) > _SAMPLES
@@ -295,41 +292,6 @@ class Plots:
         axes.set_title(panel.title, fontsize=11, fontweight="bold")
         axes.margins(x=0.07, y=0.12)
         plain_axes(axes)
-
-    def _draw_both(self, axes: Any, panel: Panel, at: Array, factor: float) -> None:
-        """The readings of both sides, whose differences are fitted."""
-        table, part = self._tables[panel.table], self._facts.problem.rows[panel.table]
-        assert table.less is not None
-        before = table.less[0].mean[table.less[1]] * factor
-        sides = {table.less[0].name: (before, GREY, "s"),
-                 table.name: (before + table.mean * factor, BLACK, "o")}  # fmt: skip
-        for rows in panel.groups.values():
-            k = rows - part.start
-            look: dict[str, Any] = {"ls": "none"} if len(k) <= _SAMPLES else {"lw": 1.0}
-            for name, (y, colour, marker) in sides.items():
-                look |= {"marker": marker} if len(k) <= _SAMPLES else {}
-                axes.plot(at[k], y[k], color=colour, label=name, ms=4.5, **look)
-
-
-def drawing(symbols: str, name: str, way: str = "") -> str:
-    """The drawing of a cause as SVG; `way`, the word for its sign, turns its arrow.
-
-    `symbols` are those of a vocabulary. Empty where there is none of that name.
-    """
-    parts = dict(re.findall(r'<g id="([\w-]+)">(.*?)</g>\n', symbols))
-    for key in (f"{name} {way}", name):
-        match = re.search(
-            rf'<symbol id="{re.escape(key)}" viewBox="(.*?)"><title>(.*?)</title>(.*?)</symbol>',
-            symbols, re.S,
-        )  # fmt: skip
-        if match:
-            box, title, inside = match.groups()
-            shown = re.sub(r'<use href="#([\w-]+)"/>', lambda use: parts[use[1]], inside.strip())
-            return (
-                f'<svg class="drawing" viewBox="{box}" role="img" aria-label="{title}">'
-                f"<title>{title}</title>{shown}</svg>"
-            )
-    return ""
 
 
 def plain_axes(axes: Any) -> None:

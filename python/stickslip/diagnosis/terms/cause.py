@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from stickslip._util.arrays import Array
 from stickslip._util.messages import refuse
-from stickslip._util.text import OneLine
+from stickslip._util.note import Note
+from stickslip._util.text import OneLine, printable
 from stickslip.diagnosis.data.signal import Signal
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.curve import CURVE, Curve
@@ -99,6 +100,11 @@ class Cause(OneLine):
         return self.table in (None, table.name) and self.side in ("", table.side)
 
     @property
+    def is_constant(self) -> bool:
+        """Whether it is a constant other than stated."""
+        return not self.parameters
+
+    @property
     def is_instrument(self) -> bool:
         """Whether it changes readings or inputs in place of the physics."""
         return self.read is not None or self.acts is not None
@@ -115,3 +121,21 @@ class Cause(OneLine):
     def has_knots(self) -> bool:
         """Whether its parameters are values of a curve at knots."""
         return self.curve is not None and self.curve.form == CURVE
+
+
+class CauseNote(Note):
+    """A note on causes: each ``{}`` of its `form` stands for one of them, or for some of a model.
+
+    Its text has their names; reports have words for them.
+    """
+
+    def __init__(
+        self, code: str, form: str, causes: Sequence[str], value: float | None = None
+    ) -> None:
+        super().__init__(code, form.format(*causes), value)
+        vars(self).update(form=form, causes=causes)
+
+    def titled(self, title: Callable[[str], str]) -> str:
+        """Its text with the `title` of each in place of its name."""
+        form, causes = vars(self)["form"], vars(self)["causes"]
+        return printable(form.format(*map(title, causes)))

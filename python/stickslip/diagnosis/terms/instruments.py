@@ -56,14 +56,20 @@ def scale(
     Errors of up to a half are searched.
     """
     parameter = Parameter(f"{name}.error", low=-0.5, high=0.5, size=size)
-    read = partial(_scaled, rows, parameter.name)
+    read = partial(_by_value, _scaled, rows, parameter.name)
     return Cause(name, (parameter,), "a wrong scale of the readings", read=read, table=table)
 
 
-def _scaled(
-    rows: Rows, error: str, readings: Array, _: Array, p: dict[str, Array], table: Table
-) -> Array:
-    return _changed(readings, rows, _some(readings, rows) * (1.0 + p[error]))
+def _by_value(
+    change: Callable[[Array, Array], Array], rows: Rows, name: str, readings: Array, _: Array,
+    p: dict[str, Array], table: Table,
+) -> Array:  # fmt: skip
+    """Readings whose rows a parameter, of shape (vectors, 1), has changed."""
+    return _changed(readings, rows, change(_some(readings, rows), p[name]))
+
+
+def _scaled(some: Array, error: Array) -> Array:
+    return some * (1.0 + error)
 
 
 def offset(
@@ -76,17 +82,11 @@ def offset(
 ) -> Cause:
     """A wrong zero: a ``shift`` in `unit`, that of the readings, is added to all of them.
 
-    A turned camera or marker is ``offset("rad", 0.03)``.
+    A sensor that was turned is ``offset("rad", 0.03)``.
     """
     parameter = either_way(f"{name}.shift", unit, size)
-    read = partial(_shifted, rows, parameter.name)
+    read = partial(_by_value, np.add, rows, parameter.name)
     return Cause(name, (parameter,), "a wrong zero of the readings", read=read, table=table)
-
-
-def _shifted(
-    rows: Rows, shift: str, readings: Array, _: Array, p: dict[str, Array], table: Table
-) -> Array:
-    return _changed(readings, rows, _some(readings, rows) + p[shift])
 
 
 def clipping(
@@ -115,15 +115,13 @@ def clipping(
     """
     low = 0.1 * highest if lowest is None else lowest
     parameter = Parameter(f"{name}.limit", unit=unit, low=low, high=highest, size=size, falls=True)
-    read = partial(_clipped, rows, parameter.name)
+    read = partial(_by_value, _clipped, rows, parameter.name)
     return Cause(name, (parameter,), "a limit at which readings saturate", read=read, table=table)
 
 
-def _clipped(
-    rows: Rows, name: str, readings: Array, _: Array, p: dict[str, Array], table: Table
-) -> Array:
-    limit = np.where(p[name] > 0.0, p[name], np.inf)
-    return _changed(readings, rows, np.clip(_some(readings, rows), -limit, limit))
+def _clipped(some: Array, limit: Array) -> Array:
+    limit = np.where(limit > 0.0, limit, np.inf)
+    return np.clip(some, -limit, limit)
 
 
 def lag(
@@ -243,20 +241,13 @@ def _late(
     result = some.copy()
     # A row that was not computed stays so, and a delay of zero leaves the very numbers.
     late = np.flatnonzero((delays != 0.0) & np.all(np.isfinite(some), axis=1))
-    for rows_of in curves:
-        mine = np.ix_(late, rows_of)
-        result[mine] = _delayed(at[rows_of], some[mine], delays[late])
+    for rows_of in curves if len(late) else ():
+        mine, t = np.ix_(late, rows_of), at[rows_of]
+        when = np.clip(t - delays[late, None], t[0], t[-1])
+        piece = np.clip(np.searchsorted(t, when, side="right") - 1, 0, len(t) - 2)
+        pieces = np.take_along_axis(CubicSpline(t, some[mine], axis=1).c, piece.T[None], axis=1)
+        result[mine] = np.polyval(pieces, (when - t[piece]).T).T
     return _changed(values, rows, result)
-
-
-def _delayed(t: Array, values: Array, delays: Array) -> Array:
-    """Splines of values at times t, shape (vectors, times), each late by its own delay."""
-    if not len(values):
-        return values
-    at = np.clip(t - delays[:, None], t[0], t[-1])
-    piece = np.clip(np.searchsorted(t, at, side="right") - 1, 0, len(t) - 2)
-    coefficients = np.take_along_axis(CubicSpline(t, values, axis=1).c, piece.T[None], axis=1)
-    return np.asarray(np.polyval(coefficients, (at - t[piece]).T).T)
 
 
 def _in_time(table: Table, name: str) -> Series:

@@ -78,37 +78,26 @@ def free_law(
         if not isinstance(text, str) or not text:
             refuse(f"{word} of a free law", text, "a text")
     name = f"{law} over {argument}"
-
-    def not_allowed(value: str, allowed: str) -> NoReturn:
-        raise ScenarioError(f"free law {name}: {value}: allowed is {allowed}")
-
+    at = f"free law {name}: "
     if not all(is_number(end) and np.isfinite(end) for end in (low, high)) or not low < high:
-        not_allowed(f"low = {shown(low)}, high = {shown(high)}", "numbers with low < high")
+        refuse(f"{at}low = {shown(low)}, high", high, "numbers with low < high")
     if factor_of is not None and law_unit != "-":
-        not_allowed(f"law_unit = {shown(law_unit)}", '"-" beside factor_of, as 1 + f is a factor')
-    check_whole(f"free law {name}: knots", knots, _FEWEST)
+        refuse(f"{at}law_unit", law_unit, '"-" beside factor_of, as 1 + f is a factor')
+    check_whole(f"{at}knots", knots, _FEWEST)
     end = _LARGEST * size if largest is None and is_number(size) else largest
     for what, value in {"size": size, "largest": end}.items():
         if not is_number(value) or not 0.0 < float(value) < np.inf:
-            not_allowed(f"{what} = {shown(value)}", "a number above 0")
+            refuse(at + what, value, "a number above 0")
     assert end is not None
     places = np.linspace(low, high, knots)
     # The curves of each knot at 1 and all others at 0.
     slopes = np.gradient(np.eye(knots), places, axis=0, edge_order=2)
     columns = CubicHermiteSpline(places, np.eye(knots), slopes, axis=0)
     curve = Curve(
-        law=law,
-        argument=argument,
-        unit=unit,
-        law_unit=law_unit,
-        low=float(low),
-        high=float(high),
-        places=places,
-        design=partial(_within, columns, low, high),
-        constant=factor_of,
-        stated=0.0 if factor_of is None else 1.0,
-        relative=factor_of is not None,
-    )
+        law, argument, unit, law_unit, float(low), float(high), places,
+        design=partial(_within, columns, low, high), constant=factor_of,
+        stated=0.0 if factor_of is None else 1.0, relative=factor_of is not None,
+    )  # fmt: skip
     keys = [f"{name}.knot_{k}" for k in range(1, knots + 1)]
     return made_law(name, curve, keys, law_unit, size, -float(end), float(end))
 

@@ -50,7 +50,8 @@ class Parameter:
         The effect of an amplitude begins as it falls below `high`, such as a limit: at the
         coordinate u it is ``high - size u``, and `absent` (no limit) at 0.
     cause : bool
-        Whether a constant may be the cause itself, as other than stated.
+        Whether a constant may be the cause itself, as other than stated. One that may not stays
+        within 3.5 standard deviations of its prior.
     each_record : bool
         Whether a constant has a value of its own in each `Series`, such as a start state. It is no
         cause.

@@ -12,17 +12,13 @@ from stickslip._util.note import Note
 from stickslip._util.text import OneLine
 from stickslip._util.toml import own_table
 from stickslip._util.units import handy, unit_label
-from stickslip.diagnosis.terms.amounts import amount, joined, number, p_text, percent
-from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.amounts import amount, joined, number, percent
+from stickslip.diagnosis.terms.cause import Cause, CauseNote
 from stickslip.diagnosis.terms.parameter import Parameter
 
 _PROBLEMS: Mapping[str, list[str]] = own_table("diagnosis/terms/problems.toml")
 
 _NEW_WORDS = 3  # of a meaning that says more than the title
-
-
-def _never(name: str) -> bool:
-    return False
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -38,21 +34,24 @@ class Vocabulary(OneLine):
         What a value in SI units is multiplied by to be told in a unit of these rows.
     problems : mapping
         Of a check that only this model's data can fail, what `data_problem` returns.
-    drawings : str
-        SVG with a symbol for each drawing.
+    drawing : callable
+        ``drawing(name, way)`` is the drawing of a row as SVG, `way` the word for a sign.
     is_handy : callable
         Whether a parameter of this name is told in the handiest unit, such as mm for m.
     nouns : bool
         Whether the meanings of causes follow ``of``; else those that begin with an article do.
+    files : dict of str
+        What the files beside a report are for, by the kind of its verdict.
     """
 
     causes: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     constants: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     units: Mapping[str, float] = field(default_factory=dict)
     problems: Mapping[str, list[str]] = field(default_factory=dict)
-    drawings: str = ""
-    is_handy: Callable[[str], bool] = _never
+    drawing: Callable[[str, str], str] = "".format
+    is_handy: Callable[[str], bool] = frozenset[str]().__contains__
     nouns: bool = True
+    files: Mapping[str, str] = field(default_factory=dict)
 
 
 class Words:
@@ -65,6 +64,7 @@ class Words:
     def __init__(self, vocabulary: Vocabulary, causes: Sequence[Cause] = ()) -> None:
         self._words, self._known = vocabulary, {cause.name: cause for cause in causes}
         self._causes, self._constants = vocabulary.causes, vocabulary.constants
+        self.files = vocabulary.files
 
     def title(self, name: str) -> str:
         """A model in plain words that follow ``of``.
@@ -97,15 +97,9 @@ class Words:
         cause, _, short = name.removeprefix("effects.").rpartition(".")
         return f"{self._title(cause)}: {short.replace('_', ' ')}" if cause in self._causes else name
 
-    def in_titles(self, text: str) -> str:
-        """A sentence with causes in plain words in place of their names, and p as elsewhere."""
-        text = re.sub(r"\bp = (\d(?:\S*\d)?)", lambda match: p_text(float(match[1])), text)
-        names = sorted(map(re.escape, self._known), key=len, reverse=True)
-        if not names:
-            return text
-        pattern = rf"(?<![\w.'])(?:{'|'.join(names)})(?![\w.])"
-        text = re.sub(rf"({pattern}) \+ (?={pattern})", r"\1 and ", text)
-        return re.sub(pattern, lambda match: self.title(match[0]), text)
+    def note(self, note: Note) -> str:
+        """A note with causes in plain words."""
+        return note.titled(self.title) if isinstance(note, CauseNote) else str(note)
 
     def shown_in(self, name: str, unit: str) -> tuple[float, str]:
         """Factor from the SI unit of a parameter to the one in which it is told, and its name."""
@@ -147,28 +141,25 @@ class Words:
             if abs(value) > largest:
                 largest, row["way"] = abs(value), way
         row["interval"] = " and ".join(intervals)
+        constant = self._constants.get(name)
         if known is not None:
             row |= {"finding": known["finding"].format(**amounts), "remedy": known["remedy"]}
-            return row
-        constant = self._constants.get(name)
-        if not cause.parameters:
+        elif cause.is_constant:
             what, size = constant["name"] if constant else name, sizes[name]
             stated = self.limit(name, size["stated"], size["unit"], 6)
             amount_of = amounts[name.rpartition(".")[2]]
             row["finding"] = f"The {what} is {amount_of}, and was stated as {stated}."
             row["remedy"] = "Measure it again"
             row["drawing"] = constant["drawing"] if constant else ""
-            return row
-        if cause.told is not None:
-            first = sizes[cause.parameters[0].name]
-            factor, unit = self.shown_in(cause.parameters[0].name, first["unit"])
-            text = amount(abs(first["value"]) * factor, first["sd"] * factor, unit)
+        elif cause.told is not None:
+            full = cause.parameters[0].name
+            first = sizes[full]
+            text = self.size(full, abs(first["value"]), first["sd"], first["unit"])
             row["finding"] = cause.told(first["value"], text, first["step"])
-            return row
-        shorts = [name_of.rpartition(".")[2] for name_of, size in sizes.items() if size["shown"]]
-        values = [f"{short} = {amounts[short]}" for short in shorts]
-        what = row["title"]
-        row["finding"] = f"{what[:1].upper()}{what[1:]}: {', '.join(values)}."
+        else:
+            shorts = [full.rpartition(".")[2] for full, size in sizes.items() if size["shown"]]
+            values = ", ".join(f"{short} = {amounts[short]}" for short in shorts)
+            row["finding"] = f"{row['title'][:1].upper()}{row['title'][1:]}: {values}."
         return row
 
     def between(self, name: str, low: float, high: float, unit: str) -> str:

@@ -79,7 +79,7 @@ def times(column: Column, path: object, lines: Sequence[Line]) -> tuple[Array, l
     and one that is put on or back in a summer's night are counted on. A ScenarioError asks for the
     unit of numbers that may be in several.
     """
-    heading, unit = split_unit(column.heading)[0], column.what.unit
+    heading, unit = split_unit(column.what.heading)[0], column.what.unit
     notes: list[Note] = []
     stamps = {k: stamp for k, cell in column.odd.items() if (stamp := STAMP.fullmatch(cell))}
     if stamps:
@@ -95,8 +95,8 @@ def times(column: Column, path: object, lines: Sequence[Line]) -> tuple[Array, l
     known = np.flatnonzero(np.isfinite(t))
     if len(known) and unit in CLOCKS:
         raise ScenarioError(
-            f"{path}: column {column.heading} has the number {column.values[known[0]]:g} in line "
-            f"{lines[known[0]]}: allowed are clocks such as 12:00:01.5, or another unit"
+            f"{path}: column {column.what.heading} has the number {column.values[known[0]]:g} in "
+            f"line {lines[known[0]]}: allowed are clocks such as 12:00:01.5, or another unit"
         )
     if not len(known):
         return t, notes, unit is not None
@@ -121,7 +121,7 @@ def _date(since: float) -> str:
 
 
 def _ask(column: Column, path: object, why: str, units: str) -> NoReturn:
-    name = column.heading
+    name = column.what.heading
     either = " or ".join(f'"{name} ({unit})"' for unit in units.split())
     raise ScenarioError(f"{path}: column {name} has no unit, and {why}: write {either}")
 
@@ -247,9 +247,9 @@ def _in_minutes(stamps: Mapping[int, re.Match[str]], column: Column, path: objec
     apart = any(stamp["clock"].count(":") == 2 for stamp in stamps.values())
     if apart or any("." in each or "," in each or int(each.split(":")[0]) > 23 for each in two):
         return True
-    name = split_unit(column.heading)[0]
+    name = split_unit(column.what.heading)[0]
     raise ScenarioError(
-        f"{path}: column {column.heading}: {shown(two[0])} may be hours or minutes: write "
+        f"{path}: column {column.what.heading}: {shown(two[0])} may be hours or minutes: write "
         f'"{name} (hh:mm)" or "{name} (mm:ss)"'
     )
 
@@ -284,7 +284,7 @@ def counted_on(
         if span != turn:  # a count below zero was written as a large one
             made -= span * np.round(np.median(made[known][:9]) / span)
         size = span * column.what.per
-        text = f"{column.heading} begins anew {len(wide)} times, first at line "
+        text = f"{column.what.heading} begins anew {len(wide)} times, first at line "
         text += f"{lines[known[wide[0] + 1]]}: counted on by {size:.6g}"
         return made, Note("counted-on", f"{text} there, {'a turn' if span == turn else 'a counter'}"
                           ".", len(wide))  # fmt: skip

@@ -1,0 +1,125 @@
+"""How answers are scored, which seeds are used, and that judged rows are of free seeds."""
+
+from itertools import combinations, product
+
+import numpy as np
+import pytest
+from blind import seeds
+from blind.__main__ import OF_LOGS
+from blind.study import HERE, in_parts, lines
+from scores import Answer, interval, table
+
+COULOMB, TWO = ["coulomb"], ["coulomb", "load"]
+
+
+@pytest.mark.parametrize(
+    ("said", "causes", "truth", "outcome", "credit"),
+    [
+        ("none", [], [], "rightly silent", 0.0),
+        ("unexplained", [], [], "rightly silent", 0.0),
+        ("named", ["load"], [], "wrong name", 0.0),
+        ("ambiguous", ["load", "zero"], [], "wrong set", 0.0),
+        ("named", COULOMB, COULOMB, "right name", 1.0),
+        ("dominant", COULOMB, COULOMB, "right name", 1.0),
+        ("named", ["load"], COULOMB, "wrong name", 0.0),
+        ("pair", TWO, COULOMB, "wrong name", 0.5),
+        ("pair", TWO, TWO, "right name", 1.0),
+        ("named", COULOMB, TWO, "wrong name", 0.0),
+        ("ambiguous", TWO, COULOMB, "right set", 0.5),
+        ("ambiguous", [*TWO, "zero"], TWO, "right set", 2 / 3),
+        ("ambiguous", [*TWO, "zero", "late"], COULOMB, "large set", 0.25),
+        ("ambiguous", ["zero", "load"], COULOMB, "wrong set", 0.0),
+        # A leader of what stays unexplained is no answer.
+        ("unexplained", COULOMB, COULOMB, "silent", 0.0),
+    ],
+)
+def test_an_answer_is_worth(said, causes, truth, outcome, credit):
+    one = Answer(said, causes, truth)
+    assert (one.outcome, one.credit) == (outcome, pytest.approx(credit))
+
+
+def utility(said, truth, components):
+    """Of DXC 2026: the mean of 1 - n (N + 1) / f (n + 1) - m (f - N + 1) / f (m + 1) over pairs.
+
+    n causes are said too many and m too few, of N that are said and f components.
+    """
+    found = []
+    for one, true in product(said, truth):
+        n, m, size = len(one - true), len(true - one), len(one)
+        more, less = n * (size + 1) / (n + 1), m * (components - size + 1) / (m + 1)
+        found.append(1.0 - (more + less) / components)
+    return np.mean(found)
+
+
+@pytest.mark.parametrize("causes", ["a", "b", "ab", "abc", "bc"])
+@pytest.mark.parametrize("group", ["a", "ab"])
+def test_the_credit_is_the_utility_of_the_competition_with_silence_at_nought(causes, group):
+    said, truth = ([{each} for each in names] for names in (causes, group))
+    best, silent, found = (utility(each, truth, 1e9) for each in (truth, [set()], said))
+    one = Answer("ambiguous", causes, "a", group)
+    # Where only the twin is said, ours is the stricter one.
+    expected = 0.0 if "a" not in causes else (found - silent) / (best - silent)
+    assert one.credit == pytest.approx(expected, abs=1e-6)
+
+
+def test_silence_has_no_credit_and_every_answer_is_counted_once():
+    rows = [Answer("none", [], COULOMB), Answer("named", COULOMB, COULOMB)]
+    said = table({"listed": rows, "none": []}).splitlines()
+    assert said[0] == "| sets | number | right name | silent | score of groups |"
+    assert said[2:] == ["| listed | 2 | 1 (9 to 91 %) | 1 (9 to 91 %) | 0.50 (9 to 91 %) |"]
+
+
+def test_shares_come_with_the_interval_of_wilson():
+    # Its ends are the shares p of which the count is 1.96 standard deviations away.
+    for count, total in ((0, 20), (3, 20), (20, 20)):
+        ends = interval(count, total)
+        assert (ends[0] == 0.0, ends[1] == 1.0) == (count == 0, count == total)
+        for end in ends:
+            if 0.0 < end < 1.0:
+                away = (count / total - end) / np.sqrt(end * (1.0 - end) / total)
+                assert abs(away) == pytest.approx(1.959964)
+
+
+STUDIES = sorted({path.parent for path in HERE.glob("*/*.jsonl")})
+
+
+def rows_of(study):
+    """Of each row that is stored of a study: what makes it one of its kind, seed and commit."""
+    for folder in STUDIES:
+        for row in lines(folder / f"{'record' if study == 'walkers' else study}.jsonl"):
+            one = row.get("answer", {"kind": "", **row})
+            kind = one["kind"] * (study == "walkers")
+            yield (folder.name, kind, one["seed"]), one["seed"], row["state"]["commit"]
+
+
+@pytest.mark.parametrize("study", [*OF_LOGS, "walkers"])
+def test_every_judged_row_is_of_a_range_that_is_listed(study):
+    rows, judged = list(rows_of(study)), set()
+    assert len({which for which, *_ in rows}) == len(rows) > 0
+    for _, seed, commit in rows:
+        mine = seeds.of(study, seed)
+        assert mine.purpose == "judged", (study, seed)
+        judged |= {(mine, commit)}
+    # What is said to have judged a range is the commit of rows that are stored.
+    for mine in {each for each, _ in judged if each.commit}:
+        assert (mine, mine.commit) in judged
+
+
+def test_no_two_ranges_of_a_study_overlap():
+    every = seeds.ranges()
+    assert {each.purpose for each in every} == {"judged", "tried", "tests"}
+    for one, other in combinations(every, 2):
+        # Studies draw by themselves: a seed of two of them is no same data.
+        apart = one.seeds.stop <= other.first or other.seeds.stop <= one.first
+        assert apart or one.study != other.study, (one, other)
+
+
+def test_seeds_that_were_judged_are_refused(tmp_path):
+    closed = next(each for each in seeds.ranges("own") if each.closed)
+    never = max(each.seeds.stop for each in seeds.ranges("own"))
+    for first, said in ((closed.first, f"judged at {closed.commit}"), (never, "in no range")):
+        with pytest.raises(SystemExit, match=said):
+            in_parts(tmp_path / "own.jsonl", 1.0, [first], lambda seed: {})
+    (tried,) = (each for each in seeds.ranges("own") if each.purpose == "tried")
+    made = in_parts(tmp_path / "own.jsonl", 1.0, [tried.first], lambda seed: {})
+    assert [row["seed"] for row in made] == [tried.first]
