@@ -57,6 +57,9 @@ NOT_RUN = (
 # What writes the files that a page reads and that no block of it writes.
 _GIVEN = {
     "diagnose.md": lambda folder: shutil.copy(EXAMPLES / "joint.csv", folder),
+    "what-changed.md": lambda folder: [
+        shutil.copy(EXAMPLES / name, folder) for name in ("joint.csv", "joint_oiled.csv")
+    ],
     "own-model.md": lambda folder: shutil.copy(EXAMPLES / "heater.csv", folder),
     "README.md": lambda folder: shutil.copytree(EXAMPLES, folder / "examples"),
 }

@@ -7,6 +7,7 @@ from stickslip._util.note import Note as Note
 from stickslip._util.prior import Prior as Prior
 from stickslip.design.optimise import optimise as optimise
 from stickslip.design.optimum import Optimum as Optimum
+from stickslip.diagnosis.change import diagnose_change as diagnose_change
 from stickslip.diagnosis.data.series import Series as Series
 from stickslip.diagnosis.data.table import Table as Table
 from stickslip.diagnosis.entry import diagnose_model as diagnose_model

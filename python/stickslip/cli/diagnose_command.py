@@ -125,8 +125,8 @@ def command(
     write: bool,
 ) -> None:
     if planned is not None:
-        others = {"--model": model, "--set": set, "--next": most, "--budget": budget}
-        others |= {"--write": write, "--json": as_json, "--against": against}
+        others: dict[str, Any] = {"--model": model, "--set": set, "--next": most}
+        others |= {"--budget": budget, "--write": write, "--json": as_json, "--against": against}
         for option, value in others.items():
             if value:
                 raise click.UsageError(f"{option}: allowed without --plan only")

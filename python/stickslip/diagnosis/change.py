@@ -49,7 +49,8 @@ _USUAL = 0.1
 _WIDER = 3.0
 """Of the error of a fit, where a cause of the earlier side may have bent it. Chosen."""
 
-_SAME, _LEAST = 1e-6, 1e-9  # parts of a size within which settings are equal, or errors are none
+_DIGITS = 6  # in which equal settings agree
+_LEAST = 1e-9  # of a size, below which an error is none
 
 
 def diagnose_change(
@@ -306,34 +307,25 @@ def _paired(tables: Sequence[Table]) -> list[Table]:
     """A table of differences for each of the later side; none unless every table has its like."""
     rest, made = [table for table in tables if table.side == BEFORE], []
     for table in tables[len(rest) :]:
-        orders = ((other, _order(other, table)) for other in rest)
-        like = next(((other, order) for other, order in orders if order is not None), None)
+        keys = _keys(table)
+        alike = (one for one in rest if type(one) is type(table) and {*_keys(one)} == {*keys}
+                 and len({*keys}) == len(keys) == len(one.mean))  # fmt: skip
+        like = next(alike, None)
         if like is None:
             return []
-        rest.remove(like[0])
-        made.append(_less(table, *like))
+        rest.remove(like)
+        places = {key: k for k, key in enumerate(_keys(like))}
+        made.append(_less(table, like, np.array([places[key] for key in keys])))
     return [] if rest else made
 
 
-def _order(before: Table, after: Table) -> Indices | None:
-    """Conditions of one table in the order of another with the same settings; None of others."""
-    if type(before) is not type(after) or len(before.mean) != len(after.mean):
-        return None
-    if isinstance(before, Series) and isinstance(after, Series):
-        one, other = ({"t": each.t - each.t[0], **each.inputs} for each in (before, after))
-        sizes = {"t": after.step, **{name: np.max(np.abs(u)) for name, u in before.inputs.items()}}
-        same = one.keys() == other.keys() and all(
-            np.allclose(one[name], other[name], 0.0, _SAME * size) for name, size in sizes.items()
-        )
-        return np.arange(len(before.mean)) if same else None
-    places, keys = ({key: k for k, key in enumerate(_keys(one))} for one in (before, after))
-    same = len(places) == len(before.mean) and places.keys() == keys.keys()
-    return np.array([places[key] for key in keys]) if same else None
-
-
 def _keys(table: Table) -> list[tuple[str, ...]]:
-    columns = [values for values, _ in table.named_settings.values()]
-    texts = [[one if isinstance(one, str) else f"{float(one) + 0.0:.6g}" for one in column]
+    """The settings of each condition, or the time and the inputs of each reading, to be equal."""
+    columns: list[Sequence[Any]] = [values for values, _ in table.named_settings.values()]
+    if isinstance(table, Series):
+        steps = np.round((table.t - table.t[0]) / table.step, 6)
+        columns = [steps.tolist(), *(table.inputs[name].tolist() for name in sorted(table.inputs))]
+    texts = [[one if isinstance(one, str) else f"{float(one) + 0.0:.{_DIGITS}g}" for one in column]
              for column in columns]  # fmt: skip
     return list(zip(*texts, strict=True)) if texts else [()] * len(table.mean)
 
@@ -341,17 +333,15 @@ def _keys(table: Table) -> list[tuple[str, ...]]:
 def _less(after: Table, before: Table, order: Indices) -> Table:
     """Readings of one table less those of the conditions of another."""
     off, one, other = before.mean[order], after.errors, before.errors
-    covariance, dof = None, 0.0
+    covariance, dof, sd = None, 0.0, np.hypot(one.sd, other.sd[order])
     if one.covariance is not None or other.covariance is not None:
         parts = [np.diag(each.sd**2) if each.covariance is None else each.covariance
                  for each in (one, other)]  # fmt: skip
         covariance = parts[0] + parts[1][np.ix_(order, order)]
     if one.known and other.known:  # as Satterthwaite has it
-        means = [float(np.mean(each.sd**2)) for each in (one, other)]
-        spread = means[0] ** 2 / one.dof + means[1] ** 2 / other.dof
-        dof = sum(means) ** 2 / spread if spread else math.inf
+        spread = sum(float(np.mean(each.sd**2)) ** 2 / each.dof for each in (one, other))
+        dof = float(np.mean(sd**2)) ** 2 / spread if spread else math.inf
     sizes = {"s0": math.hypot(*(each.sizes.get("s0", 0.0) for each in (one, other)))}
-    sd = np.hypot(one.sd, other.sd[order])
     return after.having(
         y=after.y - off[after.condition], mean=after.mean - off, repeat_of=None,
         errors=Errors(sd, covariance, dof, sizes, (*one.notes, *other.notes)),

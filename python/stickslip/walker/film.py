@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -27,9 +26,6 @@ from stickslip.walker.instruments import of_films
 from stickslip.walker.outliers import far_from_their_phase
 from stickslip.walker.read_tracking import FEWEST, REQUIRED, TrackingRun
 from stickslip.walker.simulated import SimulatedTable
-
-if TYPE_CHECKING:
-    from typing_extensions import Self
 
 _KINDS: dict[str, tuple[Kind, str]] = {
     "theta": ("level", "rad"),
@@ -83,6 +79,7 @@ class FilmTable(SimulatedTable):
     def __init__(self, film: TrackingRun, number: int = 1, threads: int = 1) -> None:
         self.film, self.threads, self.words = film, threads, film.file
         self.name, self.rate = f"tracking.{number}", recording_rate(film.scenario)
+        self.key = self.name  # of its parameters, whatever the table is called
         self.left_out = []
         self.columns: dict[str, tuple[Mask, Array]] = {}
         self._sizes: dict[str, float] = {}
@@ -109,9 +106,6 @@ class FilmTable(SimulatedTable):
         self.places = None
         self.nuisance = self._uncertain()
         self.instruments = of_films(film.columns["theta"][self.columns["theta"][0]])
-
-    def of_side(self, side: str) -> Self:
-        return self.having(side=side)  # its number is its own
 
     @property
     def at(self) -> str:
@@ -215,7 +209,7 @@ class FilmTable(SimulatedTable):
         if motion is None:
             return None
         p = p or {}
-        start = f"{self.name}."
+        start = f"{self.key}."
         values = {key.removeprefix(start): p[key] for key in p if key.startswith(start)}
         for common, name in _OF_ALL.items():
             if common in p:  # beside what this film has of it
@@ -236,7 +230,7 @@ class FilmTable(SimulatedTable):
         if not self.columns.keys().isdisjoint(_CURRENTS):
             priors.append(("current_scale", 1.0, _SCALE, "-"))
         return tuple(
-            Parameter(f"{self.name}.{key}", Prior("normal", mean, sd), unit, cause=False)
+            Parameter(f"{self.key}.{key}", Prior("normal", mean, sd), unit, cause=False)
             for key, mean, sd, unit in priors
         )
 
