@@ -12,16 +12,14 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from stale import stale
+import scores
+from scores import FEW, markdown
 
 from blind.readings import STEP, simulate_reference
-from blind.scoring import interval, markdown
-from blind.study import in_parts
 from stickslip import (
     Diagnosis,
     Measurement,
@@ -37,11 +35,10 @@ from stickslip.diagnosis.decision.verdict import CLAIMS
 
 Row = dict[str, Any]
 Array = np.ndarray
-FIRST = 47000  # of the seeds; 46900 to 46999 chose rules
 COUNT, STAIR, FINE = 240, 12, 40  # readings; of them one input; steps of Euler's method
 STRENGTH, ERROR = (4.0, 9.0), (5.0, 20.0)  # of the difference, and of the model's error, in errors
 STATED, NOISE = 0.05, (0.01, 0.03)  # errors: relative of constants; of the readings' scatter
-FEW, SURE = 3, 3.0  # members of a set that is an answer; errors of a constant that two logs tell
+SURE = 3.0  # errors of a constant that two logs tell
 
 
 class Kind(NamedTuple):
@@ -287,7 +284,13 @@ def told(causes: Sequence[str], row: Row) -> str:
 
 
 def of_ours(row: Row) -> str:
-    """The same of a verdict, and `set` where a set of at most three has the truth."""
+    """The same of a verdict, and `set` where a set of at most three has the truth.
+
+    Where nothing changed, all is wrong but `none` and what both sides have: also a set, and a
+    change that nobody lists.
+    """
+    if not row["change"] and row["verdict"] not in (*CLAIMS, "none"):
+        return "wrong"
     if row["verdict"] in CLAIMS:
         return told(row["causes"], row)
     if row["verdict"] == "none":
@@ -298,17 +301,11 @@ def of_ours(row: Row) -> str:
     return "unexplained"
 
 
-def study(path: Path, minutes: float, first: int, most: int) -> None:
-    """Diagnose pairs that the present engine has no row of, and print the counts."""
-    rows = in_parts(path, minutes, range(first, first + most), judged)
-    print(*stale(rows), table(rows), sep="\n\n")
-
-
 def table(rows: list[Row]) -> str:
     """Counts of ours, of two absolute diagnoses and of BIC, by what is hidden; and the time."""
 
     def share(count: int, of: int) -> str:
-        return "{} of {} ({:.0%} to {:.0%})".format(count, of, *interval(count, of)) if of else "-"
+        return scores.share(count, of) if of else "-"
 
     groups: dict[str, list[Row]] = {"all": rows}
     groups |= {kind: [row for row in rows if row["kind"] == kind] for kind in KINDS}
@@ -327,7 +324,7 @@ def table(rows: list[Row]) -> str:
         false = [[told(row[key], row) for row in rest] for key in ("absolute", "bic")]
         said = [of_ours(row) for row in rest]
         found.append((
-            name, share(ours.count("right"), len(ours)),
+            name, len(hidden), len(rest), share(ours.count("right"), len(ours)),
             share(ours.count("right") + ours.count("set"), len(ours)),
             share(ours.count("wrong"), len(ours)),
             *(share(each.count("right"), len(each)) for each in others),
@@ -335,8 +332,10 @@ def table(rows: list[Row]) -> str:
             share(said.count("wrong"), len(said)),
             *(share(each.count("wrong"), len(each)) for each in false),
         ))  # fmt: skip
-    heads = ("pairs;named;named or in a set of 3;wrong;right by two diagnoses;right by BIC;"
-             "wrong by two;wrong by BIC;a change where none is;by two;by BIC")  # fmt: skip
+    heads = (
+        "pairs;changed;unchanged;named;named or in a set of 3;wrong;right by two diagnoses;"
+        "right by BIC;wrong by two;wrong by BIC;a change where none is;by two;by BIC"
+    )
     ratio = float(np.median([row["seconds"] / row["seconds_of_one"] for row in rows]))
     whole = sum(row["seconds"] for row in rows) / sum(row["seconds_of_one"] for row in rows)
     spent = sum(row["cpu_seconds"] for row in rows)

@@ -247,17 +247,17 @@ def _diagnose_logs(
         for note in log.own_notes:
             say(f"stickslip: {log.name}: {note}", err=True)
     with progress_bar() as bar:
-        before, after = logs[: len(against)], logs[len(against) :]
-        if before:
-            result = stickslip.diagnose_change(made, before, after, seed=seed, progress=bar)
+        if against:
+            sides = logs[: len(against)], logs[len(against) :]
+            result = stickslip.diagnose_change(made, *sides, seed=seed, progress=bar)
         else:
-            result = stickslip.diagnose_model(made, after, seed=seed, progress=bar)
+            result = stickslip.diagnose_model(made, logs, seed=seed, progress=bar)
     try:
         _print(result, as_json)
     finally:
         if out is not None:
-            sides = [", ".join(path.name for path in each) for each in (files, against) if each]
-            result.save_report(out, title=" against ".join(sides))
+            told = [", ".join(path.name for path in each) for each in (files, against) if each]
+            result.save_report(out, title=" against ".join(told))
     if out is not None and not as_json:
         say(f"  in {out}: {', '.join(REPORT)}")
 

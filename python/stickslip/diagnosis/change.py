@@ -217,6 +217,8 @@ def _differences(
     for cause in causes:
         if cause.curve is not None or cause.frees is not None:
             raise ScenarioError(f"cause {cause.name}: allowed is no law of a free shape here")
+        if cause.table is not None and not {f"{one} {cause.table}" for one in SIDES} & {*tables}:
+            raise ScenarioError(f"cause {cause.name}: there is no table {cause.table}")
         for word, where in _WHERE.items():
             table = cause.table and f"{word} {cause.table}"
             if table is None or table in tables:

@@ -171,10 +171,7 @@ def fault_of(problem: Problem, known: bool = False) -> Note | None:
     stated = problem.model(problem.physical(np.zeros((1, problem.size))))[0]
     known = known or any(errors.known for errors in problem.errors)
     for table, part in zip(problem.tables, problem.rows, strict=True):
-        if table.less is None:
-            fault = table.data_fault(stated[part], alone or not known)
-        else:  # a difference has no size or sign that could be wrong
-            fault = table.tells_nothing(alone or not known)
+        fault = table.data_fault(stated[part], alone or not known)
         if fault is not None:
             return fault if alone else replace(fault, text=f"{table.at}{fault.text}")
     count, free = len(problem.y), len(problem.constants)

@@ -510,9 +510,8 @@ def _check_names(
 def _check_copies(tables: Sequence[Table]) -> None:
     """Refuse a table that another one is a copy of, whatever they are called."""
     for one, other in itertools.combinations(tables, 2):
-        if one.side != other.side:
-            continue
-        if len(one.y) == len(other.y) and len(np.unique(one.y)) >= _FEWEST_VALUES:
+        alike = one.side == other.side and len(one.y) == len(other.y)
+        if alike and len(np.unique(one.y)) >= _FEWEST_VALUES:
             rows, copied = (_in_order(table) for table in (one, other))
             if all(map(partial(np.allclose, rtol=_SAME, atol=0.0), rows, copied)):
                 raise ScenarioError(

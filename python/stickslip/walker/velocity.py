@@ -187,9 +187,10 @@ class VelocityTable(SimulatedTable):
     # ------------------------------------------------------------------ what is wrong with it
     def data_fault(self, stated: Array, alone: bool = True) -> Note | None:
         """Also velocities that drift, or that are not what the stated model can give."""
-        return (
-            self.tells_nothing(alone) or self._wrong_size() or self._wrong_sign() or self._drift()
-        )
+        fault = self._tells_nothing(alone)
+        if fault or self.less:
+            return fault
+        return self._wrong_size() or self._wrong_sign() or self._drift()
 
     def remarks(self) -> list[Note]:
         notes = []

@@ -338,10 +338,10 @@ class Table:
             Whether there is no other table. Beside others it may say little: they can tell causes
             apart.
         """
-        return self.tells_nothing(alone) or self._meant(stated)
+        # A difference has no size or sign that could be wrong.
+        return self._tells_nothing(alone) or (None if self.less else self._meant(stated))
 
-    def tells_nothing(self, alone: bool) -> Note | None:
-        """Why readings can tell no causes apart, whatever the model; None if they can."""
+    def _tells_nothing(self, alone: bool) -> Note | None:
         if self.less is None and not np.any(self.y):
             text = "Every reading is zero: nothing moved, so nothing can be told apart."
             return Note("all-zero", text)
