@@ -64,6 +64,6 @@ def diagnose(
         problem, whole = posed_against(measurement, against, count, seed)
         measurement, fault = measurement.beside(against), fault_of(whole, True)
     tables = cast(tuple[SimulatedTable, ...], whole.tables)
-    notes = [note for table in tables for note in table.remarks()]
+    notes = [*{str(note): note for table in tables for note in table.remarks()}.values()]
     with one_blas_thread():
         return diagnosed(problem, int(seed), progress, notes, measurement, fault)
