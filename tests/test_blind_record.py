@@ -301,6 +301,7 @@ def test_sets_of_models_of_ones_own_have_all_kinds_alike():
                for kind in own.MACHINES for errors in own.ERRORS)  # fmt: skip
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("errors", own.MODEL_ERRORS)
 def test_model_errors_have_the_share_that_is_asked_for(errors):
     """By the fit of the library's own model to readings without noise, beside one without error."""
