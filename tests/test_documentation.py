@@ -124,7 +124,6 @@ def measured_words():
         len(kinds) * untold["of each"],
         *(sum(row[what] for row in kinds) for what in ("said", "wrongly")),
     )
-    planned = json.loads((MEASURED / "planned.json").read_text())["counts"]
     stated = sum(not is_free_shape(each.name) for each in stickslip.effects())
     rows = list(lines(OWN))
     # The study is of one engine.
@@ -238,10 +237,6 @@ def measured_words():
         "docs/howto/diagnose.md": [
             f"[{said} of {made} sets](../accuracy.md#what-data-cannot-tell) made to hide"
             f" something, and in {wrongly} of {made} others",
-        ],
-        "docs/howto/own-set-up.md": [
-            f"named {planned['planned']['named rightly']} and twelve even ones"
-            f" {planned['even']['named rightly']}, none wrongly",
         ],
         "docs/howto/real-cases.md": [
             f"the asymmetry takes {share['axis, 20 Hz, listed: yes']} of the squared error",

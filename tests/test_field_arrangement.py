@@ -52,6 +52,7 @@ def taken(matrix, names):
     return f"{columns} in place of {', '.join(names[k] for k in rows)}" if rows else ""
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("what", ["places", "components"])
 def test_columns_in_each_of_48_arrangements(what):
     fields = lopsided(0.01)

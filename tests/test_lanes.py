@@ -74,6 +74,7 @@ def test_a_value_that_does_not_exist_is_named(name, value, allowed):
     assert f"{name} = {value}: allowed is {allowed}" in done.stderr
 
 
+@pytest.mark.nightly
 @pytest.mark.skipif(KERNEL == "baseline", reason="this processor has one kernel")
 def test_all_kernels_with_fused_multiply_add_give_the_same_bits():
     kernel, together, alone = velocities(STICKSLIP_LANES="1")

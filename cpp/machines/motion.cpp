@@ -73,7 +73,7 @@ std::array<double, 1> OneMass::margins(const State& z, const Input& u, const Mod
 }
 
 std::array<double, 1> OneMass::falls(const State& z, const Input& u, const Input&,
-                                   const Mode& mode) const {
+                                     const Mode& mode) const {
     return {dry && mode[0] != 0 ? -mode[0] * rate(z, u, mode)[1] : 0.0};
 }
 
@@ -140,7 +140,7 @@ std::array<double, 2> TwoMasses::margins(const State& z, const Input& u, const M
 }
 
 std::array<double, 1> TwoMasses::falls(const State& z, const Input& u, const Input&,
-                                   const Mode& mode) const {
+                                       const Mode& mode) const {
     return {dry && mode[0] != 0 ? -mode[0] * rate(z, u, mode)[1] : 0.0};
 }
 

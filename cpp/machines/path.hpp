@@ -245,9 +245,9 @@ private:
         }
         const State end = moved(kB, k.size());
         const Input last_u = u.at(h);
-        if (sharp != nullptr &&
-            !(h * std::max(system_.fastest_at(z, u.value, mode),
-                           system_.fastest_at(end, last_u, mode)) <= kFine)) {
+        if (sharp != nullptr && !(h * std::max(system_.fastest_at(z, u.value, mode),
+                                               system_.fastest_at(end, last_u, mode)) <=
+                                  kFine)) {
             constexpr std::array<double, 6> kOff = {71.0 / 57600.0,      0.0,
                                                     -71.0 / 16695.0,     71.0 / 1920.0,
                                                     -17253.0 / 339200.0, 22.0 / 525.0};

@@ -1,4 +1,5 @@
 #include <doctest/doctest.h>
+#include <algorithm>
 
 #include <cmath>
 #include <stdexcept>
@@ -56,7 +57,8 @@ TEST_CASE("user effect: a force that breaks a long rest for a moment is not over
 
 TEST_CASE("user effect: rest under one can be stopped") {
     // Hours of rest in one segment, looked at every fraction of a millisecond.
-    const Registered effect([](const double*, const double*, double*) {});
+    const Registered effect(
+        [](const double*, const double*, double* wrench) { std::fill_n(wrench, 3, 0.0); });
     Scenario scenario;
     scenario.drive.peak = scenario.drive.base = scenario.drive.hold = 0.0;
     scenario.drive.ramp = 1e4;

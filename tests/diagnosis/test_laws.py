@@ -173,6 +173,7 @@ def test_spans_are_what_the_runs_reach():
     assert FREE - set(alone) == absent
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_forms_of_the_simulator_compete_with_the_curve_that_is_fitted(seed):
     # Adhesion that grows with the age of a contact, beside the curve that was fitted to it.

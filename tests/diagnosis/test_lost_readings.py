@@ -135,6 +135,7 @@ def test_a_log_with_many_lost_readings_ends_in_a_data_problem():
     assert "80 of 400 readings are 0, far from those before and after them" in found.summary()
 
 
+@pytest.mark.nightly
 def test_a_misfit_of_a_few_readings_is_told_by_these():
     inputs, y = record(joint)
     wild = np.array([50, 51, 120, 121, 122, 300])

@@ -717,14 +717,13 @@ def test_every_term_is_in_the_docstring_and_acts(name):
     rng = random(20)
     inputs = {next(iter(model.kind.inputs)): rng.uniform(-1.0, 1.0, len(T))}
     states = {key: 0.3 for key, _ in model.kind.states}
-    dull = {"load_share", "damping_ratio", "stribeck_speed", "coupling"}
+    dull = {"load_share", "damping_ratio", "stribeck_speed", "coupling", "wall_coupling"}
     base = model.simulate(T, inputs, **states)
     for key, term in model.kind.every.items():
         assert key in text
         if key not in dull:
             value = {"saturation": 0.5, "stribeck_speed": 1.0}.get(key, 0.11)
-            more = {"stribeck_speed": 1.0} if key == "stribeck" else {"coupling": 1.0}
-            more = more if term.shape else {}
+            more = {shape.name: 1.0 for shape in (term.shape,) if shape}
             changed = make(**least).simulate(T, inputs, **{**states, key: value, **more})
             assert not np.array_equal(changed, base), key
 

@@ -371,6 +371,7 @@ def test_a_limit_that_binds_far_is_found_though_the_way_there_leads_uphill():
     assert found.params["value"]["limit.level"] == pytest.approx(top, abs=0.02)
 
 
+@pytest.mark.nightly
 def test_two_causes_are_found_though_a_model_of_one_is_far_from_the_data():
     """A precise meter: the wrong zero alone leaves ten errors in a reading, and a damping that is
     too large hides that of the square of the speed.

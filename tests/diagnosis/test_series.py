@@ -119,6 +119,7 @@ def test_what_an_input_suffers_is_named_with_its_size(name, size, value, change)
         assert result.params.loc["leak.time", "value"] == pytest.approx(17.03, abs=STEP)
 
 
+@pytest.mark.nightly
 def test_a_short_pulse_is_found_anywhere_in_a_record():
     """One of a fiftieth of the record, near its end, whose effect no other place shares."""
     pulse, at = events.pulse(0.2, 0.0, 40.0, 2.0, name="knock"), 33.7

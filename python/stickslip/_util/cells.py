@@ -42,6 +42,8 @@ _OTHER_FORMATS = {
 }
 """First bytes of files that users take for tables."""
 
+MOST_COLUMNS = 1000
+"""Of a table. Chosen: far beyond what a laboratory has."""
 _PREAMBLE = 50
 """Lines above a header at most. Chosen: loggers write twenty."""
 _SEPARATOR_LINE = re.compile(r'"?sep=([,;|\t])"?[,; \t]*', re.IGNORECASE)
@@ -184,7 +186,7 @@ class CsvTable:
         for k, (_, line) in enumerate(near):
             self.separator = separator or _separator_of(line)
             cells = [] if line.lstrip().startswith("#") else self._cells(line)
-            named = any(split_unit(cell)[0].casefold() in known for cell in cells)
+            named = any(split_unit(cell)[0].casefold() in known for cell in cells[:MOST_COLUMNS])
             if named and (k == 0 or (len(cells) > 1 and not any(map(_is_number, cells)))):
                 self.above = sum(bool(text.strip()) for _, text in near[:k])
                 return near[k], itertools.chain(near[k + 1 :], lines)

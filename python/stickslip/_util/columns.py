@@ -25,7 +25,7 @@ from stickslip._util.arrays import (
     states_unit,
     without_unit,
 )
-from stickslip._util.cells import DECIMAL_COMMAS, CsvTable
+from stickslip._util.cells import DECIMAL_COMMAS, MOST_COLUMNS, CsvTable
 from stickslip._util.files import read_bytes, replacing
 from stickslip._util.messages import refuse, shown
 from stickslip._util.note import Note
@@ -43,7 +43,7 @@ Line = int | str
 LARGEST = 1e60
 """Beyond every quantity of a laboratory, in any unit; its fourth power is still a number."""
 
-_MOST_ROWS, _MOST_COLUMNS = 2_000_000, 1000
+_MOST_ROWS = 2_000_000
 MOST_BYTES, MOST_EXACT = 1 << 26, 1 << 29
 """Limits of a table. Chosen: far beyond what a laboratory has, and small enough for memory. A
 program of voltages may be longer: a minute at 30 kHz is two million rows of six numbers."""
@@ -301,8 +301,8 @@ def _checked_header(file: CsvTable) -> list[str]:
     header = file.header
     if not header:
         raise ScenarioError(_NO_ROW)
-    if len(header) > _MOST_COLUMNS:
-        raise ScenarioError(f"{len(header)} columns; allowed are {_MOST_COLUMNS}")
+    if len(header) > MOST_COLUMNS:
+        raise ScenarioError(f"{len(header)} columns; allowed are {MOST_COLUMNS}")
     if not any(math.isnan(number(name.replace(",", "."))) for name in header if name):
         raise ScenarioError("its first line is numbers: write a line of column names above it")
     named = [heading or f"column {k + 1}" for k, heading in enumerate(header)]

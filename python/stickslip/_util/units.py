@@ -7,14 +7,15 @@ import math
 import re
 import unicodedata
 from collections.abc import Iterable
-from typing import TypeVar
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, TypeVar
 
 from stickslip._util.messages import nearest
 
-Numbers = TypeVar("Numbers", float, NDArray[np.float64])
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+Numbers = TypeVar("Numbers", float, "NDArray[np.float64]")
 
 _PREFIXES = {"k": 1e-3, "m": 1e3, "u": 1e6, "µ": 1e6, "μ": 1e6, "n": 1e9}
 """How many of the prefixed unit are one; both signs of micro."""
